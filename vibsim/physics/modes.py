@@ -1,0 +1,20 @@
+"""Names and codes of the modes and events, the same in both engines and in every file."""
+
+FREE, CONTACT = 0, 1
+SLIP_PLUS, STICK, SLIP_MINUS = 1, 0, -1
+
+CONTACT_FLAGS = {"free": FREE, "contact": CONTACT}
+FRICTION_FLAGS = {"slip_minus": SLIP_MINUS, "stick": STICK, "slip_plus": SLIP_PLUS}
+
+EVENT_KINDS = {
+    "start": 0,
+    "contact_begin": 1,
+    "contact_end": 2,
+    "reversal": 3,
+    "stick_begin": 4,
+    "stick_end": 5,
+    "violation_begin": 6,
+    "violation_end": 7,
+    "end": 8,
+}
+EVENT_NAMES = {code: name for name, code in EVENT_KINDS.items()}

@@ -1,0 +1,106 @@
+"""A scene: the numbers of one case, SI and rad/s, as the kernels read them.
+
+Nothing here knows of units, files or defaults; `vibsim.cases` builds scenes. What a scene has not got is None
+and is not modelled. The fields are floats for the two engines; the arbitrary-precision runs put other number types in.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+Number = Any  # float, flint.arb or mpmath.mpf: the engines are duck-typed
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Parameters, initial state and run settings of one simulation (symbols as in the paper).
+
+    Attributes
+    ----------
+    m1, m2 : masses of the blocks [kg]; m2 is None where block 2 is fixed (a wall)
+    k1, c : coupling spring [N/m] and damper [N s/m], Eqs. (2.4), (2.6)
+    k2, G : impact spring [N/m] and gap [m], Eq. (2.5); k2 is None without a stop
+    stop_sign : +1, contact while x2 - x1 >= G (the paper); -1, contact while x1 - x2 >= G
+    N : limit friction force mu m2 g [N], Eq. (2.7); None without friction
+    source : "none", "harmonic" (Eqs. 2.1-2.3) or "motor" (Eqs. 2.8-2.10)
+    A, F0 : amplitude and constant part of the force on block 1 [N], harmonic source
+    omega : excitation frequency [rad/s]; omega / (2 pi) = cycles + cycles_lo [Hz], a double-double
+    m3, e, J : unbalanced mass [kg], eccentricity [m], rotor inertia [kg m^2]
+    M0, Omega0 : stall torque [N m] and no-load speed [rad/s] of the motor
+    x1, v1, x2, v2, phi, phidot : state at t = 0 [m, m/s, rad, rad/s]
+    rest_distance : distance of the blocks at rest [m] or None; stop_on_violation ends the run there
+    t_end : end of the run [s]; samples at i * every_num / every_den [s], i = 0, 1, ...
+    method : "auto", "closed_form" or "taylor"; order and tol of the Taylor flow
+    """
+
+    m1: Number
+    m2: Number
+    k1: Number
+    c: Number
+    k2: Number
+    G: Number
+    stop_sign: int
+    N: Number
+    source: str
+    A: Number
+    F0: Number
+    omega: Number
+    cycles: Number
+    cycles_lo: Number
+    m3: Number
+    e: Number
+    J: Number
+    M0: Number
+    Omega0: Number
+    x1: Number
+    v1: Number
+    x2: Number
+    v2: Number
+    phi: Number
+    phidot: Number
+    rest_distance: Number
+    stop_on_violation: bool
+    t_end: Number
+    every_num: int
+    every_den: int
+    method: str = "auto"
+    order: int = 20
+    tol: Number = 2.0**-53
+
+    @property
+    def has_block2(self) -> bool:
+        return self.m2 is not None
+
+    @property
+    def has_stop(self) -> bool:
+        return self.k2 is not None
+
+    @property
+    def has_friction(self) -> bool:
+        return self.N is not None
+
+    @property
+    def has_motor(self) -> bool:
+        return self.source == "motor"
+
+    @property
+    def sample_count(self) -> int:
+        """Number of samples from t = 0 up to and including t_end."""
+        count = int(self.t_end * self.every_den / self.every_num)
+        while self.sample_time(count) <= self.t_end:
+            count += 1
+        while count > 0 and self.sample_time(count - 1) > self.t_end:
+            count -= 1
+        return count
+
+    def sample_time(self, i: int) -> float:
+        """Time of sample i [s]: one correctly rounded division, so 3 x 5 ms is 0.015 and nothing else."""
+        return (i * self.every_num) / self.every_den
+
+    def columns(self) -> tuple[str, ...]:
+        """Names of the sampled columns that this scene has, in file order."""
+        names = ["time", "x1", "v1"]
+        names += ["x2", "v2"] if self.has_block2 else []
+        names += ["phi", "phidot"] if self.has_motor else []
+        names += ["contact"] if self.has_stop else []
+        names += ["friction"] if self.has_friction else []
+        return tuple(names)
