@@ -1,0 +1,317 @@
+"""The closed-form flow: ideal source, one exact expression from event to event.
+
+Inside a mode the relative displacement y = x1 - x2 is one damped oscillator under a constant and a harmonic load, and while block 2
+slides the centre of mass obeys X'' = (F - sigma N) / (m1 + m2), from Eqs. (2.1)-(2.3). While it sticks (or is fixed) x2 rests.
+A trajectory costs a few evaluations per event, however long the stretches between them.
+"""
+
+from math import inf
+
+from vibsim.events.first_root import deflated_step, leading_order, safe_step
+from vibsim.events.watch import CLEARANCE, GAP, HOLD_MINUS, HOLD_PLUS, NOTHING, SLIDE, watched
+from vibsim.flows.responses import Oscillator, free_harmonic_response
+from vibsim.physics.state import State
+
+JET_ORDER = 9  # derivatives of y taken at the start of a segment: enough for a zero of order 6
+STEPS_PER_CALL = 4096
+
+
+class Regime:
+    """Constants of one smooth mode: the oscillator of y, its loads, and the spring law of S."""
+
+    def __init__(self, scene, kit, locked, contact, friction):
+        zero = kit.number(0)
+        inverse = 1 / scene.m1 if locked else 1 / scene.m1 + 1 / scene.m2
+        harmonic = scene.source == "harmonic"
+        stiffness = scene.k1 + scene.k2 if contact else scene.k1
+        offset = scene.k2 * (scene.stop_sign * scene.G) if contact else zero
+        omega = scene.omega if harmonic else zero
+        self.k, self.offset = stiffness, offset
+        self.oscillator = Oscillator(kit, scene.c * inverse / 2, stiffness * inverse, omega)
+        self.load = -(offset * inverse)
+        if harmonic:
+            self.load = self.load + scene.F0 / scene.m1
+        self.amplitude = scene.A / scene.m1 if harmonic else zero
+        self.centre_load = self.centre_amplitude = zero
+        if not locked:
+            total = scene.m1 + scene.m2
+            rub = friction * scene.N if scene.has_friction else zero
+            self.load = self.load + rub / scene.m2
+            self.centre_load = ((scene.F0 if harmonic else zero) - rub) / total
+            self.centre_amplitude = scene.A / total if harmonic else zero
+
+
+class ClosedForm:
+    """Flow of the ideal source between events; time is absolute, the anchor is the last event."""
+
+    method = "closed_form"
+
+    def __init__(self, scene, kit):
+        self.scene, self.kit = scene, kit
+        zero = kit.number(0)
+        self.limit = scene.N if scene.has_friction else zero
+        self.driven = scene.source == "harmonic" and scene.A != 0
+        self.omega = scene.omega if self.driven else zero
+        self.mass_point = Oscillator(kit, zero, zero, self.omega)
+        self.share1 = scene.m2 / (scene.m1 + scene.m2) if scene.has_block2 else zero
+        self.share2 = scene.m1 / (scene.m1 + scene.m2) if scene.has_block2 else zero
+        self.regimes = {}
+        self.evaluations = self.steps = self.uncertified = 0
+        self.margin, self.margin_time = inf, kit.number(0)
+
+    def enter(self, state, mode, known):
+        """Anchor the flow at `state` in `mode`; known: {event function: order of its zero here}."""
+        scene, kit = self.scene, self.kit
+        self.mode, self.known, self.leading = mode, known, True
+        self.locked = not scene.has_block2 or (scene.has_friction and mode.friction == 0)
+        key = (self.locked, mode.contact, mode.friction)
+        if key not in self.regimes:
+            self.regimes[key] = Regime(scene, kit, self.locked, mode.contact, mode.friction)
+        self.regime = self.regimes[key]
+        self.functions = watched(scene, mode)
+        self.t0 = self.t = state.t
+        self.x2 = state.x2
+        self.y0, self.u0 = state.x1 - state.x2, state.v1 - state.v2
+        if not self.locked:
+            self.X0 = self.share2 * state.x1 + self.share1 * state.x2
+            self.V0 = self.share2 * state.v1 + self.share1 * state.v2
+        self.sin0, self.cos0 = kit.number(0), kit.number(1)
+        if self.driven:
+            angle = kit.turn_angle(scene.cycles, scene.cycles_lo, state.t)
+            self.sin0, self.cos0 = kit.sin(angle), kit.cos(angle)
+        self.slope_before = kit.number(0)
+
+    def carry_on(self, state):
+        """Go on from an instant that was no event: nothing to do, the anchor holds."""
+
+    def evaluate(self, t):
+        """Set y, u, the centre of mass, the phase of the force and the magnitudes of their terms at time t."""
+        regime, osc, kit = self.regime, self.regime.oscillator, self.kit
+        self.evaluations += 1
+        tau = t - self.t0
+        release, impulse = osc.release_and_impulse(tau)
+        steady = osc.constant_response(tau, release)
+        y0, u0 = self.y0, self.u0
+        rate = release - 2 * osc.a * impulse
+        stiff = osc.b * impulse
+        y = y0 * release + u0 * impulse + regime.load * steady
+        u = u0 * rate - y0 * stiff + regime.load * impulse
+        self.scale_y = abs(y0) + abs(u0 * impulse) + abs(regime.load * steady)
+        self.scale_u = abs(u0) + abs(y0 * stiff) + abs(regime.load * impulse)
+        self.sine, self.cosine = self.sin0, self.cos0
+        if self.driven:
+            angle = kit.turn_angle(self.scene.cycles, self.scene.cycles_lo, tau)
+            cosine, sine = kit.cos(angle), kit.sin(angle)
+            hc, hs = osc.harmonic_response(tau, release, impulse, cosine, sine)
+            dc, ds = impulse - self.omega * hs, self.omega * hc
+            y = y + regime.amplitude * (self.sin0 * hc + self.cos0 * hs)
+            u = u + regime.amplitude * (self.sin0 * dc + self.cos0 * ds)
+            self.scale_y = self.scale_y + abs(regime.amplitude) * (abs(hc) + abs(hs))
+            self.scale_u = self.scale_u + abs(regime.amplitude) * (abs(dc) + abs(ds))
+            self.sine = self.sin0 * cosine + self.cos0 * sine
+            self.cosine = self.cos0 * cosine - self.sin0 * sine
+        self.y, self.u, self.tau = y, u, tau
+        if not self.locked:
+            self._centre(tau, sine if self.driven else None, cosine if self.driven else None)
+
+    def _centre(self, tau, sine, cosine):
+        """Centre of mass at tau after the anchor, X'' = (F - sigma N) / (m1 + m2)."""
+        load = self.regime.centre_load
+        self.X = self.X0 + self.V0 * tau + load * (tau * tau / 2)
+        self.V = self.V0 + load * tau
+        self.scale_V = abs(self.V0) + abs(load * tau)
+        if self.driven:
+            amplitude, omega = self.regime.centre_amplitude, self.omega
+            hc, hs = free_harmonic_response(self.kit, omega, tau, cosine, sine, self.mass_point)
+            dc, ds = sine / omega, omega * hc
+            self.X = self.X + amplitude * (self.sin0 * hc + self.cos0 * hs)
+            self.V = self.V + amplitude * (self.sin0 * dc + self.cos0 * ds)
+            self.scale_V = self.scale_V + abs(amplitude) * (abs(dc) + abs(ds))
+
+    def state_at(self, t):
+        """State at time t within the segment."""
+        zero = self.kit.number(0)
+        self.evaluate(t)
+        if self.locked:
+            return State(t, self.x2 + self.y, self.u, self.x2, zero, zero, zero, zero)
+        x1, x2 = self.X + self.share1 * self.y, self.X - self.share2 * self.y
+        v1, v2 = self.V + self.share1 * self.u, self.V - self.share2 * self.u
+        return State(t, x1, v1, x2, v2, zero, zero, zero)
+
+    def relative_jet(self, state, mode, count):
+        """Derivatives of y = x1 - x2 of order 0 to `count` at `state` in `mode`."""
+        self.enter(state, mode, {})
+        self.evaluate(state.t)
+        return self.jet(count)
+
+    def jet(self, count):
+        """Derivatives y, y', ..., of order 0 to `count` at the point evaluated last, by differentiating the oscillator."""
+        regime, osc = self.regime, self.regime.oscillator
+        loads = (self.sine, self.cosine, -self.sine, -self.cosine)
+        d = [self.y, self.u]
+        amplitude = regime.amplitude
+        for n in range(count - 1):
+            term = amplitude * loads[n % 4] - 2 * osc.a * d[n + 1] - osc.b * d[n]
+            d.append(term + regime.load if n == 0 else term)
+            amplitude = amplitude * self.omega
+        return d
+
+    def bound(self, d, n):
+        """Bound of |y^(n)| over the window ahead, from the derivatives d at its start.
+
+        y^(n) obeys the same oscillator: its free part stays below both the energy and the ballistic bound, the forced part below
+        |R| omega^n h^2 / 2 because |S(t)| <= t.
+        """
+        osc = self.regime.oscillator
+        value, rate = d[n], d[n + 1]
+        size = abs(value) + abs(rate) * osc.window
+        if osc.w0 > 0:
+            ratio = rate / osc.w0
+            energy = self.kit.sqrt(value * value + ratio * ratio)
+            if energy < size:
+                size = energy
+        if self.driven:
+            forced = abs(self.regime.amplitude) * (osc.window * osc.window / 2)
+            for _ in range(n):
+                forced = forced * self.omega
+            size = size + forced
+        return size
+
+    def derivative(self, function, d, n):
+        """n-th time derivative of an event function, n >= 0, from the derivatives d of y."""
+        scene = self.scene
+        if function == GAP:
+            value = -(scene.stop_sign * d[n])
+            value = value - scene.G if n == 0 else value
+            return value if self.mode.contact else -value
+        if function == CLEARANCE:
+            value = scene.rest_distance - d[0] if n == 0 else -d[n]
+            return -value if self.mode.violated else value
+        if function == SLIDE:
+            if n == 0:
+                return self.mode.friction * (self.V - self.share2 * self.u)
+            force = self._force_derivative(d, n - 1)
+            force = force - self.mode.friction * self.limit if n == 1 else force
+            return self.mode.friction * force / scene.m2
+        value = self._force_derivative(d, n)
+        value = -value if function == HOLD_PLUS else value
+        return self.limit + value if n == 0 else value
+
+    def _force_derivative(self, d, n):
+        force = self.regime.k * d[n] + self.scene.c * d[n + 1]
+        return force + self.regime.offset if n == 0 else force
+
+    def derivative_bound(self, function, d, n):
+        """Bound of the absolute n-th derivative of an event function over the window ahead, n >= 2."""
+        if function in (GAP, CLEARANCE):
+            return self.bound(d, n)
+        if function == SLIDE:
+            return (self.regime.k * self.bound(d, n - 1) + self.scene.c * self.bound(d, n)) / self.scene.m2
+        return self.regime.k * self.bound(d, n) + self.scene.c * self.bound(d, n + 1)
+
+    def noise(self, function):
+        """Rounding bound of an event function at the point evaluated last."""
+        scene, osc = self.scene, self.regime.oscillator
+        unit = self.kit.eps * (16 + osc.w0 * self.tau)
+        if function == GAP:
+            return unit * (self.scale_y + abs(scene.G))
+        if function == CLEARANCE:
+            return unit * (self.scale_y + abs(scene.rest_distance))
+        if function == SLIDE:
+            return unit * (self.scale_V + self.share2 * self.scale_u)
+        force = self.regime.k * self.scale_y + scene.c * self.scale_u
+        return unit * (force + abs(self.regime.offset) + self.limit)
+
+    def advance(self, limit):
+        """March to the first event or to `limit`; returns (time, event function or NOTHING)."""
+        if self.leading:
+            found = self._lead()
+            if found != NOTHING:
+                return self.t, found
+        if not self.functions:
+            self.t = limit
+        for _ in range(STEPS_PER_CALL):
+            if self.t >= limit:
+                return limit, NOTHING
+            found = self._step()
+            if found != NOTHING:
+                return self.t, found
+        return (limit if self.t > limit else self.t), NOTHING
+
+    def _lead(self):
+        """The first stretch of a segment, known zeros divided out, from the derivatives at its start."""
+        self.leading = False
+        self.evaluate(self.t0)
+        step = self.regime.oscillator.window
+        d = self.jet(JET_ORDER)
+        for function in self.functions:
+            known = self.known.get(function, 0)
+            derivatives = [self.derivative(function, d, n) for n in range(JET_ORDER - 2)]
+            order = leading_order(derivatives, known)
+            if order == 0 and derivatives[0] <= self.noise(function) and derivatives[1] <= 0:
+                return function
+            if order >= JET_ORDER - 3:
+                continue
+            lead = derivatives[order]
+            if order == 0:
+                lead = lead - self.noise(function)
+            lead = lead if lead > 0 else self.kit.number(0)
+            bound = self.derivative_bound(function, d, order + 2)
+            ahead = deflated_step(self.kit, order, lead, derivatives[order + 1], bound)
+            step = ahead if ahead < step else step
+            if function == GAP:
+                self.slope_before = derivatives[1]
+        self._move(step)
+        return NOTHING
+
+    def _step(self):
+        """One certified step; returns the event function that reached zero here, or NOTHING."""
+        self.steps += 1
+        self.evaluate(self.t)
+        step, nearest = self.regime.oscillator.window, NOTHING
+        d = self.jet(4)
+        for function in self.functions:
+            value, slope = self.derivative(function, d, 0), self.derivative(function, d, 1)
+            noise = self.noise(function)
+            if value < -noise or (value <= noise and slope <= 0):
+                return function
+            if function == GAP:
+                self._graze(slope, self.derivative(function, d, 2), value)
+            bound = self.derivative_bound(function, d, 2)
+            room = value - noise
+            ahead = safe_step(self.kit, room if room > 0 else self.kit.number(0), slope, bound)
+            if ahead < step:
+                step, nearest = ahead, (function if slope < 0 else NOTHING)
+        before = self.t
+        self._move(step)
+        if self.t > before:
+            return NOTHING
+        if nearest == NOTHING:
+            self.uncertified += 1
+            self.t = self.kit.next_after(before, inf)
+        return nearest
+
+    def _move(self, step):
+        """Go ahead by `step` on the time grid."""
+        self.t = self.t0 + ((self.t - self.t0) + step)
+
+    def _graze(self, slope, curvature, value):
+        """Keep the smallest value that the gap function turned round at without crossing."""
+        turned = self.slope_before < 0 <= slope and curvature > 0
+        self.slope_before = slope
+        if not turned or value - slope * slope / (2 * curvature) > 2 * self.margin:
+            return
+        here, t = self.t, self.t
+        for _ in range(3):
+            t = t - slope / curvature
+            t = self.t0 if t < self.t0 else here if t > here else t
+            self.evaluate(t)
+            d = self.jet(4)
+            value, slope = self.derivative(GAP, d, 0), self.derivative(GAP, d, 1)
+            curvature = self.derivative(GAP, d, 2)
+            if curvature <= 0:
+                break
+        value = value if value > 0 else self.kit.number(0)
+        if value < self.margin:
+            self.margin, self.margin_time = value, t
+        self.evaluate(here)

@@ -1,0 +1,140 @@
+"""Responses of one damped oscillator, accurate for every damping, stiffness, load frequency and time.
+
+The oscillator is y'' + 2 a y' + b y = load, with roots r1, r2 of r^2 + 2 a r + b = 0. Everything a mode of the ideal source needs is
+    S(t)   impulse response, S(0) = 0, S'(0) = 1            (first divided difference of exp at r1, r2)
+    C(t)   release from y = 1 at rest                        (C' = -b S, S' = C - 2 a S)
+    I(t)   response to the constant load 1, I' = S
+    H(t)   response to the load exp(i omega t), H' = S + i omega H
+I and H start at rest. Where the textbook quotients cancel (b -> 0, resonance, short times) they are taken as nested divided
+differences or as power series, so that each response keeps full relative accuracy.
+"""
+
+from math import inf
+
+QUARTER = 0.25  # |Z| t^2 below which the quotient by Z would cancel more than two bits
+SERIES_TERMS = 400
+
+
+class Oscillator:
+    """Constants of y'' + 2 a y' + b y: damping a [1/s], stiffness b [1/s^2], load frequency omega [rad/s]."""
+
+    def __init__(self, kit, a, b, omega):
+        self.kit, self.a, self.b, self.omega = kit, a, b, omega
+        self.w0 = kit.sqrt(b)
+        discriminant = b - a * a
+        self.oscillates = discriminant >= 0
+        self.wd = kit.sqrt(abs(discriminant))  # damped frequency, or kappa of exp((-a +- kappa) t)
+        self.slow = kit.number(0)
+        self.fast = kit.number(0)
+        if not self.oscillates:
+            self.fast = -(a + self.wd)
+            self.slow = b / self.fast  # r1 = b / r2: no cancellation far above critical damping
+        self.zr = b - omega * omega
+        self.zi = 2 * a * omega
+        self.zz = self.zr * self.zr + self.zi * self.zi
+        fastest = self.w0 if self.w0 > omega else omega
+        self.window = 1.5 / fastest if fastest > 0 else inf
+
+    def release_and_impulse(self, t):
+        """C(t) [-] and S(t) [s]."""
+        kit = self.kit
+        if self.oscillates:
+            decay = kit.exp(-(self.a * t))
+            angle = self.wd * t
+            impulse = decay * (kit.sin(angle) / self.wd) if angle != 0 else decay * t
+            return decay * kit.cos(angle) + self.a * impulse, impulse
+        decay = kit.exp(self.slow * t)
+        impulse = decay * (kit.expm1(-(2 * (self.wd * t))) / -(2 * self.wd))
+        return decay - self.slow * impulse, impulse
+
+    def constant_response(self, t, release):
+        """I(t) [s^2], given C(t)."""
+        if self.b * (t * t) >= QUARTER:
+            return (1 - release) / self.b
+        if not self.oscillates and self.wd * t >= 0.5:
+            kit = self.kit
+            slow = kit.expm1(self.slow * t) / self.slow if self.slow != 0 else t
+            return (slow - kit.expm1(self.fast * t) / self.fast) / (2 * self.wd)
+        return self._series(t, 0)[0]
+
+    def harmonic_response(self, t, release, impulse, cosine, sine):
+        """Re H(t), Im H(t) [s^2], given C, S and cos, sin of omega t."""
+        square = t * t
+        if self.zz * (square * square) >= QUARTER * QUARTER:
+            nr = cosine - release
+            ni = sine - self.omega * impulse
+            return (nr * self.zr + ni * self.zi) / self.zz, (ni * self.zr - nr * self.zi) / self.zz
+        if self.wd * t >= 0.5:
+            return self._confluent(t, cosine, sine)
+        return self._series(t, self.omega)
+
+    def _confluent(self, t, cosine, sine):
+        """H near resonance: (E1 - E2) / (r1 - r2) with E_k = (exp(r_k t) - exp(i omega t)) / (r_k - i omega).
+
+        E1 = t exp((r1 + i omega) t / 2) sinhc((r1 - i omega) t / 2) holds up to the resonance itself (secular growth).
+        """
+        kit = self.kit
+        if self.oscillates:
+            real1, imag1, real2, imag2 = -self.a, self.wd, -self.a, -self.wd
+        else:
+            real1, imag1, real2, imag2 = self.slow, kit.number(0), self.fast, kit.number(0)
+        p = real1 * t / 2
+        q = (imag1 - self.omega) * t / 2
+        mean = (imag1 + self.omega) * t / 2
+        qr, qi = sinhc(kit, p, q)
+        scale = t * kit.exp(p)
+        mr, mi = kit.cos(mean), kit.sin(mean)
+        e1r = scale * (mr * qr - mi * qi)
+        e1i = scale * (mr * qi + mi * qr)
+        decay = kit.exp(real2 * t)
+        nr = decay * kit.cos(imag2 * t) - cosine
+        ni = decay * kit.sin(imag2 * t) - sine
+        dr, di = real2, imag2 - self.omega
+        dd = dr * dr + di * di
+        hr = e1r - (nr * dr + ni * di) / dd
+        hi = e1i - (ni * dr - nr * di) / dd
+        if self.oscillates:
+            return hi / (2 * self.wd), -hr / (2 * self.wd)
+        return hr / (2 * self.wd), hi / (2 * self.wd)
+
+    def _series(self, t, omega):
+        """H by its power series, for spreads |r t|, |omega t| of a few units at most.
+
+        h_(n+2) (n+2)(n+1) = (i omega t)^n / n! t^2 - 2 a t (n+1) h_(n+1) - b t^2 h_n.
+        """
+        zero = self.kit.number(0)
+        damping, stiffness, step = 2 * self.a * t, self.b * (t * t), omega * t
+        lr, li = t * t, zero
+        h0r = h0i = h1r = h1i = sr = si = zero
+        for n in range(SERIES_TERMS):
+            h2r = (lr - damping * (n + 1) * h1r - stiffness * h0r) / ((n + 2) * (n + 1))
+            h2i = (li - damping * (n + 1) * h1i - stiffness * h0i) / ((n + 2) * (n + 1))
+            sr, si = sr + h2r, si + h2i
+            last = abs(h2r) + abs(h2i) + abs(h1r) + abs(h1i)
+            if n >= 3 and last <= self.kit.eps / 4 * (abs(sr) + abs(si)):
+                break
+            h0r, h0i, h1r, h1i = h1r, h1i, h2r, h2i
+            lr, li = -(li * step) / (n + 1), lr * step / (n + 1)
+        return sr, si
+
+
+def sinhc(kit, p, q):
+    """Real and imaginary part of sinh(z) / z for z = p + i q."""
+    zz = p * p + q * q
+    if zz == 0:
+        return kit.number(1), kit.number(0)
+    nr = kit.sinh(p) * kit.cos(q)
+    ni = kit.cosh(p) * kit.sin(q)
+    return (nr * p + ni * q) / zz, (ni * p - nr * q) / zz
+
+
+def free_harmonic_response(kit, omega, t, cosine, sine, oscillator):
+    """H of a free mass (a = b = 0): int int cos(omega s), int int sin(omega s) [s^2].
+
+    `oscillator` is one with a = b = 0; its series serves short times.
+    """
+    angle = omega * t
+    if angle * angle >= QUARTER:
+        square = omega * omega
+        return (1 - cosine) / square, (angle - sine) / square
+    return oscillator._series(t, omega)

@@ -1,0 +1,234 @@
+"""The Taylor flow: any source, a polynomial of high order from step to step.
+
+Inside a mode the motion is analytic and its Taylor coefficients follow by recurrence from Eqs. (2.1)-(2.3) or (2.8)-(2.10). One step
+gives the state to round-off and a polynomial that is the dense output and carries the event search. With s = sin phi,
+c = cos phi and w = dphi/dt the rotor needs three products of series only, because
+    s dw/dt + w^2 c = d(s w)/dt,      s' = c w,      c' = -s w.
+"""
+
+from math import inf, log2
+
+from vibsim.events.polynomial_root import PolynomialSearch
+from vibsim.events.watch import CLEARANCE, GAP, HOLD_PLUS, NOTHING, SLIDE, watched
+from vibsim.physics.state import State
+
+LEADING = 4  # coefficients that set the scale of a series in the step control
+
+
+class Taylor:
+    """Flow by Taylor steps of the scene's order and tolerance."""
+
+    method = "taylor"
+
+    def __init__(self, scene, kit):
+        self.scene, self.kit, self.order = scene, kit, scene.order
+        self.tolerance_exponent = log2(scene.tol)
+        self.limit = scene.N if scene.has_friction else kit.number(0)
+        self.harmonic = scene.source == "harmonic"
+        self.unbalance = scene.m3 * scene.e if scene.has_motor else kit.number(0)
+        count = scene.order + 2
+        self.inverse = [kit.number(0)] + [1 / kit.number(n) for n in range(1, count + 1)]
+        self.search = PolynomialSearch(kit)
+        self.evaluations = self.steps = 0
+
+    margin = property(lambda self: self.search.margin)
+    margin_time = property(lambda self: self.search.margin_time)
+    uncertified = property(lambda self: self.search.uncertified)
+
+    def enter(self, state, mode, known):
+        """Expand the motion at `state` in `mode`; known: {event function: order of its zero here}."""
+        scene = self.scene
+        self.mode, self.known = mode, known
+        self.locked = not scene.has_block2 or (scene.has_friction and mode.friction == 0)
+        self.k = scene.k1 + scene.k2 if mode.contact else scene.k1
+        self.offset = scene.k2 * (scene.stop_sign * scene.G) if mode.contact else self.kit.number(0)
+        self.functions = watched(scene, mode)
+        self.t0, self.start = state.t, state
+        self._expand(state)
+        self.steps += 1
+        self.h = self._step_length()
+
+    def carry_on(self, state):
+        """Go on from an instant that was no event: the next step."""
+        self.enter(state, self.mode, {})
+
+    def _expand(self, state):
+        """Coefficients of x1, v1, x2, v2 (and phi, w, sin phi, cos phi) at `state`."""
+        zero = self.kit.number(0)
+        p = self.order
+        self.x1, self.v1 = [state.x1] + [zero] * (p + 1), [state.v1] + [zero] * p
+        self.x2, self.v2 = [state.x2] + [zero] * (p + 1), [state.v2] + [zero] * p
+        if self.locked:
+            self.v2[0] = zero
+        if self.scene.has_motor:
+            self._expand_motor(state)
+        else:
+            self._expand_ideal(state)
+
+    def _force(self, n):
+        """Coefficient n of S, Eqs. (2.4)-(2.6)."""
+        force = self.k * (self.x1[n] - self.x2[n]) + self.scene.c * (self.v1[n] - self.v2[n])
+        return force + self.offset if n == 0 else force
+
+    def _advance_series(self, n, a1, force):
+        """Coefficients n + 1 of displacements and velocities from coefficient n of a1 and S."""
+        inverse = self.inverse[n + 1]
+        self.x1[n + 1] = self.v1[n] * inverse
+        self.v1[n + 1] = a1 * inverse
+        if not self.locked:
+            if n == 0 and self.scene.has_friction:
+                force = force - self.mode.friction * self.limit
+            self.x2[n + 1] = self.v2[n] * inverse
+            self.v2[n + 1] = force / self.scene.m2 * inverse
+
+    def _finish_series(self):
+        p = self.order
+        self.x1[p + 1] = self.v1[p] * self.inverse[p + 1]
+        if not self.locked:
+            self.x2[p + 1] = self.v2[p] * self.inverse[p + 1]
+
+    def _expand_ideal(self, state):
+        """Eqs. (2.1)-(2.3): m1 a1 = A sin(omega t) + F0 - S, m2 a2 = S - sigma N."""
+        scene, kit = self.scene, self.kit
+        loads = (kit.number(0),) * 4
+        factor = kit.number(0)
+        if self.harmonic:
+            angle = kit.turn_angle(scene.cycles, scene.cycles_lo, state.t)
+            sine, cosine = kit.sin(angle), kit.cos(angle)
+            loads, factor = (sine, cosine, -sine, -cosine), scene.A
+        for n in range(self.order):
+            force = self._force(n)
+            load = factor * loads[n % 4]
+            if n == 0 and self.harmonic:
+                load = load + scene.F0
+            self._advance_series(n, (load - force) / scene.m1, force)
+            if self.harmonic:
+                factor = factor * scene.omega * self.inverse[n + 1]
+        self._finish_series()
+
+    def _expand_motor(self, state):
+        """Eqs. (2.8)-(2.10): one 2x2 division per order, by the mass matrix at the expansion point."""
+        scene, kit, p = self.scene, self.kit, self.order
+        zero = kit.number(0)
+        w, phi = [state.w] + [zero] * p, [state.phase] + [zero] * (p + 1)
+        s, c = [kit.sin(state.phase)] + [zero] * p, [kit.cos(state.phase)] + [zero] * p
+        a1 = [zero] * p
+        mass, inertia = scene.m1 + scene.m3, scene.J + self.unbalance * scene.e
+        coupling = self.unbalance * s[0]
+        inverse_det = 1 / (mass * inertia - coupling * coupling)
+        drag = scene.M0 / scene.Omega0
+        sw = s[0] * w[0]
+        for n in range(p):
+            inverse = self.inverse[n + 1]
+            cw = back = tail = zero
+            for j in range(n + 1):
+                cw = cw + c[j] * w[n - j]
+            s[n + 1], c[n + 1] = cw * inverse, -(sw * inverse)
+            for j in range(1, n + 2):
+                tail = tail + s[j] * w[n + 1 - j]
+            for j in range(1, n + 1):
+                back = back + s[j] * a1[n - j]
+            force = self._force(n)
+            thrust = self.unbalance * ((n + 1) * tail) - force
+            torque = self.unbalance * back - drag * w[n]
+            if n == 0:
+                torque = torque + scene.M0
+            a1[n] = (inertia * thrust + coupling * torque) * inverse_det
+            w[n + 1] = (mass * torque + coupling * thrust) * inverse_det * inverse
+            phi[n + 1] = w[n] * inverse
+            sw = tail + s[0] * w[n + 1]
+            self._advance_series(n, a1[n], force)
+        phi[p + 1] = w[p] * self.inverse[p + 1]
+        self.w, self.phi = w, phi
+        self._finish_series()
+
+    def _step_length(self):
+        """Longest step whose last two terms stay below tol times the largest leading one (after Jorba & Zou 2005)."""
+        blocks = [[self.v1, self.v2]]
+        if self.scene.has_motor:
+            blocks.append([self.w])
+        longest = 1000.0
+        for block in blocks:
+            sizes = {n: self._size(block, n) for n in (*range(LEADING), self.order - 1, self.order)}
+            for last in (self.order - 1, self.order):
+                if sizes[last] > -2000:
+                    candidates = [
+                        (self.tolerance_exponent + (sizes[m] - sizes[last])) / (last - m)
+                        for m in range(LEADING)
+                    ]
+                    longest = min(longest, max(candidates))
+        return self.kit.power_of_two(longest) if longest < 1000.0 else inf
+
+    def _size(self, block, n):
+        """Binary exponent of the summed coefficients n of a block of series."""
+        total = abs(block[0][n])
+        for series in block[1:]:
+            total = total + abs(series[n])
+        return self.kit.exponent(total)
+
+    def polynomial(self, function):
+        """Coefficients of an event function over the step, without the known zeros' rounding."""
+        scene = self.scene
+        if function in (GAP, CLEARANCE):
+            return self._relative_polynomial(function)
+        if function == SLIDE:
+            return [self.mode.friction * value for value in self.v2]
+        series = [self._force(n) for n in range(self.order + 1)]
+        if function == HOLD_PLUS:
+            series = [-value for value in series]
+        return [scene.N + series[0]] + series[1:]
+
+    def _relative_polynomial(self, function):
+        scene = self.scene
+        if function == GAP:
+            factor, constant = (-scene.stop_sign, -scene.G) if self.mode.contact else (scene.stop_sign, scene.G)
+        else:
+            factor, constant = (1, -scene.rest_distance) if self.mode.violated else (-1, scene.rest_distance)
+        series = [factor * (a - b) for a, b in zip(self.x1, self.x2, strict=True)]
+        return [series[0] + constant] + series[1:]
+
+    def advance(self, limit):
+        """One step to its end, to the first event within it or to `limit`; returns (time, event function or NOTHING)."""
+        length = limit - self.t0
+        h = self.h if self.h < length else length
+        end = limit if self.h >= length else self.t0 + h
+        if end <= self.t0:
+            self.search.uncertified += 1
+            return self.kit.next_after(self.t0, inf), NOTHING
+        found = NOTHING
+        for function in self.functions:
+            coefficients = self.polynomial(function)
+            known = self.known.get(function, 0)
+            root = self.search.first_root(coefficients, known, self.t0, h, function == GAP)
+            if root is not None and (found == NOTHING or root < end):
+                end, found = root, function
+                h = end - self.t0
+        return end, found
+
+    def state_at(self, t):
+        """State at time t within the step."""
+        tau, kit = t - self.t0, self.kit
+        zero = kit.number(0)
+        x1, v1 = horner(self.x1, tau), horner(self.v1, tau)
+        x2, v2 = (self.x2[0], zero) if self.locked else (horner(self.x2, tau), horner(self.v2, tau))
+        if not self.scene.has_motor:
+            return State(t, x1, v1, x2, v2, zero, zero, zero)
+        phase, turns = kit.reduce_angle(horner(self.phi, tau))
+        return State(t, x1, v1, x2, v2, phase, self.start.turns + turns, horner(self.w, tau))
+
+    def relative_jet(self, state, mode, count):
+        """Derivatives of y = x1 - x2 of order 0 to `count` at `state` in `mode`."""
+        self.enter(state, mode, {})
+        factorial, jet = 1, []
+        for n in range(count + 1):
+            factorial = factorial * n if n > 0 else 1
+            jet.append((self.x1[n] - self.x2[n]) * factorial)
+        return jet
+
+
+def horner(coefficients, tau):
+    """Value of the polynomial with the given coefficients, lowest first, at tau."""
+    value = coefficients[-1]
+    for coefficient in reversed(coefficients[:-1]):
+        value = value * tau + coefficient
+    return value

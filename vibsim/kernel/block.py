@@ -1,0 +1,33 @@
+"""A block of results: arrays by name, only what the scene has."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+EVENT_STATE = ("x1", "v1", "x2", "v2", "phi", "phidot")
+
+
+@dataclass(frozen=True)
+class Block:
+    """samples: columns as in `Scene.columns()`; events: t [s], kind, state after the event, phase [rad, motor only] and modes."""
+
+    samples: dict[str, np.ndarray]
+    events: dict[str, np.ndarray]
+    t_reached: float
+
+
+def event_columns(scene):
+    """Names of the event columns that this scene has, in file order."""
+    states = [name for name in scene.columns()[1:] if name not in ("contact", "friction")]
+    phase = ["phase"] if scene.has_motor else []
+    modes = [name for name in ("contact", "friction") if name in scene.columns()]
+    return ("t", "kind", *states, *phase, *modes)
+
+
+def select(scene, samples, events, t_reached):
+    """The block of those columns that the scene has."""
+    return Block(
+        {name: samples[name] for name in scene.columns()},
+        {name: events[name] for name in event_columns(scene)},
+        float(t_reached),
+    )

@@ -1,0 +1,120 @@
+"""The driver: one loop over segments, the same for either flow. This is the readable twin of the C engine.
+
+A flow offers `enter(state, mode, known)`, `advance(limit) -> (time, event function or NOTHING)`, `state_at(t)`, `carry_on(state)` and
+`relative_jet(state, mode, count)`. Output cadence never changes a trajectory: samples are read off the flow, states are not restarted there.
+"""
+
+from vibsim.events.automaton import initial_mode, transition
+from vibsim.events.watch import NOTHING
+from vibsim.kernel.errors import KernelError
+from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.state import Mode, State
+
+EVENTS_AT_ONE_INSTANT = 64
+
+
+class Driver:
+    """Runs a scene from its start, or from `resume` = (state, mode), to its end."""
+
+    def __init__(self, scene, kit, flow, resume=None):
+        self.scene, self.kit, self.flow = scene, kit, flow
+        self.samples, self.events = [], []
+        self.counts = [0] * len(EVENT_KINDS)
+        self.first_violation = None
+        self.next_sample = 0
+        self.finished = False
+        if resume is None:
+            self.state = self._start_state()
+            self.mode, known = initial_mode(scene, flow, self.state)
+        else:
+            (self.state, self.mode), known = resume, {}
+        self.known, self.known_since, self.crowd = known, self.state.t, 0
+        self._record("start")
+        if self.mode.violated:
+            self._note_violation()
+        if not self.finished:
+            flow.enter(self.state, self.mode, known)
+
+    def _start_state(self):
+        scene, kit = self.scene, self.kit
+        zero = kit.number(0)
+        phase, turns, w = zero, zero, zero
+        if scene.has_motor:
+            phase, turns = kit.reduce_angle(scene.phi)
+            w = scene.phidot
+        x2, v2 = (scene.x2, scene.v2) if scene.has_block2 else (zero, zero)
+        return State(zero, scene.x1, scene.v1, x2, v2, phase, turns, w)
+
+    def run(self, sample_room, event_room, steps):
+        """Advance until a buffer of so many samples or events is full, `steps` stretches are done, or the run ends."""
+        for _ in range(steps):
+            if self.finished or len(self.samples) >= sample_room or len(self.events) + 2 >= event_room:
+                return
+            self._stretch(sample_room)
+
+    def _stretch(self, sample_room):
+        """One stretch of the flow: its samples, then its event."""
+        end, function = self.flow.advance(self.scene.t_end)
+        self._sample_until(end, last=end >= self.scene.t_end)
+        state = self.flow.state_at(end)
+        if function != NOTHING:
+            self._switch(state, function)
+        elif end >= self.scene.t_end:
+            self.state = state
+        else:
+            self.state = state
+            self.flow.carry_on(state)
+        if not self.finished and end >= self.scene.t_end:
+            self._finish()
+
+    def _sample_until(self, end, last):
+        """Samples in [now, end), or up to and including the end of the run."""
+        t = self.scene.sample_time(self.next_sample)
+        while t < end or (last and t <= end):
+            self.samples.append((self.flow.state_at(t), self.mode))
+            self.next_sample += 1
+            t = self.scene.sample_time(self.next_sample)
+
+    def _switch(self, state, function):
+        """Take the event: new mode, record, new segment."""
+        mode, kind, known = transition(self.scene, self.flow, state, self.mode, function)
+        if state.t == self.known_since:
+            known = {**self.known, **known}
+            self.crowd += 1
+            if self.crowd > EVENTS_AT_ONE_INSTANT:
+                raise KernelError("accumulation", state)
+        else:
+            self.crowd = 0
+        self.state, self.mode, self.known, self.known_since = state, mode, known, state.t
+        if kind is not None:
+            self._record(kind)
+            if kind == EVENT_KINDS["violation_begin"]:
+                self._note_violation()
+        if not self.finished:
+            self.flow.enter(state, mode, known)
+
+    def _note_violation(self):
+        if self.first_violation is None:
+            self.first_violation = self.state.t
+        if self.scene.stop_on_violation:
+            self._finish()
+
+    def _finish(self):
+        self._record("end")
+        self.finished = True
+
+    def _record(self, kind):
+        code = EVENT_KINDS[kind] if isinstance(kind, str) else kind
+        self.counts[code] += 1
+        self.events.append((code, State(**vars(self.state)), self.mode))
+
+    def take(self):
+        """The samples and events collected since the last call."""
+        samples, events = self.samples, self.events
+        self.samples, self.events = [], []
+        return samples, events
+
+
+def mode_of(contact, friction, violated=0):
+    """Mode from its stored codes."""
+    return Mode(int(contact), int(friction), int(violated))

@@ -1,0 +1,53 @@
+"""The forces of the paper, equation by equation, and the accelerations they give.
+
+Kernels use these expressions expanded mode by mode; here they stand as printed, for the mode decisions at events, for start
+values and for tests. Relative displacement y = x1 - x2, its rate u = v1 - v2.
+"""
+
+
+def gap_function(scene, y):
+    """g [m] of the relative displacement y [m]: contact while g >= 0 (below Eq. 2.5, or its mirror image)."""
+    return -(scene.stop_sign * y) - scene.G
+
+
+def gap_rate(scene, u):
+    """dg/dt [m/s] of the relative velocity u [m/s]."""
+    return -(scene.stop_sign * u)
+
+
+def transmitted_force(scene, y, u, contact):
+    """S = F_s1 + F_d (+ F_s2 in contact) [N], Eqs. (2.4)-(2.6): what block 1 passes to block 2.
+
+    Arguments: y [m], u [m/s], contact (bool). Eq. (2.5) is k2 (y + G) with the paper's stop, k2 (y - G) with its mirror image.
+    """
+    force = scene.k1 * y + scene.c * u
+    if contact:
+        force = force + scene.k2 * (y + scene.stop_sign * scene.G)
+    return force
+
+
+def source_force(scene, sine):
+    """Force of the ideal source on block 1 [N], A sin(omega t) + F0, Eq. (2.1), with sine = sin(omega t)."""
+    if scene.source != "harmonic":
+        return 0.0
+    return scene.A * sine + scene.F0
+
+
+def motor_torque(scene, w):
+    """Torque of the motor [N m] at the speed w [rad/s], Eq. (2.10): M0 (1 - w / Omega0)."""
+    return scene.M0 * (1.0 - w / scene.Omega0)
+
+
+def motor_accelerations(scene, force, phi_sine, phi_cosine, w):
+    """a1 [m/s^2] and dw/dt [rad/s^2] from Eqs. (2.8), (2.10), where block 1 passes on the force S = `force` [N].
+
+    The 2x2 mass matrix is never singular: its determinant is at least m1 m3 e^2 + (m1 + m3) J.
+    """
+    coupling = scene.m3 * scene.e * phi_sine
+    mass = scene.m1 + scene.m3
+    inertia = scene.J + scene.m3 * scene.e * scene.e
+    thrust = scene.m3 * scene.e * (w * w) * phi_cosine - force
+    torque = motor_torque(scene, w)
+    determinant = mass * inertia - coupling * coupling
+    a1 = (thrust * inertia + coupling * torque) / determinant
+    return a1, (mass * torque + coupling * thrust) / determinant

@@ -1,0 +1,71 @@
+"""Number kits: the elementary functions that the engines need, for one type of number.
+
+The Python engine is written once and takes its arithmetic from a kit. `Doubles` is the kit of IEEE doubles; the C engine
+repeats its operations one by one, so every expression here has a fixed order. A kit for another type offers the
+same names.
+"""
+
+import math
+
+TWO_PI = 6.283185307179586
+TWO_PI_LO = 2.4492935982947064e-16  # 2 pi = TWO_PI + TWO_PI_LO to 107 bits
+VELTKAMP = 134217729.0  # 2**27 + 1: splits a double into two halves of 26 bits
+
+
+class Doubles:
+    """IEEE double precision through the C library's functions, as `math` offers them."""
+
+    name = "double"
+    eps = 2.0**-53  # unit round-off
+    sin = staticmethod(math.sin)
+    cos = staticmethod(math.cos)
+    exp = staticmethod(math.exp)
+    expm1 = staticmethod(math.expm1)
+    sinh = staticmethod(math.sinh)
+    cosh = staticmethod(math.cosh)
+    sqrt = staticmethod(math.sqrt)
+    next_after = staticmethod(math.nextafter)
+
+    @staticmethod
+    def number(value):
+        """`value` (int, float) in this kit's type."""
+        return float(value)
+
+    @staticmethod
+    def exponent(x):
+        """Binary exponent e of x = m 2^e with 1/2 <= |m| < 1; a large negative number for x = 0."""
+        return math.frexp(x)[1] if x != 0.0 else -2000
+
+    @staticmethod
+    def power_of_two(y):
+        """2**y for a real y [-]."""
+        return math.exp(y * 0.6931471805599453)
+
+    @staticmethod
+    def turn_angle(cycles, cycles_lo, t):
+        """2 pi (cycles + cycles_lo) t reduced to [-pi, pi] [rad], without forming the large product.
+
+        cycles * t is split exactly into product and error (Dekker 1971), whole turns are dropped from the
+        product, and only then is it scaled: the phase of a forcing in Hz keeps full accuracy at any t.
+        """
+        product = cycles * t
+        wide = VELTKAMP * cycles
+        f1 = wide - (wide - cycles)
+        f2 = cycles - f1
+        wide = VELTKAMP * t
+        t1 = wide - (wide - t)
+        t2 = t - t1
+        error = ((f1 * t1 - product) + f1 * t2 + f2 * t1) + f2 * t2
+        turns = (product - math.floor(product + 0.5)) + (error + cycles_lo * t)
+        return TWO_PI * turns
+
+    @staticmethod
+    def reduce_angle(angle):
+        """`angle` [rad] moved into [-pi, pi] by whole turns, and the number of turns taken out (a float)."""
+        turns = math.floor(angle / TWO_PI + 0.5)
+        return (angle - turns * TWO_PI) - turns * TWO_PI_LO, turns
+
+    @staticmethod
+    def unwind(angle, turns):
+        """angle + 2 pi turns [rad]."""
+        return angle + turns * TWO_PI
