@@ -1,0 +1,18 @@
+"""Displacements of the blocks against time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from matplotlib.figure import Figure
+
+from vibsim.plots.subject import Subject
+from vibsim.plots.time_history import Quantity, draw_history
+from vibsim.plots.view import View
+
+DISPLACEMENT = Quantity("Displacement", "m", ("x1", "x2"))
+
+
+def draw(subjects: Sequence[Subject], view: View) -> Figure:
+    """x1 and x2 against time [s], impacts marked, with a detail."""
+    return draw_history(subjects, view, DISPLACEMENT)

@@ -1,0 +1,98 @@
+"""Velocity at which the blocks meet the stop: over time, over the phase of the source, and its distribution."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from vibsim.plots.impacts import events_of
+from vibsim.plots.quantities import Scale, scale_for
+from vibsim.plots.samples import common_window, window_of
+from vibsim.plots.sheet import legend_above, note, sheet, time_axis
+from vibsim.plots.style import BLUE, overlay
+from vibsim.plots.subject import Subject
+from vibsim.plots.view import Span, View
+
+BINS = 40
+CLOSING = "Closing velocity"
+
+
+@dataclass(frozen=True)
+class Impacts:
+    """Instants [s], closing velocities [m/s] (positive: into the stop) and phases of the source [turns], each (n)."""
+
+    t: np.ndarray
+    closing: np.ndarray
+    phase: np.ndarray | None
+
+
+def draw(subjects: Sequence[Subject], view: View) -> Figure:
+    """Closing velocity of each impact against time with its histogram, and against the phase where there is a source."""
+    window = common_window(subjects, view.window)
+    found = [impacts_of(subject, window_of(subject, window)) for subject in subjects]
+    scale = scale_for("m/s", *(impacts.closing for impacts in found))
+    with_phase = any(impacts.phase is not None for impacts in found)
+    figure = sheet(view, 8.8 if with_phase else 5.0)
+    grid = figure.add_gridspec(2 if with_phase else 1, 2, width_ratios=(4, 1))
+    over_time = figure.add_subplot(grid[0, 0])
+    histogram = figure.add_subplot(grid[0, 1], sharey=over_time)
+    over_phase = figure.add_subplot(grid[1, :]) if with_phase else None
+    for i, (subject, impacts) in enumerate(zip(subjects, found, strict=True)):
+        colour = overlay(i)["color"] if len(subjects) > 1 else BLUE
+        _dots(over_time, impacts.t, scale(impacts.closing), colour, subject.name)
+        _histogram(histogram, scale(impacts.closing), colour, filled=len(subjects) == 1)
+        if over_phase is not None and impacts.phase is not None:
+            _dots(over_phase, 360 * impacts.phase, scale(impacts.closing), colour, subject.name)
+    _finish(over_time, histogram, over_phase, scale, window)
+    if len(subjects) > 1:
+        legend_above(over_time, markerscale=5)
+    count = sum(len(impacts.t) for impacts in found)
+    note(histogram, f"{count} impact{'' if count == 1 else 's'}")
+    return figure
+
+
+def impacts_of(subject: Subject, span: Span) -> Impacts:
+    """The impacts of a run within the span; the phase is that of the force, or the angle of the rotor."""
+    scene = subject.scene
+    names = ["v1"] + (["v2"] if scene.has_block2 else []) + (["phi"] if scene.has_motor else [])
+    t, *columns = events_of(subject.result, "contact_begin", span, *names)
+    state = dict(zip(names, columns, strict=True))
+    closing = scene.stop_sign * (state.get("v2", 0.0) - state["v1"])
+    if scene.has_motor:
+        return Impacts(t, closing, np.mod(state["phi"] / (2 * math.pi), 1.0))
+    if scene.source == "harmonic" and scene.omega:
+        return Impacts(t, closing, np.mod(t * scene.cycles + t * scene.cycles_lo, 1.0))
+    return Impacts(t, closing, None)
+
+
+def _dots(axes: Axes, x: np.ndarray, y: np.ndarray, colour: str, label: str) -> None:
+    axes.plot(
+        x, y, linestyle="none", marker=".", markersize=1.6, markeredgewidth=0, color=colour, label=label,
+        gid="impacts", rasterized=len(x) > 5_000,
+    )  # fmt: skip
+
+
+def _histogram(axes: Axes, values: np.ndarray, colour: str, filled: bool) -> None:
+    if len(values):
+        counts, edges = np.histogram(values, BINS)
+        axes.stairs(counts, edges, orientation="horizontal", fill=filled, color=colour, linewidth=0.7)
+
+
+def _finish(over_time: Axes, histogram: Axes, over_phase: Axes | None, scale: Scale, window: Span) -> None:
+    over_time.set_ylabel(scale.label(CLOSING))
+    time_axis(over_time, window)
+    histogram.tick_params(labelleft=False)
+    histogram.set_xlabel("Impacts per bin")
+    histogram.set_xlim(left=0)
+    over_time.set_ylim(bottom=0)
+    if over_phase is not None:
+        over_phase.set_xlim(0, 360)
+        over_phase.set_xticks(range(0, 361, 60))
+        over_phase.set_ylim(over_time.get_ylim())
+        over_phase.set_xlabel("Phase of the source at impact (°)")
+        over_phase.set_ylabel(scale.label(CLOSING))

@@ -1,0 +1,42 @@
+"""Characteristic of the limited-power motor: torque against speed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from vibsim.plots.quantities import scale_for
+from vibsim.plots.sheet import legend_above, sheet
+from vibsim.plots.style import BLUE, overlay
+from vibsim.plots.subject import Subject
+from vibsim.plots.view import View
+
+
+def draw(subjects: Sequence[Subject], view: View) -> Figure:
+    """Motor torque M0 (1 - w / Omega0), Eq. (2.10), against the speed w, from standstill to no load."""
+    figure = sheet(view, 5.4)
+    axes = figure.subplots()
+    fastest = 1.1 * max(abs(subject.scene.Omega0) for subject in subjects)
+    curves = [characteristic(subject.scene, fastest) for subject in subjects]
+    scale = scale_for("N m", *(torque for _, torque in curves))
+    for i, (subject, (speed, torque)) in enumerate(zip(subjects, curves, strict=True)):
+        look = overlay(i) if len(subjects) > 1 else {"color": BLUE}
+        no_load = subject.scene.Omega0 / (2 * math.pi)
+        label = rf"{subject.name}: $\Omega_0$ = {no_load:.4g} Hz"
+        axes.plot(speed / (2 * math.pi), scale(torque), linewidth=1.0, label=label, gid="motor", **look)
+        axes.plot(no_load, 0, "o", markersize=3, markerfacecolor="white", markeredgewidth=0.8, color=look["color"])
+    axes.axhline(0, color="0.8", linewidth=0.4, zorder=0)
+    axes.set_xlabel(r"Motor speed $\omega/2\pi$ (Hz)")
+    axes.set_ylabel(scale.label("Motor torque"))
+    legend_above(axes, ncols=2)
+    return figure
+
+
+def characteristic(scene: Any, fastest: float) -> tuple[np.ndarray, np.ndarray]:
+    """Two points of the line: speeds 0 and `fastest` with the sign of Omega0 [rad/s], torques [N m]."""
+    speed = np.array([0.0, math.copysign(fastest, scene.Omega0)])
+    return speed, scene.M0 * (1 - speed / scene.Omega0)

@@ -1,0 +1,70 @@
+"""Frequencies at which the scene itself likes to vibrate, and the rhythm of its source."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Frequency:
+    """A frequency [Hz] and its name, plain and as a mathtext label."""
+
+    name: str
+    label: str
+    hz: float
+
+
+def natural_frequencies(scene: Any) -> list[Frequency]:
+    """Linear and bilinear frequencies of the relative motion (without friction and damping).
+
+    sqrt(k1 / m1) is the paper's natural frequency (block 2 held). Free-free: sqrt(k1 / m), with m the reduced mass of both
+    blocks, the motor's m3 counted to block 1. With a stop, f1 without and f2 with the impact spring give the
+    bilinear 2 f1 f2 / (f1 + f2), the limit of large amplitudes, and half of it (a subharmonic of the impacting motion).
+    """
+    if not scene.k1:
+        return []
+    found = [Frequency("held", r"$\sqrt{k_1/m_1}$", _hertz(scene.k1, scene.m1))]
+    mass = reduced_mass(scene)
+    free = _hertz(scene.k1, mass)
+    if scene.m2 is not None:
+        found.append(Frequency("free-free", "free–free", free))
+    elif scene.has_motor:
+        found.append(Frequency("with motor", r"$\sqrt{k_1/(m_1+m_3)}$", free))
+    if scene.has_stop and scene.k2:
+        stiff = _hertz(scene.k1 + scene.k2, mass)
+        bilinear = 2 * free * stiff / (free + stiff)
+        found += [Frequency("bilinear", "bilinear", bilinear), Frequency("half bilinear", "½ bilinear", bilinear / 2)]
+    return found
+
+
+def reduced_mass(scene: Any) -> float:
+    """Mass of the relative motion [kg]: m1 (with m3) against m2, or alone where block 2 is fixed."""
+    mass = scene.m1 + (scene.m3 if scene.has_motor else 0.0)
+    return mass if scene.m2 is None else mass * scene.m2 / (mass + scene.m2)
+
+
+def source_period(scene: Any, phidot: float | None = None) -> float | None:
+    """Period of the excitation [s]; of the free vibration where nothing excites; None where nothing has a rhythm.
+
+    phidot : mean speed of the motor [rad/s], where known; its no-load speed otherwise
+    """
+    if scene.has_motor:
+        speed = abs(phidot or 0.0) or abs(scene.Omega0)
+        return 2 * math.pi / speed
+    if scene.source == "harmonic" and scene.omega:
+        return 2 * math.pi / abs(scene.omega)
+    return 1 / _hertz(scene.k1, reduced_mass(scene)) if scene.k1 else None
+
+
+def shortest_period(scene: Any) -> float | None:
+    """Shortest period in the motion [s]: of the source or of the vibration in contact."""
+    stiffness = scene.k1 + (scene.k2 if scene.has_stop else 0.0)
+    own = [1 / _hertz(stiffness, reduced_mass(scene))] if stiffness else []
+    source = source_period(scene)
+    return min([*own, *([source] if source else [])], default=None)
+
+
+def _hertz(stiffness: float, mass: float) -> float:
+    return math.sqrt(stiffness / mass) / (2 * math.pi)

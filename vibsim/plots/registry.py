@@ -1,0 +1,122 @@
+"""The kinds of pictures, and which of them fit what.
+
+A new kind is one line here and one module `vibsim/plots/<name, - as _>.py` with `draw(subjects, view) -> Figure`.
+Nothing here imports matplotlib: `vibsim plot --list` and shell completion read this table.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from vibsim.plots.errors import PlotError
+
+if TYPE_CHECKING:
+    from vibsim.plots.subject import Subject
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One kind of picture.
+
+    Attributes
+    ----------
+    name : as on the command line
+    reads : "trajectory" or "sweep" (a result file of that kind), or "case" (any file or case will do)
+    summary : one line for `--list`
+    needs : keys of NEEDS; what the scene must have
+    width : "column" or "page", the width unless the user says otherwise
+    """
+
+    name: str
+    reads: str
+    summary: str
+    needs: tuple[str, ...] = ()
+    width: str = "column"
+
+    @property
+    def draw(self) -> Callable[..., Any]:
+        """The function that draws it; its module (and matplotlib) is imported here."""
+        module = import_module(f"vibsim.plots.{self.name.replace('-', '_')}")
+        return module.draw
+
+
+KINDS = (
+    Kind("overview", "trajectory", "one page: displacements, detail, relative portrait, speed", width="page"),
+    Kind("displacement", "trajectory", "displacements of the blocks against time, impacts marked, with a detail"),
+    Kind("velocity", "trajectory", "velocities of the blocks against time, impacts marked, with a detail"),
+    Kind("phase", "trajectory", "phase portrait of each block"),
+    Kind("relative", "trajectory", "phase portrait of the relative motion, with the stop"),
+    Kind("motor-speed", "trajectory", "motor speed against time, with the natural frequencies", ("motor",)),
+    Kind("displacement-frequency", "trajectory", "displacements against the motor's speed", ("motor",)),
+    Kind("impact-velocity", "trajectory", "closing velocity of each impact: time, phase, histogram", ("stop",)),
+    Kind("stroboscopic", "trajectory", "relative motion once per period of the source", ("excitation",)),
+    Kind("stiffness", "case", "force of the two springs against the relative displacement"),
+    Kind("motor", "case", "torque of the motor against its speed", ("motor",)),
+)
+
+NEEDS: dict[str, tuple[str, Callable[[Any], bool]]] = {
+    "motor": ("a motor", lambda scene: scene.has_motor),
+    "stop": ("a stop", lambda scene: scene.has_stop),
+    "excitation": ("a periodic source", lambda scene: scene.has_motor or scene.source == "harmonic" and scene.omega != 0),
+}
+
+DEFAULTS = {"trajectory": ("overview",), "case": ("stiffness", "motor")}
+
+
+def misfit(kind: Kind, subject: Subject) -> str | None:
+    """Why `kind` cannot show `subject`, or None when it can."""
+    if kind.reads not in ("case", subject.reads):
+        return f"it shows a {kind.reads}, and {subject.path} is a {subject.reads}"
+    if kind.reads == "case" and subject.reads == "sweep":
+        return f"it shows one case, and {subject.path} is a sweep"
+    for need in kind.needs:
+        words, has = NEEDS[need]
+        if not has(subject.scene):
+            return f"it needs {words}, and {subject.path} has none"
+    return None
+
+
+def fitting(subjects: Sequence[Subject]) -> list[Kind]:
+    """The kinds that can show all the subjects together, in the order of the table."""
+    return [kind for kind in KINDS if not any(misfit(kind, subject) for subject in subjects)]
+
+
+def kind_named(name: str) -> Kind:
+    """The kind called `name`; PlotError with the nearest match when there is none."""
+    for kind in KINDS:
+        if kind.name == name:
+            return kind
+    names = [kind.name for kind in KINDS]
+    near = get_close_matches(name.replace("_", "-"), names, 1)
+    hint = f"did you mean {near[0]}? " if near else ""
+    raise PlotError(f"unknown kind {name!r}: {hint}The kinds are {', '.join(names)}")
+
+
+def choose(names: Sequence[str] | None, subjects: Sequence[Subject]) -> list[Kind]:
+    """The kinds to draw: those named, every fitting one for "all", the default ones for None.
+
+    Raises PlotError for an unknown kind, or for one that does not fit (with those that do).
+    """
+    fit = fitting(subjects)
+    if names is None:
+        preferred = DEFAULTS.get(subjects[0].reads, ())
+        names = [kind.name for kind in fit if kind.name in preferred] or [kind.name for kind in fit[:1]]
+        if not names:
+            raise PlotError(f"no kind shows {', '.join(subject.path for subject in subjects)} together")
+    elif "all" in names:
+        return fit
+    chosen = [kind_named(name) for name in dict.fromkeys(names)]
+    for kind in chosen:
+        for subject in subjects:
+            reason = misfit(kind, subject)
+            if reason:
+                raise PlotError(f"kind {kind.name}: {reason}; {_those_that_fit(fit)}")
+    return chosen
+
+
+def _those_that_fit(fit: Sequence[Kind]) -> str:
+    return f"kinds that fit: {', '.join(kind.name for kind in fit)}" if fit else "no kind fits"

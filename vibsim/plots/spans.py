@@ -1,0 +1,59 @@
+"""Spans of time that suit a picture: the detail of a history, the steady end of a run."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from vibsim.plots.errors import PlotError
+from vibsim.plots.impacts import impact_times
+from vibsim.plots.natural_frequencies import source_period
+from vibsim.plots.quantities import seconds
+from vibsim.plots.samples import BLOCK, rows, whole_span
+from vibsim.plots.subject import Subject
+from vibsim.plots.view import Span
+
+DETAIL_PERIODS = 10
+STEADY_PERIODS = 50
+
+
+def period_of(subject: Subject, span: Span) -> float:
+    """Period of the source [s], the motor's taken at the end of the span; a tenth of the span when there is no rhythm."""
+    phidot = None
+    if subject.scene.has_motor:
+        stop = rows(subject.result, span).stop
+        tail = slice(max(0, stop - min(1000, BLOCK)), stop)
+        phidot = float(np.mean(subject.result.column("phidot")[tail]))
+    return source_period(subject.scene, phidot) or (span[1] - span[0]) / 10
+
+
+def round_up(length: float) -> float:
+    """The next of 1, 2, 5, 10, 20, ... that is not below `length`."""
+    decade = 10.0 ** math.floor(math.log10(length))
+    return next(step * decade for step in (1, 2, 5, 10) if step * decade >= length * (1 - 1e-9))
+
+
+def steady_span(subject: Subject, window: Span, periods: int = STEADY_PERIODS) -> Span:
+    """The last `periods` of the source within the window, rounded up to a round number of seconds."""
+    length = round_up(periods * period_of(subject, window))
+    return max(window[0], window[1] - length), window[1]
+
+
+def detail_span(subject: Subject, window: Span, wanted: Span | None) -> Span:
+    """The span to enlarge: `wanted` cut to the window, or the last ten periods in which there are impacts.
+
+    Raises PlotError when `wanted` lies outside the window.
+    """
+    if wanted is not None:
+        span = max(window[0], wanted[0]), min(window[1], wanted[1])
+        if not span[0] < span[1]:
+            raise PlotError(f"detail {wanted[0]:g}:{wanted[1]:g} lies outside the window, {seconds(window)}")
+        return span
+    length = round_up(DETAIL_PERIODS * period_of(subject, window))
+    end = window[1]
+    times = impact_times(subject.result, window) if subject.scene.has_stop else np.empty(0)
+    if len(times) and times[-1] < end - length:
+        end = min(end, times[-1] + length / 5)
+    first, _ = whole_span(subject.result)
+    return max(first, window[0], end - length), end

@@ -1,0 +1,81 @@
+"""How every picture looks: journal widths, 8 pt, thin lines, colours that survive colour blindness and grey print."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import matplotlib
+
+# Okabe and Ito, "Color Universal Design" (2008), in an order that alternates dark and light (luminance in grey print).
+BLUE, ORANGE, BLACK, SKY, VERMILLION, PINK, GREEN = (
+    "#0072B2", "#E69F00", "#000000", "#56B4E9", "#D55E00", "#CC79A7", "#009E73",
+)  # fmt: skip
+GREY = "0.45"
+SHADE = "0.90"
+
+BLOCK1: dict[str, Any] = {"color": BLUE}
+BLOCK2: dict[str, Any] = {"color": ORANGE, "linestyle": (0, (6, 1.2))}
+
+_COLOURS = (BLUE, ORANGE, BLACK, SKY, VERMILLION, PINK, GREEN)
+_DASHES: tuple[Any, ...] = ("-", (0, (6, 1.5)), (0, (6, 1.5, 1, 1.5)), (0, (1.5, 1)))
+
+THIN = 0.6  # line width of data [pt]
+
+SETTINGS: dict[str, Any] = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],  # comes with matplotlib: the same picture on every machine
+    "font.size": 8,
+    "axes.titlesize": 8,
+    "axes.labelsize": 8,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "legend.fontsize": 7,
+    "legend.frameon": False,
+    "legend.borderpad": 0.0,
+    "legend.borderaxespad": 0.0,
+    "legend.handlelength": 2.4,
+    "legend.columnspacing": 1.4,
+    "axes.linewidth": 0.5,
+    "axes.labelpad": 2.5,
+    "axes.xmargin": 0.0,
+    "axes.ymargin": 0.06,
+    "axes.formatter.useoffset": False,
+    "axes.formatter.limits": (-4, 5),
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.top": True,
+    "ytick.right": True,
+    "xtick.major.width": 0.5,
+    "ytick.major.width": 0.5,
+    "xtick.major.size": 2.5,
+    "ytick.major.size": 2.5,
+    "lines.linewidth": THIN,
+    "lines.solid_joinstyle": "round",
+    "savefig.dpi": 300,
+    "figure.dpi": 300,
+    "agg.path.chunksize": 20000,
+    "pdf.fonttype": 42,  # TrueType, as journals ask
+    "ps.fonttype": 42,
+    "svg.fonttype": "path",  # outlines: an SVG looks the same without the font
+    "svg.hashsalt": "vibsim",  # the same ids in every run: pictures can be compared
+}
+
+
+@contextmanager
+def applied() -> Iterator[None]:
+    """Draw and save under these settings, whatever the user's matplotlibrc says."""
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(SETTINGS)
+        yield
+
+
+def overlay(index: int, dashed: bool = True) -> dict[str, Any]:
+    """Colour and line style of the subject number `index` in a picture of several.
+
+    dashed : False where the lines are too dense for dashes to be seen.
+    """
+    dash = _DASHES[index % len(_DASHES)] if dashed else "-"
+    return {"color": _COLOURS[index % len(_COLOURS)], "linestyle": dash}

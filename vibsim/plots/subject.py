@@ -1,0 +1,73 @@
+"""What a picture shows: a run, a case or a sweep, with the name it goes by in the legend."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+RESULT_SUFFIXES = (".h5", ".hdf5", ".partial")
+
+
+@dataclass(frozen=True)
+class Subject:
+    """One file or case to be shown.
+
+    Attributes
+    ----------
+    path : as the user gave it
+    name : its name in legends and in default file names
+    reads : "trajectory", "sweep" or "case", see `registry.Kind.reads`
+    case : the Case, as far as it is known
+    result : the open result file (None for a case)
+    """
+
+    path: str
+    name: str
+    reads: str
+    case: Any
+    result: Any = None
+
+    @property
+    def scene(self):
+        """The Scene behind it."""
+        return self.case.scene()
+
+
+def open_subject(path: str) -> Subject:
+    """The subject that `path` names: an HDF5 file of vibsim, a YAML case file or a shipped case's name.
+
+    Raises ResultFileError or CaseError when it is none of these.
+    """
+    if _is_result_file(path):
+        from vibsim.results import open_result
+
+        result = open_result(path)
+        kind = str(result.attrs.get("vibsim_kind", "trajectory"))
+        case = result.case
+        return Subject(path, case.name, kind, case, result)
+    from vibsim.cases import load_case
+
+    case = load_case(path)
+    return Subject(path, case.name, "case", case)
+
+
+def open_subjects(paths: Sequence[str]) -> list[Subject]:
+    """Subjects of several paths; where case names repeat, they go by their file's name instead."""
+    subjects = [open_subject(path) for path in paths]
+    names = [subject.name for subject in subjects]
+    return [
+        replace(subject, name=Path(subject.path).stem) if names.count(subject.name) > 1 else subject
+        for subject in subjects
+    ]
+
+
+def _is_result_file(path: str) -> bool:
+    if Path(path).suffix in RESULT_SUFFIXES:
+        return True
+    try:
+        with open(path, "rb") as file:
+            return file.read(8) == b"\x89HDF\r\n\x1a\n"
+    except OSError:
+        return False

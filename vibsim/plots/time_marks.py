@@ -1,0 +1,44 @@
+"""Marks on a time axis: where the impacts are, and until when the run is right."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from vibsim.plots.impacts import impact_times
+from vibsim.plots.samples import window_of
+from vibsim.plots.sheet import note, pixel_columns
+from vibsim.plots.style import GREY
+from vibsim.plots.subject import Subject
+from vibsim.plots.view import Span
+
+
+def annotate_run(axes: Axes, subject: Subject, span: Span) -> None:
+    """Ticks for the impacts, a line at the trust horizon, and a note above that names them."""
+    remarks = [impact_ticks(axes, subject, span), trust_line(axes, subject, span)]
+    note(axes, "; ".join(remark for remark in remarks if remark))
+
+
+def impact_ticks(axes: Axes, subject: Subject, span: Span) -> str:
+    """A tick at the foot of the axes for every impact, as far as pixels can tell them apart; their number in words."""
+    if not subject.scene.has_stop:
+        return ""
+    t = impact_times(subject.result, window_of(subject, span))
+    pixel = ((t - span[0]) / (span[1] - span[0]) * pixel_columns(axes)).astype(int)
+    seen = t[np.unique(pixel, return_index=True)[1]]
+    axes.plot(
+        seen, np.zeros(len(seen)), linestyle="none", marker=2, markersize=2.2, markeredgewidth=0.3,
+        color="0.6", transform=axes.get_xaxis_transform(), gid="impacts",
+    )  # fmt: skip
+    return f"{len(t)} impact{'' if len(t) == 1 else 's'}"
+
+
+def trust_line(axes: Axes, subject: Subject, span: Span) -> str:
+    """A dotted line at the instant until which the run is right, where it lies within the span; the instant in words."""
+    horizon = getattr(subject.result, "trust_horizon", None)
+    if horizon is None or not math.isfinite(horizon) or not span[0] < horizon < span[1]:
+        return ""
+    axes.axvline(horizon, color=GREY, linewidth=0.8, linestyle=(0, (1, 1.5)), gid="trust-horizon")
+    return f"trust horizon {horizon:.4g} s (dotted)"

@@ -1,0 +1,18 @@
+"""Velocities of the blocks against time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from matplotlib.figure import Figure
+
+from vibsim.plots.subject import Subject
+from vibsim.plots.time_history import Quantity, draw_history
+from vibsim.plots.view import View
+
+VELOCITY = Quantity("Velocity", "m/s", ("v1", "v2"))
+
+
+def draw(subjects: Sequence[Subject], view: View) -> Figure:
+    """v1 and v2 against time [s], impacts marked, with a detail."""
+    return draw_history(subjects, view, VELOCITY)
