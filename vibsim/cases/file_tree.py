@@ -1,0 +1,137 @@
+"""Case files to one plain tree of texts: `extends` followed, child over parent, with the place of every key kept."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from vibsim.cases.problems import CaseError, Problem
+from vibsim.cases.sources import SourceText, find_source
+from vibsim.cases.yaml_nodes import Broken, Mapping, Node, Place, Text, read_yaml
+
+LONGEST_CHAIN = 8  # files that extend one another
+SWITCHED_OFF = "none"
+SWITCHABLE = ("stop", "friction", "excitation", "initial", "rest_distance", "run")
+OWN_KEYS = ("name", "title", "extends")  # not inherited: they speak of one file
+BROKEN = object()  # a value that has been reported already
+
+
+@dataclass
+class Tree:
+    """A case before validation.
+
+    Attributes
+    ----------
+    values : nested dict of texts
+    places : dotted key -> place of its value
+    key_places : dotted key -> place of the key itself
+    root : where the case begins, the place of what is missing
+    problems : what reading found
+    """
+
+    values: dict[str, Any]
+    root: Place
+    places: dict[str, Place] = field(default_factory=dict)
+    key_places: dict[str, Place] = field(default_factory=dict)
+    problems: list[Problem] = field(default_factory=list)
+
+    def place(self, key: str, of_key: bool = False) -> Place:
+        """Place of a key's value (or of the key), or of the section around it where it is missing."""
+        table = self.key_places if of_key else self.places
+        while key:
+            if key in table:
+                return table[key]
+            key, table = key.rpartition(".")[0], self.key_places
+        return self.root
+
+
+def read_tree(source: SourceText) -> Tree:
+    """Read a case file and the files that it extends. What is wrong is left in `problems`."""
+    problems: list[Problem] = []
+    merged = _read_chain(source, [], problems)
+    root = merged.place if merged else Place(source.shown, 1, 1)
+    tree = Tree({}, Place(source.shown, 1, 1) if merged is None else root, problems=problems)
+    if merged is not None:
+        _plain(merged, "", tree.values, tree)
+    return tree
+
+
+def _read_chain(source: SourceText, chain: list[str], problems: list[Problem]) -> Mapping | None:
+    """The mapping of one file over that of its parent; None where nothing could be read."""
+    own, found = read_yaml(source.text, source.shown)
+    problems += found
+    if own is None:
+        return None
+    extends = own.values.get("extends")
+    if not isinstance(extends, Text):
+        return own
+    parent = _parent(extends, source, [*chain, source.identity], problems)
+    if parent is None:
+        return Mapping(own.place, own.values | {"extends": Broken(extends.place)}, own.key_places)
+    inherited = [key for key in parent.values if key not in OWN_KEYS]
+    parent = Mapping(
+        own.place,
+        {key: parent.values[key] for key in inherited},
+        {key: parent.key_places[key] for key in inherited},
+    )
+    return _over(parent, own)
+
+
+def _parent(extends: Text, source: SourceText, chain: list[str], problems: list[Problem]) -> Mapping | None:
+    try:
+        if extends.text == "-":
+            raise CaseError([Problem("-", None, None, "", "standard input cannot be extended")])
+        parent = find_source(extends.text, source.folder)
+    except CaseError as error:
+        problems += [_blamed(problem, extends.place) for problem in error.problems]
+        return None
+    if parent.identity in chain:
+        problems.append(extends.place.problem("extends", f"goes round in a circle, back to {parent.shown}"))
+        return None
+    if len(chain) >= LONGEST_CHAIN:
+        problems.append(extends.place.problem("extends", f"more than {LONGEST_CHAIN} files extend one another"))
+        return None
+    before = len(problems)
+    mapping = _read_chain(parent, chain, problems)
+    return None if mapping is None and len(problems) > before else mapping
+
+
+def _blamed(problem: Problem, place: Place) -> Problem:
+    """A problem of a parent that cannot be read at all, told at the line that asks for it."""
+    if problem.line is not None:
+        return problem
+    return place.problem("extends", f"{problem.file} {problem.message}")
+
+
+def _over(parent: Mapping, child: Mapping, key: str = "") -> Mapping:
+    """Child over parent, key by key; an excitation of another kind replaces the whole section."""
+    values, places = dict(parent.values), dict(parent.key_places)
+    for name, value in child.values.items():
+        below = values.get(name)
+        if isinstance(below, Mapping) and isinstance(value, Mapping) and not _other_kind(below, value):
+            value = _over(below, value, f"{key}.{name}")
+        values[name] = value
+        places[name] = child.key_places[name]
+    return Mapping(child.place, values, places)
+
+
+def _other_kind(parent: Mapping, child: Mapping) -> bool:
+    old, new = parent.values.get("kind"), child.values.get("kind")
+    return new is not None and (not isinstance(old, Text) or not isinstance(new, Text) or old.text != new.text)
+
+
+def _plain(mapping: Mapping, prefix: str, values: dict[str, Any], tree: Tree) -> None:
+    """Fill `values` with plain texts and dicts, and the places of the tree with where they stand."""
+    for name, node in mapping.values.items():
+        key = f"{prefix}{name}"
+        tree.key_places[key] = mapping.key_places[name]
+        tree.places[key] = node.place
+        values[name] = _plain_value(node, key, tree)
+
+
+def _plain_value(node: Node, key: str, tree: Tree) -> Any:
+    if isinstance(node, Text):
+        return node.text
+    if isinstance(node, Broken):
+        return BROKEN
+    inner: dict[str, Any] = {}
+    _plain(node, f"{key}.", inner, tree)
+    return inner

@@ -1,0 +1,104 @@
+"""What one value of a case must be: its dimension and its range, as an annotation that pydantic understands."""
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import PydanticCustomError, core_schema
+
+from vibsim.cases.problems import shown
+from vibsim.cases.quantities import NUMBER, Quantity, QuantityError, parse_quantity
+from vibsim.cases.units import si_unit, unit_names
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A quantity of one dimension and its range, for use inside Annotated.
+
+    Attributes
+    ----------
+    dimension : name in the unit table, such as "length"
+    above, least, most : the value must be > above, >= least, <= most (texts in SI units; None: no bound)
+    nonzero : the value must not be 0
+    word : a word that may stand in place of the quantity, such as "fixed"
+    """
+
+    dimension: str
+    above: str | None = None
+    least: str | None = None
+    most: str | None = None
+    nonzero: bool = False
+    word: str | None = None
+
+    def read(self, value: object) -> Quantity | str:
+        """The quantity behind a text (or the word). Raises QuantityError."""
+        if isinstance(value, Quantity):
+            return value
+        if isinstance(value, bool) or not isinstance(value, str | int | float):
+            raise QuantityError(f"must be a single value, got {_kind_of(value)}")
+        text = str(value)
+        if self.word is not None and text.strip() == self.word:
+            return self.word
+        quantity = self._parsed(text)
+        broken = self.broken_bound(quantity.value)
+        if broken:
+            raise QuantityError(f"must be {broken}, got {shown(text)}")
+        return quantity
+
+    def _parsed(self, text: str) -> Quantity:
+        try:
+            return parse_quantity(text, self.dimension)
+        except QuantityError as error:
+            if self.word is None:
+                raise
+            raise QuantityError(f"{error}; or the word {self.word}") from None
+
+    def broken_bound(self, value: Fraction) -> str | None:
+        """The bound that a value breaks, in words; None inside the range."""
+        if self.nonzero and value == 0:
+            return "different from 0"
+        if self.above is not None and value <= Fraction(self.above):
+            return f"> {self.above}"
+        if self.least is not None and value < Fraction(self.least):
+            return f">= {self.least}"
+        if self.most is not None and value > Fraction(self.most):
+            return f"<= {self.most}"
+        return None
+
+    def _validate(self, value: object) -> Quantity | str:
+        try:
+            return self.read(value)
+        except QuantityError as error:
+            raise PydanticCustomError("quantity", "{what}", {"what": str(error)}) from None
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(
+            self._validate, serialization=core_schema.to_string_ser_schema()
+        )
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """A number in SI units with its bounds, a text with a unit, or the word."""
+        units = unit_names(self.dimension)
+        tail = r"\s*[^\s0-9].*" if self.dimension == "angular rate" else ".*" if units else r"\s*"
+        text: dict[str, Any] = {"type": "string", "pattern": rf"^\s*{NUMBER}(\s*/\s*\d+)?{tail}$"}
+        if units:
+            text["description"] = f"number and unit: {', '.join(units)}"
+        choices = [text]
+        if self.dimension != "angular rate":
+            choices.insert(0, {"type": "number", "description": f"in {si_unit(self.dimension).name or 'no unit'}"})
+            choices[0] |= self._json_bounds()
+        if self.word is not None:
+            choices.append({"const": self.word})
+        return {"anyOf": choices}
+
+    def _json_bounds(self) -> dict[str, Any]:
+        bounds = {"exclusiveMinimum": self.above, "minimum": self.least, "maximum": self.most}
+        found: dict[str, Any] = {name: float(bound) for name, bound in bounds.items() if bound is not None}
+        return found | ({"not": {"const": 0}} if self.nonzero else {})
+
+
+def _kind_of(value: object) -> str:
+    return "a mapping" if isinstance(value, dict) else shown(value)

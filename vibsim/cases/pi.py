@@ -1,0 +1,62 @@
+"""Correctly rounded products and quotients with 2 pi, from exact fractions.
+
+Hertz become rad/s, and rad/s cycles, without an error beyond the one rounding of the result: 2 pi is enclosed between
+two fractions, and the enclosure is narrowed until both ends round to the same double (Ziv's strategy).
+"""
+
+from collections.abc import Callable
+from fractions import Fraction
+from functools import lru_cache
+
+FIRST_BITS = 192  # more than three doubles: the loop below almost never goes round twice
+
+
+def _arctan_inverse(n: int, bits: int) -> int:
+    """arctan(1/n) * 2**bits, each of the fewer than `bits` terms truncated (error below `bits` units)."""
+    power = (1 << bits) // n
+    total, k, sign = power, 1, 1
+    while power:
+        power //= n * n
+        k += 2
+        sign = -sign
+        total += sign * (power // k)
+    return total
+
+
+@lru_cache(maxsize=8)
+def two_pi_bounds(bits: int) -> tuple[Fraction, Fraction]:
+    """Fractions below and above 2 pi, about 2**-bits apart; Machin: pi = 16 arctan(1/5) - 4 arctan(1/239)."""
+    work = bits + 32
+    two_pi = 2 * (16 * _arctan_inverse(5, work) - 4 * _arctan_inverse(239, work))
+    slack = 64 * work  # 2 (16 + 4) units per truncated term, rounded up
+    scale = 1 << work
+    return Fraction(two_pi - slack, scale), Fraction(two_pi + slack, scale)
+
+
+def two_pi_fraction(digits: int) -> Fraction:
+    """2 pi as a fraction, right to `digits` decimal digits."""
+    return two_pi_bounds(digits * 4 + 8)[0]
+
+
+def _rounded(function: Callable[[Fraction], Fraction]) -> float:
+    """The double nearest to function(2 pi), for a monotone function."""
+    bits = FIRST_BITS
+    while True:
+        low, high = two_pi_bounds(bits)
+        first, second = float(function(low)), float(function(high))
+        if first == second:
+            return first
+        bits *= 2
+
+
+def times_two_pi(value: Fraction, power: int = 1) -> float:
+    """value * (2 pi)**power, correctly rounded: cycles to rad, Hz to rad/s; power 0 is plain rounding."""
+    if power == 0:
+        return value.numerator / value.denominator
+    return _rounded(lambda two_pi: value * two_pi**power)
+
+
+def radians_to_turns(radians: Fraction) -> tuple[float, float]:
+    """radians / (2 pi) as an unevaluated double-double (high, low): rad/s to Hz with 106 bits."""
+    high = _rounded(lambda two_pi: radians / two_pi)
+    return high, _rounded(lambda two_pi: radians / two_pi - Fraction(high))

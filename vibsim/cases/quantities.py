@@ -1,0 +1,159 @@
+"""Quantities: decimal text to exact fraction to SI, with one rounding to a double at the very end."""
+
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+
+from vibsim.cases.pi import radians_to_turns, times_two_pi
+from vibsim.cases.problems import nearest, shown
+from vibsim.cases.units import UNITS, Unit, find_unit, si_unit, unit_names
+
+NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
+_NUMBER_AND_UNIT = re.compile(rf"(?P<number>{NUMBER}(?:\s*/\s*\d+)?)\s*(?P<unit>.*)", re.ASCII | re.DOTALL)
+_NOT_FINITE = re.compile(r"[+-]?\.?(inf|infinity|nan)\b", re.IGNORECASE)
+LONGEST_NUMBER = 200  # characters; keeps every fraction small
+LARGEST_EXPONENT = 1000  # so that 1e999999999 is refused before it is multiplied out
+LARGEST = Fraction(2**1024 - 2**970) / 8  # an eighth of the largest double: 2 pi times it still fits
+SMALLEST = Fraction(1, 2**1022)  # below it a double loses digits
+
+
+class QuantityError(ValueError):
+    """A text that is no quantity of the dimension asked for; the message says what is wrong and what is allowed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """An exact value and the text that it came from.
+
+    Attributes
+    ----------
+    text : canonical text, number as written and unit, e.g. "5.5 Hz"; parses back to the same quantity
+    value : exact value in SI units; in turns or turns per second where `per_turn`
+    per_turn : True for Hz, rpm, rev/s, deg/s, deg and turn
+    """
+
+    text: str
+    value: Fraction
+    per_turn: bool = False
+
+    def number(self) -> float:
+        """Correctly rounded value in SI units (rad and rad/s for angles and rates)."""
+        return times_two_pi(self.value, 1 if self.per_turn else 0)
+
+    def cycles(self) -> tuple[float, float]:
+        """An angular rate in Hz, or an angle in turns, as an unevaluated double-double (high, low)."""
+        if not self.per_turn:
+            return radians_to_turns(self.value)
+        high = float(self.value)
+        return high, float(self.value - Fraction(high))
+
+    def __str__(self) -> str:
+        return self.text
+
+
+def parse_quantity(text: str, dimension: str) -> Quantity:
+    """The quantity that `text` spells, e.g. parse_quantity("1 mm", "length").
+
+    Raises QuantityError for text that is no number, an unknown or missing unit, a wrong dimension, and values that
+    do not fit a double.
+    """
+    match = _NUMBER_AND_UNIT.fullmatch(text.strip())
+    if match is None:
+        raise QuantityError(_not_a_number(text, dimension))
+    number, unit_text = match["number"], match["unit"].strip()
+    unit = _unit_of(text, unit_text, dimension)
+    value = exact_number(number) * unit.factor
+    if value and not SMALLEST <= abs(value) <= LARGEST:
+        raise _out_of_range(text)
+    return Quantity(f"{number} {unit.name}".strip(), value, unit.per_turn)
+
+
+def exact_number(text: str) -> Fraction:
+    """A decimal number, or a decimal over a whole number such as 1/3, as an exact fraction."""
+    if len(text) > LONGEST_NUMBER:
+        raise QuantityError(f"a number may have at most {LONGEST_NUMBER} characters, got {shown(text)}")
+    top, _, bottom = "".join(text.split()).partition("/")
+    digits, _, exponent = top.lower().partition("e")
+    if not digits.strip("+-0."):
+        top = "0"
+    elif exponent and abs(int(exponent)) > LARGEST_EXPONENT:
+        raise _out_of_range(text)
+    if bottom and not int(bottom):
+        raise QuantityError(f"division by zero in {shown(text)}")
+    return Fraction(top) / int(bottom) if bottom else Fraction(top)
+
+
+def _out_of_range(text: str) -> QuantityError:
+    return QuantityError(f"does not fit double precision (2.3e-308 to 2.2e307), got {shown(text)}")
+
+
+def allowed_units(dimension: str) -> str:
+    """What may be written, in words: "a length in m, mm, um or cm"."""
+    names = unit_names(dimension)
+    article = "an" if dimension[0] in "aeiou" else "a"
+    if not names:
+        return "a plain number"
+    listed = names[0] if len(names) == 1 else ", ".join(names[:-1]) + " or " + names[-1]
+    return f"{article} {dimension} in {listed}"
+
+
+def _not_a_number(text: str, dimension: str) -> str:
+    word = text.strip()
+    if _NOT_FINITE.match(word):
+        return f"must be finite, got {shown(word)}"
+    if word.startswith("\u2212"):
+        return f"write the minus sign as -, got {shown(word)}"
+    return f"must be {allowed_units(dimension)}, got {shown(word)}"
+
+
+def _unit_of(text: str, unit_text: str, dimension: str) -> Unit:
+    """The unit behind the number; the SI unit where there is none and that is allowed."""
+    if not unit_text:
+        if dimension == "angular rate":
+            raise QuantityError(f"needs a unit ({', '.join(unit_names(dimension))}), got {shown(text)}")
+        return si_unit(dimension)
+    if unit_text[0] in ",:_'" or unit_text[0].isdigit():
+        hint = "; write decimals with a point" if unit_text[0] == "," else ""
+        raise QuantityError(f"must be {allowed_units(dimension)}, got {shown(text)}{hint}")
+    unit = find_unit(unit_text)
+    if unit is None:
+        near = nearest(unit_text, unit_names(dimension)) or nearest(unit_text, filter(None, UNITS))
+        hint = f" (did you mean {near}?)" if near else ""
+        raise QuantityError(f"unknown unit in {shown(text)}; must be {allowed_units(dimension)}{hint}")
+    if unit.dimension != dimension:
+        raise QuantityError(f"must be {allowed_units(dimension)}, got {shown(text)}")
+    return unit
+
+
+def decimal_text(value: Fraction) -> str:
+    """The shortest exact text of a fraction: "3.05", "1e-8", or "10/3" where no decimal ends.
+
+    parse_quantity reads each of these back to the same fraction.
+    """
+    twos, fives, rest = 0, 0, value.denominator
+    while rest % 2 == 0:
+        twos, rest = twos + 1, rest // 2
+    while rest % 5 == 0:
+        fives, rest = fives + 1, rest // 5
+    if rest != 1:
+        return f"{value.numerator}/{value.denominator}"
+    places = max(twos, fives)
+    digits = str(abs(value.numerator) * 10**places // value.denominator)
+    stripped = digits.rstrip("0") or "0"
+    exponent = len(digits) - len(stripped) - places if value else 0
+    sign = "-" if value < 0 else ""
+    return sign + _placed(stripped, exponent)
+
+
+def _placed(digits: str, exponent: int) -> str:
+    """digits * 10**exponent, with a plain point while that is short, else with an exponent."""
+    if 0 <= exponent <= 6:
+        return digits + "0" * exponent
+    if exponent > 6:
+        return f"{digits}e{exponent}"
+    whole = len(digits) + exponent
+    if whole > 0:
+        return f"{digits[:whole]}.{digits[whole:]}"
+    if whole > -5:
+        return "0." + "0" * -whole + digits
+    return f"{digits}e{exponent}"

@@ -1,0 +1,122 @@
+"""The one seam between case and kernel: exact quantities become the plain SI numbers of a Scene, each rounded once."""
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from vibsim.cases.pi import times_two_pi, two_pi_fraction
+from vibsim.cases.quantities import Quantity
+from vibsim.cases.schema import AmplitudeRule, CaseFile, Harmonic, Motor
+from vibsim.physics.scene import Scene
+
+Number = Any
+PI_DIGITS = 1100  # of the fraction that stands for pi where a number type brings none
+
+
+class NumberType(NamedTuple):
+    """How exact values become numbers.
+
+    Attributes
+    ----------
+    convert : (value, power) -> value * (2 pi)**power
+    cycles : angular rate -> (cycles, cycles_lo) in Hz
+    """
+
+    convert: Callable[[Fraction, int], Number]
+    cycles: Callable[[Quantity], tuple[Number, Number]]
+
+    def of(self, quantity: Quantity) -> Number:
+        """The number in SI units, rad and rad/s."""
+        return self.convert(quantity.value, _turns(quantity))
+
+
+def _turns(quantity: Quantity) -> int:
+    return 1 if quantity.per_turn else 0
+
+
+DOUBLES = NumberType(times_two_pi, Quantity.cycles)
+
+
+def exact_numbers(number: Callable[[Fraction], Number], pi: Number = None) -> NumberType:
+    """Numbers of another type, such as flint.arb or mpmath.mpf, made by number(Fraction).
+
+    `pi` is pi in that type; without it a fraction right to 1100 digits is converted.
+    """
+    two_pi = number(two_pi_fraction(PI_DIGITS)) if pi is None else 2 * pi
+
+    def convert(value: Fraction, power: int) -> Number:
+        return number(value) * two_pi**power if power else number(value)
+
+    def cycles(rate: Quantity) -> tuple[Number, Number]:
+        return (rate.value if rate.per_turn else number(rate.value) / two_pi), number(Fraction(0))
+
+    return NumberType(convert, cycles)
+
+
+def amplitude_value(source: Harmonic) -> tuple[Fraction, int]:
+    """Amplitude A of the ideal source [N] as (value, power), value * (2 pi)**power; by rule m3 e omega^2, Eq. (2.11)."""
+    if not isinstance(source.A, AmplitudeRule):
+        return source.A.value, 0
+    omega = source.omega
+    return source.A.m3.value * source.A.e.value * omega.value**2, 2 * _turns(omega)
+
+
+def build_scene(case: CaseFile, numbers: NumberType = DOUBLES) -> Scene:
+    """The scene of a case [SI, rad/s]; what the case has not got is None."""
+    every = case.run.every.value
+    return Scene(
+        **_blocks(case, numbers),
+        **_source(case, numbers),
+        **_initial_state(case, numbers),
+        rest_distance=numbers.of(case.rest_distance.value) if case.rest_distance else None,
+        stop_on_violation=bool(case.rest_distance and case.rest_distance.on_violation == "stop"),
+        t_end=numbers.of(case.run.t_end),
+        every_num=every.numerator,
+        every_den=every.denominator,
+        method=case.run.method,
+        order=case.run.order,
+        tol=numbers.of(case.run.tol),
+    )
+
+
+def _blocks(case: CaseFile, numbers: NumberType) -> dict[str, Number]:
+    blocks, stop = case.blocks, case.stop
+    return {
+        "m1": numbers.of(blocks.m1),
+        "m2": numbers.of(blocks.m2) if isinstance(blocks.m2, Quantity) else None,
+        "k1": numbers.of(case.coupling.k1),
+        "c": numbers.of(case.coupling.c),
+        "k2": numbers.of(stop.k2) if stop else None,
+        "G": numbers.of(stop.G) if stop else None,
+        "stop_sign": -1 if stop and stop.acts == "compression" else 1,
+        "N": _limit_friction(case, numbers),
+    }
+
+
+def _limit_friction(case: CaseFile, numbers: NumberType) -> Number:
+    """N = mu m2 g [N], Eq. (2.7), multiplied exactly and rounded once; None without friction."""
+    friction, m2 = case.friction, case.blocks.m2
+    if friction is None or not isinstance(m2, Quantity) or friction.mu.value == 0:
+        return None
+    return numbers.convert(friction.mu.value * m2.value * friction.g.value, 0)
+
+
+def _source(case: CaseFile, numbers: NumberType) -> dict[str, Number]:
+    source = case.excitation
+    found: dict[str, Number] = dict.fromkeys(("A", "F0", "omega", "cycles", "cycles_lo", "m3", "e", "J", "M0", "Omega0"))
+    found["source"] = source.kind
+    if isinstance(source, Harmonic):
+        found["A"] = numbers.convert(*amplitude_value(source))
+        found["F0"], found["omega"] = numbers.of(source.F0), numbers.of(source.omega)
+        found["cycles"], found["cycles_lo"] = numbers.cycles(source.omega)
+    elif isinstance(source, Motor):
+        found |= {name: numbers.of(getattr(source, name)) for name in ("m3", "e", "J", "M0", "Omega0")}
+    return found
+
+
+def _initial_state(case: CaseFile, numbers: NumberType) -> dict[str, Number]:
+    names = ["x1", "v1"]
+    names += ["x2", "v2"] if isinstance(case.blocks.m2, Quantity) else []
+    names += ["phi", "phidot"] if isinstance(case.excitation, Motor) else []
+    state: dict[str, Number] = dict.fromkeys(("x1", "v1", "x2", "v2", "phi", "phidot"))
+    return state | {name: numbers.of(getattr(case.initial, name)) for name in names}

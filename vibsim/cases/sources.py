@@ -1,0 +1,129 @@
+"""Where cases come from: a path, a shipped name, or standard input; bytes to text, with size and encoding checked."""
+
+import re
+import sys
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+
+from vibsim.cases.problems import CaseError, Problem, did_you_mean
+
+LARGEST_FILE = 1_000_000  # bytes
+HDF5_SIGNATURE = b"\x89HDF"
+_CONTROL = re.compile("[^\t\n\r -~\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # what YAML forbids
+SUFFIXES = (".yaml", ".yml")
+
+
+@dataclass(frozen=True)
+class SourceText:
+    """The text of one case file.
+
+    Attributes
+    ----------
+    shown : path as the user gave it, for messages
+    stem : name of the case where the file gives none
+    text : the YAML text
+    folder : where an `extends` of this file looks for relative paths
+    identity : tells whether two sources are the same file
+    """
+
+    shown: str
+    stem: str
+    text: str
+    folder: Path
+    identity: str
+
+
+def shipped_folder() -> Path:
+    """The folder of the shipped cases, installed or in a checkout."""
+    try:
+        return Path(str(resources.files("vibsim.shipped_cases").joinpath("II-B.yaml"))).parent
+    except ModuleNotFoundError:
+        return Path(__file__).resolve().parents[2] / "cases"
+
+
+def shipped_case_names() -> list[str]:
+    """Names of the shipped cases, sorted: I-A, I-A-eq211, ... II-C."""
+    return sorted(path.stem for path in shipped_folder().glob("*.yaml"))
+
+
+def is_path(source: str) -> bool:
+    """True for what names a file: it ends in .yaml or .yml or has a folder in it."""
+    return source.lower().endswith(SUFFIXES) or "/" in source or "\\" in source
+
+
+def find_source(source: str, folder: Path | None = None) -> SourceText:
+    """Read the case file that `source` names: a path, a shipped name, or "-" for standard input.
+
+    Relative paths count from `folder` (default: the current one). Raises CaseError where there is no such file, or
+    where it is too large or no UTF-8 text.
+    """
+    if source == "-":
+        text = decoded(sys.stdin.buffer.read(LARGEST_FILE + 1), "stdin")
+        return SourceText("stdin", "stdin", text, Path(), "-")
+    path = Path(source)
+    if is_path(source):
+        path = folder / path if folder and not path.is_absolute() else path
+        return _file(path, str(path))
+    if source in shipped_case_names():
+        path = shipped_folder() / f"{source}.yaml"
+        return _file(path, str(path))
+    raise CaseError([Problem(source or '""', None, None, "", _no_such_case(source))])
+
+
+def _no_such_case(source: str) -> str:
+    names = shipped_case_names()
+    hint = did_you_mean(source, names)
+    if Path(source).is_file():
+        hint = f"; for the file write ./{source}"
+    return f"is no shipped case{hint}; shipped are {', '.join(names)}; a file name ends in .yaml"
+
+
+def _file(path: Path, name: str) -> SourceText:
+    try:
+        with open(path, "rb") as file:
+            raw = file.read(LARGEST_FILE + 1)
+    except (OSError, ValueError) as error:
+        raise CaseError([Problem(name, None, None, "", _unreadable(path, error))]) from None
+    return SourceText(name, path.stem, decoded(raw, name), path.parent, str(path.resolve()))
+
+
+def _unreadable(path: Path, error: Exception) -> str:
+    if isinstance(error, FileNotFoundError):
+        names = shipped_case_names()
+        near = f"; the shipped case is called {path.stem}" if path.stem in names else ""
+        return f"no such file{near}"
+    if isinstance(error, IsADirectoryError):
+        return "is a folder, not a case file"
+    return f"cannot be read: {getattr(error, 'strerror', None) or error}"
+
+
+def decoded(raw: bytes, name: str) -> str:
+    """Bytes of a case file as text. Raises CaseError for large, binary and non-UTF-8 files."""
+    if raw.startswith(HDF5_SIGNATURE):
+        raise CaseError([Problem(name, None, None, "", "is an HDF5 file, not a YAML case file")])
+    if len(raw) > LARGEST_FILE:
+        raise CaseError([Problem(name, None, None, "", "is larger than 1 MB; a case file has about 2 kB")])
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        what = f"is not UTF-8 text (byte 0x{raw[error.start]:02x}); save the file as UTF-8"
+        raise CaseError([_at(name, raw[: error.start].decode("utf-8", "replace"), what)]) from None
+    control = _CONTROL.search(text)
+    if control:
+        what = f"holds the control character 0x{ord(control[0]):02x}; is it a binary file?"
+        raise CaseError([_at(name, text[: control.start()], what)])
+    return text
+
+
+def _at(name: str, before: str, message: str) -> Problem:
+    """A problem right behind the text `before`."""
+    line = before.count("\n") + 1
+    column = len(before) - (before.rfind("\n") + 1) + 1
+    return Problem(name, line, column, "", message)
+
+
+def case_name_from(stem: str) -> str:
+    """A case's name from its file's name: what a name may not hold becomes "_"."""
+    name = re.sub(r"[^A-Za-z0-9._+ -]", "_", stem).strip()[:80]
+    return name if name[:1].isalnum() and name.isascii() else f"case{name}"[:80]

@@ -1,0 +1,221 @@
+"""YAML text to a tree of mappings and texts in which every key and value knows its place.
+
+Built from the parser's events, not from loaded objects: values stay the text that the user wrote (3:7:0.05, 1e-8, 010, no),
+and what a case file has no use for (repeated keys, nulls, tags, anchors, aliases, merge keys, lists) is reported and left out.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import yaml
+from yaml.events import (
+    AliasEvent,
+    CollectionEndEvent,
+    CollectionStartEvent,
+    DocumentStartEvent,
+    Event,
+    MappingEndEvent,
+    MappingStartEvent,
+    NodeEvent,
+    ScalarEvent,
+    SequenceStartEvent,
+)
+
+from vibsim.cases.problems import Problem, shown
+
+DEEPEST = 8  # nesting; a case needs 3
+MOST_VALUES = 2000  # a case needs about 40
+NULLS = ("", "~", "null", "Null", "NULL")
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A place in a file, counted from 1; no line for an override."""
+
+    file: str
+    line: int | None = None
+    column: int | None = None
+
+    def problem(self, key: str, message: str) -> Problem:
+        return Problem(self.file, self.line, self.column, key, message)
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A value, as written."""
+
+    text: str
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Broken:
+    """A value that has been reported already; it stands here so that its key is not called missing."""
+
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Mapping:
+    """Keys, their places and their values, in file order."""
+
+    place: Place
+    values: dict[str, "Node"] = field(default_factory=dict)
+    key_places: dict[str, Place] = field(default_factory=dict)
+
+    def put(self, key: str, place: Place, value: "Node") -> None:
+        self.values[key] = value
+        self.key_places[key] = place
+
+
+Node = Mapping | Text | Broken
+
+
+class _TooMuch(Exception):
+    """Reading stops here: too deep, too many values, or a second document."""
+
+
+def read_yaml(text: str, file: str) -> tuple[Mapping | None, list[Problem]]:
+    """Parse one YAML document.
+
+    Returns the tree (None where the text holds no mapping) and all problems found. Syntax errors are problems too; after
+    one, nothing more is read.
+    """
+    reader = _Reader(file)
+    try:
+        root = reader.document(yaml.parse(text, Loader=yaml.SafeLoader))
+    except _TooMuch:
+        return None, reader.problems
+    except yaml.YAMLError as error:
+        reader.problems.append(_syntax_problem(error, file, text))
+        return None, reader.problems
+    return root, reader.problems
+
+
+class _Reader:
+    """Builds the tree of one file from its events."""
+
+    def __init__(self, file: str):
+        self.file = file
+        self.problems: list[Problem] = []
+        self.count = 0
+
+    def document(self, events: Iterator[Event]) -> Mapping | None:
+        root: Node | None = None
+        for event in events:
+            if isinstance(event, DocumentStartEvent) and root is not None:
+                self.stop(self.place(event), "a case file holds one YAML document; a second one starts here")
+            elif isinstance(event, NodeEvent):
+                root = self.node(event, events, "", self.place(event), 1)
+        if isinstance(root, Text):
+            self.problems.append(root.place.problem("", f"must be a mapping of sections, got {shown(root.text)}"))
+        if root is None:
+            self.problems.append(Problem(self.file, 1, 1, "", "is empty; a case needs at least blocks and coupling"))
+        return root if isinstance(root, Mapping) else None
+
+    def node(self, event: Event, events: Iterator[Event], key: str, key_place: Place, depth: int) -> Node:
+        place = self.place(event)
+        self.counted(event)
+        if depth > DEEPEST:
+            self.stop(place, f"nested more than {DEEPEST} deep; a case needs 3")
+        broken = self.forbidden(event, key, place)
+        if isinstance(event, MappingStartEvent):
+            mapping = self.mapping(event, events, key, depth)
+            return Broken(place) if broken else mapping
+        if isinstance(event, SequenceStartEvent):
+            self.skip(events)
+            return self.report(place, key, "lists are not used in case files; must be a single value or a mapping")
+        if not isinstance(event, ScalarEvent) or broken:
+            return Broken(place)
+        if event.style is None and event.value in NULLS:
+            what = "has no value" if event.value == "" else f"must not be null, got {event.value}"
+            return self.report(key_place, key, f"{what}; leave the key out, or write none to switch a section off")
+        return Text(event.value, place)
+
+    def mapping(self, start: Event, events: Iterator[Event], prefix: str, depth: int) -> Mapping:
+        mapping = Mapping(self.place(start))
+        for event in events:
+            if isinstance(event, MappingEndEvent):
+                break
+            name = self.key(event, events, prefix)
+            place = self.place(event)
+            key = f"{prefix}.{name}" if prefix and name else name or prefix
+            value = self.node(next(events), events, key, place, depth + 1)
+            if name is None:
+                continue
+            if name in mapping.values:
+                first = mapping.key_places[name].line
+                self.report(place, key, f"is given twice; first on line {first}")
+                continue
+            mapping.put(name, place, value)
+        return mapping
+
+    def key(self, event: Event, events: Iterator[Event], prefix: str) -> str | None:
+        """The text of a mapping's key; None where it is no text, which is reported."""
+        place = self.place(event)
+        if isinstance(event, ScalarEvent):
+            if self.forbidden(event, prefix, place):
+                return None
+            if event.value == "<<" and event.style is None:
+                self.report(place, prefix, "merge keys are not used in case files; use extends: OTHER.yaml")
+                return None
+            return event.value
+        if isinstance(event, CollectionStartEvent):
+            self.skip(events)
+        self.report(place, prefix, "a key must be a plain word")
+        return None
+
+    def skip(self, events: Iterator[Event]) -> None:
+        """Read past the rest of a list or mapping."""
+        depth = 1
+        while depth:
+            event = next(events)
+            self.counted(event)
+            depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
+
+    def counted(self, event: Event) -> None:
+        self.count += isinstance(event, NodeEvent)
+        if self.count > MOST_VALUES:
+            self.stop(self.place(event), f"more than {MOST_VALUES} values; a case needs about 40")
+
+    def forbidden(self, event: Event, key: str, place: Place) -> bool:
+        """Report aliases, anchors and tags; True where there is one."""
+        if isinstance(event, AliasEvent):
+            self.report(place, key, f"aliases are not used in case files, got *{shown(event.anchor)}; repeat the value or use extends")
+        elif getattr(event, "anchor", None) is not None:
+            self.report(place, key, f"anchors are not used in case files, got &{shown(event.anchor)}; repeat the value or use extends")
+        elif getattr(event, "tag", None) is not None:
+            self.report(place, key, f"tags are not used in case files, got {shown(_tag(event))}; write the plain value")
+        else:
+            return False
+        return True
+
+    def report(self, place: Place, key: str, message: str) -> Broken:
+        self.problems.append(place.problem(key, message))
+        return Broken(place)
+
+    def stop(self, place: Place, message: str, key: str = "") -> None:
+        self.report(place, key, message)
+        raise _TooMuch
+
+    def place(self, event: Event) -> Place:
+        mark = event.start_mark
+        return Place(self.file, mark.line + 1, mark.column + 1)
+
+
+def _tag(event: Event) -> str:
+    return str(event.tag).replace("tag:yaml.org,2002:", "!!")
+
+
+def _syntax_problem(error: yaml.YAMLError, file: str, text: str) -> Problem:
+    """A YAML syntax error in the words of the parser, with a hint for what people trip over."""
+    mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
+    line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
+    what = getattr(error, "problem", None) or getattr(error, "reason", None) or "cannot be read"
+    context = getattr(error, "context", None)
+    hint = ""
+    if "'\\t'" in what:
+        hint = "; indent with spaces, not with tabs"
+    elif "mapping values are not allowed here" in what:
+        hint = "; look for a second colon on the line, a missing quote, or a wrong indent"
+    return Problem(file, line, column, "", f"not valid YAML: {what}{f', {context}' if context else ''}{hint}")
