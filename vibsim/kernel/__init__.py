@@ -6,6 +6,7 @@
 """
 
 import sys
+from importlib.util import find_spec
 
 from vibsim.kernel.block import EVENT_STATE, Block, event_columns
 from vibsim.kernel.errors import KernelError
@@ -26,11 +27,7 @@ _noticed = False
 
 def compiled() -> bool:
     """Whether the C engine was built with this installation."""
-    try:
-        import vibsim.kernel._kernel  # noqa: F401 - asked for, not used
-    except ImportError:
-        return False
-    return True
+    return find_spec("vibsim.kernel._kernel") is not None
 
 
 def engine_name(engine="auto"):

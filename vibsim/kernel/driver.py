@@ -8,13 +8,13 @@ from vibsim.events.automaton import initial_mode, transition
 from vibsim.events.watch import NOTHING
 from vibsim.kernel.errors import KernelError
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.state import Mode, State
+from vibsim.physics.state import State
 
 EVENTS_AT_ONE_INSTANT = 64
 
 
 class Driver:
-    """Runs a scene from its start, or from `resume` = (state, mode), to its end."""
+    """Runs a scene from its start, or from `resume` = (state, mode, known zeros), to its end."""
 
     def __init__(self, scene, kit, flow, resume=None):
         self.scene, self.kit, self.flow = scene, kit, flow
@@ -27,7 +27,7 @@ class Driver:
             self.state = self._start_state()
             self.mode, known = initial_mode(scene, flow, self.state)
         else:
-            (self.state, self.mode), known = resume, {}
+            self.state, self.mode, known = resume
         self.known, self.known_since, self.crowd = known, self.state.t, 0
         self._record("start")
         if self.mode.violated:
@@ -113,8 +113,3 @@ class Driver:
         samples, events = self.samples, self.events
         self.samples, self.events = [], []
         return samples, events
-
-
-def mode_of(contact, friction, violated=0):
-    """Mode from its stored codes."""
-    return Mode(int(contact), int(friction), int(violated))

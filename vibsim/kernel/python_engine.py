@@ -4,13 +4,14 @@ from math import inf, nan
 
 import numpy as np
 
+from vibsim.events.watch import NOTHING
 from vibsim.flows.closed_form import ClosedForm
 from vibsim.flows.taylor import Taylor
-from vibsim.kernel.block import Block, select
-from vibsim.kernel.driver import Driver, mode_of
-from vibsim.physics.modes import EVENT_KINDS
+from vibsim.kernel.block import select
+from vibsim.kernel.driver import Driver
+from vibsim.kernel.resume import resume_point
+from vibsim.kernel.totals import totals_of
 from vibsim.physics.numbers import Doubles
-from vibsim.physics.state import State
 
 SAMPLES, EVENTS, STRETCHES = 2048, 1024, 512
 
@@ -24,7 +25,7 @@ class PythonTrajectory:
         self.scene, self.method = scene, method
         self.kit = Doubles
         self.flow = {"closed_form": ClosedForm, "taylor": Taylor}[method](scene, Doubles)
-        self.driver = Driver(scene, Doubles, self.flow, resume)
+        self.driver = Driver(scene, Doubles, self.flow, resume and resume_point(scene, resume))
 
     def blocks(self):
         """Yield `Block`s until the run ends."""
@@ -46,21 +47,13 @@ class PythonTrajectory:
     def totals(self):
         """Counts and margins so far."""
         driver, flow = self.driver, self.flow
-        counts = dict(zip(EVENT_KINDS, driver.counts, strict=True))
-        found = flow.margin != inf
-        return {
-            "impacts": counts["contact_begin"],
-            "sticks": counts["stick_begin"],
-            "reversals": counts["reversal"],
-            "events": sum(driver.counts) - counts["start"] - counts["end"],
-            "steps": flow.steps,
-            "evaluations": flow.evaluations,
-            "uncertified": flow.uncertified,
-            "grazing_margin": flow.margin if found else nan,
-            "grazing_time": flow.margin_time if found else nan,
-            "violations": counts["violation_begin"],
-            "first_violation_time": nan if driver.first_violation is None else driver.first_violation,
-        }
+        violated = driver.first_violation
+        return totals_of(
+            driver.counts,
+            (flow.steps, flow.evaluations, flow.uncertified),
+            (flow.margin, flow.margin_time) if flow.margin != inf else (nan, nan),
+            nan if violated is None else violated,
+        )
 
     def state_at(self, times):
         """States at ascending times before the next event, as columns."""
@@ -69,11 +62,12 @@ class PythonTrajectory:
             end = self.flow.t0
             while True:
                 end, function = self.flow.advance(self.scene.t_end)
-                if function != -1 or end >= t or end >= self.scene.t_end:
+                if function != NOTHING or end >= t or end >= self.scene.t_end:
                     break
                 self.flow.carry_on(self.flow.state_at(end))
             states.append(self.flow.state_at(t))
-        return sample_columns(self.kit, states, [self.driver.mode] * len(states))
+        columns = sample_columns(self.kit, states, [self.driver.mode] * len(states))
+        return {name: columns[name] for name in self.scene.columns()}
 
 
 def sample_columns(kit, states, modes):
@@ -85,6 +79,3 @@ def sample_columns(kit, states, modes):
     arrays["contact"] = np.array([m.contact for m in modes], dtype="i1")
     arrays["friction"] = np.array([m.friction for m in modes], dtype="i1")
     return arrays
-
-
-__all__ = ["Block", "PythonTrajectory", "State", "mode_of"]

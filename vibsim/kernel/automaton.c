@@ -1,0 +1,139 @@
+/* The mode automaton; twin of vibsim/events/automaton.py and watch.py. */
+#include "kernel.h"
+#include "numbers.h"
+
+#define JET 7
+
+void watch(Run *r, Mode mode)
+{
+    const Scene *s = &r->scene;
+    int n = 0;
+    if (s->has_stop != 0)
+        r->functions[n++] = GAP;
+    if (s->has_friction != 0) {
+        if (mode.friction != 0) {
+            r->functions[n++] = SLIDE;
+        } else {
+            r->functions[n++] = HOLD_PLUS;
+            r->functions[n++] = HOLD_MINUS;
+        }
+    }
+    if (s->has_rest != 0)
+        r->functions[n++] = CLEARANCE;
+    r->function_count = n;
+}
+
+static double transmitted_force(const Scene *s, double y, double u, int contact)
+{
+    double force = s->k1 * y + s->c * u;
+    return contact ? force + s->k2 * (y + s->stop_sign * s->G) : force;
+}
+
+/* Sign of the first non-zero derivative of factor (x1 - x2). */
+static int turning(Run *r, const State *state, Mode mode, double rate, double factor)
+{
+    double jet[JET + 3];
+    int n;
+    if (rate != 0)
+        return sign_of(rate);
+    flow_jet(r, state, mode, JET, jet);
+    for (n = 2; n <= JET; n++)
+        if (factor * jet[n] != 0)
+            return sign_of(factor * jet[n]);
+    return 0;
+}
+
+/* Sign of the first non-zero derivative of direction * S. */
+static int force_growth(Run *r, const State *state, Mode mode, int direction)
+{
+    double jet[JET + 3], k = mode.contact ? r->scene.k1 + r->scene.k2 : r->scene.k1;
+    int n;
+    flow_jet(r, state, mode, JET + 1, jet);
+    for (n = 1; n < JET; n++) {
+        double value = direction * (k * jet[n] + r->scene.c * jet[n + 1]);
+        if (value != 0)
+            return sign_of(value);
+    }
+    return 0;
+}
+
+static int friction_at_rest(Run *r, const State *state, Mode stuck)
+{
+    double force = transmitted_force(&r->scene, state->x1 - state->x2, state->v1 - state->v2, stuck.contact);
+    int direction;
+    if (fabs(force) < r->scene.N)
+        return 0;
+    direction = sign_of(force);
+    if (fabs(force) > r->scene.N || force_growth(r, state, stuck, direction) > 0)
+        return direction;
+    return 0;
+}
+
+void initial_mode(Run *r)
+{
+    const Scene *s = &r->scene;
+    State *state = &r->state;
+    double y = state->x1 - state->x2, u = state->v1 - state->v2;
+    double gap = s->has_stop != 0 ? -(s->stop_sign * y) - s->G : -1;
+    int contact = gap > 0 ? 1 : 0, friction = 1, i;
+    for (i = 0; i < FUNCTIONS; i++)
+        r->known.order[i] = 0;
+    if (s->has_friction != 0) {
+        Mode stuck = {contact, 0, 0};
+        friction = sign_of(state->v2);
+        if (friction == 0)
+            friction = friction_at_rest(r, state, stuck);
+        if (state->v2 == 0 && friction != 0)
+            r->known.order[SLIDE] = 1;
+    }
+    if (s->has_stop != 0 && gap == 0) {
+        Mode open = {0, friction, 0};
+        contact = turning(r, state, open, -(s->stop_sign * u), -s->stop_sign) > 0 ? 1 : 0;
+        r->known.order[GAP] = 1;
+    }
+    r->mode.contact = contact;
+    r->mode.friction = friction;
+    r->mode.violated = s->has_rest != 0 && y > s->rest_distance ? 1 : 0;
+}
+
+/* Mode and known zeros behind the zero of `function`; returns the event kind, or NOTHING for a touch. */
+int transition(Run *r, State *state, int function, Mode *mode, Known *known)
+{
+    const Scene *s = &r->scene;
+    Mode stuck = {mode->contact, 0, mode->violated};
+    double u = state->v1 - state->v2;
+    int turn, direction, before;
+    if (function == GAP) {
+        turn = turning(r, state, *mode, -(s->stop_sign * u), -s->stop_sign);
+        before = mode->contact;
+        mode->contact = turn == 0 ? before : turn > 0 ? 1 : 0;
+        known->order[GAP] = 1;
+        return mode->contact == before ? NOTHING : mode->contact ? CONTACT_BEGIN : CONTACT_END;
+    }
+    if (function == CLEARANCE) {
+        turn = turning(r, state, *mode, u, 1);
+        before = mode->violated;
+        mode->violated = turn == 0 ? before : turn > 0 ? 1 : 0;
+        known->order[CLEARANCE] = 1;
+        return mode->violated == before ? NOTHING : mode->violated ? VIOLATION_BEGIN : VIOLATION_END;
+    }
+    if (function == SLIDE) {
+        before = mode->friction;
+        mode->friction = friction_at_rest(r, state, stuck);
+        if (mode->friction != 0)
+            known->order[SLIDE] = 1;
+        if (mode->friction == 0) {
+            state->v2 = state->v2 * 0;
+            return STICK_BEGIN;
+        }
+        return mode->friction == before ? NOTHING : REVERSAL;
+    }
+    direction = function == HOLD_PLUS ? 1 : -1;
+    if (force_growth(r, state, *mode, direction) > 0) {
+        mode->friction = direction;
+        known->order[SLIDE] = 2;
+        return STICK_END;
+    }
+    known->order[function] = 1;
+    return NOTHING;
+}

@@ -1,0 +1,100 @@
+"""The C engine as a trajectory: packs the scene, hands buffers to the kernel, cuts blocks from them."""
+
+from math import inf, nan
+
+import numpy as np
+
+from vibsim.events.watch import CLEARANCE
+from vibsim.kernel import _kernel
+from vibsim.kernel.block import select
+from vibsim.kernel.errors import KernelError
+from vibsim.kernel.resume import resume_point
+from vibsim.kernel.totals import totals_of
+from vibsim.physics.numbers import TWO_PI
+from vibsim.physics.state import State
+
+PACKED = (
+    "m1 m2 k1 c k2 G stop_sign N A F0 omega cycles cycles_lo m3 e J M0 Omega0 x1 v1 x2 v2 phi phidot rest_distance t_end "
+    "every_num every_den"
+).split()
+SAMPLE_ROOM, EVENT_ROOM = 16384, 4096
+SAMPLE_ROWS = ("time", "x1", "v1", "x2", "v2", "phi", "phidot")
+EVENT_ROWS = ("t", "x1", "v1", "x2", "v2", "phi", "phidot", "phase")
+REASONS = {1: "accumulation", 2: "diverged"}
+
+
+def pack(scene, method):
+    """The scene as the kernel's struct of doubles; what it has not got is zero and flagged."""
+    from math import log2
+
+    values = [getattr(scene, name) for name in PACKED]
+    flags = (scene.has_block2, scene.has_stop, scene.has_friction, scene.has_motor, scene.source == "harmonic")
+    values += [log2(scene.tol), scene.order, *flags, scene.rest_distance is not None]
+    values += [scene.stop_on_violation, method == "closed_form"]
+    return np.array([0.0 if value is None else float(value) for value in values])
+
+
+def pack_resume(scene, row):
+    """A stored event row as the kernel's doubles: state, mode, known zeros."""
+    state, mode, known = resume_point(scene, row)
+    orders = [known.get(function, 0) for function in range(CLEARANCE + 1)]
+    return np.array([*vars(state).values(), mode.contact, mode.friction, mode.violated, *orders], dtype="f8")
+
+
+class CTrajectory:
+    """A run on the C engine; see `vibsim.kernel.open_trajectory`."""
+
+    engine = "c"
+
+    def __init__(self, scene, method, resume=None):
+        self.scene, self.method = scene, method
+        self.memory = bytearray(_kernel.run_size())
+        self.samples = np.empty((len(SAMPLE_ROWS), SAMPLE_ROOM))
+        self.sample_modes = np.empty((2, SAMPLE_ROOM), dtype="i1")
+        self.events = np.empty((len(EVENT_ROWS), EVENT_ROOM))
+        self.event_codes = np.empty((3, EVENT_ROOM), dtype="i1")
+        row = b"" if resume is None else pack_resume(scene, resume)
+        self.filled = _kernel.start(self.memory, pack(scene, method), row, *self._buffers())
+
+    def _buffers(self):
+        return self.samples, self.sample_modes, self.events, self.event_codes
+
+    def blocks(self):
+        """Yield `Block`s until the run ends; raises KernelError when it fails."""
+        finished, status = 0, 0
+        yield self._block(*self.filled)
+        while not finished:
+            count, happened, finished, status = _kernel.advance(self.memory, *self._buffers())
+            yield self._block(count, happened)
+            if status:
+                raise KernelError(REASONS[status], State(*_kernel.tally(self.memory)["state"]))
+
+    def _block(self, count, happened):
+        samples = {name: self.samples[i, :count].copy() for i, name in enumerate(SAMPLE_ROWS)}
+        events = {name: self.events[i, :happened].copy() for i, name in enumerate(EVENT_ROWS)}
+        events["kind"] = self.event_codes[0, :happened].copy()
+        for i, name in enumerate(("contact", "friction")):
+            samples[name] = self.sample_modes[i, :count].copy()
+            events[name] = self.event_codes[i + 1, :happened].copy()
+        return select(self.scene, samples, events, _kernel.tally(self.memory)["state"][0])
+
+    @property
+    def totals(self):
+        """Counts and margins so far."""
+        tally = _kernel.tally(self.memory)
+        return totals_of(
+            tally["counts"],
+            (int(tally["steps"]), int(tally["evaluations"]), int(tally["uncertified"])),
+            (tally["margin"], tally["margin_time"]) if tally["margin"] != inf else (nan, nan),
+            tally["first_violation"] if tally["violated_once"] else nan,
+        )
+
+    def state_at(self, times):
+        """States at ascending times before the next event, as columns."""
+        rows = np.array([_kernel.state_at(self.memory, t) for t in times]).reshape(-1, 8)
+        t, x1, v1, x2, v2, phase, turns, w = rows.T
+        columns = {"time": t, "x1": x1, "v1": v1, "x2": x2, "v2": v2, "phi": phase + turns * TWO_PI, "phidot": w}
+        mode = _kernel.tally(self.memory)["mode"]
+        for i, name in enumerate(("contact", "friction")):
+            columns[name] = np.full(len(rows), mode[i], dtype="i1")
+        return {name: columns[name] for name in self.scene.columns()}

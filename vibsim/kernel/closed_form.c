@@ -1,0 +1,379 @@
+/* The closed-form flow of the ideal source; twin of vibsim/flows/closed_form.py. */
+#include "first_root.h"
+#include "kernel.h"
+#include "numbers.h"
+
+#define JET_ORDER 9
+#define STEPS_PER_CALL 4096
+
+static void regime_set(Regime *g, const Scene *s, int locked, int contact, int friction)
+{
+    double inverse = locked ? 1 / s->m1 : 1 / s->m1 + 1 / s->m2;
+    double stiffness = contact ? s->k1 + s->k2 : s->k1;
+    double offset = contact ? s->k2 * (s->stop_sign * s->G) : 0.0;
+    int harmonic = s->harmonic != 0;
+    g->k = stiffness;
+    g->offset = offset;
+    oscillator_set(&g->oscillator, s->c * inverse / 2, stiffness * inverse, harmonic ? s->omega : 0.0);
+    g->load = -(offset * inverse);
+    if (harmonic)
+        g->load = g->load + s->F0 / s->m1;
+    g->amplitude = harmonic ? s->A / s->m1 : 0.0;
+    g->centre_load = g->centre_amplitude = 0.0;
+    if (!locked) {
+        double total = s->m1 + s->m2, rub = s->has_friction != 0 ? friction * s->N : 0.0;
+        g->load = g->load + rub / s->m2;
+        g->centre_load = ((harmonic ? s->F0 : 0.0) - rub) / total;
+        g->centre_amplitude = harmonic ? s->A / total : 0.0;
+    }
+}
+
+static const Regime *regime_of(const ClosedForm *f)
+{
+    return &f->regimes[f->regime[0]][f->regime[1]][f->regime[2]];
+}
+
+void closed_form_set(Run *r)
+{
+    const Scene *s = &r->scene;
+    ClosedForm *f = &r->closed;
+    int locked, contact, friction;
+    f->limit = s->has_friction != 0 ? s->N : 0.0;
+    f->driven = s->harmonic != 0 && s->A != 0;
+    f->omega = f->driven ? s->omega : 0.0;
+    oscillator_set(&f->mass_point, 0.0, 0.0, f->omega);
+    f->share1 = s->has_block2 != 0 ? s->m2 / (s->m1 + s->m2) : 0.0;
+    f->share2 = s->has_block2 != 0 ? s->m1 / (s->m1 + s->m2) : 0.0;
+    for (locked = 0; locked < 2; locked++)
+        for (contact = 0; contact < 2; contact++)
+            for (friction = -1; friction < 2; friction++)
+                if ((locked || s->has_block2 != 0) && (!contact || s->has_stop != 0))
+                    regime_set(&f->regimes[locked][contact][friction + 1], s, locked, contact, friction);
+}
+
+void closed_form_enter(Run *r, const State *state, Mode mode)
+{
+    const Scene *s = &r->scene;
+    ClosedForm *f = &r->closed;
+    f->leading = 1;
+    f->locked = s->has_block2 == 0 || (s->has_friction != 0 && mode.friction == 0);
+    f->regime[0] = f->locked;
+    f->regime[1] = mode.contact;
+    f->regime[2] = mode.friction + 1;
+    f->t0 = f->t = state->t;
+    f->x2 = state->x2;
+    f->y0 = state->x1 - state->x2;
+    f->u0 = state->v1 - state->v2;
+    if (!f->locked) {
+        f->X0 = f->share2 * state->x1 + f->share1 * state->x2;
+        f->V0 = f->share2 * state->v1 + f->share1 * state->v2;
+    }
+    f->sin0 = 0.0;
+    f->cos0 = 1.0;
+    if (f->driven) {
+        double angle = turn_angle(s->cycles, s->cycles_lo, state->t);
+        f->sin0 = sin(angle);
+        f->cos0 = cos(angle);
+    }
+    f->slope_before = 0.0;
+}
+
+static void centre(ClosedForm *f, const Regime *g, double tau, double sine, double cosine)
+{
+    double load = g->centre_load;
+    f->X = f->X0 + f->V0 * tau + load * (tau * tau / 2);
+    f->V = f->V0 + load * tau;
+    f->scale_V = fabs(f->V0) + fabs(load * tau);
+    if (f->driven) {
+        double amplitude = g->centre_amplitude, omega = f->omega, hc, hs, dc, ds;
+        free_harmonic_response(&f->mass_point, tau, cosine, sine, &hc, &hs);
+        dc = sine / omega;
+        ds = omega * hc;
+        f->X = f->X + amplitude * (f->sin0 * hc + f->cos0 * hs);
+        f->V = f->V + amplitude * (f->sin0 * dc + f->cos0 * ds);
+        f->scale_V = f->scale_V + fabs(amplitude) * (fabs(dc) + fabs(ds));
+    }
+}
+
+static void evaluate(Run *r, double t)
+{
+    ClosedForm *f = &r->closed;
+    const Regime *g = regime_of(f);
+    const Oscillator *o = &g->oscillator;
+    double tau = t - f->t0, release, impulse, steady, rate, stiff, y, u, sine = 0, cosine = 0;
+    double y0 = f->y0, u0 = f->u0;
+    r->evaluations += 1;
+    release_and_impulse(o, tau, &release, &impulse);
+    steady = constant_response(o, tau, release);
+    rate = release - 2 * o->a * impulse;
+    stiff = o->b * impulse;
+    y = y0 * release + u0 * impulse + g->load * steady;
+    u = u0 * rate - y0 * stiff + g->load * impulse;
+    f->scale_y = fabs(y0) + fabs(u0 * impulse) + fabs(g->load * steady);
+    f->scale_u = fabs(u0) + fabs(y0 * stiff) + fabs(g->load * impulse);
+    f->sine = f->sin0;
+    f->cosine = f->cos0;
+    if (f->driven) {
+        double angle = turn_angle(r->scene.cycles, r->scene.cycles_lo, tau), hc, hs, dc, ds;
+        cosine = cos(angle);
+        sine = sin(angle);
+        harmonic_response(o, tau, release, impulse, cosine, sine, &hc, &hs);
+        dc = impulse - f->omega * hs;
+        ds = f->omega * hc;
+        y = y + g->amplitude * (f->sin0 * hc + f->cos0 * hs);
+        u = u + g->amplitude * (f->sin0 * dc + f->cos0 * ds);
+        f->scale_y = f->scale_y + fabs(g->amplitude) * (fabs(hc) + fabs(hs));
+        f->scale_u = f->scale_u + fabs(g->amplitude) * (fabs(dc) + fabs(ds));
+        f->sine = f->sin0 * cosine + f->cos0 * sine;
+        f->cosine = f->cos0 * cosine - f->sin0 * sine;
+    }
+    f->y = y;
+    f->u = u;
+    f->tau = tau;
+    if (!f->locked)
+        centre(f, g, tau, sine, cosine);
+}
+
+void closed_form_state(Run *r, double t, State *out)
+{
+    const ClosedForm *f = &r->closed;
+    evaluate(r, t);
+    out->t = t;
+    out->phase = out->turns = out->w = 0.0;
+    if (f->locked) {
+        out->x1 = f->x2 + f->y;
+        out->v1 = f->u;
+        out->x2 = f->x2;
+        out->v2 = 0.0;
+        return;
+    }
+    out->x1 = f->X + f->share1 * f->y;
+    out->x2 = f->X - f->share2 * f->y;
+    out->v1 = f->V + f->share1 * f->u;
+    out->v2 = f->V - f->share2 * f->u;
+}
+
+static void jet_here(const ClosedForm *f, int count, double *d)
+{
+    const Regime *g = regime_of(f);
+    const Oscillator *o = &g->oscillator;
+    double loads[4], amplitude = g->amplitude;
+    int n;
+    loads[0] = f->sine;
+    loads[1] = f->cosine;
+    loads[2] = -f->sine;
+    loads[3] = -f->cosine;
+    d[0] = f->y;
+    d[1] = f->u;
+    for (n = 0; n < count - 1; n++) {
+        double term = amplitude * loads[n % 4] - 2 * o->a * d[n + 1] - o->b * d[n];
+        d[n + 2] = n == 0 ? term + g->load : term;
+        amplitude = amplitude * f->omega;
+    }
+}
+
+void closed_form_jet(Run *r, const State *state, Mode mode, int count, double *jet)
+{
+    closed_form_enter(r, state, mode);
+    evaluate(r, state->t);
+    jet_here(&r->closed, count, jet);
+}
+
+/* Bound of |y^(n)| over the window ahead. */
+static double bound(const ClosedForm *f, const double *d, int n)
+{
+    const Regime *g = regime_of(f);
+    const Oscillator *o = &g->oscillator;
+    double size = fabs(d[n]) + fabs(d[n + 1]) * o->window;
+    int i;
+    if (o->w0 > 0) {
+        double ratio = d[n + 1] / o->w0, energy = sqrt(d[n] * d[n] + ratio * ratio);
+        if (energy < size)
+            size = energy;
+    }
+    if (f->driven) {
+        double forced = fabs(g->amplitude) * (o->window * o->window / 2);
+        for (i = 0; i < n; i++)
+            forced = forced * f->omega;
+        size = size + forced;
+    }
+    return size;
+}
+
+static double force_derivative(const Run *r, const double *d, int n)
+{
+    const Regime *g = regime_of(&r->closed);
+    double force = g->k * d[n] + r->scene.c * d[n + 1];
+    return n == 0 ? force + g->offset : force;
+}
+
+static double derivative(const Run *r, int function, const double *d, int n)
+{
+    const Scene *s = &r->scene;
+    const ClosedForm *f = &r->closed;
+    double value;
+    if (function == GAP) {
+        value = -(s->stop_sign * d[n]);
+        value = n == 0 ? value - s->G : value;
+        return r->mode.contact ? value : -value;
+    }
+    if (function == CLEARANCE) {
+        value = n == 0 ? s->rest_distance - d[0] : -d[n];
+        return r->mode.violated ? -value : value;
+    }
+    if (function == SLIDE) {
+        if (n == 0)
+            return r->mode.friction * (f->V - f->share2 * f->u);
+        value = force_derivative(r, d, n - 1);
+        value = n == 1 ? value - r->mode.friction * f->limit : value;
+        return r->mode.friction * value / s->m2;
+    }
+    value = force_derivative(r, d, n);
+    value = function == HOLD_PLUS ? -value : value;
+    return n == 0 ? f->limit + value : value;
+}
+
+static double derivative_bound(const Run *r, int function, const double *d, int n)
+{
+    const ClosedForm *f = &r->closed;
+    double k = regime_of(f)->k, c = r->scene.c;
+    if (function == GAP || function == CLEARANCE)
+        return bound(f, d, n);
+    if (function == SLIDE)
+        return (k * bound(f, d, n - 1) + c * bound(f, d, n)) / r->scene.m2;
+    return k * bound(f, d, n) + c * bound(f, d, n + 1);
+}
+
+static double noise_of(const Run *r, int function)
+{
+    const Scene *s = &r->scene;
+    const ClosedForm *f = &r->closed;
+    const Regime *g = regime_of(f);
+    double unit = EPS * (16 + g->oscillator.w0 * f->tau);
+    if (function == GAP)
+        return unit * (f->scale_y + fabs(s->G));
+    if (function == CLEARANCE)
+        return unit * (f->scale_y + fabs(s->rest_distance));
+    if (function == SLIDE)
+        return unit * (f->scale_V + f->share2 * f->scale_u);
+    return unit * (g->k * f->scale_y + s->c * f->scale_u + fabs(g->offset) + f->limit);
+}
+
+static void move(ClosedForm *f, double step)
+{
+    f->t = f->t0 + ((f->t - f->t0) + step);
+}
+
+static int lead(Run *r)
+{
+    ClosedForm *f = &r->closed;
+    double step = regime_of(f)->oscillator.window, d[JET_ORDER + 1];
+    int i;
+    f->leading = 0;
+    evaluate(r, f->t0);
+    jet_here(f, JET_ORDER, d);
+    for (i = 0; i < r->function_count; i++) {
+        int function = r->functions[i], order = r->known.order[function];
+        double first, limit, ahead;
+        while (order < JET_ORDER - 2 && derivative(r, function, d, order) == 0)
+            order++;
+        if (order == 0 && derivative(r, function, d, 0) <= noise_of(r, function) && derivative(r, function, d, 1) <= 0)
+            return function;
+        if (order >= JET_ORDER - 3)
+            continue;
+        first = derivative(r, function, d, order);
+        if (order == 0)
+            first = first - noise_of(r, function);
+        first = first > 0 ? first : 0.0;
+        limit = derivative_bound(r, function, d, order + 2);
+        ahead = deflated_step(order, first, derivative(r, function, d, order + 1), limit);
+        step = ahead < step ? ahead : step;
+        if (function == GAP)
+            f->slope_before = derivative(r, function, d, 1);
+    }
+    move(f, step);
+    return NOTHING;
+}
+
+static void graze(Run *r, double slope, double curvature, double value)
+{
+    ClosedForm *f = &r->closed;
+    int turned = f->slope_before < 0 && 0 <= slope && curvature > 0, i;
+    double here = f->t, t = f->t, d[6];
+    f->slope_before = slope;
+    if (!turned || value - slope * slope / (2 * curvature) > 2 * r->margin)
+        return;
+    for (i = 0; i < 3; i++) {
+        t = t - slope / curvature;
+        t = t < f->t0 ? f->t0 : t > here ? here : t;
+        evaluate(r, t);
+        jet_here(f, 4, d);
+        value = derivative(r, GAP, d, 0);
+        slope = derivative(r, GAP, d, 1);
+        curvature = derivative(r, GAP, d, 2);
+        if (curvature <= 0)
+            break;
+    }
+    value = value > 0 ? value : 0.0;
+    if (value < r->margin) {
+        r->margin = value;
+        r->margin_time = t;
+    }
+    evaluate(r, here);
+}
+
+static int step_once(Run *r)
+{
+    ClosedForm *f = &r->closed;
+    double step = regime_of(f)->oscillator.window, before, d[6];
+    int nearest = NOTHING, i;
+    r->steps += 1;
+    evaluate(r, f->t);
+    jet_here(f, 4, d);
+    for (i = 0; i < r->function_count; i++) {
+        int function = r->functions[i];
+        double value = derivative(r, function, d, 0), slope = derivative(r, function, d, 1);
+        double noise = noise_of(r, function), room, ahead;
+        if (value < -noise || (value <= noise && slope <= 0))
+            return function;
+        if (function == GAP)
+            graze(r, slope, derivative(r, function, d, 2), value);
+        room = value - noise;
+        ahead = safe_step(room > 0 ? room : 0.0, slope, derivative_bound(r, function, d, 2));
+        if (ahead < step) {
+            step = ahead;
+            nearest = slope < 0 ? function : NOTHING;
+        }
+    }
+    before = f->t;
+    move(f, step);
+    if (f->t > before)
+        return NOTHING;
+    if (nearest == NOTHING) {
+        r->uncertified += 1;
+        f->t = nextafter(before, INFINITY);
+    }
+    return nearest;
+}
+
+double closed_form_advance(Run *r, double limit, int *function)
+{
+    ClosedForm *f = &r->closed;
+    int i;
+    *function = NOTHING;
+    if (f->leading) {
+        *function = lead(r);
+        if (*function != NOTHING)
+            return f->t;
+    }
+    if (r->function_count == 0)
+        f->t = limit;
+    for (i = 0; i < STEPS_PER_CALL; i++) {
+        if (f->t >= limit)
+            return limit;
+        *function = step_once(r);
+        if (*function != NOTHING)
+            return f->t;
+    }
+    return f->t > limit ? limit : f->t;
+}

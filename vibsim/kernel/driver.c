@@ -1,0 +1,219 @@
+/* The driver: one loop over segments, for either flow; twin of vibsim/kernel/driver.py. */
+#include <string.h>
+
+#include "kernel.h"
+#include "numbers.h"
+
+#define EVENTS_AT_ONE_INSTANT 64
+
+void flow_enter(Run *r, const State *state, Mode mode)
+{
+    watch(r, mode);
+    if (r->scene.closed_form != 0)
+        closed_form_enter(r, state, mode);
+    else
+        taylor_enter(r, state, mode);
+}
+
+void flow_jet(Run *r, const State *state, Mode mode, int count, double *jet)
+{
+    if (r->scene.closed_form != 0)
+        closed_form_jet(r, state, mode, count, jet);
+    else
+        taylor_jet(r, state, mode, count, jet);
+}
+
+void flow_state(Run *r, double t, State *out)
+{
+    if (r->scene.closed_form != 0)
+        closed_form_state(r, t, out);
+    else
+        taylor_state(r, t, out);
+}
+
+double flow_advance(Run *r, double limit, int *function)
+{
+    return r->scene.closed_form != 0 ? closed_form_advance(r, limit, function) : taylor_advance(r, limit, function);
+}
+
+static double sample_time(const Scene *s, long long i)
+{
+    return ((double)i * s->every_num) / s->every_den;
+}
+
+static void write_sample(const Run *r, Buffers *b, const State *s)
+{
+    long i = b->sample_count++, room = b->sample_room;
+    double *row = b->samples + i;
+    row[0] = s->t;
+    row[room] = s->x1;
+    row[2 * room] = s->v1;
+    row[3 * room] = s->x2;
+    row[4 * room] = s->v2;
+    row[5 * room] = unwind(s->phase, s->turns);
+    row[6 * room] = s->w;
+    b->sample_modes[i] = (signed char)r->mode.contact;
+    b->sample_modes[room + i] = (signed char)r->mode.friction;
+}
+
+static void record(Run *r, Buffers *b, int kind)
+{
+    long i = b->event_count++, room = b->event_room;
+    const State *s = &r->state;
+    double *row = b->events + i;
+    r->counts[kind] += 1;
+    row[0] = s->t;
+    row[room] = s->x1;
+    row[2 * room] = s->v1;
+    row[3 * room] = s->x2;
+    row[4 * room] = s->v2;
+    row[5 * room] = unwind(s->phase, s->turns);
+    row[6 * room] = s->w;
+    row[7 * room] = s->phase;
+    b->event_codes[i] = (signed char)kind;
+    b->event_codes[room + i] = (signed char)r->mode.contact;
+    b->event_codes[2 * room + i] = (signed char)r->mode.friction;
+}
+
+static void finish(Run *r, Buffers *b)
+{
+    record(r, b, END);
+    r->finished = 1;
+}
+
+static void note_violation(Run *r, Buffers *b)
+{
+    if (!r->violated_once)
+        r->first_violation = r->state.t;
+    r->violated_once = 1;
+    if (r->scene.stop_on_violation != 0)
+        finish(r, b);
+}
+
+void run_start(Run *r, const Scene *scene, const State *resume, const Mode *mode, const Known *known, Buffers *b)
+{
+    memset(r, 0, sizeof *r);
+    r->scene = *scene;
+    r->margin = INFINITY;
+    if (scene->closed_form != 0)
+        closed_form_set(r);
+    else
+        taylor_set(r);
+    if (resume) {
+        r->state = *resume;
+        r->mode = *mode;
+        r->known = *known;
+    } else {
+        r->state.x1 = scene->x1;
+        r->state.v1 = scene->v1;
+        r->state.x2 = scene->x2;
+        r->state.v2 = scene->v2;
+        if (scene->has_motor != 0) {
+            r->state.phase = reduce_angle(scene->phi, &r->state.turns);
+            r->state.w = scene->phidot;
+        }
+        initial_mode(r);
+    }
+    r->known_since = r->state.t;
+    record(r, b, START);
+    if (r->mode.violated)
+        note_violation(r, b);
+    if (!r->finished)
+        flow_enter(r, &r->state, r->mode);
+}
+
+static int take_event(Run *r, Buffers *b, State *state, int function)
+{
+    Mode mode = r->mode;
+    Known known = {{0, 0, 0, 0, 0}};
+    int kind;
+    if (state->t == r->known_since) {
+        known = r->known;
+        kind = transition(r, state, function, &mode, &known);
+        r->crowd += 1;
+        if (r->crowd > EVENTS_AT_ONE_INSTANT)
+            return ACCUMULATION;
+    } else {
+        kind = transition(r, state, function, &mode, &known);
+        r->crowd = 0;
+    }
+    r->state = *state;
+    r->mode = mode;
+    r->known = known;
+    r->known_since = state->t;
+    if (kind != NOTHING) {
+        record(r, b, kind);
+        if (kind == VIOLATION_BEGIN)
+            note_violation(r, b);
+    }
+    if (!r->finished)
+        flow_enter(r, &r->state, r->mode);
+    return OK;
+}
+
+/* Samples in [now, end), or up to and including the end of the run; 0 when the buffer is full before that. */
+static int sample_until(Run *r, Buffers *b, double end, int last)
+{
+    double t = sample_time(&r->scene, r->next_sample);
+    State state;
+    while (t < end || (last && t <= end)) {
+        if (b->sample_count >= b->sample_room)
+            return 0;
+        flow_state(r, t, &state);
+        write_sample(r, b, &state);
+        r->next_sample++;
+        t = sample_time(&r->scene, r->next_sample);
+    }
+    return 1;
+}
+
+void run_advance(Run *r, Buffers *b, long steps)
+{
+    State state;
+    while (!r->finished && r->status == OK && steps-- > 0) {
+        double t_end = r->scene.t_end;
+        if (b->event_count + 3 >= b->event_room)
+            return;
+        if (!r->pending) {
+            r->pending_end = flow_advance(r, t_end, &r->pending_function);
+            r->pending = 1;
+        }
+        if (!sample_until(r, b, r->pending_end, r->pending_end >= t_end))
+            return;
+        r->pending = 0;
+        flow_state(r, r->pending_end, &state);
+        if (!isfinite(state.x1 + state.v1 + state.x2 + state.v2 + state.w)) {
+            r->status = DIVERGED;
+            return;
+        }
+        if (r->pending_function != NOTHING) {
+            r->status = take_event(r, b, &state, r->pending_function);
+        } else {
+            r->state = state;
+            if (r->pending_end < t_end && r->scene.closed_form == 0) {
+                Known none = {{0, 0, 0, 0, 0}};
+                r->known = none;
+                flow_enter(r, &r->state, r->mode);
+            }
+        }
+        if (!r->finished && r->status == OK && r->pending_end >= t_end)
+            finish(r, b);
+    }
+}
+
+void run_state_at(Run *r, double t, State *out)
+{
+    while (!r->finished && r->status == OK) {
+        int function;
+        double end = flow_advance(r, r->scene.t_end, &function);
+        if (function != NOTHING || end >= t || end >= r->scene.t_end)
+            break;
+        if (r->scene.closed_form == 0) {
+            Known none = {{0, 0, 0, 0, 0}};
+            flow_state(r, end, &r->state);
+            r->known = none;
+            flow_enter(r, &r->state, r->mode);
+        }
+    }
+    flow_state(r, t, out);
+}

@@ -1,0 +1,138 @@
+/* The C engine: the fast copy of the Python engine, bit for bit equal to it on doubles.
+ *
+ * Every expression repeats its Python twin operation by operation; compile with -ffp-contract=off and never with
+ * -ffast-math. Twins: numbers.h physics/numbers.py, first_root.h events/first_root.py, responses.c flows/responses.py,
+ * closed_form.c flows/closed_form.py, taylor.c flows/taylor.py, polynomial_root.c events/polynomial_root.py,
+ * automaton.c events/automaton.py, driver.c kernel/driver.py.
+ */
+#ifndef VIBSIM_KERNEL_H
+#define VIBSIM_KERNEL_H
+
+#include <math.h>
+
+#define MAX_ORDER 40
+#define SERIES (MAX_ORDER + 2)
+#define EPS 1.1102230246251565e-16 /* 2^-53, unit round-off */
+
+enum { NOTHING = -1, GAP = 0, SLIDE = 1, HOLD_PLUS = 2, HOLD_MINUS = 3, CLEARANCE = 4, FUNCTIONS = 5 };
+enum { START, CONTACT_BEGIN, CONTACT_END, REVERSAL, STICK_BEGIN, STICK_END, VIOLATION_BEGIN, VIOLATION_END, END, KINDS };
+enum { OK = 0, ACCUMULATION = 1, DIVERGED = 2 };
+
+/* Numbers of a scene, in the order in which vibsim.kernel.c_engine packs them. */
+typedef struct {
+    double m1, m2, k1, c, k2, G, stop_sign, N;
+    double A, F0, omega, cycles, cycles_lo;
+    double m3, e, J, M0, Omega0;
+    double x1, v1, x2, v2, phi, phidot;
+    double rest_distance, t_end, every_num, every_den, tolerance_exponent, order;
+    double has_block2, has_stop, has_friction, has_motor, harmonic, has_rest, stop_on_violation, closed_form;
+} Scene;
+
+typedef struct {
+    double t, x1, v1, x2, v2, phase, turns, w;
+} State;
+
+typedef struct {
+    int contact, friction, violated;
+} Mode;
+
+/* Known zeros at the start of a segment: order by event function. */
+typedef struct {
+    int order[FUNCTIONS];
+} Known;
+
+typedef struct {
+    double a, b, omega, w0, wd, slow, fast, zr, zi, zz, window;
+    int oscillates;
+} Oscillator;
+
+typedef struct {
+    Oscillator oscillator;
+    double k, offset, load, amplitude, centre_load, centre_amplitude;
+} Regime;
+
+typedef struct {
+    Regime regimes[2][2][3]; /* locked, contact, friction + 1 */
+    Oscillator mass_point;
+    const Regime *unused;
+    double limit, omega, share1, share2;
+    double t0, t, x2, y0, u0, X0, V0, sin0, cos0, slope_before;
+    double y, u, X, V, tau, sine, cosine, scale_y, scale_u, scale_V;
+    int driven, leading, locked, regime[3];
+} ClosedForm;
+
+typedef struct {
+    double x1[SERIES], v1[SERIES], x2[SERIES], v2[SERIES], phi[SERIES], w[SERIES];
+    double sine[SERIES], cosine[SERIES], a1[SERIES], inverse[SERIES + 1];
+    double limit, unbalance, k, offset, t0, h, turns;
+    int order, locked;
+} Taylor;
+
+/* A run: everything between two calls. Plain memory, kept by the caller. */
+typedef struct {
+    Scene scene;
+    State state;
+    Mode mode;
+    Known known;
+    int functions[FUNCTIONS], function_count;
+    double known_since, margin, margin_time, first_violation;
+    double evaluations, steps, uncertified, counts[KINDS];
+    long long next_sample;
+    int crowd, finished, status, violated_once;
+    int pending, pending_function; /* a stretch whose samples are being written */
+    double pending_end;
+    ClosedForm closed;
+    Taylor taylor;
+} Run;
+
+/* responses.c */
+void oscillator_set(Oscillator *o, double a, double b, double omega);
+void release_and_impulse(const Oscillator *o, double t, double *release, double *impulse);
+double constant_response(const Oscillator *o, double t, double release);
+void harmonic_response(const Oscillator *o, double t, double release, double impulse, double cosine, double sine,
+                       double *hc, double *hs);
+void free_harmonic_response(const Oscillator *point, double t, double cosine, double sine, double *hc, double *hs);
+
+/* closed_form.c */
+void closed_form_set(Run *r);
+void closed_form_enter(Run *r, const State *state, Mode mode);
+double closed_form_advance(Run *r, double limit, int *function);
+void closed_form_state(Run *r, double t, State *out);
+void closed_form_jet(Run *r, const State *state, Mode mode, int count, double *jet);
+
+/* taylor.c */
+void taylor_set(Run *r);
+void taylor_enter(Run *r, const State *state, Mode mode);
+double taylor_advance(Run *r, double limit, int *function);
+void taylor_state(Run *r, double t, State *out);
+void taylor_jet(Run *r, const State *state, Mode mode, int count, double *jet);
+
+/* polynomial_root.c */
+int polynomial_first_root(Run *r, const double *coefficients, int count, int known, double t0, double h, int keep_margin,
+                          double *root);
+
+/* automaton.c */
+void watch(Run *r, Mode mode);
+void initial_mode(Run *r);
+int transition(Run *r, State *state, int function, Mode *mode, Known *known);
+
+/* flow by method */
+void flow_enter(Run *r, const State *state, Mode mode);
+void flow_jet(Run *r, const State *state, Mode mode, int count, double *jet);
+void flow_state(Run *r, double t, State *out);
+double flow_advance(Run *r, double limit, int *function);
+
+/* driver.c */
+typedef struct {
+    double *samples;            /* 7 columns of sample_room: time x1 v1 x2 v2 phi phidot */
+    signed char *sample_modes;  /* 2 columns of sample_room: contact friction */
+    double *events;             /* 8 columns of event_room: t x1 v1 x2 v2 phi phidot phase */
+    signed char *event_codes;   /* 3 columns of event_room: kind contact friction */
+    long sample_room, event_room, sample_count, event_count;
+} Buffers;
+
+void run_start(Run *r, const Scene *scene, const State *resume, const Mode *mode, const Known *known, Buffers *b);
+void run_advance(Run *r, Buffers *b, long steps);
+void run_state_at(Run *r, double t, State *out);
+
+#endif

@@ -1,0 +1,30 @@
+"""Going on from a stored event row: the state, mode and known zeros that the engine had there."""
+
+from vibsim.events.watch import CLEARANCE, GAP, SLIDE
+from vibsim.physics.modes import EVENT_NAMES
+from vibsim.physics.numbers import TWO_PI
+from vibsim.physics.state import Mode, State
+
+ZEROS = {
+    "contact_begin": {GAP: 1},
+    "contact_end": {GAP: 1},
+    "reversal": {SLIDE: 1},
+    "stick_end": {SLIDE: 2},
+    "violation_begin": {CLEARANCE: 1},
+    "violation_end": {CLEARANCE: 1},
+}
+
+
+def resume_point(scene, row):
+    """State, mode and known zeros of an event row.
+
+    row: values by column name (t, kind, states, phase, modes); columns that the scene has not got may be missing. The turns of the
+    rotor are the whole ones between phi and phase.
+    """
+    phase = float(row.get("phase", 0.0))
+    turns = float(round((float(row.get("phi", 0.0)) - phase) / TWO_PI))
+    values = [float(row.get(name, 0.0)) for name in ("t", "x1", "v1", "x2", "v2")]
+    state = State(*values, phase, turns, float(row.get("phidot", 0.0)))
+    violated = scene.rest_distance is not None and state.x1 - state.x2 > scene.rest_distance
+    mode = Mode(int(row.get("contact", 0)), int(row.get("friction", 1)), int(violated))
+    return state, mode, ZEROS.get(EVENT_NAMES[int(row["kind"])], {})

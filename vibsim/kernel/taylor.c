@@ -1,0 +1,262 @@
+/* The Taylor flow; twin of vibsim/flows/taylor.py. */
+#include <string.h>
+
+#include "kernel.h"
+#include "numbers.h"
+
+#define LEADING 4
+
+void taylor_set(Run *r)
+{
+    const Scene *s = &r->scene;
+    Taylor *f = &r->taylor;
+    int n;
+    f->order = (int)s->order;
+    f->limit = s->has_friction != 0 ? s->N : 0.0;
+    f->unbalance = s->has_motor != 0 ? s->m3 * s->e : 0.0;
+    f->inverse[0] = 0.0;
+    for (n = 1; n <= f->order + 2; n++)
+        f->inverse[n] = 1 / (double)n;
+}
+
+static inline double force_coefficient(const Run *r, int n)
+{
+    const Taylor *f = &r->taylor;
+    double force = f->k * (f->x1[n] - f->x2[n]) + r->scene.c * (f->v1[n] - f->v2[n]);
+    return n == 0 ? force + f->offset : force;
+}
+
+static inline void advance_series(Run *r, Mode mode, int n, double a1, double force)
+{
+    Taylor *f = &r->taylor;
+    double inverse = f->inverse[n + 1];
+    f->x1[n + 1] = f->v1[n] * inverse;
+    f->v1[n + 1] = a1 * inverse;
+    if (!f->locked) {
+        if (n == 0 && r->scene.has_friction != 0)
+            force = force - mode.friction * f->limit;
+        f->x2[n + 1] = f->v2[n] * inverse;
+        f->v2[n + 1] = force / r->scene.m2 * inverse;
+    }
+}
+
+static void expand_ideal(Run *r, const State *state, Mode mode)
+{
+    const Scene *s = &r->scene;
+    Taylor *f = &r->taylor;
+    double loads[4] = {0, 0, 0, 0}, factor = 0;
+    int harmonic = s->harmonic != 0, n;
+    if (harmonic) {
+        double angle = turn_angle(s->cycles, s->cycles_lo, state->t);
+        double sine = sin(angle), cosine = cos(angle);
+        loads[0] = sine;
+        loads[1] = cosine;
+        loads[2] = -sine;
+        loads[3] = -cosine;
+        factor = s->A;
+    }
+    for (n = 0; n < f->order; n++) {
+        double force = force_coefficient(r, n), load = factor * loads[n % 4];
+        if (n == 0 && harmonic)
+            load = load + s->F0;
+        advance_series(r, mode, n, (load - force) / s->m1, force);
+        if (harmonic)
+            factor = factor * s->omega * f->inverse[n + 1];
+    }
+}
+
+static void expand_motor(Run *r, const State *state, Mode mode)
+{
+    const Scene *s = &r->scene;
+    Taylor *f = &r->taylor;
+    double *sine = f->sine, *cosine = f->cosine, *w = f->w, *a1 = f->a1;
+    double mass = s->m1 + s->m3, inertia = s->J + f->unbalance * s->e;
+    double coupling, inverse_det, drag, sw;
+    int p = f->order, n, j;
+    w[0] = state->w;
+    f->phi[0] = state->phase;
+    sine[0] = sin(state->phase);
+    cosine[0] = cos(state->phase);
+    coupling = f->unbalance * sine[0];
+    inverse_det = 1 / (mass * inertia - coupling * coupling);
+    drag = s->M0 / s->Omega0;
+    sw = sine[0] * w[0];
+    for (n = 0; n < p; n++) {
+        double inverse = f->inverse[n + 1], cw = 0, back = 0, tail = 0, force, thrust, torque;
+        for (j = 0; j <= n; j++)
+            cw = cw + cosine[j] * w[n - j];
+        sine[n + 1] = cw * inverse;
+        cosine[n + 1] = -(sw * inverse);
+        for (j = 1; j <= n + 1; j++)
+            tail = tail + sine[j] * w[n + 1 - j];
+        for (j = 1; j <= n; j++)
+            back = back + sine[j] * a1[n - j];
+        force = force_coefficient(r, n);
+        thrust = f->unbalance * ((n + 1) * tail) - force;
+        torque = f->unbalance * back - drag * w[n];
+        if (n == 0)
+            torque = torque + s->M0;
+        a1[n] = (inertia * thrust + coupling * torque) * inverse_det;
+        w[n + 1] = (mass * torque + coupling * thrust) * inverse_det * inverse;
+        f->phi[n + 1] = w[n] * inverse;
+        sw = tail + sine[0] * w[n + 1];
+        advance_series(r, mode, n, a1[n], force);
+    }
+    f->phi[p + 1] = w[p] * f->inverse[p + 1];
+}
+
+static int series_size(const double *first, const double *second, int n)
+{
+    double total = fabs(first[n]);
+    if (second)
+        total = total + fabs(second[n]);
+    return binary_exponent(total);
+}
+
+static double block_length(const Run *r, const double *first, const double *second, double longest)
+{
+    int order = r->taylor.order, sizes[LEADING], m, last;
+    for (m = 0; m < LEADING; m++)
+        sizes[m] = series_size(first, second, m);
+    for (last = order - 1; last <= order; last++) {
+        int size = series_size(first, second, last);
+        if (size > -2000) {
+            double best = (r->scene.tolerance_exponent + (sizes[0] - size)) / (last - 0);
+            for (m = 1; m < LEADING; m++) {
+                double candidate = (r->scene.tolerance_exponent + (sizes[m] - size)) / (last - m);
+                best = candidate > best ? candidate : best;
+            }
+            longest = best < longest ? best : longest;
+        }
+    }
+    return longest;
+}
+
+static double step_length(const Run *r)
+{
+    double longest = block_length(r, r->taylor.v1, r->taylor.v2, 1000.0);
+    if (r->scene.has_motor != 0)
+        longest = block_length(r, r->taylor.w, 0, longest);
+    return longest < 1000.0 ? power_of_two(longest) : INFINITY;
+}
+
+void taylor_enter(Run *r, const State *state, Mode mode)
+{
+    const Scene *s = &r->scene;
+    Taylor *f = &r->taylor;
+    int p = f->order;
+    f->locked = s->has_block2 == 0 || (s->has_friction != 0 && mode.friction == 0);
+    f->k = mode.contact ? s->k1 + s->k2 : s->k1;
+    f->offset = mode.contact ? s->k2 * (s->stop_sign * s->G) : 0.0;
+    f->t0 = state->t;
+    f->turns = state->turns;
+    f->x1[0] = state->x1;
+    f->v1[0] = state->v1;
+    f->x2[0] = state->x2;
+    f->v2[0] = state->v2;
+    if (f->locked) {
+        memset(f->x2 + 1, 0, sizeof(double) * (size_t)(p + 1));
+        memset(f->v2, 0, sizeof(double) * (size_t)(p + 1));
+    }
+    if (s->has_motor != 0)
+        expand_motor(r, state, mode);
+    else
+        expand_ideal(r, state, mode);
+    f->x1[p + 1] = f->v1[p] * f->inverse[p + 1];
+    if (!f->locked)
+        f->x2[p + 1] = f->v2[p] * f->inverse[p + 1];
+    r->steps += 1;
+    f->h = step_length(r);
+}
+
+/* Coefficients of an event function over the step; returns their number. */
+static int event_polynomial(const Run *r, int function, double *out)
+{
+    const Scene *s = &r->scene;
+    const Taylor *f = &r->taylor;
+    int p = f->order, n;
+    if (function == GAP || function == CLEARANCE) {
+        double factor, constant;
+        if (function == GAP) {
+            factor = r->mode.contact ? -s->stop_sign : s->stop_sign;
+            constant = r->mode.contact ? -s->G : s->G;
+        } else {
+            factor = r->mode.violated ? 1 : -1;
+            constant = r->mode.violated ? -s->rest_distance : s->rest_distance;
+        }
+        for (n = 0; n <= p + 1; n++)
+            out[n] = factor * (f->x1[n] - f->x2[n]);
+        out[0] = out[0] + constant;
+        return p + 2;
+    }
+    for (n = 0; n <= p; n++) {
+        if (function == SLIDE)
+            out[n] = r->mode.friction * f->v2[n];
+        else
+            out[n] = function == HOLD_PLUS ? -force_coefficient(r, n) : force_coefficient(r, n);
+    }
+    if (function != SLIDE)
+        out[0] = s->N + out[0];
+    return p + 1;
+}
+
+double taylor_advance(Run *r, double limit, int *function)
+{
+    const Taylor *f = &r->taylor;
+    double length = limit - f->t0, h = f->h < length ? f->h : length;
+    double end = f->h >= length ? limit : f->t0 + h, coefficients[SERIES], root;
+    int i;
+    *function = NOTHING;
+    if (end <= f->t0) {
+        r->uncertified += 1;
+        return nextafter(f->t0, INFINITY);
+    }
+    for (i = 0; i < r->function_count; i++) {
+        int which = r->functions[i], count = event_polynomial(r, which, coefficients);
+        if (polynomial_first_root(r, coefficients, count, r->known.order[which], f->t0, h, which == GAP, &root) &&
+            (*function == NOTHING || root < end)) {
+            end = root;
+            *function = which;
+            h = end - f->t0;
+        }
+    }
+    return end;
+}
+
+static inline double horner(const double *coefficients, int degree, double tau)
+{
+    double value = coefficients[degree];
+    int n;
+    for (n = degree - 1; n >= 0; n--)
+        value = value * tau + coefficients[n];
+    return value;
+}
+
+void taylor_state(Run *r, double t, State *out)
+{
+    const Taylor *f = &r->taylor;
+    double tau = t - f->t0, turns = 0;
+    int p = f->order;
+    out->t = t;
+    out->x1 = horner(f->x1, p + 1, tau);
+    out->v1 = horner(f->v1, p, tau);
+    out->x2 = f->locked ? f->x2[0] : horner(f->x2, p + 1, tau);
+    out->v2 = f->locked ? 0.0 : horner(f->v2, p, tau);
+    out->phase = out->turns = out->w = 0.0;
+    if (r->scene.has_motor != 0) {
+        out->phase = reduce_angle(horner(f->phi, p + 1, tau), &turns);
+        out->turns = f->turns + turns;
+        out->w = horner(f->w, p, tau);
+    }
+}
+
+void taylor_jet(Run *r, const State *state, Mode mode, int count, double *jet)
+{
+    double factorial = 1;
+    int n;
+    taylor_enter(r, state, mode);
+    for (n = 0; n <= count; n++) {
+        factorial = n > 0 ? factorial * n : 1;
+        jet[n] = (r->taylor.x1[n] - r->taylor.x2[n]) * factorial;
+    }
+}
