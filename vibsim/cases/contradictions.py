@@ -1,36 +1,27 @@
 """Rules that concern several keys at once; each yields the key to blame and what is wrong there."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
+from math import prod
 from typing import Any
 
-from vibsim.cases.keys import all_keys
-from vibsim.cases.quantities import LARGEST, SMALLEST, Quantity, QuantityError
+from vibsim.cases.quantities import LARGEST, SMALLEST, Quantity
 
 MOST_SAMPLES = 10**10
 LARGEST_WHOLE = 2**53  # above it a double does not hold every whole number
 
-Flat = dict[str, Any]
+Flat = Mapping[str, Any]  # dotted key -> Quantity, word or whole number; what cannot be read is absent
 Contradiction = tuple[str, str]
 
 
-def contradictions(values: dict[str, Any]) -> list[Contradiction]:
-    """All (key, message) of a tree of texts or quantities; values that cannot be read are passed over."""
-    flat = dict(_readable(values, ""))
+def contradictions(flat: Flat) -> list[Contradiction]:
+    """All (key, message) that the rules find in a case's values."""
     return [found for rule in RULES for found in rule(flat)]
 
 
-def _readable(values: dict[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
-    for name, value in values.items():
-        key = f"{prefix}{name}"
-        if isinstance(value, dict):
-            yield from _readable(value, f"{key}.")
-            continue
-        measured = all_keys().get(key)
-        try:
-            yield key, measured.read(value) if measured else value
-        except QuantityError:
-            continue
+def _extends_is_followed(flat: Flat) -> Iterator[Contradiction]:
+    if "extends" in flat:
+        yield "extends", "works in a case file only"
 
 
 def _given(flat: Flat, section: str) -> bool:
@@ -60,35 +51,45 @@ def _closed_form_needs_linear(flat: Flat) -> Iterator[Contradiction]:
 
 
 def _output_interval(flat: Flat) -> Iterator[Contradiction]:
-    t_end, every = flat.get("run.t_end", Fraction(300)), flat.get("run.every", Fraction(1, 200))
-    t_end, every = (getattr(time, "value", time) for time in (t_end, every))
+    every, t_end = _exact(flat, "run.every"), _exact(flat, "run.t_end")
+    if every is None:
+        return
     if max(every.numerator, every.denominator) >= LARGEST_WHOLE:
-        yield "run.every", "has too many digits; a fraction of whole numbers below 2^53 is needed"
-    elif t_end / every > MOST_SAMPLES:
-        count = float(t_end / every)
-        yield "run.every", f"gives {count:.3g} samples up to run.t_end; at most 1e10 are allowed"
+        yield "run.every", "has too many digits; in seconds it must be a fraction of whole numbers below 2^53"
+    elif t_end is not None and t_end / every > MOST_SAMPLES:
+        yield (
+            "run.every",
+            f"gives {float(t_end / every):.3g} samples up to run.t_end; at most 1e10 are allowed",
+        )
+
+
+def _exact(flat: Flat, key: str) -> Fraction | None:
+    found = flat.get(key)
+    return found.value if isinstance(found, Quantity) else None
 
 
 def _derived_numbers_fit(flat: Flat) -> Iterator[Contradiction]:
-    """mu m2 g and m3 e omega^2 must fit doubles as their factors do."""
-    mu, m2 = flat.get("friction.mu"), flat.get("blocks.m2")
-    g = flat.get("friction.g", Fraction("9.81"))
-    if isinstance(mu, Quantity) and isinstance(m2, Quantity):
-        yield from _fits("friction.mu", "mu m2 g", mu.value * m2.value * getattr(g, "value", g))
-    m3, e, omega = (flat.get(f"excitation.{key}") for key in ("A.m3", "A.e", "omega"))
-    if isinstance(m3, Quantity) and isinstance(e, Quantity) and isinstance(omega, Quantity):
-        yield from _fits("excitation.A", "m3 e omega^2", m3.value * e.value * omega.value**2 * 40)
-    m3, e, J = (flat.get(f"excitation.{key}") for key in ("m3", "e", "J"))
-    if isinstance(m3, Quantity) and isinstance(e, Quantity) and isinstance(J, Quantity):
-        yield from _fits("excitation.e", "J + m3 e^2", J.value + m3.value * e.value**2)
+    """What is computed from several values must fit a double as they do; in doubles an overflow is inf."""
+    for key, name, factors in PRODUCTS:
+        found = [flat.get(factor) for factor in factors]
+        numbers = [factor.number() for factor in found if isinstance(factor, Quantity)]
+        if len(numbers) == len(factors) and all(numbers):
+            product = abs(prod(numbers))
+            if not SMALLEST <= product <= LARGEST:
+                yield key, f"{name} does not fit double precision (2.3e-308 to 2.2e307)"
 
 
-def _fits(key: str, name: str, number: Fraction) -> Iterator[Contradiction]:
-    if number and not SMALLEST <= abs(number) <= LARGEST:
-        yield key, f"{name} does not fit double precision (2.3e-308 to 2.2e307)"
-
-
+PRODUCTS = (
+    ("friction.mu", "mu m2 g", ("friction.mu", "blocks.m2", "friction.g")),
+    (
+        "excitation.A",
+        "m3 e omega^2",
+        ("excitation.A.m3", "excitation.A.e", "excitation.omega", "excitation.omega"),
+    ),
+    ("excitation.e", "m3 e^2", ("excitation.m3", "excitation.e", "excitation.e")),
+)
 RULES: tuple[Callable[[Flat], Iterator[Contradiction]], ...] = (
+    _extends_is_followed,
     _friction_needs_block_2,
     _states_that_exist,
     _closed_form_needs_linear,

@@ -1,4 +1,4 @@
-"""Case files to one plain tree of texts: `extends` followed, child over parent, with the place of every key kept."""
+"""Case files to one plain tree of texts: `extends` followed, child over parent, every place kept."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -51,6 +51,8 @@ def read_tree(source: SourceText) -> Tree:
     tree = Tree({}, Place(source.shown, 1, 1) if merged is None else root, problems=problems)
     if merged is not None:
         _plain(merged, "", tree.values, tree)
+    if not isinstance(tree.values.get("extends"), dict):
+        tree.values.pop("extends", None)  # followed, or reported
     return tree
 
 
@@ -87,7 +89,9 @@ def _parent(extends: Text, source: SourceText, chain: list[str], problems: list[
         problems.append(extends.place.problem("extends", f"goes round in a circle, back to {parent.shown}"))
         return None
     if len(chain) >= LONGEST_CHAIN:
-        problems.append(extends.place.problem("extends", f"more than {LONGEST_CHAIN} files extend one another"))
+        problems.append(
+            extends.place.problem("extends", f"more than {LONGEST_CHAIN} files extend one another")
+        )
         return None
     before = len(problems)
     mapping = _read_chain(parent, chain, problems)
@@ -115,7 +119,9 @@ def _over(parent: Mapping, child: Mapping, key: str = "") -> Mapping:
 
 def _other_kind(parent: Mapping, child: Mapping) -> bool:
     old, new = parent.values.get("kind"), child.values.get("kind")
-    return new is not None and (not isinstance(old, Text) or not isinstance(new, Text) or old.text != new.text)
+    return new is not None and (
+        not isinstance(old, Text) or not isinstance(new, Text) or old.text != new.text
+    )
 
 
 def _plain(mapping: Mapping, prefix: str, values: dict[str, Any], tree: Tree) -> None:

@@ -1,6 +1,6 @@
-"""The keys that the schema knows: which belong to a section, which there are in all, and what a short name stands for."""
+"""The keys that the schema knows: those of a section, all of them, and what a short key stands for."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
 from typing import Annotated, Any, get_args, get_origin
 
@@ -24,7 +24,7 @@ def is_tag(part: object) -> bool:
 
 
 def section_models(annotation: Any, tag: str = "") -> Iterator[tuple[str, type[Section]]]:
-    """The sections inside a field's annotation, each with its variant's tag (empty where there is one only)."""
+    """The sections inside a field's annotation, each with its variant's tag (empty for an only one)."""
     if isinstance(annotation, type) and issubclass(annotation, Section):
         yield tag, annotation
         return
@@ -35,7 +35,7 @@ def section_models(annotation: Any, tag: str = "") -> Iterator[tuple[str, type[S
 
 
 def section_at(location: tuple[Any, ...]) -> type[Section] | None:
-    """The model of the section at a pydantic location such as ("excitation", "(motor)"); None for a single value."""
+    """The section at a pydantic location such as ("excitation", "(motor)"); None for a single value."""
     models: dict[str, type[Section]] = {"": CaseFile}
     for part in location:
         if is_tag(part):
@@ -84,7 +84,9 @@ def all_keys() -> dict[str, Measured | None]:
 @cache
 def section_names() -> tuple[str, ...]:
     """Names of the sections of a case file, in file order."""
-    return tuple(name for name, field in CaseFile.model_fields.items() if any(section_models(field.annotation)))
+    return tuple(
+        name for name, field in CaseFile.model_fields.items() if any(section_models(field.annotation))
+    )
 
 
 @cache
@@ -93,14 +95,14 @@ def sections_with(name: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys(key.rpartition(".")[0] for key in all_keys() if key.endswith(f".{name}")))
 
 
-def full_key(key: str, present: tuple[str, ...] = ()) -> str:
-    """The dotted key that `key` stands for: itself, or the only one that ends in .key ("Omega0" is excitation.Omega0).
+def full_key(key: str, present: Iterable[str] = ()) -> str:
+    """The dotted key that `key` stands for: itself, or the only one that ends in it (Omega0).
 
     Keys that are `present` in a case win over those that it has not got. Raises UnknownKeyError.
     """
     if key in all_keys() or key in section_names():
         return key
-    for candidates in (present, tuple(all_keys())):
+    for candidates in (present, all_keys()):
         found = [name for name in candidates if name.endswith(f".{key}")]
         if len(found) == 1:
             return found[0]

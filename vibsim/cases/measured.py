@@ -1,4 +1,4 @@
-"""What one value of a case must be: its dimension and its range, as an annotation that pydantic understands."""
+"""What one value of a case must be: its dimension and its range, as an annotation for pydantic."""
 
 from dataclasses import dataclass
 from fractions import Fraction
@@ -72,7 +72,9 @@ class Measured:
         except QuantityError as error:
             raise PydanticCustomError("quantity", "{what}", {"what": str(error)}) from None
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
         return core_schema.no_info_plain_validator_function(
             self._validate, serialization=core_schema.to_string_ser_schema()
         )
@@ -88,7 +90,9 @@ class Measured:
             text["description"] = f"number and unit: {', '.join(units)}"
         choices = [text]
         if self.dimension != "angular rate":
-            choices.insert(0, {"type": "number", "description": f"in {si_unit(self.dimension).name or 'no unit'}"})
+            choices.insert(
+                0, {"type": "number", "description": f"in {si_unit(self.dimension).name or 'no unit'}"}
+            )
             choices[0] |= self._json_bounds()
         if self.word is not None:
             choices.append({"const": self.word})

@@ -12,16 +12,18 @@ FILE = "--set"
 
 def apply_overrides(tree: Tree, overrides: Mapping[str, object]) -> None:
     """Set each override in the tree; unknown keys are added to its problems."""
-    present = tuple(_leaf_keys(tree.values))
+    present = None
     named: dict[str, object] = {}
     for key, value in overrides.items():
         try:
-            named[full_key(key.strip(), present)] = value
+            if "." not in key and present is None:
+                present = _leaf_keys(tree.values)
+            named[full_key(key.strip(), present or ())] = value
         except UnknownKeyError as error:
             tree.problems.append(Place(FILE).problem(key.strip(), str(error)))
     _replace_kind(tree.values, named)
     for key, value in named.items():
-        _put(tree.values, key, value)
+        tree.values = _with(tree.values, key.split("."), value)
         tree.places[key] = tree.key_places[key] = Place(FILE)
 
 
@@ -40,14 +42,13 @@ def _replace_kind(values: dict[str, Any], named: dict[str, object]) -> None:
         values["excitation"] = {}
 
 
-def _put(values: dict[str, Any], key: str, value: object) -> None:
-    """values["a"]["b"] = value for "a.b"; a section that is not there, or is a single value, starts empty."""
-    *sections, name = key.split(".")
-    for section in sections:
-        if not isinstance(values.get(section), dict):
-            values[section] = {}
-        values = values[section]
-    values[name] = value if isinstance(value, str) else _text(value)
+def _with(values: dict[str, Any], path: list[str], value: object) -> dict[str, Any]:
+    """A copy with values["a"]["b"] = value for ["a", "b"]; a section that is none starts empty."""
+    name, *rest = path
+    if rest:
+        inner = values.get(name)
+        return values | {name: _with(inner if isinstance(inner, dict) else {}, rest, value)}
+    return values | {name: value if isinstance(value, str) else _text(value)}
 
 
 def _text(value: object) -> str:

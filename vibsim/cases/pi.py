@@ -1,7 +1,7 @@
 """Correctly rounded products and quotients with 2 pi, from exact fractions.
 
-Hertz become rad/s, and rad/s cycles, without an error beyond the one rounding of the result: 2 pi is enclosed between
-two fractions, and the enclosure is narrowed until both ends round to the same double (Ziv's strategy).
+Hertz become rad/s, and rad/s cycles, with no error beyond the one rounding of the result: 2 pi is enclosed
+between two fractions, and the enclosure is narrowed until both ends round to one double (Ziv's strategy).
 """
 
 from collections.abc import Callable

@@ -63,6 +63,6 @@ def nearest(word: str, allowed: Iterable[str]) -> str | None:
 
 
 def did_you_mean(word: str, allowed: Iterable[str]) -> str:
-    """" (did you mean X?)", or an empty text where nothing allowed is near."""
+    """ " (did you mean X?)", or an empty text where nothing allowed is near."""
     match = nearest(word, allowed)
     return f" (did you mean {match}?)" if match else ""

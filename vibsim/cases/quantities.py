@@ -18,7 +18,7 @@ SMALLEST = Fraction(1, 2**1022)  # below it a double loses digits
 
 
 class QuantityError(ValueError):
-    """A text that is no quantity of the dimension asked for; the message says what is wrong and what is allowed."""
+    """A text that is no quantity of the dimension asked for; the message says why and what is allowed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,8 +54,8 @@ class Quantity:
 def parse_quantity(text: str, dimension: str) -> Quantity:
     """The quantity that `text` spells, e.g. parse_quantity("1 mm", "length").
 
-    Raises QuantityError for text that is no number, an unknown or missing unit, a wrong dimension, and values that
-    do not fit a double.
+    Raises QuantityError for a text that is no number, an unknown or missing unit, a wrong dimension, and a
+    value that does not fit a double.
     """
     match = _NUMBER_AND_UNIT.fullmatch(text.strip())
     if match is None:

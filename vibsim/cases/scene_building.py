@@ -1,4 +1,4 @@
-"""The one seam between case and kernel: exact quantities become the plain SI numbers of a Scene, each rounded once."""
+"""The one seam between case and kernel: exact quantities become the numbers of a Scene, each rounded once."""
 
 from collections.abc import Callable
 from fractions import Fraction
@@ -54,7 +54,7 @@ def exact_numbers(number: Callable[[Fraction], Number], pi: Number = None) -> Nu
 
 
 def amplitude_value(source: Harmonic) -> tuple[Fraction, int]:
-    """Amplitude A of the ideal source [N] as (value, power), value * (2 pi)**power; by rule m3 e omega^2, Eq. (2.11)."""
+    """Amplitude A [N] of the ideal source as (value, power), value * (2 pi)**power; the rule: Eq. (2.11)."""
     if not isinstance(source.A, AmplitudeRule):
         return source.A.value, 0
     omega = source.omega
@@ -103,7 +103,9 @@ def _limit_friction(case: CaseFile, numbers: NumberType) -> Number:
 
 def _source(case: CaseFile, numbers: NumberType) -> dict[str, Number]:
     source = case.excitation
-    found: dict[str, Number] = dict.fromkeys(("A", "F0", "omega", "cycles", "cycles_lo", "m3", "e", "J", "M0", "Omega0"))
+    found: dict[str, Number] = dict.fromkeys(
+        ("A", "F0", "omega", "cycles", "cycles_lo", "m3", "e", "J", "M0", "Omega0")
+    )
     found["source"] = source.kind
     if isinstance(source, Harmonic):
         found["A"] = numbers.convert(*amplitude_value(source))

@@ -10,7 +10,7 @@ from pydantic_core import PydanticCustomError
 
 from vibsim.cases.measured import Measured
 from vibsim.cases.problems import shown
-from vibsim.cases.quantities import Quantity, parse_quantity
+from vibsim.cases.quantities import Quantity
 
 NAME_PATTERN = r"[A-Za-z0-9][A-Za-z0-9._+ -]*"
 
@@ -26,23 +26,27 @@ PositiveRate = Annotated[Quantity, Measured("angular rate", above="0")]
 Eccentricity = Annotated[Quantity, Measured("length", nonzero=True)]
 
 
-def value(text: str, dimension: str) -> Any:
-    """A default value, from its text."""
-    return parse_quantity(text, dimension)
+def optional(default: str, description: str, *examples: str) -> Any:
+    """A field with a default, written and checked as in a file; the default is an example too."""
+    return Field(default=default, description=description, examples=[*examples] or [default])
 
 
 def whole_number(value: object) -> int:
     """A whole number from its text; 20.0, 2e1 and 1_0 are none."""
     text = str(value).strip()
     if not (text.isascii() and text.isdigit() and len(text) < 10):
-        raise PydanticCustomError("whole_number", "{what}", {"what": f"must be a whole number, got {shown(value)}"})
+        raise PydanticCustomError(
+            "whole_number", "{what}", {"what": f"must be a whole number, got {shown(value)}"}
+        )
     return int(text)
 
 
 class Section(BaseModel):
     """Base of all sections: unknown keys are errors, and a section does not change once it is read."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, validate_default=True, arbitrary_types_allowed=True
+    )
 
 
 class Blocks(Section):
@@ -60,8 +64,8 @@ class Coupling(Section):
     k1: Annotated[Quantity, Measured("stiffness", least="0")] = Field(
         description="stiffness of the coupling spring", examples=["200 N/m"]
     )
-    c: Annotated[Quantity, Measured("damping", least="0")] = Field(
-        value("0 N s/m", "damping"), description="coefficient of the damper", examples=["0.001 N s/m"]
+    c: Annotated[Quantity, Measured("damping", least="0")] = optional(
+        "0 N s/m", "coefficient of the damper", "0.001 N s/m"
     )
 
 
@@ -73,7 +77,8 @@ class Stop(Section):
     )
     G: Length = Field(description="gap; negative: the stop is preloaded", examples=["1 mm"])
     acts: Literal["extension", "compression"] = Field(
-        "extension", description="extension: contact while x2 - x1 >= G (the paper); compression: while x1 - x2 >= G"
+        default="extension",
+        description="extension: contact while x2 - x1 >= G (the paper); compression: while x1 - x2 >= G",
     )
 
 
@@ -83,9 +88,7 @@ class Friction(Section):
     mu: Annotated[Quantity, Measured("number", least="0")] = Field(
         description="friction coefficient; 0: no friction", examples=["0.001"]
     )
-    g: Annotated[Quantity, Measured("acceleration", above="0")] = Field(
-        value("9.81 m/s^2", "acceleration"), description="gravity", examples=["9.81 m/s^2"]
-    )
+    g: Annotated[Quantity, Measured("acceleration", above="0")] = optional("9.81 m/s^2", "gravity")
 
 
 class AmplitudeRule(Section):
@@ -110,12 +113,14 @@ class Harmonic(Section):
 
     kind: Literal["harmonic"]
     A: Amplitude = Field(description="amplitude of the force", examples=["0.0725 N"])
-    omega: PositiveRate = Field(description="excitation frequency", examples=["3.5 Hz", "22 rad/s", "210 rpm"])
-    F0: Force = Field(value("0 N", "force"), description="constant part of the force", examples=["0 N"])
+    omega: PositiveRate = Field(
+        description="excitation frequency", examples=["3.5 Hz", "22 rad/s", "210 rpm"]
+    )
+    F0: Force = optional("0 N", "constant part of the force")
 
 
 class Motor(Section):
-    """Non-ideal source: unbalanced rotor on block 1, driven by a motor of limited power, Eqs. (2.8) to (2.10)."""
+    """Non-ideal source: unbalanced rotor on block 1, motor of limited power, Eqs. (2.8) to (2.10)."""
 
     kind: Literal["motor"]
     m3: Mass = Field(description="unbalanced mass", examples=["0.03 kg"])
@@ -126,7 +131,9 @@ class Motor(Section):
     M0: Annotated[Quantity, Measured("torque", least="0")] = Field(
         description="torque of the motor at standstill", examples=["0.005 N m"]
     )
-    Omega0: PositiveRate = Field(description="speed at which the torque vanishes", examples=["5.5 Hz", "330 rpm"])
+    Omega0: PositiveRate = Field(
+        description="speed at which the torque vanishes", examples=["5.5 Hz", "330 rpm"]
+    )
 
 
 class NoExcitation(Section):
@@ -141,7 +148,9 @@ def _excitation_tag(excitation: object) -> str:
 
 
 Excitation = Annotated[
-    Annotated[Motor, Tag("(motor)")] | Annotated[Harmonic, Tag("(harmonic)")] | Annotated[NoExcitation, Tag("(none)")],
+    Annotated[Motor, Tag("(motor)")]
+    | Annotated[Harmonic, Tag("(harmonic)")]
+    | Annotated[NoExcitation, Tag("(none)")],
     Discriminator(_excitation_tag),
 ]
 
@@ -149,12 +158,12 @@ Excitation = Annotated[
 class Initial(Section):
     """State at t = 0; at rest unless given."""
 
-    x1: Length = Field(value("0 m", "length"), description="displacement of block 1", examples=["0 m"])
-    v1: Velocity = Field(value("0 m/s", "velocity"), description="velocity of block 1", examples=["0 m/s"])
-    x2: Length = Field(value("0 m", "length"), description="displacement of block 2", examples=["0 m"])
-    v2: Velocity = Field(value("0 m/s", "velocity"), description="velocity of block 2", examples=["0 m/s"])
-    phi: Angle = Field(value("0 rad", "angle"), description="rotor angle (motor only)", examples=["0 rad", "90 deg"])
-    phidot: Rate = Field(value("0 rad/s", "angular rate"), description="rotor speed (motor only)", examples=["0 Hz"])
+    x1: Length = optional("0 m", "displacement of block 1")
+    v1: Velocity = optional("0 m/s", "velocity of block 1")
+    x2: Length = optional("0 m", "displacement of block 2")
+    v2: Velocity = optional("0 m/s", "velocity of block 2")
+    phi: Angle = optional("0 rad", "rotor angle (motor only)", "0 rad", "90 deg")
+    phidot: Rate = optional("0 rad/s", "rotor speed (motor only)", "0 Hz")
 
 
 class RestDistance(Section):
@@ -163,23 +172,25 @@ class RestDistance(Section):
     value: Annotated[Quantity, Measured("length", above="0")] = Field(
         description="distance of the blocks at rest", examples=["80 mm"]
     )
-    on_violation: Literal["warn", "stop"] = Field("warn", description="count and warn, or end the run")
+    on_violation: Literal["warn", "stop"] = Field(
+        default="warn", description="count and warn, or end the run"
+    )
 
 
 class Run(Section):
     """How long, how often and how."""
 
-    t_end: Duration = Field(value("300 s", "time"), description="end of the run", examples=["300 s"])
-    every: Duration = Field(
-        value("5 ms", "time"), description="output interval; never changes the trajectory", examples=["5 ms", "1/60 s"]
-    )
+    t_end: Duration = optional("300 s", "end of the run")
+    every: Duration = optional("5 ms", "output interval; never changes the trajectory", "5 ms", "1/60 s")
     method: Literal["auto", "closed_form", "taylor"] = Field(
-        "auto", description="auto: the closed form where it exists (no motor), else Taylor series"
+        default="auto", description="auto: the closed form where it exists (no motor), else Taylor series"
     )
-    order: Annotated[int, BeforeValidator(whole_number)] = Field(20, ge=4, le=40, description="order of the Taylor series")
-    tol: Annotated[Quantity, Measured("number", least="1e-30", most="1e-3")] = Field(
-        value("1.1102230246251565e-16", "number"),
-        description="relative tolerance of the Taylor series; the default is 2^-53, and less pays only beyond doubles",
+    order: Annotated[int, BeforeValidator(whole_number)] = Field(
+        default=20, ge=4, le=40, description="order of the Taylor series"
+    )
+    tol: Annotated[Quantity, Measured("number", least="1e-30", most="1e-3")] = optional(
+        "1.1102230246251565e-16",
+        "relative tolerance of the Taylor series; 2^-53 by default, and less helps only beyond doubles",
     )
 
 
@@ -191,14 +202,20 @@ class CaseFile(Section):
         json_schema_extra={"$schema": "https://json-schema.org/draft/2020-12/schema"},
     )
 
-    extends: str | None = Field(None, description="another case file, or a shipped case, that this one starts from")
-    name: str = Field("", max_length=80, pattern=f"^({NAME_PATTERN})?$", description="default: the file's name")
-    title: str = Field("", max_length=300, description="one line on what the case shows")
+    extends: str | None = Field(
+        default=None, description="another case file, or a shipped case, that this one starts from"
+    )
+    name: str = Field(
+        default="", max_length=80, pattern=f"^({NAME_PATTERN})?$", description="default: the file's name"
+    )
+    title: str = Field(default="", max_length=300, description="one line on what the case shows")
     blocks: Blocks
     coupling: Coupling
-    stop: Stop | None = Field(None, description="left out or none: no stop")
-    friction: Friction | None = Field(None, description="left out or none: no friction")
-    excitation: Excitation = Field(NoExcitation(), description="left out or none: no excitation")
-    initial: Initial = Field(Initial(), description="left out: at rest")
-    rest_distance: RestDistance | None = Field(None, description="left out or none: not watched")
-    run: Run = Field(Run(), description="left out: 300 s, every 5 ms")
+    stop: Stop | None = Field(default=None, description="left out or none: no stop")
+    friction: Friction | None = Field(default=None, description="left out or none: no friction")
+    excitation: Excitation = Field(
+        default_factory=NoExcitation, description="left out or none: no excitation"
+    )
+    initial: Initial = Field(default_factory=Initial, description="left out: at rest")
+    rest_distance: RestDistance | None = Field(default=None, description="left out or none: not watched")
+    run: Run = Field(default_factory=Run, description="left out: 300 s, every 5 ms")

@@ -1,4 +1,4 @@
-"""Where cases come from: a path, a shipped name, or standard input; bytes to text, with size and encoding checked."""
+"""Where cases come from: a path, a shipped name, or standard input; size and encoding checked."""
 
 import re
 import sys
@@ -55,8 +55,8 @@ def is_path(source: str) -> bool:
 def find_source(source: str, folder: Path | None = None) -> SourceText:
     """Read the case file that `source` names: a path, a shipped name, or "-" for standard input.
 
-    Relative paths count from `folder` (default: the current one). Raises CaseError where there is no such file, or
-    where it is too large or no UTF-8 text.
+    Relative paths count from `folder` (default: the current one). Raises CaseError where there is no such
+    file, or where it is too large or no UTF-8 text.
     """
     if source == "-":
         text = decoded(sys.stdin.buffer.read(LARGEST_FILE + 1), "stdin")

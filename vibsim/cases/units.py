@@ -1,12 +1,13 @@
 """The units that a case may use: a small table, exact factors, angular rate a dimension of its own.
 
-A turn is not a number here: Hz, rpm and deg carry the flag `per_turn`, and their factor counts turns instead of radians,
-so that 5.5 Hz stays 11/2 turns per second and pi enters in one rounding at the very end.
+A turn is not a number here: Hz, rpm and deg carry the flag `per_turn`, and their factor counts turns instead
+of radians, so that 5.5 Hz stays 11/2 turns per second and pi enters in one rounding at the very end.
 """
 
 import re
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 
 
 @dataclass(frozen=True)
@@ -84,6 +85,7 @@ def canonical_spelling(text: str) -> str:
     return SPELLINGS.get(name, name)
 
 
+@lru_cache(maxsize=256)
 def find_unit(text: str) -> Unit | None:
     """The unit that `text` names in any accepted spelling, or None."""
     name = canonical_spelling(text)

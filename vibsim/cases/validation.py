@@ -1,41 +1,66 @@
 """A tree of texts to a validated CaseFile, or all that is wrong with it, each at its place."""
 
+from collections.abc import Iterator
 from typing import Any
 
 from pydantic import ValidationError
 
 from vibsim.cases.contradictions import contradictions
 from vibsim.cases.file_tree import BROKEN, SWITCHABLE, SWITCHED_OFF, Tree
-from vibsim.cases.keys import is_tag, section_at, sections_with
+from vibsim.cases.keys import all_keys, is_tag, section_at, sections_with
 from vibsim.cases.problems import CaseError, Problem, did_you_mean, nearest, shown
+from vibsim.cases.quantities import QuantityError
+from vibsim.cases.resolved import flat_values
 from vibsim.cases.schema import CaseFile
 
 
 def validated(tree: Tree) -> CaseFile:
-    """The case file of a tree. Raises CaseError with every problem of reading and validation, in file order."""
-    reported = {problem.key for problem in tree.problems if problem.key}
-    values = {
-        name: value for name, value in tree.values.items() if not (name in SWITCHABLE and value == SWITCHED_OFF)
-    }
-    model, problems = None, list(tree.problems)
+    """The case file of a tree. Raises CaseError with all problems of reading and validating, in file order."""
+    values = {name: value for name, value in tree.values.items() if not _switched_off(name, value)}
+    problems = list(tree.problems)
     if values or not problems:
+        model, found = _checked(values, tree)
+        if model is not None and not (found or problems):
+            return model
+        reported = {problem.key for problem in problems if problem.key}
+        problems += [problem for problem in found if not _around(problem.key) & reported]
+    raise CaseError(sorted(dict.fromkeys(problems), key=_file_order(tree)))
+
+
+def _switched_off(name: str, value: object) -> bool:
+    return value == SWITCHED_OFF and name in SWITCHABLE
+
+
+def _checked(values: dict[str, Any], tree: Tree) -> tuple[CaseFile | None, list[Problem]]:
+    """The model where every value is right by itself, and all problems, also those between keys."""
+    model, problems = None, []
+    try:
+        model = CaseFile.model_validate(values)
+        flat = flat_values(model)
+    except ValidationError as error:
+        problems = _pydantic_problems(error, tree)
+        flat = dict(_readable(values, ""))
+    for key, message in contradictions(flat):
+        problems.append(tree.place(key).problem(key, message))
+    return model, problems
+
+
+def _readable(values: dict[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
+    """Those values of an invalid case that can be read by themselves."""
+    for name, value in values.items():
+        key = f"{prefix}{name}"
+        if isinstance(value, dict):
+            yield from _readable(value, f"{key}.")
+            continue
+        measured = all_keys().get(key)
         try:
-            model = CaseFile.model_validate(values)
-        except ValidationError as error:
-            problems += _new(_pydantic_problems(error, tree), reported)
-        for key, message in contradictions(values):
-            problems += _new([tree.place(key).problem(key, message)], reported)
-    if model is None or problems:
-        raise CaseError(sorted(dict.fromkeys(problems), key=_file_order(tree)))
-    return model
-
-
-def _new(problems: list[Problem], reported: set[str]) -> list[Problem]:
-    """Those problems whose key, or a section around it, has not been reported already."""
-    return [problem for problem in problems if not _around(problem.key) & reported]
+            yield key, measured.read(value) if measured else value
+        except QuantityError:
+            continue
 
 
 def _around(key: str) -> set[str]:
+    """A key and the sections around it: "a.b" gives {"a.b", "a"}."""
     parts = key.split(".")
     return {".".join(parts[: count + 1]) for count in range(len(parts))}
 
@@ -64,7 +89,7 @@ def _problem(detail: Any, location: tuple[Any, ...], key: str, tree: Tree) -> Pr
     """One pydantic error in vibsim's words."""
     kind = detail["type"]
     if kind == "extra_forbidden":
-        return tree.place(key, of_key=True).problem(key, _unknown_key(location, detail["input"]))
+        return tree.place(key, of_key=True).problem(key, _unknown_key(location))
     if kind == "missing":
         return tree.place(key).problem(key, _missing_key(location))
     if kind == "union_tag_invalid":
@@ -79,13 +104,11 @@ def _listed(names: Any) -> str:
     return ", ".join(names)
 
 
-def _unknown_key(location: tuple[Any, ...], value: object) -> str:
+def _unknown_key(location: tuple[Any, ...]) -> str:
     *around, name = location
     section = section_at(tuple(around))
     allowed = list(section.model_fields) if section else []
     hint = did_you_mean(name, allowed)
-    if value is BROKEN or isinstance(value, str) and not value:
-        value = ""
     elsewhere = [place for place in sections_with(name) if place]
     if elsewhere and not hint:
         hint = f" here; it belongs to {' or '.join(elsewhere)}"
@@ -122,7 +145,9 @@ def _wrong_kind(value: object, key: str, tree: Tree) -> Problem:
     if isinstance(value["kind"], dict):
         return tree.place(key).problem(key, f"must be one of {_listed(allowed)}, got a mapping")
     kind = str(value["kind"])
-    return tree.place(key).problem(key, f"must be one of {_listed(allowed)}, got {shown(kind)}{did_you_mean(kind, allowed)}")
+    return tree.place(key).problem(
+        key, f"must be one of {_listed(allowed)}, got {shown(kind)}{did_you_mean(kind, allowed)}"
+    )
 
 
 def _no_mapping(location: tuple[Any, ...], value: object) -> str:

@@ -1,7 +1,8 @@
 """YAML text to a tree of mappings and texts in which every key and value knows its place.
 
-Built from the parser's events, not from loaded objects: values stay the text that the user wrote (3:7:0.05, 1e-8, 010, no),
-and what a case file has no use for (repeated keys, nulls, tags, anchors, aliases, merge keys, lists) is reported and left out.
+Built from the parser's events, not from loaded objects: values stay the text that the user wrote (3:7:0.05,
+1e-8, 010, no). What a case file has no use for (repeated keys, nulls, tags, anchors, aliases, merge keys, lists) is
+reported and left out.
 """
 
 from collections.abc import Iterator
@@ -78,8 +79,8 @@ class _TooMuch(Exception):
 def read_yaml(text: str, file: str) -> tuple[Mapping | None, list[Problem]]:
     """Parse one YAML document.
 
-    Returns the tree (None where the text holds no mapping) and all problems found. Syntax errors are problems too; after
-    one, nothing more is read.
+    Returns the tree (None where the text holds no mapping) and all problems found. A syntax error is a problem
+    too; nothing is read after it.
     """
     reader = _Reader(file)
     try:
@@ -105,12 +106,14 @@ class _Reader:
         for event in events:
             if isinstance(event, DocumentStartEvent) and root is not None:
                 self.stop(self.place(event), "a case file holds one YAML document; a second one starts here")
-            elif isinstance(event, NodeEvent):
+            elif isinstance(event, ScalarEvent) and event.value:
+                root = self.report(
+                    self.place(event), "", f"must be a mapping of sections, got {shown(event.value)}"
+                )
+            elif isinstance(event, NodeEvent) and not isinstance(event, ScalarEvent):
                 root = self.node(event, events, "", self.place(event), 1)
-        if isinstance(root, Text):
-            self.problems.append(root.place.problem("", f"must be a mapping of sections, got {shown(root.text)}"))
         if root is None:
-            self.problems.append(Problem(self.file, 1, 1, "", "is empty; a case needs at least blocks and coupling"))
+            self.report(Place(self.file, 1, 1), "", "is empty; a case needs at least blocks and coupling")
         return root if isinstance(root, Mapping) else None
 
     def node(self, event: Event, events: Iterator[Event], key: str, key_place: Place, depth: int) -> Node:
@@ -123,13 +126,17 @@ class _Reader:
             mapping = self.mapping(event, events, key, depth)
             return Broken(place) if broken else mapping
         if isinstance(event, SequenceStartEvent):
-            self.skip(events)
-            return self.report(place, key, "lists are not used in case files; must be a single value or a mapping")
+            self.skip(events, depth=1)
+            return self.report(
+                place, key, "lists are not used in case files; must be a single value or a mapping"
+            )
         if not isinstance(event, ScalarEvent) or broken:
             return Broken(place)
         if event.style is None and event.value in NULLS:
             what = "has no value" if event.value == "" else f"must not be null, got {event.value}"
-            return self.report(key_place, key, f"{what}; leave the key out, or write none to switch a section off")
+            return self.report(
+                key_place, key, f"{what}; leave the key out, or write none to switch a section off"
+            )
         return Text(event.value, place)
 
     def mapping(self, start: Event, events: Iterator[Event], prefix: str, depth: int) -> Mapping:
@@ -139,10 +146,11 @@ class _Reader:
                 break
             name = self.key(event, events, prefix)
             place = self.place(event)
-            key = f"{prefix}.{name}" if prefix and name else name or prefix
-            value = self.node(next(events), events, key, place, depth + 1)
+            key = f"{prefix}.{name}" if prefix else str(name)
             if name is None:
+                self.skip(events, depth=0)
                 continue
+            value = self.node(next(events), events, key, place, depth + 1)
             if name in mapping.values:
                 first = mapping.key_places[name].line
                 self.report(place, key, f"is given twice; first on line {first}")
@@ -161,17 +169,17 @@ class _Reader:
                 return None
             return event.value
         if isinstance(event, CollectionStartEvent):
-            self.skip(events)
+            self.skip(events, depth=1)
         self.report(place, prefix, "a key must be a plain word")
         return None
 
-    def skip(self, events: Iterator[Event]) -> None:
-        """Read past the rest of a list or mapping."""
-        depth = 1
-        while depth:
-            event = next(events)
+    def skip(self, events: Iterator[Event], depth: int) -> None:
+        """Read past the rest of a list or mapping (depth 1), or past the next node (depth 0)."""
+        for event in events:
             self.counted(event)
             depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
+            if depth == 0:
+                return
 
     def counted(self, event: Event) -> None:
         self.count += isinstance(event, NodeEvent)
@@ -180,15 +188,18 @@ class _Reader:
 
     def forbidden(self, event: Event, key: str, place: Place) -> bool:
         """Report aliases, anchors and tags; True where there is one."""
-        if isinstance(event, AliasEvent):
-            self.report(place, key, f"aliases are not used in case files, got *{shown(event.anchor)}; repeat the value or use extends")
-        elif getattr(event, "anchor", None) is not None:
-            self.report(place, key, f"anchors are not used in case files, got &{shown(event.anchor)}; repeat the value or use extends")
-        elif getattr(event, "tag", None) is not None:
-            self.report(place, key, f"tags are not used in case files, got {shown(_tag(event))}; write the plain value")
-        else:
-            return False
-        return True
+        anchor, tag = getattr(event, "anchor", None), getattr(event, "tag", None)
+        if anchor is not None:
+            what = f"aliases are not used in case files, got *{shown(anchor)}"
+            if not isinstance(event, AliasEvent):
+                what = f"anchors are not used in case files, got &{shown(anchor)}"
+            self.report(place, key, f"{what}; write the value again, or use extends")
+        elif tag is not None:
+            name = str(tag).replace("tag:yaml.org,2002:", "!!")
+            self.report(
+                place, key, f"tags are not used in case files, got {shown(name)}; write the plain value"
+            )
+        return anchor is not None or tag is not None
 
     def report(self, place: Place, key: str, message: str) -> Broken:
         self.problems.append(place.problem(key, message))
@@ -200,11 +211,7 @@ class _Reader:
 
     def place(self, event: Event) -> Place:
         mark = event.start_mark
-        return Place(self.file, mark.line + 1, mark.column + 1)
-
-
-def _tag(event: Event) -> str:
-    return str(event.tag).replace("tag:yaml.org,2002:", "!!")
+        return Place(self.file, mark.line + 1, mark.column + 1) if mark else Place(self.file, 1, 1)
 
 
 def _syntax_problem(error: yaml.YAMLError, file: str, text: str) -> Problem:
