@@ -5,8 +5,22 @@ scene = case.scene()
 """
 
 from vibsim.cases.case import Case
+from vibsim.cases.json_schema import case_schema
+from vibsim.cases.keys import UnknownKeyError
 from vibsim.cases.loading import load_case
 from vibsim.cases.problems import CaseError, Problem
+from vibsim.cases.ranges import RangeError, RangeValue, parse_range
 from vibsim.cases.sources import shipped_case_names
 
-__all__ = ["Case", "CaseError", "Problem", "load_case", "shipped_case_names"]
+__all__ = [
+    "Case",
+    "CaseError",
+    "Problem",
+    "RangeError",
+    "RangeValue",
+    "UnknownKeyError",
+    "case_schema",
+    "load_case",
+    "parse_range",
+    "shipped_case_names",
+]

@@ -197,10 +197,7 @@ class Run(Section):
 class CaseFile(Section):
     """A vibro-impact system and one run of it."""
 
-    model_config = ConfigDict(
-        title="vibsim case",
-        json_schema_extra={"$schema": "https://json-schema.org/draft/2020-12/schema"},
-    )
+    model_config = ConfigDict(title="vibsim case")
 
     extends: str | None = Field(
         default=None, description="another case file, or a shipped case, that this one starts from"

@@ -15,7 +15,7 @@ from vibsim.cases.schema import CaseFile
 
 
 def validated(tree: Tree) -> CaseFile:
-    """The case file of a tree. Raises CaseError with all problems of reading and validating, in file order."""
+    """The case file of a tree. Raises CaseError with all problems found, in file order."""
     values = {name: value for name, value in tree.values.items() if not _switched_off(name, value)}
     problems = list(tree.problems)
     if values or not problems:

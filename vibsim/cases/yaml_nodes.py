@@ -1,8 +1,8 @@
 """YAML text to a tree of mappings and texts in which every key and value knows its place.
 
 Built from the parser's events, not from loaded objects: values stay the text that the user wrote (3:7:0.05,
-1e-8, 010, no). What a case file has no use for (repeated keys, nulls, tags, anchors, aliases, merge keys, lists) is
-reported and left out.
+1e-8, 010, no). What a case file has no use for (repeated keys, nulls, tags, anchors, aliases, merge keys,
+lists) is reported and left out.
 """
 
 from collections.abc import Iterator
@@ -79,8 +79,8 @@ class _TooMuch(Exception):
 def read_yaml(text: str, file: str) -> tuple[Mapping | None, list[Problem]]:
     """Parse one YAML document.
 
-    Returns the tree (None where the text holds no mapping) and all problems found. A syntax error is a problem
-    too; nothing is read after it.
+    Returns the tree (None where the text holds no mapping) and all problems found. A syntax error is
+    a problem too; nothing is read after it.
     """
     reader = _Reader(file)
     try:

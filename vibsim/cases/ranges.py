@@ -1,0 +1,151 @@
+"""Ranges for sweeps, counted exactly: 3:7:0.05 is 81 values, and one of them is 3.05.
+
+    a:b:h    from a to b in steps of h, both ends included where a step meets them; falling, h needs no sign
+    a:b/n    n values, evenly spaced, both ends included
+    a,b,c    a list
+
+A unit at the end holds for all values ("3:7:0.05 Hz"), or each value has its own ("1 mm, 2 mm").
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+
+from vibsim.cases.problems import nearest, shown
+from vibsim.cases.quantities import NUMBER, QuantityError, decimal_text, exact_number
+from vibsim.cases.units import UNITS, find_unit
+
+MOST_VALUES = 1_000_000
+_PART = re.compile(rf"\s*(?P<number>{NUMBER})(?P<over>/\d+)?(?P<unit>.*)", re.ASCII | re.DOTALL)
+
+
+class RangeError(ValueError):
+    """A text that is no range; the message says why, and how ranges are written."""
+
+
+@dataclass(frozen=True, slots=True)
+class RangeValue:
+    """One value of a range.
+
+    Attributes
+    ----------
+    value : exact number, in `unit`
+    unit : canonical name of the unit, empty where there is none
+    text : number and unit, such as "3.05 Hz": what Case.with_values takes
+    """
+
+    value: Fraction
+    unit: str
+    text: str
+
+
+def parse_range(text: str, bare_unit: str = "") -> list[RangeValue]:
+    """The values of a range, in the order in which it is written.
+
+    Parameters
+    ----------
+    text : "a:b:h", "a:b/n" or "a,b,c", with or without units
+    bare_unit : unit of a range that has none, such as "Hz"
+
+    Raises RangeError: not a range, step 0 or in the wrong direction, mixed units, more than 1,000,000 values.
+    """
+    pieces = text.split(":")
+    if len(pieces) > 3:
+        raise _not_a_range(text)
+    if len(pieces) == 1:
+        return _listed(text, bare_unit)
+    parts = [_part(piece, text) for piece in pieces]
+    unit = _common_unit([part.unit for part in parts], text) or bare_unit
+    if any(part.over for part in parts[:-1]) or (len(parts) == 3 and parts[-1].over):
+        raise _not_a_range(text)
+    start, end = parts[0].number, parts[1].number
+    if len(parts) == 3:
+        return [_value(number, unit) for number in _stepped(start, end, parts[2].number, text)]
+    if not parts[1].over:
+        raise RangeError(
+            f"{shown(text)} has no step: write {pieces[0].strip()}:{pieces[1].strip()}:STEP or .../COUNT"
+        )
+    return [_value(number, unit) for number in _spaced(start, end, parts[1].over, text)]
+
+
+@dataclass(frozen=True)
+class _Part:
+    number: Fraction
+    over: int | None  # the n of b/n
+    unit: str
+
+
+def _part(piece: str, text: str) -> _Part:
+    match = _PART.fullmatch(piece)
+    if match is None:
+        raise _not_a_range(text)
+    try:
+        number = exact_number(match["number"])
+        over = int(exact_number(match["over"][1:])) if match["over"] else None
+    except QuantityError as error:
+        raise RangeError(str(error)) from None
+    return _Part(number, over, _unit(match["unit"].strip(), text))
+
+
+def _unit(name: str, text: str) -> str:
+    if not name:
+        return ""
+    unit = find_unit(name)
+    if unit is None:
+        near = nearest(name, filter(None, UNITS))
+        hint = f" (did you mean {near}?)" if near else ""
+        raise RangeError(f"unknown unit {shown(name)} in the range {shown(text)}{hint}")
+    return unit.name
+
+
+def _common_unit(units: list[str], text: str) -> str:
+    """The one unit of a range: the last part's for all, or every part's own where they agree."""
+    named = {unit for unit in units if unit}
+    if len(named) > 1 or (named and not units[-1]):
+        raise RangeError(f"{shown(text)}: write one unit, at the end, such as 3:7:0.05 Hz")
+    return units[-1]
+
+
+def _listed(text: str, bare_unit: str) -> list[RangeValue]:
+    items = text.split(",")
+    if not all(item.strip() for item in items):
+        raise RangeError(f"an empty item in the list {shown(text)}" if text.strip() else "the range is empty")
+    _limit(len(items), text)
+    parts = [_part(item, text) for item in items]
+    last = parts[-1].unit or bare_unit
+    numbers = (Fraction(part.number, part.over or 1) for part in parts)
+    return [_value(number, part.unit or last) for number, part in zip(numbers, parts, strict=True)]
+
+
+def _stepped(start: Fraction, end: Fraction, step: Fraction, text: str) -> Iterator[Fraction]:
+    if step == 0:
+        raise RangeError(f"{shown(text)}: the step must not be 0")
+    if step < 0 and end > start:
+        raise RangeError(f"{shown(text)}: the step leads away from {decimal_text(end)}; leave its sign out")
+    step = abs(step) if end >= start else -abs(step)
+    count = (end - start) // step + 1
+    _limit(count, text)
+    return (start + i * step for i in range(count))
+
+
+def _spaced(start: Fraction, end: Fraction, count: int, text: str) -> Iterator[Fraction]:
+    if count < 2:
+        raise RangeError(f"{shown(text)}: at least 2 values are needed, got {count}")
+    _limit(count, text)
+    return (start + (end - start) * Fraction(i, count - 1) for i in range(count))
+
+
+def _limit(count: int, text: str) -> None:
+    if count > MOST_VALUES:
+        raise RangeError(f"{shown(text)} has {float(count):.3g} values; at most {MOST_VALUES:,} are allowed")
+
+
+def _value(number: Fraction, unit: str) -> RangeValue:
+    return RangeValue(number, unit, f"{decimal_text(number)} {unit}".strip())
+
+
+def _not_a_range(text: str) -> RangeError:
+    return RangeError(
+        f"{shown(text)} is no range; write FROM:TO:STEP, FROM:TO/COUNT or A,B,C, with a unit at the end"
+    )

@@ -1,0 +1,55 @@
+"""vibsim cases: the shipped cases."""
+
+import json
+
+import click
+
+from vibsim.command_line.examples import examples
+
+
+@click.command(
+    "cases",
+    short_help="List the shipped cases, or print one.",
+    epilog=examples(
+        "vibsim cases",
+        "vibsim cases II-B > my.yaml        # a case of your own, to start from",
+        "vibsim cases --json",
+    ),
+)
+@click.argument("names", metavar="[NAME]...", nargs=-1)
+@click.pass_context
+def command(ctx, names):
+    """List the cases that come with vibsim, or print the YAML text of those named."""
+    from vibsim.cases import load_case, shipped_case_names
+
+    cases = [load_case(name) for name in names or shipped_case_names()]
+    if ctx.obj.json:
+        click.echo(json.dumps([_described(case) for case in cases], indent=2, ensure_ascii=False))
+    elif names:
+        click.echo("---\n".join(case.text for case in cases), nl=False)
+    else:
+        _print_table(cases)
+
+
+def _described(case) -> dict:
+    """A case as JSON: what the table shows, and the YAML text."""
+    frequency = case.frequency()
+    return {
+        "name": case.name,
+        "title": case.title,
+        "source": case.model.excitation.kind,
+        "frequency": str(frequency) if frequency else None,
+        "sha256": case.sha256,
+        "yaml": case.text,
+    }
+
+
+def _print_table(cases) -> None:
+    rows = [("name", "source", "frequency", "title")]
+    rows += [
+        (case.name, case.model.excitation.kind, str(case.frequency() or "-"), case.title) for case in cases
+    ]
+    widths = [max(len(row[column]) for row in rows) for column in range(3)]
+    for row in rows:
+        cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=False)]
+        click.echo("  ".join([*cells, row[3]]).rstrip())

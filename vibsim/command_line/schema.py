@@ -1,0 +1,26 @@
+"""vibsim schema: the JSON Schema of a case file."""
+
+import json
+
+import click
+
+from vibsim.command_line.examples import examples
+
+
+@click.command(
+    "schema",
+    short_help="Print the JSON Schema of a case file.",
+    epilog=examples(
+        "vibsim schema > vibsim-case.json",
+        "# then, as the first line of a case file, for editors that know the YAML language server:",
+        "# yaml-language-server: $schema=vibsim-case.json",
+    ),
+)
+def command():
+    """Print the JSON Schema of a case file: keys, units, ranges, defaults.
+
+    Editors that know JSON Schema use it to complete keys and to mark mistakes while you type.
+    """
+    from vibsim.cases import case_schema
+
+    click.echo(json.dumps(case_schema(), indent=2, ensure_ascii=False))
