@@ -1,7 +1,7 @@
 """Pictures of runs, cases and sweeps. matplotlib is imported only when something is drawn.
 
-One kind of picture per module: `vibsim.plots.registry.KINDS` names them, and `draw(subjects, view)` in the module
-of that name draws one.
+One kind of picture per module: `vibsim.plots.registry.KINDS` names them, and `draw(subjects, view)` in the
+module of that name draws one.
 """
 
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Displacements against the instantaneous speed of the motor: the passage through resonance in one picture."""
+"""Displacements against the motor's instantaneous speed: the passage through resonance in one picture."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from vibsim.plots.view import View
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
-    """x1, and x2 where block 2 moves [m], against phidot / 2 pi [Hz]; the whole run unless the view has a window."""
+    """x1 and x2 [m] against phidot / 2 pi [Hz]; the whole run unless the view has a window."""
     columns = [name for name in ("x1", "x2") if any(name in subject.scene.columns() for subject in subjects)]
     figure = sheet(view, 1.4 + 4.4 * len(columns))
     panels = figure.subplots(len(columns), 1, squeeze=False, sharex=True)[:, 0]
@@ -39,11 +39,19 @@ def _panel(axes: Axes, subjects: Sequence[Subject], view: View, column: str) -> 
 
     moving = [(i, subject) for i, subject in enumerate(subjects) if column in subject.scene.columns()]
     traces = [
-        trace(subject.result, ("phidot", column), plane, window_of(subject, view.window)) for _, subject in moving
+        trace(subject.result, ("phidot", column), plane, window_of(subject, view.window))
+        for _, subject in moving
     ]
     scale = scale_for("m", *(each.y for each in traces))
     for (i, subject), each in zip(moving, traces, strict=True):
         look = overlay(i, dashed=False) if len(subjects) > 1 else {"color": BLUE}
-        draw_trace(axes, each, (Scale(1.0, "Hz"), scale), label=subject.name, gid=column, **{"linewidth": 0.3, **look})
+        draw_trace(
+            axes,
+            each,
+            (Scale(1.0, "Hz"), scale),
+            label=subject.name,
+            gid=column,
+            **{"linewidth": 0.3, **look},
+        )
     axes.margins(0.04)
     axes.set_ylabel(scale.label(f"Displacement $x_{column[1]}$"))

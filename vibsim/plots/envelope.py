@@ -1,8 +1,9 @@
 """Long series reduced to what a picture can show, without losing an extreme.
 
-Of all samples that fall into one pixel column, a drawn line shows the first, the least, the greatest and the last; the
-others cannot be seen. Keeping those four (the M4 aggregation, Jugel, Jerzak, Hackenbroich and Markl, "M4: a
-visualization-oriented time series data aggregation", PVLDB 7, 2014) leaves the picture as it was.
+Of all samples that fall into one pixel column, a drawn line shows the first, the least, the greatest and the
+last; the others cannot be seen. Keeping those four (the M4 aggregation, Jugel, Jerzak, Hackenbroich and
+Markl, "M4: a visualization-oriented time series data aggregation", PVLDB 7, 2014) leaves the picture as it
+was.
 """
 
 from __future__ import annotations
@@ -40,7 +41,12 @@ class Envelope:
         kept_t, kept = self._t[column], self._value[column]
         rows = (0, int(np.argmin(values)), int(np.argmax(values)), len(t) - 1)
         fresh = np.isnan(kept_t[FIRST])
-        replace = (fresh, fresh or values[rows[LEAST]] < kept[LEAST], fresh or values[rows[GREATEST]] > kept[GREATEST], True)
+        replace = (
+            fresh,
+            fresh or values[rows[LEAST]] < kept[LEAST],
+            fresh or values[rows[GREATEST]] > kept[GREATEST],
+            True,
+        )
         for which, row in enumerate(rows):
             if replace[which]:
                 kept_t[which], kept[which] = t[row], values[row]

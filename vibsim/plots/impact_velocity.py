@@ -1,4 +1,4 @@
-"""Velocity at which the blocks meet the stop: over time, over the phase of the source, and its distribution."""
+"""Velocity at which the blocks meet the stop: over time, over the source's phase, and its histogram."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ CLOSING = "Closing velocity"
 
 @dataclass(frozen=True)
 class Impacts:
-    """Instants [s], closing velocities [m/s] (positive: into the stop) and phases of the source [turns], each (n)."""
+    """Instants [s], closing velocities [m/s] (into the stop: > 0), phases of the source [turns]; (n)."""
 
     t: np.ndarray
     closing: np.ndarray
@@ -32,7 +32,7 @@ class Impacts:
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
-    """Closing velocity of each impact against time with its histogram, and against the phase where there is a source."""
+    """Closing velocity of each impact: against time with a histogram, against the phase of a source."""
     window = common_window(subjects, view.window)
     found = [impacts_of(subject, window_of(subject, window)) for subject in subjects]
     scale = scale_for("m/s", *(impacts.closing for impacts in found))
@@ -87,7 +87,7 @@ def _finish(over_time: Axes, histogram: Axes, over_phase: Axes | None, scale: Sc
     over_time.set_ylabel(scale.label(CLOSING))
     time_axis(over_time, window)
     histogram.tick_params(labelleft=False)
-    histogram.set_xlabel("Impacts per bin")
+    histogram.set_xlabel("Count")
     histogram.set_xlim(left=0)
     over_time.set_ylim(bottom=0)
     if over_phase is not None:

@@ -25,7 +25,7 @@ class Level:
 
 
 def draw_levels(axes: Axes, levels: Sequence[Level], height_pt: float) -> None:
-    """Draw the levels that lie within the y limits, the names in the margin, moved apart where they would collide.
+    """Draw the levels within the y limits, their names in the margin, moved apart where they would collide.
 
     height_pt : height of the axes [pt], as far as it is known before layout
     """
@@ -34,16 +34,19 @@ def draw_levels(axes: Axes, levels: Sequence[Level], height_pt: float) -> None:
     heights = np.array([(level.value - low) / (high - low) for level in inside])
     places = spread(heights, FONT_SIZE * LINE_HEIGHT / height_pt)
     for level, height, place in zip(inside, heights, places, strict=True):
-        axes.axhline(level.value, **{"color": GREY, "linewidth": 0.5, "zorder": 2.95, "gid": "level", **level.look})
+        axes.axhline(
+            level.value, **{"color": GREY, "linewidth": 0.5, "zorder": 2.95, "gid": "level", **level.look}
+        )
         axes.annotate(
-            level.label, (1.0, height), (1.06, place), xycoords="axes fraction", textcoords="axes fraction",
+            level.label, (1.0, height), (8, place),
+            xycoords="axes fraction", textcoords=("offset points", "axes fraction"),
             ha="left", va="center", fontsize=FONT_SIZE, color="0.25",
             arrowprops={"arrowstyle": "-", "linewidth": 0.4, "color": GREY, "shrinkA": 1, "shrinkB": 0},
         )  # fmt: skip
 
 
 def spread(heights: np.ndarray, gap: float) -> np.ndarray:
-    """Places (n) for labels at ascending heights (n), at least `gap` apart and as near to them as that allows.
+    """Places (n) for labels at ascending heights (n), `gap` apart or more, as near as that allows.
 
     Neighbours too close together form a group centred on its members (pool adjacent violators).
     """

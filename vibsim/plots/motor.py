@@ -28,11 +28,13 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
         no_load = subject.scene.Omega0 / (2 * math.pi)
         label = rf"{subject.name}: $\Omega_0$ = {no_load:.4g} Hz"
         axes.plot(speed / (2 * math.pi), scale(torque), linewidth=1.0, label=label, gid="motor", **look)
-        axes.plot(no_load, 0, "o", markersize=3, markerfacecolor="white", markeredgewidth=0.8, color=look["color"])
+        axes.plot(
+            no_load, 0, "o", markersize=3, markerfacecolor="white", markeredgewidth=0.8, color=look["color"]
+        )
     axes.axhline(0, color="0.8", linewidth=0.4, zorder=0)
     axes.set_xlabel(r"Motor speed $\omega/2\pi$ (Hz)")
     axes.set_ylabel(scale.label("Motor torque"))
-    legend_above(axes, ncols=2)
+    legend_above(axes)
     return figure
 
 

@@ -19,9 +19,10 @@ class Frequency:
 def natural_frequencies(scene: Any) -> list[Frequency]:
     """Linear and bilinear frequencies of the relative motion (without friction and damping).
 
-    sqrt(k1 / m1) is the paper's natural frequency (block 2 held). Free-free: sqrt(k1 / m), with m the reduced mass of both
-    blocks, the motor's m3 counted to block 1. With a stop, f1 without and f2 with the impact spring give the
-    bilinear 2 f1 f2 / (f1 + f2), the limit of large amplitudes, and half of it (a subharmonic of the impacting motion).
+    sqrt(k1 / m1) is the paper's natural frequency (block 2 held). Free-free: sqrt(k1 / m), with m the reduced
+    mass of both blocks, the motor's m3 counted to block 1. With a stop, f1 without and f2 with the impact
+    spring give the bilinear 2 f1 f2 / (f1 + f2), the limit of large amplitudes, and half of it (a subharmonic
+    of the impacting motion).
     """
     if not scene.k1:
         return []
@@ -35,7 +36,10 @@ def natural_frequencies(scene: Any) -> list[Frequency]:
     if scene.has_stop and scene.k2:
         stiff = _hertz(scene.k1 + scene.k2, mass)
         bilinear = 2 * free * stiff / (free + stiff)
-        found += [Frequency("bilinear", "bilinear", bilinear), Frequency("half bilinear", "½ bilinear", bilinear / 2)]
+        found += [
+            Frequency("bilinear", "bilinear", bilinear),
+            Frequency("half bilinear", "½ bilinear", bilinear / 2),
+        ]
     return found
 
 
@@ -46,7 +50,7 @@ def reduced_mass(scene: Any) -> float:
 
 
 def source_period(scene: Any, phidot: float | None = None) -> float | None:
-    """Period of the excitation [s]; of the free vibration where nothing excites; None where nothing has a rhythm.
+    """Period of the source [s]; of the free vibration without one; None where nothing has a rhythm.
 
     phidot : mean speed of the motor [rad/s], where known; its no-load speed otherwise
     """

@@ -18,7 +18,7 @@ from vibsim.plots.view import View
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
-    """v1 against x1, and v2 against x2 where block 2 moves; the last 50 periods unless the view has a window."""
+    """v1 against x1, and v2 against x2; the last 50 periods unless the view has a window."""
     blocks = [n for n in (1, 2) if any(f"x{n}" in subject.scene.columns() for subject in subjects)]
     wide = view.width == "page"
     figure = sheet(view, 7.2 if wide else 6.2 * len(blocks))
@@ -44,7 +44,10 @@ def phase_panel(axes: Axes, subjects: Sequence[Subject], view: View, block: int)
             span = shown(subject, view.window, steady_span)
             look = overlay(i, dashed=False) if len(subjects) > 1 else {"color": BLUE}
             drawn.append((subject, span, trace(subject.result, (x, v), plane, span), look))
-    scales = scale_for("m", *(each.x for _, _, each, _ in drawn)), scale_for("m/s", *(each.y for _, _, each, _ in drawn))
+    scales = (
+        scale_for("m", *(each.x for _, _, each, _ in drawn)),
+        scale_for("m/s", *(each.y for _, _, each, _ in drawn)),
+    )
     for subject, _, each, look in drawn:
         draw_trace(axes, each, scales, label=subject.name, gid=x, **look)
     axes.margins(0.05)

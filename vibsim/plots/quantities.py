@@ -33,7 +33,9 @@ def scale_for(unit: str, *values: Iterable[float]) -> Scale:
     All zero, or empty: no prefix.
     """
     arrays = [np.asarray(array, dtype=float) for array in values]
-    largest = max((float(np.nanmax(np.abs(a))) for a in arrays if a.size and not np.isnan(a).all()), default=0.0)
+    largest = max(
+        (float(np.nanmax(np.abs(a))) for a in arrays if a.size and not np.isnan(a).all()), default=0.0
+    )
     if largest == 0.0 or not math.isfinite(largest):
         return Scale(1.0, unit)
     power = min(max(math.floor(math.log10(largest) / 3 + 1e-12), -3), 1)

@@ -1,7 +1,7 @@
 """The kinds of pictures, and which of them fit what.
 
-A new kind is one line here and one module `vibsim/plots/<name, - as _>.py` with `draw(subjects, view) -> Figure`.
-Nothing here imports matplotlib: `vibsim plot --list` and shell completion read this table.
+A new kind is one line here and one module `vibsim/plots/<name, - as _>.py` with `draw(subjects, view) ->
+Figure`. Nothing here imports matplotlib: `vibsim plot --list` and shell completion read this table.
 """
 
 from __future__ import annotations
@@ -46,13 +46,19 @@ class Kind:
 
 KINDS = (
     Kind("overview", "trajectory", "one page: displacements, detail, relative portrait, speed", width="page"),
-    Kind("displacement", "trajectory", "displacements of the blocks against time, impacts marked, with a detail"),
+    Kind(
+        "displacement",
+        "trajectory",
+        "displacements of the blocks against time, impacts marked, with a detail",
+    ),
     Kind("velocity", "trajectory", "velocities of the blocks against time, impacts marked, with a detail"),
     Kind("phase", "trajectory", "phase portrait of each block"),
     Kind("relative", "trajectory", "phase portrait of the relative motion, with the stop"),
     Kind("motor-speed", "trajectory", "motor speed against time, with the natural frequencies", ("motor",)),
     Kind("displacement-frequency", "trajectory", "displacements against the motor's speed", ("motor",)),
-    Kind("impact-velocity", "trajectory", "closing velocity of each impact: time, phase, histogram", ("stop",)),
+    Kind(
+        "impact-velocity", "trajectory", "closing velocity of each impact: time, phase, histogram", ("stop",)
+    ),
     Kind("stroboscopic", "trajectory", "relative motion once per period of the source", ("excitation",)),
     Kind("stiffness", "case", "force of the two springs against the relative displacement"),
     Kind("motor", "case", "torque of the motor against its speed", ("motor",)),
@@ -61,7 +67,10 @@ KINDS = (
 NEEDS: dict[str, tuple[str, Callable[[Any], bool]]] = {
     "motor": ("a motor", lambda scene: scene.has_motor),
     "stop": ("a stop", lambda scene: scene.has_stop),
-    "excitation": ("a periodic source", lambda scene: scene.has_motor or scene.source == "harmonic" and scene.omega != 0),
+    "excitation": (
+        "a periodic source",
+        lambda scene: scene.has_motor or (scene.source == "harmonic" and scene.omega != 0),
+    ),
 }
 
 DEFAULTS = {"trajectory": ("overview",), "case": ("stiffness", "motor")}

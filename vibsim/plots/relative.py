@@ -19,7 +19,7 @@ from vibsim.plots.view import View
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
-    """Relative velocity against relative displacement with the stop; the last 50 periods unless the view has a window."""
+    """v1 - v2 against x1 - x2, and the stop; the last 50 periods unless the view has a window."""
     figure = sheet(view, 7.2)
     axes = figure.subplots()
     relative_panel(axes, subjects, view)

@@ -21,7 +21,7 @@ def state_names(scene: Any) -> tuple[str, ...]:
 
 
 def relative(block: Block) -> tuple[np.ndarray, np.ndarray]:
-    """Relative displacement x1 - x2 [m] and velocity v1 - v2 [m/s]; block 2 at rest where it has no columns."""
+    """Relative displacement x1 - x2 [m] and velocity v1 - v2 [m/s], block 2 at rest or moving."""
     if "x2" not in block:
         return block["x1"], block["v1"]
     return block["x1"] - block["x2"], block["v1"] - block["v2"]

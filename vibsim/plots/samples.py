@@ -41,7 +41,7 @@ def window_of(subject: Subject, wanted: Span | None) -> Span:
 
 
 def shown(subject: Subject, wanted: Span | None, fallback: Callable[[Subject, Span], Span]) -> Span:
-    """The part of `wanted` that the run covers; `fallback(subject, whole span)` where nothing is wanted."""
+    """The part of `wanted` that the run covers; else fallback(subject, all of it)."""
     window = window_of(subject, wanted)
     return fallback(subject, window) if wanted is None else window
 
@@ -50,6 +50,12 @@ def common_window(subjects: Sequence[Subject], wanted: Span | None) -> Span:
     """From the earliest to the latest instant that any of the subjects shows of `wanted`."""
     windows = [window_of(subject, wanted) for subject in subjects]
     return min(first for first, _ in windows), max(last for _, last in windows)
+
+
+def shared_window(subjects: Sequence[Subject], wanted: Span | None) -> Span:
+    """The span that all the subjects cover, of `wanted`."""
+    windows = [window_of(subject, wanted) for subject in subjects]
+    return max(first for first, _ in windows), min(last for _, last in windows)
 
 
 def rows(result: Any, span: Span) -> slice:
@@ -73,7 +79,7 @@ def samples(result: Any, names: tuple[str, ...], span: Span) -> dict[str, np.nda
 
 
 def series(result: Any, names: tuple[str, ...], span: Span, columns: int) -> dict[str, Series]:
-    """Each column `names` against time within the span, (t, values): envelopes where there is more than can be seen.
+    """Columns against time within the span, (t, values); envelopes where there is more than can be seen.
 
     columns : pixel columns across the axes
     """

@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import ScaledTranslation
 
 from vibsim.plots.style import GREY
 from vibsim.plots.view import Span, View
@@ -15,30 +17,43 @@ from vibsim.plots.view import Span, View
 CM = 1 / 2.54  # inch
 COLUMNS_PER_INCH = 600  # envelope columns: the finest print a journal asks for line art
 
+CHARACTERS_PER_INCH = 18  # of legends and notes, at 7 pt
+HANDLE_CHARACTERS = 7  # what a line sample and its spacing take of that
+
 
 def sheet(view: View, height_cm: float) -> Figure:
     """An empty figure of the view's width and this height [cm]."""
-    figure = Figure(figsize=(view.width_cm * CM, height_cm * CM), layout="constrained")
-    figure.get_layout_engine().set(w_pad=0.03, h_pad=0.03, wspace=0.02, hspace=0.03)  # type: ignore[union-attr]
-    return figure
+    layout = ConstrainedLayoutEngine(w_pad=0.03, h_pad=0.03, wspace=0.02, hspace=0.03)
+    return Figure(figsize=(view.width_cm * CM, height_cm * CM), layout=layout)
 
 
 def pixel_columns(axes: Axes) -> int:
     """How many columns an envelope on these axes needs: those of the whole sheet, at 600 per inch."""
-    width = axes.get_figure(root=True).get_figwidth()  # type: ignore[union-attr]
-    return int(width * COLUMNS_PER_INCH)
+    return int(_sheet_of(axes).get_figwidth() * COLUMNS_PER_INCH)
 
 
 def legend_above(axes: Axes, **options: Any) -> None:
-    """The legend in one line above the axes, where there is more than nothing to tell apart."""
+    """The legend above the axes, in as few lines as its names allow, and above a note they would meet.
+
+    Call it last: it makes room for the note that is there.
+    """
     handles, labels = axes.get_legend_handles_labels()
     if not handles:
         return
+    room = int(_width(axes) * CHARACTERS_PER_INCH)
+    in_a_row = max(1, room // (max(map(len, labels)) + HANDLE_CHARACTERS))
+    needed = sum(len(label) + HANDLE_CHARACTERS for label in labels)
+    beside_note = needed + len(axes.get_title(loc="right")) > room and axes.get_title(loc="right")
+    raised = axes.transAxes + ScaledTranslation(
+        0, (12 if beside_note else 3) / 72, _sheet_of(axes).dpi_scale_trans
+    )
+    options = {"ncols": len(labels) if needed <= room else in_a_row, **options}
     legend = axes.legend(
-        handles, labels, loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=options.pop("ncols", 4), **options
+        handles, labels, loc="lower left", bbox_to_anchor=(0.0, 1.0), bbox_transform=raised, **options
     )
     for line in legend.get_lines():
         line.set_linewidth(1.2)
+        line.set_alpha(1.0)
 
 
 def note(axes: Axes, text: str) -> None:
@@ -57,5 +72,16 @@ def time_axis(axes: Axes, span: Span) -> None:
     """A time axis that shows just the span, with few enough ticks for long numbers."""
     axes.set_xlim(*span)
     axes.set_xlabel("Time (s)")
-    wide = axes.get_figure(root=True).get_figwidth() > 5  # type: ignore[union-attr]
-    axes.xaxis.set_major_locator(MaxNLocator(10 if wide else 5, steps=[1, 2, 5, 10]))
+    ticks = min(max(int(1.7 * _width(axes)), 3), 10)
+    axes.xaxis.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 5, 10]))
+
+
+def _width(axes: Axes) -> float:
+    """About how wide the axes are [inch], before anything is laid out."""
+    return _sheet_of(axes).get_figwidth() * axes.get_position().width
+
+
+def _sheet_of(axes: Axes) -> Figure:
+    figure = axes.get_figure(root=True)
+    assert isinstance(figure, Figure)
+    return figure

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -10,16 +11,16 @@ from vibsim.plots.errors import PlotError
 from vibsim.plots.impacts import impact_times
 from vibsim.plots.natural_frequencies import source_period
 from vibsim.plots.quantities import seconds
-from vibsim.plots.samples import BLOCK, rows, whole_span
+from vibsim.plots.samples import BLOCK, rows, shared_window
 from vibsim.plots.subject import Subject
-from vibsim.plots.view import Span
+from vibsim.plots.view import Span, View
 
 DETAIL_PERIODS = 10
 STEADY_PERIODS = 50
 
 
 def period_of(subject: Subject, span: Span) -> float:
-    """Period of the source [s], the motor's taken at the end of the span; a tenth of the span when there is no rhythm."""
+    """Period of the source [s], the motor's at the end of the span; a tenth of the span without rhythm."""
     phidot = None
     if subject.scene.has_motor:
         stop = rows(subject.result, span).stop
@@ -40,20 +41,25 @@ def steady_span(subject: Subject, window: Span, periods: int = STEADY_PERIODS) -
     return max(window[0], window[1] - length), window[1]
 
 
-def detail_span(subject: Subject, window: Span, wanted: Span | None) -> Span:
-    """The span to enlarge: `wanted` cut to the window, or the last ten periods in which there are impacts.
+def detail_span(subjects: Sequence[Subject], view: View) -> Span:
+    """The span to enlarge: the view's detail, or the last ten periods in which the first run has impacts.
 
-    Raises PlotError when `wanted` lies outside the window.
+    Raises PlotError when the view's detail lies outside what is shown of every run.
     """
-    if wanted is not None:
-        span = max(window[0], wanted[0]), min(window[1], wanted[1])
-        if not span[0] < span[1]:
-            raise PlotError(f"detail {wanted[0]:g}:{wanted[1]:g} lies outside the window, {seconds(window)}")
-        return span
+    window = shared_window(subjects, view.window)
+    if view.detail is not None:
+        return _within(window, view.detail)
+    subject = subjects[0]
     length = round_up(DETAIL_PERIODS * period_of(subject, window))
     end = window[1]
     times = impact_times(subject.result, window) if subject.scene.has_stop else np.empty(0)
     if len(times) and times[-1] < end - length:
-        end = min(end, times[-1] + length / 5)
-    first, _ = whole_span(subject.result)
-    return max(first, window[0], end - length), end
+        end = min(end, float(times[-1]) + length / 5)
+    return max(window[0], end - length), end
+
+
+def _within(window: Span, wanted: Span) -> Span:
+    span = max(window[0], wanted[0]), min(window[1], wanted[1])
+    if not span[0] < span[1]:
+        raise PlotError(f"detail {wanted[0]:g}:{wanted[1]:g} lies outside what is shown, {seconds(window)}")
+    return span

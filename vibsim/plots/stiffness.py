@@ -60,7 +60,15 @@ def characteristic(scene: Any, reach: float) -> tuple[np.ndarray, np.ndarray]:
 
 def _name_slopes(axes: Axes, scene: Any, reach: float, scales: tuple[Scale, Scale]) -> None:
     inward = scene.stop_sign if scene.has_stop else 1  # direction that leads away from the stop
-    _name(axes, scene, scales, inward * 0.4 * reach, inward * 0.4 * reach, f"slope $k_1$ = {scene.k1:g} N/m", inward)
+    _name(
+        axes,
+        scene,
+        scales,
+        inward * 0.4 * reach,
+        inward * 0.4 * reach,
+        f"slope $k_1$ = {scene.k1:g} N/m",
+        inward,
+    )
     if scene.has_stop:
         draw_stop(axes, scene, scales[0])
         on_curve = (stop_position(scene) - inward * reach) / 2
@@ -71,9 +79,10 @@ def _name_slopes(axes: Axes, scene: Any, reach: float, scales: tuple[Scale, Scal
 def _name(
     axes: Axes, scene: Any, scales: tuple[Scale, Scale], on_curve: float, y: float, text: str, inward: int
 ) -> None:
-    """Name the curve at `on_curve`, the text centred at y [m] a line below or above, with a leader where they part."""
+    """Name the curve at `on_curve` [m]; the text centred at y [m], with a leader where they part."""
     force = float(spring_force(scene, np.array([on_curve]))[0])
-    leader = {"arrowstyle": "-", "linewidth": 0.4, "color": GREY, "shrinkA": 2, "shrinkB": 2}
+    leader = {"arrowstyle": "-", "linewidth": 0.4, "color": GREY, "shrinkA": 1, "shrinkB": 1}
+    leader["relpos"] = (0.0 if inward > 0 else 1.0, 0.5)
     axes.annotate(
         text, (float(scales[0](on_curve)), float(scales[1](force))),
         (float(scales[0](y)), float(scales[1](force)) - inward * NAME_BELOW * np.ptp(axes.get_ylim())),

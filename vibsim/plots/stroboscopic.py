@@ -5,10 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vibsim.plots.quantities import scale_for, seconds
-from vibsim.plots.relative_motion import DISPLACEMENT, VELOCITY, draw_stop, relative, state_names
+from vibsim.plots.quantities import Scale, scale_for, seconds
+from vibsim.plots.relative_motion import (
+    DISPLACEMENT,
+    VELOCITY,
+    draw_stop,
+    relative,
+    state_names,
+    stop_position,
+)
 from vibsim.plots.samples import shown
 from vibsim.plots.sheet import legend_above, note, sheet
 from vibsim.plots.spans import period_of
@@ -22,7 +30,7 @@ MARKERS = ("o", "s", "^", "D", "v", "x", "+")
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
-    """Relative velocity against relative displacement at phase 0 of the source; the last half of the run by default."""
+    """v1 - v2 against x1 - x2 at phase 0 of the source; the last half of the run by default."""
     figure = sheet(view, 7.2)
     axes = figure.subplots()
     spans = [shown(subject, view.window, last_half) for subject in subjects]
@@ -53,15 +61,13 @@ def last_half(subject: Subject, window: Span) -> Span:
 
 
 def section(subject: Subject, span: Span) -> tuple[np.ndarray, np.ndarray]:
-    """Relative displacement [m] and velocity [m/s] at each turn of the source within the span, (n) and (n)."""
+    """Relative displacement [m] and velocity [m/s] (n) at each turn of the source within the span."""
     times = turn_times(subject.result, span)
     return relative(states_at(subject.result, state_names(subject.scene), times, AT_MOST + 1))
 
 
-def _stop_if_near(axes, subject: Subject, scale) -> None:
+def _stop_if_near(axes: Axes, subject: Subject, scale: Scale) -> None:
     """The stop, unless it lies so far off that drawing it would squeeze the section."""
-    from vibsim.plots.relative_motion import stop_position
-
     low, high = axes.get_xlim()
     if low <= float(scale(stop_position(subject.scene))) <= high:
         draw_stop(axes, subject.scene, scale)

@@ -1,4 +1,4 @@
-"""How every picture looks: journal widths, 8 pt, thin lines, colours that survive colour blindness and grey print."""
+"""How every picture looks: 8 pt, thin lines, colours that survive colour blindness and grey print."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 import matplotlib
 
-# Okabe and Ito, "Color Universal Design" (2008), in an order that alternates dark and light (luminance in grey print).
+# Okabe and Ito, "Color Universal Design" (2008), dark and light in turn: they print in different greys.
 BLUE, ORANGE, BLACK, SKY, VERMILLION, PINK, GREEN = (
     "#0072B2", "#E69F00", "#000000", "#56B4E9", "#D55E00", "#CC79A7", "#009E73",
 )  # fmt: skip
@@ -23,7 +23,7 @@ _DASHES: tuple[Any, ...] = ("-", (0, (6, 1.5)), (0, (6, 1.5, 1, 1.5)), (0, (1.5,
 
 THIN = 0.6  # line width of data [pt]
 
-SETTINGS: dict[str, Any] = {
+SETTINGS: Any = {
     "font.family": "sans-serif",
     "font.sans-serif": ["DejaVu Sans"],  # comes with matplotlib: the same picture on every machine
     "font.size": 8,

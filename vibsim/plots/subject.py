@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
+
+from vibsim.physics.scene import Scene
 
 RESULT_SUFFIXES = (".h5", ".hdf5", ".partial")
 
@@ -29,8 +32,8 @@ class Subject:
     case: Any
     result: Any = None
 
-    @property
-    def scene(self):
+    @cached_property
+    def scene(self) -> Scene:
         """The Scene behind it."""
         return self.case.scene()
 
@@ -40,9 +43,9 @@ def open_subject(path: str) -> Subject:
 
     Raises ResultFileError or CaseError when it is none of these.
     """
-    if _is_result_file(path):
-        from vibsim.results import open_result
+    from vibsim.results import is_result_file, open_result
 
+    if Path(path).suffix in RESULT_SUFFIXES or is_result_file(path):
         result = open_result(path)
         kind = str(result.attrs.get("vibsim_kind", "trajectory"))
         case = result.case
@@ -61,13 +64,3 @@ def open_subjects(paths: Sequence[str]) -> list[Subject]:
         replace(subject, name=Path(subject.path).stem) if names.count(subject.name) > 1 else subject
         for subject in subjects
     ]
-
-
-def _is_result_file(path: str) -> bool:
-    if Path(path).suffix in RESULT_SUFFIXES:
-        return True
-    try:
-        with open(path, "rb") as file:
-            return file.read(8) == b"\x89HDF\r\n\x1a\n"
-    except OSError:
-        return False

@@ -45,8 +45,8 @@ class Curve:
 def draw_history(subjects: Sequence[Subject], view: View, quantity: Quantity) -> Figure:
     """Panels of the whole window above, of the detail below.
 
-    One subject: both blocks in one panel. Several: a panel per block, and a detail only where the view asks for it
-    (runs that drift apart leave nothing to be seen in a common one).
+    One subject: both blocks in one panel. Several: a panel per block, and a detail only where the view asks
+    for it (runs that drift apart leave nothing to be seen in a common one).
     """
     groups = curve_groups(subjects, quantity)
     spans = _spans(subjects, view)
@@ -68,7 +68,7 @@ def _spans(subjects: Sequence[Subject], view: View) -> list[Span]:
     window = common_window(subjects, view.window)
     if view.detail is None and (len(subjects) > 1 or is_short(subjects[0], window)):
         return [window]
-    return [window, detail_span(subjects[0], window, view.detail)]
+    return [window, detail_span(subjects, view)]
 
 
 def is_short(subject: Subject, span: Span) -> bool:
@@ -95,7 +95,7 @@ def symbol(column: str) -> str:
 
 
 def history_panel(axes: Axes, curves: list[Curve], span: Span, quantity: Quantity) -> None:
-    """Curves against time: smooth, with every impact and contact marked, where the span is short; else as a whole."""
+    """Curves against time: smooth, with impacts and contact marked, where the span is short."""
     draw = short_panel if is_short(curves[0].subject, span) else whole_panel
     scale = draw(axes, curves, span, quantity.unit)
     columns = {curve.column for curve in curves}
@@ -105,11 +105,13 @@ def history_panel(axes: Axes, curves: list[Curve], span: Span, quantity: Quantit
 
 
 def whole_panel(axes: Axes, curves: list[Curve], span: Span, unit: str) -> Scale:
-    """A long span: envelopes; for a single run a tick below for every impact, and the trust horizon."""
+    """A long span: envelopes; for a single run a tick for every impact, and the trust horizon."""
     drawn = []
     for curve in curves:
         result = curve.subject.result
-        drawn.append(series(result, (curve.column,), window_of(curve.subject, span), pixel_columns(axes))[curve.column])
+        drawn.append(
+            series(result, (curve.column,), window_of(curve.subject, span), pixel_columns(axes))[curve.column]
+        )
     scale = scale_for(unit, *(values for _, values in drawn))
     for curve, (t, values) in zip(curves, drawn, strict=True):
         look = {**curve.look, "linestyle": "-", "zorder": above_wider(values)}
@@ -120,11 +122,13 @@ def whole_panel(axes: Axes, curves: list[Curve], span: Span, unit: str) -> Scale
 
 
 def short_panel(axes: Axes, curves: list[Curve], span: Span, unit: str) -> Scale:
-    """A short span: smooth curves, every impact marked on them; for a single run the stretches of contact shaded."""
+    """A short span: smooth curves, impacts marked on them; for a single run, contact shaded."""
     drawn = [dense(c.subject.result, (c.column,), window_of(c.subject, span)) for c in curves]
     scale = scale_for(unit, *(columns[c.column] for c, columns in zip(curves, drawn, strict=True)))
     for curve, columns in zip(curves, drawn, strict=True):
-        axes.plot(columns["time"], scale(columns[curve.column]), label=curve.label, gid=curve.column, **curve.look)
+        axes.plot(
+            columns["time"], scale(columns[curve.column]), label=curve.label, gid=curve.column, **curve.look
+        )
         _mark_impacts(axes, curve, span, scale)
     subject = curves[0].subject
     if subject.scene.has_stop and all(curve.subject is subject for curve in curves):

@@ -15,14 +15,14 @@ from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span
 
 
-def annotate_run(axes: Axes, subject: Subject, span: Span) -> None:
-    """Ticks for the impacts, a line at the trust horizon, and a note above that names them."""
-    remarks = [impact_ticks(axes, subject, span), trust_line(axes, subject, span)]
+def annotate_run(axes: Axes, subject: Subject, span: Span, impacts: bool = True) -> None:
+    """Ticks for the impacts (where wanted), a line at the trust horizon, and a note above that names them."""
+    remarks = [impact_ticks(axes, subject, span) if impacts else "", trust_line(axes, subject, span)]
     note(axes, "; ".join(remark for remark in remarks if remark))
 
 
 def impact_ticks(axes: Axes, subject: Subject, span: Span) -> str:
-    """A tick at the foot of the axes for every impact, as far as pixels can tell them apart; their number in words."""
+    """A tick below for every impact, as far as pixels can tell them apart; their number in words."""
     if not subject.scene.has_stop:
         return ""
     t = impact_times(subject.result, window_of(subject, span))
@@ -36,8 +36,8 @@ def impact_ticks(axes: Axes, subject: Subject, span: Span) -> str:
 
 
 def trust_line(axes: Axes, subject: Subject, span: Span) -> str:
-    """A dotted line at the instant until which the run is right, where it lies within the span; the instant in words."""
-    horizon = getattr(subject.result, "trust_horizon", None)
+    """A dotted line where the run ceases to be right, if within the span; the instant in words."""
+    horizon = subject.result.trust_horizon
     if horizon is None or not math.isfinite(horizon) or not span[0] < horizon < span[1]:
         return ""
     axes.axvline(horizon, color=GREY, linewidth=0.8, linestyle=(0, (1, 1.5)), gid="trust-horizon")

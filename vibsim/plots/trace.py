@@ -47,7 +47,9 @@ def trace(result: Any, names: tuple[str, ...], plane: Plane, span: Span) -> Trac
         return Trace(*plane(dense(result, names, span)), joined=True)
     if count <= LINE_UP_TO:
         return Trace(*plane(samples(result, names, span)), joined=True)
-    return Trace(*one_per_pixel(lambda: (plane(block) for block in blocks(result, names, span))), joined=False)
+    return Trace(
+        *one_per_pixel(lambda: (plane(block) for block in blocks(result, names, span))), joined=False
+    )
 
 
 def draw_trace(axes: Axes, drawn: Trace, scales: tuple[Scale, Scale], **look: Any) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.plots import dense
 from vibsim.plots.hermite import hermite, root_time
 from vibsim.plots.samples import blocks
 from vibsim.plots.view import Span
@@ -18,8 +19,9 @@ TURN = 2 * math.pi
 def turn_times(result: Any, span: Span) -> np.ndarray:
     """Instants within the span at which the source begins a period [s], ascending.
 
-    Harmonic source: multiples of its period. Motor: phi = 2 pi k, located on the cubic Hermite interpolant of phi between
-    two samples (phi and phidot are stored, so its error is of fourth order in the output interval).
+    Harmonic source: multiples of its period. Motor: phi = 2 pi k, located on the cubic Hermite interpolant of
+    phi between two samples (phi and phidot are stored, so its error is of fourth order in the output
+    interval).
     """
     scene = result.case.scene()
     if scene.has_motor:
@@ -40,7 +42,7 @@ def _joined_blocks(result: Any, names: tuple[str, ...], span: Span) -> Iterator[
 
 
 def _motor_turns(part: dict[str, np.ndarray]) -> np.ndarray:
-    """Passages of phi through multiples of 2 pi in consecutive samples; several to an interval where it is long."""
+    """Passages of phi through multiples of 2 pi between samples; several to an interval where it is long."""
     t, phi, phidot = part["time"], part["phi"], part["phidot"]
     turn = np.floor(phi / TURN).astype(np.int64)
     passed = np.diff(turn)
@@ -48,21 +50,24 @@ def _motor_turns(part: dict[str, np.ndarray]) -> np.ndarray:
     left = np.repeat(np.arange(len(passed)), count)
     if not len(left):
         return np.empty(0)
-    within = np.arange(len(left)) - np.repeat(np.cumsum(count) - count, count)  # 0, 1, ... inside each interval
+    within = np.arange(len(left)) - np.repeat(
+        np.cumsum(count) - count, count
+    )  # 0, 1, ... inside each interval
     forward = passed[left] > 0
     target = TURN * np.where(forward, turn[left] + 1 + within, turn[left] - within)
     return root_time(t[left], t[left + 1], phi[left], phi[left + 1], phidot[left], phidot[left + 1], target)
 
 
-def states_at(result: Any, names: tuple[str, ...], times: np.ndarray, exact_up_to: int) -> dict[str, np.ndarray]:
+def states_at(
+    result: Any, names: tuple[str, ...], times: np.ndarray, exact_up_to: int
+) -> dict[str, np.ndarray]:
     """Columns `names` at the instants `times` (n), ascending [s].
 
-    Up to `exact_up_to` of them are evaluated by the engine; more are interpolated between samples, x by the cubic Hermite
-    polynomial of x and v, v by its derivative.
+    Up to `exact_up_to` of them are evaluated by the engine; more are interpolated between samples, x by the
+    cubic Hermite polynomial of x and v, v by its derivative.
     """
     if len(times) <= exact_up_to:
-        states = result.at(times) if len(times) else {}
-        return {name: np.asarray(states.get(name, np.empty(0))) for name in names}
+        return dense.states_at(result, names, times)
     parts: dict[str, list[np.ndarray]] = {name: [] for name in names}
     pairs = [name for name in names if name.startswith("x")]
     done = 0

@@ -1,0 +1,117 @@
+"""From files to pictures: choose the kinds, draw, and write PNG, PDF or SVG, the same bytes every time."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from vibsim.plots.errors import PlotError
+from vibsim.plots.registry import Kind, choose
+from vibsim.plots.subject import Subject, open_subjects
+from vibsim.plots.view import View
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FORMATS = (".png", ".pdf", ".svg")
+NAMED_AT_MOST = 3  # subjects spelt out in a default file name
+
+
+def draw_files(
+    paths: Sequence[str], names: Sequence[str] | None, view: View, out: str | None = None, force: bool = False
+) -> list[str]:
+    """Draw what is in some files, one picture per kind; the names of the pictures written.
+
+    Parameters
+    ----------
+    paths : result files, or cases where the kinds need no more; several are laid over each other
+    names : names of kinds, ["all"], or None for what suits the files
+    out : the picture; None for `<case>-<kind>.png` here. Several kinds become the pages of a PDF, or
+    `<out>-<kind>` files
+    force : replace existing pictures
+
+    Raises PlotError, CaseError and ResultFileError; nothing is drawn before all of that is checked.
+    """
+    subjects = open_subjects(paths)
+    kinds = choose(names, subjects)
+    targets = name_targets(subjects, kinds, out)
+    check_targets(targets, force)
+    return _draw(subjects, kinds, view, targets, force)
+
+
+def name_targets(subjects: Sequence[Subject], kinds: Sequence[Kind], out: str | None) -> list[str]:
+    """The file of each kind; one for all of them when several make a PDF."""
+    if out is None:
+        return [f"{_stem(subjects)}-{kind.name}.png" for kind in kinds]
+    suffix = picture_suffix(out)
+    if len(kinds) == 1 or suffix == ".pdf":
+        return [out]
+    path = Path(out)
+    return [str(path.with_name(f"{path.stem}-{kind.name}{path.suffix}")) for kind in kinds]
+
+
+def picture_suffix(out: str) -> str:
+    """Suffix of a picture, in lower case; PlotError for a format that vibsim does not write."""
+    suffix = Path(out).suffix.lower()
+    if suffix not in FORMATS:
+        said = f"suffix {suffix}" if suffix else "no suffix"
+        raise PlotError(f"{out}: {said}; pictures are {', '.join(FORMATS[:-1])} or {FORMATS[-1]}")
+    return suffix
+
+
+def check_targets(targets: Sequence[str], force: bool) -> None:
+    """Raise ResultFileError for a target that exists (unless `force`) or cannot be written."""
+    from vibsim.results.output_file import check_output
+
+    for target in targets:
+        check_output(target, force)
+
+
+def _stem(subjects: Sequence[Subject]) -> str:
+    names = [re.sub(r"[^\w.+-]+", "_", subject.name) for subject in subjects]
+    more = len(names) - NAMED_AT_MOST
+    return "+".join(names[:NAMED_AT_MOST]) + (f"+{more}-more" if more > 0 else "")
+
+
+def _draw(
+    subjects: Sequence[Subject], kinds: Sequence[Kind], view: View, targets: Sequence[str], force: bool
+) -> list[str]:
+    from vibsim.plots import style
+
+    with style.applied():
+        figures = (kind.draw(subjects, replace(view, width=view.width or kind.width)) for kind in kinds)
+        if len(targets) < len(kinds):
+            _write_pages(list(figures), targets[0], force)
+        else:
+            for figure, target in zip(figures, targets, strict=True):
+                _write(figure, target, force)
+    return list(targets)
+
+
+def _write(figure: Figure, target: str, force: bool) -> None:
+    from vibsim.results.output_file import output_file
+
+    suffix = picture_suffix(target)
+    with output_file(target, force) as partial:
+        figure.savefig(partial, format=suffix[1:], metadata=_METADATA[suffix])
+
+
+def _write_pages(figures: Sequence[Figure], target: str, force: bool) -> None:
+    from matplotlib.backends.backend_pdf import PdfPages
+
+    from vibsim.results.output_file import output_file
+
+    with output_file(target, force) as partial, PdfPages(partial, metadata=_METADATA[".pdf"]) as pages:
+        for figure in figures:
+            pages.savefig(figure)
+
+
+# No dates: the same picture is the same file, so pictures can be compared byte by byte.
+_METADATA: dict[str, dict[str, Any]] = {
+    ".png": {"Software": "vibsim"},
+    ".pdf": {"Creator": "vibsim", "CreationDate": None},
+    ".svg": {"Creator": "vibsim", "Date": None},
+}
