@@ -80,14 +80,29 @@ class ClosedForm:
             angle = kit.turn_angle(scene.cycles, scene.cycles_lo, state.t)
             self.sin0, self.cos0 = kit.sin(angle), kit.cos(angle)
         self.slope_before = kit.number(0)
+        self._evaluate_start()
+
+    def _evaluate_start(self):
+        """What `evaluate` would give at the anchor, where every response is 0 or 1."""
+        zero = self.kit.number(0)
+        self.at, self.tau = self.t0, zero
+        self.y, self.u = self.y0, self.u0
+        self.sine, self.cosine = self.sin0, self.cos0
+        self.scale_y, self.scale_u = abs(self.y0), abs(self.u0)
+        if not self.locked:
+            self.X, self.V = self.X0, self.V0
+            self.scale_V = abs(self.V0)
 
     def carry_on(self, state):
         """Go on from an instant that was no event: nothing to do, the anchor holds."""
 
     def evaluate(self, t):
         """Set y, u, the centre of mass, the phase of the force and the magnitudes of their terms at time t."""
+        if t == self.at:
+            return
         regime, osc, kit = self.regime, self.regime.oscillator, self.kit
         self.evaluations += 1
+        self.at = t
         tau = t - self.t0
         release, impulse = osc.release_and_impulse(tau)
         steady = osc.constant_response(tau, release)
@@ -141,7 +156,6 @@ class ClosedForm:
     def relative_jet(self, state, mode, count):
         """Derivatives of y = x1 - x2 of order 0 to `count` at `state` in `mode`."""
         self.enter(state, mode, {})
-        self.evaluate(state.t)
         return self.jet(count)
 
     def jet(self, count):

@@ -11,8 +11,9 @@ differences or as power series, so that each response keeps full relative accura
 
 from math import inf
 
+from vibsim.physics.numbers import horner
+
 QUARTER = 0.25  # |Z| t^2 below which the quotient by Z would cancel more than two bits
-SERIES_TERMS = 400
 
 
 class Oscillator:
@@ -34,6 +35,9 @@ class Oscillator:
         self.zz = self.zr * self.zr + self.zi * self.zi
         fastest = self.w0 if self.w0 > omega else omega
         self.window = 1.5 / fastest if fastest > 0 else inf
+        self.rate = a if a > fastest else fastest
+        self.steady_series, _ = self._series_coefficients(kit.number(0))
+        self.real_series, self.imag_series = self._series_coefficients(omega)
 
     def release_and_impulse(self, t):
         """C(t) [-] and S(t) [s]."""
@@ -55,7 +59,7 @@ class Oscillator:
             kit = self.kit
             slow = kit.expm1(self.slow * t) / self.slow if self.slow != 0 else t
             return (slow - kit.expm1(self.fast * t) / self.fast) / (2 * self.wd)
-        return self._series(t, 0)[0]
+        return t * t * horner(self.steady_series, self.rate * t)
 
     def harmonic_response(self, t, release, impulse, cosine, sine):
         """Re H(t), Im H(t) [s^2], given C, S and cos, sin of omega t."""
@@ -66,7 +70,12 @@ class Oscillator:
             return (nr * self.zr + ni * self.zi) / self.zz, (ni * self.zr - nr * self.zi) / self.zz
         if self.wd * t >= 0.5:
             return self._confluent(t, cosine, sine)
-        return self._series(t, self.omega)
+        return self.series_response(t)
+
+    def series_response(self, t):
+        """Re H, Im H [s^2] by power series, for spreads |r t|, |omega t| below 2."""
+        square, angle = t * t, self.rate * t
+        return square * horner(self.real_series, angle), square * horner(self.imag_series, angle)
 
     def _confluent(self, t, cosine, sine):
         """H near resonance: (E1 - E2) / (r1 - r2) with E_k = (exp(r_k t) - exp(i omega t)) / (r_k - i omega).
@@ -97,25 +106,23 @@ class Oscillator:
             return hi / (2 * self.wd), -hr / (2 * self.wd)
         return hr / (2 * self.wd), hi / (2 * self.wd)
 
-    def _series(self, t, omega):
-        """H by its power series, for spreads |r t|, |omega t| of a few units at most.
+    def _series_coefficients(self, omega):
+        """Coefficients g_n of H = t^2 sum g_n (rate t)^n, real and imaginary.
 
-        h_(n+2) (n+2)(n+1) = (i omega t)^n / n! t^2 - 2 a t (n+1) h_(n+1) - b t^2 h_n.
+        From H'' + 2 a H' + b H = exp(i omega t):
+        (n + 2)(n + 1) g_n = (i omega / rate)^n / n! - 2 (a / rate) (n + 1) g_(n-1) - (b / rate^2) g_(n-2).
         """
-        zero = self.kit.number(0)
-        damping, stiffness, step = 2 * self.a * t, self.b * (t * t), omega * t
-        lr, li = t * t, zero
-        h0r = h0i = h1r = h1i = sr = si = zero
-        for n in range(SERIES_TERMS):
-            h2r = (lr - damping * (n + 1) * h1r - stiffness * h0r) / ((n + 2) * (n + 1))
-            h2i = (li - damping * (n + 1) * h1i - stiffness * h0i) / ((n + 2) * (n + 1))
-            sr, si = sr + h2r, si + h2i
-            last = abs(h2r) + abs(h2i) + abs(h1r) + abs(h1i)
-            if n >= 3 and last <= self.kit.eps / 4 * (abs(sr) + abs(si)):
-                break
-            h0r, h0i, h1r, h1i = h1r, h1i, h2r, h2i
+        kit = self.kit
+        rate = self.rate if self.rate > 0 else kit.number(1)
+        damping, stiffness, step = 2 * (self.a / rate), (self.b / rate) / rate, omega / rate
+        real, imag = [kit.number(0)] * 2, [kit.number(0)] * 2
+        lr, li = kit.number(1), kit.number(0)
+        for n in range(kit.series_terms):
+            divisor = (n + 2) * (n + 1)
+            real.append((lr - damping * (n + 1) * real[n + 1] - stiffness * real[n]) / divisor)
+            imag.append((li - damping * (n + 1) * imag[n + 1] - stiffness * imag[n]) / divisor)
             lr, li = -(li * step) / (n + 1), lr * step / (n + 1)
-        return sr, si
+        return real[2:], imag[2:]
 
 
 def sinhc(kit, p, q):
@@ -137,4 +144,4 @@ def free_harmonic_response(kit, omega, t, cosine, sine, oscillator):
     if angle * angle >= QUARTER:
         square = omega * omega
         return (1 - cosine) / square, (angle - sine) / square
-    return oscillator._series(t, omega)
+    return oscillator.series_response(t)

@@ -10,6 +10,7 @@ from math import inf, log2
 
 from vibsim.events.polynomial_root import PolynomialSearch
 from vibsim.events.watch import CLEARANCE, GAP, HOLD_PLUS, NOTHING, SLIDE, watched
+from vibsim.physics.numbers import horner
 from vibsim.physics.state import State
 
 LEADING = 4  # coefficients that set the scale of a series in the step control
@@ -56,8 +57,8 @@ class Taylor:
         """Coefficients of x1, v1, x2, v2 (and phi, w, sin phi, cos phi) at `state`."""
         zero = self.kit.number(0)
         p = self.order
-        self.x1, self.v1 = [state.x1] + [zero] * (p + 1), [state.v1] + [zero] * p
-        self.x2, self.v2 = [state.x2] + [zero] * (p + 1), [state.v2] + [zero] * p
+        self.x1, self.v1 = [state.x1] + [zero] * (p + 1), [state.v1] + [zero] * (p + 1)
+        self.x2, self.v2 = [state.x2] + [zero] * (p + 1), [state.v2] + [zero] * (p + 1)
         if self.locked:
             self.v2[0] = zero
         if self.scene.has_motor:
@@ -110,37 +111,55 @@ class Taylor:
         """Eqs. (2.8)-(2.10): one 2x2 division per order, by the mass matrix at the expansion point."""
         scene, kit, p = self.scene, self.kit, self.order
         zero = kit.number(0)
-        w, phi = [state.w] + [zero] * p, [state.phase] + [zero] * (p + 1)
+        w, phi = [state.w] + [zero] * (p + 1), [state.phase] + [zero] * (p + 1)
         s, c = [kit.sin(state.phase)] + [zero] * p, [kit.cos(state.phase)] + [zero] * p
         a1 = [zero] * p
         mass, inertia = scene.m1 + scene.m3, scene.J + self.unbalance * scene.e
         coupling = self.unbalance * s[0]
         inverse_det = 1 / (mass * inertia - coupling * coupling)
         drag = scene.M0 / scene.Omega0
-        sw = s[0] * w[0]
+        to_a1, to_w = inertia * inverse_det, mass * inverse_det
+        cross = coupling * inverse_det
+        sw, previous = s[0] * w[0], zero
         for n in range(p):
             inverse = self.inverse[n + 1]
-            cw = back = tail = zero
-            for j in range(n + 1):
-                cw = cw + c[j] * w[n - j]
-            s[n + 1], c[n + 1] = cw * inverse, -(sw * inverse)
-            for j in range(1, n + 2):
-                tail = tail + s[j] * w[n + 1 - j]
-            for j in range(1, n + 1):
-                back = back + s[j] * a1[n - j]
+            cw, tail, back = self._products(s, c, w, a1, n)
+            c[n + 1] = -(sw * inverse)
+            if n > 0:
+                cw = cw + (c[0] * w[n] + c[n] * w[0])
+                tail = tail + s[1] * w[n]
+                back = back + s[1] * previous
+            else:
+                cw = c[0] * w[0]
+            s[n + 1] = cw * inverse
+            tail = tail + s[n + 1] * w[0]
             force = self._force(n)
             thrust = self.unbalance * ((n + 1) * tail) - force
             torque = self.unbalance * back - drag * w[n]
             if n == 0:
                 torque = torque + scene.M0
-            a1[n] = (inertia * thrust + coupling * torque) * inverse_det
-            w[n + 1] = (mass * torque + coupling * thrust) * inverse_det * inverse
+            previous = a1[n] = to_a1 * thrust + cross * torque
+            w[n + 1] = (to_w * torque + cross * thrust) * inverse
             phi[n + 1] = w[n] * inverse
             sw = tail + s[0] * w[n + 1]
-            self._advance_series(n, a1[n], force)
+            self._advance_series(n, previous, force)
         phi[p + 1] = w[p] * self.inverse[p + 1]
         self.w, self.phi = w, phi
         self._finish_series()
+
+    def _products(self, s, c, w, a1, n):
+        """The inner terms of (c w)_n, (s w)_(n+1) and (s a1)_n, those that do not wait for the newest coefficients.
+
+        Odd and even terms are summed apart: two chains that a processor takes side by side.
+        """
+        zero = self.kit.number(0)
+        sums = [[zero, zero, zero], [zero, zero, zero]]
+        for i in range(1, n):
+            part = sums[(i + 1) % 2]
+            part[0] = part[0] + c[i] * w[n - i]
+            part[1] = part[1] + s[i + 1] * w[n - i]
+            part[2] = part[2] + s[i + 1] * a1[n - 1 - i]
+        return [odd + even for odd, even in zip(*sums, strict=True)]
 
     def _step_length(self):
         """Longest step whose last two terms stay below tol times the largest leading one (after Jorba & Zou 2005)."""
@@ -172,7 +191,7 @@ class Taylor:
         if function in (GAP, CLEARANCE):
             return self._relative_polynomial(function)
         if function == SLIDE:
-            return [self.mode.friction * value for value in self.v2]
+            return [self.mode.friction * value for value in self.v2[:-1]]
         series = [self._force(n) for n in range(self.order + 1)]
         if function == HOLD_PLUS:
             series = [-value for value in series]
@@ -224,11 +243,3 @@ class Taylor:
             factorial = factorial * n if n > 0 else 1
             jet.append((self.x1[n] - self.x2[n]) * factorial)
         return jet
-
-
-def horner(coefficients, tau):
-    """Value of the polynomial with the given coefficients, lowest first, at tau."""
-    value = coefficients[-1]
-    for coefficient in reversed(coefficients[:-1]):
-        value = value * tau + coefficient
-    return value

@@ -76,6 +76,19 @@ void closed_form_enter(Run *r, const State *state, Mode mode)
         f->cos0 = cos(angle);
     }
     f->slope_before = 0.0;
+    f->at = f->t0;
+    f->tau = 0.0;
+    f->y = f->y0;
+    f->u = f->u0;
+    f->sine = f->sin0;
+    f->cosine = f->cos0;
+    f->scale_y = fabs(f->y0);
+    f->scale_u = fabs(f->u0);
+    if (!f->locked) {
+        f->X = f->X0;
+        f->V = f->V0;
+        f->scale_V = fabs(f->V0);
+    }
 }
 
 static void centre(ClosedForm *f, const Regime *g, double tau, double sine, double cosine)
@@ -102,7 +115,10 @@ static void evaluate(Run *r, double t)
     const Oscillator *o = &g->oscillator;
     double tau = t - f->t0, release, impulse, steady, rate, stiff, y, u, sine = 0, cosine = 0;
     double y0 = f->y0, u0 = f->u0;
+    if (t == f->at)
+        return;
     r->evaluations += 1;
+    f->at = t;
     release_and_impulse(o, tau, &release, &impulse);
     steady = constant_response(o, tau, release);
     rate = release - 2 * o->a * impulse;
@@ -175,7 +191,6 @@ static void jet_here(const ClosedForm *f, int count, double *d)
 void closed_form_jet(Run *r, const State *state, Mode mode, int count, double *jet)
 {
     closed_form_enter(r, state, mode);
-    evaluate(r, state->t);
     jet_here(&r->closed, count, jet);
 }
 

@@ -12,6 +12,8 @@
 
 #define MAX_ORDER 40
 #define SERIES (MAX_ORDER + 2)
+#define SERIES_TERMS 26
+#define STATES 6 /* columns of the coefficient table: x1 x2 phi v1 v2 w */
 #define EPS 1.1102230246251565e-16 /* 2^-53, unit round-off */
 
 enum { NOTHING = -1, GAP = 0, SLIDE = 1, HOLD_PLUS = 2, HOLD_MINUS = 3, CLEARANCE = 4, FUNCTIONS = 5 };
@@ -42,7 +44,8 @@ typedef struct {
 } Known;
 
 typedef struct {
-    double a, b, omega, w0, wd, slow, fast, zr, zi, zz, window;
+    double a, b, omega, w0, wd, slow, fast, zr, zi, zz, window, rate;
+    double steady_series[SERIES_TERMS], real_series[SERIES_TERMS], imag_series[SERIES_TERMS];
     int oscillates;
 } Oscillator;
 
@@ -54,14 +57,14 @@ typedef struct {
 typedef struct {
     Regime regimes[2][2][3]; /* locked, contact, friction + 1 */
     Oscillator mass_point;
-    const Regime *unused;
     double limit, omega, share1, share2;
     double t0, t, x2, y0, u0, X0, V0, sin0, cos0, slope_before;
-    double y, u, X, V, tau, sine, cosine, scale_y, scale_u, scale_V;
+    double at, y, u, X, V, tau, sine, cosine, scale_y, scale_u, scale_V;
     int driven, leading, locked, regime[3];
 } ClosedForm;
 
 typedef struct {
+    double table[SERIES][STATES]; /* coefficients n of all states, for the dense output */
     double x1[SERIES], v1[SERIES], x2[SERIES], v2[SERIES], phi[SERIES], w[SERIES];
     double sine[SERIES], cosine[SERIES], a1[SERIES], inverse[SERIES + 1];
     double limit, unbalance, k, offset, t0, h, turns;

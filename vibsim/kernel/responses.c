@@ -1,8 +1,28 @@
 /* Responses of one damped oscillator; twin of vibsim/flows/responses.py. */
 #include "kernel.h"
+#include "numbers.h"
 
 #define QUARTER 0.25
-#define SERIES_TERMS 400
+
+static void series_coefficients(const Oscillator *o, double omega, double *real, double *imag)
+{
+    double rate = o->rate > 0 ? o->rate : 1.0;
+    double damping = 2 * (o->a / rate), stiffness = (o->b / rate) / rate, step = omega / rate;
+    double r0 = 0, r1 = 0, i0 = 0, i1 = 0, lr = 1, li = 0;
+    int n;
+    for (n = 0; n < SERIES_TERMS; n++) {
+        int divisor = (n + 2) * (n + 1);
+        double lr_before = lr;
+        real[n] = (lr - damping * (n + 1) * r1 - stiffness * r0) / divisor;
+        imag[n] = (li - damping * (n + 1) * i1 - stiffness * i0) / divisor;
+        r0 = r1;
+        r1 = real[n];
+        i0 = i1;
+        i1 = imag[n];
+        lr = -(li * step) / (n + 1);
+        li = lr_before * step / (n + 1);
+    }
+}
 
 void oscillator_set(Oscillator *o, double a, double b, double omega)
 {
@@ -23,6 +43,9 @@ void oscillator_set(Oscillator *o, double a, double b, double omega)
     o->zz = o->zr * o->zr + o->zi * o->zi;
     fastest = o->w0 > omega ? o->w0 : omega;
     o->window = fastest > 0 ? 1.5 / fastest : INFINITY;
+    o->rate = a > fastest ? a : fastest;
+    series_coefficients(o, 0.0, o->steady_series, o->imag_series);
+    series_coefficients(o, omega, o->real_series, o->imag_series);
 }
 
 void release_and_impulse(const Oscillator *o, double t, double *release, double *impulse)
@@ -40,42 +63,22 @@ void release_and_impulse(const Oscillator *o, double t, double *release, double 
     *release = decay - o->slow * *impulse;
 }
 
-static void response_series(const Oscillator *o, double t, double omega, double *hc, double *hs)
+static void series_response(const Oscillator *o, double t, double *hc, double *hs)
 {
-    double damping = 2 * o->a * t, stiffness = o->b * (t * t), step = omega * t;
-    double lr = t * t, li = 0, h0r = 0, h0i = 0, h1r = 0, h1i = 0, sr = 0, si = 0;
-    int n;
-    for (n = 0; n < SERIES_TERMS; n++) {
-        double h2r = (lr - damping * (n + 1) * h1r - stiffness * h0r) / ((n + 2) * (n + 1));
-        double h2i = (li - damping * (n + 1) * h1i - stiffness * h0i) / ((n + 2) * (n + 1));
-        double last, lr_before = lr;
-        sr = sr + h2r;
-        si = si + h2i;
-        last = fabs(h2r) + fabs(h2i) + fabs(h1r) + fabs(h1i);
-        if (n >= 3 && last <= EPS / 4 * (fabs(sr) + fabs(si)))
-            break;
-        h0r = h1r;
-        h0i = h1i;
-        h1r = h2r;
-        h1i = h2i;
-        lr = -(li * step) / (n + 1);
-        li = lr_before * step / (n + 1);
-    }
-    *hc = sr;
-    *hs = si;
+    double square = t * t, angle = o->rate * t;
+    *hc = square * horner(o->real_series, SERIES_TERMS, angle);
+    *hs = square * horner(o->imag_series, SERIES_TERMS, angle);
 }
 
 double constant_response(const Oscillator *o, double t, double release)
 {
-    double re, im;
     if (o->b * (t * t) >= QUARTER)
         return (1 - release) / o->b;
     if (!o->oscillates && o->wd * t >= 0.5) {
         double slow = o->slow != 0 ? expm1(o->slow * t) / o->slow : t;
         return (slow - expm1(o->fast * t) / o->fast) / (2 * o->wd);
     }
-    response_series(o, t, 0, &re, &im);
-    return re;
+    return t * t * horner(o->steady_series, SERIES_TERMS, o->rate * t);
 }
 
 static void sinhc(double p, double q, double *re, double *im)
@@ -142,7 +145,7 @@ void harmonic_response(const Oscillator *o, double t, double release, double imp
         confluent(o, t, cosine, sine, hc, hs);
         return;
     }
-    response_series(o, t, o->omega, hc, hs);
+    series_response(o, t, hc, hs);
 }
 
 void free_harmonic_response(const Oscillator *point, double t, double cosine, double sine, double *hc, double *hs)
@@ -154,5 +157,5 @@ void free_harmonic_response(const Oscillator *point, double t, double cosine, do
         *hs = (angle - sine) / square;
         return;
     }
-    response_series(point, t, omega, hc, hs);
+    series_response(point, t, hc, hs);
 }

@@ -71,8 +71,8 @@ static void expand_motor(Run *r, const State *state, Mode mode)
     Taylor *f = &r->taylor;
     double *sine = f->sine, *cosine = f->cosine, *w = f->w, *a1 = f->a1;
     double mass = s->m1 + s->m3, inertia = s->J + f->unbalance * s->e;
-    double coupling, inverse_det, drag, sw;
-    int p = f->order, n, j;
+    double coupling, inverse_det, drag, sw, to_a1, to_w, cross, previous = 0;
+    int p = f->order, n, i;
     w[0] = state->w;
     f->phi[0] = state->phase;
     sine[0] = sin(state->phase);
@@ -80,27 +80,49 @@ static void expand_motor(Run *r, const State *state, Mode mode)
     coupling = f->unbalance * sine[0];
     inverse_det = 1 / (mass * inertia - coupling * coupling);
     drag = s->M0 / s->Omega0;
+    to_a1 = inertia * inverse_det;
+    to_w = mass * inverse_det;
+    cross = coupling * inverse_det;
     sw = sine[0] * w[0];
     for (n = 0; n < p; n++) {
-        double inverse = f->inverse[n + 1], cw = 0, back = 0, tail = 0, force, thrust, torque;
-        for (j = 0; j <= n; j++)
-            cw = cw + cosine[j] * w[n - j];
-        sine[n + 1] = cw * inverse;
+        double inverse = f->inverse[n + 1], force, thrust, torque;
+        double cw0 = 0, cw1 = 0, tail0 = 0, tail1 = 0, back0 = 0, back1 = 0, cw, tail, back;
+        for (i = 1; i + 1 < n; i += 2) {
+            cw0 = cw0 + cosine[i] * w[n - i];
+            tail0 = tail0 + sine[i + 1] * w[n - i];
+            back0 = back0 + sine[i + 1] * a1[n - 1 - i];
+            cw1 = cw1 + cosine[i + 1] * w[n - i - 1];
+            tail1 = tail1 + sine[i + 2] * w[n - i - 1];
+            back1 = back1 + sine[i + 2] * a1[n - 2 - i];
+        }
+        if (i < n) {
+            cw0 = cw0 + cosine[i] * w[n - i];
+            tail0 = tail0 + sine[i + 1] * w[n - i];
+            back0 = back0 + sine[i + 1] * a1[n - 1 - i];
+        }
+        cw = cw0 + cw1;
+        tail = tail0 + tail1;
+        back = back0 + back1;
         cosine[n + 1] = -(sw * inverse);
-        for (j = 1; j <= n + 1; j++)
-            tail = tail + sine[j] * w[n + 1 - j];
-        for (j = 1; j <= n; j++)
-            back = back + sine[j] * a1[n - j];
+        if (n > 0) {
+            cw = cw + (cosine[0] * w[n] + cosine[n] * w[0]);
+            tail = tail + sine[1] * w[n];
+            back = back + sine[1] * previous;
+        } else {
+            cw = cosine[0] * w[0];
+        }
+        sine[n + 1] = cw * inverse;
+        tail = tail + sine[n + 1] * w[0];
         force = force_coefficient(r, n);
         thrust = f->unbalance * ((n + 1) * tail) - force;
         torque = f->unbalance * back - drag * w[n];
         if (n == 0)
             torque = torque + s->M0;
-        a1[n] = (inertia * thrust + coupling * torque) * inverse_det;
-        w[n + 1] = (mass * torque + coupling * thrust) * inverse_det * inverse;
+        previous = a1[n] = to_a1 * thrust + cross * torque;
+        w[n + 1] = (to_w * torque + cross * thrust) * inverse;
         f->phi[n + 1] = w[n] * inverse;
         sw = tail + sine[0] * w[n + 1];
-        advance_series(r, mode, n, a1[n], force);
+        advance_series(r, mode, n, previous, force);
     }
     f->phi[p + 1] = w[p] * f->inverse[p + 1];
 }
@@ -144,7 +166,7 @@ void taylor_enter(Run *r, const State *state, Mode mode)
 {
     const Scene *s = &r->scene;
     Taylor *f = &r->taylor;
-    int p = f->order;
+    int p = f->order, n;
     f->locked = s->has_block2 == 0 || (s->has_friction != 0 && mode.friction == 0);
     f->k = mode.contact ? s->k1 + s->k2 : s->k1;
     f->offset = mode.contact ? s->k2 * (s->stop_sign * s->G) : 0.0;
@@ -165,6 +187,16 @@ void taylor_enter(Run *r, const State *state, Mode mode)
     f->x1[p + 1] = f->v1[p] * f->inverse[p + 1];
     if (!f->locked)
         f->x2[p + 1] = f->v2[p] * f->inverse[p + 1];
+    f->v1[p + 1] = f->v2[p + 1] = f->w[p + 1] = 0.0;
+    for (n = 0; n <= p + 1; n++) {
+        double *row = f->table[n];
+        row[0] = f->x1[n];
+        row[1] = f->x2[n];
+        row[2] = f->phi[n];
+        row[3] = f->v1[n];
+        row[4] = f->v2[n];
+        row[5] = f->w[n];
+    }
     r->steps += 1;
     f->h = step_length(r);
 }
@@ -223,30 +255,45 @@ double taylor_advance(Run *r, double limit, int *function)
     return end;
 }
 
-static inline double horner(const double *coefficients, int degree, double tau)
+/* All states at tau after the expansion point: `horner` row by row over the table. */
+static void dense_output(const Taylor *f, double tau, double *out)
 {
-    double value = coefficients[degree];
-    int n;
-    for (n = degree - 1; n >= 0; n--)
-        value = value * tau + coefficients[n];
-    return value;
+    double square = tau * tau, high[STATES], low[STATES];
+    int count = f->order + 2, n = count - 3, k;
+    for (k = 0; k < STATES; k++) {
+        high[k] = f->table[count - 1][k];
+        low[k] = f->table[count - 2][k];
+    }
+    for (; n > 0; n -= 2) {
+        for (k = 0; k < STATES; k++)
+            high[k] = high[k] * square + f->table[n][k];
+        for (k = 0; k < STATES; k++)
+            low[k] = low[k] * square + f->table[n - 1][k];
+    }
+    if (count % 2 == 0) {
+        for (k = 0; k < STATES; k++)
+            out[k] = low[k] + tau * high[k];
+        return;
+    }
+    for (k = 0; k < STATES; k++)
+        out[k] = (high[k] * square + f->table[0][k]) + tau * low[k];
 }
 
 void taylor_state(Run *r, double t, State *out)
 {
     const Taylor *f = &r->taylor;
-    double tau = t - f->t0, turns = 0;
-    int p = f->order;
+    double values[STATES], turns = 0;
+    dense_output(f, t - f->t0, values);
     out->t = t;
-    out->x1 = horner(f->x1, p + 1, tau);
-    out->v1 = horner(f->v1, p, tau);
-    out->x2 = f->locked ? f->x2[0] : horner(f->x2, p + 1, tau);
-    out->v2 = f->locked ? 0.0 : horner(f->v2, p, tau);
+    out->x1 = values[0];
+    out->x2 = f->locked ? f->x2[0] : values[1];
+    out->v1 = values[3];
+    out->v2 = f->locked ? 0.0 : values[4];
     out->phase = out->turns = out->w = 0.0;
     if (r->scene.has_motor != 0) {
-        out->phase = reduce_angle(horner(f->phi, p + 1, tau), &turns);
+        out->phase = reduce_angle(values[2], &turns);
         out->turns = f->turns + turns;
-        out->w = horner(f->w, p, tau);
+        out->w = values[5];
     }
 }
 

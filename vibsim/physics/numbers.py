@@ -17,6 +17,7 @@ class Doubles:
 
     name = "double"
     eps = 2.0**-53  # unit round-off
+    series_terms = 26  # 2**26 / 26! < 2**-53 / 12: a power series whose argument stays below 2 is exact to round-off
     sin = staticmethod(math.sin)
     cos = staticmethod(math.cos)
     exp = staticmethod(math.exp)
@@ -69,3 +70,18 @@ class Doubles:
     def unwind(angle, turns):
         """angle + 2 pi turns [rad]."""
         return angle + turns * TWO_PI
+
+
+def horner(coefficients, t):
+    """Value at t of the polynomial with the given coefficients, lowest first.
+
+    Even and odd powers run in two chains of Horner's rule in t^2, which a processor takes side by side.
+    """
+    square = t * t
+    high, low = coefficients[-1], coefficients[-2]
+    for n in range(len(coefficients) - 3, 0, -2):
+        high = high * square + coefficients[n]
+        low = low * square + coefficients[n - 1]
+    if len(coefficients) % 2 == 0:
+        return low + t * high
+    return (high * square + coefficients[0]) + t * low
