@@ -29,7 +29,12 @@ def initial_mode(scene, flow, state):
         rate = gap_rate(scene, u)
         contact = 1 if _turning(scene, flow, state, Mode(0, friction), rate, -scene.stop_sign) > 0 else 0
         known[GAP] = 1
-    violated = 1 if scene.rest_distance is not None and y > scene.rest_distance else 0
+    violated = 0
+    if scene.rest_distance is not None:
+        violated = 1 if y > scene.rest_distance else 0
+        if y == scene.rest_distance:
+            violated = 1 if _turning(scene, flow, state, Mode(contact, friction), u, 1) > 0 else 0
+            known[CLEARANCE] = 1
     return Mode(contact, friction, violated), known
 
 

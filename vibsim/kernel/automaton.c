@@ -94,6 +94,11 @@ void initial_mode(Run *r)
     r->mode.contact = contact;
     r->mode.friction = friction;
     r->mode.violated = s->has_rest != 0 && y > s->rest_distance ? 1 : 0;
+    if (s->has_rest != 0 && y == s->rest_distance) {
+        Mode near = {contact, friction, 0};
+        r->mode.violated = turning(r, state, near, u, 1) > 0 ? 1 : 0;
+        r->known.order[CLEARANCE] = 1;
+    }
 }
 
 /* Mode and known zeros behind the zero of `function`; returns the event kind, or NOTHING for a touch. */

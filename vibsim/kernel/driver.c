@@ -5,6 +5,7 @@
 #include "numbers.h"
 
 #define EVENTS_AT_ONE_INSTANT 64
+#define STEPS_AT_ONCE 100000 /* bounds the work between two blocks where nothing happens */
 
 void flow_enter(Run *r, const State *state, Mode mode)
 {
@@ -39,6 +40,17 @@ double flow_advance(Run *r, double limit, int *function)
 static double sample_time(const Scene *s, long long i)
 {
     return ((double)i * s->every_num) / s->every_den;
+}
+
+/* Index of the first sample at or after t. */
+static long long sample_index(const Scene *s, double t)
+{
+    long long i = (long long)(t * s->every_den / s->every_num);
+    while (i > 0 && sample_time(s, i - 1) >= t)
+        i--;
+    while (sample_time(s, i) < t)
+        i++;
+    return i;
 }
 
 static void write_sample(const Run *r, Buffers *b, const State *s)
@@ -103,6 +115,7 @@ void run_start(Run *r, const Scene *scene, const State *resume, const Mode *mode
         r->state = *resume;
         r->mode = *mode;
         r->known = *known;
+        r->next_sample = sample_index(scene, resume->t);
     } else {
         r->state.x1 = scene->x1;
         r->state.v1 = scene->v1;
@@ -118,8 +131,7 @@ void run_start(Run *r, const Scene *scene, const State *resume, const Mode *mode
     record(r, b, START);
     if (r->mode.violated)
         note_violation(r, b);
-    if (!r->finished)
-        flow_enter(r, &r->state, r->mode);
+    flow_enter(r, &r->state, r->mode);
 }
 
 static int take_event(Run *r, Buffers *b, State *state, int function)
@@ -131,8 +143,10 @@ static int take_event(Run *r, Buffers *b, State *state, int function)
         known = r->known;
         kind = transition(r, state, function, &mode, &known);
         r->crowd += 1;
-        if (r->crowd > EVENTS_AT_ONE_INSTANT)
+        if (r->crowd > EVENTS_AT_ONE_INSTANT) {
+            r->state = *state;
             return ACCUMULATION;
+        }
     } else {
         kind = transition(r, state, function, &mode, &known);
         r->crowd = 0;
@@ -170,7 +184,8 @@ static int sample_until(Run *r, Buffers *b, double end, int last)
 void run_advance(Run *r, Buffers *b, long steps)
 {
     State state;
-    while (!r->finished && r->status == OK && steps-- > 0) {
+    double enough = r->steps + STEPS_AT_ONCE;
+    while (!r->finished && r->status == OK && steps-- > 0 && r->steps < enough) {
         double t_end = r->scene.t_end;
         if (b->event_count + 3 >= b->event_room)
             return;

@@ -28,12 +28,12 @@ class Driver:
             self.mode, known = initial_mode(scene, flow, self.state)
         else:
             self.state, self.mode, known = resume
+            self.next_sample = scene.sample_index(self.state.t)
         self.known, self.known_since, self.crowd = known, self.state.t, 0
         self._record("start")
         if self.mode.violated:
             self._note_violation()
-        if not self.finished:
-            flow.enter(self.state, self.mode, known)
+        flow.enter(self.state, self.mode, known)
 
     def _start_state(self):
         scene, kit = self.scene, self.kit
@@ -50,13 +50,18 @@ class Driver:
         for _ in range(steps):
             if self.finished or len(self.samples) >= sample_room or len(self.events) + 2 >= event_room:
                 return
-            self._stretch(sample_room)
+            try:
+                self._stretch()
+            except (ArithmeticError, ValueError) as error:  # where C's arithmetic goes on with inf and NaN
+                raise KernelError("diverged", self.state) from error
 
-    def _stretch(self, sample_room):
+    def _stretch(self):
         """One stretch of the flow: its samples, then its event."""
         end, function = self.flow.advance(self.scene.t_end)
         self._sample_until(end, last=end >= self.scene.t_end)
         state = self.flow.state_at(end)
+        if not self.kit.finite(state.x1 + state.v1 + state.x2 + state.v2 + state.w):
+            raise KernelError("diverged", self.state)
         if function != NOTHING:
             self._switch(state, function)
         elif end >= self.scene.t_end:

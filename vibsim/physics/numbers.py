@@ -26,6 +26,7 @@ class Doubles:
     cosh = staticmethod(math.cosh)
     sqrt = staticmethod(math.sqrt)
     next_after = staticmethod(math.nextafter)
+    finite = staticmethod(math.isfinite)
 
     @staticmethod
     def number(value):

@@ -92,6 +92,15 @@ class Scene:
             count -= 1
         return count
 
+    def sample_index(self, t: Number) -> int:
+        """Index of the first sample at or after t [s]."""
+        i = int(t * self.every_den / self.every_num)
+        while i > 0 and self.sample_time(i - 1) >= t:
+            i -= 1
+        while self.sample_time(i) < t:
+            i += 1
+        return i
+
     def sample_time(self, i: int) -> float:
         """Time of sample i [s]: one correctly rounded division, so 3 x 5 ms is 0.015 and nothing else."""
         return (i * self.every_num) / self.every_den
