@@ -1,0 +1,70 @@
+"""Whole runs for tests, and their comparison bit by bit."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from vibsim.kernel import open_trajectory
+from vibsim.physics.modes import EVENT_NAMES
+
+ENGINES = ("c", "python")
+
+
+@dataclass(frozen=True)
+class Run:
+    """A finished run: samples and events by column, totals."""
+
+    samples: dict
+    events: dict
+    totals: dict
+
+    @property
+    def kinds(self):
+        """Names of the events, without start and end."""
+        return [EVENT_NAMES[code] for code in self.events["kind"][1:-1].tolist()]
+
+    @property
+    def times(self):
+        """Times of the events [s], without start and end."""
+        return self.events["t"][1:-1]
+
+    def final(self, name):
+        """State `name` at the end of the run."""
+        return float(self.events[name][-1])
+
+    def row(self, i):
+        """Row i of the event table by column name."""
+        return {name: column[i] for name, column in self.events.items()}
+
+
+def run(scene, engine="c", resume=None):
+    """Run `scene` to its end."""
+    return collect(open_trajectory(scene, engine, resume))
+
+
+def collect(trajectory):
+    """All blocks of a trajectory as one Run."""
+    blocks = list(trajectory.blocks())
+    samples = {name: np.concatenate([block.samples[name] for block in blocks]) for name in blocks[0].samples}
+    events = {name: np.concatenate([block.events[name] for block in blocks]) for name in blocks[0].events}
+    return Run(samples, events, trajectory.totals)
+
+
+def bits(array):
+    """The array as integers: equal where every bit is (so 0.0 differs from -0.0, and NaN equals itself)."""
+    return array.view("i8") if array.dtype == np.float64 else array
+
+
+def assert_same_columns(got, expected):
+    assert list(got) == list(expected)
+    for name in expected:
+        np.testing.assert_array_equal(bits(got[name]), bits(expected[name]), err_msg=name)
+
+
+def assert_same_bits(got, expected):
+    """Two runs agree in every bit of samples, events and totals."""
+    for field in fields(Run)[:2]:
+        assert_same_columns(getattr(got, field.name), getattr(expected, field.name))
+    assert list(got.totals) == list(expected.totals)
+    for name, value in expected.totals.items():
+        assert np.float64(got.totals[name]).tobytes() == np.float64(value).tobytes(), name
