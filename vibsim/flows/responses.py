@@ -9,11 +9,10 @@ I and H start at rest. Where the textbook quotients cancel (b -> 0, resonance, s
 differences or as power series, so that each response keeps full relative accuracy.
 """
 
-from math import inf
-
 from vibsim.physics.numbers import horner
 
 QUARTER = 0.25  # |Z| t^2 below which the quotient by Z would cancel more than two bits
+UNHURRIED = 1e100  # window of a free mass [s]: longer than any run, yet finite, so that times a zero rate it is zero
 
 
 class Oscillator:
@@ -34,7 +33,8 @@ class Oscillator:
         self.zi = 2 * a * omega
         self.zz = self.zr * self.zr + self.zi * self.zi
         fastest = self.w0 if self.w0 > omega else omega
-        self.window = 1.5 / fastest if fastest > 0 else inf
+        pace = fastest if fastest > 0 else 2 * a  # a free mass: only its damping sets a pace
+        self.window = 1.5 / pace if pace > 0 else UNHURRIED
         self.rate = a if a > fastest else fastest
         self.steady_series, _ = self._series_coefficients(kit.number(0))
         self.real_series, self.imag_series = self._series_coefficients(omega)
@@ -45,8 +45,9 @@ class Oscillator:
         if self.oscillates:
             decay = kit.exp(-(self.a * t))
             angle = self.wd * t
-            impulse = decay * (kit.sin(angle) / self.wd) if angle != 0 else decay * t
-            return decay * kit.cos(angle) + self.a * impulse, impulse
+            sine, cosine = kit.sin(angle), kit.cos(angle)
+            impulse = decay * (sine / self.wd) if angle != 0 else decay * t
+            return decay * cosine + self.a * impulse, impulse
         decay = kit.exp(self.slow * t)
         impulse = decay * (kit.expm1(-(2 * (self.wd * t))) / -(2 * self.wd))
         return decay - self.slow * impulse, impulse

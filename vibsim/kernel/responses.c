@@ -52,10 +52,10 @@ void release_and_impulse(const Oscillator *o, double t, double *release, double 
 {
     double decay;
     if (o->oscillates) {
-        double angle = o->wd * t;
+        double angle = o->wd * t, sine = sin(angle), cosine = cos(angle);
         decay = exp(-(o->a * t));
-        *impulse = angle != 0 ? decay * (sin(angle) / o->wd) : decay * t;
-        *release = decay * cos(angle) + o->a * *impulse;
+        *impulse = angle != 0 ? decay * (sine / o->wd) : decay * t;
+        *release = decay * cosine + o->a * *impulse;
         return;
     }
     decay = exp(o->slow * t);
