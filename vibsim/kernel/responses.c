@@ -3,6 +3,7 @@
 #include "numbers.h"
 
 #define QUARTER 0.25
+#define UNHURRIED 1e100
 
 static void series_coefficients(const Oscillator *o, double omega, double *real, double *imag)
 {
@@ -26,7 +27,7 @@ static void series_coefficients(const Oscillator *o, double omega, double *real,
 
 void oscillator_set(Oscillator *o, double a, double b, double omega)
 {
-    double discriminant = b - a * a, fastest;
+    double discriminant = b - a * a, fastest, pace;
     o->a = a;
     o->b = b;
     o->omega = omega;
@@ -42,7 +43,8 @@ void oscillator_set(Oscillator *o, double a, double b, double omega)
     o->zi = 2 * a * omega;
     o->zz = o->zr * o->zr + o->zi * o->zi;
     fastest = o->w0 > omega ? o->w0 : omega;
-    o->window = fastest > 0 ? 1.5 / fastest : INFINITY;
+    pace = fastest > 0 ? fastest : 2 * a;
+    o->window = pace > 0 ? 1.5 / pace : UNHURRIED;
     o->rate = a > fastest ? a : fastest;
     series_coefficients(o, 0.0, o->steady_series, o->imag_series);
     series_coefficients(o, omega, o->real_series, o->imag_series);
