@@ -29,6 +29,8 @@ class Taylor:
         self.unbalance = scene.m3 * scene.e if scene.has_motor else kit.number(0)
         count = scene.order + 2
         self.inverse = [kit.number(0)] + [1 / kit.number(n) for n in range(1, count + 1)]
+        self.per_m1 = 1 / scene.m1
+        self.per_m2 = 1 / scene.m2 if scene.has_block2 else kit.number(0)
         self.search = PolynomialSearch(kit)
         self.evaluations = self.steps = 0
 
@@ -80,7 +82,7 @@ class Taylor:
             if n == 0 and self.scene.has_friction:
                 force = force - self.mode.friction * self.limit
             self.x2[n + 1] = self.v2[n] * inverse
-            self.v2[n + 1] = force / self.scene.m2 * inverse
+            self.v2[n + 1] = force * self.per_m2 * inverse
 
     def _finish_series(self):
         p = self.order
@@ -102,7 +104,7 @@ class Taylor:
             load = factor * loads[n % 4]
             if n == 0 and self.harmonic:
                 load = load + scene.F0
-            self._advance_series(n, (load - force) / scene.m1, force)
+            self._advance_series(n, (load - force) * self.per_m1, force)
             if self.harmonic:
                 factor = factor * scene.omega * self.inverse[n + 1]
         self._finish_series()

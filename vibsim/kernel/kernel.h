@@ -13,11 +13,11 @@
 #define MAX_ORDER 40
 #define SERIES (MAX_ORDER + 2)
 #define SERIES_TERMS 26
-#define STATES 6 /* columns of the coefficient table: x1 x2 phi v1 v2 w */
 #define EPS 1.1102230246251565e-16 /* 2^-53, unit round-off */
 
 enum { NOTHING = -1, GAP = 0, SLIDE = 1, HOLD_PLUS = 2, HOLD_MINUS = 3, CLEARANCE = 4, FUNCTIONS = 5 };
 enum { START, CONTACT_BEGIN, CONTACT_END, REVERSAL, STICK_BEGIN, STICK_END, VIOLATION_BEGIN, VIOLATION_END, END, KINDS };
+enum { X1, X2, PHI, V1, V2, W, STATES }; /* columns of a table of Taylor coefficients */
 enum { OK = 0, ACCUMULATION = 1, DIVERGED = 2 };
 
 /* Numbers of a scene, in the order in which vibsim.kernel.c_engine packs them. */
@@ -64,10 +64,9 @@ typedef struct {
 } ClosedForm;
 
 typedef struct {
-    double table[SERIES][STATES]; /* coefficients n of all states, for the dense output */
-    double x1[SERIES], v1[SERIES], x2[SERIES], v2[SERIES], phi[SERIES], w[SERIES];
-    double sine[SERIES], cosine[SERIES], a1[SERIES], inverse[SERIES + 1];
-    double limit, unbalance, k, offset, t0, h, turns;
+    double table[SERIES][STATES]; /* coefficients n of all states */
+    double inverse[SERIES + 1];
+    double limit, unbalance, per_m1, per_m2, k, offset, t0, h, turns;
     int order, locked;
 } Taylor;
 

@@ -1,6 +1,4 @@
 /* The Taylor flow; twin of vibsim/flows/taylor.py. */
-#include <string.h>
-
 #include "kernel.h"
 #include "numbers.h"
 
@@ -15,32 +13,53 @@ void taylor_set(Run *r)
     f->limit = s->has_friction != 0 ? s->N : 0.0;
     f->unbalance = s->has_motor != 0 ? s->m3 * s->e : 0.0;
     f->inverse[0] = 0.0;
+    f->per_m1 = 1 / s->m1;
+    f->per_m2 = s->has_block2 != 0 ? 1 / s->m2 : 0.0;
     for (n = 1; n <= f->order + 2; n++)
         f->inverse[n] = 1 / (double)n;
 }
 
-static inline double force_coefficient(const Run *r, int n)
+/* What the recurrences read, in locals: the compiler then knows that no store to the table changes it. */
+typedef struct {
+    double k, c, offset, friction, per_m2;
+    int locked, rubs;
+} Law;
+
+static Law law_of(const Run *r, Mode mode)
 {
     const Taylor *f = &r->taylor;
-    double force = f->k * (f->x1[n] - f->x2[n]) + r->scene.c * (f->v1[n] - f->v2[n]);
-    return n == 0 ? force + f->offset : force;
+    Law law;
+    law.k = f->k;
+    law.c = r->scene.c;
+    law.offset = f->offset;
+    law.friction = mode.friction * f->limit;
+    law.per_m2 = f->per_m2;
+    law.locked = f->locked;
+    law.rubs = r->scene.has_friction != 0;
+    return law;
 }
 
-static inline void advance_series(Run *r, Mode mode, int n, double a1, double force)
+static inline double force_coefficient(const Law *law, const double *row, int n)
 {
-    Taylor *f = &r->taylor;
-    double inverse = f->inverse[n + 1];
-    f->x1[n + 1] = f->v1[n] * inverse;
-    f->v1[n + 1] = a1 * inverse;
-    if (!f->locked) {
-        if (n == 0 && r->scene.has_friction != 0)
-            force = force - mode.friction * f->limit;
-        f->x2[n + 1] = f->v2[n] * inverse;
-        f->v2[n + 1] = force / r->scene.m2 * inverse;
+    double force = law->k * (row[X1] - row[X2]) + law->c * (row[V1] - row[V2]);
+    return n == 0 ? force + law->offset : force;
+}
+
+static inline void advance_series(const Law *law, const double *row, double *next, int n, double inverse, double a1,
+                                  double force)
+{
+    next[X1] = row[V1] * inverse;
+    next[V1] = a1 * inverse;
+    next[X2] = next[V2] = 0.0;
+    if (!law->locked) {
+        if (n == 0 && law->rubs)
+            force = force - law->friction;
+        next[X2] = row[V2] * inverse;
+        next[V2] = force * law->per_m2 * inverse;
     }
 }
 
-static void expand_ideal(Run *r, const State *state, Mode mode)
+static void expand_ideal(Run *r, const State *state, Law law)
 {
     const Scene *s = &r->scene;
     Taylor *f = &r->taylor;
@@ -56,28 +75,28 @@ static void expand_ideal(Run *r, const State *state, Mode mode)
         factor = s->A;
     }
     for (n = 0; n < f->order; n++) {
-        double force = force_coefficient(r, n), load = factor * loads[n % 4];
+        double force = force_coefficient(&law, f->table[n], n), load = factor * loads[n % 4];
         if (n == 0 && harmonic)
             load = load + s->F0;
-        advance_series(r, mode, n, (load - force) / s->m1, force);
+        advance_series(&law, f->table[n], f->table[n + 1], n, f->inverse[n + 1], (load - force) * f->per_m1, force);
         if (harmonic)
             factor = factor * s->omega * f->inverse[n + 1];
     }
 }
 
-static void expand_motor(Run *r, const State *state, Mode mode)
+static void expand_motor(Run *r, const State *state, Law law)
 {
     const Scene *s = &r->scene;
     Taylor *f = &r->taylor;
-    double *sine = f->sine, *cosine = f->cosine, *w = f->w, *a1 = f->a1;
-    double mass = s->m1 + s->m3, inertia = s->J + f->unbalance * s->e;
-    double coupling, inverse_det, drag, sw, to_a1, to_w, cross, previous = 0;
+    double sine[SERIES], cosine[SERIES], w[SERIES], a1[SERIES], (*table)[STATES] = f->table;
+    double mass = s->m1 + s->m3, inertia = s->J + f->unbalance * s->e, unbalance = f->unbalance;
+    double coupling, inverse_det, drag, stall = s->M0, sw, to_a1, to_w, cross, previous = 0;
     int p = f->order, n, i;
-    w[0] = state->w;
-    f->phi[0] = state->phase;
+    w[0] = table[0][W] = state->w;
+    table[0][PHI] = state->phase;
     sine[0] = sin(state->phase);
     cosine[0] = cos(state->phase);
-    coupling = f->unbalance * sine[0];
+    coupling = unbalance * sine[0];
     inverse_det = 1 / (mass * inertia - coupling * coupling);
     drag = s->M0 / s->Omega0;
     to_a1 = inertia * inverse_det;
@@ -113,37 +132,39 @@ static void expand_motor(Run *r, const State *state, Mode mode)
         }
         sine[n + 1] = cw * inverse;
         tail = tail + sine[n + 1] * w[0];
-        force = force_coefficient(r, n);
-        thrust = f->unbalance * ((n + 1) * tail) - force;
-        torque = f->unbalance * back - drag * w[n];
+        force = force_coefficient(&law, table[n], n);
+        thrust = unbalance * ((n + 1) * tail) - force;
+        torque = unbalance * back - drag * w[n];
         if (n == 0)
-            torque = torque + s->M0;
+            torque = torque + stall;
         previous = a1[n] = to_a1 * thrust + cross * torque;
         w[n + 1] = (to_w * torque + cross * thrust) * inverse;
-        f->phi[n + 1] = w[n] * inverse;
+        table[n + 1][W] = w[n + 1];
+        table[n + 1][PHI] = w[n] * inverse;
         sw = tail + sine[0] * w[n + 1];
-        advance_series(r, mode, n, previous, force);
+        advance_series(&law, table[n], table[n + 1], n, inverse, previous, force);
     }
-    f->phi[p + 1] = w[p] * f->inverse[p + 1];
+    table[p + 1][PHI] = w[p] * f->inverse[p + 1];
 }
 
-static int series_size(const double *first, const double *second, int n)
+static int block_size(const Taylor *f, int first, int second, int n)
 {
-    double total = fabs(first[n]);
-    if (second)
-        total = total + fabs(second[n]);
+    double total = fabs(f->table[n][first]);
+    if (second != first)
+        total = total + fabs(f->table[n][second]);
     return binary_exponent(total);
 }
 
-static double block_length(const Run *r, const double *first, const double *second, double longest)
+static double block_length(const Run *r, int first, int second, double longest)
 {
-    int order = r->taylor.order, sizes[LEADING], m, last;
+    const Taylor *f = &r->taylor;
+    int order = f->order, sizes[LEADING], m, last;
     for (m = 0; m < LEADING; m++)
-        sizes[m] = series_size(first, second, m);
+        sizes[m] = block_size(f, first, second, m);
     for (last = order - 1; last <= order; last++) {
-        int size = series_size(first, second, last);
+        int size = block_size(f, first, second, last);
         if (size > -2000) {
-            double best = (r->scene.tolerance_exponent + (sizes[0] - size)) / (last - 0);
+            double best = (r->scene.tolerance_exponent + (sizes[0] - size)) / last;
             for (m = 1; m < LEADING; m++) {
                 double candidate = (r->scene.tolerance_exponent + (sizes[m] - size)) / (last - m);
                 best = candidate > best ? candidate : best;
@@ -156,9 +177,9 @@ static double block_length(const Run *r, const double *first, const double *seco
 
 static double step_length(const Run *r)
 {
-    double longest = block_length(r, r->taylor.v1, r->taylor.v2, 1000.0);
+    double longest = block_length(r, V1, V2, 1000.0);
     if (r->scene.has_motor != 0)
-        longest = block_length(r, r->taylor.w, 0, longest);
+        longest = block_length(r, W, W, longest);
     return longest < 1000.0 ? power_of_two(longest) : INFINITY;
 }
 
@@ -166,37 +187,24 @@ void taylor_enter(Run *r, const State *state, Mode mode)
 {
     const Scene *s = &r->scene;
     Taylor *f = &r->taylor;
-    int p = f->order, n;
+    double *first = f->table[0], *last = f->table[f->order + 1], *before = f->table[f->order], inverse;
     f->locked = s->has_block2 == 0 || (s->has_friction != 0 && mode.friction == 0);
     f->k = mode.contact ? s->k1 + s->k2 : s->k1;
     f->offset = mode.contact ? s->k2 * (s->stop_sign * s->G) : 0.0;
     f->t0 = state->t;
     f->turns = state->turns;
-    f->x1[0] = state->x1;
-    f->v1[0] = state->v1;
-    f->x2[0] = state->x2;
-    f->v2[0] = state->v2;
-    if (f->locked) {
-        memset(f->x2 + 1, 0, sizeof(double) * (size_t)(p + 1));
-        memset(f->v2, 0, sizeof(double) * (size_t)(p + 1));
-    }
+    first[X1] = state->x1;
+    first[V1] = state->v1;
+    first[X2] = state->x2;
+    first[V2] = f->locked ? 0.0 : state->v2;
     if (s->has_motor != 0)
-        expand_motor(r, state, mode);
+        expand_motor(r, state, law_of(r, mode));
     else
-        expand_ideal(r, state, mode);
-    f->x1[p + 1] = f->v1[p] * f->inverse[p + 1];
-    if (!f->locked)
-        f->x2[p + 1] = f->v2[p] * f->inverse[p + 1];
-    f->v1[p + 1] = f->v2[p + 1] = f->w[p + 1] = 0.0;
-    for (n = 0; n <= p + 1; n++) {
-        double *row = f->table[n];
-        row[0] = f->x1[n];
-        row[1] = f->x2[n];
-        row[2] = f->phi[n];
-        row[3] = f->v1[n];
-        row[4] = f->v2[n];
-        row[5] = f->w[n];
-    }
+        expand_ideal(r, state, law_of(r, mode));
+    inverse = f->inverse[f->order + 1];
+    last[X1] = before[V1] * inverse;
+    last[X2] = before[V2] * inverse;
+    last[V1] = last[V2] = last[W] = 0.0;
     r->steps += 1;
     f->h = step_length(r);
 }
@@ -205,8 +213,9 @@ void taylor_enter(Run *r, const State *state, Mode mode)
 static int event_polynomial(const Run *r, int function, double *out)
 {
     const Scene *s = &r->scene;
-    const Taylor *f = &r->taylor;
-    int p = f->order, n;
+    const double(*table)[STATES] = r->taylor.table;
+    Law law = law_of(r, r->mode);
+    int p = r->taylor.order, n;
     if (function == GAP || function == CLEARANCE) {
         double factor, constant;
         if (function == GAP) {
@@ -217,18 +226,21 @@ static int event_polynomial(const Run *r, int function, double *out)
             constant = r->mode.violated ? -s->rest_distance : s->rest_distance;
         }
         for (n = 0; n <= p + 1; n++)
-            out[n] = factor * (f->x1[n] - f->x2[n]);
+            out[n] = factor * (table[n][X1] - table[n][X2]);
         out[0] = out[0] + constant;
         return p + 2;
     }
-    for (n = 0; n <= p; n++) {
-        if (function == SLIDE)
-            out[n] = r->mode.friction * f->v2[n];
-        else
-            out[n] = function == HOLD_PLUS ? -force_coefficient(r, n) : force_coefficient(r, n);
+    if (function == SLIDE) {
+        double friction = r->mode.friction;
+        for (n = 0; n <= p; n++)
+            out[n] = friction * table[n][V2];
+        return p + 1;
     }
-    if (function != SLIDE)
-        out[0] = s->N + out[0];
+    for (n = 0; n <= p; n++) {
+        double force = force_coefficient(&law, table[n], n);
+        out[n] = function == HOLD_PLUS ? -force : force;
+    }
+    out[0] = s->N + out[0];
     return p + 1;
 }
 
@@ -285,15 +297,15 @@ void taylor_state(Run *r, double t, State *out)
     double values[STATES], turns = 0;
     dense_output(f, t - f->t0, values);
     out->t = t;
-    out->x1 = values[0];
-    out->x2 = f->locked ? f->x2[0] : values[1];
-    out->v1 = values[3];
-    out->v2 = f->locked ? 0.0 : values[4];
+    out->x1 = values[X1];
+    out->x2 = f->locked ? f->table[0][X2] : values[X2];
+    out->v1 = values[V1];
+    out->v2 = f->locked ? 0.0 : values[V2];
     out->phase = out->turns = out->w = 0.0;
     if (r->scene.has_motor != 0) {
-        out->phase = reduce_angle(values[2], &turns);
+        out->phase = reduce_angle(values[PHI], &turns);
         out->turns = f->turns + turns;
-        out->w = values[5];
+        out->w = values[W];
     }
 }
 
@@ -304,6 +316,6 @@ void taylor_jet(Run *r, const State *state, Mode mode, int count, double *jet)
     taylor_enter(r, state, mode);
     for (n = 0; n <= count; n++) {
         factorial = n > 0 ? factorial * n : 1;
-        jet[n] = (r->taylor.x1[n] - r->taylor.x2[n]) * factorial;
+        jet[n] = (r->taylor.table[n][X1] - r->taylor.table[n][X2]) * factorial;
     }
 }
