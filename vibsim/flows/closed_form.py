@@ -32,6 +32,9 @@ class Regime:
         if harmonic:
             self.load = self.load + scene.F0 / scene.m1
         self.amplitude = scene.A / scene.m1 if harmonic else zero
+        self.forced = [abs(self.amplitude) * (self.oscillator.window * self.oscillator.window / 2)]
+        for _ in range(JET_ORDER):
+            self.forced.append(self.forced[-1] * omega)
         self.centre_load = self.centre_amplitude = zero
         if not locked:
             total = scene.m1 + scene.m2
@@ -79,6 +82,9 @@ class ClosedForm:
         if self.driven:
             angle = kit.turn_angle(scene.cycles, scene.cycles_lo, state.t)
             self.sin0, self.cos0 = kit.sin(angle), kit.cos(angle)
+        self.load_sine, self.load_cosine = self.regime.amplitude * self.sin0, self.regime.amplitude * self.cos0
+        self.centre_sine = self.regime.centre_amplitude * self.sin0
+        self.centre_cosine = self.regime.centre_amplitude * self.cos0
         self.slope_before = kit.number(0)
         self._evaluate_start()
 
@@ -88,16 +94,16 @@ class ClosedForm:
         self.at, self.tau = self.t0, zero
         self.y, self.u = self.y0, self.u0
         self.sine, self.cosine = self.sin0, self.cos0
-        self.scale_y, self.scale_u = abs(self.y0), abs(self.u0)
+        self.stiff = self.impulse = self.steady = zero
+        self.hc = self.hs = self.dc = self.ds = self.centre_dc = self.centre_ds = zero
         if not self.locked:
             self.X, self.V = self.X0, self.V0
-            self.scale_V = abs(self.V0)
 
     def carry_on(self, state):
         """Go on from an instant that was no event: nothing to do, the anchor holds."""
 
     def evaluate(self, t):
-        """Set y, u, the centre of mass, the phase of the force and the magnitudes of their terms at time t."""
+        """Set y, u, the centre of mass and the phase of the force at time t, and keep the responses they are made of."""
         if t == self.at:
             return
         regime, osc, kit = self.regime, self.regime.oscillator, self.kit
@@ -111,18 +117,15 @@ class ClosedForm:
         stiff = osc.b * impulse
         y = y0 * release + u0 * impulse + regime.load * steady
         u = u0 * rate - y0 * stiff + regime.load * impulse
-        self.scale_y = abs(y0) + abs(u0 * impulse) + abs(regime.load * steady)
-        self.scale_u = abs(u0) + abs(y0 * stiff) + abs(regime.load * impulse)
-        self.sine, self.cosine = self.sin0, self.cos0
+        self.stiff, self.impulse, self.steady = stiff, impulse, steady
         if self.driven:
             angle = kit.turn_angle(self.scene.cycles, self.scene.cycles_lo, tau)
             cosine, sine = kit.cos(angle), kit.sin(angle)
             hc, hs = osc.harmonic_response(tau, release, impulse, cosine, sine)
             dc, ds = impulse - self.omega * hs, self.omega * hc
-            y = y + regime.amplitude * (self.sin0 * hc + self.cos0 * hs)
-            u = u + regime.amplitude * (self.sin0 * dc + self.cos0 * ds)
-            self.scale_y = self.scale_y + abs(regime.amplitude) * (abs(hc) + abs(hs))
-            self.scale_u = self.scale_u + abs(regime.amplitude) * (abs(dc) + abs(ds))
+            y = y + (self.load_sine * hc + self.load_cosine * hs)
+            u = u + (self.load_sine * dc + self.load_cosine * ds)
+            self.hc, self.hs, self.dc, self.ds = hc, hs, dc, ds
             self.sine = self.sin0 * cosine + self.cos0 * sine
             self.cosine = self.cos0 * cosine - self.sin0 * sine
         self.y, self.u, self.tau = y, u, tau
@@ -134,14 +137,27 @@ class ClosedForm:
         load = self.regime.centre_load
         self.X = self.X0 + self.V0 * tau + load * (tau * tau / 2)
         self.V = self.V0 + load * tau
-        self.scale_V = abs(self.V0) + abs(load * tau)
         if self.driven:
-            amplitude, omega = self.regime.centre_amplitude, self.omega
+            omega = self.omega
             hc, hs = free_harmonic_response(self.kit, omega, tau, cosine, sine, self.mass_point)
-            dc, ds = sine / omega, omega * hc
-            self.X = self.X + amplitude * (self.sin0 * hc + self.cos0 * hs)
-            self.V = self.V + amplitude * (self.sin0 * dc + self.cos0 * ds)
-            self.scale_V = self.scale_V + abs(amplitude) * (abs(dc) + abs(ds))
+            self.centre_dc, self.centre_ds = sine / omega, omega * hc
+            self.X = self.X + (self.centre_sine * hc + self.centre_cosine * hs)
+            self.V = self.V + (self.centre_sine * self.centre_dc + self.centre_cosine * self.centre_ds)
+
+    def measure(self):
+        """Magnitudes of the terms of y, u and V at the point evaluated last: what their rounding is proportional to."""
+        regime = self.regime
+        amplitude, load = abs(regime.amplitude), regime.load
+        self.scale_y = abs(self.y0) + abs(self.u0 * self.impulse) + abs(load * self.steady)
+        self.scale_u = abs(self.u0) + abs(self.y0 * self.stiff) + abs(load * self.impulse)
+        if self.driven:
+            self.scale_y = self.scale_y + amplitude * (abs(self.hc) + abs(self.hs))
+            self.scale_u = self.scale_u + amplitude * (abs(self.dc) + abs(self.ds))
+        if not self.locked:
+            self.scale_V = abs(self.V0) + abs(regime.centre_load * self.tau)
+            if self.driven:
+                size = abs(self.centre_dc) + abs(self.centre_ds)
+                self.scale_V = self.scale_V + abs(regime.centre_amplitude) * size
 
     def state_at(self, t):
         """State at time t within the segment."""
@@ -184,12 +200,7 @@ class ClosedForm:
             energy = self.kit.sqrt(value * value + ratio * ratio)
             if energy < size:
                 size = energy
-        if self.driven:
-            forced = abs(self.regime.amplitude) * (osc.window * osc.window / 2)
-            for _ in range(n):
-                forced = forced * self.omega
-            size = size + forced
-        return size
+        return size + self.regime.forced[n]
 
     def derivative(self, function, d, n):
         """n-th time derivative of an event function, n >= 0, from the derivatives d of y."""
@@ -256,6 +267,7 @@ class ClosedForm:
         """The first stretch of a segment, known zeros divided out, from the derivatives at its start."""
         self.leading = False
         self.evaluate(self.t0)
+        self.measure()
         step = self.regime.oscillator.window
         d = self.jet(JET_ORDER)
         for function in self.functions:
@@ -282,6 +294,7 @@ class ClosedForm:
         """One certified step; returns the event function that reached zero here, or NOTHING."""
         self.steps += 1
         self.evaluate(self.t)
+        self.measure()
         step, nearest = self.regime.oscillator.window, NOTHING
         d = self.jet(4)
         for function in self.functions:

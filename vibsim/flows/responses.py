@@ -32,6 +32,10 @@ class Oscillator:
         self.zr = b - omega * omega
         self.zi = 2 * a * omega
         self.zz = self.zr * self.zr + self.zi * self.zi
+        self.per_b = 1 / b if b > 0 else kit.number(0)
+        self.per_wd = 1 / self.wd if self.wd > 0 else kit.number(0)
+        self.inverse_r = self.zr / self.zz if self.zz > 0 else kit.number(0)  # 1 / Z, conjugated
+        self.inverse_i = self.zi / self.zz if self.zz > 0 else kit.number(0)
         fastest = self.w0 if self.w0 > omega else omega
         pace = fastest if fastest > 0 else 2 * a  # a free mass: only its damping sets a pace
         self.window = 1.5 / pace if pace > 0 else UNHURRIED
@@ -46,7 +50,7 @@ class Oscillator:
             decay = kit.exp(-(self.a * t))
             angle = self.wd * t
             sine, cosine = kit.sin(angle), kit.cos(angle)
-            impulse = decay * (sine / self.wd) if angle != 0 else decay * t
+            impulse = decay * (sine * self.per_wd) if angle != 0 else decay * t
             return decay * cosine + self.a * impulse, impulse
         decay = kit.exp(self.slow * t)
         impulse = decay * (kit.expm1(-(2 * (self.wd * t))) / -(2 * self.wd))
@@ -55,7 +59,7 @@ class Oscillator:
     def constant_response(self, t, release):
         """I(t) [s^2], given C(t)."""
         if self.b * (t * t) >= QUARTER:
-            return (1 - release) / self.b
+            return (1 - release) * self.per_b
         if not self.oscillates and self.wd * t >= 0.5:
             kit = self.kit
             slow = kit.expm1(self.slow * t) / self.slow if self.slow != 0 else t
@@ -68,7 +72,7 @@ class Oscillator:
         if self.zz * (square * square) >= QUARTER * QUARTER:
             nr = cosine - release
             ni = sine - self.omega * impulse
-            return (nr * self.zr + ni * self.zi) / self.zz, (ni * self.zr - nr * self.zi) / self.zz
+            return nr * self.inverse_r + ni * self.inverse_i, ni * self.inverse_r - nr * self.inverse_i
         if self.wd * t >= 0.5:
             return self._confluent(t, cosine, sine)
         return self.series_response(t)
@@ -143,6 +147,5 @@ def free_harmonic_response(kit, omega, t, cosine, sine, oscillator):
     """
     angle = omega * t
     if angle * angle >= QUARTER:
-        square = omega * omega
-        return (1 - cosine) / square, (angle - sine) / square
+        return (cosine - 1) * oscillator.inverse_r, (sine - angle) * oscillator.inverse_r
     return oscillator.series_response(t)

@@ -11,7 +11,7 @@ static void regime_set(Regime *g, const Scene *s, int locked, int contact, int f
     double inverse = locked ? 1 / s->m1 : 1 / s->m1 + 1 / s->m2;
     double stiffness = contact ? s->k1 + s->k2 : s->k1;
     double offset = contact ? s->k2 * (s->stop_sign * s->G) : 0.0;
-    int harmonic = s->harmonic != 0;
+    int harmonic = s->harmonic != 0, n;
     g->k = stiffness;
     g->offset = offset;
     oscillator_set(&g->oscillator, s->c * inverse / 2, stiffness * inverse, harmonic ? s->omega : 0.0);
@@ -19,6 +19,9 @@ static void regime_set(Regime *g, const Scene *s, int locked, int contact, int f
     if (harmonic)
         g->load = g->load + s->F0 / s->m1;
     g->amplitude = harmonic ? s->A / s->m1 : 0.0;
+    g->forced[0] = fabs(g->amplitude) * (g->oscillator.window * g->oscillator.window / 2);
+    for (n = 0; n < JET_ORDER; n++)
+        g->forced[n + 1] = g->forced[n] * g->oscillator.omega;
     g->centre_load = g->centre_amplitude = 0.0;
     if (!locked) {
         double total = s->m1 + s->m2, rub = s->has_friction != 0 ? friction * s->N : 0.0;
@@ -75,6 +78,10 @@ void closed_form_enter(Run *r, const State *state, Mode mode)
         f->sin0 = sin(angle);
         f->cos0 = cos(angle);
     }
+    f->load_sine = regime_of(f)->amplitude * f->sin0;
+    f->load_cosine = regime_of(f)->amplitude * f->cos0;
+    f->centre_sine = regime_of(f)->centre_amplitude * f->sin0;
+    f->centre_cosine = regime_of(f)->centre_amplitude * f->cos0;
     f->slope_before = 0.0;
     f->at = f->t0;
     f->tau = 0.0;
@@ -82,12 +89,11 @@ void closed_form_enter(Run *r, const State *state, Mode mode)
     f->u = f->u0;
     f->sine = f->sin0;
     f->cosine = f->cos0;
-    f->scale_y = fabs(f->y0);
-    f->scale_u = fabs(f->u0);
+    f->stiff = f->impulse = f->steady = 0.0;
+    f->hc = f->hs = f->dc = f->ds = f->centre_dc = f->centre_ds = 0.0;
     if (!f->locked) {
         f->X = f->X0;
         f->V = f->V0;
-        f->scale_V = fabs(f->V0);
     }
 }
 
@@ -96,15 +102,31 @@ static void centre(ClosedForm *f, const Regime *g, double tau, double sine, doub
     double load = g->centre_load;
     f->X = f->X0 + f->V0 * tau + load * (tau * tau / 2);
     f->V = f->V0 + load * tau;
-    f->scale_V = fabs(f->V0) + fabs(load * tau);
     if (f->driven) {
-        double amplitude = g->centre_amplitude, omega = f->omega, hc, hs, dc, ds;
+        double hc, hs;
         free_harmonic_response(&f->mass_point, tau, cosine, sine, &hc, &hs);
-        dc = sine / omega;
-        ds = omega * hc;
-        f->X = f->X + amplitude * (f->sin0 * hc + f->cos0 * hs);
-        f->V = f->V + amplitude * (f->sin0 * dc + f->cos0 * ds);
-        f->scale_V = f->scale_V + fabs(amplitude) * (fabs(dc) + fabs(ds));
+        f->centre_dc = sine / f->omega;
+        f->centre_ds = f->omega * hc;
+        f->X = f->X + (f->centre_sine * hc + f->centre_cosine * hs);
+        f->V = f->V + (f->centre_sine * f->centre_dc + f->centre_cosine * f->centre_ds);
+    }
+}
+
+/* Magnitudes of the terms of y, u and V at the point evaluated last: what their rounding is proportional to. */
+static void measure(ClosedForm *f)
+{
+    const Regime *g = regime_of(f);
+    double amplitude = fabs(g->amplitude), load = g->load;
+    f->scale_y = fabs(f->y0) + fabs(f->u0 * f->impulse) + fabs(load * f->steady);
+    f->scale_u = fabs(f->u0) + fabs(f->y0 * f->stiff) + fabs(load * f->impulse);
+    if (f->driven) {
+        f->scale_y = f->scale_y + amplitude * (fabs(f->hc) + fabs(f->hs));
+        f->scale_u = f->scale_u + amplitude * (fabs(f->dc) + fabs(f->ds));
+    }
+    if (!f->locked) {
+        f->scale_V = fabs(f->V0) + fabs(g->centre_load * f->tau);
+        if (f->driven)
+            f->scale_V = f->scale_V + fabs(g->centre_amplitude) * (fabs(f->centre_dc) + fabs(f->centre_ds));
     }
 }
 
@@ -125,10 +147,9 @@ static void evaluate(Run *r, double t)
     stiff = o->b * impulse;
     y = y0 * release + u0 * impulse + g->load * steady;
     u = u0 * rate - y0 * stiff + g->load * impulse;
-    f->scale_y = fabs(y0) + fabs(u0 * impulse) + fabs(g->load * steady);
-    f->scale_u = fabs(u0) + fabs(y0 * stiff) + fabs(g->load * impulse);
-    f->sine = f->sin0;
-    f->cosine = f->cos0;
+    f->stiff = stiff;
+    f->impulse = impulse;
+    f->steady = steady;
     if (f->driven) {
         double angle = turn_angle(r->scene.cycles, r->scene.cycles_lo, tau), hc, hs, dc, ds;
         cosine = cos(angle);
@@ -136,10 +157,12 @@ static void evaluate(Run *r, double t)
         harmonic_response(o, tau, release, impulse, cosine, sine, &hc, &hs);
         dc = impulse - f->omega * hs;
         ds = f->omega * hc;
-        y = y + g->amplitude * (f->sin0 * hc + f->cos0 * hs);
-        u = u + g->amplitude * (f->sin0 * dc + f->cos0 * ds);
-        f->scale_y = f->scale_y + fabs(g->amplitude) * (fabs(hc) + fabs(hs));
-        f->scale_u = f->scale_u + fabs(g->amplitude) * (fabs(dc) + fabs(ds));
+        y = y + (f->load_sine * hc + f->load_cosine * hs);
+        u = u + (f->load_sine * dc + f->load_cosine * ds);
+        f->hc = hc;
+        f->hs = hs;
+        f->dc = dc;
+        f->ds = ds;
         f->sine = f->sin0 * cosine + f->cos0 * sine;
         f->cosine = f->cos0 * cosine - f->sin0 * sine;
     }
@@ -200,19 +223,12 @@ static double bound(const ClosedForm *f, const double *d, int n)
     const Regime *g = regime_of(f);
     const Oscillator *o = &g->oscillator;
     double size = fabs(d[n]) + fabs(d[n + 1]) * o->window;
-    int i;
     if (o->w0 > 0) {
         double ratio = d[n + 1] / o->w0, energy = sqrt(d[n] * d[n] + ratio * ratio);
         if (energy < size)
             size = energy;
     }
-    if (f->driven) {
-        double forced = fabs(g->amplitude) * (o->window * o->window / 2);
-        for (i = 0; i < n; i++)
-            forced = forced * f->omega;
-        size = size + forced;
-    }
-    return size;
+    return size + g->forced[n];
 }
 
 static double force_derivative(const Run *r, const double *d, int n)
@@ -286,6 +302,7 @@ static int lead(Run *r)
     int i;
     f->leading = 0;
     evaluate(r, f->t0);
+    measure(f);
     jet_here(f, JET_ORDER, d);
     for (i = 0; i < r->function_count; i++) {
         int function = r->functions[i], order = r->known.order[function];
@@ -344,6 +361,7 @@ static int step_once(Run *r)
     int nearest = NOTHING, i;
     r->steps += 1;
     evaluate(r, f->t);
+    measure(f);
     jet_here(f, 4, d);
     for (i = 0; i < r->function_count; i++) {
         int function = r->functions[i];

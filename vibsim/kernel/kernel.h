@@ -44,14 +44,14 @@ typedef struct {
 } Known;
 
 typedef struct {
-    double a, b, omega, w0, wd, slow, fast, zr, zi, zz, window, rate;
+    double a, b, omega, w0, wd, slow, fast, zr, zi, zz, window, rate, per_b, per_wd, inverse_r, inverse_i;
     double steady_series[SERIES_TERMS], real_series[SERIES_TERMS], imag_series[SERIES_TERMS];
     int oscillates;
 } Oscillator;
 
 typedef struct {
     Oscillator oscillator;
-    double k, offset, load, amplitude, centre_load, centre_amplitude;
+    double k, offset, load, amplitude, centre_load, centre_amplitude, forced[12];
 } Regime;
 
 typedef struct {
@@ -59,7 +59,9 @@ typedef struct {
     Oscillator mass_point;
     double limit, omega, share1, share2;
     double t0, t, x2, y0, u0, X0, V0, sin0, cos0, slope_before;
-    double at, y, u, X, V, tau, sine, cosine, scale_y, scale_u, scale_V;
+    double load_sine, load_cosine, centre_sine, centre_cosine;
+    double at, y, u, X, V, tau, sine, cosine, stiff, impulse, steady, hc, hs, dc, ds, centre_dc, centre_ds;
+    double scale_y, scale_u, scale_V;
     int driven, leading, locked, regime[3];
 } ClosedForm;
 

@@ -42,6 +42,10 @@ void oscillator_set(Oscillator *o, double a, double b, double omega)
     o->zr = b - omega * omega;
     o->zi = 2 * a * omega;
     o->zz = o->zr * o->zr + o->zi * o->zi;
+    o->per_b = b > 0 ? 1 / b : 0.0;
+    o->per_wd = o->wd > 0 ? 1 / o->wd : 0.0;
+    o->inverse_r = o->zz > 0 ? o->zr / o->zz : 0.0;
+    o->inverse_i = o->zz > 0 ? o->zi / o->zz : 0.0;
     fastest = o->w0 > omega ? o->w0 : omega;
     pace = fastest > 0 ? fastest : 2 * a;
     o->window = pace > 0 ? 1.5 / pace : UNHURRIED;
@@ -56,7 +60,7 @@ void release_and_impulse(const Oscillator *o, double t, double *release, double 
     if (o->oscillates) {
         double angle = o->wd * t, sine = sin(angle), cosine = cos(angle);
         decay = exp(-(o->a * t));
-        *impulse = angle != 0 ? decay * (sine / o->wd) : decay * t;
+        *impulse = angle != 0 ? decay * (sine * o->per_wd) : decay * t;
         *release = decay * cosine + o->a * *impulse;
         return;
     }
@@ -75,7 +79,7 @@ static void series_response(const Oscillator *o, double t, double *hc, double *h
 double constant_response(const Oscillator *o, double t, double release)
 {
     if (o->b * (t * t) >= QUARTER)
-        return (1 - release) / o->b;
+        return (1 - release) * o->per_b;
     if (!o->oscillates && o->wd * t >= 0.5) {
         double slow = o->slow != 0 ? expm1(o->slow * t) / o->slow : t;
         return (slow - expm1(o->fast * t) / o->fast) / (2 * o->wd);
@@ -139,8 +143,8 @@ void harmonic_response(const Oscillator *o, double t, double release, double imp
     double square = t * t;
     if (o->zz * (square * square) >= QUARTER * QUARTER) {
         double nr = cosine - release, ni = sine - o->omega * impulse;
-        *hc = (nr * o->zr + ni * o->zi) / o->zz;
-        *hs = (ni * o->zr - nr * o->zi) / o->zz;
+        *hc = nr * o->inverse_r + ni * o->inverse_i;
+        *hs = ni * o->inverse_r - nr * o->inverse_i;
         return;
     }
     if (o->wd * t >= 0.5) {
@@ -152,11 +156,10 @@ void harmonic_response(const Oscillator *o, double t, double release, double imp
 
 void free_harmonic_response(const Oscillator *point, double t, double cosine, double sine, double *hc, double *hs)
 {
-    double omega = point->omega, angle = omega * t;
+    double angle = point->omega * t;
     if (angle * angle >= QUARTER) {
-        double square = omega * omega;
-        *hc = (1 - cosine) / square;
-        *hs = (angle - sine) / square;
+        *hc = (cosine - 1) * point->inverse_r;
+        *hs = (sine - angle) * point->inverse_r;
         return;
     }
     series_response(point, t, hc, hs);
