@@ -1,3 +1,54 @@
-"""vibsim: vibro-impact systems with dry friction under ideal and limited-power excitation."""
+"""vibsim: vibro-impact systems with dry friction under ideal and limited-power excitation.
+
+    import vibsim
+
+    case = vibsim.load_case("II-B", {"excitation.Omega0": "6.5 Hz"})
+    result = vibsim.simulate(case)
+    result["x2"], result.events["t"], result.at(12.3456)
+    result.save("II-B.h5")
+    vibsim.open_result("II-B.h5")
+
+Names are imported when they are used, so `import vibsim` costs next to nothing.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case, CaseError, load_case
+    from vibsim.results import Result, ResultFileError, open_result, simulate
 
 __version__ = "0.1.0"
+
+_HOMES = {
+    "Case": "vibsim.cases",
+    "CaseError": "vibsim.cases",
+    "load_case": "vibsim.cases",
+    "Result": "vibsim.results",
+    "ResultFileError": "vibsim.results",
+    "open_result": "vibsim.results",
+    "simulate": "vibsim.results",
+}
+
+__all__ = [
+    "Case",
+    "CaseError",
+    "Result",
+    "ResultFileError",
+    "__version__",
+    "load_case",
+    "open_result",
+    "simulate",
+]
+
+
+def __getattr__(name: str):
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(_HOMES[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__():
+    return sorted({*globals(), *__all__})

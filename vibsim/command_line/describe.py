@@ -1,0 +1,64 @@
+"""Describe a result file: a trajectory here, a sweep by the sweeps themselves."""
+
+from importlib import import_module
+
+import click
+
+from vibsim.command_line.settings import Settings
+from vibsim.command_line.summary import (
+    heading,
+    print_json,
+    print_lines,
+    result_lines,
+    size,
+    summary_object,
+)
+from vibsim.results import Result, kind_of, open_result
+
+
+def print_case(path: str) -> None:
+    """Print the YAML text that a result file was computed from."""
+    click.echo(open_result(path).attrs["case_yaml"], nl=False)
+
+
+def print_description(path: str, settings: Settings) -> None:
+    """Print what a result file holds.
+
+    A sweep is described by `vibsim.sweeps.describe(path)`, which returns (lines, facts): labelled lines for
+    people, a dict for JSON.
+    """
+    if kind_of(path) != "trajectory":
+        lines, facts = import_module("vibsim.sweeps").describe(path)
+        if settings.json:
+            print_json({"file": path, **facts})
+        elif not settings.quiet:
+            print_lines(lines)
+        return
+    result = open_result(path)
+    if settings.json:
+        print_json(summary_object(result, path))
+    elif not settings.quiet:
+        _print_trajectory(result, path)
+
+
+def _print_trajectory(result: Result, path: str) -> None:
+    attrs = result.attrs
+    click.echo(heading(attrs["case_name"], attrs["title"]))
+    print_lines(
+        [
+            *result_lines(result, result.case.scene()),
+            ("samples", f"{len(result)} x {', '.join(result.keys())}"),
+            ("events", f"{len(result.events['t'])} x {', '.join(result.events)}"),
+            ("written", written_text(attrs)),
+            ("fingerprint", attrs["case_sha256"]),
+            ("file", f"{path} ({size(path)})"),
+        ]
+    )
+
+
+def written_text(attrs: dict) -> str:
+    """When, by what and where a file was written."""
+    took = f" in {attrs['wall_time_s']:.3g} s" if "wall_time_s" in attrs else ""
+    parts = ("vibsim", "Python", "numpy")
+    versions = ", ".join(f"{part} {attrs[f'{part.lower()}_version']}" for part in parts)
+    return f"{attrs['date_created']}{took}; {versions}; {attrs['platform']}"

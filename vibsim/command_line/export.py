@@ -1,0 +1,50 @@
+"""vibsim export: a trajectory for spreadsheets and MATLAB."""
+
+from pathlib import Path
+
+import click
+
+from vibsim.command_line.examples import examples
+from vibsim.command_line.parameters import FILE, WINDOW
+
+
+@click.command(
+    "export",
+    short_help="Write a trajectory as CSV or MAT.",
+    epilog=examples(
+        "vibsim export II-B.h5 -o II-B.csv",
+        "vibsim export II-B.h5 -o impacts.csv --events --window 100:110",
+        "vibsim export II-B.h5 -o II-B.mat             # samples and events",
+    ),
+)
+@click.argument("file", metavar="FILE", type=FILE)
+@click.option("-o", "--output", metavar="FILE", type=FILE, required=True, help="A .csv or .mat file.")
+@click.option("--events", is_flag=True, help="CSV: write the events, not the samples.")
+@click.option("--window", type=WINDOW, metavar="A:B", default=":", help="Only this span of time [s].")
+@click.option("--force", is_flag=True, help="Replace an existing output file.")
+@click.pass_context
+def command(ctx, file, output, events, window, force):
+    """Write the trajectory in FILE as CSV or MAT, by the suffix of the output.
+
+    All values are in SI units, to the last digit. A CSV file has one line of column names; the kinds of
+    events are written as words. A MAT file holds the columns by name and a struct `events`.
+    """
+    from vibsim.results import open_result
+    from vibsim.results.errors import ResultFileError
+    from vibsim.results.export_csv import write_csv
+    from vibsim.results.export_mat import write_mat
+
+    suffix = Path(output).suffix.lower()
+    if suffix not in (".csv", ".mat"):
+        raise click.UsageError(f"-o {output}: the suffix must be .csv or .mat")
+    if events and suffix == ".mat":
+        raise click.UsageError("--events is for CSV; a MAT file holds samples and events")
+    result = open_result(file)
+    if result.attrs["vibsim_kind"] != "trajectory":
+        raise ResultFileError(f"{file}: holds no trajectory")
+    if suffix == ".mat":
+        write_mat(result, output, window, force)
+    else:
+        write_csv(result, output, window, force, events)
+    if not ctx.obj.quiet:
+        click.echo(f"{output} written", err=True)

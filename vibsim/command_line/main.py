@@ -1,0 +1,100 @@
+"""The command `vibsim`: a group whose commands are imported when they are called."""
+
+import sys
+from collections.abc import Callable
+from functools import partial
+from importlib import import_module
+from typing import Any
+
+import click
+
+from vibsim import __version__
+from vibsim.command_line.errors import TERMINATED, exit_code_of
+from vibsim.command_line.examples import examples
+from vibsim.command_line.settings import add_global_options, global_options
+
+# name -> (module, one line for the list of commands); the list is printed without importing any of them
+COMMANDS = {
+    "run": ("vibsim.command_line.run", "Run cases and write their trajectories."),
+    "plot": ("vibsim.command_line.plot", "Draw pictures of runs, cases and sweeps."),
+    "info": ("vibsim.command_line.info", "Say what a result file holds."),
+    "export": ("vibsim.command_line.export", "Write a trajectory as CSV or MAT."),
+    "cases": ("vibsim.command_line.cases", "List the shipped cases."),
+    "check": ("vibsim.command_line.check", "Check case files."),
+    "schema": ("vibsim.command_line.schema", "Print the JSON Schema of a case file."),
+}
+
+COMPLETION = (
+    'Shell completion: put  eval "$(_VIBSIM_COMPLETE=bash_source vibsim)"  into ~/.bashrc '
+    "(zsh_source for zsh, fish_source for fish)."
+)
+
+
+class LazyGroup(click.Group):
+    """Commands by name; exceptions become messages and exit codes here."""
+
+    def list_commands(self, ctx):
+        return list(COMMANDS)
+
+    def get_command(self, ctx, cmd_name):
+        if cmd_name not in COMMANDS:
+            return None
+        command = import_module(COMMANDS[cmd_name][0]).command
+        add_global_options(command)
+        return command
+
+    def resolve_command(self, ctx, args):
+        name = args[0]
+        if name not in COMMANDS and not name.startswith("-"):
+            ctx.fail(f"no command {name!r}{_hint(name)}")
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx, formatter):
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, line) for name, (_, line) in COMMANDS.items()])
+
+    def main(self, *args: Any, standalone_mode: bool = True, **extra: Any) -> Any:
+        run: Callable[..., Any] = partial(super().main, *args, standalone_mode=False, **extra)
+        if not standalone_mode:
+            return run()
+        sys.exit(exit_code_of(run))
+
+
+def _hint(name: str) -> str:
+    if name.endswith((".yaml", ".yml")):
+        return f"; to run the case: vibsim run {name}"
+    if name.endswith((".h5", ".hdf5")):
+        return f"; to see what it holds: vibsim info {name}"
+    from difflib import get_close_matches
+
+    near = get_close_matches(name.lower(), COMMANDS, n=1, cutoff=0.5)
+    return f"; did you mean {near[0]}?" if near else f"; commands are {', '.join(COMMANDS)}"
+
+
+group = LazyGroup(
+    "vibsim",
+    params=[*global_options()],
+    no_args_is_help=True,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    help="Vibro-impact systems with dry friction under ideal and limited-power excitation.",
+    epilog=examples(
+        "vibsim cases",
+        "vibsim run II-B",
+        "vibsim run II-B -s Omega0='6.5 Hz' -o faster.h5",
+        "vibsim plot II-B.h5",
+        before=COMPLETION,
+    ),
+)
+click.version_option(__version__, message="vibsim %(version)s")(group)
+
+
+def main() -> None:
+    """Entry point of the command; ends the process with the exit code."""
+    import signal
+
+    signal.signal(signal.SIGTERM, _terminate)
+    group.main(prog_name="vibsim")
+
+
+def _terminate(signum, frame):
+    sys.exit(TERMINATED)

@@ -1,0 +1,54 @@
+"""Kinds of command-line values that several commands share."""
+
+import click
+from click.shell_completion import CompletionItem
+
+
+class CaseSource(click.ParamType):
+    """A case: completed from the shipped cases' names and the files at hand."""
+
+    name = "case"
+
+    def shell_complete(self, ctx, param, incomplete):
+        from vibsim.cases import shipped_case_names
+
+        shipped = [CompletionItem(name) for name in shipped_case_names() if name.startswith(incomplete)]
+        return [*shipped, CompletionItem(incomplete, type="file")]
+
+
+class Assignment(click.ParamType):
+    """KEY=VALUE, as a pair."""
+
+    name = "assignment"
+
+    def convert(self, value, param, ctx):
+        if isinstance(value, tuple):
+            return value
+        key, equals, text = value.partition("=")
+        if not key.strip() or not equals:
+            self.fail(f"{value!r} is not KEY=VALUE, such as excitation.Omega0='6.5 Hz'", param, ctx)
+        return key.strip(), text.strip()
+
+
+class Window(click.ParamType):
+    """A:B, a span of time in seconds; either end may be left out."""
+
+    name = "window"
+
+    def convert(self, value, param, ctx):
+        if isinstance(value, tuple):
+            return value
+        start, colon, stop = value.partition(":")
+        try:
+            window = float(start or 0), float(stop or "inf")
+        except ValueError:
+            window = 1.0, 0.0
+        if not colon or not window[0] < window[1]:
+            self.fail(f"{value!r} is not A:B with A < B in seconds, such as 100:110", param, ctx)
+        return window
+
+
+CASE = CaseSource()
+ASSIGNMENT = Assignment()
+WINDOW = Window()
+FILE = click.Path(path_type=str)

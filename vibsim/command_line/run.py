@@ -1,0 +1,69 @@
+"""vibsim run: cases in, trajectories out."""
+
+import click
+
+from vibsim.command_line.examples import examples
+from vibsim.command_line.parameters import ASSIGNMENT, CASE, FILE
+
+METHODS = ["auto", "closed_form", "taylor"]
+ENGINES = ["auto", "c", "python"]
+
+
+@click.command(
+    "run",
+    short_help="Run cases and write their trajectories.",
+    epilog=examples(
+        "vibsim run II-B                               # into II-B.h5",
+        "vibsim run my.yaml -s c='0.03 N s/m' -o damped.h5",
+        "vibsim run I-A I-B I-C -o runs/               # three files in one folder",
+        "vibsim run II-B --t-end 20s --every 1ms --plot II-B.png",
+        "vibsim run II-B.h5 -o again.h5                # the same run again, bit for bit",
+        "cat my.yaml | vibsim run - --json",
+    ),
+)
+@click.argument("sources", metavar="CASE...", nargs=-1, required=True, type=CASE)
+@click.option("-o", "--output", type=FILE, metavar="FILE", help="Output file or folder. [default: NAME.h5]")
+@click.option(
+    "-s",
+    "--set",
+    "changes",
+    metavar="KEY=VALUE",
+    multiple=True,
+    type=ASSIGNMENT,
+    help="Change a value; repeatable.",
+)
+@click.option("--t-end", metavar="TIME", help="End of the run, such as 20s.")
+@click.option("--every", metavar="TIME", help="Time between samples, such as 5ms.")
+@click.option("--method", type=click.Choice(METHODS), help="How the motion between events is computed.")
+@click.option(
+    "--engine", type=click.Choice(ENGINES), default="auto", help="Who computes it; the results are the same."
+)
+@click.option(
+    "--plot", "picture", type=FILE, metavar="FILE", help="Draw the run too: a .png, .pdf or .svg file."
+)
+@click.option("--dry-run", is_flag=True, help="Print what would be run, and stop.")
+@click.option("--force", is_flag=True, help="Replace existing output files.")
+@click.pass_context
+def command(ctx, sources, output, changes, t_end, every, method, engine, picture, dry_run, force):
+    """Run each CASE and write its trajectory to an HDF5 file.
+
+    A CASE is a YAML file, the name of a shipped case (see `vibsim cases`), - for standard input, or an HDF5
+    file that vibsim wrote: its case is run again.
+    """
+    from vibsim.command_line.run_jobs import run_all
+    from vibsim.command_line.run_plan import check_engine, check_picture, plan, print_plan
+
+    check_engine(engine)
+    check_picture(picture, len(sources), force)
+    given = {"run.t_end": t_end, "run.every": every, "run.method": method}
+    values = dict(changes) | {key: value for key, value in given.items() if value is not None}
+    jobs = plan(sources, values, output, force)
+    if dry_run:
+        print_plan(jobs, ctx.obj)
+        return 0
+    code = run_all(jobs, engine, force, ctx.obj)
+    if picture and code == 0:
+        from vibsim.plots import plot_run
+
+        plot_run(jobs[0].output, picture, force=force)
+    return code

@@ -1,0 +1,68 @@
+"""Run the cases of `vibsim run` one by one, with progress, interruption and a summary of each."""
+
+import time
+
+import click
+
+from vibsim.command_line.errors import RUN_FAILED
+from vibsim.command_line.interruption import Interruption
+from vibsim.command_line.progress import Progress
+from vibsim.command_line.run_plan import Job
+from vibsim.command_line.settings import Settings
+from vibsim.command_line.summary import (
+    heading,
+    print_json,
+    print_lines,
+    result_lines,
+    size,
+    summary_object,
+)
+from vibsim.kernel import KernelError
+from vibsim.results import Result, simulate_to_file
+from vibsim.results.output_file import partial_path
+
+
+def run_all(jobs: list[Job], engine: str, force: bool, settings: Settings) -> int:
+    """Run the jobs; returns the exit code. One that fails does not keep the others from running."""
+    code = 0
+    with Interruption() as interruption:
+        for job in jobs:
+            try:
+                _run_one(job, engine, force, settings, interruption)
+            except KernelError as error:
+                kept = partial_path(job.output)
+                click.echo(f"Error: {job.case.name}: {error}; what came before is in {kept}", err=True)
+                code = RUN_FAILED
+            if interruption.signum is not None:
+                return interruption.exit_code
+    return code
+
+
+def _run_one(job: Job, engine: str, force: bool, settings: Settings, interruption: Interruption) -> None:
+    began = time.perf_counter()
+    progress = Progress(job.case.name, job.case.scene().t_end, wanted=not settings.quiet)
+
+    def watch(t: float) -> bool:
+        progress.show(t)
+        return interruption.signum is None
+
+    try:
+        result = simulate_to_file(job.case, job.output, engine, force, watch)
+    finally:
+        progress.close()
+    if not result.complete:
+        click.echo(f"interrupted: {job.output} holds the run until {result.t_reached:g} s", err=True)
+    if settings.json:
+        print_json(summary_object(result, job.output))
+    elif not settings.quiet:
+        _print_summary(job, result, time.perf_counter() - began, settings)
+
+
+def _print_summary(job: Job, result: Result, took: float, settings: Settings) -> None:
+    attrs = result.attrs
+    lines = result_lines(result, job.case.scene())
+    if settings.verbose:
+        lines.append(("work", f"{attrs['steps']} steps, {attrs['evaluations']} evaluations"))
+        lines.append(("fingerprint", attrs["case_sha256"]))
+    click.echo(heading(job.case.name, job.case.title))
+    print_lines([*lines, ("file", f"{job.output} ({size(job.output)}), {took:.2f} s")])

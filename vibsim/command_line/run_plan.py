@@ -1,0 +1,94 @@
+"""What `vibsim run` is to do: which case goes into which file, settled before anything is computed."""
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from vibsim.command_line.settings import Settings
+from vibsim.command_line.summary import case_lines, heading, print_json, print_lines
+from vibsim.results import is_result_file, kind_of, open_result
+from vibsim.results.errors import ResultFileError
+from vibsim.results.output_file import check_output
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+
+@dataclass(frozen=True)
+class Job:
+    """One case and the file that it is written to, as the user would name it."""
+
+    case: "Case"
+    output: Path
+
+
+def plan(sources: tuple[str, ...], changes: dict[str, str], output: str | None, force: bool) -> list[Job]:
+    """The jobs of one `vibsim run`, every case read and every output checked.
+
+    Raises CaseError, ResultFileError, and UsageError where two cases would go into one file.
+    """
+    cases = [read_case(source, changes) for source in sources]
+    jobs = [Job(case, path) for case, path in zip(cases, _outputs(cases, output), strict=True)]
+    for job in jobs:
+        check_output(job.output, force)
+    return jobs
+
+
+def read_case(source: str, changes: dict[str, str]) -> "Case":
+    """A case from a YAML file, a shipped name, "-", or a result file that it was run into before."""
+    from vibsim.cases import load_case
+
+    if source == "-" or not is_result_file(source):
+        return load_case(source, changes)
+    if kind_of(source) != "trajectory":
+        raise ResultFileError(f"{source}: holds no single run; give a case or the file of a run")
+    result = open_result(source)
+    case = replace(result.case, text=result.attrs["case_yaml"])
+    return case.with_values(changes) if changes else case
+
+
+def check_engine(engine: str) -> None:
+    """Usage error where the C engine is asked for and was not built."""
+    from vibsim.kernel import compiled
+
+    if engine == "c" and not compiled():
+        raise click.UsageError("--engine c: this installation has no C engine; leave --engine out")
+
+
+def check_picture(picture: str | None, count: int, force: bool) -> None:
+    """Settle before the run that its picture can be written; raises UsageError for several runs."""
+    if picture is None:
+        return
+    if count > 1:
+        raise click.UsageError("--plot draws one run; for several use vibsim plot")
+    check_output(picture, force)
+
+
+def print_plan(jobs: list[Job], settings: Settings) -> None:
+    """Print what would be run: each case with its defaults filled in, and its file."""
+    for job in jobs:
+        resolved = json.loads(job.case.resolved_json())
+        if settings.json:
+            print_json({"file": str(job.output), "case": resolved, "case_sha256": job.case.sha256})
+            continue
+        click.echo(heading(job.case.name, job.case.title))
+        print_lines([*case_lines(job.case.scene()), ("file", f"{job.output} (not written: dry run)")])
+        click.echo(json.dumps(resolved, indent=2, ensure_ascii=False))
+
+
+def _outputs(cases: list["Case"], output: str | None) -> list[Path]:
+    names = [f"{case.name}.h5" for case in cases]
+    if len(set(names)) < len(names):
+        repeated = next(name for name in names if names.count(name) > 1)
+        raise click.UsageError(f"two of the cases would be written to {repeated}; run them one by one")
+    if output is None:
+        return [Path(name) for name in names]
+    target = Path(output)
+    if target.is_dir() or len(cases) > 1:
+        if not target.is_dir():
+            raise click.UsageError(f"-o {output}: several cases need a folder that exists")
+        return [target / name for name in names]
+    return [target]

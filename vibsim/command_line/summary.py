@@ -1,0 +1,136 @@
+"""What a trajectory came to, for people (lines) and for programs (JSON)."""
+
+import json
+import math
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import click
+
+from vibsim.physics.scene import Scene
+from vibsim.results import Result
+
+PREFIXES = ((1.0, "m"), (1e-3, "mm"), (1e-6, "um"), (1e-9, "nm"))
+SIZES = ((1 << 30, "GB"), (1 << 20, "MB"), (1 << 10, "kB"))
+LABEL_WIDTH = 16
+
+
+def heading(name: str, title: str) -> str:
+    """Name (bold) and title of a case."""
+    return click.style(name, bold=True) + (f"  {title}" if title and title != name else "")
+
+
+def case_lines(scene: Scene) -> list[tuple[str, str]]:
+    """Label and text of what is run: source and span."""
+    every = seconds(scene.every_num / scene.every_den)
+    return [
+        ("source", source_text(scene)),
+        ("span", f"{seconds(scene.t_end)}, a sample every {every}: {scene.sample_count} samples"),
+    ]
+
+
+def result_lines(result: Result, scene: Scene) -> list[tuple[str, str]]:
+    """Label and text of everything that is known of a trajectory; what is not known has no line."""
+    attrs = result.attrs
+    lines = [*case_lines(scene), ("engine", engine_text(attrs))]
+    if not result.complete:
+        lines.append(("incomplete", click.style(f"ends at {result.t_reached:g} s", fg="yellow")))
+    elif result.t_reached < scene.t_end:
+        lines.append(
+            ("stopped", click.style(f"at {result.t_reached:.6g} s, by the rest distance", fg="yellow"))
+        )
+    if "events" in attrs:
+        lines.append(("motion", motion_text(attrs)))
+    if result.trust_horizon is not None:
+        lines.append(("trust horizon", seconds(result.trust_horizon)))
+    if "grazing_margin" in attrs:
+        lines.append(
+            ("grazing margin", f"{metres(attrs['grazing_margin'])} at {attrs['grazing_time']:.3f} s")
+        )
+    if "energy_residual" in attrs:
+        lines.append(("energy residual", f"{attrs['energy_residual']:.3g}"))
+    if "rest_distance_needed" in attrs or scene.rest_distance is not None:
+        lines.append(("rest distance", rest_distance_text(attrs, scene)))
+    return lines
+
+
+def source_text(scene: Scene) -> str:
+    """The source of excitation, its frequency in Hz and in rad/s."""
+    if scene.source == "harmonic":
+        constant = f" + {scene.F0:g} N" if scene.F0 else ""
+        frequency = f"{scene.cycles + scene.cycles_lo:.7g} Hz ({scene.omega:.6g} rad/s)"
+        return f"harmonic force, {scene.A:.6g} N{constant} at {frequency}"
+    if scene.source == "motor":
+        hertz = scene.Omega0 / (2 * math.pi)
+        return f"motor, no-load speed {hertz:.7g} Hz ({scene.Omega0:.6g} rad/s), torque {scene.M0:g} N m"
+    return "none"
+
+
+def engine_text(attrs: dict[str, Any]) -> str:
+    """Engine and method; order and tolerance of the Taylor method."""
+    engine = {"c": "C", "python": "Python"}.get(attrs["engine"], attrs["engine"])
+    method = attrs["method"].replace("_", " ")
+    if "taylor_order" in attrs:
+        method += f" series of order {attrs['taylor_order']}, tolerance {attrs['taylor_tolerance']:.2g}"
+    return f"{engine}, {method}"
+
+
+def motion_text(attrs: dict[str, Any]) -> str:
+    """How often what happened."""
+    return ", ".join(counted(attrs[f"{word}s"], word) for word in ("impact", "stick", "event"))
+
+
+def rest_distance_text(attrs: dict[str, Any], scene: Scene) -> str:
+    """What the run needs, and what the case has."""
+    needed = attrs.get("rest_distance_needed")
+    text = "unknown: the samples are too far apart" if needed is None else f"needs {metres(needed)}"
+    if scene.rest_distance is None:
+        return text
+    text += f", has {metres(scene.rest_distance)}"
+    violations = attrs.get("violations", 0)
+    if not violations:
+        return text
+    first = attrs["first_violation_time"]
+    return text + click.style(f": {counted(violations, 'violation')}, first at {first:.3f} s", fg="yellow")
+
+
+def print_lines(lines: Iterable[tuple[str, str]]) -> None:
+    """Print labelled lines, the texts in one column."""
+    for label, text in lines:
+        click.echo(f"  {click.style(f'{label:{LABEL_WIDTH}}', dim=True)}{text}")
+
+
+def summary_object(result: Result, path: str | Path) -> dict[str, Any]:
+    """The attributes of a trajectory for JSON: the case as an object, without its YAML text."""
+    attrs = {name: value for name, value in result.attrs.items() if name != "case_yaml"}
+    resolved = json.loads(attrs.pop("case_resolved_json"))
+    return {"file": str(path), **attrs, "samples": len(result), "case": resolved}
+
+
+def print_json(value: Any) -> None:
+    """Print one JSON object on one line; NaN is no JSON and never printed."""
+    click.echo(json.dumps(value, allow_nan=False, ensure_ascii=False))
+
+
+def counted(number: int, word: str) -> str:
+    """1 impact, 2 impacts."""
+    return f"{number} {word}{'' if number == 1 else 's'}"
+
+
+def metres(x: float) -> str:
+    """A length to four digits with the prefix that suits it."""
+    factor, unit = next(((f, u) for f, u in PREFIXES if abs(x) >= f), PREFIXES[-1]) if x else PREFIXES[0]
+    return f"{x / factor:.4g} {unit}"
+
+
+def seconds(t: float) -> str:
+    """A duration, below a second in ms."""
+    return f"{t:g} s" if t >= 1 or t == 0 else f"{1000 * t:g} ms"
+
+
+def size(path: str | Path) -> str:
+    """Size of a file with the prefix that suits it."""
+    count = Path(path).stat().st_size
+    factor, unit = next(((f, u) for f, u in SIZES if count >= f), (1, "bytes"))
+    return f"{count / factor:.3g} {unit}"

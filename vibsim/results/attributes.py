@@ -1,0 +1,34 @@
+"""HDF5 attributes: text, whole numbers, floats and small arrays, written the direct (fast) way."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import h5py
+import numpy as np
+from h5py import h5a, h5s, h5t
+
+TEXT = h5py.string_dtype()
+
+
+def write_attrs(location: Any, attrs: Mapping[str, Any]) -> None:
+    """Write attributes of an HDF5 object (low-level id): replaces those that exist, leaves out None."""
+    for name, value in attrs.items():
+        if value is not None:
+            _write(location, name.encode(), value)
+
+
+def read_attrs(location: Any) -> dict[str, Any]:
+    """Attributes of a file, group or dataset as plain values: str, int, float, or an array."""
+    return {name: _plain(value) for name, value in location.attrs.items()}
+
+
+def _write(location: Any, name: bytes, value: Any) -> None:
+    data = np.asarray(value, TEXT if isinstance(value, str) else None)
+    space = h5s.create_simple(data.shape) if data.shape else h5s.create(h5s.SCALAR)
+    if h5a.exists(location, name):
+        h5a.delete(location, name)
+    h5a.create(location, name, h5t.py_create(data.dtype, logical=True), space).write(data)
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value

@@ -1,0 +1,53 @@
+"""Open a result file, whatever kind of result it holds."""
+
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from vibsim.results.errors import ResultFileError
+
+# vibsim_kind -> who reads it, by name: sweeps stand above results, which must not import them.
+READERS = {
+    "trajectory": ("vibsim.results.opening", "open_trajectory_file"),
+    "sweep": ("vibsim.sweeps", "open_sweep"),
+}
+
+
+def open_result(path: str | Path) -> Any:
+    """The Result (or, for a sweep, the SweepResult) in an HDF5 file that vibsim wrote.
+
+    Raises ResultFileError when the file is missing, not readable, foreign, damaged or of a newer format.
+    """
+    kind = kind_of(path)
+    if kind not in READERS:
+        raise ResultFileError(f"{path}: holds a {kind!r}, which this vibsim does not read")
+    module, function = READERS[kind]
+    return getattr(import_module(module), function)(path)
+
+
+def kind_of(path: str | Path) -> str:
+    """What a result file holds: "trajectory" or "sweep"; raises as `open_result`."""
+    from vibsim.results.trajectory_file import damage_named, open_hdf5
+
+    with damage_named(Path(path)), open_hdf5(Path(path)) as file:
+        return str(file.attrs.get("vibsim_kind", "trajectory"))
+
+
+def is_result_file(path: str | Path) -> bool:
+    """Whether `path` is a file that begins as an HDF5 file does."""
+    from vibsim.results.trajectory_file import check_signature
+
+    try:
+        check_signature(Path(path))
+    except ResultFileError:
+        return False
+    return True
+
+
+def open_trajectory_file(path: str | Path):
+    """The Result in a trajectory file."""
+    from vibsim.results.result import Result
+    from vibsim.results.trajectory_file import TrajectoryFile
+
+    file = TrajectoryFile(path)
+    return Result(file.attrs, file.samples, file.events)

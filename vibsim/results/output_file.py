@@ -1,0 +1,87 @@
+"""Output that appears whole or not at all: written beside its target as NAME.partial, then renamed.
+
+For every kind of output file: an existing one stays as it is unless `force`.
+"""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from vibsim.results.errors import ResultFileError
+
+
+def check_output(path: str | Path, force: bool = False) -> Path:
+    """Absolute path of an output file that may be written (links followed).
+
+    Raises ResultFileError when it exists and `force` is not given, when it is not a regular file, or when its
+    folder is missing or not writable.
+    """
+    target = Path(path).absolute()
+    try:
+        target = target.resolve()
+        if target.exists():
+            _check_existing(path, target, force)
+        folder = target.parent
+        if not folder.is_dir():
+            raise ResultFileError(f"{path}: cannot write: folder {folder} does not exist")
+        if not os.access(folder, os.W_OK | os.X_OK, effective_ids=os.access in os.supports_effective_ids):
+            raise ResultFileError(f"{path}: cannot write: folder {folder} is not writable")
+    except (OSError, RuntimeError, ValueError) as error:
+        raise ResultFileError(f"{path}: cannot write: {reason(error)}") from error
+    return target
+
+
+def _check_existing(path: str | Path, target: Path, force: bool) -> None:
+    if target.is_dir():
+        raise ResultFileError(f"{path}: cannot write: is a folder")
+    if not target.is_file():
+        raise ResultFileError(f"{path}: cannot write: is not a regular file")
+    if not force:
+        raise ResultFileError(f"{path}: exists; kept (--force replaces it)")
+
+
+def partial_path(target: Path) -> Path:
+    """Where an output is written before it is whole: NAME.partial beside the target."""
+    return target.with_name(target.name + ".partial")
+
+
+def publish(partial: Path, target: Path, force: bool = False) -> None:
+    """Make a finished partial file durable and give it its name: fsync, rename, fsync of the folder."""
+    try:
+        _fsync(partial)
+        if target.exists() and not force:
+            raise ResultFileError(f"{target}: appeared meanwhile; kept (--force replaces it)")
+        os.replace(partial, target)
+        if os.name == "posix":
+            _fsync(target.parent)
+    except OSError as error:
+        raise ResultFileError(f"{target}: cannot write: {reason(error)}") from error
+
+
+@contextmanager
+def output_file(path: str | Path, force: bool = False) -> Iterator[Path]:
+    """Partial path to write to; published when the block ends, removed when it raises."""
+    target = check_output(path, force)
+    partial = partial_path(target)
+    try:
+        yield partial
+        publish(partial, target, force)
+    except OSError as error:
+        raise ResultFileError(f"{path}: cannot write: {reason(error)}") from error
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def reason(error: BaseException) -> str:
+    """The cause of an error in one line, without errno numbers and paths."""
+    text = getattr(error, "strerror", None) or str(error) or type(error).__name__
+    return text.strip().splitlines()[0]
+
+
+def _fsync(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDONLY if path.is_dir() else os.O_RDWR)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

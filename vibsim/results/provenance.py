@@ -1,0 +1,76 @@
+"""Where a trajectory comes from and what came of it: the root attributes of a file.
+
+What is not known is left out; an attribute is never a made-up number.
+"""
+
+import math
+import platform
+from datetime import datetime, timezone
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibsim import __version__
+from vibsim.physics.scene import Scene
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+FORMAT = 1  # raised when an older reader would misread a newer file
+TOTALS = (
+    "impacts",
+    "sticks",
+    "reversals",
+    "events",
+    "steps",
+    "evaluations",
+    "uncertified",
+    "grazing_margin",
+    "grazing_time",
+    "violations",
+    "first_violation_time",
+)
+
+
+def origin(case: "Case", scene: Scene, engine: str, method: str) -> dict[str, Any]:
+    """Attributes known before the first step: format, case, method, versions, platform."""
+    attrs: dict[str, Any] = {
+        "Conventions": "CF-1.8",
+        "title": case.title or case.name,
+        "vibsim_format": FORMAT,
+        "vibsim_kind": "trajectory",
+        "vibsim_version": __version__,
+        "case_name": case.name,
+        "case_yaml": case.text,
+        "case_resolved_json": case.resolved_json(),
+        "case_sha256": case.sha256,
+        "method": method,
+        "engine": engine,
+        "t_end_s": float(scene.t_end),
+        "date_created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
+        "platform": f"{platform.system()} {platform.release()} {platform.machine()}",
+        "python_version": platform.python_version(),
+        "numpy_version": np.__version__,
+        "complete": 0,
+    }
+    if method == "taylor":
+        attrs |= {"taylor_order": scene.order, "taylor_tolerance": float(scene.tol)}
+    return attrs
+
+
+def outcome(
+    totals: dict[str, Any],
+    t_reached: float,
+    rest_distance_needed: float | None,
+    wall_time: float,
+    complete: bool,
+) -> dict[str, Any]:
+    """Attributes known at the end of a run. Times in s, `grazing_margin` and `rest_distance_needed` in m."""
+    known = {name: totals[name] for name in TOTALS if name in totals and math.isfinite(totals[name])}
+    return {
+        **known,
+        **({} if rest_distance_needed is None else {"rest_distance_needed": rest_distance_needed}),
+        "t_reached_s": t_reached,
+        "wall_time_s": wall_time,
+        "complete": int(complete),
+    }

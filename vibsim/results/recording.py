@@ -1,0 +1,76 @@
+"""A run of the engine, recorded block by block into memory or a file."""
+
+import time
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from vibsim.physics.scene import Scene
+from vibsim.results.columns import COLUMNS, event_columns
+from vibsim.results.provenance import origin, outcome
+from vibsim.results.rest_distance import RestDistance
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+Rows = Mapping[str, np.ndarray]
+Watch = Callable[[float], bool]  # given the time reached [s]; False stops the run there
+
+
+class Sink(Protocol):
+    """Takes the blocks of a run."""
+
+    def append(self, samples: Rows, events: Rows) -> None: ...
+
+
+class Recording:
+    """One run of a case: `start` has the attributes known before it, `into` runs it, `end` has the rest."""
+
+    def __init__(self, case: "Case", engine: str = "auto"):
+        from vibsim.kernel import open_trajectory
+
+        self.scene: Scene = case.scene()
+        self.began = time.perf_counter()
+        self.trajectory = open_trajectory(self.scene, engine=engine)
+        self.start = origin(case, self.scene, self.trajectory.engine, self.trajectory.method)
+        self.t_reached = 0.0
+        self.complete = False
+        self._rest = RestDistance(self.scene)
+
+    def into(self, sink: Sink, watch: Watch | None = None) -> None:
+        """Run to the end, or until `watch` says stop; raises KernelError when the run fails."""
+        for block in self.trajectory.blocks():
+            sink.append(block.samples, block.events)
+            self._rest.update(block.samples, block.events)
+            self.t_reached = float(block.t_reached)
+            if watch is not None and not watch(self.t_reached):
+                return
+        self.complete = True
+
+    def end(self) -> dict[str, Any]:
+        """Attributes of what came of the run so far."""
+        wall_time = time.perf_counter() - self.began
+        return outcome(self.trajectory.totals, self.t_reached, self._rest.needed, wall_time, self.complete)
+
+
+class MemorySink:
+    """Keeps the blocks of a run as arrays."""
+
+    def __init__(self, columns: tuple[str, ...]):
+        self._samples: dict[str, list[np.ndarray]] = {name: [] for name in columns}
+        self._events: dict[str, list[np.ndarray]] = {name: [] for name in event_columns(columns)}
+
+    def append(self, samples: Rows, events: Rows) -> None:
+        for name, parts in self._samples.items():
+            parts.append(samples[name])
+        for name, parts in self._events.items():
+            parts.append(events[name])
+
+    def tables(self) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+        """Samples and events, name -> 1-D array."""
+        return _joined(self._samples), _joined(self._events)
+
+
+def _joined(parts: dict[str, list[np.ndarray]]) -> dict[str, np.ndarray]:
+    return {name: np.concatenate(arrays, dtype=COLUMNS[name].dtype) for name, arrays in parts.items()}

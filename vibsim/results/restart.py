@@ -1,0 +1,38 @@
+"""States between samples: the engine restarted from stored events."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from vibsim.physics.scene import Scene
+
+
+def states_at(
+    scene: Scene, events: Mapping[str, np.ndarray], t: float | np.ndarray, t_reached: float
+) -> dict[str, np.ndarray]:
+    """Columns at the instants `t` [s], each computed from the last of the `events` that is not after it.
+
+    Returns name -> array of the shape of `t`. Raises ValueError for times before 0 or after `t_reached`.
+    """
+    from vibsim.kernel import state_at
+
+    times = np.asarray(t, dtype="f8")
+    flat = times.ravel()
+    if not np.all((flat >= 0) & (flat <= t_reached)):
+        raise ValueError(f"times must lie between 0 and {t_reached:g} s, the span of the run")
+    order = np.argsort(flat, kind="stable")
+    ascending = flat[order]
+    last_event = np.searchsorted(events["t"], ascending, side="right") - 1
+    pieces = []
+    for event in np.unique(last_event):
+        row = {name: column[event].item() for name, column in events.items()}
+        pieces.append(state_at(scene, row, ascending[last_event == event]))
+    columns = {name: [piece[name] for piece in pieces] for name in scene.columns()}
+    return {name: _in_order(parts, order, times.shape) for name, parts in columns.items()}
+
+
+def _in_order(pieces: list[np.ndarray], order: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    ascending = np.concatenate(pieces) if pieces else np.empty(0)
+    values = np.empty_like(ascending)
+    values[order] = ascending
+    return values.reshape(shape)

@@ -1,0 +1,123 @@
+"""A trajectory as users meet it: arrays by name, events, attributes, and its state at any instant."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+Table = Mapping[str, np.ndarray]
+
+
+class Result:
+    """A trajectory, in memory or on file.
+
+    `result["x1"]` is the sampled column x1 (1-D array, SI), `result.events["t"]` an event column; on file
+    they are read when asked for. `result.attrs` says where the trajectory comes from and what came of it.
+    """
+
+    def __init__(self, attrs: dict[str, Any], samples: Table, events: Table, case: "Case | None" = None):
+        self.attrs = attrs
+        self.events = events
+        self._samples = samples
+        self._case = case
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self._samples:
+            raise KeyError(f"no column {name}; this trajectory has {', '.join(self.keys())}")
+        return self._samples[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._samples
+
+    def __iter__(self):
+        return iter(self.keys())
+
+    def __len__(self) -> int:
+        return len(self.column("time"))
+
+    def keys(self) -> list[str]:
+        """Names of the sampled columns, `time` first."""
+        return list(self._samples)
+
+    def column(self, name: str):
+        """One sampled column; on file a handle that reads only the rows it is indexed with."""
+        return _column(self._samples, name)
+
+    def event_column(self, name: str):
+        """One event column, likewise."""
+        return _column(self.events, name)
+
+    @property
+    def time(self) -> np.ndarray:
+        """Times of the samples [s]."""
+        return self["time"]
+
+    @property
+    def trust_horizon(self) -> float | None:
+        """Time until which the trajectory is right [s]; None while nobody has worked it out."""
+        return self.attrs.get("trust_horizon_s")
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run reached its end."""
+        return bool(self.attrs["complete"])
+
+    @property
+    def t_reached(self) -> float:
+        """Time until which everything is known [s]; of a killed run, the time of its last event on file."""
+        if "t_reached_s" in self.attrs:
+            return float(self.attrs["t_reached_s"])
+        times = self.events["t"]
+        return float(times[-1]) if len(times) else 0.0
+
+    @property
+    def case(self) -> "Case":
+        """The case that was run."""
+        if self._case is None:
+            from vibsim.cases import Case
+
+            self._case = Case.from_resolved_json(self.attrs["case_resolved_json"])
+        return self._case
+
+    def at(self, t: float | np.ndarray) -> dict[str, np.ndarray]:
+        """States at any instants, as accurate as the run: restarted from the last event before each.
+
+        Parameters
+        ----------
+        t : time or times [s] between 0 and the end of the run, any shape, any order
+
+        Returns the columns, each of the shape of `t`. Raises ValueError for times outside the run.
+        """
+        from vibsim.results.restart import states_at
+
+        return states_at(self.case.scene(), self.events, t, self.t_reached)
+
+    def save(self, path: str | Path, force: bool = False) -> Path:
+        """Write the trajectory to an HDF5 file and return its path.
+
+        Raises ResultFileError when the file exists and `force` is not given, or cannot be written.
+        """
+        from vibsim.results.trajectory_writer import TrajectoryWriter
+
+        writer = TrajectoryWriter(path, tuple(self.keys()), {}, force)
+        try:
+            writer.append({name: self[name] for name in self.keys()}, dict(self.events))
+            return writer.finish(self.attrs)
+        finally:
+            writer.close()
+
+    def __repr__(self) -> str:
+        name, engine, method = (self.attrs.get(key) for key in ("case_name", "engine", "method"))
+        counts = f"{len(self)} samples, {self.attrs.get('events', len(self.events['t']))} events"
+        state = "" if self.complete else ", incomplete"
+        span = f"0 to {self.t_reached:g} s"
+        columns = ", ".join(self.keys())
+        return f"<Result {name}: {span}, {counts}, {method} on {engine}{state}; columns {columns}>"
+
+
+def _column(table: Table, name: str):
+    return table.column(name) if hasattr(table, "column") else table[name]

@@ -1,0 +1,53 @@
+"""Run a case, into memory or straight into a file."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from vibsim.results.recording import MemorySink, Recording, Watch
+from vibsim.results.result import Result
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+
+def simulate(case: "Case", engine: str = "auto") -> Result:
+    """Run a case and keep its samples and events in memory.
+
+    Parameters
+    ----------
+    case : as `load_case` returns it
+    engine : "auto" (C where it was built, else Python), "c" or "python"; they agree bit for bit
+
+    Raises KernelError (in `vibsim.kernel`) when the run fails.
+    """
+    recording = Recording(case, engine)
+    sink = MemorySink(recording.scene.columns())
+    recording.into(sink)
+    samples, events = sink.tables()
+    return Result({**recording.start, **recording.end()}, samples, events, case=case)
+
+
+def simulate_to_file(
+    case: "Case", path: str | Path, engine: str = "auto", force: bool = False, watch: Watch | None = None
+) -> Result:
+    """Run a case straight into an HDF5 file, in memory that does not grow with the length of the run.
+
+    `watch` is called with the time reached [s] every few to tens of milliseconds; when it returns False
+    the file is finished as it is, with the attribute `complete` = 0.
+
+    Raises KernelError when the run fails and ResultFileError when the file cannot be written. Either way what
+    was written before is kept beside `path`, in NAME.partial.
+    """
+    from vibsim.results.trajectory_file import TrajectoryFile
+    from vibsim.results.trajectory_writer import TrajectoryWriter
+
+    recording = Recording(case, engine)
+    writer = TrajectoryWriter(path, recording.scene.columns(), recording.start, force)
+    try:
+        recording.into(writer, watch)
+        end = recording.end()
+        target = writer.finish(end)
+    finally:
+        writer.close()
+    file = TrajectoryFile(target)
+    return Result({**recording.start, **end}, file.samples, file.events, case=case)
