@@ -224,6 +224,8 @@ class Taylor:
             if root is not None and (found == NOTHING or root < end):
                 end, found = root, function
                 h = end - self.t0
+            if h == 0:  # an event at the start: no other can come before it
+                break
         return end, found
 
     def state_at(self, t):

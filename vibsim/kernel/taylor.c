@@ -255,7 +255,7 @@ double taylor_advance(Run *r, double limit, int *function)
         r->uncertified += 1;
         return nextafter(f->t0, INFINITY);
     }
-    for (i = 0; i < r->function_count; i++) {
+    for (i = 0; i < r->function_count && h != 0; i++) { /* after an event at the start no other can come before it */
         int which = r->functions[i], count = event_polynomial(r, which, coefficients);
         if (polynomial_first_root(r, coefficients, count, r->known.order[which], f->t0, h, which == GAP, &root) &&
             (*function == NOTHING || root < end)) {
