@@ -1,4 +1,8 @@
-"""Rules that concern several keys at once; each yields the key to blame and what is wrong there."""
+"""Rules that concern several keys at once.
+
+Each yields the keys that contradict one another and what is wrong; the first key is to blame where all stand
+in one file.
+"""
 
 from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
@@ -11,17 +15,17 @@ MOST_SAMPLES = 10**10
 LARGEST_WHOLE = 2**53  # above it a double does not hold every whole number
 
 Flat = Mapping[str, Any]  # dotted key -> Quantity, word or whole number; what cannot be read is absent
-Contradiction = tuple[str, str]
+Contradiction = tuple[tuple[str, ...], str]
 
 
 def contradictions(flat: Flat) -> list[Contradiction]:
-    """All (key, message) that the rules find in a case's values."""
+    """All (keys, message) that the rules find in a case's values."""
     return [found for rule in RULES for found in rule(flat)]
 
 
 def _extends_is_followed(flat: Flat) -> Iterator[Contradiction]:
     if "extends" in flat:
-        yield "extends", "works in a case file only"
+        yield ("extends",), "works in a case file only"
 
 
 def _given(flat: Flat, section: str) -> bool:
@@ -30,24 +34,31 @@ def _given(flat: Flat, section: str) -> bool:
 
 def _friction_needs_block_2(flat: Flat) -> Iterator[Contradiction]:
     if flat.get("blocks.m2") == "fixed" and _given(flat, "friction"):
-        yield "friction", "block 2 is fixed, so nothing slides; leave friction out or write none"
+        yield (
+            ("friction", "blocks.m2"),
+            "block 2 is fixed, so nothing slides; friction must be left out or none",
+        )
 
 
 def _states_that_exist(flat: Flat) -> Iterator[Contradiction]:
-    absent = []
     if flat.get("blocks.m2") == "fixed":
-        absent += [("x2", "block 2 is fixed"), ("v2", "block 2 is fixed")]
+        yield from _without(flat, ("x2", "v2"), "blocks.m2", "block 2 is fixed")
     if flat.get("excitation.kind", "none") != "motor":
-        absent += [("phi", "there is no motor"), ("phidot", "there is no motor")]
-    for name, why in absent:
+        yield from _without(flat, ("phi", "phidot"), "excitation.kind", "there is no motor")
+
+
+def _without(flat: Flat, states: tuple[str, ...], cause: str, why: str) -> Iterator[Contradiction]:
+    """States that are given and do not exist; an exact 0 says nothing and is let through."""
+    for name in states:
         state = flat.get(f"initial.{name}")
         if isinstance(state, Quantity) and state.value != 0:
-            yield f"initial.{name}", f"{why}, so {name} does not exist; leave it out, got {state}"
+            yield (f"initial.{name}", cause), f"{why}, so initial.{name} must be left out, got {state}"
 
 
 def _closed_form_needs_linear(flat: Flat) -> Iterator[Contradiction]:
     if flat.get("run.method") == "closed_form" and flat.get("excitation.kind") == "motor":
-        yield "run.method", "a motor has no closed form; allowed with a motor: auto, taylor; got closed_form"
+        what = "a motor has no closed form; with one, run.method must be auto or taylor, got closed_form"
+        yield ("run.method", "excitation.kind"), what
 
 
 def _output_interval(flat: Flat) -> Iterator[Contradiction]:
@@ -55,12 +66,16 @@ def _output_interval(flat: Flat) -> Iterator[Contradiction]:
     if every is None:
         return
     if max(every.numerator, every.denominator) >= LARGEST_WHOLE:
-        yield "run.every", "has too many digits; in seconds it must be a fraction of whole numbers below 2^53"
-    elif t_end is not None and t_end / every > MOST_SAMPLES:
         yield (
-            "run.every",
-            f"gives {float(t_end / every):.3g} samples up to run.t_end; at most 1e10 are allowed",
+            ("run.every",),
+            "has too many digits; in seconds it must be a fraction of whole numbers below 2^53",
         )
+    elif t_end is not None and t_end / every > MOST_SAMPLES:
+        count = f"{float(t_end / every):.3g}"
+        what = (
+            f"{flat['run.t_end']} every {flat['run.every']} makes {count} samples; at most 1e10 are allowed"
+        )
+        yield ("run.every", "run.t_end"), what
 
 
 def _exact(flat: Flat, key: str) -> Fraction | None:
@@ -70,24 +85,20 @@ def _exact(flat: Flat, key: str) -> Fraction | None:
 
 def _derived_numbers_fit(flat: Flat) -> Iterator[Contradiction]:
     """What is computed from several values must fit a double as they do; in doubles an overflow is inf."""
-    for key, name, factors in PRODUCTS:
+    for name, factors in PRODUCTS.items():
         found = [flat.get(factor) for factor in factors]
         numbers = [factor.number() for factor in found if isinstance(factor, Quantity)]
         if len(numbers) == len(factors) and all(numbers):
             product = abs(prod(numbers))
             if not SMALLEST <= product <= LARGEST:
-                yield key, f"{name} does not fit double precision (2.3e-308 to 2.2e307)"
+                yield factors, f"{name} does not fit double precision (2.3e-308 to 2.2e307)"
 
 
-PRODUCTS = (
-    ("friction.mu", "mu m2 g", ("friction.mu", "blocks.m2", "friction.g")),
-    (
-        "excitation.A",
-        "m3 e omega^2",
-        ("excitation.A.m3", "excitation.A.e", "excitation.omega", "excitation.omega"),
-    ),
-    ("excitation.e", "m3 e^2", ("excitation.m3", "excitation.e", "excitation.e")),
-)
+PRODUCTS = {
+    "mu m2 g": ("friction.mu", "blocks.m2", "friction.g"),
+    "m3 e omega^2": ("excitation.A.m3", "excitation.A.e", "excitation.omega", "excitation.omega"),
+    "m3 e^2": ("excitation.m3", "excitation.e", "excitation.e"),
+}
 RULES: tuple[Callable[[Flat], Iterator[Contradiction]], ...] = (
     _extends_is_followed,
     _friction_needs_block_2,

@@ -25,6 +25,7 @@ class Tree:
     key_places : dotted key -> place of the key itself
     root : where the case begins, the place of what is missing
     problems : what reading found
+    complete : False where a file could not be read, so that keys may be missing for that reason
     """
 
     values: dict[str, Any]
@@ -32,23 +33,25 @@ class Tree:
     places: dict[str, Place] = field(default_factory=dict)
     key_places: dict[str, Place] = field(default_factory=dict)
     problems: list[Problem] = field(default_factory=list)
+    complete: bool = True
 
-    def place(self, key: str, of_key: bool = False) -> Place:
-        """Place of a key's value (or of the key), or of the section around it where it is missing."""
-        table = self.key_places if of_key else self.places
+    def place(self, key: str) -> Place:
+        """Place of a key's value, or of the section around it where it is missing."""
+        return self.places[key] if key in self.places else self.key_place(key.rpartition(".")[0])
+
+    def key_place(self, key: str) -> Place:
+        """Place of a key itself, or of the section around it where it is missing."""
         while key:
-            if key in table:
-                return table[key]
-            key, table = key.rpartition(".")[0], self.key_places
+            if key in self.key_places:
+                return self.key_places[key]
+            key = key.rpartition(".")[0]
         return self.root
 
 
 def read_tree(source: SourceText) -> Tree:
     """Read a case file and the files that it extends. What is wrong is left in `problems`."""
-    problems: list[Problem] = []
-    merged = _read_chain(source, [], problems)
-    root = merged.place if merged else Place(source.shown, 1, 1)
-    tree = Tree({}, Place(source.shown, 1, 1) if merged is None else root, problems=problems)
+    tree = Tree({}, Place(source.shown, 1, 1))
+    merged = _read_chain(source, [], tree)
     if merged is not None:
         _plain(merged, "", tree.values, tree)
     if not isinstance(tree.values.get("extends"), dict):
@@ -56,18 +59,18 @@ def read_tree(source: SourceText) -> Tree:
     return tree
 
 
-def _read_chain(source: SourceText, chain: list[str], problems: list[Problem]) -> Mapping | None:
+def _read_chain(source: SourceText, chain: list[str], tree: Tree) -> Mapping | None:
     """The mapping of one file over that of its parent; None where nothing could be read."""
     own, found = read_yaml(source.text, source.shown)
-    problems += found
-    if own is None:
-        return None
-    extends = own.values.get("extends")
-    if not isinstance(extends, Text):
+    tree.problems += found
+    extends = own.values.get("extends") if own else None
+    parent = None
+    if isinstance(extends, Text):
+        parent = _parent(extends, source, [*chain, source.identity], tree)
+    if own is None or (extends and parent is None):
+        tree.complete = False
+    if own is None or parent is None:
         return own
-    parent = _parent(extends, source, [*chain, source.identity], problems)
-    if parent is None:
-        return Mapping(own.place, own.values | {"extends": Broken(extends.place)}, own.key_places)
     inherited = [key for key in parent.values if key not in OWN_KEYS]
     parent = Mapping(
         own.place,
@@ -77,32 +80,33 @@ def _read_chain(source: SourceText, chain: list[str], problems: list[Problem]) -
     return _over(parent, own)
 
 
-def _parent(extends: Text, source: SourceText, chain: list[str], problems: list[Problem]) -> Mapping | None:
+def _parent(extends: Text, source: SourceText, chain: list[str], tree: Tree) -> Mapping | None:
+    """What a file extends; None, with a problem at that line, where it cannot be read."""
     try:
         if extends.text == "-":
             raise CaseError([Problem("-", None, None, "", "standard input cannot be extended")])
         parent = find_source(extends.text, source.folder)
     except CaseError as error:
-        problems += [_blamed(problem, extends.place) for problem in error.problems]
+        tree.problems += [_blamed(problem, extends.place) for problem in error.problems]
         return None
     if parent.identity in chain:
-        problems.append(extends.place.problem("extends", f"goes round in a circle, back to {parent.shown}"))
+        tree.problems.append(
+            extends.place.problem("extends", f"goes round in a circle, back to {parent.shown}")
+        )
         return None
     if len(chain) >= LONGEST_CHAIN:
-        problems.append(
+        tree.problems.append(
             extends.place.problem("extends", f"more than {LONGEST_CHAIN} files extend one another")
         )
         return None
-    before = len(problems)
-    mapping = _read_chain(parent, chain, problems)
-    return None if mapping is None and len(problems) > before else mapping
+    return _read_chain(parent, chain, tree)
 
 
 def _blamed(problem: Problem, place: Place) -> Problem:
     """A problem of a parent that cannot be read at all, told at the line that asks for it."""
     if problem.line is not None:
         return problem
-    return place.problem("extends", f"{problem.file} {problem.message}")
+    return place.problem("extends", f"{problem.file}: {problem.message}")
 
 
 def _over(parent: Mapping, child: Mapping, key: str = "") -> Mapping:

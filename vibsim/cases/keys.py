@@ -91,8 +91,17 @@ def section_names() -> tuple[str, ...]:
 
 @cache
 def sections_with(name: str) -> tuple[str, ...]:
-    """The sections that have a key of this name, such as ("excitation",) for Omega0."""
-    return tuple(dict.fromkeys(key.rpartition(".")[0] for key in all_keys() if key.endswith(f".{name}")))
+    """The sections that have a key of this name: ("excitation (kind motor)",) for Omega0."""
+    return tuple(_sections_with(name, CaseFile, "", ""))
+
+
+def _sections_with(name: str, model: type[Section], path: str, kind: str) -> Iterator[str]:
+    if path and name in model.model_fields:
+        yield path[1:] + kind
+    for key, field in model.model_fields.items():
+        for tag, section in section_models(field.annotation):
+            variant = kind if tag in ("", "(rule)") else f" (kind {tag[1:-1]})"
+            yield from _sections_with(name, section, f"{path}.{key}", variant)
 
 
 def full_key(key: str, present: Iterable[str] = ()) -> str:

@@ -22,6 +22,7 @@ class Measured:
     above, least, most : the value must be > above, >= least, <= most (texts in SI units; None: no bound)
     nonzero : the value must not be 0
     word : a word that may stand in place of the quantity, such as "fixed"
+    alternative : what else may stand there, for messages
     """
 
     dimension: str
@@ -30,6 +31,7 @@ class Measured:
     most: str | None = None
     nonzero: bool = False
     word: str | None = None
+    alternative: str = ""
 
     def read(self, value: object) -> Quantity | str:
         """The quantity behind a text (or the word). Raises QuantityError."""
@@ -40,19 +42,12 @@ class Measured:
         text = str(value)
         if self.word is not None and text.strip() == self.word:
             return self.word
-        quantity = self._parsed(text)
+        alternative = f"the word {self.word}" if self.word else self.alternative
+        quantity = parse_quantity(text, self.dimension, alternative)
         broken = self.broken_bound(quantity.value)
         if broken:
             raise QuantityError(f"must be {broken}, got {shown(text)}")
         return quantity
-
-    def _parsed(self, text: str) -> Quantity:
-        try:
-            return parse_quantity(text, self.dimension)
-        except QuantityError as error:
-            if self.word is None:
-                raise
-            raise QuantityError(f"{error}; or the word {self.word}") from None
 
     def broken_bound(self, value: Fraction) -> str | None:
         """The bound that a value breaks, in words; None inside the range."""

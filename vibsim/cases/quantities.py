@@ -51,17 +51,19 @@ class Quantity:
         return self.text
 
 
-def parse_quantity(text: str, dimension: str) -> Quantity:
+def parse_quantity(text: str, dimension: str, alternative: str = "") -> Quantity:
     """The quantity that `text` spells, e.g. parse_quantity("1 mm", "length").
+
+    `alternative` says in messages what else would be allowed, such as "the word fixed".
 
     Raises QuantityError for a text that is no number, an unknown or missing unit, a wrong dimension, and a
     value that does not fit a double.
     """
     match = _NUMBER_AND_UNIT.fullmatch(text.strip())
     if match is None:
-        raise QuantityError(_not_a_number(text, dimension))
+        raise QuantityError(_not_a_number(text, dimension, alternative))
     number, unit_text = match["number"], match["unit"].strip()
-    unit = _unit_of(text, unit_text, dimension)
+    unit = _unit_of(text, unit_text, dimension, alternative)
     value = exact_number(number) * unit.factor
     if value and not SMALLEST <= abs(value) <= LARGEST:
         raise _out_of_range(text)
@@ -87,42 +89,40 @@ def _out_of_range(text: str) -> QuantityError:
     return QuantityError(f"does not fit double precision (2.3e-308 to 2.2e307), got {shown(text)}")
 
 
-def allowed_units(dimension: str) -> str:
+def allowed_units(dimension: str, alternative: str = "") -> str:
     """What may be written, in words: "a length in m, mm, um or cm"."""
-    names = unit_names(dimension)
+    *names, last = unit_names(dimension) or [""]
+    listed = f"{', '.join(names)} or {last}" if names else last
     article = "an" if dimension[0] in "aeiou" else "a"
-    if not names:
-        return "a plain number"
-    listed = names[0] if len(names) == 1 else ", ".join(names[:-1]) + " or " + names[-1]
-    return f"{article} {dimension} in {listed}"
+    allowed = f"{article} {dimension} in {listed}" if listed else "a plain number"
+    return f"{allowed}, or {alternative}" if alternative else allowed
 
 
-def _not_a_number(text: str, dimension: str) -> str:
+def _not_a_number(text: str, dimension: str, alternative: str) -> str:
     word = text.strip()
     if _NOT_FINITE.match(word):
         return f"must be finite, got {shown(word)}"
     if word.startswith("\u2212"):
         return f"write the minus sign as -, got {shown(word)}"
-    return f"must be {allowed_units(dimension)}, got {shown(word)}"
+    return f"must be {allowed_units(dimension, alternative)}, got {shown(word)}"
 
 
-def _unit_of(text: str, unit_text: str, dimension: str) -> Unit:
+def _unit_of(text: str, unit_text: str, dimension: str, alternative: str) -> Unit:
     """The unit behind the number; the SI unit where there is none and that is allowed."""
-    if not unit_text:
-        if dimension == "angular rate":
-            raise QuantityError(f"needs a unit ({', '.join(unit_names(dimension))}), got {shown(text)}")
+    if not unit_text and dimension != "angular rate":
         return si_unit(dimension)
-    if unit_text[0] in ",:_'" or unit_text[0].isdigit():
-        hint = "; write decimals with a point" if unit_text[0] == "," else ""
-        raise QuantityError(f"must be {allowed_units(dimension)}, got {shown(text)}{hint}")
+    if not unit_text:
+        raise QuantityError(f"needs a unit ({', '.join(unit_names(dimension))}), got {shown(text)}")
     unit = find_unit(unit_text)
-    if unit is None:
+    if unit is not None and unit.dimension == dimension:
+        return unit
+    message = f"must be {allowed_units(dimension, alternative)}, got {shown(text)}"
+    if unit_text[0] == ",":
+        message += "; write decimals with a point"
+    elif unit is None and unit_text[0].isalpha() and not re.search(r"\d\d", unit_text):
         near = nearest(unit_text, unit_names(dimension)) or nearest(unit_text, filter(None, UNITS))
-        hint = f" (did you mean {near}?)" if near else ""
-        raise QuantityError(f"unknown unit in {shown(text)}; must be {allowed_units(dimension)}{hint}")
-    if unit.dimension != dimension:
-        raise QuantityError(f"must be {allowed_units(dimension)}, got {shown(text)}")
-    return unit
+        message += f"; unknown unit {shown(unit_text)}" + (f" (did you mean {near}?)" if near else "")
+    raise QuantityError(message)
 
 
 def decimal_text(value: Fraction) -> str:

@@ -26,6 +26,11 @@ def flat_values(case: CaseFile) -> dict[str, Any]:
     return dict(_leaves(nested_values(case), ""))
 
 
+def every_value(case: CaseFile) -> dict[str, Any]:
+    """Flat values, with the initial states that the case has no use for."""
+    return dict(_leaves(_section_values(case), ""))
+
+
 def resolved_text(case: CaseFile) -> str:
     """Canonical JSON: every value, numbers as the texts that read back to the same exact quantity."""
     return json.dumps({"vibsim_case": RESOLVED_FORMAT} | _texts(nested_values(case)), ensure_ascii=False)

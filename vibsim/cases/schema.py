@@ -104,7 +104,11 @@ def _amplitude_tag(amplitude: object) -> str:
 
 
 Amplitude = Annotated[
-    Annotated[AmplitudeRule, Tag("(rule)")] | Annotated[Force, Tag("(value)")], Discriminator(_amplitude_tag)
+    Annotated[AmplitudeRule, Tag("(rule)")]
+    | Annotated[
+        Quantity, Measured("force", alternative="{rule: m3 e omega^2, m3: ..., e: ...}"), Tag("(value)")
+    ],
+    Discriminator(_amplitude_tag),
 ]
 
 

@@ -4,6 +4,7 @@ import re
 import sys
 from dataclasses import dataclass
 from importlib import resources
+from os.path import normpath
 from pathlib import Path
 
 from vibsim.cases.problems import CaseError, Problem, did_you_mean
@@ -63,7 +64,7 @@ def find_source(source: str, folder: Path | None = None) -> SourceText:
         return SourceText("stdin", "stdin", text, Path(), "-")
     path = Path(source)
     if is_path(source):
-        path = folder / path if folder and not path.is_absolute() else path
+        path = Path(normpath(folder / path)) if folder and not path.is_absolute() else path
         return _file(path, str(path))
     if source in shipped_case_names():
         path = shipped_folder() / f"{source}.yaml"

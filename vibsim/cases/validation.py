@@ -10,8 +10,9 @@ from vibsim.cases.file_tree import BROKEN, SWITCHABLE, SWITCHED_OFF, Tree
 from vibsim.cases.keys import all_keys, is_tag, section_at, sections_with
 from vibsim.cases.problems import CaseError, Problem, did_you_mean, nearest, shown
 from vibsim.cases.quantities import QuantityError
-from vibsim.cases.resolved import flat_values
+from vibsim.cases.resolved import every_value
 from vibsim.cases.schema import CaseFile
+from vibsim.cases.yaml_nodes import Place
 
 
 def validated(tree: Tree) -> CaseFile:
@@ -36,13 +37,22 @@ def _checked(values: dict[str, Any], tree: Tree) -> tuple[CaseFile | None, list[
     model, problems = None, []
     try:
         model = CaseFile.model_validate(values)
-        flat = flat_values(model)
+        flat = every_value(model)
     except ValidationError as error:
         problems = _pydantic_problems(error, tree)
         flat = dict(_readable(values, ""))
-    for key, message in contradictions(flat):
-        problems.append(tree.place(key).problem(key, message))
+    for keys, message in contradictions(flat):
+        key = min(keys, key=lambda key: _layer(tree, tree.key_place(key)))
+        place = tree.key_place(key) if key in SWITCHABLE else tree.place(key)
+        problems.append(place.problem(key, message))
     return model, problems
+
+
+def _layer(tree: Tree, place: Place) -> int:
+    """0 for an override, 1 for the case's own file, 2 for what that extends; the lowest is to blame."""
+    if place.line is None and place != tree.root:
+        return 0
+    return 1 if place.file == tree.root.file else 2
 
 
 def _readable(values: dict[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
@@ -80,7 +90,8 @@ def _pydantic_problems(error: ValidationError, tree: Tree) -> list[Problem]:
     for detail in error.errors(include_url=False):
         location = detail["loc"]
         key = ".".join(str(part) for part in location if not is_tag(part))
-        if detail.get("input") is not BROKEN:
+        known = detail["input"] is not BROKEN and (tree.complete or detail["type"] != "missing")
+        if known:
             problems.append(_problem(detail, location, key, tree))
     return problems
 
@@ -89,7 +100,7 @@ def _problem(detail: Any, location: tuple[Any, ...], key: str, tree: Tree) -> Pr
     """One pydantic error in vibsim's words."""
     kind = detail["type"]
     if kind == "extra_forbidden":
-        return tree.place(key, of_key=True).problem(key, _unknown_key(location))
+        return tree.key_place(key).problem(key, _unknown_key(location))
     if kind == "missing":
         return tree.place(key).problem(key, _missing_key(location))
     if kind == "union_tag_invalid":
@@ -108,14 +119,8 @@ def _unknown_key(location: tuple[Any, ...]) -> str:
     *around, name = location
     section = section_at(tuple(around))
     allowed = list(section.model_fields) if section else []
-    hint = did_you_mean(name, allowed)
-    elsewhere = [place for place in sections_with(name) if place]
-    if elsewhere and not hint:
-        hint = f" here; it belongs to {' or '.join(elsewhere)}"
-    if name[:1].isdigit():
-        hint = "; write decimals with a point, not a comma"
-    elif ":" in name:
-        hint = "; leave a space behind the colon"
+    elsewhere = sections_with(name)
+    hint = f" here; it belongs to {' or '.join(elsewhere)}" if elsewhere else did_you_mean(name, allowed)
     return f"unknown key{hint}; allowed: {_listed(allowed)}"
 
 
@@ -135,7 +140,7 @@ def _wrong_kind(value: object, key: str, tree: Tree) -> Problem:
     """An excitation of no known kind, of no kind at all, or that is no mapping."""
     allowed = ["motor", "harmonic", "none"]
     if not isinstance(value, dict):
-        message = f"must be a mapping with kind: {' | '.join(allowed)}, or none; got {shown(value)}"
+        message = f"must be a mapping such as {{kind: motor, ...}}, or none; got {shown(value)}"
         return tree.place(key).problem(key, message)
     key = f"{key}.kind"
     if "kind" not in value:

@@ -88,7 +88,7 @@ def read_yaml(text: str, file: str) -> tuple[Mapping | None, list[Problem]]:
     except _TooMuch:
         return None, reader.problems
     except yaml.YAMLError as error:
-        reader.problems.append(_syntax_problem(error, file, text))
+        reader.problems.append(_syntax_problem(error, file))
         return None, reader.problems
     return root, reader.problems
 
@@ -106,12 +106,12 @@ class _Reader:
         for event in events:
             if isinstance(event, DocumentStartEvent) and root is not None:
                 self.stop(self.place(event), "a case file holds one YAML document; a second one starts here")
-            elif isinstance(event, ScalarEvent) and event.value:
-                root = self.report(
-                    self.place(event), "", f"must be a mapping of sections, got {shown(event.value)}"
-                )
-            elif isinstance(event, NodeEvent) and not isinstance(event, ScalarEvent):
+            elif isinstance(event, MappingStartEvent):
                 root = self.node(event, events, "", self.place(event), 1)
+            elif isinstance(event, NodeEvent) and getattr(event, "value", None) != "":
+                got = shown(getattr(event, "value", "a list"))
+                root = self.report(self.place(event), "", f"must be a mapping of sections, got {got}")
+                self.skip(events, isinstance(event, CollectionStartEvent))
         if root is None:
             self.report(Place(self.file, 1, 1), "", "is empty; a case needs at least blocks and coupling")
         return root if isinstance(root, Mapping) else None
@@ -127,16 +127,13 @@ class _Reader:
             return Broken(place) if broken else mapping
         if isinstance(event, SequenceStartEvent):
             self.skip(events, depth=1)
-            return self.report(
-                place, key, "lists are not used in case files; must be a single value or a mapping"
-            )
-        if not isinstance(event, ScalarEvent) or broken:
+        if broken:
             return Broken(place)
+        if not isinstance(event, ScalarEvent):
+            wanted = "a single value" if "." in key else "a mapping"
+            return self.report(place, key, f"lists are not used in case files; write {wanted}")
         if event.style is None and event.value in NULLS:
-            what = "has no value" if event.value == "" else f"must not be null, got {event.value}"
-            return self.report(
-                key_place, key, f"{what}; leave the key out, or write none to switch a section off"
-            )
+            return self.report(key_place, key, _null_message(key, event.value))
         return Text(event.value, place)
 
     def mapping(self, start: Event, events: Iterator[Event], prefix: str, depth: int) -> Mapping:
@@ -148,7 +145,7 @@ class _Reader:
             place = self.place(event)
             key = f"{prefix}.{name}" if prefix else str(name)
             if name is None:
-                self.skip(events, depth=0)
+                self.skip(events, isinstance(next(events), CollectionStartEvent))
                 continue
             value = self.node(next(events), events, key, place, depth + 1)
             if name in mapping.values:
@@ -174,12 +171,11 @@ class _Reader:
         return None
 
     def skip(self, events: Iterator[Event], depth: int) -> None:
-        """Read past the rest of a list or mapping (depth 1), or past the next node (depth 0)."""
-        for event in events:
+        """Read past the rest of a list or mapping of this depth."""
+        while depth:
+            event = next(events)
             self.counted(event)
             depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
-            if depth == 0:
-                return
 
     def counted(self, event: Event) -> None:
         self.count += isinstance(event, NodeEvent)
@@ -214,15 +210,33 @@ class _Reader:
         return Place(self.file, mark.line + 1, mark.column + 1) if mark else Place(self.file, 1, 1)
 
 
-def _syntax_problem(error: yaml.YAMLError, file: str, text: str) -> Problem:
+def _null_message(key: str, value: str) -> str:
+    """What to say of a key without a value; commas and colons out of place make such keys."""
+    section, _, name = key.rpartition(".")
+    what = f"must not be null, got {value}" if value else "has no value"
+    if value == "" and name[:1].isdigit():
+        return "is read as a key of its own; write decimals with a point, not a comma"
+    if value == "" and ":" in name:
+        return "is read as a key without a value; leave a space behind the colon"
+    if section:
+        return f"{what}; write one, or leave the key out"
+    return f"{what}; write the section's keys, leave it out, or write none"
+
+
+SYNTAX_HINTS = {
+    r"'\t'": "indent with spaces, not with tabs",
+    "mapping values are not allowed here": "look for a second colon, a missing quote or a wrong indent",
+    "but got '<stream end>'": "a brace or quote is not closed",
+    "<block end>": "look at the indent of this line",
+}
+
+
+def _syntax_problem(error: yaml.YAMLError, file: str) -> Problem:
     """A YAML syntax error in the words of the parser, with a hint for what people trip over."""
     mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
     line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
     what = getattr(error, "problem", None) or getattr(error, "reason", None) or "cannot be read"
     context = getattr(error, "context", None)
-    hint = ""
-    if "'\\t'" in what:
-        hint = "; indent with spaces, not with tabs"
-    elif "mapping values are not allowed here" in what:
-        hint = "; look for a second colon on the line, a missing quote, or a wrong indent"
-    return Problem(file, line, column, "", f"not valid YAML: {what}{f', {context}' if context else ''}{hint}")
+    hints = [f"; {hint}" for words, hint in SYNTAX_HINTS.items() if words in what]
+    message = f"not valid YAML: {what}{f', {context}' if context else ''}{''.join(hints)}"
+    return Problem(file, line, column, "", message)

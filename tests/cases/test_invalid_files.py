@@ -1,0 +1,96 @@
+"""Every file in invalid/ gives exactly the problems that its first lines expect, all of them and no other."""
+
+from pathlib import Path
+
+import pytest
+
+from vibsim.cases import CaseError, load_case
+
+FOLDER = Path(__file__).parent / "invalid"
+FILES = sorted(path.name for path in FOLDER.glob("*.yaml"))
+MARK = "# expect: "
+
+
+def expected_problems(path):
+    lines = path.read_text(encoding="utf-8").splitlines()
+    return [line.removeprefix(MARK) for line in lines if line.startswith(MARK)]
+
+
+def problems_of(source, **overrides):
+    with pytest.raises(CaseError) as caught:
+        load_case(source, overrides)
+    return [str(problem) for problem in caught.value.problems]
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_invalid_file_gives_its_problems(name, monkeypatch):
+    monkeypatch.chdir(FOLDER)
+    found = [line.removeprefix(f"{name}:") for line in problems_of(name)]
+    assert found == expected_problems(FOLDER / name)
+
+
+def test_there_are_many_invalid_files_and_each_expects_something():
+    assert len(FILES) >= 45
+    assert all(expected_problems(FOLDER / name) for name in FILES)
+
+
+def test_the_text_of_the_error_is_one_line_per_problem():
+    with pytest.raises(CaseError) as caught:
+        load_case(FOLDER / "many_problems.yaml")
+    lines = str(caught.value).splitlines()
+    assert len(lines) == len(caught.value.problems) == 9
+    assert all(line.startswith(f"{FOLDER / 'many_problems.yaml'}:") for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("content", "expected"),
+    [
+        (b"", "{file}:1:1: is empty; a case needs at least blocks and coupling"),
+        (b"name: caf\xe9\n", "{file}:1:10: is not UTF-8 text (byte 0xe9); save the file as UTF-8"),
+        ("name: trial\n".encode("utf-16"), "{file}:1:1: is not UTF-8 text (byte 0xff); save the file as UTF-8"),
+        (b"name: a\nb\x00c", "{file}:2:2: holds the control character 0x00; is it a binary file?"),
+        (b"\x89HDF\r\n\x1a\n" + bytes(100), "{file}: is an HDF5 file, not a YAML case file"),
+        (b"#" * 1_000_001, "{file}: is larger than 1 MB; a case file has about 2 kB"),
+        (b"a: {b: 1}\n" + b"b: 1\n" * 2001, None),
+    ],
+    ids=["empty", "latin-1", "utf-16", "null byte", "hdf5", "large", "many values"],
+)
+def test_files_that_are_no_case_files(content, expected, tmp_path):
+    path = tmp_path / "trial.yaml"
+    path.write_bytes(content)
+    found = problems_of(path)
+    if expected is None:
+        assert f"{path}:1999:4: more than 2000 values; a case needs about 40" in found
+    else:
+        assert found == [expected.format(file=path)]
+
+
+def test_a_file_of_exactly_one_megabyte_is_read(tmp_path):
+    path = tmp_path / "trial.yaml"
+    text = "blocks: {m1: 1 kg, m2: 1 kg}\ncoupling: {k1: 1 N/m}\n"
+    path.write_text(text + "#" * (1_000_000 - len(text)))
+    assert load_case(path).scene().m1 == 1.0
+
+
+@pytest.mark.parametrize(
+    "text", ["[" * 500_000, "{a: " * 200_000, "- " * 300_000, "a: !!x " * 1000, "? " * 300_000, "&a " * 1000]
+)
+def test_deep_nesting_ends_quickly_with_a_problem(text, tmp_path):
+    path = tmp_path / "deep.yaml"
+    path.write_text(text)
+    assert problems_of(path)
+
+
+def test_files_that_do_not_exist(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "folder.yaml").mkdir()
+    (tmp_path / "trial").write_text("")
+    assert problems_of("II-B.yaml") == ["II-B.yaml: no such file; the shipped case is called II-B"]
+    assert problems_of("other/trial.yml") == ["other/trial.yml: no such file"]
+    assert problems_of("folder.yaml") == ["folder.yaml: is a folder, not a case file"]
+    [line] = problems_of("trial")
+    assert line.startswith("trial: is no shipped case; for the file write ./trial; shipped are I-A, ")
+    [line] = problems_of("IIB")
+    assert line.startswith("IIB: is no shipped case (did you mean II-B?); shipped are")
+    assert problems_of("nul\0.yaml")
+    assert problems_of("")

@@ -1,0 +1,208 @@
+"""Units and quantities: exact factors, typed here once more, and the texts that people write."""
+
+from fractions import Fraction
+from math import pi
+
+import mpmath
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from vibsim.cases.pi import radians_to_turns, times_two_pi, two_pi_bounds
+from vibsim.cases.quantities import QuantityError, decimal_text, parse_quantity
+from vibsim.cases.units import UNITS, unit_names
+
+# dimension, text, value in SI units
+EXACT = [
+    ("mass", "2 kg", "2"), ("mass", "2 g", "0.002"), ("mass", "2 t", "2000"),
+    ("length", "3 m", "3"), ("length", "3 cm", "0.03"), ("length", "3 mm", "0.003"), ("length", "3 um", "0.000003"),
+    ("time", "4 s", "4"), ("time", "4 ms", "0.004"), ("time", "4 us", "0.000004"),
+    ("time", "4 min", "240"), ("time", "4 h", "14400"),
+    ("velocity", "5 m/s", "5"), ("velocity", "5 mm/s", "0.005"), ("velocity", "5 cm/s", "0.05"),
+    ("velocity", "6 m/min", "0.1"),
+    ("acceleration", "6 m/s^2", "6"), ("acceleration", "6 mm/s^2", "0.006"), ("acceleration", "6 cm/s^2", "0.06"),
+    ("force", "7 N", "7"), ("force", "7 mN", "0.007"), ("force", "7 kN", "7000"),
+    ("stiffness", "8 N/m", "8"), ("stiffness", "8 N/mm", "8000"), ("stiffness", "8 kN/m", "8000"),
+    ("stiffness", "8 kN/mm", "8000000"), ("stiffness", "8 N/cm", "800"),
+    ("damping", "9 N s/m", "9"), ("damping", "9 N s/mm", "9000"), ("damping", "9 kN s/m", "9000"),
+    ("damping", "9 kg/s", "9"),
+    ("inertia", "1 kg m^2", "1"), ("inertia", "1 g m^2", "0.001"), ("inertia", "1 kg cm^2", "0.0001"),
+    ("inertia", "1 g cm^2", "0.0000001"), ("inertia", "1 kg mm^2", "0.000001"),
+    ("torque", "2 N m", "2"), ("torque", "2 mN m", "0.002"), ("torque", "2 kN m", "2000"),
+    ("torque", "2 N cm", "0.02"), ("torque", "2 N mm", "0.002"),
+    ("angle", "3 rad", "3"), ("angular rate", "3 rad/s", "3"), ("number", "0.001", "0.001"),
+]  # fmt: skip
+TURNS = [
+    ("angle", "180 deg", "1/2"), ("angle", "0.25 turn", "1/4"),
+    ("angular rate", "5.5 Hz", "11/2"), ("angular rate", "330 rpm", "11/2"), ("angular rate", "5.5 rev/s", "11/2"),
+    ("angular rate", "1980 deg/s", "11/2"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("dimension", "text", "value"), EXACT)
+def test_value_is_exact(dimension, text, value):
+    quantity = parse_quantity(text, dimension)
+    assert (quantity.value, quantity.per_turn, quantity.text) == (Fraction(value), False, text)
+
+
+@pytest.mark.parametrize(("dimension", "text", "value"), TURNS)
+def test_turns_are_exact(dimension, text, value):
+    quantity = parse_quantity(text, dimension)
+    assert (quantity.value, quantity.per_turn, quantity.text) == (Fraction(value), True, text)
+
+
+def test_every_unit_is_tested():
+    tested = {text.partition(" ")[2] for _, text, _ in EXACT + TURNS}
+    assert tested == set(UNITS)
+
+
+@pytest.mark.parametrize(
+    ("dimension", "text", "canonical"),
+    [
+        ("damping", "1 N*s/m", "1 N s/m"),
+        ("damping", "1 N.s/m", "1 N s/m"),
+        ("damping", "1 N·s/m", "1 N s/m"),
+        ("damping", "1 N⋅s / m", "1 N s/m"),
+        ("damping", "1Ns/m", "1 N s/m"),
+        ("damping", "1   N  s/m", "1 N s/m"),
+        ("inertia", "1 kg*m^2", "1 kg m^2"),
+        ("inertia", "1 kg m²", "1 kg m^2"),
+        ("inertia", "1 kg·m**2", "1 kg m^2"),
+        ("inertia", "1 kgm^2", "1 kg m^2"),
+        ("inertia", "1 kg m2", "1 kg m^2"),
+        ("inertia", "1 kg m ^ 2", "1 kg m^2"),
+        ("torque", "1 Nm", "1 N m"),
+        ("torque", "1 mN·m", "1 mN m"),
+        ("length", "1 µm", "1 um"),
+        ("length", "1 μm", "1 um"),
+        ("length", "1mm", "1 mm"),
+        ("length", " 1 mm ", "1 mm"),
+        ("length", "1", "1 m"),
+        ("acceleration", "9.81 m/s²", "9.81 m/s^2"),
+        ("acceleration", "9.81 m/s2", "9.81 m/s^2"),
+        ("angle", "90°", "90 deg"),
+        ("angle", "1", "1 rad"),
+        ("angular rate", "60 rev/min", "60 rpm"),
+        ("angular rate", "60 1/min", "60 rpm"),
+        ("time", "5 sec", "5 s"),
+        ("time", "1/60 s", "1/60 s"),
+        ("number", "1e-3", "1e-3"),
+    ],
+)
+def test_spellings(dimension, text, canonical):
+    quantity = parse_quantity(text, dimension)
+    assert quantity.text == canonical
+    assert parse_quantity(canonical, dimension) == quantity
+
+
+@pytest.mark.parametrize(
+    ("dimension", "text", "message"),
+    [
+        ("length", "", "must be a length in m, mm, um or cm, got nothing"),
+        ("length", "mm", "must be a length in m, mm, um or cm, got mm"),
+        ("length", "1 2 mm", "must be a length in m, mm, um or cm, got 1 2 mm"),
+        ("length", "1 MM", "must be a length in m, mm, um or cm, got 1 MM; unknown unit MM (did you mean mm?)"),
+        ("length", "1 mm^2", "must be a length in m, mm, um or cm, got 1 mm^2; unknown unit mm^2 (did you mean mm?)"),
+        ("length", "1_000 mm", "must be a length in m, mm, um or cm, got 1_000 mm"),
+        ("length", "0x10", "must be a length in m, mm, um or cm, got 0x10"),
+        ("length", "1,5 mm", "must be a length in m, mm, um or cm, got 1,5 mm; write decimals with a point"),
+        ("length", "١ mm", "must be a length in m, mm, um or cm, got ١ mm"),
+        ("length", "nan", "must be finite, got nan"),
+        ("length", "-.INF mm", "must be finite, got -.INF mm"),
+        ("length", "Infinity", "must be finite, got Infinity"),
+        ("length", "−1 mm", "write the minus sign as -, got −1 mm"),
+        ("number", "5 %", "must be a plain number, got 5 %"),
+        ("number", "5 kg", "must be a plain number, got 5 kg"),
+        ("torque", "1 nm", "must be a torque in N m, mN m, kN m, N cm or N mm, got 1 nm; unknown unit nm (did you mean N m?)"),
+        ("angular rate", "5.5", "needs a unit (Hz, rpm, rev/s, deg/s, rad/s), got 5.5"),
+        ("angular rate", "0", "needs a unit (Hz, rpm, rev/s, deg/s, rad/s), got 0"),
+        ("angular rate", "5 deg", "must be an angular rate in Hz, rpm, rev/s, deg/s or rad/s, got 5 deg"),
+        ("time", "5/0 s", "division by zero in 5/0"),
+        ("time", "1e400 s", "does not fit double precision (2.3e-308 to 2.2e307), got 1e400 s"),
+        ("force", "1e306 kN", "does not fit double precision (2.3e-308 to 2.2e307), got 1e306 kN"),
+        ("length", "-1e-307 um", "does not fit double precision (2.3e-308 to 2.2e307), got -1e-307 um"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong(dimension, text, message):
+    with pytest.raises(QuantityError) as caught:
+        parse_quantity(text, dimension)
+    assert str(caught.value) == message
+
+
+@pytest.mark.parametrize("exponent", ["999999999", "-999999999", "+999999999", "9" * 150])
+def test_a_huge_exponent_is_refused_before_it_is_multiplied_out(exponent):
+    with pytest.raises(QuantityError, match="does not fit"):
+        parse_quantity(f"1e{exponent} m", "length")
+    assert parse_quantity(f"0e{exponent} m", "length").value == 0
+
+
+def test_numbers_are_rounded_once():
+    """0.1 cm is 0.001 exactly; 0.1 * 0.01 in doubles is not."""
+    assert parse_quantity("0.1 cm", "length").number() == 0.001
+    assert parse_quantity("297 g", "mass").number() == 0.297
+    assert parse_quantity("3 um", "length").number() == 3e-6 != 3 * 1e-6 + 1e-21
+
+
+def test_two_pi_is_enclosed():
+    with mpmath.workdps(400):
+        exact = 2 * mpmath.pi
+        for bits in (64, 192, 1000):
+            low, high = two_pi_bounds(bits)
+            assert mpmath.mpf(low.numerator) / low.denominator < exact < mpmath.mpf(high.numerator) / high.denominator
+            assert 0 < high - low < Fraction(1, 2**bits)
+
+
+@given(st.fractions(min_value=Fraction(-(10**9)), max_value=10**9))
+def test_hertz_to_radians_is_correctly_rounded(turns):
+    with mpmath.workdps(80):
+        exact = 2 * mpmath.pi * turns.numerator / turns.denominator
+        assert times_two_pi(turns) == float(exact)
+        assert times_two_pi(turns, 2) == float(exact * 2 * mpmath.pi)
+
+
+@given(st.fractions(min_value=Fraction(1, 10**6), max_value=10**9))
+def test_radians_to_hertz_is_a_double_double(radians):
+    high, low = radians_to_turns(radians)
+    with mpmath.workdps(80):
+        exact = mpmath.mpf(radians.numerator) / radians.denominator / (2 * mpmath.pi)
+        assert high == float(exact)
+        assert abs(exact - high - low) <= abs(exact) * mpmath.mpf(2) ** -105
+
+
+def test_degrees_of_a_half_turn():
+    assert parse_quantity("180 deg", "angle").number() == pi
+    assert parse_quantity("1 Hz", "angular rate").number() == 2 * pi
+
+
+@given(st.fractions())
+def test_decimal_text_reads_back(value):
+    assert parse_quantity(decimal_text(value), "number").value == value
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (Fraction(61, 20), "3.05"), (Fraction(-61, 20), "-3.05"), (Fraction(7), "7"), (Fraction(0), "0"),
+        (Fraction(1, 10**8), "1e-8"), (Fraction(10**9), "1e9"), (Fraction(120), "120"), (Fraction(10, 3), "10/3"),
+        (Fraction(1, 1000), "0.001"), (Fraction(1, 8), "0.125"),
+    ],
+)  # fmt: skip
+def test_decimal_text(value, text):
+    assert decimal_text(value) == text
+
+
+def test_unit_names_of_angular_rate_begin_with_hertz():
+    assert unit_names("angular rate") == ["Hz", "rpm", "rev/s", "deg/s", "rad/s"]
+
+
+@given(st.decimals(allow_nan=False, allow_infinity=False, places=6), st.sampled_from(sorted(filter(None, UNITS))))
+def test_any_number_with_any_unit_reads_back(number, name):
+    text = f"{number} {name}"
+    dimension = UNITS[name].dimension
+    try:
+        quantity = parse_quantity(text, dimension)
+    except QuantityError as error:
+        assert "does not fit" in str(error) or len(text) > 200
+        return
+    assert quantity.value == Fraction(number) * UNITS[name].factor
+    assert parse_quantity(quantity.text, dimension) == quantity
