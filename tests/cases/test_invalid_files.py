@@ -47,7 +47,10 @@ def test_the_text_of_the_error_is_one_line_per_problem():
     [
         (b"", "{file}:1:1: is empty; a case needs at least blocks and coupling"),
         (b"name: caf\xe9\n", "{file}:1:10: is not UTF-8 text (byte 0xe9); save the file as UTF-8"),
-        ("name: trial\n".encode("utf-16"), "{file}:1:1: is not UTF-8 text (byte 0xff); save the file as UTF-8"),
+        (
+            "name: trial\n".encode("utf-16"),
+            "{file}:1:1: is not UTF-8 text (byte 0xff); save the file as UTF-8",
+        ),
         (b"name: a\nb\x00c", "{file}:2:2: holds the control character 0x00; is it a binary file?"),
         (b"\x89HDF\r\n\x1a\n" + bytes(100), "{file}: is an HDF5 file, not a YAML case file"),
         (b"#" * 1_000_001, "{file}: is larger than 1 MB; a case file has about 2 kB"),

@@ -15,12 +15,14 @@ from vibsim.cases.units import UNITS, unit_names
 # dimension, text, value in SI units
 EXACT = [
     ("mass", "2 kg", "2"), ("mass", "2 g", "0.002"), ("mass", "2 t", "2000"),
-    ("length", "3 m", "3"), ("length", "3 cm", "0.03"), ("length", "3 mm", "0.003"), ("length", "3 um", "0.000003"),
+    ("length", "3 m", "3"), ("length", "3 cm", "0.03"), ("length", "3 mm", "0.003"),
+    ("length", "3 um", "0.000003"),
     ("time", "4 s", "4"), ("time", "4 ms", "0.004"), ("time", "4 us", "0.000004"),
     ("time", "4 min", "240"), ("time", "4 h", "14400"),
     ("velocity", "5 m/s", "5"), ("velocity", "5 mm/s", "0.005"), ("velocity", "5 cm/s", "0.05"),
     ("velocity", "6 m/min", "0.1"),
-    ("acceleration", "6 m/s^2", "6"), ("acceleration", "6 mm/s^2", "0.006"), ("acceleration", "6 cm/s^2", "0.06"),
+    ("acceleration", "6 m/s^2", "6"), ("acceleration", "6 mm/s^2", "0.006"),
+    ("acceleration", "6 cm/s^2", "0.06"),
     ("force", "7 N", "7"), ("force", "7 mN", "0.007"), ("force", "7 kN", "7000"),
     ("stiffness", "8 N/m", "8"), ("stiffness", "8 N/mm", "8000"), ("stiffness", "8 kN/m", "8000"),
     ("stiffness", "8 kN/mm", "8000000"), ("stiffness", "8 N/cm", "800"),
@@ -34,8 +36,8 @@ EXACT = [
 ]  # fmt: skip
 TURNS = [
     ("angle", "180 deg", "1/2"), ("angle", "0.25 turn", "1/4"),
-    ("angular rate", "5.5 Hz", "11/2"), ("angular rate", "330 rpm", "11/2"), ("angular rate", "5.5 rev/s", "11/2"),
-    ("angular rate", "1980 deg/s", "11/2"),
+    ("angular rate", "5.5 Hz", "11/2"), ("angular rate", "330 rpm", "11/2"),
+    ("angular rate", "5.5 rev/s", "11/2"), ("angular rate", "1980 deg/s", "11/2"),
 ]  # fmt: skip
 
 
@@ -95,25 +97,29 @@ def test_spellings(dimension, text, canonical):
     assert parse_quantity(canonical, dimension) == quantity
 
 
+LENGTH = "must be a length in m, mm, um or cm"
+TORQUE = "must be a torque in N m, mN m, kN m, N cm or N mm"
+
+
 @pytest.mark.parametrize(
     ("dimension", "text", "message"),
     [
-        ("length", "", "must be a length in m, mm, um or cm, got nothing"),
-        ("length", "mm", "must be a length in m, mm, um or cm, got mm"),
-        ("length", "1 2 mm", "must be a length in m, mm, um or cm, got 1 2 mm"),
-        ("length", "1 MM", "must be a length in m, mm, um or cm, got 1 MM; unknown unit MM (did you mean mm?)"),
-        ("length", "1 mm^2", "must be a length in m, mm, um or cm, got 1 mm^2; unknown unit mm^2 (did you mean mm?)"),
-        ("length", "1_000 mm", "must be a length in m, mm, um or cm, got 1_000 mm"),
-        ("length", "0x10", "must be a length in m, mm, um or cm, got 0x10"),
-        ("length", "1,5 mm", "must be a length in m, mm, um or cm, got 1,5 mm; write decimals with a point"),
-        ("length", "١ mm", "must be a length in m, mm, um or cm, got ١ mm"),
+        ("length", "", LENGTH + ", got nothing"),
+        ("length", "mm", LENGTH + ", got mm"),
+        ("length", "1 2 mm", LENGTH + ", got 1 2 mm"),
+        ("length", "1 MM", LENGTH + ", got 1 MM; unknown unit MM (did you mean mm?)"),
+        ("length", "1 mm^2", LENGTH + ", got 1 mm^2; unknown unit mm^2 (did you mean mm?)"),
+        ("length", "1_000 mm", LENGTH + ", got 1_000 mm"),
+        ("length", "0x10", LENGTH + ", got 0x10"),
+        ("length", "1,5 mm", LENGTH + ", got 1,5 mm; write decimals with a point"),
+        ("length", "١ mm", LENGTH + ", got ١ mm"),
         ("length", "nan", "must be finite, got nan"),
         ("length", "-.INF mm", "must be finite, got -.INF mm"),
         ("length", "Infinity", "must be finite, got Infinity"),
         ("length", "−1 mm", "write the minus sign as -, got −1 mm"),
         ("number", "5 %", "must be a plain number, got 5 %"),
         ("number", "5 kg", "must be a plain number, got 5 kg"),
-        ("torque", "1 nm", "must be a torque in N m, mN m, kN m, N cm or N mm, got 1 nm; unknown unit nm (did you mean N m?)"),
+        ("torque", "1 nm", TORQUE + ", got 1 nm; unknown unit nm (did you mean N m?)"),
         ("angular rate", "5.5", "needs a unit (Hz, rpm, rev/s, deg/s, rad/s), got 5.5"),
         ("angular rate", "0", "needs a unit (Hz, rpm, rev/s, deg/s, rad/s), got 0"),
         ("angular rate", "5 deg", "must be an angular rate in Hz, rpm, rev/s, deg/s or rad/s, got 5 deg"),
@@ -148,7 +154,11 @@ def test_two_pi_is_enclosed():
         exact = 2 * mpmath.pi
         for bits in (64, 192, 1000):
             low, high = two_pi_bounds(bits)
-            assert mpmath.mpf(low.numerator) / low.denominator < exact < mpmath.mpf(high.numerator) / high.denominator
+            assert (
+                mpmath.mpf(low.numerator) / low.denominator
+                < exact
+                < mpmath.mpf(high.numerator) / high.denominator
+            )
             assert 0 < high - low < Fraction(1, 2**bits)
 
 
@@ -183,7 +193,8 @@ def test_decimal_text_reads_back(value):
     ("value", "text"),
     [
         (Fraction(61, 20), "3.05"), (Fraction(-61, 20), "-3.05"), (Fraction(7), "7"), (Fraction(0), "0"),
-        (Fraction(1, 10**8), "1e-8"), (Fraction(10**9), "1e9"), (Fraction(120), "120"), (Fraction(10, 3), "10/3"),
+        (Fraction(1, 10**8), "1e-8"), (Fraction(10**9), "1e9"), (Fraction(120), "120"),
+        (Fraction(10, 3), "10/3"),
         (Fraction(1, 1000), "0.001"), (Fraction(1, 8), "0.125"),
     ],
 )  # fmt: skip
@@ -195,7 +206,9 @@ def test_unit_names_of_angular_rate_begin_with_hertz():
     assert unit_names("angular rate") == ["Hz", "rpm", "rev/s", "deg/s", "rad/s"]
 
 
-@given(st.decimals(allow_nan=False, allow_infinity=False, places=6), st.sampled_from(sorted(filter(None, UNITS))))
+@given(
+    st.decimals(allow_nan=False, allow_infinity=False, places=6), st.sampled_from(sorted(filter(None, UNITS)))
+)
 def test_any_number_with_any_unit_reads_back(number, name):
     text = f"{number} {name}"
     dimension = UNITS[name].dimension

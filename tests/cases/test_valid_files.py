@@ -1,4 +1,4 @@
-"""Every file in valid/ gives a scene with the numbers that its first lines expect, written as Python values."""
+"""Every file in valid/ gives a scene with the numbers that its first lines expect (as Python values)."""
 
 import ast
 from pathlib import Path
@@ -46,7 +46,12 @@ def test_windows_line_ends_and_byte_order_mark(tmp_path):
 
 
 def test_name_comes_from_the_file_where_it_is_not_given(tmp_path):
-    for stem, name in [("soft spring", "soft spring"), ("a(b)", "a_b_"), ("_x", "case_x"), ("été", "case_t_")]:
+    for stem, name in [
+        ("soft spring", "soft spring"),
+        ("a(b)", "a_b_"),
+        ("_x", "case_x"),
+        ("été", "case_t_"),
+    ]:
         path = tmp_path / f"{stem}.yaml"
         path.write_text("blocks: {m1: 1, m2: 1}\ncoupling: {k1: 1}\n")
         assert load_case(path).name == name

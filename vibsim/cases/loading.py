@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 from os import PathLike, fspath
+from pathlib import Path
 
 from vibsim.cases.case import Case
 from vibsim.cases.file_tree import read_tree
 from vibsim.cases.overrides import apply_overrides
-from vibsim.cases.sources import case_name_from, find_source
+from vibsim.cases.sources import SourceText, case_name_from, decoded, find_source
 from vibsim.cases.validation import validated
 
 
@@ -21,8 +22,18 @@ def load_case(source: str | PathLike[str], overrides: Mapping[str, object] | Non
 
     Raises CaseError with every problem found.
     """
-    found = find_source(fspath(source))
-    tree = read_tree(found)
-    tree.values.setdefault("name", case_name_from(found.stem))
-    apply_overrides(tree, overrides or {})
-    return Case(validated(tree), found.text, found.shown)
+    return _case(find_source(fspath(source)), overrides or {})
+
+
+def load_case_text(text: str, overrides: Mapping[str, object] | None = None, name: str = "case") -> Case:
+    """The same from YAML text; `name` stands for the file in messages, and is the case's name by default."""
+    return _case(
+        SourceText(name, name, decoded(text.encode("utf-8", "replace"), name), Path(), name), overrides or {}
+    )
+
+
+def _case(source: SourceText, overrides: Mapping[str, object]) -> Case:
+    tree = read_tree(source)
+    tree.values.setdefault("name", case_name_from(source.stem))
+    apply_overrides(tree, overrides)
+    return Case(validated(tree), source.text, source.shown)

@@ -57,15 +57,14 @@ def parse_range(text: str, bare_unit: str = "") -> list[RangeValue]:
         return _listed(text, bare_unit)
     parts = [_part(piece, text) for piece in pieces]
     unit = _common_unit([part.unit for part in parts], text) or bare_unit
-    if any(part.over for part in parts[:-1]) or (len(parts) == 3 and parts[-1].over):
+    misplaced = parts[:-1] if len(parts) == 2 else parts
+    if any(part.over is not None for part in misplaced):
         raise _not_a_range(text)
     start, end = parts[0].number, parts[1].number
     if len(parts) == 3:
         return [_value(number, unit) for number in _stepped(start, end, parts[2].number, text)]
-    if not parts[1].over:
-        raise RangeError(
-            f"{shown(text)} has no step: write {pieces[0].strip()}:{pieces[1].strip()}:STEP or .../COUNT"
-        )
+    if parts[1].over is None:
+        raise RangeError(f"{shown(text)} has no step; write it as FROM:TO:STEP or FROM:TO/COUNT")
     return [_value(number, unit) for number in _spaced(start, end, parts[1].over, text)]
 
 
@@ -114,8 +113,9 @@ def _listed(text: str, bare_unit: str) -> list[RangeValue]:
     _limit(len(items), text)
     parts = [_part(item, text) for item in items]
     last = parts[-1].unit or bare_unit
-    numbers = (Fraction(part.number, part.over or 1) for part in parts)
-    return [_value(number, part.unit or last) for number, part in zip(numbers, parts, strict=True)]
+    if any(part.over == 0 for part in parts):
+        raise RangeError(f"division by zero in {shown(text)}")
+    return [_value(part.number / (part.over or 1), part.unit or last) for part in parts]
 
 
 def _stepped(start: Fraction, end: Fraction, step: Fraction, text: str) -> Iterator[Fraction]:

@@ -7,6 +7,7 @@ lists) is reported and left out.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import NoReturn
 
 import yaml
 from yaml.events import (
@@ -110,17 +111,14 @@ class _Reader:
                 root = self.node(event, events, "", self.place(event), 1)
             elif isinstance(event, NodeEvent) and getattr(event, "value", None) != "":
                 got = shown(getattr(event, "value", "a list"))
-                root = self.report(self.place(event), "", f"must be a mapping of sections, got {got}")
-                self.skip(events, isinstance(event, CollectionStartEvent))
+                self.stop(self.place(event), f"must be a mapping of sections, got {got}")
         if root is None:
             self.report(Place(self.file, 1, 1), "", "is empty; a case needs at least blocks and coupling")
         return root if isinstance(root, Mapping) else None
 
     def node(self, event: Event, events: Iterator[Event], key: str, key_place: Place, depth: int) -> Node:
         place = self.place(event)
-        self.counted(event)
-        if depth > DEEPEST:
-            self.stop(place, f"nested more than {DEEPEST} deep; a case needs 3")
+        self.counted(event, depth)
         broken = self.forbidden(event, key, place)
         if isinstance(event, MappingStartEvent):
             mapping = self.mapping(event, events, key, depth)
@@ -174,11 +172,14 @@ class _Reader:
         """Read past the rest of a list or mapping of this depth."""
         while depth:
             event = next(events)
-            self.counted(event)
+            self.counted(event, depth)
             depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
 
-    def counted(self, event: Event) -> None:
+    def counted(self, event: Event, depth: int) -> None:
+        """Stop at what would take long and is no case: the parser's time grows with depth and count."""
         self.count += isinstance(event, NodeEvent)
+        if depth > DEEPEST:
+            self.stop(self.place(event), f"nested more than {DEEPEST} deep; a case needs 3")
         if self.count > MOST_VALUES:
             self.stop(self.place(event), f"more than {MOST_VALUES} values; a case needs about 40")
 
@@ -201,8 +202,8 @@ class _Reader:
         self.problems.append(place.problem(key, message))
         return Broken(place)
 
-    def stop(self, place: Place, message: str, key: str = "") -> None:
-        self.report(place, key, message)
+    def stop(self, place: Place, message: str) -> NoReturn:
+        self.report(place, "", message)
         raise _TooMuch
 
     def place(self, event: Event) -> Place:

@@ -1,0 +1,123 @@
+"""vibsim cases, check and schema, as a user sees them."""
+
+import json
+from pathlib import Path
+
+import pytest
+import yaml
+from click.testing import CliRunner
+
+from vibsim.cases import shipped_case_names
+from vibsim.cases.keys import all_keys
+from vibsim.command_line.main import group
+
+INVALID = Path(__file__).parent / "invalid"
+
+
+def vibsim(*args, stdin=None):
+    """(exit code, stdout) of one command."""
+    done = CliRunner().invoke(group, args, input=stdin, standalone_mode=False)
+    assert done.exception is None
+    return done.return_value or 0, done.stdout
+
+
+def test_cases_lists_all():
+    code, out = vibsim("cases")
+    lines = out.splitlines()
+    assert code == 0
+    assert [line.split()[0] for line in lines] == ["name", *shipped_case_names()]
+    assert "II-B       motor     5.5 Hz     Non-ideal source, motor constant 5.5 Hz" in lines
+
+
+def test_cases_prints_a_case_to_start_from():
+    code, out = vibsim("cases", "II-B")
+    assert code == 0
+    assert yaml.safe_load(out)["excitation"]["Omega0"] == "5.5 Hz"
+    assert vibsim("check", "-", stdin=out)[0] == 0
+
+
+def test_cases_as_json():
+    found = {case["name"]: case for case in json.loads(vibsim("--json", "cases")[1])}
+    assert sorted(found) == shipped_case_names()
+    assert (found["I-A"]["source"], found["I-A"]["frequency"]) == ("harmonic", "3.5 Hz")
+
+
+def test_check_says_ok():
+    assert vibsim("check", "II-B") == (0, "II-B: ok (II-B: motor 5.5 Hz, 300 s every 5 ms)\n")
+    assert vibsim("check", "-q", "II-B") == (0, "")
+
+
+def test_check_with_verbose_prints_what_the_numbers_imply():
+    code, out = vibsim("check", "-v", "I-A")
+    assert code == 0
+    assert "  free                        4.33366 Hz  blocks against each other" in out
+
+
+def test_check_prints_every_problem_of_every_file_and_ends_with_3():
+    path = INVALID / "negative_values.yaml"
+    code, out = vibsim("check", "II-A", str(path))
+    assert code == 3
+    assert out.splitlines()[0].startswith("II-A: ok")
+    assert out.splitlines()[1] == f"{path}:7:16: coupling.k1: must be >= 0, got -200 N/m"
+    assert out.splitlines()[-1] == f"{path}: invalid, 4 problems"
+
+
+def test_check_as_json():
+    code, out = vibsim("check", "--json", "II-A", str(INVALID / "zero_mass.yaml"))
+    good, bad = json.loads(out)
+    assert code == 3
+    assert (good["valid"], good["name"], good["facts"]["bilinear"]["unit"]) == (True, "II-A", "Hz")
+    assert bad["valid"] is False
+    assert bad["problems"] == [
+        {
+            "file": str(INVALID / "zero_mass.yaml"),
+            "line": 3,
+            "column": 14,
+            "key": "blocks.m1",
+            "message": "must be > 0, got 0 kg",
+        }
+    ]
+
+
+@pytest.mark.parametrize("name", ["cases", "check", "schema"])
+def test_help_ends_with_examples(name):
+    out = vibsim(name, "--help")[1]
+    assert f"vibsim {name}" in out.partition("Examples:")[2]
+
+
+def keys_in(schema, section, prefix=""):
+    """Dotted keys of a JSON Schema section, references followed."""
+    for name, inner in section.get("properties", {}).items():
+        variants = [inner, *inner.get("anyOf", []), *inner.get("oneOf", [])]
+        referred = [schema["$defs"][v["$ref"].rpartition("/")[2]] for v in variants if "$ref" in v]
+        for below in referred:
+            yield from keys_in(schema, below, f"{prefix}{name}.")
+        if not referred or len(variants) > len(referred) + 1:
+            yield f"{prefix}{name}"
+
+
+def test_schema_knows_every_key():
+    code, out = vibsim("schema")
+    schema = json.loads(out)
+    assert code == 0
+    for branch in ("then", "else"):
+        assert set(all_keys()) <= set(keys_in(schema, schema[branch]))
+
+
+def test_schema_requires_what_a_case_needs_and_nothing_of_a_child():
+    schema = json.loads(vibsim("schema")[1])
+    assert schema["else"]["required"] == ["blocks", "coupling"]
+    assert "required" not in schema["then"]
+    assert schema["$defs"]["Motor"]["required"] == ["kind", "m3", "e", "J", "M0", "Omega0"]
+    assert "required" not in schema["$defs"]["MotorPart"]
+
+
+def test_schema_tells_units_ranges_defaults_and_meaning():
+    schema = json.loads(vibsim("schema")[1])
+    mass = schema["$defs"]["Blocks"]["properties"]["m1"]
+    assert mass["description"] == "mass of block 1, the excited one"
+    assert mass["anyOf"][0] == {"type": "number", "description": "in kg", "exclusiveMinimum": 0.0}
+    assert mass["anyOf"][1]["description"] == "number and unit: kg, g, t"
+    assert schema["$defs"]["Run"]["properties"]["t_end"]["default"] == "300 s"
+    rate = schema["$defs"]["Motor"]["properties"]["Omega0"]
+    assert [choice["type"] for choice in rate["anyOf"]] == ["string"]

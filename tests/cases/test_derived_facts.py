@@ -1,0 +1,45 @@
+"""Derived facts against numbers known from linear theory and from the published discussion of the cases."""
+
+from math import pi, sqrt
+
+import pytest
+
+from vibsim.cases import load_case
+from vibsim.cases.derived_facts import derived_facts
+
+
+def facts(name, overrides=None):
+    return {fact.name: fact.value for fact in derived_facts(load_case(name, overrides).scene())}
+
+
+def test_case_one():
+    found = facts("I-A")
+    assert found["block 1 on its spring"] == pytest.approx(4.130, abs=5e-4)
+    assert found["free"] == pytest.approx(4.3337, abs=5e-5)
+    assert found["in contact"] == pytest.approx(34.397, abs=5e-4)
+    assert found["bilinear"] == pytest.approx(7.6975, abs=5e-5)
+    assert found["friction band"] == pytest.approx(0.001 * 2.94 * 9.81 / 200, rel=1e-14)
+    assert "run-up time constant" not in found
+
+
+def test_case_two():
+    found = facts("II-B")
+    assert found["free"] == pytest.approx(4.149, abs=5e-4)
+    assert found["bilinear"] == pytest.approx(7.37, abs=5e-3)
+    inertia = 0.001 + 0.03 * 0.11**2
+    assert found["run-up time constant"] == pytest.approx(11 * pi * inertia / 0.005, rel=1e-14)
+    assert found["full force"] == pytest.approx(load_case("I-B-eq211").scene().A, rel=1e-14)
+
+
+def test_a_wall_without_stop_and_friction():
+    off = {"m2": "fixed", "stop": "none", "friction": "none", "excitation": "none", "c": "0.5 N s/m"}
+    assert facts("II-B", off) == {
+        "block 1 on its spring": pytest.approx(sqrt(200 / 0.297) / (2 * pi), rel=1e-14),
+        "damping ratio": pytest.approx(0.25 / sqrt(200 * 0.297), rel=1e-14),
+    }
+
+
+def test_no_coupling_spring():
+    found = facts("II-B", {"k1": "0 N/m", "M0": "0 N m"})
+    assert found["free"] == found["bilinear"] == 0.0
+    assert not {"damping ratio", "friction band", "run-up time constant"} & set(found)

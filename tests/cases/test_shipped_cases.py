@@ -1,0 +1,78 @@
+"""The shipped cases against the numbers of the paper, typed here from it: Table 1 and Eq. (2.11)."""
+
+from fractions import Fraction
+
+import mpmath
+import pytest
+
+from vibsim.cases import load_case, shipped_case_names
+
+COMMON = {
+    "m1": 0.297, "m2": 2.94, "k1": 200.0, "c": 0.001, "k2": 12400.0, "G": 0.001, "stop_sign": 1,
+    "x1": 0.0, "v1": 0.0, "x2": 0.0, "v2": 0.0, "rest_distance": None,
+    "t_end": 300.0, "every_num": 1, "every_den": 200, "method": "auto", "order": 20, "tol": 2.0**-53,
+}  # fmt: skip
+MOTOR = {"m3": 0.03, "e": 0.11, "J": 0.001, "M0": 0.005, "phi": 0.0, "phidot": 0.0, "A": None, "omega": None}
+FREQUENCIES = {"A": "3.5", "B": "5.5", "C": "6.5"}
+AMPLITUDES = {"A": 0.0725, "B": 0.1140, "C": 0.1350}
+
+
+def radians_per_second(hertz):
+    with mpmath.workdps(50):
+        return float(2 * mpmath.pi * mpmath.mpf(hertz))
+
+
+def fields(scene, names):
+    return {name: getattr(scene, name) for name in names}
+
+
+def test_there_are_nine():
+    letters = "ABC"
+    expected = {f"I-{x}" for x in letters} | {f"I-{x}-eq211" for x in letters} | {f"II-{x}" for x in letters}
+    assert set(shipped_case_names()) == expected
+
+
+@pytest.mark.parametrize("name", shipped_case_names())
+def test_common_values_name_and_title(name):
+    case = load_case(name)
+    assert fields(case.scene(), COMMON) == COMMON
+    assert case.name == name
+    assert f"{FREQUENCIES[name.split('-')[1]]} Hz" in case.title
+    assert "Table 1, column" in case.text
+    assert float(Fraction("0.001") * Fraction("2.94") * Fraction("9.81")) == case.scene().N
+
+
+@pytest.mark.parametrize("letter", "ABC")
+def test_ideal_source(letter):
+    scene = load_case(f"I-{letter}").scene()
+    hertz = FREQUENCIES[letter]
+    assert (scene.source, scene.F0, scene.A) == ("harmonic", 0.0, AMPLITUDES[letter])
+    assert (scene.omega, scene.cycles, scene.cycles_lo) == (radians_per_second(hertz), float(hertz), 0.0)
+    assert fields(scene, ["m3", "e", "J", "M0", "Omega0", "phi", "phidot"]) == dict.fromkeys(
+        ["m3", "e", "J", "M0", "Omega0", "phi", "phidot"]
+    )
+
+
+@pytest.mark.parametrize("letter", "ABC")
+def test_ideal_source_with_the_amplitude_of_eq_2_11(letter):
+    """A = m3 e omega^2 with the motor's m3 and e; 22 to 41 times what Table 1 prints."""
+    printed, by_rule = load_case(f"I-{letter}").scene(), load_case(f"I-{letter}-eq211").scene()
+    with mpmath.workdps(50):
+        omega = 2 * mpmath.pi * mpmath.mpf(FREQUENCIES[letter])
+        assert float(mpmath.mpf("0.03") * mpmath.mpf("0.11") * omega**2) == by_rule.A
+    assert 22 <= round(by_rule.A / printed.A) <= 41
+    assert {**vars(by_rule), "A": None} == {**vars(printed), "A": None}
+
+
+@pytest.mark.parametrize("letter", "ABC")
+def test_motor(letter):
+    scene = load_case(f"II-{letter}").scene()
+    assert scene.source == "motor"
+    assert scene.Omega0 == radians_per_second(FREQUENCIES[letter])
+    assert fields(scene, MOTOR) == MOTOR
+
+
+def test_printed_amplitudes_are_m3_e_omega():
+    """Table 1's amplitudes have the value of m3 e omega: the departure that the files name."""
+    for letter, amplitude in AMPLITUDES.items():
+        assert 0.03 * 0.11 * radians_per_second(FREQUENCIES[letter]) == pytest.approx(amplitude, rel=2e-3)
