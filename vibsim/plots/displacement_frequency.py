@@ -26,10 +26,11 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     for axes, column in zip(panels, columns, strict=True):
         _panel(axes, subjects, view, column)
     panels[-1].set_xlabel(f"Motor speed {SPEED} (Hz)")
-    if len(subjects) > 1:
-        legend_above(panels[0])
     spans = [window_of(subject, view.window) for subject in subjects]
     note(panels[0], "; ".join(dict.fromkeys(seconds(span) for span in spans)))
+    if len(subjects) > 1:
+        legend_above(panels[0])
+    figure.align_ylabels()
     return figure
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from vibsim.plots.impacts import events_of
 from vibsim.plots.quantities import Scale, scale_for
@@ -89,6 +90,7 @@ def _finish(over_time: Axes, histogram: Axes, over_phase: Axes | None, scale: Sc
     histogram.tick_params(labelleft=False)
     histogram.set_xlabel("Count")
     histogram.set_xlim(left=0)
+    histogram.xaxis.set_major_locator(MaxNLocator(2, integer=True))
     over_time.set_ylim(bottom=0)
     if over_phase is not None:
         over_phase.set_xlim(0, 360)

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
 
 from vibsim.plots.displacement import DISPLACEMENT
 from vibsim.plots.motor_speed import motor_speed_panel
@@ -20,43 +19,46 @@ from vibsim.plots.time_history import Quantity, curve_groups, history_panel
 from vibsim.plots.velocity import VELOCITY
 from vibsim.plots.view import Span, View
 
-HEIGHT_CM = 15.5
-SPEED_CM = 4.6  # of the panel with the motor speed
+PANEL_CM = 5.2
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
-    """A page of four panels that suit what the scenes have."""
-    figure = sheet(view, HEIGHT_CM)
-    grid = figure.add_gridspec(3, 2, width_ratios=(1.25, 1))
-    window = common_window(subjects, view.window)
-    detail = detail_span(subjects, view)
-    first = _displacements(figure, grid, subjects, window)
-    if len(subjects) == 1:
-        first.axvspan(*detail, color=SHADE, linewidth=0, zorder=0)
-    relative_panel(figure.add_subplot(grid[1:, 1]), subjects, view)
+    """Panels that suit what the scenes have: a page of them, or a column."""
+    groups = curve_groups(subjects, DISPLACEMENT)
+    wide = view.width == "page"
+    figure = sheet(view, PANEL_CM * (3 if wide else 3 + len(groups)))
+    *tops, middle, portrait, bottom = _page(figure, len(groups)) if wide else _column(figure, len(groups))
+    window, detail = common_window(subjects, view.window), detail_span(subjects, view)
+    for axes, group in zip(tops, groups, strict=True):
+        history_panel(axes, group, window, DISPLACEMENT)
     alone = len(subjects) == 1
-    _history(figure.add_subplot(grid[1, 0]), subjects, detail, DISPLACEMENT if alone else VELOCITY)
-    last = figure.add_subplot(grid[2, 0])
-    if all(subject.scene.has_motor for subject in subjects):
-        motor_speed_panel(last, subjects, view, SPEED_CM)
-    else:
-        _history(last, subjects, detail if alone else window, VELOCITY)
     if alone:
-        last.set_title("", loc="right")
-        legend_above(last)
-    legend_above(first)
+        tops[0].axvspan(*detail, color=SHADE, linewidth=0, zorder=0)
+    _history(middle, subjects, detail, DISPLACEMENT if alone else VELOCITY)
+    relative_panel(portrait, subjects, view)
+    if all(subject.scene.has_motor for subject in subjects):
+        motor_speed_panel(bottom, subjects, view, PANEL_CM)
+    else:
+        _history(bottom, subjects, detail if alone else window, VELOCITY)
+    if alone:
+        bottom.set_title("", loc="right")
+        legend_above(bottom)
+    legend_above(tops[0])
+    figure.align_ylabels()
     figure.suptitle(_heading(subjects), x=0.01, ha="left", fontsize=8)
     return figure
 
 
-def _displacements(figure: Figure, grid: GridSpec, subjects: Sequence[Subject], window: Span) -> Axes:
-    """One panel across the page, or one per block where several runs are compared; the first of them."""
-    groups = curve_groups(subjects, DISPLACEMENT)
-    cells = [grid[0, :]] if len(groups) == 1 else [grid[0, 0], grid[0, 1]]
-    panels = [figure.add_subplot(cell) for cell in cells]
-    for axes, group in zip(panels, groups, strict=True):
-        history_panel(axes, group, window, DISPLACEMENT)
-    return panels[0]
+def _page(figure: Figure, groups: int) -> list[Axes]:
+    """Axes of the displacements (one, or one per block), the detail, the relative portrait and the speed."""
+    grid = figure.add_gridspec(3, 2, width_ratios=(1.25, 1))
+    tops = [grid[0, :]] if groups == 1 else [grid[0, 0], grid[0, 1]]
+    return [figure.add_subplot(cell) for cell in (*tops, grid[1, 0], grid[1:, 1], grid[2, 0])]
+
+
+def _column(figure: Figure, groups: int) -> list[Axes]:
+    """The same axes, one below the other."""
+    return list(figure.subplots(groups + 3, 1))
 
 
 def _history(axes: Axes, subjects: Sequence[Subject], span: Span, quantity: Quantity) -> None:

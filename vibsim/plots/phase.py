@@ -28,6 +28,7 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
         phase_panel(axes, subjects, view, block)
     if len(subjects) > 1:
         legend_above(panels[0])
+    figure.align_ylabels()
     return figure
 
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FORMATS = (".png", ".pdf", ".svg")
+DPI = {".png": 300, ".pdf": 600, ".svg": 600}  # of a vector file: what is rasterized in it
 NAMED_AT_MOST = 3  # subjects spelt out in a default file name
 
 
@@ -96,7 +97,7 @@ def _write(figure: Figure, target: str, force: bool) -> None:
 
     suffix = picture_suffix(target)
     with output_file(target, force) as partial:
-        figure.savefig(partial, format=suffix[1:], metadata=_METADATA[suffix])
+        figure.savefig(partial, format=suffix[1:], dpi=DPI[suffix], metadata=_METADATA[suffix])
 
 
 def _write_pages(figures: Sequence[Figure], target: str, force: bool) -> None:
@@ -106,7 +107,7 @@ def _write_pages(figures: Sequence[Figure], target: str, force: bool) -> None:
 
     with output_file(target, force) as partial, PdfPages(partial, metadata=_METADATA[".pdf"]) as pages:
         for figure in figures:
-            pages.savefig(figure)
+            pages.savefig(figure, dpi=DPI[".pdf"])
 
 
 # No dates: the same picture is the same file, so pictures can be compared byte by byte.

@@ -34,14 +34,13 @@ def window_of(subject: Subject, wanted: Span | None) -> Span:
         return first, last
     window = max(first, wanted[0]), min(last, wanted[1])
     if not window[0] < window[1]:
-        raise PlotError(
-            f"window {wanted[0]:g}:{wanted[1]:g} lies outside {subject.path}, which covers {first:g} to {last:g} s"
-        )
+        covered = f"{subject.path}, which covers {first:g} to {last:g} s"
+        raise PlotError(f"window {wanted[0]:g}:{wanted[1]:g} lies outside {covered}")
     return window
 
 
 def shown(subject: Subject, wanted: Span | None, fallback: Callable[[Subject, Span], Span]) -> Span:
-    """The part of `wanted` that the run covers; else fallback(subject, all of it)."""
+    """The part of `wanted` that the run covers; without a wish, what `fallback` makes of all."""
     window = window_of(subject, wanted)
     return fallback(subject, window) if wanted is None else window
 

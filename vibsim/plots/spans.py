@@ -29,15 +29,15 @@ def period_of(subject: Subject, span: Span) -> float:
     return source_period(subject.scene, phidot) or (span[1] - span[0]) / 10
 
 
-def round_up(length: float) -> float:
-    """The next of 1, 2, 5, 10, 20, ... that is not below `length`."""
+def round_number(length: float) -> float:
+    """The nearest of 1, 2, 5, 10, 20, ... by ratio."""
     decade = 10.0 ** math.floor(math.log10(length))
-    return next(step * decade for step in (1, 2, 5, 10) if step * decade >= length * (1 - 1e-9))
+    return min((step * decade for step in (1, 2, 5, 10)), key=lambda number: abs(math.log(number / length)))
 
 
 def steady_span(subject: Subject, window: Span, periods: int = STEADY_PERIODS) -> Span:
-    """The last `periods` of the source within the window, rounded up to a round number of seconds."""
-    length = round_up(periods * period_of(subject, window))
+    """The last `periods` of the source within the window, as a round number of seconds."""
+    length = round_number(periods * period_of(subject, window))
     return max(window[0], window[1] - length), window[1]
 
 
@@ -50,7 +50,7 @@ def detail_span(subjects: Sequence[Subject], view: View) -> Span:
     if view.detail is not None:
         return _within(window, view.detail)
     subject = subjects[0]
-    length = round_up(DETAIL_PERIODS * period_of(subject, window))
+    length = round_number(DETAIL_PERIODS * period_of(subject, window))
     end = window[1]
     times = impact_times(subject.result, window) if subject.scene.has_stop else np.empty(0)
     if len(times) and times[-1] < end - length:

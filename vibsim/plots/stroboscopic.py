@@ -44,13 +44,13 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
             label=subject.name, gid="section", rasterized=len(y) > 20_000,
         )  # fmt: skip
     axes.margins(0.06)
+    axes.set_xlabel(scales[0].label(f"Relative displacement {DISPLACEMENT}"))
+    axes.set_ylabel(scales[1].label(f"Relative velocity {VELOCITY}"))
+    note(axes, f"{sum(len(y) for y, _ in drawn)} sections, " + "; ".join(dict.fromkeys(map(seconds, spans))))
     if len(subjects) > 1:
         legend_above(axes, markerscale=2)
     elif subjects[0].scene.has_stop:
         _stop_if_near(axes, subjects[0], scales[0])
-    axes.set_xlabel(scales[0].label(f"Relative displacement {DISPLACEMENT}"))
-    axes.set_ylabel(scales[1].label(f"Relative velocity {VELOCITY}"))
-    note(axes, f"{sum(len(y) for y, _ in drawn)} sections, " + "; ".join(dict.fromkeys(map(seconds, spans))))
     return figure
 
 

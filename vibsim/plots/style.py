@@ -42,7 +42,7 @@ SETTINGS: Any = {
     "axes.xmargin": 0.0,
     "axes.ymargin": 0.06,
     "axes.formatter.useoffset": False,
-    "axes.formatter.limits": (-4, 5),
+    "axes.formatter.limits": (-5, 7),
     "xtick.direction": "in",
     "ytick.direction": "in",
     "xtick.top": True,

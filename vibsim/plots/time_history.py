@@ -61,6 +61,7 @@ def draw_history(subjects: Sequence[Subject], view: View, quantity: Quantity) ->
         if row < len(groups) and len(spans) == 2:
             panels[row].axvspan(*spans[1], color=SHADE, linewidth=0, zorder=0)
     legend_above(panels[0])
+    figure.align_ylabels()
     return figure
 
 

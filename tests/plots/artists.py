@@ -1,0 +1,65 @@
+"""What a figure shows, for the tests to look at."""
+
+import numpy as np
+
+
+def lines(figure, gid):
+    """The lines of a figure that carry a name, in drawing order."""
+    return [line for axes in figure.axes for line in axes.get_lines() if line.get_gid() == gid]
+
+
+def points(line):
+    """Data of a line, (x, y)."""
+    return np.asarray(line.get_xdata(), dtype=float), np.asarray(line.get_ydata(), dtype=float)
+
+
+def clipped_texts(figure):
+    """Texts that reach beyond the paper by more than a pixel; the figure has been laid out."""
+    paper = figure.bbox
+    boxes = {
+        text: text.get_window_extent()
+        for text in texts(figure)
+        if text.get_visible() and text.get_text().strip()
+    }
+    return [
+        text.get_text()
+        for text, box in boxes.items()
+        if box.x0 < paper.x0 - 1 or box.y0 < paper.y0 - 1 or box.x1 > paper.x1 + 1 or box.y1 > paper.y1 + 1
+    ]
+
+
+def texts(figure):
+    """Every text on the page: headings, labels, labels of the ticks in range, legends, notes."""
+    yield from figure.texts
+    for axes in figure.axes:
+        yield from (
+            axes.title,
+            axes._left_title,
+            axes._right_title,
+            axes.xaxis.label,
+            axes.yaxis.label,
+            *axes.texts,
+        )
+        if axes.get_legend():
+            yield from axes.get_legend().get_texts()
+        for axis in (axes.xaxis, axes.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            yield from (tick.label1 for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high)
+
+
+def colliding_legends(figure):
+    """Boxes of the axes and notes that legends reach into; the figure has been laid out."""
+    found = []
+    for axes in figure.axes:
+        if axes.get_legend() is None:
+            continue
+        box = axes.get_legend().get_window_extent()
+        covers = [other.bbox for other in figure.axes]
+        if axes.get_title(loc="right"):
+            covers.append(axes._right_title.get_window_extent())
+        found += [cover for cover in covers if _overlap(box, cover)]
+    return found
+
+
+def _overlap(a, b):
+    return a.x0 < b.x1 - 1 and b.x0 < a.x1 - 1 and a.y0 < b.y1 - 1 and b.y0 < a.y1 - 1

@@ -1,0 +1,64 @@
+"""Every kind on every make of scene: it is drawn, its axes carry units, nothing is clipped or covered."""
+
+import re
+from dataclasses import replace
+
+import pytest
+
+from tests.plots.artists import clipped_texts, colliding_legends
+from tests.plots.conftest import RUNS
+from tests.plots.test_registry import FITTING
+from vibsim.plots.registry import KINDS, kind_named
+from vibsim.plots.view import View
+
+UNIT = re.compile(r"\((s|Hz|°|[kmµn]?(m|m/s|N|N m))\)$")
+SINGLE = [kind for kind in KINDS if kind.reads != "sweep"]
+
+
+def drawn(kind, subjects, view=None):
+    view = view or View()
+    return kind.draw(subjects, replace(view, width=view.width or kind.width))
+
+
+def assert_fit_to_print(figure):
+    for axes in figure.axes:
+        for label in (axes.get_xlabel(), axes.get_ylabel()):
+            assert not label or label == "Count" or UNIT.search(label), label
+    assert any(axes.get_xlabel() for axes in figure.axes)
+    assert any(axes.get_ylabel() for axes in figure.axes)
+    figure.draw_without_rendering()
+    assert clipped_texts(figure) == []
+    assert colliding_legends(figure) == []
+
+
+@pytest.mark.parametrize(("run", "name"), [(run, name) for run in RUNS for name in sorted(FITTING[run])])
+def test_single_runs(subject, run, name):
+    assert_fit_to_print(drawn(kind_named(name), [subject(run)]))
+
+
+@pytest.mark.parametrize("kind", SINGLE, ids=lambda kind: kind.name)
+def test_two_motors_in_a_window(subject, kind):
+    figure = drawn(kind, [subject("motor"), subject("motor2")], View(window=(8.0, 11.0)))
+    assert_fit_to_print(figure)
+    names = {
+        text.get_text() for axes in figure.axes if axes.get_legend() for text in axes.get_legend().get_texts()
+    }
+    assert any("II-B" in name for name in names)
+    assert any("II-C" in name for name in names)
+
+
+@pytest.mark.parametrize("kind", ["overview", "displacement", "velocity", "phase", "relative", "stiffness"])
+def test_all_makes_in_one_picture(subject, kind):
+    assert_fit_to_print(drawn(kind_named(kind), [subject(run) for run in RUNS]))
+
+
+@pytest.mark.parametrize(
+    ("name", "width"), [("overview", "column"), ("phase", "page"), ("motor-speed", "page")]
+)
+def test_the_other_width(subject, name, width):
+    assert_fit_to_print(drawn(kind_named(name), [subject("motor"), subject("motor2")], View(width=width)))
+
+
+@pytest.mark.parametrize("kind", SINGLE, ids=lambda kind: kind.name)
+def test_a_window_of_a_few_samples(subject, kind):
+    assert_fit_to_print(drawn(kind, [subject("motor")], View(window=(10.0, 10.012))))

@@ -1,0 +1,116 @@
+"""Files: formats, fonts, sizes, names, and what is refused."""
+
+import struct
+import xml.etree.ElementTree as ElementTree
+
+import pytest
+
+from vibsim.plots import plot_run
+from vibsim.plots.errors import PlotError
+from vibsim.plots.picture import draw_files
+from vibsim.plots.view import View
+from vibsim.results import ResultFileError
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_png_has_journal_width(runs, here):
+    assert draw_files([runs["ideal"]], ["relative"], View(), "x.png") == ["x.png"]
+    content = (here / "x.png").read_bytes()
+    assert content.startswith(b"\x89PNG")
+    width = struct.unpack(">I", content[16:20])[0]
+    assert width == round(8.6 / 2.54 * 300) - 1 or width == round(8.6 / 2.54 * 300)
+    draw_files([runs["ideal"]], ["relative"], View(width="page"), "wide.png")
+    assert struct.unpack(">I", (here / "wide.png").read_bytes()[16:20])[0] == pytest.approx(
+        17.8 / 2.54 * 300, abs=1
+    )
+
+
+def test_pdf_embeds_truetype(runs, here):
+    draw_files([runs["motor"]], ["motor-speed"], View(), "x.pdf")
+    content = (here / "x.pdf").read_bytes()
+    assert content.startswith(b"%PDF")
+    assert b"/FontFile2" in content
+    assert b"/Type3" not in content
+    assert b"CreationDate" not in content
+
+
+def test_svg_is_well_formed(runs, here):
+    draw_files([runs["motor"]], ["relative"], View(), "x.svg")
+    root = ElementTree.parse(here / "x.svg").getroot()
+    assert root.tag.endswith("svg")
+    assert not list(root.iter("{http://www.w3.org/2000/svg}text"))
+    assert float(root.get("width").removesuffix("pt")) == pytest.approx(8.6 / 2.54 * 72, abs=0.01)
+
+
+@pytest.mark.parametrize("suffix", ["png", "pdf", "svg"])
+def test_the_same_picture_is_the_same_file(runs, here, suffix):
+    for name in ("a", "b"):
+        draw_files([runs["motor"]], ["motor-speed"], View(), f"{name}.{suffix}")
+    assert (here / f"a.{suffix}").read_bytes() == (here / f"b.{suffix}").read_bytes()
+
+
+def test_default_names(runs, here):
+    written = draw_files([runs["motor"], runs["ideal"]], ["phase", "relative"], View())
+    assert written == ["II-B+I-C-phase.png", "II-B+I-C-relative.png"]
+    assert sorted(path.name for path in here.iterdir()) == sorted(written)
+
+
+def test_several_kinds_make_several_files_or_pages(runs, here):
+    assert draw_files([runs["ideal"]], ["phase", "relative"], View(), "x.svg") == [
+        "x-phase.svg",
+        "x-relative.svg",
+    ]
+    assert draw_files([runs["ideal"]], ["phase", "relative"], View(), "x.pdf") == ["x.pdf"]
+    assert (here / "x.pdf").read_bytes().count(b"/Type /Page ") == 2
+
+
+def test_cases_without_a_run(here):
+    assert draw_files(["II-A", "II-B", "II-C"], ["motor"], View()) == ["II-A+II-B+II-C-motor.png"]
+    assert draw_files(["I-A"], None, View(), "k.svg") == ["k.svg"]
+
+
+def test_existing_pictures_are_kept(runs, here):
+    (here / "x.png").write_text("mine")
+    with pytest.raises(ResultFileError, match=r"x\.png: exists"):
+        draw_files([runs["ideal"]], ["phase"], View(), "x.png")
+    assert (here / "x.png").read_text() == "mine"
+    draw_files([runs["ideal"]], ["phase"], View(), "x.png", force=True)
+    assert (here / "x.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_missing_folder(runs, here):
+    with pytest.raises(ResultFileError, match="does not exist"):
+        draw_files([runs["ideal"]], ["phase"], View(), "nowhere/x.png")
+
+
+@pytest.mark.parametrize("out", ["x.jpg", "x", "x.h5"])
+def test_unknown_suffix(runs, here, out):
+    with pytest.raises(PlotError, match=r"pictures are \.png, \.pdf or \.svg"):
+        draw_files([runs["ideal"]], ["phase"], View(), out)
+
+
+def test_nothing_is_left_of_a_failed_picture(runs, here):
+    with pytest.raises(PlotError):
+        draw_files([runs["ideal"]], ["phase"], View(window=(900.0, 910.0)), "x.png")
+    assert list(here.iterdir()) == []
+
+
+def test_plot_run(runs, here):
+    assert plot_run(runs["motor"], "a.pdf") == ["a.pdf"]
+    with pytest.raises(ResultFileError):
+        plot_run(runs["motor"], "a.pdf")
+    assert plot_run(runs["motor"], "a.pdf", kinds=["motor"], force=True) == ["a.pdf"]
+
+
+def test_the_users_matplotlib_settings_do_not_matter(runs, here):
+    import matplotlib
+
+    draw_files([runs["ideal"]], ["phase"], View(), "a.png")
+    with matplotlib.rc_context({"font.size": 20, "axes.grid": True, "lines.linewidth": 9}):
+        draw_files([runs["ideal"]], ["phase"], View(), "b.png")
+    assert (here / "a.png").read_bytes() == (here / "b.png").read_bytes()
