@@ -8,7 +8,7 @@
 import sys
 from importlib.util import find_spec
 
-from vibsim.kernel.block import EVENT_STATE, Block, event_columns
+from vibsim.kernel.block import EVENT_STATE, Block, event_columns, section_columns
 from vibsim.kernel.errors import KernelError
 
 __all__ = [
@@ -19,6 +19,7 @@ __all__ = [
     "event_columns",
     "flow_method",
     "open_trajectory",
+    "section_columns",
     "state_at",
 ]
 
@@ -65,7 +66,7 @@ def flow_method(scene):
     return scene.method
 
 
-def open_trajectory(scene, engine="auto", resume=None):
+def open_trajectory(scene, engine="auto", resume=None, section=False):
     """A run of `scene` from its start, not yet computed.
 
     Parameters
@@ -73,6 +74,7 @@ def open_trajectory(scene, engine="auto", resume=None):
     scene : Scene
     engine : "auto", "c" or "python"
     resume : one stored event row (t, states, phase, contact, friction by name) to go on from, or None
+    section : whether the blocks carry the stroboscopic section, the state at the end of every excitation period
 
     Returns an object with `engine`, `method`, `blocks()` (an iterator of `Block`s; the run stops between two of them when it is
     abandoned) and `totals`. `blocks()` raises KernelError when the run fails.
@@ -81,10 +83,10 @@ def open_trajectory(scene, engine="auto", resume=None):
     if engine_name(engine) == "c":
         from vibsim.kernel.c_engine import CTrajectory
 
-        return CTrajectory(scene, method, resume)
+        return CTrajectory(scene, method, resume, section)
     from vibsim.kernel.python_engine import PythonTrajectory
 
-    return PythonTrajectory(scene, method, resume)
+    return PythonTrajectory(scene, method, resume, section)
 
 
 def state_at(scene, row, times, engine="auto"):

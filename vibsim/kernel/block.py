@@ -9,10 +9,14 @@ EVENT_STATE = ("x1", "v1", "x2", "v2", "phi", "phidot")
 
 @dataclass(frozen=True)
 class Block:
-    """samples: columns as in `Scene.columns()`; events: t [s], kind, state after the event, phase [rad, motor only] and modes."""
+    """samples: columns as in `Scene.columns()`; events: t [s], kind, state after the event, phase [rad, motor only] and modes.
+
+    section: time [s] and states at the ends of the excitation periods, empty unless asked for.
+    """
 
     samples: dict[str, np.ndarray]
     events: dict[str, np.ndarray]
+    section: dict[str, np.ndarray]
     t_reached: float
 
 
@@ -24,10 +28,16 @@ def event_columns(scene):
     return ("t", "kind", *states, *phase, *modes)
 
 
-def select(scene, samples, events, t_reached):
+def section_columns(scene):
+    """Names of the section columns that this scene has, in file order."""
+    return tuple(name for name in scene.columns() if name not in ("contact", "friction"))
+
+
+def select(scene, samples, events, section, t_reached):
     """The block of those columns that the scene has."""
     return Block(
         {name: samples[name] for name in scene.columns()},
         {name: events[name] for name in event_columns(scene)},
+        {name: section[name] for name in section_columns(scene)},
         float(t_reached),
     )

@@ -17,7 +17,7 @@ PACKED = (
     "m1 m2 k1 c k2 G stop_sign N A F0 omega cycles cycles_lo m3 e J M0 Omega0 x1 v1 x2 v2 phi phidot rest_distance t_end "
     "every_num every_den"
 ).split()
-SAMPLE_ROOM, EVENT_ROOM = 16384, 4096
+SAMPLE_ROOM, EVENT_ROOM, SECTION_ROOM = 16384, 4096, 1024
 SAMPLE_ROWS = ("time", "x1", "v1", "x2", "v2", "phi", "phidot")
 EVENT_ROWS = ("t", "x1", "v1", "x2", "v2", "phi", "phidot", "phase")
 REASONS = {1: "accumulation", 2: "diverged"}
@@ -46,37 +46,40 @@ class CTrajectory:
 
     engine = "c"
 
-    def __init__(self, scene, method, resume=None):
+    def __init__(self, scene, method, resume=None, section=False):
         self.scene, self.method = scene, method
         self.memory = bytearray(_kernel.run_size())
         self.samples = np.empty((len(SAMPLE_ROWS), SAMPLE_ROOM))
         self.sample_modes = np.empty((2, SAMPLE_ROOM), dtype="i1")
         self.events = np.empty((len(EVENT_ROWS), EVENT_ROOM))
         self.event_codes = np.empty((3, EVENT_ROOM), dtype="i1")
+        wanted = section and scene.source != "none"
+        self.section = np.empty((len(SAMPLE_ROWS), SECTION_ROOM if wanted else 0))
         row = b"" if resume is None else pack_resume(scene, resume)
         self.filled = _kernel.start(self.memory, pack(scene, method), row, *self._buffers())
 
     def _buffers(self):
-        return self.samples, self.sample_modes, self.events, self.event_codes
+        return self.samples, self.sample_modes, self.events, self.event_codes, self.section
 
     def blocks(self):
         """Yield `Block`s until the run ends; raises KernelError when it fails."""
         finished, status = 0, 0
-        yield self._block(*self.filled)
+        yield self._block(*self.filled, 0)
         while not finished:
-            count, happened, finished, status = _kernel.advance(self.memory, *self._buffers())
-            yield self._block(count, happened)
+            *filled, finished, status = _kernel.advance(self.memory, *self._buffers())
+            yield self._block(*filled)
             if status:
                 raise KernelError(REASONS[status], State(*_kernel.tally(self.memory)["state"]))
 
-    def _block(self, count, happened):
+    def _block(self, count, happened, passed):
         samples = {name: self.samples[i, :count].copy() for i, name in enumerate(SAMPLE_ROWS)}
         events = {name: self.events[i, :happened].copy() for i, name in enumerate(EVENT_ROWS)}
+        section = {name: self.section[i, :passed].copy() for i, name in enumerate(SAMPLE_ROWS)}
         events["kind"] = self.event_codes[0, :happened].copy()
         for i, name in enumerate(("contact", "friction")):
             samples[name] = self.sample_modes[i, :count].copy()
             events[name] = self.event_codes[i + 1, :happened].copy()
-        return select(self.scene, samples, events, _kernel.tally(self.memory)["state"][0])
+        return select(self.scene, samples, events, section, _kernel.tally(self.memory)["state"][0])
 
     @property
     def totals(self):

@@ -53,10 +53,8 @@ static long long sample_index(const Scene *s, double t)
     return i;
 }
 
-static void write_sample(const Run *r, Buffers *b, const State *s)
+void write_state(double *row, long room, const State *s)
 {
-    long i = b->sample_count++, room = b->sample_room;
-    double *row = b->samples + i;
     row[0] = s->t;
     row[room] = s->x1;
     row[2 * room] = s->v1;
@@ -64,6 +62,12 @@ static void write_sample(const Run *r, Buffers *b, const State *s)
     row[4 * room] = s->v2;
     row[5 * room] = unwind(s->phase, s->turns);
     row[6 * room] = s->w;
+}
+
+static void write_sample(const Run *r, Buffers *b, const State *s)
+{
+    long i = b->sample_count++, room = b->sample_room;
+    write_state(b->samples + i, room, s);
     b->sample_modes[i] = (signed char)r->mode.contact;
     b->sample_modes[room + i] = (signed char)r->mode.friction;
 }
@@ -72,16 +76,9 @@ static void record(Run *r, Buffers *b, int kind)
 {
     long i = b->event_count++, room = b->event_room;
     const State *s = &r->state;
-    double *row = b->events + i;
     r->counts[kind] += 1;
-    row[0] = s->t;
-    row[room] = s->x1;
-    row[2 * room] = s->v1;
-    row[3 * room] = s->x2;
-    row[4 * room] = s->v2;
-    row[5 * room] = unwind(s->phase, s->turns);
-    row[6 * room] = s->w;
-    row[7 * room] = s->phase;
+    write_state(b->events + i, room, s);
+    b->events[7 * room + i] = s->phase;
     b->event_codes[i] = (signed char)kind;
     b->event_codes[room + i] = (signed char)r->mode.contact;
     b->event_codes[2 * room + i] = (signed char)r->mode.friction;
@@ -128,6 +125,7 @@ void run_start(Run *r, const Scene *scene, const State *resume, const Mode *mode
         initial_mode(r);
     }
     r->known_since = r->state.t;
+    section_start(r);
     record(r, b, START);
     if (r->mode.violated)
         note_violation(r, b);
@@ -194,6 +192,8 @@ void run_advance(Run *r, Buffers *b, long steps)
             r->pending = 1;
         }
         if (!sample_until(r, b, r->pending_end, r->pending_end >= t_end))
+            return;
+        if (!section_gather(r, b, r->pending_end))
             return;
         r->pending = 0;
         flow_state(r, r->pending_end, &state);

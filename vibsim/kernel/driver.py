@@ -7,6 +7,7 @@ A flow offers `enter(state, mode, known)`, `advance(limit) -> (time, event funct
 from vibsim.events.automaton import initial_mode, transition
 from vibsim.events.watch import NOTHING
 from vibsim.kernel.errors import KernelError
+from vibsim.kernel.stroboscopic import StroboscopicSection
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.state import State
 
@@ -16,8 +17,9 @@ EVENTS_AT_ONE_INSTANT = 64
 class Driver:
     """Runs a scene from its start, or from `resume` = (state, mode, known zeros), to its end."""
 
-    def __init__(self, scene, kit, flow, resume=None):
+    def __init__(self, scene, kit, flow, resume=None, section=False):
         self.scene, self.kit, self.flow = scene, kit, flow
+        self.section = StroboscopicSection(scene, flow, section)
         self.samples, self.events = [], []
         self.counts = [0] * len(EVENT_KINDS)
         self.first_violation = None
@@ -29,6 +31,7 @@ class Driver:
         else:
             self.state, self.mode, known = resume
             self.next_sample = scene.sample_index(self.state.t)
+            self.section.skip_to(self.state.t)
         self.known, self.known_since, self.crowd = known, self.state.t, 0
         self._record("start")
         if self.mode.violated:
@@ -59,6 +62,7 @@ class Driver:
         """One stretch of the flow: its samples, then its event."""
         end, function = self.flow.advance(self.scene.t_end)
         self._sample_until(end, last=end >= self.scene.t_end)
+        self.section.gather(self.state, end)
         state = self.flow.state_at(end)
         if not self.kit.finite(state.x1 + state.v1 + state.x2 + state.v2 + state.w):
             raise KernelError("diverged", self.state)
@@ -114,7 +118,7 @@ class Driver:
         self.events.append((code, State(**vars(self.state)), self.mode))
 
     def take(self):
-        """The samples and events collected since the last call."""
-        samples, events = self.samples, self.events
-        self.samples, self.events = [], []
-        return samples, events
+        """The samples, events and section points collected since the last call."""
+        samples, events, section = self.samples, self.events, self.section.states
+        self.samples, self.events, self.section.states = [], [], []
+        return samples, events, section

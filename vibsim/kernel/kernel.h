@@ -3,7 +3,7 @@
  * Every expression repeats its Python twin operation by operation; compile with -ffp-contract=off and never with
  * -ffast-math. Twins: numbers.h physics/numbers.py, first_root.h events/first_root.py, responses.c flows/responses.py,
  * closed_form.c flows/closed_form.py, taylor.c flows/taylor.py, polynomial_root.c events/polynomial_root.py,
- * automaton.c events/automaton.py, driver.c kernel/driver.py.
+ * automaton.c events/automaton.py, driver.c kernel/driver.py, stroboscopic.c kernel/stroboscopic.py.
  */
 #ifndef VIBSIM_KERNEL_H
 #define VIBSIM_KERNEL_H
@@ -81,6 +81,7 @@ typedef struct {
     int functions[FUNCTIONS], function_count;
     double known_since, margin, margin_time, first_violation;
     double evaluations, steps, uncertified, counts[KINDS];
+    double period; /* of the ideal source, whose end is the next section point */
     long long next_sample;
     int crowd, finished, status, violated_once;
     int pending, pending_function; /* a stretch whose samples are being written */
@@ -132,11 +133,17 @@ typedef struct {
     signed char *sample_modes;  /* 2 columns of sample_room: contact friction */
     double *events;             /* 8 columns of event_room: t x1 v1 x2 v2 phi phidot phase */
     signed char *event_codes;   /* 3 columns of event_room: kind contact friction */
-    long sample_room, event_room, sample_count, event_count;
+    double *section;            /* 7 columns of section_room, as samples; none where section_room is 0 */
+    long sample_room, event_room, section_room, sample_count, event_count, section_count;
 } Buffers;
 
+void write_state(double *row, long room, const State *s);
 void run_start(Run *r, const Scene *scene, const State *resume, const Mode *mode, const Known *known, Buffers *b);
 void run_advance(Run *r, Buffers *b, long steps);
 void run_state_at(Run *r, double t, State *out);
+
+/* stroboscopic.c; section_gather returns 0 when the buffer is full before the stretch is done */
+void section_start(Run *r);
+int section_gather(Run *r, Buffers *b, double end);
 
 #endif

@@ -35,7 +35,9 @@ static int buffers_of(Py_buffer *views, Buffers *b)
     b->event_codes = views[3].buf;
     b->sample_room = (long)(views[0].len / (Py_ssize_t)(SAMPLE_COLUMNS * sizeof(double)));
     b->event_room = (long)(views[2].len / (Py_ssize_t)(EVENT_COLUMNS * sizeof(double)));
-    if (b->sample_room < 1 || b->event_room < 8 || views[1].len != 2 * b->sample_room || views[3].len != 3 * b->event_room) {
+    b->section = views[4].buf;
+    b->section_room = (long)(views[4].len / (Py_ssize_t)(SAMPLE_COLUMNS * sizeof(double)));
+    if (b->sample_room < 1 || b->event_room < 8 || b->section_room == 1 || views[1].len != 2 * b->sample_room || views[3].len != 3 * b->event_room) {
         PyErr_SetString(PyExc_ValueError, "buffers do not fit together");
         return -1;
     }
@@ -54,19 +56,19 @@ static PyObject *run_size(PyObject *self, PyObject *args)
     return PyLong_FromSize_t(sizeof(Run));
 }
 
-PyDoc_STRVAR(start_doc, "start(run, scene, resume, samples, sample_modes, events, event_codes) -> (samples, events)\n\n"
+PyDoc_STRVAR(start_doc, "start(run, scene, resume, samples, sample_modes, events, event_codes, section) -> (samples, events)\n\n"
                         "Set the memory `run` to the start of `scene` (packed doubles), or to the packed `resume` row: state (8), mode (3),\n"
                         "known zeros (5), as doubles; empty for a fresh start.");
 
 static PyObject *start(PyObject *self, PyObject *args)
 {
-    Py_buffer v[7];
+    Py_buffer v[8];
     Buffers b;
     Scene scene;
     double row[8 + 3 + FUNCTIONS];
     Run *run;
     PyObject *result = NULL;
-    if (!PyArg_ParseTuple(args, "w*y*y*w*w*w*w*", &v[0], &v[1], &v[2], &v[3], &v[4], &v[5], &v[6]))
+    if (!PyArg_ParseTuple(args, "w*y*y*w*w*w*w*w*", &v[0], &v[1], &v[2], &v[3], &v[4], &v[5], &v[6], &v[7]))
         return NULL;
     run = run_of(&v[0]);
     if (run && read_doubles(&v[1], &scene, sizeof scene) == 0 && buffers_of(v + 3, &b) == 0) {
@@ -84,29 +86,29 @@ static PyObject *start(PyObject *self, PyObject *args)
             result = Py_BuildValue("ll", b.sample_count, b.event_count);
         }
     }
-    release(v, 7);
+    release(v, 8);
     return result;
 }
 
-PyDoc_STRVAR(advance_doc, "advance(run, samples, sample_modes, events, event_codes) -> (samples, events, finished, status)\n\n"
+PyDoc_STRVAR(advance_doc, "advance(run, samples, sample_modes, events, event_codes, section) -> (samples, events, section, finished, status)\n\n"
                           "Compute on until a buffer is full, a slice of work is done or the run ends.");
 
 static PyObject *advance(PyObject *self, PyObject *args)
 {
-    Py_buffer v[5];
+    Py_buffer v[6];
     Buffers b;
     Run *run;
     PyObject *result = NULL;
-    if (!PyArg_ParseTuple(args, "w*w*w*w*w*", &v[0], &v[1], &v[2], &v[3], &v[4]))
+    if (!PyArg_ParseTuple(args, "w*w*w*w*w*w*", &v[0], &v[1], &v[2], &v[3], &v[4], &v[5]))
         return NULL;
     run = run_of(&v[0]);
     if (run && buffers_of(v + 1, &b) == 0) {
         Py_BEGIN_ALLOW_THREADS
         run_advance(run, &b, STEP_SLICE);
         Py_END_ALLOW_THREADS
-        result = Py_BuildValue("llii", b.sample_count, b.event_count, run->finished, run->status);
+        result = Py_BuildValue("lllii", b.sample_count, b.event_count, b.section_count, run->finished, run->status);
     }
-    release(v, 5);
+    release(v, 6);
     return result;
 }
 

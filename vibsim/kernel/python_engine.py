@@ -21,11 +21,11 @@ class PythonTrajectory:
 
     engine = "python"
 
-    def __init__(self, scene, method, resume=None):
+    def __init__(self, scene, method, resume=None, section=False):
         self.scene, self.method = scene, method
         self.kit = Doubles
         self.flow = {"closed_form": ClosedForm, "taylor": Taylor}[method](scene, Doubles)
-        self.driver = Driver(scene, Doubles, self.flow, resume and resume_point(scene, resume))
+        self.driver = Driver(scene, Doubles, self.flow, resume and resume_point(scene, resume), section)
 
     def blocks(self):
         """Yield `Block`s until the run ends."""
@@ -36,12 +36,13 @@ class PythonTrajectory:
                 return
 
     def _block(self):
-        samples, events = self.driver.take()
+        samples, events, section = self.driver.take()
         rows = sample_columns(self.kit, [row[0] for row in samples], [row[1] for row in samples])
         table = sample_columns(self.kit, [row[1] for row in events], [row[2] for row in events])
         table["t"], table["kind"] = table["time"], np.array([row[0] for row in events], dtype="i1")
         table["phase"] = np.array([row[1].phase for row in events], dtype="f8")
-        return select(self.scene, rows, table, self.driver.state.t)
+        points = sample_columns(self.kit, section, [self.driver.mode] * len(section))
+        return select(self.scene, rows, table, points, self.driver.state.t)
 
     @property
     def totals(self):
