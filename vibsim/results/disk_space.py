@@ -1,26 +1,23 @@
-"""Reserve space on disk before HDF5 needs it, so that a full disk is noticed while the file is still whole.
+"""Room on disk for HDF5, made before it is needed, so that a full disk is noticed while the file is whole.
 
-A write that fails inside HDF5 leaves a file that may not open again. Space that is reserved first makes every
-later write succeed; when the reservation fails nothing has been touched yet.
+A write that fails inside HDF5 leaves a file that may not open again. Room that is reserved first lets every
+later write succeed; when it cannot be reserved, nothing has been touched yet.
 """
 
 import errno
 import os
+import tempfile
 from pathlib import Path
 
-MARGIN = 1 << 20  # bytes kept for what HDF5 writes besides the data: indices, attributes, the last chunks
+MARGIN = 4 << 20  # bytes kept for what is written besides a batch: indices, attributes, the last rows of all
 DISK_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
 
-def reserve(descriptor: int, path: Path, used: int, wanted: int) -> bool:
-    """Reserve `wanted` bytes and a margin behind the first `used` bytes of an open file; False without room.
-
-    Where the file system cannot reserve, the free space is looked at instead.
-    """
-    if not hasattr(os, "posix_fallocate"):
-        return _free_space(path) >= wanted + MARGIN
+def reserve(path: Path, used: int, wanted: int) -> bool:
+    """Reserve `wanted` bytes and a margin behind the first `used` bytes of a file; False without room."""
     try:
-        os.posix_fallocate(descriptor, 0, used + wanted + MARGIN)
+        with open(path, "r+b") as file:
+            _extend(file.fileno(), used, wanted + MARGIN)
     except OSError as error:
         return error.errno not in DISK_FULL
     return True
@@ -32,7 +29,20 @@ def release(path: Path, used: int) -> None:
         os.truncate(path, used)
 
 
-def _free_space(path: Path) -> int:
-    import shutil
+def detach(descriptor: int) -> None:
+    """Let whatever is still written to an open file go to a temporary one, after a write to it has failed.
 
-    return shutil.disk_usage(path.parent).free
+    HDF5 insists on writing what it holds when a file is closed, and brings the process down when it cannot.
+    """
+    with tempfile.TemporaryFile() as elsewhere:
+        os.dup2(elsewhere.fileno(), descriptor)
+
+
+def _extend(descriptor: int, start: int, count: int) -> None:
+    """Allocate `count` bytes from `start`; where the system has no call for that, by writing zeros."""
+    if hasattr(os, "posix_fallocate"):
+        os.posix_fallocate(descriptor, start, count)
+        return
+    os.lseek(descriptor, start, os.SEEK_SET)
+    while count > 0:
+        count -= os.write(descriptor, bytes(min(count, 1 << 20)))

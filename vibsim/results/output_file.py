@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from vibsim.results.disk_space import DISK_FULL
 from vibsim.results.errors import ResultFileError
 
 
@@ -46,6 +47,22 @@ def partial_path(target: Path) -> Path:
     return target.with_name(target.name + ".partial")
 
 
+def is_locked(path: Path) -> bool:
+    """Whether another process has the file open and locked, as HDF5 does while it writes."""
+    try:
+        import fcntl
+    except ImportError:  # where there are no such locks, the system itself refuses to open the file twice
+        return False
+    try:
+        with open(path, "rb") as file:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+    return False
+
+
 def publish(partial: Path, target: Path, force: bool = False) -> None:
     """Make a finished partial file durable and give it its name: fsync, rename, fsync of the folder."""
     try:
@@ -75,7 +92,10 @@ def output_file(path: str | Path, force: bool = False) -> Iterator[Path]:
 
 def reason(error: BaseException) -> str:
     """The cause of an error in one line, without errno numbers and paths."""
-    text = getattr(error, "strerror", None) or str(error) or type(error).__name__
+    number = getattr(error, "errno", None)
+    if number in DISK_FULL:
+        return "disk full"
+    text = os.strerror(number) if number else str(error) or type(error).__name__
     return text.strip().splitlines()[0]
 
 

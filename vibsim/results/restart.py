@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.scene import Scene
 
 
@@ -22,7 +23,8 @@ def states_at(
         raise ValueError(f"times must lie between 0 and {t_reached:g} s, the span of the run")
     order = np.argsort(flat, kind="stable")
     ascending = flat[order]
-    last_event = np.searchsorted(events["t"], ascending, side="right") - 1
+    starts = events["t"][events["kind"] != EVENT_KINDS["end"]]  # nothing starts at the end
+    last_event = np.searchsorted(starts, ascending, side="right") - 1
     pieces = []
     for event in np.unique(last_event):
         row = {name: column[event].item() for name, column in events.items()}

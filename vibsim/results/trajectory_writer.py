@@ -4,6 +4,7 @@ The file grows as NAME.partial, is flushed every few megabytes (a killed run lea
 what the last flush held) and gets its name when it is whole. Memory does not grow with the length of the run.
 """
 
+import errno
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,9 +15,9 @@ import numpy as np
 from vibsim.results.attributes import write_attrs
 from vibsim.results.columns import event_columns
 from vibsim.results.dataset_stream import DatasetStream
-from vibsim.results.disk_space import release, reserve
+from vibsim.results.disk_space import MARGIN, detach, release, reserve
 from vibsim.results.errors import ResultFileError
-from vibsim.results.output_file import check_output, partial_path, publish, reason
+from vibsim.results.output_file import check_output, is_locked, partial_path, publish, reason
 
 SAMPLE_CHUNK = 16384  # rows: 128 kB per column, 82 s at 5 ms; a window reads few chunks, a run writes few
 EVENT_CHUNK = 2048
@@ -41,12 +42,15 @@ class TrajectoryWriter:
     ):
         self.target = check_output(path, force)
         self.partial = partial_path(self.target)
+        self.shown = f"{path}.partial"
         self.force = force
         self._unflushed = 0
+        if is_locked(self.partial):  # HDF5 would empty the file before it finds that out
+            raise ResultFileError(f"{self.shown}: another run is writing it")
         try:
             self._file = h5py.File(self.partial, "w", libver=LIBVER)
         except OSError as error:
-            raise ResultFileError(f"{self.partial}: cannot write: {_open_failure(error)}") from error
+            raise ResultFileError(f"{self.shown}: cannot write: {reason(error)}") from error
         if not self._reserve(0):
             self._file.close()
             self.partial.unlink()
@@ -85,27 +89,26 @@ class TrajectoryWriter:
             self._file.close()
             release(self.partial, used)
         except (OSError, RuntimeError) as error:
-            raise ResultFileError(f"{self.partial}: cannot write: {reason(error)}") from error
+            raise ResultFileError(f"{self.shown}: cannot write: {reason(error)}") from error
 
     def _write(self, everything: bool = False) -> None:
         size = self.samples.waiting_bytes() + self.events.waiting_bytes()
-        if not self._reserve(size):
-            self.close()
-            raise ResultFileError(f"{self.partial}: disk full; what was written before is kept there")
+        full = not self._reserve(size)
         try:
-            self.samples.write(everything)
-            self.events.write(everything)
+            if full and size > MARGIN // 2:
+                raise OSError(errno.ENOSPC, "no room for what waits")
+            self.samples.write(everything or full)
+            self.events.write(everything or full)
             self._unflushed += size
             if self._unflushed >= FLUSH_BYTES:
                 self._file.flush()
                 self._unflushed = 0
         except (OSError, RuntimeError) as error:
-            raise ResultFileError(f"{self.partial}: cannot write: {reason(error)}") from error
+            detach(self._file.id.get_vfd_handle())
+            raise ResultFileError(f"{self.shown}: cannot write: {reason(error)}") from error
+        if full:
+            self.close()
+            raise ResultFileError(f"{self.shown}: disk full; it holds what was computed until then")
 
     def _reserve(self, size: int) -> bool:
-        return reserve(self._file.id.get_vfd_handle(), self.partial, self._file.id.get_filesize(), size)
-
-
-def _open_failure(error: OSError) -> str:
-    busy = "lock" in str(error)
-    return "another run is writing it" if busy else reason(error)
+        return reserve(self.partial, self._file.id.get_filesize(), size)

@@ -1,0 +1,154 @@
+"""What a trajectory file looks like to other programs: h5py, xarray with both of its engines."""
+
+import json
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+import pytest
+
+import vibsim
+from tests.results.made import short_case, short_run
+from vibsim.results import simulate_to_file
+from vibsim.results.trajectory_writer import EVENT_CHUNK, SAMPLE_CHUNK
+
+SAMPLES = {"time": "s", "x1": "m", "v1": "m s-1", "x2": "m", "v2": "m s-1", "phi": "rad", "phidot": "rad s-1"}
+FLAGS = {"contact", "friction"}
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    return short_run("II-B").save(tmp_path_factory.mktemp("format") / "II-B.h5")
+
+
+@pytest.fixture(scope="module")
+def file(path):
+    with h5py.File(path) as file:
+        yield file
+
+
+def columns(group):
+    return {name: item for name, item in group.items() if isinstance(item, h5py.Dataset)}
+
+
+def test_the_datasets_are_those_of_the_scene(file):
+    assert set(columns(file)) == set(SAMPLES) | FLAGS
+    assert set(columns(file["events"])) == {"t", "kind", "phase", *SAMPLES, *FLAGS} - {"time"}
+
+
+def test_a_scene_without_motor_friction_and_stop_has_no_such_columns(tmp_path):
+    text = "blocks: {m1: 1 kg, m2: fixed}\ncoupling: {k1: 1 N/m, c: 0}\nexcitation: {kind: none}\n"
+    (tmp_path / "bare.yaml").write_text(text + "initial: {x1: 1 mm}\nrun: {t_end: 1 s}\n")
+    saved = vibsim.simulate(vibsim.load_case(tmp_path / "bare.yaml")).save(tmp_path / "bare.h5")
+    with h5py.File(saved) as file:
+        assert set(columns(file)) == {"time", "x1", "v1"}
+        assert set(columns(file["events"])) == {"t", "kind", "x1", "v1"}
+
+
+def test_units_and_meanings(file):
+    for group in (file, file["events"]):
+        for name, dataset in columns(group).items():
+            assert dataset.attrs["long_name"]
+            if dataset.dtype == "i1":
+                values, meanings = dataset.attrs["flag_values"], dataset.attrs["flag_meanings"].split()
+                assert values.dtype == "i1" and len(values) == len(meanings)
+                assert set(np.unique(dataset[:])) <= set(values)
+            else:
+                assert dataset.dtype == "f8"
+                assert dataset.attrs["units"] == {**SAMPLES, "t": "s", "phase": "rad"}[name]
+
+
+def test_every_axis_has_its_scale(file):
+    for group, scale in ((file, "time"), (file["events"], "t")):
+        assert group[scale].is_scale
+        for name, dataset in columns(group).items():
+            if name != scale:
+                assert dataset.dims[0].keys() == [scale]
+                assert dataset.dims[0][0] == group[scale]
+
+
+def test_filters_and_chunks(file):
+    for group, chunk in ((file, SAMPLE_CHUNK), (file["events"], EVENT_CHUNK)):
+        for dataset in columns(group).values():
+            assert (dataset.compression, dataset.compression_opts) == ("gzip", 1)
+            assert dataset.shuffle and dataset.fletcher32
+            assert dataset.chunks == (chunk,) and dataset.maxshape == (None,)
+
+
+def test_root_attributes(file):
+    attrs, case = dict(file.attrs), short_case("II-B")
+    assert attrs["Conventions"].startswith("CF-1.")
+    assert (attrs["vibsim_format"], attrs["vibsim_kind"], attrs["complete"]) == (1, "trajectory", 1)
+    assert attrs["vibsim_version"] == vibsim.__version__
+    assert (attrs["case_name"], attrs["title"]) == (case.name, case.title)
+    assert (attrs["case_yaml"], attrs["case_sha256"]) == (case.text, case.sha256)
+    assert json.loads(attrs["case_resolved_json"])["run"]["t_end"] == "5 s"
+    assert (attrs["method"], attrs["taylor_order"], attrs["taylor_tolerance"]) == ("taylor", 20, 2.0**-53)
+    assert attrs["engine"] in ("c", "python")
+    assert attrs["impacts"] == np.count_nonzero(file["events/kind"][:] == 1)
+    assert attrs["events"] == len(file["events/t"]) - 2
+    assert attrs["t_reached_s"] == 5.0
+    assert attrs["wall_time_s"] > 0
+    assert {"date_created", "platform", "python_version", "numpy_version"} <= set(attrs)
+
+
+def test_what_is_not_known_is_absent(file):
+    assert not {"trust_horizon_s", "energy_residual", "first_violation_time"} & set(file.attrs)
+    for value in file.attrs.values():
+        assert not (isinstance(value, float) and np.isnan(value))
+
+
+def test_a_case_of_a_megabyte_fits_into_an_attribute(tmp_path):
+    result = short_run()
+    long_text = "# " + "x" * 900_000 + "\n" + result.attrs["case_yaml"]
+    copy = vibsim.Result({**result.attrs, "case_yaml": long_text}, dict(result._samples), result.events)
+    assert vibsim.open_result(copy.save(tmp_path / "long.h5")).attrs["case_yaml"] == long_text
+
+
+READ = """
+import sys, warnings
+warnings.simplefilter("error")
+import numpy, xarray
+path, engine, group, scale = sys.argv[1:]
+with xarray.open_dataset(path, engine=engine, group=group or None) as data:
+    data.load()
+    print(*data.sizes.items(), sorted(data.variables), data[scale].dtype, data["x1"].dims, end=" ")
+    print(float(data["x1"].sum()))
+"""
+
+
+@pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
+@pytest.mark.parametrize(("group", "scale"), [("", "time"), ("events", "t")])
+def test_xarray_opens_it_without_warnings_and_phony_dimensions(path, file, engine, group, scale):
+    # one process per engine: h5py and netCDF4 bring an HDF5 library each
+    command = [sys.executable, "-c", READ, str(path), engine, group, scale]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    table = file[group or "/"]
+    names = sorted(columns(table))
+    total = float(np.sum(table["x1"][:]))
+    assert done.stdout.split(" [")[0] == f"('{scale}', {len(table[scale])})"
+    assert str(names) in done.stdout
+    assert f"float64 ('{scale}',)" in done.stdout
+    assert float(done.stdout.split()[-1]) == pytest.approx(total, rel=1e-12, abs=1e-12)
+
+
+def test_a_run_and_a_saved_result_are_the_same_file(tmp_path):
+    simulate_to_file(short_case(), tmp_path / "run.h5")
+    short_run().save(tmp_path / "saved.h5")
+    run, saved = vibsim.open_result(tmp_path / "run.h5"), vibsim.open_result(tmp_path / "saved.h5")
+    assert list(run.attrs) == list(saved.attrs)
+    for name in run:
+        assert run[name].tobytes() == saved[name].tobytes()
+    for name in run.events:
+        assert run.events[name].tobytes() == saved.events[name].tobytes()
+
+
+def test_many_chunks_hold_what_memory_holds(tmp_path):
+    values = {"t_end": "20 s", "run__every": "0.2 ms"}
+    assert len(short_run(**values)) == 100_001 > 6 * SAMPLE_CHUNK
+    simulate_to_file(short_case(**values), tmp_path / "long.h5")
+    run = vibsim.open_result(tmp_path / "long.h5")
+    for name in run:
+        assert run[name].tobytes() == short_run(**values)[name].tobytes()

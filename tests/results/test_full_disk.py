@@ -1,0 +1,85 @@
+"""A disk that fills up during a run: a clear message, and what was computed stays readable."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import vibsim
+
+RUN = """
+import os, resource, sys
+limit = int(sys.argv[1])
+resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))  # no file grows beyond that
+if "no-fallocate" in sys.argv:
+    del os.posix_fallocate
+from vibsim.command_line.main import main
+sys.argv[1:] = ["run", "II-B", "--every", "1ms", "--t-end", "300s"]
+main()
+"""
+
+
+def run(folder, limit, *options):
+    command = [sys.executable, "-c", RUN, str(limit), *options]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+
+
+def check_partial(folder, seconds):
+    assert sorted(os.listdir(folder)) == ["II-B.h5.partial"]
+    result = vibsim.open_result(folder / "II-B.h5.partial")
+    assert not result.complete
+    assert result.column("time")[-1] > seconds
+    whole = vibsim.simulate(vibsim.load_case("II-B", {"run.every": "1 ms", "run.t_end": "100 s"}))
+    count = min(len(whole), len(result))
+    for name in result:
+        assert np.array_equal(result[name][:count], whole[name][:count])
+    return result
+
+
+@pytest.mark.parametrize("option", ["", "no-fallocate"])
+def test_room_for_a_part_of_the_run(tmp_path, option):
+    done = run(tmp_path, 9_000_000, option)
+    assert done.returncode == 6
+    assert done.stderr == "Error: II-B.h5.partial: disk full; it holds what was computed until then\n"
+    result = check_partial(tmp_path, seconds=60)
+    assert len(result.events["t"]) > 100
+    assert result.at(result.t_reached)["x1"] == result.events["x1"][-1]
+
+
+def test_no_room_at_all(tmp_path):
+    done = run(tmp_path, 100_000)
+    assert (done.returncode, done.stderr) == (6, "Error: II-B.h5: disk full\n")
+    assert os.listdir(tmp_path) == []
+
+
+BROKEN_DEVICE = """
+import os, sys
+from vibsim.command_line.main import main
+from vibsim.results.trajectory_writer import TrajectoryWriter
+append = TrajectoryWriter.append
+def append_to_a_device_that_breaks(self, samples, events):
+    append(self, samples, events)
+    if self.samples.rows > 150_000:
+        os.dup2(os.open("/dev/full", os.O_RDWR), self._file.id.get_vfd_handle())
+TrajectoryWriter.append = append_to_a_device_that_breaks
+sys.argv[1:] = ["run", "II-B", "--every", "1ms", "--t-end", "300s"]
+main()
+"""
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is always full")
+def test_a_write_that_fails_in_spite_of_that_leaves_what_was_flushed(tmp_path):
+    command = [sys.executable, "-c", BROKEN_DEVICE]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (6, "Error: II-B.h5.partial: cannot write: disk full\n")
+    check_partial(tmp_path, seconds=60)
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is always full")
+def test_stdout_on_a_full_disk():
+    with open("/dev/full", "w") as full:
+        command = [sys.executable, "-m", "vibsim", "--version"]
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, done.stderr) == (6, "Error: stdout: disk full\n")

@@ -1,0 +1,195 @@
+"""Files appear whole or not at all, and never in place of another one unless told so."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import vibsim
+from tests.results.made import short_case, short_run
+from vibsim.results import ResultFileError, simulate_to_file
+from vibsim.results.output_file import check_output, output_file
+
+
+def files(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_an_existing_file_is_kept(tmp_path):
+    path = tmp_path / "a.h5"
+    path.write_text("precious")
+    with pytest.raises(ResultFileError, match=r"a\.h5: exists; kept"):
+        short_run().save(path)
+    assert path.read_text() == "precious"
+    assert files(tmp_path) == ["a.h5"]
+
+
+def test_an_existing_file_is_noticed_before_anything_is_computed(tmp_path):
+    (tmp_path / "a.h5").write_text("precious")
+    never = []
+    with pytest.raises(ResultFileError):
+        simulate_to_file(short_case(), tmp_path / "a.h5", watch=never.append)
+    assert never == []
+
+
+def test_force_replaces_it(tmp_path):
+    (tmp_path / "a.h5").write_text("precious")
+    assert len(vibsim.open_result(short_run().save(tmp_path / "a.h5", force=True))) == len(short_run())
+    assert files(tmp_path) == ["a.h5"]
+
+
+def test_a_file_that_appears_meanwhile_is_kept(tmp_path):
+    path = tmp_path / "a.h5"
+
+    def somebody_else(t):
+        path.write_text("precious")
+        return True
+
+    with pytest.raises(ResultFileError, match="appeared meanwhile; kept"):
+        simulate_to_file(short_case(), path, watch=somebody_else)
+    assert path.read_text() == "precious"
+
+
+def test_the_target_is_replaced_only_when_the_new_file_is_whole(tmp_path):
+    path = tmp_path / "a.h5"
+    path.write_text("precious")
+    seen = []
+
+    def look(t):
+        seen.append(path.read_text())
+        return True
+
+    simulate_to_file(short_case(), path, force=True, watch=look)
+    assert set(seen) == {"precious"}
+    assert vibsim.open_result(path).complete
+
+
+def test_a_link_stays_a_link(tmp_path):
+    (tmp_path / "real").mkdir()
+    (tmp_path / "link.h5").symlink_to(tmp_path / "real" / "a.h5")
+    short_run().save(tmp_path / "link.h5")
+    assert (tmp_path / "link.h5").is_symlink()
+    assert files(tmp_path / "real") == ["a.h5"]
+
+
+def test_a_failing_run_leaves_a_partial_file_and_no_target(tmp_path):
+    def fail(t):
+        raise RuntimeError("as if the engine had failed")
+
+    with pytest.raises(RuntimeError):
+        simulate_to_file(short_case(), tmp_path / "a.h5", watch=fail)
+    assert files(tmp_path) == ["a.h5.partial"]
+    assert not vibsim.open_result(tmp_path / "a.h5.partial").complete
+
+
+def test_a_run_that_is_stopped_is_finished_as_incomplete(tmp_path):
+    blocks = []
+
+    def stop_at_the_third(t):
+        blocks.append(t)
+        return len(blocks) < 3
+
+    simulate_to_file(short_case(t_end="300 s", run__every="1 ms"), tmp_path / "a.h5", watch=stop_at_the_third)
+    result = vibsim.open_result(tmp_path / "a.h5")
+    assert not result.complete
+    assert result.t_reached == blocks[2] < 300
+    whole = short_run(t_end="300 s", run__every="1 ms")
+    for name in result:
+        assert np.array_equal(result[name], whole[name][: len(result)])
+    assert len(result) > 0
+    assert files(tmp_path) == ["a.h5"]
+
+
+BLOCKED = {
+    "missing folder": ("none/a.h5", "folder .*none does not exist"),
+    "a file for a folder": ("file/a.h5", "cannot write"),
+    "a folder": ("folder", "is a folder"),
+    "a device": ("/dev/null", "is not a regular file"),
+    "too long a name": ("x" * 300, "cannot write: File name too long"),
+    "a null byte": ("a\0b.h5", "cannot write"),
+}
+
+
+@pytest.mark.parametrize("name", BLOCKED)
+def test_outputs_that_cannot_be(name, tmp_path):
+    (tmp_path / "file").write_text("")
+    (tmp_path / "folder").mkdir()
+    target, message = BLOCKED[name]
+    with pytest.raises(ResultFileError, match=message) as caught:
+        check_output(tmp_path / target, force=True)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.fixture
+def as_nobody():
+    """The rest of the test has no more rights than any user."""
+    if os.geteuid() != 0:
+        yield
+        return
+    os.seteuid(65534)
+    yield
+    os.seteuid(0)
+
+
+def test_a_folder_without_permission(as_nobody):
+    with pytest.raises(ResultFileError, match="folder / is not writable"):
+        check_output("/a.h5")
+
+
+def test_other_outputs_are_whole_or_absent_too(tmp_path):
+    with pytest.raises(RuntimeError), output_file(tmp_path / "a.csv") as partial:
+        partial.write_text("half")
+        raise RuntimeError
+    assert files(tmp_path) == []
+    with output_file(tmp_path / "a.csv") as partial:
+        partial.write_text("whole")
+    assert files(tmp_path) == ["a.csv"]
+
+
+ENDLESS = """
+import vibsim
+from vibsim.results import simulate_to_file
+case = vibsim.load_case("II-B", {"run.t_end": "1000000 s", "run.every": "1 ms"})
+told = False
+def watch(t):
+    global told
+    if t > 120 and not told:  # two flushes, of about 72 s of samples each, are through
+        told = True
+        print("going", flush=True)
+    return True
+simulate_to_file(case, "a.h5", watch=watch)
+"""
+
+
+def test_a_killed_run_leaves_a_partial_file_that_opens(tmp_path):
+    with subprocess.Popen([sys.executable, "-c", ENDLESS], cwd=tmp_path, stdout=subprocess.PIPE) as run:
+        assert run.stdout.readline() == b"going\n"
+        run.send_signal(signal.SIGKILL)
+    assert files(tmp_path) == ["a.h5.partial"]
+    result = vibsim.open_result(tmp_path / "a.h5.partial")
+    assert not result.complete
+    assert len(result) >= 4 * 16384
+    whole = vibsim.simulate(vibsim.load_case("II-B", {"run.t_end": "70 s", "run.every": "1 ms"}))
+    for name in result:
+        assert np.array_equal(result[name][:60_000], whole[name][:60_000])
+    assert result.t_reached == (result.events["t"][-1] if len(result.events["t"]) else 0.0)
+
+
+def test_a_second_run_does_not_disturb_the_first_one(tmp_path):
+    simulating = []
+
+    def another(t):
+        if not simulating:
+            simulating.append(t)
+            command = [sys.executable, "-m", "vibsim", "run", "I-A", "-o", str(tmp_path / "a.h5")]
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+            assert done.returncode == 6
+            assert "another run is writing it" in done.stderr
+        return True
+
+    simulate_to_file(short_case(), tmp_path / "a.h5", watch=another)
+    assert np.array_equal(vibsim.open_result(tmp_path / "a.h5")["x1"], short_run()["x1"])
+    assert simulating
