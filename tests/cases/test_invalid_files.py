@@ -84,6 +84,14 @@ def test_deep_nesting_ends_quickly_with_a_problem(text, tmp_path):
     assert problems_of(path)
 
 
+def test_a_strange_key_stays_on_one_line(tmp_path):
+    path = tmp_path / "trial.yaml"
+    path.write_text('blocks: {m1: 1 kg, m2: 1 kg, "a\\nb\\e' + "c" * 200 + '": 1}\ncoupling: {k1: 1 N/m}\n')
+    [line] = problems_of(path)
+    assert line.startswith(f"{path}:1:30: blocks.a b?ccc")
+    assert line.endswith("...: unknown key; allowed: m1, m2")
+
+
 def test_files_that_do_not_exist(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "folder.yaml").mkdir()

@@ -143,7 +143,8 @@ def test_a_reloaded_case_takes_the_same_overrides():
 def test_number_and_numeric_keys():
     case = load_case("I-A")
     assert case.numeric_keys() == [
-        "blocks.m1", "blocks.m2", "coupling.k1", "coupling.c", "stop.k2", "stop.G", "friction.mu", "friction.g",
+        "blocks.m1", "blocks.m2", "coupling.k1", "coupling.c",
+        "stop.k2", "stop.G", "friction.mu", "friction.g",
         "excitation.A", "excitation.omega", "excitation.F0",
         "initial.x1", "initial.v1", "initial.x2", "initial.v2",
         "run.t_end", "run.every", "run.tol",

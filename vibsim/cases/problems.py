@@ -24,11 +24,10 @@ class Problem:
     message: str
 
     def __str__(self) -> str:
+        key = shown(self.key, limit=100) if self.key else ""
         if self.line is None:
-            where = " ".join(part for part in (self.file, self.key) if part)
-            return f"{where}: {self.message}"
-        key = f"{self.key}: " if self.key else ""
-        return f"{self.file}:{self.line}:{self.column}: {key}{self.message}"
+            return f"{f'{self.file} {key}'.strip()}: {self.message}"
+        return f"{self.file}:{self.line}:{self.column}: {f'{key}: ' if key else ''}{self.message}"
 
 
 class CaseError(Exception):
