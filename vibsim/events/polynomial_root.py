@@ -55,7 +55,7 @@ class PolynomialSearch:
     def _march(self, series, noise, bound, t0, h):
         """March by safe steps from t0 to the first zero; None where t0 + h comes first."""
         zero = self.kit.number(0)
-        t = t0
+        t, stall = t0, self.kit.number(1)
         for _ in range(MARCH_LIMIT):
             tau = t - t0
             if tau > h:
@@ -72,7 +72,10 @@ class PolynomialSearch:
                 if slope < 0:
                     return t
                 self.uncertified += 1
-                ahead = self.kit.next_after(t, inf)
+                ahead = t + (self.kit.next_after(t, inf) - t) * stall
+                stall = stall * 2
+            else:
+                stall = self.kit.number(1)
             t = ahead
         self.uncertified += 1
         return None

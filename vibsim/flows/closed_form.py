@@ -85,7 +85,7 @@ class ClosedForm:
         self.load_sine, self.load_cosine = self.regime.amplitude * self.sin0, self.regime.amplitude * self.cos0
         self.centre_sine = self.regime.centre_amplitude * self.sin0
         self.centre_cosine = self.regime.centre_amplitude * self.cos0
-        self.slope_before = kit.number(0)
+        self.slope_before, self.stall = kit.number(0), kit.number(1)
         self._evaluate_start()
 
     def _evaluate_start(self):
@@ -312,10 +312,12 @@ class ClosedForm:
         before = self.t
         self._move(step)
         if self.t > before:
+            self.stall = self.kit.number(1)
             return NOTHING
         if nearest == NOTHING:
             self.uncertified += 1
-            self.t = self.kit.next_after(before, inf)
+            self.t = before + (self.kit.next_after(before, inf) - before) * self.stall
+            self.stall = self.stall * 2
         return nearest
 
     def _move(self, step):

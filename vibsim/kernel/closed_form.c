@@ -83,6 +83,7 @@ void closed_form_enter(Run *r, const State *state, Mode mode)
     f->centre_sine = regime_of(f)->centre_amplitude * f->sin0;
     f->centre_cosine = regime_of(f)->centre_amplitude * f->cos0;
     f->slope_before = 0.0;
+    f->stall = 1.0;
     f->at = f->t0;
     f->tau = 0.0;
     f->y = f->y0;
@@ -380,11 +381,14 @@ static int step_once(Run *r)
     }
     before = f->t;
     move(f, step);
-    if (f->t > before)
+    if (f->t > before) {
+        f->stall = 1.0;
         return NOTHING;
+    }
     if (nearest == NOTHING) {
         r->uncertified += 1;
-        f->t = nextafter(before, INFINITY);
+        f->t = before + (nextafter(before, INFINITY) - before) * f->stall;
+        f->stall = f->stall * 2;
     }
     return nearest;
 }

@@ -18,7 +18,7 @@ static void value_and_slope(const double *series, int count, double tau, double 
 
 static int march(Run *r, const double *series, int count, double noise, double bound, double t0, double h, double *root)
 {
-    double t = t0;
+    double t = t0, stall = 1.0;
     int i;
     for (i = 0; i < MARCH_LIMIT; i++) {
         double tau = t - t0, value, slope, room, step, ahead;
@@ -40,7 +40,10 @@ static int march(Run *r, const double *series, int count, double noise, double b
                 return 1;
             }
             r->uncertified += 1;
-            ahead = nextafter(t, INFINITY);
+            ahead = t + (nextafter(t, INFINITY) - t) * stall;
+            stall = stall * 2;
+        } else {
+            stall = 1.0;
         }
         t = ahead;
     }
