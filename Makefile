@@ -1,0 +1,56 @@
+# Everything from a clean checkout: each target sets up what it needs in .venv.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/installed
+KERNEL := $(wildcard vibsim/kernel/*.c vibsim/kernel/*.h)
+PAPER := I-A I-B I-C I-A-eq211 I-B-eq211 I-C-eq211 II-A II-B II-C
+
+.PHONY: help env run test verify lint figures sweep budgets clean
+.DEFAULT_GOAL := help
+
+help: ## list the targets
+	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /  make \1\t/' | expand -t 18
+
+env: $(STAMP) ## set up .venv with vibsim, its C engine and the development tools
+
+$(STAMP): pyproject.toml setup.py $(KERNEL)
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	touch $@
+
+run: $(STAMP) ## run case II-B and plot it: results/II-B.h5, results/II-B.png
+	mkdir -p results
+	$(BIN)/vibsim run cases/II-B.yaml -o results/II-B.h5 --force
+	$(BIN)/vibsim plot results/II-B.h5 -o results/II-B.png --force
+
+test: $(STAMP) ## run the test suite in parallel
+	$(BIN)/python -m pytest -n auto -q -m "not slow"
+
+verify: $(STAMP) ## run the slow verification
+	$(BIN)/python -m pytest -n auto -q -m slow --timeout 1800
+
+lint: $(STAMP) ## check style and types
+	$(BIN)/ruff check vibsim tests setup.py
+	$(BIN)/mypy vibsim
+
+figures: $(STAMP) ## run the nine cases and draw each one's overview into figures/
+	mkdir -p results figures
+	for name in $(PAPER); do \
+	  $(BIN)/vibsim run $$name -o results/$$name.h5 --force && \
+	  $(BIN)/vibsim plot results/$$name.h5 -o figures/$$name.pdf --force || exit 1; \
+	done
+
+sweep: $(STAMP) ## sweep the motor constant of II-B and draw the Sommerfeld diagram
+	mkdir -p results
+	$(BIN)/vibsim sweep --omega0 3:7:0.05 -o results/sommerfeld.h5
+	$(BIN)/vibsim plot results/sommerfeld.h5 -o results/sommerfeld.png --force
+
+budgets: $(STAMP) ## measure the speed budgets on this machine
+	$(BIN)/python tests/benchmarks/budgets.py
+
+clean: ## remove the environment, builds, results and figures
+	rm -rf $(VENV) build *.egg-info results figures .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find vibsim tests -name __pycache__ -type d -prune -exec rm -rf {} +
+	rm -f vibsim/kernel/*.so
