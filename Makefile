@@ -26,7 +26,7 @@ run: $(STAMP) ## run case II-B and plot it: results/II-B.h5, results/II-B.png
 	$(BIN)/vibsim plot results/II-B.h5 -o results/II-B.png --force
 
 test: $(STAMP) ## run the test suite in parallel
-	$(BIN)/python -m pytest -n auto -q -m "not slow"
+	$(BIN)/python -m pytest -n auto -q
 
 verify: $(STAMP) ## run the slow verification
 	$(BIN)/python -m pytest -n auto -q -m slow --timeout 1800
