@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.physics.scene import Scene
 from vibsim.plots.impacts import events_within
-from vibsim.plots.natural_frequencies import shortest_period
+from vibsim.plots.natural_frequencies import shortest_period, source_period
 from vibsim.plots.samples import samples
 from vibsim.plots.view import Span
 
@@ -15,16 +16,19 @@ PER_PERIOD = 40  # instants per shortest period: chords of 9 degrees, round at a
 AT_MOST = 40_000  # instants to be evaluated
 
 
-def dense(result: Any, names: tuple[str, ...], span: Span) -> dict[str, np.ndarray]:
+def dense(
+    result: Any, names: tuple[str, ...], span: Span, step: float | None = None
+) -> dict[str, np.ndarray]:
     """Columns `time` and `names` within the span, the events, and instants between them.
 
     Every sample and every event within the span is among the rows, as stored; the instants between are
     evaluated by the engine. A span too long for that comes back as samples alone.
     """
     stored = samples(result, ("time", *names), span)
-    between = _instants_between(result, stored["time"], span)
+    between = _instants_between(stored["time"], span, step or _fine_step(result.case.scene()))
     if between is None:
         return stored
+    between = between[between <= result.t_reached]  # of a run that was killed, samples may reach further
     events = events_within(result, ("t", *names), span)
     parts = [stored, {**events, "time": events["t"]}, {**states_at(result, names, between), "time": between}]
     order = np.argsort(np.concatenate([part["time"] for part in parts]), kind="stable")
@@ -45,13 +49,23 @@ def states_at(result: Any, names: tuple[str, ...], times: np.ndarray) -> dict[st
     return {name: states[name] for name in names}
 
 
-def _instants_between(result: Any, time: np.ndarray, span: Span) -> np.ndarray | None:
+def samples_are_sparse(scene: Scene) -> bool:
+    """Whether a line through the samples would miss vibrations: fewer than four to a period of the source."""
+    period = source_period(scene)
+    return period is not None and scene.sample_time(1) > period / 4
+
+
+def _fine_step(scene: Scene) -> float | None:
+    period = shortest_period(scene)
+    return None if period is None else period / PER_PERIOD
+
+
+def _instants_between(time: np.ndarray, span: Span, step: float | None) -> np.ndarray | None:
     """Equally spaced instants between the samples [s]; None when there would be too many."""
-    period = shortest_period(result.case.scene())
     knots = np.unique(np.concatenate([[span[0]], time, [span[1]]]))
-    if period is None:
+    if step is None:
         return np.empty(0)
-    pieces = np.maximum(np.ceil(PER_PERIOD * np.diff(knots) / period), 1)
+    pieces = np.maximum(np.ceil(np.diff(knots) / step), 1)
     if pieces.sum() > AT_MOST:
         return None
     parts = [

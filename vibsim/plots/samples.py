@@ -22,8 +22,8 @@ Series = tuple[np.ndarray, np.ndarray]
 def whole_span(result: Any) -> Span:
     """First and last sampled instant [s]."""
     time = result.column("time")
-    if not len(time):
-        raise PlotError(f"{result.case.name}: the run holds no samples")
+    if len(time) < 2:
+        raise PlotError(f"{result.case.name}: the run holds {len(time)} samples: nothing to draw")
     return float(time[0]), float(time[-1])
 
 

@@ -9,10 +9,10 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vibsim.plots.dense import dense
+from vibsim.plots.dense import dense, samples_are_sparse
 from vibsim.plots.impacts import contact_spans, events_of
 from vibsim.plots.quantities import Scale, scale_for
-from vibsim.plots.samples import common_window, series, window_of
+from vibsim.plots.samples import Series, common_window, series, window_of
 from vibsim.plots.sheet import above_wider, legend_above, pixel_columns, sheet, time_axis
 from vibsim.plots.spans import DETAIL_PERIODS, detail_span, period_of
 from vibsim.plots.style import BLOCK1, BLOCK2, SHADE, overlay
@@ -107,12 +107,7 @@ def history_panel(axes: Axes, curves: list[Curve], span: Span, quantity: Quantit
 
 def whole_panel(axes: Axes, curves: list[Curve], span: Span, unit: str) -> Scale:
     """A long span: envelopes; for a single run a tick for every impact, and the trust horizon."""
-    drawn = []
-    for curve in curves:
-        result = curve.subject.result
-        drawn.append(
-            series(result, (curve.column,), window_of(curve.subject, span), pixel_columns(axes))[curve.column]
-        )
+    drawn = [_long_series(curve, span, pixel_columns(axes)) for curve in curves]
     scale = scale_for(unit, *(values for _, values in drawn))
     for curve, (t, values) in zip(curves, drawn, strict=True):
         look = {**curve.look, "linestyle": "-", "zorder": above_wider(values)}
@@ -120,6 +115,15 @@ def whole_panel(axes: Axes, curves: list[Curve], span: Span, unit: str) -> Scale
     if len({id(curve.subject) for curve in curves}) == 1:
         annotate_run(axes, curves[0].subject, span)
     return scale
+
+
+def _long_series(curve: Curve, span: Span, columns: int) -> Series:
+    """Column against time over a long span; from the engine where samples are sparse."""
+    subject, own = curve.subject, window_of(curve.subject, span)
+    if samples_are_sparse(subject.scene):
+        filled = dense(subject.result, (curve.column,), own, step=period_of(subject, own) / 16)
+        return filled["time"], filled[curve.column]
+    return series(subject.result, (curve.column,), own, columns)[curve.column]
 
 
 def short_panel(axes: Axes, curves: list[Curve], span: Span, unit: str) -> Scale:

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from matplotlib.axes import Axes
 
+from vibsim.plots.dense import samples_are_sparse
 from vibsim.plots.impacts import impact_times
 from vibsim.plots.samples import window_of
 from vibsim.plots.sheet import note, pixel_columns
@@ -18,6 +19,10 @@ from vibsim.plots.view import Span
 def annotate_run(axes: Axes, subject: Subject, span: Span, impacts: bool = True) -> None:
     """Ticks for the impacts (where wanted), a line at the trust horizon, and a note above that names them."""
     remarks = [impact_ticks(axes, subject, span) if impacts else "", trust_line(axes, subject, span)]
+    remarks.append(
+        f"samples every {subject.scene.sample_time(1):g} s" if samples_are_sparse(subject.scene) else ""
+    )
+    remarks.append("" if subject.result.complete else "incomplete run")
     note(axes, "; ".join(remark for remark in remarks if remark))
 
 

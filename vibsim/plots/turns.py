@@ -66,6 +66,7 @@ def states_at(
     Up to `exact_up_to` of them are evaluated by the engine; more are interpolated between samples, x by the
     cubic Hermite polynomial of x and v, v by its derivative.
     """
+    times = times[times <= result.t_reached]
     if len(times) <= exact_up_to:
         return dense.states_at(result, names, times)
     parts: dict[str, list[np.ndarray]] = {name: [] for name in names}
