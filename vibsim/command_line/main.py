@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from vibsim import __version__
-from vibsim.command_line.errors import TERMINATED, exit_code_of
+from vibsim.command_line.errors import TERMINATED, broken_pipe_named, exit_code_of
 from vibsim.command_line.examples import examples
 from vibsim.command_line.settings import add_global_options, global_options
 
@@ -18,8 +18,9 @@ COMMANDS = {
     "run": ("vibsim.command_line.run", "Run cases and write their trajectories."),
     "plot": ("vibsim.command_line.plot", "Draw pictures of runs, cases and sweeps."),
     "info": ("vibsim.command_line.info", "Say what a result file holds."),
+    "sweep": ("vibsim.command_line.sweep", "Run a case at every point of a grid."),
     "export": ("vibsim.command_line.export", "Write a trajectory as CSV or MAT."),
-    "cases": ("vibsim.command_line.cases", "List the shipped cases."),
+    "cases": ("vibsim.command_line.cases", "List the shipped cases, or print one."),
     "check": ("vibsim.command_line.check", "Check case files."),
     "schema": ("vibsim.command_line.schema", "Print the JSON Schema of a case file."),
 }
@@ -52,6 +53,14 @@ class LazyGroup(click.Group):
     def format_commands(self, ctx, formatter):
         with formatter.section("Commands"):
             formatter.write_dl([(name, line) for name, (_, line) in COMMANDS.items()])
+
+    def make_context(self, *args, **extra):
+        with broken_pipe_named():
+            return super().make_context(*args, **extra)
+
+    def invoke(self, ctx):
+        with broken_pipe_named():
+            return super().invoke(ctx)
 
     def main(self, *args: Any, standalone_mode: bool = True, **extra: Any) -> Any:
         run: Callable[..., Any] = partial(super().main, *args, standalone_mode=False, **extra)

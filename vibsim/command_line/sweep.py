@@ -1,0 +1,108 @@
+"""vibsim sweep: a case at every point of a grid, in parallel and restartable."""
+
+import click
+
+from vibsim.command_line.examples import examples
+from vibsim.command_line.parameters import ASSIGNMENT, CASE, FILE
+
+DEFAULT_CASE = "II-B"
+
+
+class KeyRange(click.ParamType):
+    """KEY=RANGE, as a pair."""
+
+    name = "key=range"
+
+    def convert(self, value, param, ctx):
+        if isinstance(value, tuple):
+            return value
+        key, _, text = value.partition("=")
+        if not key.strip() or not text.strip():
+            self.fail(f"{value!r} is not KEY=RANGE, such as c=0.01:0.05/9", param, ctx)
+        return key.strip(), text.strip()
+
+
+@click.command(
+    "sweep",
+    short_help="Run a case at every point of a grid.",
+    epilog=examples(
+        "vibsim sweep --omega0 3:7:0.05                # II-B, 81 motor constants, into II-B-omega0.h5",
+        "vibsim sweep II-B --omega0 3:7:0.05 --direction both --carry-state -o hysteresis.h5",
+        "vibsim sweep I-B --omega 3:7:0.1 --discard 100s",
+        "vibsim sweep II-B --omega0 3:7:0.1 --param c=0.01:0.05/9",
+        "vibsim plot II-B-omega0.h5",
+        before="Ranges: FROM:TO:STEP (both ends included), FROM:TO/COUNT, or A,B,C; with a unit at the end. "
+        "An interrupted sweep goes on when the same command is given again.",
+    ),
+)
+@click.argument("source", metavar="[CASE]", required=False, type=CASE)
+@click.option("--omega0", metavar="RANGE", help="Motor constants; bare numbers are Hz.")
+@click.option("--omega", metavar="RANGE", help="Frequencies of a harmonic source; bare numbers are Hz.")
+@click.option(
+    "--param",
+    "params",
+    metavar="KEY=RANGE",
+    multiple=True,
+    type=KeyRange(),
+    help="Any number; repeat for a grid.",
+)
+@click.option(
+    "--direction", type=click.Choice(["up", "down", "both"]), default="up", help="Along the first axis.",
+    show_default=True,
+)  # fmt: skip
+@click.option(
+    "--carry-state/--fresh", "carry",
+    help="Start each point from the end of the one before, or as the case says. [default: fresh]",
+)  # fmt: skip
+@click.option(
+    "--discard", default="50%", metavar="TIME|SHARE", help="Transient left out, such as 100s or 0.5.",
+    show_default=True,
+)  # fmt: skip
+@click.option(
+    "--section", type=click.IntRange(min=0), default=100, metavar="N", show_default=True,
+    help="Stroboscopic points kept per point.",
+)  # fmt: skip
+@click.option(
+    "-s",
+    "--set",
+    "changes",
+    metavar="KEY=VALUE",
+    multiple=True,
+    type=ASSIGNMENT,
+    help="Change a value; repeatable.",
+)
+@click.option("--t-end", metavar="TIME", help="End of every run, such as 100s.")
+@click.option(
+    "--every", metavar="TIME", help="Sampling behind the statistics. [default: what the motion needs]"
+)
+@click.option(
+    "--method", type=click.Choice(["auto", "closed_form", "taylor"]), help="How the motion is computed."
+)
+@click.option("--engine", type=click.Choice(["auto", "c", "python"]), default="auto", help="Who computes it.")
+@click.option(
+    "-j", "--jobs", type=click.IntRange(min=1), metavar="N", help="Points at a time. [default: all cores]"
+)
+@click.option("-o", "--output", type=FILE, metavar="FILE", help="Output file. [default: CASE-AXES.h5]")
+@click.option("--force", is_flag=True, help="Replace an output file that holds something else.")
+@click.pass_context
+def command(
+    ctx, source, omega0, omega, params, changes, t_end, method, engine, jobs, output, force, **settings
+):
+    """Run CASE at every point of a grid and store statistics of each run.
+
+    CASE is a YAML file, the name of a shipped case, - for standard input, or an HDF5 file of `vibsim run`.
+    """
+    from vibsim.command_line.run_plan import check_engine
+    from vibsim.command_line.sweep_jobs import read_plan, run_sweep
+
+    check_engine(engine)
+    if source is None:
+        source = DEFAULT_CASE
+        if not ctx.obj.quiet:
+            click.echo(f"no case given: sweeping {source}", err=True)
+    given = {"run.t_end": t_end, "run.method": method}
+    values = dict(changes) | {key: value for key, value in given.items() if value is not None}
+    axes = [("excitation.Omega0", omega0, "Hz"), ("excitation.omega", omega, "Hz")]
+    axes = [axis for axis in axes if axis[1] is not None] + [(key, text, "") for key, text in params]
+    plan = read_plan(source, values, axes, settings)
+    return run_sweep(plan, output, jobs, engine, force, ctx.obj)

@@ -1,0 +1,123 @@
+"""What `vibsim sweep` does: make the plan, run it with progress and interruption, say what came of it."""
+
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from vibsim.cases import RangeError, UnknownKeyError
+from vibsim.command_line.errors import FAILED_POINTS
+from vibsim.command_line.interruption import Interruption
+from vibsim.command_line.run_plan import read_case
+from vibsim.command_line.settings import Settings
+from vibsim.command_line.summary import print_json, print_lines, size
+from vibsim.sweeps.columns import FAILED, MISSING
+from vibsim.sweeps.description import facts, sweep_lines
+from vibsim.sweeps.plan import UP, Plan, PlanError
+from vibsim.sweeps.store import FileStore
+from vibsim.sweeps.sweeping import make_plan, run_stored
+from vibsim.sweeps.table import Table
+from vibsim.sweeps.workers import available_cores
+
+PATIENCE = 1.0  # seconds before a bar appears
+
+AxisText = tuple[str, str, str]  # key, range, unit of a bare range
+
+
+def read_plan(
+    source: str, changes: dict[str, str], axes: Sequence[AxisText], settings: dict[str, Any]
+) -> Plan:
+    """The plan that the options describe.
+
+    Raises CaseError and ResultFileError for the case, UsageError for axes and settings.
+    """
+    case = read_case(source, changes)
+    if not axes:
+        raise click.UsageError("nothing to sweep: give --omega0, --omega or --param KEY=RANGE")
+    try:
+        plan = make_plan(case, axes, carry_state=settings.pop("carry"), **settings)
+    except UnknownKeyError as error:
+        raise click.UsageError(f"--param: {error}") from None
+    except (RangeError, PlanError) as error:
+        raise click.UsageError(str(error)) from None
+    if plan.directions != (UP,) and not plan.carry:
+        click.echo(
+            "every point starts fresh, so the direction makes no difference; see --carry-state", err=True
+        )
+    return plan
+
+
+def run_sweep(
+    plan: Plan, output: str | None, jobs: int | None, engine: str, force: bool, settings: Settings
+) -> int:
+    """Run or complete a sweep; returns the exit code."""
+    path = Path(output or f"{plan.case.name}-{'-'.join(axis.name for axis in plan.axes)}.h5")
+    began = time.perf_counter()
+    with Interruption() as interruption:
+        store = FileStore(plan, path, engine, force)
+        had = plan.count - store.table.count(MISSING) - store.table.count(FAILED)
+        progress = PointsProgress(store.table, wanted=not settings.quiet)
+
+        def watch(table: Table) -> bool:
+            progress.show(table)
+            return interruption.signum is None
+
+        try:
+            result, _ = run_stored(store, jobs or available_cores(), engine, watch)
+        finally:
+            progress.close()
+    took = time.perf_counter() - began
+    if settings.json:
+        print_json({"file": str(path), **facts(result)})
+    elif not settings.quiet:
+        lines = [*sweep_lines(result), ("file", _file_text(path, had, plan.count, took))]
+        print_lines(lines)
+    if not result.complete and interruption.signum is not None:
+        click.echo(f"interrupted: {path} holds what was done; the same command goes on from there", err=True)
+        return interruption.exit_code
+    failed = result.table.count(FAILED)
+    if failed:
+        click.echo(
+            f"Error: {failed} of {plan.count} points failed; the same command tries them again", err=True
+        )
+    return FAILED_POINTS if failed else 0
+
+
+def _file_text(path: Path, had: int, count: int, took: float) -> str:
+    text = f"{path} ({size(path)})"
+    if had == count:
+        return f"{text}, was complete: nothing to compute"
+    return f"{text}, {took:.2f} s" + (f", {had} points were there" if had else "")
+
+
+class PointsProgress:
+    """A bar on stderr with the points done and the time still to wait; on a terminal, after a second."""
+
+    def __init__(self, table: Table, wanted: bool):
+        self._wanted = wanted and sys.stderr.isatty()
+        self._began = time.monotonic()
+        self._had = self._done(table)
+        self._bar: Any = None
+
+    def show(self, table: Table) -> None:
+        """Say how far the table is filled."""
+        if not self._wanted or time.monotonic() - self._began < PATIENCE:
+            return
+        if self._bar is None:
+            self._bar = click.progressbar(
+                length=table.status.size - self._had, label="points", file=sys.stderr, show_pos=True
+            )
+            self._bar.start = self._began  # the time still to wait counts from the start of the sweep
+            self._bar.render_progress()
+        self._bar.update(self._done(table) - self._had - self._bar.pos)
+
+    def close(self) -> None:
+        """Leave the terminal line as the bar left it."""
+        if self._bar is not None:
+            self._bar.render_finish()
+
+    def _done(self, table: Table) -> int:
+        return int(table.status.size - table.count(MISSING))

@@ -1,0 +1,111 @@
+"""One axis of a sweep: a key of the case and the exact values it takes, ascending."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibsim.cases.keys import full_key
+from vibsim.cases.problems import CaseError
+from vibsim.cases.quantities import decimal_text
+from vibsim.cases.ranges import RangeError, RangeValue, parse_range
+from vibsim.cases.units import UNITS
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+SCALE_NAMES = {"excitation.Omega0": "omega0", "rest_distance.value": "rest_distance"}
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A key that is varied.
+
+    Attributes
+    ----------
+    key : dotted key of the case, such as "excitation.Omega0"
+    unit : unit of the values, as the range has it; empty for a plain number
+    values : exact values in that unit, ascending, none twice
+    """
+
+    key: str
+    unit: str
+    values: tuple[Fraction, ...]
+
+    @property
+    def name(self) -> str:
+        """Name of its dimension scale: the last part of the key, omega0 for the motor constant."""
+        return SCALE_NAMES.get(self.key, self.key.rpartition(".")[2])
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def numbers(self) -> np.ndarray:
+        """The values as doubles (n), in `unit`."""
+        return np.array([float(value) for value in self.values])
+
+    def text(self, position: int) -> str:
+        """One value with its unit, as `Case.with_values` takes it."""
+        return f"{decimal_text(self.values[position])} {self.unit}".strip()
+
+    def plain(self) -> dict[str, Any]:
+        """The axis as plain data for JSON; `from_plain` reads it back."""
+        return {"key": self.key, "unit": self.unit, "values": [decimal_text(value) for value in self.values]}
+
+    @staticmethod
+    def from_plain(data: Mapping[str, Any]) -> "Axis":
+        """The axis that `plain` wrote down."""
+        return Axis(data["key"], data["unit"], tuple(map(Fraction, data["values"])))
+
+    def __str__(self) -> str:
+        ends = [decimal_text(value) for value in (self.values[0], self.values[-1])]
+        return f"{self.name} {' to '.join(dict.fromkeys(ends))} {self.unit}".strip()
+
+
+def read_axis(case: "Case", key: str, text: str, bare_unit: str = "") -> Axis:
+    """The axis that `key` and the range `text` describe, every value tried in the case.
+
+    Parameters
+    ----------
+    key : dotted or unambiguous short key of a number of the case
+    text : a range, see `vibsim.cases.ranges`
+    bare_unit : unit of a range that has none
+
+    Raises UnknownKeyError, RangeError, and CaseError where the case does not allow a value.
+    """
+    case.quantity(key)  # a number of this case, or UnknownKeyError
+    full = full_key(key, case.values)
+    values = _in_one_unit(parse_range(text, bare_unit))
+    exact = sorted(value.value for value in values)
+    for low, high in pairwise(exact):
+        if low == high:
+            raise RangeError(f"{text} has the value {decimal_text(low)} twice")
+    axis = Axis(full, values[0].unit, tuple(exact))
+    _check(case, axis)
+    return axis
+
+
+def _in_one_unit(values: list[RangeValue]) -> list[RangeValue]:
+    """The values in the unit of the last; a list may mix units of one dimension."""
+    unit = UNITS[values[-1].unit]
+    if all(value.unit == unit.name for value in values):
+        return values
+    for value in values:
+        if (UNITS[value.unit].dimension, UNITS[value.unit].per_turn) != (unit.dimension, unit.per_turn):
+            raise RangeError(f"{value.text} and {values[-1].text} do not go together on one axis")
+    return [
+        replace(value, value=value.value * UNITS[value.unit].factor / unit.factor, unit=unit.name)
+        for value in values
+    ]
+
+
+def _check(case: "Case", axis: Axis) -> None:
+    """Try every value; a CaseError names the option instead of --set."""
+    for position in range(len(axis)):
+        try:
+            case.with_values({axis.key: axis.text(position)})
+        except CaseError as error:
+            raise CaseError(replace(problem, file="--param") for problem in error.problems) from None

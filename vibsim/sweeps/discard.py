@@ -1,0 +1,54 @@
+"""How much of a point's run is left out of its statistics: the transient."""
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from vibsim.cases.quantities import QuantityError, decimal_text, parse_quantity
+
+
+@dataclass(frozen=True)
+class Discard:
+    """A time [s], or a fraction of t_end where `relative`; exact."""
+
+    value: Fraction
+    relative: bool
+
+    def time(self, t_end: float) -> float:
+        """Time [s] at which the statistics begin, in a run up to t_end [s]."""
+        return float(self.value * Fraction(t_end)) if self.relative else float(self.value)
+
+    def __str__(self) -> str:
+        return f"{decimal_text(self.value * 100)} %" if self.relative else f"{decimal_text(self.value)} s"
+
+
+HALF = Discard(Fraction(1, 2), True)
+
+
+def parse_discard(text: str) -> Discard:
+    """The transient that `text` spells: `100 s`, `0.5` (of t_end) or `50 %`. Raises ValueError."""
+    word = text.strip()
+    number, percent, rest = word.partition("%")
+    try:
+        if percent and not rest:
+            fraction = parse_quantity(number, "number").value / 100
+        elif word[-1:].isdigit() or word[-1:] == ".":
+            fraction = parse_quantity(word, "number").value
+        else:
+            return _time(parse_quantity(word, "time").value, word)
+    except QuantityError:
+        raise ValueError(f"{text!r} is no time and no fraction, such as 100s, 0.5 or 50%") from None
+    return _fraction(fraction, word)
+
+
+def _time(time: Fraction, word: str) -> Discard:
+    if time < 0:
+        raise ValueError(f"the time {word} is negative")
+    return Discard(time, False)
+
+
+def _fraction(value: Fraction, word: str) -> Discard:
+    if not 0 <= value < 1:
+        raise ValueError(
+            f"a fraction must be at least 0 and below 1, got {word}; a time needs its unit, such as 100s"
+        )
+    return Discard(value, True)

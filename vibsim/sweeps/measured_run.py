@@ -1,0 +1,69 @@
+"""One run of a scene for its statistics: first the transient, without output, then the rest.
+
+A run resumed from a stored event goes on bit for bit as the uninterrupted one. So the transient is run
+without samples up to its end, and the part that counts begins at the last event before that.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any
+
+from vibsim.kernel import Block, open_trajectory
+from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.scene import Scene
+
+SUMMED = ("impacts", "sticks", "events")
+
+
+class GivenUpError(Exception):
+    """The run was given up because nobody wants it any more."""
+
+
+class MeasuredRun:
+    """A run of `scene`: its blocks from about the time `begin` [s] on, with stroboscopic points.
+
+    `totals` are those of the whole run, up to date after the last block. `go_on` is asked before every
+    block, those of the transient too; where it says False, GivenUpError is raised.
+    """
+
+    def __init__(self, scene: Scene, begin: float, engine: str, go_on: Callable[[], bool] | None = None):
+        self.scene, self.begin, self.engine = scene, begin, engine
+        self._go_on = go_on
+        self.totals: dict[str, float] = dict.fromkeys(SUMMED, 0.0) | {"grazing_margin": math.nan}
+        self.t_reached = 0.0
+
+    def blocks(self) -> Iterator[Block]:
+        """The blocks from the last event before `begin` on; none where the run ended before."""
+        row = self._transient() if self.begin > 0 else None
+        if self.t_reached < self.begin:
+            return
+        trajectory = open_trajectory(self.scene, self.engine, resume=row, section=True)
+        yield from self._asked(trajectory)
+        self._add(trajectory.totals)
+
+    def _transient(self) -> dict[str, float] | None:
+        """Run up to `begin`; the row of the last event."""
+        long = 2 * math.ceil(self.scene.t_end)
+        scene = replace(self.scene, t_end=self.begin, every_num=long, every_den=1)
+        trajectory = open_trajectory(scene, self.engine)
+        row: dict[str, float] | None = None
+        for block in self._asked(trajectory):
+            before = block.events["kind"] != EVENT_KINDS["end"]
+            if before.any():
+                row = {name: float(column[before][-1]) for name, column in block.events.items()}
+        self._add(trajectory.totals)
+        return row
+
+    def _asked(self, trajectory: Any) -> Iterator[Block]:
+        for block in trajectory.blocks():
+            if self._go_on is not None and not self._go_on():
+                raise GivenUpError
+            self.t_reached = block.t_reached
+            yield block
+
+    def _add(self, totals: dict[str, Any]) -> None:
+        for name in SUMMED:
+            self.totals[name] += float(totals[name])
+        margins = [self.totals["grazing_margin"], float(totals["grazing_margin"])]
+        self.totals["grazing_margin"] = min((m for m in margins if not math.isnan(m)), default=math.nan)

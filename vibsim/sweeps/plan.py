@@ -1,0 +1,138 @@
+"""What a sweep is to do: its case, its axes, the order of its points, and what is kept of each.
+
+A plan is plain data that can be sent to another process. `fingerprint` covers everything that the numbers
+depend on.
+"""
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+from vibsim.cases.quantities import Quantity
+from vibsim.sweeps.axis import Axis
+from vibsim.sweeps.discard import HALF, Discard
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+STATISTICS = 1  # raised when a statistic is computed differently: points of two versions do not mix
+UP, DOWN = 1, -1
+DIRECTIONS = {"up": (UP,), "down": (DOWN,), "both": (UP, DOWN)}
+DIRECTION_FLAGS = {"up": UP, "down": DOWN}
+
+Index = tuple[int, ...]  # position on every axis, then the position of the direction
+Start = Mapping[str, str]  # initial values that replace those of the case, such as {"initial.x1": "0.1 m"}
+
+
+class PlanError(ValueError):
+    """Wishes that do not go together; the message says which."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A sweep.
+
+    Attributes
+    ----------
+    case : the case that the axes vary
+    axes : one or more; the first is the one along which a state is carried
+    directions : of the first axis, in the order computed: UP (ascending), DOWN, or both
+    carry : start each point from the end of the one before, `both` going up and then back down; otherwise
+        every point starts as its case says, and the direction makes no difference
+    discard : transient left out of the statistics
+    section : number of stroboscopic points kept per point, the last ones
+    every : output interval that the statistics are taken from [s]; None: what suits each point's motion
+    """
+
+    case: "Case"
+    axes: tuple[Axis, ...]
+    directions: tuple[int, ...] = (UP,)
+    carry: bool = False
+    discard: Discard = HALF
+    section: int = 100
+    every: Fraction | None = None
+
+    def __post_init__(self):
+        names = [axis.name for axis in self.axes]
+        if not names:
+            raise PlanError("a sweep needs something to vary")
+        if len(set(names)) < len(names):
+            raise PlanError(f"{next(name for name in names if names.count(name) > 1)} is given twice")
+        if self.carry and self.axes[0].key.startswith("initial."):
+            raise PlanError(
+                f"a carried state replaces the initial one, so {self.axes[0].key} cannot be swept first"
+            )
+        if not self.discard.relative and self.discard.value >= self.case.quantity("run.t_end").value:
+            raise PlanError(
+                f"a transient of {self.discard} leaves nothing of a run of {self.case.quantity('run.t_end')}"
+            )
+
+    @property
+    def shape(self) -> Index:
+        """Points per axis, and the number of directions."""
+        return (*map(len, self.axes), len(self.directions))
+
+    @property
+    def count(self) -> int:
+        """Number of points."""
+        total = 1
+        for length in self.shape:
+            total *= length
+        return total
+
+    def chains(self) -> Iterator[list[Index]]:
+        """The points in chains to be computed one by one; single points unless a state is carried."""
+        if not self.carry:
+            yield from ([index] for index in product(*map(range, self.shape)))
+            return
+        for others in product(*map(range, self.shape[1:-1])):
+            yield [
+                (position, *others, d)
+                for d, direction in enumerate(self.directions)
+                for position in self._along_first(direction)
+            ]
+
+    def _along_first(self, direction: int) -> range:
+        count = len(self.axes[0])
+        return range(count) if direction == UP else range(count - 1, -1, -1)
+
+    def point_case(self, index: Index, start: Start | None = None) -> "Case":
+        """The case of one point, begun from `start` where a state is carried. Raises CaseError."""
+        values = {axis.key: axis.text(i) for axis, i in zip(self.axes, index, strict=False)}
+        return self.case.with_values(values | dict(start or {}))
+
+    @cached_property
+    def settings(self) -> dict[str, Any]:
+        """Everything but the case, as plain data for JSON."""
+        return {
+            "axes": [axis.plain() for axis in self.axes],
+            "direction": [name for name, code in DIRECTION_FLAGS.items() if code in self.directions],
+            "carry_state": self.carry,
+            "discard": str(self.discard),
+            "section": self.section,
+            "every": "auto" if self.every is None else f"{self.every} s",
+            "statistics": STATISTICS,
+        }
+
+    @cached_property
+    def fixed_values(self) -> dict[str, str]:
+        """The values of the case that no axis varies: dotted key -> text in exact SI units."""
+        swept = {axis.key for axis in self.axes} | {"name", "title"}
+        return {key: _exact(value) for key, value in self.case.values.items() if key not in swept}
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """SHA-256 of what the numbers depend on: two sweeps of one fingerprint have the same points."""
+        text = json.dumps({"case": self.fixed_values, **self.settings}, sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _exact(value: Any) -> str:
+    if isinstance(value, Quantity):
+        return f"{value.value} turns" if value.per_turn else str(value.value)
+    return str(value)

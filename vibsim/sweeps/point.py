@@ -1,0 +1,123 @@
+"""One point of a sweep: computed here, in whatever thread, process or machine it falls to."""
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from vibsim.cases import CaseError
+from vibsim.kernel import KernelError
+from vibsim.physics.scene import Scene
+from vibsim.sweeps.columns import DONE, FAILED
+from vibsim.sweeps.measured_run import GivenUpError, MeasuredRun
+from vibsim.sweeps.plan import Index, Plan, Start
+from vibsim.sweeps.resolution import sampled_for_statistics
+from vibsim.sweeps.statistics import Statistics
+
+Measured = tuple[dict[str, float], dict[str, list[float]]]
+
+NOTHING_TO_CARRY = (
+    "the run after the transient holds no whole excitation period, so there is no state to carry on from"
+)
+SMALLEST = 2.0**-1022  # below it a case does not take a number
+UNITS = {"x1": "m", "v1": "m/s", "x2": "m", "v2": "m/s", "phi": "rad", "phidot": "rad/s"}
+
+
+@dataclass(frozen=True)
+class Point:
+    """What came of one point.
+
+    Attributes
+    ----------
+    index : position on every axis, then of the direction
+    status : DONE or FAILED
+    sha256 : fingerprint of the point's case, its start included; empty where the case is not allowed
+    error : why it failed
+    values : statistics, totals and end state by name (see `columns`); what does not apply is missing
+    section : the last stroboscopic points by name
+    """
+
+    index: Index
+    status: int
+    sha256: str
+    error: str = ""
+    values: dict[str, float] = field(default_factory=dict)
+    section: dict[str, list[float]] = field(default_factory=dict)
+
+    @property
+    def done(self) -> bool:
+        """Whether it was computed and did not fail."""
+        return self.status == DONE
+
+    @property
+    def end(self) -> Start:
+        """The end state as initial values of the next point's case."""
+        states = {
+            name.removeprefix("end_"): value for name, value in self.values.items() if name.startswith("end_")
+        }
+        return {f"initial.{name}": f"{_storable(value)!r} {UNITS[name]}" for name, value in states.items()}
+
+
+def compute_point(
+    plan: Plan, index: Index, start: Start | None, engine: str, go_on: Callable[[], bool] | None = None
+) -> Point | None:
+    """Run one point and take its statistics.
+
+    Parameters
+    ----------
+    start : where a state is carried, the end of the point before
+    go_on : asked every few milliseconds; the point is given up (None) when it says False
+
+    A point that cannot be run is returned as FAILED with the reason; it raises nothing for that.
+    """
+    began = time.perf_counter()
+    try:
+        case = plan.point_case(index, start)
+    except CaseError as error:
+        return Point(index, FAILED, "", str(error))
+    scene = sampled_for_statistics(case.scene(), plan.every)
+    try:
+        values, section = _measure(scene, plan, engine, go_on)
+    except KernelError as error:
+        return Point(index, FAILED, case.sha256, str(error))
+    except GivenUpError:
+        return None
+    if plan.carry and "end_x1" not in values:
+        return Point(index, FAILED, case.sha256, NOTHING_TO_CARRY)
+    values["wall_time"] = time.perf_counter() - began
+    return Point(index, DONE, case.sha256, "", values, section)
+
+
+def _measure(scene: Scene, plan: Plan, engine: str, go_on: Callable[[], bool] | None) -> Measured:
+    """Statistics, totals and end state by name; stroboscopic points by name."""
+    begin = plan.discard.time(scene.t_end)
+    run, statistics = MeasuredRun(scene, begin, engine, go_on), Statistics(scene, begin)
+    end: dict[str, float] = {}
+    for block in run.blocks():
+        statistics.update(block)
+        end = _end_state(scene, block) or end
+    section = {
+        f"section_{name}": column.tolist() for name, column in statistics.section(plan.section).items()
+    }
+    return {**statistics.values(), **run.totals, "t_reached": run.t_reached, **end}, section
+
+
+def _end_state(scene: Scene, block: Any) -> dict[str, float]:
+    """Where a carried sweep goes on, as far as this block tells.
+
+    A harmonic force begins the next point at phase 0, so the last stroboscopic point is the end whose force
+    it continues.
+    """
+    table = block.section if scene.source == "harmonic" else block.events
+    names = [name for name in UNITS if name in table]
+    if not len(table["x1"]):
+        return {}
+    state = {name: float(table[name][-1]) for name in names}
+    if scene.has_motor:
+        state["phi"] = float(table["phase"][-1])
+    return {f"end_{name}": value for name, value in state.items()}
+
+
+def _storable(value: float) -> float:
+    return value if math.isfinite(value) and abs(value) >= SMALLEST else 0.0

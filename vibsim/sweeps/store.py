@@ -1,0 +1,122 @@
+"""Where the points of a running sweep are kept: in memory and the journal at once, on file now and then."""
+
+import time
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from vibsim.results.errors import ResultFileError
+from vibsim.results.output_file import check_output
+from vibsim.sweeps.differences import differences
+from vibsim.sweeps.journal import Journal
+from vibsim.sweeps.plan import Plan
+from vibsim.sweeps.point import Point
+from vibsim.sweeps.provenance import origin, outcome
+from vibsim.sweeps.sweep_file import fill, read_sweep_attrs, write_sweep
+from vibsim.sweeps.table import Table
+
+LEAST_PAUSE = 10.0  # seconds between two writings of the HDF5 file while points come in
+LARGEST_SHARE = 0.02  # of the time that writing it may take
+
+
+class Store:
+    """The points of one sweep. `table` holds them; `add` takes one more."""
+
+    def __init__(self, plan: Plan, engine: str = "auto"):
+        self.plan = plan
+        self.attrs: dict[str, Any] = origin(plan, engine)
+        self.table = Table(plan.case.scene(), plan.shape, plan.section)
+
+    def __enter__(self) -> "Store":
+        return self
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        pass
+
+    def add(self, point: Point) -> None:
+        """Keep a point."""
+        self.table.put(point)
+
+    @property
+    def all_attrs(self) -> dict[str, Any]:
+        """The attributes that a file written now would have."""
+        return {**self.attrs, **outcome(self.table)}
+
+
+class FileStore(Store):
+    """A store on file: goes on from what the file and its journal hold, and keeps every point from then on.
+
+    Used as a context manager. At its end, whatever ended it, the file holds all points and the journal is
+    gone. Raises ResultFileError when the file holds another sweep or anything else (unless `force`), when
+    another process writes it, or when it cannot be written.
+    """
+
+    def __init__(self, plan: Plan, path: str | Path, engine: str = "auto", force: bool = False):
+        super().__init__(plan, engine)
+        self.path = check_output(path, force=True)
+        self._shown = path
+        self._journal = Journal(self.path)
+        self._on_file = False  # whether the file holds all that the table holds
+        try:
+            if not force:
+                self._go_on()
+        except BaseException:
+            self._journal.close(remove=False)
+            raise
+
+    def _go_on(self) -> None:
+        """Take over what the file and the journal hold; they must be of this sweep."""
+        if self.path.exists():
+            attrs = read_sweep_attrs(self.path)
+            self._refuse(differences(self.plan, attrs))
+            fill(self.table, self.path)
+            self.attrs["date_created"] = attrs["date_created"]
+            self._on_file = True
+        fingerprint, points = self._journal.read()
+        if points and fingerprint != self.plan.fingerprint:
+            raise ResultFileError(
+                f"{self._journal.path}: points of another sweep are waiting in it; --force drops them"
+            )
+        for point in points:
+            self.table.put(point)
+            self._on_file = False
+
+    def _refuse(self, found: list[str]) -> None:
+        if found:
+            listed = "\n  ".join(found)
+            raise ResultFileError(
+                f"{self._shown}: holds another sweep; kept (--force replaces it). It differs in\n  {listed}"
+            )
+
+    def __enter__(self) -> "FileStore":
+        try:
+            self._publish()
+        except BaseException:
+            self._journal.close(remove=False)
+            raise
+        return self
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        published = False
+        try:
+            self._publish()
+            published = True
+        finally:
+            self._journal.close(remove=published)
+
+    def add(self, point: Point) -> None:
+        super().add(point)
+        self._on_file = False
+        self._journal.add(point)
+        if time.monotonic() >= self._next:
+            self._publish()
+
+    def _publish(self) -> None:
+        """Write the file anew if need be; then the journal, whose points are in it, begins anew."""
+        began = time.monotonic()
+        if not self._on_file:
+            write_sweep(self.path, self.plan, self.table, self.all_attrs)
+        self._on_file = True
+        self._journal.restart(self.plan.fingerprint)
+        ended = time.monotonic()
+        self._next = ended + max(LEAST_PAUSE, (ended - began) / LARGEST_SHARE)

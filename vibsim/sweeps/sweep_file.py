@@ -1,0 +1,112 @@
+"""A sweep as an HDF5 file: written whole beside its name and renamed, so that it opens at every moment."""
+
+from collections.abc import Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from vibsim.results.errors import ResultFileError
+from vibsim.results.output_file import output_file
+from vibsim.results.trajectory_file import damage_named, open_hdf5, read_attrs
+from vibsim.sweeps.columns import PER_POINT, SECTION, STATUS_FLAGS, Column
+from vibsim.sweeps.plan import DIRECTION_FLAGS, Plan
+from vibsim.sweeps.table import Table
+
+LIBVER = ("earliest", "v110")  # opens in every HDF5 since 1.10, h5netcdf and netCDF4
+COMPRESSED = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
+SECTION_SCALE, DIRECTION_SCALE = "section", "direction"
+
+
+def write_sweep(path: Path, plan: Plan, table: Table, attrs: Mapping[str, Any]) -> None:
+    """Write a sweep to `path`, replacing what is there in one instant. Raises ResultFileError."""
+    with output_file(path, force=True) as partial:
+        try:
+            with h5py.File(partial, "w", libver=LIBVER) as file:
+                for name, value in attrs.items():
+                    file.attrs[name] = value
+                _write_datasets(file, plan, table)
+        except (OSError, RuntimeError) as error:
+            raise OSError(str(error)) from error
+
+
+def _write_datasets(file: h5py.File, plan: Plan, table: Table) -> None:
+    scales = _write_scales(file, plan)
+    for name, array in table.numbers.items():
+        column = PER_POINT.get(name) or SECTION[name]
+        if array.ndim == len(table.shape) or plan.section:
+            _attach(_number(file, name, array, column), scales)
+    status = file.create_dataset("status", data=table.status, **COMPRESSED)
+    _flags(status, "whether the point was computed", STATUS_FLAGS)
+    _attach(status, scales)
+    for name, long_name in (("sha256", "SHA-256 of the point's case"), ("error", "why a point failed")):
+        texts = file.create_dataset(name, data=getattr(table, name), dtype=h5py.string_dtype())
+        texts.attrs["long_name"] = long_name
+        _attach(texts, scales)
+
+
+def _write_scales(file: h5py.File, plan: Plan) -> list[h5py.Dataset]:
+    """The dimension scales in the order of the dimensions: axes, direction, section."""
+    scales = []
+    for axis in plan.axes:
+        scale = _number(file, axis.name, axis.numbers(), Column(axis.unit or "1", axis.key))
+        scale.attrs["key"] = axis.key
+        scales.append(scale)
+    direction = file.create_dataset(DIRECTION_SCALE, data=np.array(plan.directions, dtype="i1"))
+    _flags(direction, f"direction in which {plan.axes[0].name} was swept", DIRECTION_FLAGS)
+    scales.append(direction)
+    if plan.section:
+        section = file.create_dataset(SECTION_SCALE, data=np.arange(1 - plan.section, 1, dtype="i4"))
+        section.attrs["long_name"] = "stroboscopic points, counted back from the last"
+        section.attrs["units"] = "1"
+        scales.append(section)
+    for scale in scales:
+        scale.make_scale(scale.name.lstrip("/"))
+    return scales
+
+
+def _number(file: h5py.File, name: str, array: np.ndarray, column: Column) -> h5py.Dataset:
+    dataset = file.create_dataset(name, data=array, **COMPRESSED)
+    dataset.attrs["long_name"] = column.long_name
+    dataset.attrs["units"] = column.units
+    return dataset
+
+
+def _flags(dataset: h5py.Dataset, long_name: str, flags: Mapping[str, int]) -> None:
+    dataset.attrs["long_name"] = long_name
+    dataset.attrs["flag_values"] = np.array(list(flags.values()), dataset.dtype)
+    dataset.attrs["flag_meanings"] = " ".join(flags)
+
+
+def _attach(dataset: h5py.Dataset, scales: list[h5py.Dataset]) -> None:
+    for dimension, scale in zip(dataset.dims, scales, strict=False):
+        dimension.attach_scale(scale)
+
+
+@contextmanager
+def opened(path: Path):
+    """The open HDF5 file of a sweep; ResultFileError for everything that is not one."""
+    with damage_named(path), open_hdf5(path) as file:
+        kind = file.attrs.get("vibsim_kind")
+        if kind != "sweep":
+            raise ResultFileError(f"{path}: holds a {kind or 'trajectory'}, not a sweep")
+        yield file
+
+
+def read_sweep_attrs(path: Path) -> dict[str, Any]:
+    """The root attributes of a sweep file."""
+    with opened(path) as file:
+        return read_attrs(file)
+
+
+def fill(table: Table, path: Path) -> None:
+    """Fill a table of the same plan with the points in a file."""
+    with opened(path) as file:
+        for name, array in table.numbers.items():
+            if name in file:
+                array[...] = file[name][...]
+        table.status[...] = file["status"][...]
+        for name in ("sha256", "error"):
+            getattr(table, name)[...] = file[name].asstr()[...]

@@ -1,0 +1,128 @@
+"""A sweep as users meet it: arrays by name over its axes, and the case of each point."""
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from fractions import Fraction
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vibsim.cases import Case
+from vibsim.sweeps.axis import Axis
+from vibsim.sweeps.columns import PER_POINT, SECTION, Column
+from vibsim.sweeps.discard import parse_discard
+from vibsim.sweeps.plan import DIRECTION_FLAGS, Index, Plan, Start
+from vibsim.sweeps.sweep_file import fill, read_sweep_attrs
+from vibsim.sweeps.table import Table
+
+
+class SweepResult:
+    """A sweep, in memory or from a file.
+
+    `sweep["mean_speed"]` is an array over the axes and, last, the direction; `sweep["section_displacement"]`
+    has the stroboscopic points as one more dimension. What was not computed, or does not apply, is NaN.
+    `sweep.attrs` says where it comes from and what came of it.
+    """
+
+    def __init__(self, attrs: dict[str, Any], plan: Plan, read_table: Callable[[], Table]):
+        self.attrs, self.plan, self._read_table = attrs, plan, read_table
+
+    @cached_property
+    def table(self) -> Table:
+        """All points; of a file, read when the first of them is asked for."""
+        return self._read_table()
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        for axis in self.plan.axes:
+            if axis.name == name:
+                return axis.numbers()
+        if name in ("status", "sha256", "error"):
+            return getattr(self.table, name)
+        if name not in self.table.numbers:
+            raise KeyError(f"no {name}; this sweep has {', '.join(self.keys())}")
+        return self.table.numbers[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.keys()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.keys())
+
+    def keys(self) -> list[str]:
+        """Names of the axes and of what is known per point."""
+        return [*(axis.name for axis in self.axes), *self.table.numbers, "status", "sha256", "error"]
+
+    @property
+    def axes(self) -> tuple[Axis, ...]:
+        """The axes, in the order of the dimensions."""
+        return self.plan.axes
+
+    @property
+    def directions(self) -> tuple[int, ...]:
+        """Codes of the directions, +1 up and -1 down: the last dimension of a point's number."""
+        return self.plan.directions
+
+    @property
+    def case(self) -> Case:
+        """The case that the axes vary."""
+        return self.plan.case
+
+    @property
+    def complete(self) -> bool:
+        """Whether every point was computed."""
+        return self.table.complete
+
+    def column(self, name: str) -> Column:
+        """Unit and definition of what `self[name]` holds."""
+        return PER_POINT.get(name) or SECTION[name]
+
+    def case_at(self, index: Index) -> Case:
+        """The case of one point: its values and, where a state was carried, the state that it began from."""
+        return self.plan.point_case(index, self._start(index))
+
+    def _start(self, index: Index) -> Start | None:
+        """The end of the last point before `index` in its chain that did not fail."""
+        start = None
+        if self.plan.carry:
+            chain = next(chain for chain in self.plan.chains() if index in chain)
+            for before in chain[: chain.index(index)]:
+                point = self.table.point(before)
+                start = point.end if point.done else start
+        return start
+
+    def __repr__(self) -> str:
+        axes = " x ".join(f"{len(axis)} {axis}" for axis in self.axes)
+        done, count = self.attrs["points_done"], self.attrs["points"]
+        names = ", ".join(self.table.numbers)
+        return f"<SweepResult {self.case.name}: {axes}, {done} of {count} points; {names}>"
+
+
+def open_sweep(path: str | Path) -> SweepResult:
+    """The SweepResult in an HDF5 file. Raises ResultFileError where it holds none."""
+    attrs = read_sweep_attrs(Path(path))
+    plan = plan_from(attrs)
+
+    def read_table() -> Table:
+        table = Table(plan.case.scene(), plan.shape, plan.section)
+        fill(table, Path(path))
+        return table
+
+    return SweepResult(attrs, plan, read_table)
+
+
+def plan_from(attrs: dict[str, Any]) -> Plan:
+    """The plan that a file's attributes describe."""
+    settings = json.loads(attrs["sweep_settings_json"])
+    every = settings["every"]
+    return Plan(
+        case=replace(Case.from_resolved_json(attrs["case_resolved_json"]), text=attrs["case_yaml"]),
+        axes=tuple(map(Axis.from_plain, settings["axes"])),
+        directions=tuple(DIRECTION_FLAGS[name] for name in settings["direction"]),
+        carry=settings["carry_state"],
+        discard=parse_discard(settings["discard"]),
+        section=settings["section"],
+        every=None if every == "auto" else Fraction(every.removesuffix(" s")),
+    )

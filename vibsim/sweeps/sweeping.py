@@ -1,0 +1,106 @@
+"""The Python call that runs a sweep."""
+
+from collections.abc import Iterable, Mapping
+from fractions import Fraction
+from os import PathLike
+from pathlib import Path
+
+from vibsim.cases import Case, load_case
+from vibsim.cases.quantities import parse_quantity
+from vibsim.sweeps.axis import read_axis
+from vibsim.sweeps.discard import parse_discard
+from vibsim.sweeps.plan import DIRECTIONS, Plan, PlanError
+from vibsim.sweeps.runner import Watch, run
+from vibsim.sweeps.store import FileStore, Store
+from vibsim.sweeps.sweep_result import SweepResult
+from vibsim.sweeps.workers import Workers, available_cores
+
+
+def sweep(
+    case: Case | str | PathLike[str],
+    axes: Mapping[str, str],
+    *,
+    direction: str = "up",
+    carry_state: bool = False,
+    discard: str = "50 %",
+    section: int = 100,
+    every: str | None = None,
+    jobs: int | None = None,
+    engine: str = "auto",
+    out: str | PathLike[str] | None = None,
+    force: bool = False,
+) -> SweepResult:
+    """Run a case at every point of a grid, in parallel, and take statistics of each run.
+
+    Parameters
+    ----------
+    case : a Case, the path of a case file or the name of a shipped case
+    axes : key -> range, e.g. {"excitation.Omega0": "3:7:0.05 Hz", "c": "0.01:0.05/9"}; one or more make a
+        grid
+    direction : "up", "down" or "both" along the first axis
+    carry_state : start each point from the end of the one before along the first axis; "both" goes up and
+        back down
+    discard : transient left out of the statistics, a time ("100 s") or a share of t_end ("50 %")
+    section : stroboscopic points kept per point, the last ones
+    every : output interval for the statistics, such as "1 ms"; by default what suits the motion
+    jobs : points computed at a time; by default the available cores. The result is the same bit for bit
+    engine : "auto", "c" or "python"
+    out : HDF5 file; one that holds a part of this very sweep is completed, any other is an error unless
+        `force`
+
+    Raises CaseError, UnknownKeyError, RangeError, PlanError and ResultFileError. Points that fail are kept
+    with their reason, see `SweepResult["status"]` and `["error"]`.
+    """
+    case = case if isinstance(case, Case) else load_case(case)
+    plan = make_plan(
+        case, [(key, text, "") for key, text in axes.items()], direction, carry_state, discard, section, every
+    )
+    jobs = available_cores() if jobs is None else jobs
+    if jobs < 1:
+        raise PlanError(f"jobs must be at least 1, got {jobs}")
+    store = Store(plan, engine) if out is None else FileStore(plan, Path(out), engine, force)
+    return run_stored(store, jobs, engine)[0]
+
+
+def make_plan(
+    case: Case,
+    axes: Iterable[tuple[str, str, str]],
+    direction: str = "up",
+    carry_state: bool = False,
+    discard: str = "50 %",
+    section: int = 100,
+    every: str | None = None,
+) -> Plan:
+    """The plan of `sweep`, everything checked; axes: key, range, and the unit of a range without one."""
+    if direction not in DIRECTIONS:
+        raise PlanError(f"direction must be up, down or both, got {direction}")
+    if section < 0:
+        raise PlanError(f"the number of stroboscopic points must not be negative, got {section}")
+    try:
+        return Plan(
+            case=case,
+            axes=tuple(read_axis(case, *axis) for axis in axes),
+            directions=DIRECTIONS[direction],
+            carry=carry_state,
+            discard=parse_discard(discard),
+            section=section,
+            every=None if every is None else _interval(every),
+        )
+    except ValueError as error:
+        raise error if isinstance(error, PlanError) else PlanError(str(error)) from None
+
+
+def run_stored(
+    store: Store, jobs: int, engine: str = "auto", watch: Watch | None = None
+) -> tuple[SweepResult, bool]:
+    """Complete a store; the result, and whether every point was reached."""
+    with store, Workers(store.plan, jobs, engine) as workers:
+        finished = run(store, workers, watch)
+    return SweepResult(store.all_attrs, store.plan, lambda: store.table), finished
+
+
+def _interval(text: str) -> Fraction:
+    every = parse_quantity(text, "time").value
+    if every <= 0:
+        raise PlanError(f"the output interval must be positive, got {text}")
+    return every
