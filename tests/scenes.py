@@ -8,10 +8,21 @@ from vibsim.physics.scene import Scene
 LIMIT_FRICTION = float(Fraction("0.001") * Fraction("2.94") * Fraction("9.81"))  # mu m2 g [N]
 M3_E = 0.03 * 0.11
 
-BLOCKS = {"m1": 0.297, "m2": 2.94, "k1": 200.0, "c": 0.001, "k2": 12400.0, "G": 0.001, "stop_sign": 1, "N": LIMIT_FRICTION}
+BLOCKS = {
+    "m1": 0.297,
+    "m2": 2.94,
+    "k1": 200.0,
+    "c": 0.001,
+    "k2": 12400.0,
+    "G": 0.001,
+    "stop_sign": 1,
+    "N": LIMIT_FRICTION,
+}
 START = {"x1": 0.0, "v1": 0.0, "x2": 0.0, "v2": 0.0}
 RUN = {"rest_distance": None, "stop_on_violation": False, "t_end": 20.0, "every_num": 1, "every_den": 200}
-NO_SOURCE = dict.fromkeys(("A", "F0", "omega", "cycles", "cycles_lo", "m3", "e", "J", "M0", "Omega0", "phi", "phidot"))
+NO_SOURCE = dict.fromkeys(
+    ("A", "F0", "omega", "cycles", "cycles_lo", "m3", "e", "J", "M0", "Omega0", "phi", "phidot")
+)
 
 TABLE_1 = {"I-A": (3.5, 0.0725), "I-B": (5.5, 0.1140), "I-C": (6.5, 0.1350)}
 MOTORS = {"II-A": 3.5, "II-B": 5.5, "II-C": 6.5}
@@ -33,12 +44,20 @@ def harmonic(frequency, amplitude, constant=0.0):
 
 def motor(frequency):
     """Fields of the paper's motor with the motor constant `frequency` [Hz]."""
-    fields = {"m3": 0.03, "e": 0.11, "J": 0.001, "M0": 0.005, "Omega0": 2 * math.pi * frequency, "phi": 0.0, "phidot": 0.0}
+    fields = {
+        "m3": 0.03,
+        "e": 0.11,
+        "J": 0.001,
+        "M0": 0.005,
+        "Omega0": 2 * math.pi * frequency,
+        "phi": 0.0,
+        "phidot": 0.0,
+    }
     return {**NO_SOURCE, **fields, "source": "motor"}
 
 
 def scene(source=None, **changes):
-    """The paper's blocks, stop and friction at rest under `source` (fields; none by default), with `changes`."""
+    """The paper's blocks, stop and friction, at rest, under `source` (fields; none by default)."""
     source = source or {**NO_SOURCE, "source": "none"}
     return Scene(**{**BLOCKS, **START, **RUN, **source, **changes})
 

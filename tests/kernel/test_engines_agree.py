@@ -1,0 +1,111 @@
+"""The C engine equals the Python engine in every bit: samples, events, totals, errors."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+
+from tests.random_scenes import scenes
+from tests.scenes import CASE_NAMES, MOTORS, TABLE_1, fixed_block, paper
+from tests.trajectories import Run, assert_same_bits, run
+from vibsim.kernel import KernelError
+
+IDEAL_NAMES = tuple(name for name in CASE_NAMES if name not in MOTORS)
+TAYLOR_SETTINGS = ((20, 2.0**-53), (12, 1e-9), (30, 2.0**-53), (8, 1e-6), (40, 1e-20))
+
+
+def outcome(scene, engine):
+    """The run, or the sentence with which it failed."""
+    try:
+        return run(scene, engine)
+    except KernelError as error:
+        return str(error)
+
+
+def assert_engines_agree(scene):
+    fast, slow = outcome(scene, "c"), outcome(scene, "python")
+    if isinstance(slow, Run) and isinstance(fast, Run):
+        assert_same_bits(fast, slow)
+    else:
+        assert fast == slow
+    return slow
+
+
+@pytest.mark.parametrize("name", IDEAL_NAMES)
+def test_closed_form_of_the_papers_cases(name):
+    result = assert_engines_agree(paper(name, method="closed_form"))
+    assert result.totals["impacts"] > 0
+
+
+@pytest.mark.parametrize("name", CASE_NAMES)
+def test_taylor_of_the_papers_cases(name):
+    result = assert_engines_agree(paper(name, method="taylor", t_end=10.0))
+    assert result.totals["steps"] > 100
+
+
+@pytest.mark.parametrize("name", ("I-B", "II-C"))
+@pytest.mark.parametrize(("order", "tol"), TAYLOR_SETTINGS)
+def test_taylor_at_other_orders_and_tolerances(name, order, tol):
+    assert_engines_agree(paper(name, method="taylor", order=order, tol=tol, t_end=3.0))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CASE_NAMES)
+@pytest.mark.parametrize("method", ("closed_form", "taylor"))
+def test_long_runs_of_the_papers_cases(name, method):
+    if name in MOTORS and method == "closed_form":
+        pytest.skip("a motor has no closed form")
+    assert_engines_agree(paper(name, method=method, t_end=100.0))
+
+
+@settings(max_examples=200)
+@given(scenes(sources=("none", "harmonic")))
+def test_random_scenes_by_closed_form(scene):
+    assert_engines_agree(scene)
+
+
+@settings(max_examples=100)
+@given(scenes())
+def test_random_scenes_by_taylor(scene):
+    assert_engines_agree(with_method(scene, "taylor"))
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+@settings(max_examples=3000)
+@given(scenes(sources=("none", "harmonic")))
+def test_many_random_scenes_by_closed_form(scene):
+    assert_engines_agree(scene)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+@settings(max_examples=2000)
+@given(scenes())
+def test_many_random_scenes_by_taylor(scene):
+    assert_engines_agree(with_method(scene, "taylor"))
+
+
+def with_method(scene, method):
+    return replace(scene, method=method)
+
+
+def test_comparison_sees_one_bit():
+    one = run(paper("I-A", t_end=1.0))
+    other = run(paper("I-A", t_end=1.0), "python")
+    other.samples["x1"][7] = np.nextafter(other.samples["x1"][7], 1.0)
+    with pytest.raises(AssertionError, match="x1"):
+        assert_same_bits(one, other)
+
+
+@pytest.mark.parametrize("method", ("closed_form", "taylor"))
+def test_a_run_that_overflows_fails_alike(method):
+    scene = fixed_block(k1=1e308, m1=1e-10, x1=1e10, t_end=0.1, method=method)
+    assert "no longer finite" in assert_engines_agree(scene)
+
+
+def test_table_1_amplitudes():
+    assert [paper(name).A for name in TABLE_1] == [0.0725, 0.1140, 0.1350]
+    # physics.md section 4: 1.596, 3.941, 5.504 N
+    assert [round(paper(f"{name}-eq211").A, 3) for name in TABLE_1] == [1.596, 3.941, 5.504]
