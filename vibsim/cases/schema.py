@@ -45,7 +45,11 @@ class Section(BaseModel):
     """Base of all sections: unknown keys are errors, and a section does not change once it is read."""
 
     model_config = ConfigDict(
-        extra="forbid", frozen=True, validate_default=True, arbitrary_types_allowed=True
+        extra="forbid",
+        frozen=True,
+        validate_default=True,
+        arbitrary_types_allowed=True,
+        defer_build=True,  # only CaseFile is built, with all sections in it
     )
 
 
@@ -201,7 +205,7 @@ class Run(Section):
 class CaseFile(Section):
     """A vibro-impact system and one run of it."""
 
-    model_config = ConfigDict(title="vibsim case")
+    model_config = ConfigDict(title="vibsim case", defer_build=False)
 
     extends: str | None = Field(
         default=None, description="another case file, or a shipped case, that this one starts from"
