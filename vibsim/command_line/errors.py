@@ -7,7 +7,8 @@
 import errno
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import click
@@ -16,17 +17,34 @@ INVALID_CASE, RUN_FAILED, FAILED_POINTS, FILE_TROUBLE = 3, 4, 5, 6
 INTERRUPTED, BROKEN_PIPE, TERMINATED = 130, 141, 143
 
 
+class OutputClosed(Exception):
+    """Nobody reads stdout any more."""
+
+
+@contextmanager
+def broken_pipe_named() -> Iterator[None]:
+    """Say OutputClosed for a broken pipe, which click would take for a failure."""
+    try:
+        yield
+    except BrokenPipeError as error:
+        raise OutputClosed from error
+
+
 def exit_code_of(action: Callable[[], Any]) -> int:
     """Run `action` and say what went wrong on stderr; returns the exit code. A bug is raised on."""
     try:
         result = action()
-        sys.stdout.flush()
+        with broken_pipe_named():
+            sys.stdout.flush()
     except click.ClickException as error:
         error.show()
         return error.exit_code
     except (click.Abort, KeyboardInterrupt):
         click.echo("interrupted", err=True)
         return INTERRUPTED
+    except OutputClosed:
+        _discard_stdout()
+        return BROKEN_PIPE
     except OSError as error:
         return _output_failed(error)
     except Exception as error:
@@ -62,10 +80,7 @@ def report(error: Exception) -> None:
 
 
 def _output_failed(error: OSError) -> int:
-    """Nobody reads stdout, or it cannot be written; any other OSError is a bug."""
-    if error.errno == errno.EPIPE:
-        _discard_stdout()
-        return BROKEN_PIPE
+    """Stdout is on a full disk; any other OSError is a bug."""
     if error.errno == errno.ENOSPC and error.filename is None:
         _discard_stdout()
         click.echo("Error: stdout: disk full", err=True)

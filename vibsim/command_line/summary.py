@@ -35,7 +35,7 @@ def result_lines(result: Result, scene: Scene) -> list[tuple[str, str]]:
     attrs = result.attrs
     lines = [*case_lines(scene), ("engine", engine_text(attrs))]
     if not result.complete:
-        lines.append(("incomplete", click.style(f"ends at {result.t_reached:g} s", fg="yellow")))
+        lines.append(("incomplete", click.style(f"samples end at {last_sample(result):g} s", fg="yellow")))
     elif result.t_reached < scene.t_end:
         lines.append(
             ("stopped", click.style(f"at {result.t_reached:.6g} s, by the rest distance", fg="yellow"))
@@ -53,6 +53,11 @@ def result_lines(result: Result, scene: Scene) -> list[tuple[str, str]]:
     if "rest_distance_needed" in attrs or scene.rest_distance is not None:
         lines.append(("rest distance", rest_distance_text(attrs, scene)))
     return lines
+
+
+def last_sample(result: Result) -> float:
+    """Time of the last sample [s]; 0 without any."""
+    return float(result.column("time")[-1]) if len(result) else 0.0
 
 
 def source_text(scene: Scene) -> str:

@@ -43,7 +43,7 @@ class Recording:
         for block in self.trajectory.blocks():
             sink.append(block.samples, block.events)
             self._rest.update(block.samples, block.events)
-            self.t_reached = float(block.t_reached)
+            self.t_reached = max(float(block.t_reached), *block.samples["time"][-1:].tolist(), self.t_reached)
             if watch is not None and not watch(self.t_reached):
                 return
         self.complete = True

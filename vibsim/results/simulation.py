@@ -45,9 +45,10 @@ def simulate_to_file(
     writer = TrajectoryWriter(path, recording.scene.columns(), recording.start, force)
     try:
         recording.into(writer, watch)
-        end = recording.end()
-        target = writer.finish(end)
-    finally:
-        writer.close()
+    except BaseException:
+        writer.keep(recording.end())
+        raise
+    end = recording.end()
+    target = writer.finish(end)
     file = TrajectoryFile(target)
     return Result({**recording.start, **end}, file.samples, file.events, case=case)

@@ -6,6 +6,7 @@ what the last flush held) and gets its name when it is whole. Memory does not gr
 
 import errno
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -73,14 +74,19 @@ class TrajectoryWriter:
 
     def finish(self, attrs: Mapping[str, Any]) -> Path:
         """Write what waits and the last attributes, and give the file its name; returns that path."""
-        self._write(everything=True)
-        self.update(attrs)
-        self.close()
+        self.keep(attrs)
         publish(self.partial, self.target, self.force)
         return self.target
 
+    def keep(self, attrs: Mapping[str, Any]) -> None:
+        """Write what waits and the last attributes, and close the file, leaving it under its partial name."""
+        if self._file:
+            self._write(everything=True)
+            self.update(attrs)
+            self.close()
+
     def close(self) -> None:
-        """Close the file as it is, leaving it under its partial name."""
+        """Close the file as it is."""
         if not self._file:
             return
         try:
@@ -105,6 +111,8 @@ class TrajectoryWriter:
                 self._unflushed = 0
         except (OSError, RuntimeError) as error:
             detach(self._file.id.get_vfd_handle())
+            with suppress(ResultFileError):
+                self.close()
             raise ResultFileError(f"{self.shown}: cannot write: {reason(error)}") from error
         if full:
             self.close()

@@ -1,0 +1,225 @@
+"""The command itself: help, hints, global options, exit codes, start-up."""
+
+import json
+import os
+import subprocess
+import sys
+from importlib import metadata
+from pathlib import Path
+
+import click
+import pytest
+
+import vibsim
+from tests.command_line.made import call, process
+from vibsim.cases import CaseError, Problem
+from vibsim.command_line.errors import exit_code_of
+from vibsim.command_line.main import COMMANDS, group
+from vibsim.kernel import KernelError
+from vibsim.physics.state import State
+from vibsim.plots.errors import PlotError
+from vibsim.results import ResultFileError
+
+
+def test_help_lists_every_command():
+    done = call("--help")
+    assert done.exit_code == 0
+    for name, (_, line) in COMMANDS.items():
+        assert f"{name} " in done.stdout and line in done.stdout
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_help_ends_with_examples(name):
+    done = call(name, "--help")
+    assert done.exit_code == 0
+    _, _, examples = done.stdout.partition("Examples:\n")
+    lines = examples.strip("\n").splitlines()
+    assert lines and all(line.startswith("    ") for line in lines)
+    assert any(f"vibsim {name}" in line for line in lines)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_takes_the_global_options(name):
+    options, _, _ = call(name, "--help").stdout.partition("Examples:")
+    for option in ("--verbose ", "--quiet ", "--json ", "--color "):
+        assert options.count(option) == 1
+
+
+@pytest.mark.parametrize(
+    ("word", "hint"),
+    [
+        ("rnu", "did you mean run?"),
+        ("INFO", "did you mean info?"),
+        ("my.yaml", "to run the case: vibsim run my.yaml"),
+        ("II-B.h5", "to see what it holds: vibsim info II-B.h5"),
+        ("xyzzy", "commands are run, plot"),
+    ],
+)
+def test_an_unknown_command_gets_a_hint(word, hint):
+    done = call(word)
+    assert done.exit_code == 2
+    assert hint in done.stderr
+
+
+@pytest.mark.parametrize(
+    "words", [("--jsn", "cases"), ("run", "--plt", "x"), ("run", "II-B", "--engin", "c")]
+)
+def test_an_unknown_option_gets_a_hint(words):
+    done = call(*words)
+    assert done.exit_code == 2
+    assert "Did you mean" in done.stderr
+
+
+def test_no_command_prints_help():
+    assert "Commands:" in call().output
+
+
+def test_global_options_count_before_and_after_the_command():
+    before, after = call("--json", "cases").stdout, call("cases", "--json").stdout
+    assert before == after
+    assert json.loads(before)
+
+
+@pytest.mark.parametrize(
+    ("words", "environment", "colored"),
+    [
+        (["--color", "always"], {}, True),
+        (["--color", "always"], {"NO_COLOR": "1"}, True),
+        (["--color", "never"], {}, False),
+        (["--color", "auto"], {}, False),  # no terminal here
+    ],
+)
+def test_color(words, environment, colored, tmp_path):
+    done = process("run", "I-A", "--dry-run", *words, cwd=tmp_path, env=environment)
+    assert done.returncode == 0
+    assert ("\x1b[" in done.stdout) == colored
+
+
+def test_no_color_holds_on_a_terminal():
+    with click.Context(group) as ctx:
+        from vibsim.command_line.settings import _remember
+
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv("NO_COLOR", "1")
+            _remember(ctx, group.params[0], None)
+            assert ctx.color is False
+            patch.delenv("NO_COLOR")
+            _remember(ctx, group.params[0], None)
+            assert ctx.color is None
+
+
+def test_version():
+    assert call("--version").stdout == f"vibsim {vibsim.__version__}\n"
+    assert metadata.version("vibsim") == vibsim.__version__
+
+
+STATE = State(1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+USERS_ERRORS = [
+    (CaseError([Problem("a.yaml", 1, 2, "k1", "must be >= 0")]), 3, "a.yaml:1:2: k1: must be >= 0\n"),
+    (KernelError("diverged", STATE), 4, "Error: t = 1.0 s: the state is no longer finite"),
+    (ResultFileError("a.h5: is empty"), 6, "Error: a.h5: is empty\n"),
+    (PlotError("no such kind"), 2, "Error: no such kind\n"),
+    (click.UsageError("wrong"), 2, "Error: wrong\n"),
+    (KeyboardInterrupt(), 130, "interrupted\n"),
+]
+
+
+@pytest.mark.parametrize(("error", "code", "message"), USERS_ERRORS, ids=lambda value: type(value).__name__)
+def test_exit_codes(error, code, message, capsys):
+    def fail():
+        raise error
+
+    assert exit_code_of(fail) == code
+    assert message in capsys.readouterr().err
+
+
+def test_a_bug_is_raised_on():
+    with pytest.raises(ZeroDivisionError):
+        exit_code_of(lambda: 1 / 0)
+    with pytest.raises(FileNotFoundError):
+        exit_code_of(Path("/no/such/file").read_text)
+
+
+IMPORTED = """
+import sys
+from vibsim.command_line.main import main
+sys.argv[1:] = {words!r}
+try:
+    main()
+finally:
+    print(*sorted(sys.modules), file=sys.stderr)
+"""
+
+
+def modules_after(*words, **options):
+    command = [sys.executable, "-c", IMPORTED.format(words=list(words))]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, **options)
+    assert done.returncode == 0, done.stderr
+    return set(done.stderr.split())
+
+
+def test_help_imports_nothing_heavy():
+    assert not modules_after("--help") & {
+        "numpy",
+        "pydantic",
+        "yaml",
+        "h5py",
+        "vibsim.cases",
+        "vibsim.results",
+        "difflib",
+    }
+
+
+def test_run_imports_no_more_than_it_needs(tmp_path):
+    found = modules_after("run", "I-A", "--t-end", "1s", "-q", cwd=tmp_path)
+    assert "h5py" in found
+    assert not found & {
+        "scipy",
+        "matplotlib",
+        "pandas",
+        "xarray",
+        "netCDF4",
+        "concurrent.futures",
+        "multiprocessing",
+    }
+
+
+def test_importing_vibsim_imports_nothing_else():
+    code = "import sys, vibsim; print({'numpy', 'h5py', 'pydantic', 'click'} & set(sys.modules))"
+    assert (
+        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+        == "set()\n"
+    )
+
+
+def test_everything_public_is_there():
+    for name in vibsim.__all__:
+        assert getattr(vibsim, name) is not None
+    assert set(vibsim.__all__) <= set(dir(vibsim))
+    with pytest.raises(AttributeError, match="no attribute 'runn'"):
+        vibsim.__getattr__("runn")
+
+
+def test_a_reader_that_goes_away_is_no_error(tmp_path):
+    command = f"{sys.executable} -m vibsim schema | true; echo ${{PIPESTATUS[0]}}"
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
+    assert done.stderr == ""
+    assert done.stdout in ("0\n", "141\n")  # 0 where all was written before `true` ended
+
+
+def test_a_closed_pipe_ends_quietly():
+    reading, writing = os.pipe()
+    os.close(reading)
+    with open(writing, "w") as closed:
+        done = subprocess.run(
+            [sys.executable, "-m", "vibsim", "cases"], stdout=closed, stderr=subprocess.PIPE, check=False
+        )
+    assert (done.returncode, done.stderr) == (141, b"")
+
+
+def test_shell_completion():
+    environment = {"_VIBSIM_COMPLETE": "bash_complete", "COMP_WORDS": "vibsim run II-", "COMP_CWORD": "2"}
+    done = process(env=environment)
+    assert "plain,II-A\nplain,II-B\nplain,II-C\n" in done.stdout
+    source = process(env={"_VIBSIM_COMPLETE": "bash_source"})
+    assert "complete -o nosort -F _vibsim_completion vibsim" in source.stdout

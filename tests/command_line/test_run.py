@@ -1,0 +1,266 @@
+"""vibsim run, inside this process."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vibsim
+from tests.command_line.made import call
+from vibsim.kernel import KernelError, compiled
+from vibsim.kernel.python_engine import PythonTrajectory
+from vibsim.physics.state import State
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    """Every test runs in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def files(folder="."):
+    return sorted(path.name for path in Path(folder).iterdir())
+
+
+def run(*words, code=0):
+    done = call("run", *words)
+    assert done.exit_code == code, done.output
+    return done
+
+
+SHORT = ("--t-end", "5s")
+
+
+def test_a_shipped_case_into_the_current_folder():
+    run("II-B", *SHORT)
+    assert files() == ["II-B.h5"]
+    result = vibsim.open_result("II-B.h5")
+    assert (result.time[-1], len(result)) == (5.0, 1001)
+
+
+def test_the_summary_says_what_ran_and_what_came_of_it():
+    text = run("II-B", *SHORT, "-v").stdout
+    result = vibsim.open_result("II-B.h5")
+    attrs = result.attrs
+    assert text.startswith("II-B  Non-ideal source, motor constant 5.5 Hz\n")
+    assert "5.5 Hz (34.5575 rad/s)" in text
+    assert "5 s, a sample every 5 ms: 1001 samples" in text
+    assert "taylor series of order 20, tolerance 1.1e-16" in text
+    assert f"{attrs['impacts']} impacts, {attrs['sticks']} sticks, {attrs['events']} events" in text
+    assert f"needs {1000 * attrs['rest_distance_needed']:.4g} mm" in text
+    assert f"at {attrs['grazing_time']:.3f} s" in text
+    assert attrs["case_sha256"] in text
+    assert "II-B.h5 (" in text
+    assert (
+        len(
+            {
+                line.index(line.split(maxsplit=1)[1])
+                for line in text.splitlines()
+                if line.startswith("  source")
+            }
+        )
+        == 1
+    )
+
+
+def test_the_texts_of_the_summary_stand_in_one_column():
+    lines = run("I-A", *SHORT).stdout.splitlines()[1:]
+    assert len(lines) >= 6
+    assert all(line[:2] == "  " and line[17] == " " and line[18] != " " for line in lines)
+
+
+def test_json_is_one_object_per_run_and_no_nan():
+    done = run("I-A", "I-B", *SHORT, "--json")
+    objects = [json.loads(line, parse_constant=pytest.fail) for line in done.stdout.splitlines()]
+    assert [one["case_name"] for one in objects] == ["I-A", "I-B"]
+    assert objects[0]["file"] == "I-A.h5"
+    assert objects[0]["samples"] == 1001
+    assert objects[0]["case"]["excitation"]["omega"] == "3.5 Hz"
+    assert objects[0]["impacts"] == vibsim.open_result("I-A.h5").attrs["impacts"]
+
+
+def test_quiet_prints_nothing():
+    done = run("I-A", *SHORT, "-q")
+    assert (done.stdout, done.stderr) == ("", "")
+    assert files() == ["I-A.h5"]
+
+
+def test_options_become_part_of_the_case():
+    run(
+        "II-B",
+        "-s",
+        "excitation.Omega0=6.5 Hz",
+        "--set",
+        "c = 0.03 N s/m",
+        *SHORT,
+        "--every",
+        "1ms",
+        "--method",
+        "taylor",
+    )
+    case = vibsim.open_result("II-B.h5").case
+    scene = case.scene()
+    assert scene.Omega0 == pytest.approx(2 * np.pi * 6.5, rel=1e-15)
+    assert (scene.c, scene.t_end, scene.every_num / scene.every_den) == (0.03, 5.0, 0.001)
+    assert scene.method == "taylor"
+
+
+def test_the_methods_agree():
+    run("I-A", *SHORT, "-o", "closed.h5")
+    run("I-A", *SHORT, "--method", "taylor", "-o", "taylor.h5")
+    closed, taylor = vibsim.open_result("closed.h5"), vibsim.open_result("taylor.h5")
+    assert (closed.attrs["method"], taylor.attrs["method"]) == ("closed_form", "taylor")
+    assert np.abs(closed["x1"] - taylor["x1"]).max() < 1e-13  # of some 1e-3 m: both are right to round-off
+    assert np.array_equal(closed.events["kind"], taylor.events["kind"])
+
+
+@pytest.mark.parametrize(
+    "engine", ["python", pytest.param("c", marks=pytest.mark.skipif(not compiled(), reason="no C"))]
+)
+def test_the_engine_can_be_chosen(engine):
+    run("I-A", "--t-end", "1s", "--engine", engine)
+    assert vibsim.open_result("I-A.h5").attrs["engine"] == engine
+
+
+def test_several_cases_into_a_folder(folder):
+    (folder / "out").mkdir()
+    run("I-A", "II-A", *SHORT, "-o", "out")
+    assert files("out") == ["I-A.h5", "II-A.h5"]
+    run("I-B", *SHORT, "-o", "out/")
+    assert files("out") == ["I-A.h5", "I-B.h5", "II-A.h5"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["I-A", "I-B", "-o", "one.h5"], "several cases need a folder that exists"),
+        (["I-A", "I-A"], "two of the cases would be written to I-A.h5"),
+        (["I-A", "I-B", "--plot", "a.png"], "--plot draws one run"),
+        (["I-A", "-s", "c"], "'c' is not KEY=VALUE"),
+        (["I-A", "--engine", "abacus"], "abacus"),
+        ([], "Missing argument 'CASE...'"),
+    ],
+)
+def test_misuse(words, message):
+    done = run(*words, code=2)
+    assert message in done.stderr
+    assert files() == []
+
+
+def test_an_invalid_case_is_told_with_all_its_problems():
+    Path("bad.yaml").write_text("blocks: {m1: -1 kg, m2: 1 s}\n")
+    done = run("I-A", "bad.yaml", code=3)
+    assert done.stderr.count("bad.yaml:1:") >= 2
+    assert files() == ["bad.yaml"]  # nothing ran
+
+
+def test_standard_input():
+    text = Path(vibsim.load_case("I-A").source).read_text()
+    done = call("run", "-", *SHORT, input=text)
+    assert done.exit_code == 0
+    assert files() == ["I-A.h5"]
+
+
+def test_an_existing_output_is_kept_unless_forced():
+    run("I-A", *SHORT)
+    before = Path("I-A.h5").read_bytes()
+    done = run("II-A", "I-A", *SHORT, code=6)
+    assert done.stderr == "Error: I-A.h5: exists; kept (--force replaces it)\n"
+    assert files() == ["I-A.h5"]  # II-A did not run either
+    assert Path("I-A.h5").read_bytes() == before
+    run("I-A", "--t-end", "6s", "--force")
+    assert vibsim.open_result("I-A.h5").time[-1] == 6.0
+
+
+@pytest.mark.parametrize("name", ["I-B", "II-B"])
+def test_a_result_file_runs_again_bit_for_bit(name):
+    run(name, *SHORT, "-s", "coupling.c=0.02 N s/m")
+    run(f"{name}.h5", "-o", "again.h5")
+    first, again = vibsim.open_result(f"{name}.h5"), vibsim.open_result("again.h5")
+    for column in first:
+        assert first[column].tobytes() == again[column].tobytes()
+    for column in first.events:
+        assert first.events[column].tobytes() == again.events[column].tobytes()
+    for text in ("case_yaml", "case_resolved_json", "case_sha256"):
+        assert first.attrs[text] == again.attrs[text]
+
+
+def test_a_result_file_runs_again_with_changes():
+    run("II-B", *SHORT)
+    run("II-B.h5", "-o", "again.h5", "--t-end", "6s")
+    assert vibsim.open_result("again.h5").time[-1] == 6.0
+
+
+def test_the_input_is_not_overwritten_by_its_own_run():
+    run("I-A", *SHORT)
+    done = run("I-A.h5", code=6)
+    assert "I-A.h5: exists; kept" in done.stderr
+    run("I-A.h5", "--force")
+    assert len(vibsim.open_result("I-A.h5")) == 1001
+
+
+def test_a_damaged_result_file_is_not_run_again():
+    run("I-A", *SHORT)
+    raw = Path("I-A.h5").read_bytes()
+    Path("I-A.h5").write_bytes(raw[: len(raw) // 2])
+    assert "I-A.h5: is truncated" in run("I-A.h5", "-o", "b.h5", code=6).stderr
+
+
+def test_dry_run_prints_the_case_and_runs_nothing():
+    done = run("II-B", "-s", "c=0.03 N s/m", "--dry-run")
+    assert files() == []
+    assert '"c": "0.03 N s/m"' in done.stdout
+    assert "II-B.h5 (not written: dry run)" in done.stdout
+    planned = json.loads(run("II-B", "--dry-run", "--json").stdout)
+    assert planned["case"]["excitation"]["Omega0"] == "5.5 Hz"
+    assert planned["file"] == "II-B.h5"
+
+
+def test_a_picture_of_the_run():
+    run("I-A", *SHORT, "--plot", "I-A.png")
+    assert files() == ["I-A.h5", "I-A.png"]
+    assert Path("I-A.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_picture_in_the_way_is_noticed_before_the_run():
+    Path("I-A.png").write_text("precious")
+    run("I-A", *SHORT, "--plot", "I-A.png", code=6)
+    assert files() == ["I-A.png"]
+
+
+def test_a_run_that_fails_is_told_and_the_others_go_on(monkeypatch):
+    blocks = PythonTrajectory.blocks
+
+    def failing_in_case_2(self):
+        yield from blocks(self)
+        if self.scene.has_motor:
+            raise KernelError("diverged", State(4.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+
+    monkeypatch.setattr(PythonTrajectory, "blocks", failing_in_case_2)
+    done = run("II-A", "I-A", "--t-end", "1s", "--engine", "python", code=4)
+    assert "Error: II-A: t = 4.0 s: the state is no longer finite" in done.stderr
+    assert "what came before is in II-A.h5.partial" in done.stderr
+    assert files() == ["I-A.h5", "II-A.h5.partial"]
+    partial = vibsim.open_result("II-A.h5.partial")
+    assert (partial.complete, len(partial)) == (False, 201)
+
+
+def test_violations_of_the_rest_distance_are_shown():
+    limits = ("-s", "rest_distance.value=1 mm", "-s", "rest_distance.on_violation=")
+    warned = run("I-A", "--t-end", "20s", *limits[:3], limits[3] + "warn").stdout
+    attrs = vibsim.open_result("I-A.h5").attrs
+    assert (
+        f"has 1 mm: {attrs['violations']} violations, first at {attrs['first_violation_time']:.3f} s"
+        in warned
+    )
+    stopped = run("I-A", "--t-end", "20s", *limits[:3], limits[3] + "stop", "--force").stdout
+    assert f"stopped         at {attrs['first_violation_time']:.6g} s, by the rest distance" in stopped
+
+
+def test_too_coarse_an_output_is_told():
+    text = run(
+        "I-A", "-s", "rest_distance.value=1 m", "-s", "rest_distance.on_violation=warn", "--every", "1s"
+    ).stdout
+    assert "unknown: the samples are too far apart, has 1 m" in text
