@@ -11,7 +11,9 @@ differences or as power series, so that each response keeps full relative accura
 
 from vibsim.physics.numbers import horner
 
-QUARTER = 0.25  # |Z| t^2 below which the quotient by Z would cancel more than two bits
+# Quotients by b and by Z = (r1 - i omega)(r2 - i omega) cancel at most three bits where |Z| t^2 is above a quarter; far above critical
+# damping, where r2 t is large whatever r1 t is, where |r1 - i omega| t is above a half.
+QUARTER = 0.25
 UNHURRIED = 1e100  # window of a free mass [s]: longer than any run, yet finite, so that times a zero rate it is zero
 
 
@@ -32,6 +34,9 @@ class Oscillator:
         self.zr = b - omega * omega
         self.zi = 2 * a * omega
         self.zz = self.zr * self.zr + self.zi * self.zi
+        near = self.slow * self.slow + omega * omega  # |r1 - i omega|^2 far above critical damping
+        self.settling = b if self.oscillates else self.slow * self.slow
+        self.beating = self.zz if self.oscillates else near * near
         self.per_b = 1 / b if b > 0 else kit.number(0)
         self.per_wd = 1 / self.wd if self.wd > 0 else kit.number(0)
         self.inverse_r = self.zr / self.zz if self.zz > 0 else kit.number(0)  # 1 / Z, conjugated
@@ -58,7 +63,7 @@ class Oscillator:
 
     def constant_response(self, t, release):
         """I(t) [s^2], given C(t)."""
-        if self.b * (t * t) >= QUARTER:
+        if self.settling * (t * t) >= QUARTER:
             return (1 - release) * self.per_b
         if not self.oscillates and self.wd * t >= 0.5:
             kit = self.kit
@@ -69,7 +74,7 @@ class Oscillator:
     def harmonic_response(self, t, release, impulse, cosine, sine):
         """Re H(t), Im H(t) [s^2], given C, S and cos, sin of omega t."""
         square = t * t
-        if self.zz * (square * square) >= QUARTER * QUARTER:
+        if self.beating * (square * square) >= QUARTER * QUARTER:
             nr = cosine - release
             ni = sine - self.omega * impulse
             return nr * self.inverse_r + ni * self.inverse_i, ni * self.inverse_r - nr * self.inverse_i

@@ -44,7 +44,7 @@ typedef struct {
 } Known;
 
 typedef struct {
-    double a, b, omega, w0, wd, slow, fast, zr, zi, zz, window, rate, per_b, per_wd, inverse_r, inverse_i;
+    double a, b, omega, w0, wd, slow, fast, zr, zi, zz, settling, beating, window, rate, per_b, per_wd, inverse_r, inverse_i;
     double steady_series[SERIES_TERMS], real_series[SERIES_TERMS], imag_series[SERIES_TERMS];
     int oscillates;
 } Oscillator;

@@ -27,7 +27,7 @@ static void series_coefficients(const Oscillator *o, double omega, double *real,
 
 void oscillator_set(Oscillator *o, double a, double b, double omega)
 {
-    double discriminant = b - a * a, fastest, pace;
+    double discriminant = b - a * a, fastest, pace, near;
     o->a = a;
     o->b = b;
     o->omega = omega;
@@ -42,6 +42,9 @@ void oscillator_set(Oscillator *o, double a, double b, double omega)
     o->zr = b - omega * omega;
     o->zi = 2 * a * omega;
     o->zz = o->zr * o->zr + o->zi * o->zi;
+    near = o->slow * o->slow + omega * omega;
+    o->settling = o->oscillates ? b : o->slow * o->slow;
+    o->beating = o->oscillates ? o->zz : near * near;
     o->per_b = b > 0 ? 1 / b : 0.0;
     o->per_wd = o->wd > 0 ? 1 / o->wd : 0.0;
     o->inverse_r = o->zz > 0 ? o->zr / o->zz : 0.0;
@@ -78,7 +81,7 @@ static void series_response(const Oscillator *o, double t, double *hc, double *h
 
 double constant_response(const Oscillator *o, double t, double release)
 {
-    if (o->b * (t * t) >= QUARTER)
+    if (o->settling * (t * t) >= QUARTER)
         return (1 - release) * o->per_b;
     if (!o->oscillates && o->wd * t >= 0.5) {
         double slow = o->slow != 0 ? expm1(o->slow * t) / o->slow : t;
@@ -141,7 +144,7 @@ void harmonic_response(const Oscillator *o, double t, double release, double imp
                        double *hc, double *hs)
 {
     double square = t * t;
-    if (o->zz * (square * square) >= QUARTER * QUARTER) {
+    if (o->beating * (square * square) >= QUARTER * QUARTER) {
         double nr = cosine - release, ni = sine - o->omega * impulse;
         *hc = nr * o->inverse_r + ni * o->inverse_i;
         *hs = ni * o->inverse_r - nr * o->inverse_i;
