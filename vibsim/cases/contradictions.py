@@ -62,16 +62,16 @@ def _closed_form_needs_linear(flat: Flat) -> Iterator[Contradiction]:
 
 
 def _output_interval(flat: Flat) -> Iterator[Contradiction]:
+    """Sample i is at i p/q, and both products are whole numbers that a double holds."""
     every, t_end = _exact(flat, "run.every"), _exact(flat, "run.t_end")
     if every is None:
         return
-    if max(every.numerator, every.denominator) >= LARGEST_WHOLE:
-        yield (
-            ("run.every",),
-            "has too many digits; in seconds it must be a fraction of whole numbers below 2^53",
-        )
-    elif t_end is not None and t_end / every > MOST_SAMPLES:
-        count = f"{float(t_end / every):.3g}"
+    span = every + (t_end or 0)
+    if max(Fraction(every.numerator), span * every.denominator) >= LARGEST_WHOLE:
+        what = "has too many digits; in seconds it must be a fraction p/q with q run.t_end below 2^53"
+        yield ("run.every", "run.t_end"), what
+    elif span / every > MOST_SAMPLES:
+        count = f"{float(span / every):.3g}"
         what = (
             f"{flat['run.t_end']} every {flat['run.every']} makes {count} samples; at most 1e10 are allowed"
         )
