@@ -13,6 +13,7 @@ GROUND = {"physics", "flows", "events", "kernel"}
 MIDDLE = ["cases", "results", "analysis", "sweeps"]  # each may import those before it
 TOP = {"command_line", "plots"}
 LIGHT = {"numpy"}  # what the ground floor may import besides the standard library
+OPTIONAL = {"multiprecision.py": {"flint"}}  # and the one module that exists for it
 
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
@@ -53,7 +54,7 @@ def misplaced(path, room):
         if first == "vibsim":
             if rest[0] not in allowed(room) and rest != ["__version__"]:
                 yield name
-        elif room in GROUND and first not in sys.stdlib_module_names | LIGHT:
+        elif room in GROUND and first not in sys.stdlib_module_names | LIGHT | OPTIONAL.get(path.name, set()):
             yield name
 
 

@@ -52,7 +52,7 @@ def test_every_command_takes_the_global_options(name):
         ("INFO", "did you mean info?"),
         ("my.yaml", "to run the case: vibsim run my.yaml"),
         ("II-B.h5", "to see what it holds: vibsim info II-B.h5"),
-        ("xyzzy", "commands are run, plot"),
+        ("xyzzy", "commands are run, sweep"),
     ],
 )
 def test_an_unknown_command_gets_a_hint(word, hint):

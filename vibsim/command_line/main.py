@@ -16,9 +16,9 @@ from vibsim.command_line.settings import add_global_options, global_options
 # name -> (module, one line for the list of commands); the list is printed without importing any of them
 COMMANDS = {
     "run": ("vibsim.command_line.run", "Run cases and write their trajectories."),
+    "sweep": ("vibsim.command_line.sweep", "Run a case at every point of a grid."),
     "plot": ("vibsim.command_line.plot", "Draw pictures of runs, cases and sweeps."),
     "info": ("vibsim.command_line.info", "Say what a result file holds."),
-    "sweep": ("vibsim.command_line.sweep", "Run a case at every point of a grid."),
     "export": ("vibsim.command_line.export", "Write a trajectory as CSV or MAT."),
     "cases": ("vibsim.command_line.cases", "List the shipped cases, or print one."),
     "check": ("vibsim.command_line.check", "Check case files."),
@@ -99,8 +99,10 @@ click.version_option(__version__, message="vibsim %(version)s")(group)
 
 def main() -> None:
     """Entry point of the command; ends the process with the exit code."""
+    import gc
     import signal
 
+    gc.set_threshold(100_000)  # starting up makes many objects and no garbage; looking for it takes 30 ms
     signal.signal(signal.SIGTERM, _terminate)
     group.main(prog_name="vibsim")
 
