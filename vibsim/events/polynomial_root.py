@@ -67,7 +67,7 @@ class PolynomialSearch:
             step = safe_step(self.kit, room, slope, bound)
             if step > h:
                 return None
-            ahead = t0 + (tau + step)
+            ahead = self.kit.exact(t0 + (tau + step))
             if ahead <= t:
                 if slope < 0:
                     return t

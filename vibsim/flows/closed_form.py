@@ -322,7 +322,7 @@ class ClosedForm:
 
     def _move(self, step):
         """Go ahead by `step` on the time grid."""
-        self.t = self.t0 + ((self.t - self.t0) + step)
+        self.t = self.kit.exact(self.t0 + ((self.t - self.t0) + step))
 
     def _graze(self, slope, curvature, value):
         """Keep the smallest value that the gap function turned round at without crossing."""

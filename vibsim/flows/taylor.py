@@ -6,7 +6,7 @@ c = cos phi and w = dphi/dt the rotor needs three products of series only, becau
     s dw/dt + w^2 c = d(s w)/dt,      s' = c w,      c' = -s w.
 """
 
-from math import inf, log2
+from math import inf
 
 from vibsim.events.polynomial_root import PolynomialSearch
 from vibsim.events.watch import CLEARANCE, GAP, HOLD_PLUS, NOTHING, SLIDE, watched
@@ -22,12 +22,12 @@ class Taylor:
     method = "taylor"
 
     def __init__(self, scene, kit):
-        self.scene, self.kit, self.order = scene, kit, scene.order
-        self.tolerance_exponent = log2(scene.tol)
+        self.scene, self.kit, self.order = scene, kit, kit.order(scene)
+        self.tolerance_exponent = kit.tolerance_exponent(scene)
         self.limit = scene.N if scene.has_friction else kit.number(0)
         self.harmonic = scene.source == "harmonic"
         self.unbalance = scene.m3 * scene.e if scene.has_motor else kit.number(0)
-        count = scene.order + 2
+        count = self.order + 2
         self.inverse = [kit.number(0)] + [1 / kit.number(n) for n in range(1, count + 1)]
         self.per_m1 = 1 / scene.m1
         self.per_m2 = 1 / scene.m2 if scene.has_block2 else kit.number(0)
@@ -172,7 +172,7 @@ class Taylor:
         for block in blocks:
             sizes = {n: self._size(block, n) for n in (*range(LEADING), self.order - 1, self.order)}
             for last in (self.order - 1, self.order):
-                if sizes[last] > -2000:
+                if sizes[last] > self.kit.no_exponent:
                     candidates = [
                         (self.tolerance_exponent + (sizes[m] - sizes[last])) / (last - m)
                         for m in range(LEADING)
@@ -212,7 +212,7 @@ class Taylor:
         """One step to its end, to the first event within it or to `limit`; returns (time, event function or NOTHING)."""
         length = limit - self.t0
         h = self.h if self.h < length else length
-        end = limit if self.h >= length else self.t0 + h
+        end = limit if self.h >= length else self.kit.exact(self.t0 + h)
         if end <= self.t0:
             self.search.uncertified += 1
             return self.kit.next_after(self.t0, inf), NOTHING

@@ -46,7 +46,7 @@ class Driver:
             phase, turns = kit.reduce_angle(scene.phi)
             w = scene.phidot
         x2, v2 = (scene.x2, scene.v2) if scene.has_block2 else (zero, zero)
-        return State(zero, scene.x1, scene.v1, x2, v2, phase, turns, w)
+        return kit.settle(State(zero, scene.x1, scene.v1, x2, v2, phase, turns, w))
 
     def run(self, sample_room, event_room, steps):
         """Advance until a buffer of so many samples or events is full, `steps` stretches are done, or the run ends."""
@@ -63,7 +63,7 @@ class Driver:
         end, function = self.flow.advance(self.scene.t_end)
         self._sample_until(end, last=end >= self.scene.t_end)
         self.section.gather(self.state, end)
-        state = self.flow.state_at(end)
+        state = self.kit.settle(self.flow.state_at(end))
         if not self.kit.finite(state.x1 + state.v1 + state.x2 + state.v2 + state.w):
             raise KernelError("diverged", self.state)
         if function != NOTHING:

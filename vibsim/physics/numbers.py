@@ -16,6 +16,7 @@ class Doubles:
     """IEEE double precision through the C library's functions, as `math` offers them."""
 
     name = "double"
+    no_exponent = -2000  # what `exponent` gives for zero
     eps = 2.0**-53  # unit round-off
     series_terms = 26  # 2**26 / 26! < 2**-53 / 12: a power series whose argument stays below 2 is exact to round-off
     sin = staticmethod(math.sin)
@@ -29,14 +30,34 @@ class Doubles:
     finite = staticmethod(math.isfinite)
 
     @staticmethod
+    def order(scene):
+        """Order of the Taylor flow [-]."""
+        return scene.order
+
+    @staticmethod
+    def tolerance_exponent(scene):
+        """Binary exponent of the tolerance of the Taylor flow [-]."""
+        return math.log2(scene.tol)
+
+    @staticmethod
+    def settle(state):
+        """`state` as it starts a segment: doubles carry nothing to strip."""
+        return state
+
+    @staticmethod
+    def exact(t):
+        """The time `t` on the grid of the number type."""
+        return t
+
+    @staticmethod
     def number(value):
         """`value` (int, float) in this kit's type."""
         return float(value)
 
     @staticmethod
     def exponent(x):
-        """Binary exponent e of x = m 2^e with 1/2 <= |m| < 1; a large negative number for x = 0."""
-        return math.frexp(x)[1] if x != 0.0 else -2000
+        """Binary exponent e of x = m 2^e with 1/2 <= |m| < 1; `no_exponent` for x = 0."""
+        return math.frexp(x)[1] if x != 0.0 else Doubles.no_exponent
 
     @staticmethod
     def power_of_two(y):
