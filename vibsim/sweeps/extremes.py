@@ -5,9 +5,11 @@ import numpy as np
 from vibsim.physics.scene import Scene
 from vibsim.sweeps.accelerations import accelerations
 from vibsim.sweeps.rows import Rows
-from vibsim.sweeps.turning_points import turn_of_cubic, turn_of_quintic
+from vibsim.sweeps.turning_points import may_turn_twice, quintic, turn_of_cubic, turn_of_quintic
 
 NEAR = 0.1  # of the range; between rows a ripple at w rad/s rises by (w h)^2/8 of its amplitude, here 2 %
+
+PLACES = np.linspace(0, 1, 18)[1:-1]
 
 
 def displacements(scene: Scene, states: dict[str, np.ndarray]) -> np.ndarray:
@@ -24,21 +26,27 @@ def rates(scene: Scene, found: dict[str, np.ndarray]) -> np.ndarray:
     return np.stack([found["v1"], found["v2"], found["v1"] - found["v2"]])
 
 
-def displacement_extremes(scene: Scene, rows: Rows) -> tuple[np.ndarray, np.ndarray]:
-    """Least and greatest of `displacements` from each of n rows to before the next: (quantities, n) each."""
+def displacement_extremes(scene: Scene, rows: Rows) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """`displacements` of n rows, and their least and greatest up to the next row: (quantities, n) each."""
     t, x, v = rows.states["time"], displacements(scene, rows.states), rates(scene, rows.states)
-    low, high = x.copy(), x.copy()
-    which, left = np.nonzero(np.signbit(v[:, :-1]) != np.signbit(v[:, 1:]))
-    turning = (v[which, left] * v[which, left + 1] < 0) & (t[left + 1] > t[left])
-    which, left = which[turning], left[turning]
-    ends = [(column[which, left], column[which, left + 1]) for column in (x, v)]
-    a0, a1 = (
-        _accelerations_at(scene, rows, left + side, left)[which, np.arange(len(left))] for side in (0, 1)
-    )
-    turn = turn_of_quintic(t[left + 1] - t[left], ends[0], ends[1], (a0, a1))
-    low[which, left] = np.minimum(low[which, left], turn)
-    high[which, left] = np.maximum(high[which, left], turn)
-    return low, high
+    h, low, high = np.diff(t), x.copy(), x.copy()
+    once = (v[:, :-1] * v[:, 1:] < 0) & (h > 0)
+    twice = may_turn_twice(h, (x[:, :-1], x[:, 1:]), (v[:, :-1], v[:, 1:]))
+    for turns, evaluate in ((once, turn_of_quintic), (twice, _along_quintic)):
+        which, left = np.nonzero(turns)
+        x_ends, v_ends = ((column[which, left], column[which, left + 1]) for column in (x, v))
+        a = [
+            _accelerations_at(scene, rows, left + side, left)[which, np.arange(len(left))] for side in (0, 1)
+        ]
+        values = np.atleast_2d(evaluate(h[left], x_ends, v_ends, a))
+        low[which, left] = np.minimum(low[which, left], values.min(axis=0))
+        high[which, left] = np.maximum(high[which, left], values.max(axis=0))
+    return x, low, high
+
+
+def _along_quintic(h, x, v, a):
+    """The quintic at places so close together that what turns twice between two rows is seen."""
+    return quintic(h, x, v, a, PLACES[:, np.newaxis])
 
 
 def _accelerations_at(scene: Scene, rows: Rows, at: np.ndarray, left: np.ndarray) -> np.ndarray:

@@ -15,12 +15,17 @@ class PeriodExtremes:
         self._open: tuple[np.ndarray, np.ndarray] | None = None  # extremes of the period that has begun
         self._closed: list[np.ndarray] = []
 
-    def add(self, low: np.ndarray, high: np.ndarray, section: np.ndarray) -> None:
-        """Take the next rows: least and greatest value from each row to the next, (quantities, n) each.
+    def add(self, rows: np.ndarray, low: np.ndarray, high: np.ndarray, section: np.ndarray) -> None:
+        """Take the next rows, of which the first follows on what was taken before.
 
-        section : the rows that begin a period, ascending; the first row follows on what was taken before
+        Parameters
+        ----------
+        rows : displacements of the rows (quantities, n)
+        low, high : least and greatest from each row to before the next, of the same shape
+        section : positions of the rows that end a period and begin the next, ascending
         """
-        lows, highs = _pieces(np.minimum, low, section), _pieces(np.maximum, high, section)
+        ends = rows[:, section]
+        lows, highs = _pieces(np.minimum, low, ends, section), _pieces(np.maximum, high, ends, section)
         self.low, self.high = np.minimum(self.low, lows.min(axis=1)), np.maximum(self.high, highs.max(axis=1))
         if self._open is not None:
             lows[:, 0] = np.minimum(self._open[0], lows[:, 0])
@@ -36,8 +41,10 @@ class PeriodExtremes:
         return closed if closed.shape[1] else (self.high - self.low)[:, np.newaxis]
 
 
-def _pieces(extreme: np.ufunc, values: np.ndarray, section: np.ndarray) -> np.ndarray:
-    """Extreme up to the first section, then from each section to the next: (quantities, len(section) + 1)."""
+def _pieces(extreme: np.ufunc, values: np.ndarray, ends: np.ndarray, section: np.ndarray) -> np.ndarray:
+    """Extreme up to the first section, then from each to the next: (quantities, sections + 1)."""
     pieces = extreme.reduceat(values, [0, *section], axis=1)
-    pieces[:, :-1] = extreme(pieces[:, :-1], values[:, section])  # the row that ends a piece belongs to it
+    if len(section) and section[0] == 0:
+        pieces[:, 0] = ends[:, 0]  # reduceat takes an empty piece for its first element
+    pieces[:, :-1] = extreme(pieces[:, :-1], ends)
     return pieces

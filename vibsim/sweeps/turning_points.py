@@ -8,6 +8,7 @@ derivative is known: the cubic, off by at most h^4/384 max|f^(4)|.
 import numpy as np
 
 NEWTON_STEPS = 4  # from a secant start; the error of the root enters the extreme squared
+NEARLY = 0.2
 
 
 def turn_of_quintic(h, x, v, a):
@@ -20,13 +21,28 @@ def turn_of_quintic(h, x, v, a):
 
     Returns the extreme displacements (n).
     """
-    s = _root_of_cubic(h, v, a)
+    return quintic(h, x, v, a, _root_of_cubic(h, v, a))
+
+
+def quintic(h, x, v, a, s):
+    """The quintics of n intervals at the places s in [0, 1], (n) or (m, n)."""
     d0, d1, c0, c1 = h * v[0], h * v[1], h * h * a[0], h * h * a[1]
     rise = x[1] - x[0]
     p3 = 10 * rise - 6 * d0 - 4 * d1 - 1.5 * c0 + 0.5 * c1
     p4 = -15 * rise + 8 * d0 + 7 * d1 + 1.5 * c0 - c1
     p5 = 6 * rise - 3 * (d0 + d1) - 0.5 * (c0 - c1)
     return x[0] + s * (d0 + s * (0.5 * c0 + s * (p3 + s * (p4 + s * p5))))
+
+
+def may_turn_twice(h, x, v):
+    """Whether the velocity comes near 0 inside an interval though it has one sign at both ends.
+
+    h (n); x, v: pairs of arrays (q, n). Judged by the cubic's velocity half-way; errs on the side of yes.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):  # at intervals of no length
+        halfway = 1.5 * ((x[1] - x[0]) / h) - 0.25 * (v[0] + v[1])
+        near = (halfway * v[0] < NEARLY * v[0] * v[0]) & (halfway * v[1] < NEARLY * v[1] * v[1])
+    return near & (v[0] * v[1] > 0) & (h > 0)
 
 
 def turn_of_cubic(h, f, d):

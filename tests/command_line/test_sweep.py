@@ -1,0 +1,148 @@
+"""`vibsim sweep`: options, exit codes, what is printed, resuming."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.command_line.made import call
+from vibsim.results import open_result
+
+SHORT = ("--t-end", "2s", "-j", "2")
+
+
+@pytest.fixture(autouse=True)
+def own_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_without_a_case_it_is_II_B_and_says_so():
+    done = call("sweep", "--omega0", "3:4:0.5", *SHORT)
+    assert (done.exit_code, done.stderr) == (0, "no case given: sweeping II-B\n")
+    result = open_result("II-B-omega0.h5")
+    assert result.case.name == "II-B" and result["omega0"].tolist() == [3.0, 3.5, 4.0]
+    assert result.complete and np.isfinite(result["mean_speed"]).all()
+    assert "3 of 3 done" in done.stdout and "II-B-omega0.h5 (" in done.stdout
+
+
+def test_81_values():
+    done = call("sweep", "--omega0", "3:7:0.05", "--t-end", "0.2s", "--json", "-q")
+    assert done.exit_code == 0 and json.loads(done.stdout)["points_done"] == 81
+    assert open_result("II-B-omega0.h5")["omega0"][1] == 3.05
+
+
+def test_a_harmonic_sweep_on_a_grid_of_a_changed_case():
+    done = call(
+        "sweep", "I-B", "--omega", "3, 4", "--param", "G=1:2/3 mm", "-s", "c=0.02", *SHORT, "-o", "grid.h5"
+    )  # fmt: skip
+    assert done.exit_code == 0
+    result = open_result("grid.h5")
+    assert [axis.name for axis in result.axes] == ["omega", "G"] and result["amplitude_x1"].shape == (2, 3, 1)
+    assert result.case.number("c") == 0.02
+
+
+def test_the_case_of_a_run():
+    assert call("run", "II-C", "--t-end", "1s", "-s", "c=0.02").exit_code == 0
+    assert call("sweep", "II-C.h5", "--omega0", "3,4", "-o", "again.h5").exit_code == 0
+    assert open_result("again.h5").case.number("c") == 0.02
+    done = call("sweep", "again.h5", "--omega0", "3,4", "-o", "third.h5")
+    assert done.exit_code == 6 and "holds no single run" in done.stderr
+
+
+def test_a_finished_sweep_is_not_computed_again():
+    options = ("sweep", "II-B", "--omega0", "3,4", *SHORT)
+    assert call(*options).exit_code == 0
+    written = os.stat("II-B-omega0.h5").st_mtime_ns
+    done = call(*options)
+    assert done.exit_code == 0 and "was complete: nothing to compute" in done.stdout
+    assert os.stat("II-B-omega0.h5").st_mtime_ns == written
+
+
+def test_another_sweep_in_the_file_is_refused():
+    assert call("sweep", "II-B", "--omega0", "3,4", *SHORT).exit_code == 0
+    done = call("sweep", "II-B", "--omega0", "3,5", *SHORT)
+    assert done.exit_code == 6
+    assert "excitation.Omega0: in the file 3, 4 Hz (2 values), here 3, 5 Hz (2 values)" in done.stderr
+    assert call("sweep", "II-B", "--omega0", "3,5", *SHORT, "--force").exit_code == 0
+    assert open_result("II-B-omega0.h5")["omega0"].tolist() == [3.0, 5.0]
+
+
+def test_failed_points_end_in_exit_code_5():
+    grid = ("--param", "t_end=1,100 s", "--param", "every=1e-9,1 s")
+    options = ("sweep", "II-B", *grid, "-s", "every=1s", "-s", "t_end=1s")
+    done = call(*options, "-o", "failed.h5", "-j", 1)
+    assert done.exit_code == 5
+    assert "1 of 4 points failed" in done.stderr and "t_end = 100 s, every = 1e-9 s" in done.stdout
+    assert open_result("failed.h5").complete
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "message"),
+    [
+        ((), 2, "nothing to sweep"),
+        (("--omega0", "3:7"), 2, "has no step"),
+        (("--omega", "3,4"), 2, "excitation.omega"),
+        (("--param", "Omega=3,4"), 2, "did you mean"),
+        (("--param", "c"), 2, "is not KEY=RANGE"),
+        (("--param", "c=-1,1"), 3, "--param coupling.c: must be >= 0"),
+        (("--omega0", "3,4", "--discard", "200%"), 2, "below 1"),
+        (("--omega0", "3,4", "--discard", "3s"), 2, "leaves nothing"),
+        (("--omega0", "3,4", "--every", "soon"), 2, "time"),
+        (("--omega0", "3,4", "-s", "nonsense=1"), 3, "nonsense"),
+    ],
+)
+def test_what_is_refused(words, code, message, own_folder):
+    done = call("sweep", "II-B", *SHORT, *words)
+    assert done.exit_code == code
+    assert message in done.stderr
+    assert list(own_folder.iterdir()) == []
+
+
+def test_fresh_directions_get_a_remark():
+    done = call("sweep", "II-B", "--omega0", "3,4", "--direction", "both", *SHORT)
+    assert done.exit_code == 0 and "--carry-state" in done.stderr
+    assert open_result("II-B-omega0.h5").directions == (1, -1)
+
+
+def test_info_describes_a_sweep():
+    call("sweep", "II-B", "--omega0", "3,4", *SHORT)
+    done = call("info", "II-B-omega0.h5")
+    assert done.exit_code == 0 and "2 of 2 done" in done.stdout
+    facts = json.loads(call("info", "II-B-omega0.h5", "--json").stdout)
+    assert facts["vibsim_kind"] == "sweep" and facts["case"]["name"] == "II-B"
+
+
+@pytest.mark.parametrize(("signum", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_interruption_keeps_what_is_finished_and_resumes(signum, code):
+    command = [
+        sys.executable,
+        "-m",
+        "vibsim",
+        "sweep",
+        "II-B",
+        "--omega0",
+        "3:7:0.05",
+        "--t-end",
+        "60s",
+        "-o",
+        "s.h5",
+    ]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+    journal = Path("s.h5.journal")
+    while not (journal.exists() and journal.read_text().count("\n") > 2):
+        assert process.poll() is None
+        time.sleep(0.005)
+    process.send_signal(signum)
+    _, said = process.communicate()
+    assert process.returncode == code
+    assert "interrupted: s.h5 holds what was done" in said
+    left = open_result("s.h5")
+    assert not left.complete and left.attrs["points_done"] >= 2
+    assert os.listdir() == ["s.h5"]

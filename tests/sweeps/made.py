@@ -1,0 +1,35 @@
+"""Short sweeps for the tests, and their comparison bit by bit."""
+
+import numpy as np
+
+from vibsim.cases import load_case
+from vibsim.sweeps.columns import NOT_REPRODUCIBLE
+from vibsim.sweeps.plan import DIRECTIONS
+from vibsim.sweeps.sweeping import make_plan
+
+OMEGA0 = "excitation.Omega0"
+
+
+def short_case(name="II-B", t_end="4 s", **changes):
+    """A shipped case, run for a short while; changes with __ for the point of a key."""
+    named = {key.replace("__", "."): value for key, value in changes.items()}
+    return load_case(name, {"run.t_end": t_end, **named})
+
+
+def short_plan(axes=None, case=None, **settings):
+    """A plan of a few points of II-B."""
+    axes = axes or {OMEGA0: "3:5:0.5 Hz"}
+    return make_plan(case or short_case(), [(key, text, "") for key, text in axes.items()], **settings)
+
+
+def assert_same_points(got, expected):
+    """Two tables agree in every bit of what can be reproduced."""
+    assert list(got.numbers) == list(expected.numbers)
+    for name, array in expected.numbers.items():
+        if name not in NOT_REPRODUCIBLE:
+            np.testing.assert_array_equal(got.numbers[name].view("i8"), array.view("i8"), err_msg=name)
+    for name in ("status", "sha256", "error"):
+        np.testing.assert_array_equal(getattr(got, name), getattr(expected, name), err_msg=name)
+
+
+__all__ = ["DIRECTIONS", "OMEGA0", "assert_same_points", "short_case", "short_plan"]

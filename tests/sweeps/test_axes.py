@@ -1,0 +1,100 @@
+"""Axes, transients and plans: exact values, and what is refused."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from tests.sweeps.made import OMEGA0, short_case, short_plan
+from vibsim.cases import CaseError, RangeError, UnknownKeyError
+from vibsim.sweeps import sweep
+from vibsim.sweeps.axis import read_axis
+from vibsim.sweeps.discard import parse_discard
+from vibsim.sweeps.plan import PlanError
+
+
+def test_the_81_values():
+    axis = read_axis(short_case(), "Omega0", "3:7:0.05", "Hz")
+    assert (axis.key, axis.name, axis.unit, len(axis)) == (OMEGA0, "omega0", "Hz", 81)
+    assert axis.numbers().tolist() == [round(3 + i / 20, 2) for i in range(81)]
+    assert axis.text(1) == "3.05 Hz"
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "unit", "values"),
+    [
+        ("c", "0.01:0.05/9", "", [0.01, 0.015, 0.02, 0.025, 0.03, 0.035, 0.04, 0.045, 0.05]),
+        ("stop.G", "2, 0.5, 1 mm", "mm", [0.5, 1.0, 2.0]),
+        ("G", "1 mm, 0.2 cm", "cm", [0.1, 0.2]),
+        ("Omega0", "240:300:30 rpm", "rpm", [240.0, 270.0, 300.0]),
+        ("initial.phi", "0:90:45 deg", "deg", [0.0, 45.0, 90.0]),
+    ],
+)
+def test_axes_of_any_number(key, text, unit, values):
+    axis = read_axis(short_case(), key, text)
+    assert axis.unit == unit and axis.numbers().tolist() == values
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "error", "message"),
+    [
+        ("Omega", "3:4:1 Hz", UnknownKeyError, "did you mean"),
+        ("run.method", "1,2", UnknownKeyError, "is no number"),
+        ("Omega0", "3:4:1", CaseError, "--param excitation.Omega0: needs a unit"),
+        ("c", "-1:1:1", CaseError, "must be >= 0, got -1"),
+        ("c", "1,1.0", RangeError, "has the value 1 twice"),
+        ("Omega0", "3 Hz, 20 rad/s", RangeError, "do not go together"),
+    ],
+)
+def test_axes_that_are_refused(key, text, error, message):
+    with pytest.raises(error) as caught:
+        read_axis(short_case(), key, text)
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "time"), [("1 s", 1.0), ("500ms", 0.5), ("0.25", 1.0), ("25%", 1.0), ("25 %", 1.0), ("0", 0.0)]
+)
+def test_transients(text, time):
+    assert parse_discard(text).time(4.0) == time
+    assert parse_discard(str(parse_discard(text))) == parse_discard(text)
+
+
+@pytest.mark.parametrize("text", ["", "%", "1.5", "-1 s", "100%", "x", "5 mm", "2 %%"])
+def test_transients_that_are_refused(text):
+    with pytest.raises(ValueError):
+        parse_discard(text)
+
+
+@pytest.mark.parametrize(
+    ("axes", "settings", "message"),
+    [
+        ({OMEGA0: "3 Hz"}, {"discard": "4 s"}, "leaves nothing of a run of 4 s"),
+        ({OMEGA0: "3 Hz", "Omega0": "4 Hz"}, {}, "omega0 is given twice"),
+        ({"x1": "0:1:1 mm"}, {"carry_state": True}, "cannot be swept first"),
+        ({OMEGA0: "3 Hz"}, {"section": -1}, "negative"),
+        ({OMEGA0: "3 Hz"}, {"direction": "left"}, "up, down or both"),
+        ({OMEGA0: "3 Hz"}, {"every": "0 s"}, "positive"),
+    ],
+)
+def test_plans_that_are_refused(axes, settings, message):
+    with pytest.raises(PlanError, match=message):
+        short_plan(axes, **settings)
+
+
+def test_a_chain_goes_up_and_back_down_along_the_first_axis():
+    plan = short_plan({"Omega0": "3, 4 Hz", "c": "0.1, 0.2"}, carry_state=True, direction="both")
+    assert list(plan.chains()) == [
+        [(0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1)],
+        [(0, 1, 0), (1, 1, 0), (1, 1, 1), (0, 1, 1)],
+    ]
+
+
+def test_the_python_call():
+    found = sweep(short_case(), {"Omega0": "3:4:0.5 Hz", "c": "0.001, 0.1"}, jobs=2, section=5)
+    assert found["omega0"].tolist() == [3.0, 3.5, 4.0] and found["c"].tolist() == [0.001, 0.1]
+    assert found["mean_speed"].shape == (3, 2, 1) and found["section_speed"].shape == (3, 2, 1, 5)
+    assert found.complete and found.case_at((2, 1, 0)).quantity("c").value == Fraction(1, 10)
+    assert np.isfinite(found["amplitude_x1"]).all()
+    with pytest.raises(KeyError, match="no speed; this sweep has omega0, c, mean_speed"):
+        found["speed"]

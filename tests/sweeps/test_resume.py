@@ -1,0 +1,226 @@
+"""What is finished stays finished: interruption, kill -9, resume, locks, refusals."""
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+
+import h5py
+import numpy as np
+import pytest
+
+from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
+from vibsim.results import ResultFileError, open_result
+from vibsim.sweeps.columns import DONE, FAILED, MISSING
+from vibsim.sweeps.journal import Journal, journal_path
+from vibsim.sweeps.store import FileStore, Store
+from vibsim.sweeps.sweeping import run_stored
+
+CARRIED = {"carry_state": True, "direction": "both"}
+
+
+def complete(plan, path, **options):
+    """Run what is missing in a file; the indices computed by this call."""
+    store = FileStore(plan, path, **options)
+    before = store.table.status.copy()
+    result, finished = run_stored(store, 2)
+    assert finished
+    return result, [tuple(index) for index in np.argwhere(before != DONE).tolist()]
+
+
+def interrupted(plan, path, points):
+    """Run a file until so many points are there."""
+    run_stored(FileStore(plan, path), 2, watch=lambda table: table.count(DONE) < points)
+
+
+def in_memory(plan):
+    return run_stored(Store(plan), 2)[0].table
+
+
+@pytest.mark.parametrize("settings", [{}, CARRIED], ids=["fresh", "carried"])
+def test_an_interrupted_sweep_goes_on_to_the_same_bits(tmp_path, settings):
+    plan, path = short_plan(**settings), tmp_path / "sweep.h5"
+    interrupted(plan, path, 2)
+    left = open_result(path)
+    assert left.attrs["complete"] == 0 and 2 <= left.table.count(DONE) < plan.count
+    assert np.isnan(left["mean_speed"][left["status"] == MISSING]).all()
+    assert not journal_path(path).exists()
+    result, computed = complete(plan, path)
+    assert len(computed) == plan.count - left.table.count(DONE)
+    assert_same_points(result.table, in_memory(plan))
+    assert_same_points(open_result(path).table, result.table)
+    assert complete(plan, path)[1] == []
+
+
+def test_a_finished_file_is_not_written_again(tmp_path):
+    plan, path = short_plan(), tmp_path / "sweep.h5"
+    complete(plan, path)
+    written = path.stat().st_mtime_ns, path.read_bytes()
+    complete(plan, path)
+    assert (path.stat().st_mtime_ns, path.read_bytes()) == written
+
+
+def test_a_chain_is_recomputed_from_the_first_point_that_does_not_follow(tmp_path):
+    plan, path = short_plan(**CARRIED), tmp_path / "sweep.h5"
+    result, _ = complete(plan, path)
+    with h5py.File(path, "r+") as file:
+        file["end_x1"][2, 0] += 1e-9  # everything behind (2, up) was begun elsewhere
+    store = FileStore(plan, path)
+    again, _ = run_stored(store, 1)
+    order = next(plan.chains())
+    for index in order:
+        same = again["sha256"][index] == result["sha256"][index]
+        assert same == (order.index(index) <= order.index((2, 0)))
+
+
+def test_points_waiting_in_the_journal_are_taken_over(tmp_path):
+    plan, path = short_plan(), tmp_path / "sweep.h5"
+    points = in_memory(plan)
+    with FileStore(plan, path) as store:
+        store._journal.add(points.point((1, 0)))
+        with open(journal_path(path), "ab") as file:
+            file.write(b'{"index": [2, 0], "status": 1, "sha')  # killed in the middle of a line
+        copy = journal_path(path).read_bytes()
+    journal_path(path).write_bytes(copy)
+    _, computed = complete(plan, path)
+    assert computed == [(0, 0), (2, 0), (3, 0), (4, 0)]
+    assert_same_points(open_result(path).table, points)
+
+
+def journal_begun(path):
+    """When the journal was last written to; None while there is nothing in it."""
+    try:
+        found = journal_path(path).stat()
+    except FileNotFoundError:
+        return None
+    return found.st_mtime_ns if found.st_size else None
+
+
+def kill_at(plan_settings, path, delay):
+    """Start a sweep as a process of its own and kill it after `delay` seconds of computing."""
+    command = [
+        sys.executable,
+        "-m",
+        "vibsim",
+        "sweep",
+        "II-B",
+        "--omega0",
+        "3:5:0.1",
+        "-o",
+        str(path),
+        "-j",
+        "2",
+    ]
+    before = journal_begun(path)
+    process = subprocess.Popen(
+        [*command, "--t-end", "8s", *plan_settings], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    deadline = time.monotonic() + 30
+    while journal_begun(path) in (None, before) and time.monotonic() < deadline and process.poll() is None:
+        time.sleep(0.001)
+    time.sleep(delay)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+
+
+@pytest.mark.parametrize("carried", [False, True], ids=["fresh", "carried"])
+def test_kill_at_random_moments(tmp_path, carried):
+    """Whatever the moment: the file opens, no finished point is lost, and the end is the same."""
+    path, draw = tmp_path / "sweep.h5", random.Random(7)
+    settings = CARRIED if carried else {}
+    plan = short_plan({OMEGA0: "3:5:0.1 Hz"}, short_case(t_end="8 s"), **settings)
+    known = 0
+    for _ in range(4):
+        kill_at(["--carry-state", "--direction", "both"] if carried else [], path, draw.uniform(0, 0.12))
+        if path.exists():
+            open_result(path)
+        store = FileStore(plan, path)
+        assert store.table.count(DONE) >= known
+        known = store.table.count(DONE)
+        store._journal.close(remove=False)
+    result, _ = complete(plan, path)
+    assert_same_points(result.table, in_memory(plan))
+    assert not journal_path(path).exists() and len(list(tmp_path.iterdir())) == 1
+
+
+def test_another_sweep_is_refused_with_the_difference(tmp_path):
+    path = tmp_path / "sweep.h5"
+    complete(short_plan({OMEGA0: "3, 4 Hz"}), path)
+    before = path.read_bytes()
+    other = short_plan(
+        {OMEGA0: "3, 5 Hz", "mu": "0.001, 0.002"}, short_case(coupling__c="0.002 N s/m"), discard="1 s"
+    )
+    with pytest.raises(ResultFileError) as error:
+        FileStore(other, path)
+    message = str(error.value)
+    assert "excitation.Omega0: in the file 3, 4 Hz (2 values), here 3, 5 Hz (2 values)" in message
+    assert "friction.mu: in the file not swept, here 0.001, 0.002 (2 values)" in message
+    assert "coupling.c: in the file 0.001 N s/m, here 0.002 N s/m" in message
+    assert "discard: in the file 50 %, here 1 s" in message
+    assert path.read_bytes() == before
+    complete(other, path, force=True)
+    assert open_result(path)["mean_speed"].shape == (2, 2, 1)
+
+
+def test_the_spelling_of_the_same_sweep_makes_no_difference(tmp_path):
+    path = tmp_path / "sweep.h5"
+    complete(short_plan({OMEGA0: "3, 4 Hz"}), path)
+    same = short_plan({"Omega0": "4.0,3.0 Hz"}, short_case(excitation__Omega0="3 Hz", coupling__c="1e-3"))
+    assert complete(same, path)[1] == []
+
+
+def test_a_trajectory_is_not_overwritten(tmp_path):
+    import vibsim
+
+    path = vibsim.simulate(short_case()).save(tmp_path / "run.h5")
+    with pytest.raises(ResultFileError, match="holds a trajectory, not a sweep"):
+        FileStore(short_plan(), path)
+
+
+def test_a_second_process_is_refused(tmp_path):
+    path = tmp_path / "sweep.h5"
+    with FileStore(short_plan(), path), pytest.raises(ResultFileError, match="another sweep is writing it"):
+        Journal(path)
+    Journal(path).close(remove=True)
+
+
+def test_a_failed_point_is_kept_with_its_reason_and_tried_again(tmp_path, monkeypatch):
+    from vibsim.kernel import KernelError, open_trajectory
+    from vibsim.physics.state import State
+    from vibsim.sweeps import measured_run
+
+    def failing(scene, *arguments, **options):
+        if abs(scene.Omega0 / 2 / np.pi - 4) < 1e-9:
+            raise KernelError("diverged", State(*[1.5] * 8))
+        return open_trajectory(scene, *arguments, **options)
+
+    plan, path = short_plan({OMEGA0: "3, 4, 5 Hz"}, carry_state=True), tmp_path / "sweep.h5"
+    monkeypatch.setattr(measured_run, "open_trajectory", failing)
+    result, _ = complete(plan, path)
+    assert result["status"].ravel().tolist() == [DONE, FAILED, DONE]
+    assert "t = 1.5 s: the state is no longer finite" in result["error"][1, 0]
+    assert np.isnan(result["mean_speed"][1, 0]) and result.complete
+    assert result.case_at((2, 0)).number("initial.x1") == result["end_x1"][0, 0]  # passes over the failed one
+    monkeypatch.undo()
+    again, _ = complete(plan, path)
+    assert_same_points(again.table, in_memory(plan))
+
+
+def test_a_point_whose_case_is_not_allowed_fails_alone():
+    """Each value alone is allowed; together t_end and every make too many samples."""
+    plan = short_plan({"t_end": "1, 100 s", "every": "1e-9, 1 s"}, short_case(run__every="1 s"))
+    result, _ = run_stored(Store(plan), 1)
+    assert result["status"][:, :, 0].tolist() == [[DONE, DONE], [FAILED, DONE]]
+    assert "samples" in result["error"][1, 0, 0]
+
+
+def test_journal_lines_are_plain_json(tmp_path):
+    plan = short_plan({OMEGA0: "3, 4 Hz"})
+    with FileStore(plan, tmp_path / "sweep.h5") as store:
+        store.add(in_memory(plan).point((1, 0)))
+        lines = journal_path(tmp_path / "sweep.h5").read_text().splitlines()
+    assert json.loads(lines[0]) == {"fingerprint": plan.fingerprint}
+    assert json.loads(lines[1])["index"] == [1, 0]
