@@ -1,10 +1,12 @@
-"""The mode automaton: {free, contact} x {slip +, slip -, stick}, the Filippov solution of the paper's equations.
+"""The mode automaton: {free, contact} x {slip +, slip -, stick}, the Filippov solution of the paper's
+equations.
 
     free <-> contact   at g = 0, by the sign of the first derivative of g that is not zero
     slip -> stick      at v2 = 0 while |S| <= N; else into slip with sigma = sgn(S)
     stick -> slip      when |S| = N and grows, with sigma = sgn(S)
-Every decision at a zero looks at derivatives, never at the sign of a rounded zero. Two events at one instant are taken one after
-the other. Each transition tells which event functions are zero at its instant, and to which order.
+Every decision at a zero looks at derivatives, never at the sign of a rounded zero. Two events at one instant
+are taken one after the other. Each transition tells which event functions are zero at its instant, and to
+which order.
 """
 
 from vibsim.events.watch import CLEARANCE, GAP, HOLD_MINUS, HOLD_PLUS, SLIDE
@@ -41,9 +43,10 @@ def initial_mode(scene, flow, state):
 def transition(scene, flow, state, mode, function):
     """What the zero of `function` at `state` in `mode` leads to.
 
-    Returns the mode behind it, the event kind (None for a touch that changes nothing) and {event function: order of its zero}.
-    Sets state.v2 to zero where block 2 sticks. At a reversal it keeps the residue a2 dt of the time grid: the friction force turns dt
-    too late, an impulse of 2 N dt, where cutting the residue would take m2 a2 dt from the momentum.
+    Returns the mode behind it, the event kind (None for a touch that changes nothing) and {event function:
+    order of its zero}. Sets state.v2 to zero where block 2 sticks. At a reversal it keeps the residue a2 dt
+    of the time grid: the friction force turns dt too late, an impulse of 2 N dt, where cutting the residue
+    would take m2 a2 dt from the momentum.
     """
     if function == GAP:
         return _contact_switch(scene, flow, state, mode)

@@ -1,8 +1,9 @@
 """Certified first roots: steps that no root can hide in.
 
-If f > 0 at a point and |f''| <= B on the window ahead, then f stays positive for as long as its lower parabola
-q0 + q1 t - B t^2 / 2 does. Marching by that step never jumps over a root or a tangency and converges quadratically to a
-simple root. A zero known to be at the start of a window (the event that opened it) is divided out first.
+If f > 0 at a point and |f''| <= B on the window ahead, then f stays positive for as long as its lower
+parabola q0 + q1 t - B t^2 / 2 does. Marching by that step never jumps over a root or a tangency and
+converges quadratically to a simple root. A zero known to be at the start of a window (the event that opened
+it) is divided out first.
 """
 
 from math import inf
@@ -13,8 +14,8 @@ FACTORIALS = (1, 1, 2, 6, 24, 120, 720, 5040, 40320, 362880, 3628800)
 def safe_step(kit, q0, q1, bound):
     """Length of the stretch on which q0 + q1 t - bound t^2 / 2 is certainly positive.
 
-    q0 >= 0: value; q1: slope; bound >= 0 on the absolute second derivative, all at the start of the stretch. For q1 < 0 the
-    cancellation-free form is used. Infinite where the parabola never comes down.
+    q0 >= 0: value; q1: slope; bound >= 0 on the absolute second derivative, all at the start of the stretch.
+    For q1 < 0 the cancellation-free form is used. Infinite where the parabola never comes down.
     """
     root = kit.sqrt(q1 * q1 + 2 * bound * q0)
     if q1 < 0:
@@ -27,9 +28,9 @@ def safe_step(kit, q0, q1, bound):
 def deflated_step(kit, order, leading, following, bound):
     """The safe step behind a zero of the given order at t = 0, from f / t^order.
 
-    leading, following: derivatives of f at 0 of that order and of the next; bound: on the absolute derivative of order + 2.
-    With f / t^m = int_0^1 (1 - s)^(m-1) / (m-1)! f^(m)(s t) ds, the second derivative of the quotient is at most
-    2 bound / (m + 2)!.
+    leading, following: derivatives of f at 0 of that order and of the next; bound: on the absolute
+    derivative of order + 2. With f / t^m = int_0^1 (1 - s)^(m-1) / (m-1)! f^(m)(s t) ds, the second
+    derivative of the quotient is at most 2 bound / (m + 2)!.
     """
     return safe_step(
         kit,
@@ -40,7 +41,8 @@ def deflated_step(kit, order, leading, following, bound):
 
 
 def leading_order(derivatives, known):
-    """Order of the first derivative that is not zero, the first `known` of them being zero by the event that led here.
+    """Order of the first derivative that is not zero, the first `known` of them being zero by the event that
+    led here.
 
     Returns len(derivatives) where all are zero: the function rests at zero.
     """

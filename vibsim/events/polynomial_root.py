@@ -8,7 +8,9 @@ MARCH_LIMIT = 10000
 
 
 class PolynomialSearch:
-    """Finds first roots and keeps the smallest value that the gap function turned round at without crossing."""
+    """Finds first roots and keeps the smallest value that the gap function turned round at without
+    crossing.
+    """
 
     def __init__(self, kit):
         self.kit = kit
@@ -18,8 +20,9 @@ class PolynomialSearch:
     def first_root(self, coefficients, known, t0, h, keep_margin):
         """Grid time of the first zero in (t0, t0 + h] of the polynomial in t - t0, or None.
 
-        coefficients: lowest first; positive at the start but for a zero there of order `known`, which is divided out together
-        with any further coefficient that is exactly zero. keep_margin: look for a grazing minimum where there is no root.
+        coefficients: lowest first; positive at the start but for a zero there of order `known`, which is
+        divided out together with any further coefficient that is exactly zero. keep_margin: look for a
+        grazing minimum where there is no root.
         """
         order = known
         while order < len(coefficients) and coefficients[order] == 0:
@@ -37,7 +40,9 @@ class PolynomialSearch:
         return root
 
     def _bounds(self, series, h):
-        """sum |b_n| h^n, the largest possible fall below b_0, a bound of |f''|, and whether f can turn upwards within h."""
+        """sum |b_n| h^n, the largest possible fall below b_0, a bound of |f''|, and whether f can turn
+        upwards within h.
+        """
         zero = self.kit.number(0)
         total, fall, curvature, power = abs(series[0]), zero, zero, h
         for n in range(1, len(series)):
@@ -90,7 +95,9 @@ class PolynomialSearch:
         return value, slope
 
     def _graze(self, series, t0, h):
-        """Minimum of a rootless gap function within the step, by secant and three Newton steps on its slope."""
+        """Minimum of a rootless gap function within the step, by secant and three Newton steps on its
+        slope.
+        """
         first = series[1]
         _, last = self._value_and_slope(series, h)
         if not first < 0 <= last:

@@ -1,14 +1,15 @@
 """The closed-form flow: ideal source, one exact expression from event to event.
 
-Inside a mode the relative displacement y = x1 - x2 is one damped oscillator under a constant and a harmonic load, and while block 2
-slides the centre of mass obeys X'' = (F - sigma N) / (m1 + m2), from Eqs. (2.1)-(2.3). While it sticks (or is fixed) x2 rests.
-A trajectory costs a few evaluations per event, however long the stretches between them.
+Inside a mode the relative displacement y = x1 - x2 is one damped oscillator under a constant and a harmonic
+load, and while block 2 slides the centre of mass obeys X'' = (F - sigma N) / (m1 + m2), from Eqs.
+(2.1)-(2.3). While it sticks (or is fixed) x2 rests. A trajectory costs a few evaluations per event, however
+long the stretches between them.
 """
 
 from math import inf
 
 from vibsim.events.first_root import deflated_step, leading_order, safe_step
-from vibsim.events.watch import CLEARANCE, GAP, HOLD_MINUS, HOLD_PLUS, NOTHING, SLIDE, watched
+from vibsim.events.watch import CLEARANCE, GAP, HOLD_PLUS, NOTHING, SLIDE, watched
 from vibsim.flows.responses import Oscillator, free_harmonic_response
 from vibsim.physics.state import State
 
@@ -82,7 +83,8 @@ class ClosedForm:
         if self.driven:
             angle = kit.turn_angle(scene.cycles, scene.cycles_lo, state.t)
             self.sin0, self.cos0 = kit.sin(angle), kit.cos(angle)
-        self.load_sine, self.load_cosine = self.regime.amplitude * self.sin0, self.regime.amplitude * self.cos0
+        self.load_sine = self.regime.amplitude * self.sin0
+        self.load_cosine = self.regime.amplitude * self.cos0
         self.centre_sine = self.regime.centre_amplitude * self.sin0
         self.centre_cosine = self.regime.centre_amplitude * self.cos0
         self.slope_before, self.stall = kit.number(0), kit.number(1)
@@ -103,7 +105,9 @@ class ClosedForm:
         """Go on from an instant that was no event: nothing to do, the anchor holds."""
 
     def evaluate(self, t):
-        """Set y, u, the centre of mass and the phase of the force at time t, and keep the responses they are made of."""
+        """Set y, u, the centre of mass and the phase of the force at time t, and keep the responses they are
+        made of.
+        """
         if t == self.at:
             return
         regime, osc, kit = self.regime, self.regime.oscillator, self.kit
@@ -145,7 +149,9 @@ class ClosedForm:
             self.V = self.V + (self.centre_sine * self.centre_dc + self.centre_cosine * self.centre_ds)
 
     def measure(self):
-        """Magnitudes of the terms of y, u and V at the point evaluated last: what their rounding is proportional to."""
+        """Magnitudes of the terms of y, u and V at the point evaluated last: what their rounding is
+        proportional to.
+        """
         regime = self.regime
         amplitude, load = abs(regime.amplitude), regime.load
         self.scale_y = abs(self.y0) + abs(self.u0 * self.impulse) + abs(load * self.steady)
@@ -175,7 +181,9 @@ class ClosedForm:
         return self.jet(count)
 
     def jet(self, count):
-        """Derivatives y, y', ..., of order 0 to `count` at the point evaluated last, by differentiating the oscillator."""
+        """Derivatives y, y', ..., of order 0 to `count` at the point evaluated last, by differentiating the
+        oscillator.
+        """
         regime, osc = self.regime, self.regime.oscillator
         loads = (self.sine, self.cosine, -self.sine, -self.cosine)
         d = [self.y, self.u]
@@ -189,8 +197,8 @@ class ClosedForm:
     def bound(self, d, n):
         """Bound of |y^(n)| over the window ahead, from the derivatives d at its start.
 
-        y^(n) obeys the same oscillator: its free part stays below both the energy and the ballistic bound, the forced part below
-        |R| omega^n h^2 / 2 because |S(t)| <= t.
+        y^(n) obeys the same oscillator: its free part stays below both the energy and the ballistic bound,
+        the forced part below |R| omega^n h^2 / 2 because |S(t)| <= t.
         """
         osc = self.regime.oscillator
         value, rate = d[n], d[n + 1]

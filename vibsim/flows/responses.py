@@ -1,20 +1,22 @@
 """Responses of one damped oscillator, accurate for every damping, stiffness, load frequency and time.
 
-The oscillator is y'' + 2 a y' + b y = load, with roots r1, r2 of r^2 + 2 a r + b = 0. Everything a mode of the ideal source needs is
+The oscillator is y'' + 2 a y' + b y = load, with roots r1, r2 of r^2 + 2 a r + b = 0. Everything a mode of
+the ideal source needs is
     S(t)   impulse response, S(0) = 0, S'(0) = 1            (first divided difference of exp at r1, r2)
     C(t)   release from y = 1 at rest                        (C' = -b S, S' = C - 2 a S)
     I(t)   response to the constant load 1, I' = S
     H(t)   response to the load exp(i omega t), H' = S + i omega H
-I and H start at rest. Where the textbook quotients cancel (b -> 0, resonance, short times) they are taken as nested divided
-differences or as power series, so that each response keeps full relative accuracy.
+I and H start at rest. Where the textbook quotients cancel (b -> 0, resonance, short times) they are taken as
+nested divided differences or as power series, so that each response keeps full relative accuracy.
 """
 
 from vibsim.physics.numbers import horner
 
-# Quotients by b and by Z = (r1 - i omega)(r2 - i omega) cancel at most three bits where |Z| t^2 is above a quarter; far above critical
-# damping, where r2 t is large whatever r1 t is, where |r1 - i omega| t is above a half.
+# Quotients by b and by Z = (r1 - i omega)(r2 - i omega) cancel at most three bits where |Z| t^2 is above a
+# quarter; far above critical damping, where r2 t is large whatever r1 t is, where |r1 - i omega| t is above
+# a half.
 QUARTER = 0.25
-UNHURRIED = 1e100  # window of a free mass [s]: longer than any run, yet finite, so that times a zero rate it is zero
+UNHURRIED = 1e100  # window of a free mass [s]: longer than any run, yet finite (0 * inf is no bound)
 
 
 class Oscillator:
@@ -90,7 +92,8 @@ class Oscillator:
     def _confluent(self, t, cosine, sine):
         """H near resonance: (E1 - E2) / (r1 - r2) with E_k = (exp(r_k t) - exp(i omega t)) / (r_k - i omega).
 
-        E1 = t exp((r1 + i omega) t / 2) sinhc((r1 - i omega) t / 2) holds up to the resonance itself (secular growth).
+        E1 = t exp((r1 + i omega) t / 2) sinhc((r1 - i omega) t / 2) holds up to the resonance itself
+        (secular growth).
         """
         kit = self.kit
         if self.oscillates:

@@ -1,8 +1,9 @@
 """The Taylor flow: any source, a polynomial of high order from step to step.
 
-Inside a mode the motion is analytic and its Taylor coefficients follow by recurrence from Eqs. (2.1)-(2.3) or (2.8)-(2.10). One step
-gives the state to round-off and a polynomial that is the dense output and carries the event search. With s = sin phi,
-c = cos phi and w = dphi/dt the rotor needs three products of series only, because
+Inside a mode the motion is analytic and its Taylor coefficients follow by recurrence from Eqs. (2.1)-(2.3)
+or (2.8)-(2.10). One step gives the state to round-off and a polynomial that is the dense output and carries
+the event search. With s = sin phi, c = cos phi and w = dphi/dt the rotor needs three products of series
+only, because
     s dw/dt + w^2 c = d(s w)/dt,      s' = c w,      c' = -s w.
 """
 
@@ -150,7 +151,8 @@ class Taylor:
         self._finish_series()
 
     def _products(self, s, c, w, a1, n):
-        """The inner terms of (c w)_n, (s w)_(n+1) and (s a1)_n, those that do not wait for the newest coefficients.
+        """The inner terms of (c w)_n, (s w)_(n+1) and (s a1)_n, those that do not wait for the newest
+        coefficients.
 
         Odd and even terms are summed apart: two chains that a processor takes side by side.
         """
@@ -164,7 +166,9 @@ class Taylor:
         return [odd + even for odd, even in zip(*sums, strict=True)]
 
     def _step_length(self):
-        """Longest step whose last two terms stay below tol times the largest leading one (after Jorba & Zou 2005)."""
+        """Longest step whose last two terms stay below tol times the largest leading one (after Jorba & Zou
+        2005).
+        """
         blocks = [[self.v1, self.v2]]
         if self.scene.has_motor:
             blocks.append([self.w])
@@ -202,14 +206,18 @@ class Taylor:
     def _relative_polynomial(self, function):
         scene = self.scene
         if function == GAP:
-            factor, constant = (-scene.stop_sign, -scene.G) if self.mode.contact else (scene.stop_sign, scene.G)
+            factor, constant = scene.stop_sign, scene.G
+            if self.mode.contact:
+                factor, constant = -factor, -constant
         else:
             factor, constant = (1, -scene.rest_distance) if self.mode.violated else (-1, scene.rest_distance)
         series = [factor * (a - b) for a, b in zip(self.x1, self.x2, strict=True)]
         return [series[0] + constant] + series[1:]
 
     def advance(self, limit):
-        """One step to its end, to the first event within it or to `limit`; returns (time, event function or NOTHING)."""
+        """One step to its end, to the first event within it or to `limit`; returns (time, event function or
+        NOTHING).
+        """
         length = limit - self.t0
         h = self.h if self.h < length else length
         end = limit if self.h >= length else self.kit.exact(self.t0 + h)

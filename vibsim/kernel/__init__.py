@@ -34,7 +34,8 @@ def compiled() -> bool:
 def engine_name(engine="auto"):
     """The engine that `engine` ("auto", "c", "python") stands for: "c" or "python".
 
-    "auto" falls back on Python with one notice on stderr. Raises ValueError for another name, RuntimeError for "c" where it was not built.
+    "auto" falls back on Python with one notice on stderr. Raises ValueError for another name, RuntimeError
+    for "c" where it was not built.
     """
     global _noticed
     if engine not in ("auto", "c", "python"):
@@ -42,10 +43,11 @@ def engine_name(engine="auto"):
     if engine == "python" or compiled():
         return "python" if engine == "python" else "c"
     if engine == "c":
-        raise RuntimeError("the C engine was not built; install with a C compiler at hand, or use engine python")
+        raise RuntimeError("the C engine was not built; install with a C compiler, or use engine python")
     if not _noticed:
         print(
-            "vibsim: no C engine in this installation, running on the Python engine (same results, some 200 times slower)",
+            "vibsim: no C engine in this installation, running on the Python engine"
+            " (same results, some 200 times slower)",
             file=sys.stderr,
         )
         _noticed = True
@@ -60,7 +62,7 @@ def flow_method(scene):
     if scene.method == "auto":
         return "taylor" if scene.has_motor else "closed_form"
     if scene.method == "closed_form" and scene.has_motor:
-        raise ValueError("method closed_form needs an ideal source; a motor has no closed form, use taylor or auto")
+        raise ValueError("method closed_form needs an ideal source; with a motor use taylor or auto")
     if scene.method not in ("closed_form", "taylor"):
         raise ValueError(f"method must be auto, closed_form or taylor, got {scene.method!r}")
     return scene.method
@@ -74,10 +76,11 @@ def open_trajectory(scene, engine="auto", resume=None, section=False):
     scene : Scene
     engine : "auto", "c" or "python"
     resume : one stored event row (t, states, phase, contact, friction by name) to go on from, or None
-    section : whether the blocks carry the stroboscopic section, the state at the end of every excitation period
+    section : whether the blocks carry the stroboscopic section, the state at the end of every excitation
+    period
 
-    Returns an object with `engine`, `method`, `blocks()` (an iterator of `Block`s; the run stops between two of them when it is
-    abandoned) and `totals`. `blocks()` raises KernelError when the run fails.
+    Returns an object with `engine`, `method`, `blocks()` (an iterator of `Block`s; the run stops between two
+    of them when it is abandoned) and `totals`. `blocks()` raises KernelError when the run fails.
     """
     method = flow_method(scene)
     if engine_name(engine) == "c":
@@ -92,6 +95,7 @@ def open_trajectory(scene, engine="auto", resume=None, section=False):
 def state_at(scene, row, times, engine="auto"):
     """States at `times` [s], restarted from the stored event `row`.
 
-    row: one row of the events table by column name; times: ascending, from row["t"] to before the next event. Returns arrays by column name.
+    row: one row of the events table by column name; times: ascending, from row["t"] to before the next
+    event. Returns arrays by column name.
     """
     return open_trajectory(scene, engine, resume=row).state_at(times)

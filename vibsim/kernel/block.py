@@ -9,7 +9,8 @@ EVENT_STATE = ("x1", "v1", "x2", "v2", "phi", "phidot")
 
 @dataclass(frozen=True)
 class Block:
-    """samples: columns as in `Scene.columns()`; events: t [s], kind, state after the event, phase [rad, motor only] and modes.
+    """samples: columns as in `Scene.columns()`; events: t [s], kind, state after the event, phase [rad,
+    motor only] and modes.
 
     section: time [s] and states at the ends of the excitation periods, empty unless asked for.
     """

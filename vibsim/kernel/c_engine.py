@@ -1,6 +1,6 @@
 """The C engine as a trajectory: packs the scene, hands buffers to the kernel, cuts blocks from them."""
 
-from math import inf, nan
+from math import inf, log2, nan
 
 import numpy as np
 
@@ -13,10 +13,10 @@ from vibsim.kernel.totals import totals_of
 from vibsim.physics.numbers import TWO_PI
 from vibsim.physics.state import State
 
-PACKED = (
-    "m1 m2 k1 c k2 G stop_sign N A F0 omega cycles cycles_lo m3 e J M0 Omega0 x1 v1 x2 v2 phi phidot rest_distance t_end "
-    "every_num every_den"
-).split()
+# the order of the kernel's struct
+PACKED: tuple[str, ...] = ("m1", "m2", "k1", "c", "k2", "G", "stop_sign", "N", "A", "F0", "omega", "cycles")
+PACKED += ("cycles_lo", "m3", "e", "J", "M0", "Omega0", "x1", "v1", "x2", "v2", "phi", "phidot")
+PACKED += ("rest_distance", "t_end", "every_num", "every_den")
 SAMPLE_ROOM, EVENT_ROOM, SECTION_ROOM = 16384, 4096, 1024
 SAMPLE_ROWS = ("time", "x1", "v1", "x2", "v2", "phi", "phidot")
 EVENT_ROWS = ("t", "x1", "v1", "x2", "v2", "phi", "phidot", "phase")
@@ -25,11 +25,9 @@ REASONS = {1: "accumulation", 2: "diverged"}
 
 def pack(scene, method):
     """The scene as the kernel's struct of doubles; what it has not got is zero and flagged."""
-    from math import log2
-
     values = [getattr(scene, name) for name in PACKED]
-    flags = (scene.has_block2, scene.has_stop, scene.has_friction, scene.has_motor, scene.source == "harmonic")
-    values += [log2(scene.tol), scene.order, *flags, scene.rest_distance is not None]
+    values += [log2(scene.tol), scene.order, scene.has_block2, scene.has_stop, scene.has_friction]
+    values += [scene.has_motor, scene.source == "harmonic", scene.rest_distance is not None]
     values += [scene.stop_on_violation, method == "closed_form"]
     return np.array([0.0 if value is None else float(value) for value in values])
 
@@ -96,7 +94,8 @@ class CTrajectory:
         """States at ascending times before the next event, as columns."""
         rows = np.array([_kernel.state_at(self.memory, t) for t in times]).reshape(-1, 8)
         t, x1, v1, x2, v2, phase, turns, w = rows.T
-        columns = {"time": t, "x1": x1, "v1": v1, "x2": x2, "v2": v2, "phi": phase + turns * TWO_PI, "phidot": w}
+        columns = {"time": t, "x1": x1, "v1": v1, "x2": x2, "v2": v2, "phidot": w}
+        columns["phi"] = phase + turns * TWO_PI
         mode = _kernel.tally(self.memory)["mode"]
         for i, name in enumerate(("contact", "friction")):
             columns[name] = np.full(len(rows), mode[i], dtype="i1")

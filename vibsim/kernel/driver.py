@@ -1,7 +1,8 @@
 """The driver: one loop over segments, the same for either flow. This is the readable twin of the C engine.
 
-A flow offers `enter(state, mode, known)`, `advance(limit) -> (time, event function or NOTHING)`, `state_at(t)`, `carry_on(state)` and
-`relative_jet(state, mode, count)`. Output cadence never changes a trajectory: samples are read off the flow, states are not restarted there.
+A flow offers `enter(state, mode, known)`, `advance(limit) -> (time, event function or NOTHING)`,
+`state_at(t)`, `carry_on(state)` and `relative_jet(state, mode, count)`. Output cadence never changes a
+trajectory: samples are read off the flow, states are not restarted there.
 """
 
 from vibsim.events.automaton import initial_mode, transition
@@ -49,7 +50,9 @@ class Driver:
         return kit.settle(State(zero, scene.x1, scene.v1, x2, v2, phase, turns, w))
 
     def run(self, sample_room, event_room, steps):
-        """Advance until a buffer of so many samples or events is full, `steps` stretches are done, or the run ends."""
+        """Advance until a buffer of so many samples or events is full, `steps` stretches are done, or the
+        run ends.
+        """
         for _ in range(steps):
             if self.finished or len(self.samples) >= sample_room or len(self.events) + 2 >= event_room:
                 return

@@ -1,6 +1,7 @@
 """The Python engine as a trajectory: the driver's rows gathered into blocks of arrays."""
 
 from math import inf, nan
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from vibsim.kernel.totals import totals_of
 from vibsim.physics.numbers import Doubles
 
 SAMPLES, EVENTS, STRETCHES = 2048, 1024, 512
+FLOWS: dict[str, Any] = {"closed_form": ClosedForm, "taylor": Taylor}
 
 
 class PythonTrajectory:
@@ -24,7 +26,7 @@ class PythonTrajectory:
     def __init__(self, scene, method, resume=None, section=False):
         self.scene, self.method = scene, method
         self.kit = Doubles
-        self.flow = {"closed_form": ClosedForm, "taylor": Taylor}[method](scene, Doubles)
+        self.flow = FLOWS[method](scene, Doubles)
         self.driver = Driver(scene, Doubles, self.flow, resume and resume_point(scene, resume), section)
 
     def blocks(self):

@@ -18,20 +18,22 @@ ZEROS = {
 def resume_point(scene, row):
     """State, mode and known zeros of an event row.
 
-    row: values by column name (t, kind, states, phase, modes); columns that the scene has not got may be missing. The turns of the
-    rotor are the whole ones between phi and phase.
+    row: values by column name (t, kind, states, phase, modes); columns that the scene has not got may be
+    missing. The turns of the rotor are the whole ones between phi and phase.
     """
     phase = float(row.get("phase", 0.0))
     turns = float(round((float(row.get("phi", 0.0)) - phase) / TWO_PI))
-    values = [float(row.get(name, 0.0)) for name in ("t", "x1", "v1", "x2", "v2")]
-    state = State(*values, phase, turns, float(row.get("phidot", 0.0)))
+    t, x1, v1, x2, v2, w = (float(row.get(name, 0.0)) for name in ("t", "x1", "v1", "x2", "v2", "phidot"))
+    state = State(t, x1, v1, x2, v2, phase, turns, w)
     kind = EVENT_NAMES[int(row["kind"])]
     mode = Mode(int(row.get("contact", 0)), int(row.get("friction", 1)), _violated(scene, state, kind))
     return state, mode, ZEROS.get(kind, {})
 
 
 def _violated(scene, state, kind):
-    """1 where the blocks are closer than the rest distance allows; at its crossing the event tells, not a rounded zero."""
+    """1 where the blocks are closer than the rest distance allows; at its crossing the event tells, not a
+    rounded zero.
+    """
     if scene.rest_distance is None or kind == "violation_end":
         return 0
     return 1 if kind == "violation_begin" or state.x1 - state.x2 > scene.rest_distance else 0

@@ -1,6 +1,8 @@
-"""The stroboscopic section: the exact state at the end of every excitation period, read off the flow as it passes.
+"""The stroboscopic section: the exact state at the end of every excitation period, read off the flow as it
+passes.
 
-A period ends at t = k / f of an ideal source, and where phi passes 2 pi k forwards with a motor. Reading it changes no trajectory.
+A period ends at t = k / f of an ideal source, and where phi passes 2 pi k forwards with a motor. Reading it
+changes no trajectory.
 """
 
 from vibsim.physics.numbers import TWO_PI, TWO_PI_LO
@@ -30,7 +32,9 @@ class StroboscopicSection:
                 self.period += 1
 
     def gather(self, start, end):
-        """Section points within (start.t, end], on the stretch that the flow has just done from the state `start`."""
+        """Section points within (start.t, end], on the stretch that the flow has just done from the state
+        `start`.
+        """
         if self.wanted and self.scene.has_motor:
             self._gather_turns(start, end)
         elif self.wanted:

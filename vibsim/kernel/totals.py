@@ -6,8 +6,8 @@ from vibsim.physics.modes import EVENT_KINDS
 def totals_of(counts, work, margin, first_violation):
     """Totals by name from event counts in the order of their codes.
 
-    work: (steps, evaluations, uncertified); margin: (smallest gap at a turn without contact [m], its time [s]), NaN where there is none;
-    first_violation: time [s] or NaN.
+    work: (steps, evaluations, uncertified); margin: (smallest gap at a turn without contact [m], its time
+    [s]), NaN where there is none; first_violation: time [s] or NaN.
     """
     by_kind = dict(zip(EVENT_KINDS, counts, strict=True))
     return {

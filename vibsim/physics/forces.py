@@ -1,7 +1,7 @@
 """The forces of the paper, equation by equation, and the accelerations they give.
 
-Kernels use these expressions expanded mode by mode; here they stand as printed, for the mode decisions at events, for start
-values and for tests. Relative displacement y = x1 - x2, its rate u = v1 - v2.
+Kernels use these expressions expanded mode by mode; here they stand as printed, for the mode decisions at
+events, for start values and for tests. Relative displacement y = x1 - x2, its rate u = v1 - v2.
 """
 
 
@@ -18,7 +18,8 @@ def gap_rate(scene, u):
 def transmitted_force(scene, y, u, contact):
     """S = F_s1 + F_d (+ F_s2 in contact) [N], Eqs. (2.4)-(2.6): what block 1 passes to block 2.
 
-    Arguments: y [m], u [m/s], contact (bool). Eq. (2.5) is k2 (y + G) with the paper's stop, k2 (y - G) with its mirror image.
+    Arguments: y [m], u [m/s], contact (bool). Eq. (2.5) is k2 (y + G) with the paper's stop, k2 (y - G) with
+    its mirror image.
     """
     force = scene.k1 * y + scene.c * u
     if contact:
@@ -39,7 +40,8 @@ def motor_torque(scene, w):
 
 
 def motor_accelerations(scene, force, phi_sine, phi_cosine, w):
-    """a1 [m/s^2] and dw/dt [rad/s^2] from Eqs. (2.8), (2.10), where block 1 passes on the force S = `force` [N].
+    """a1 [m/s^2] and dw/dt [rad/s^2] from Eqs. (2.8), (2.10), where block 1 passes on the force S = `force`
+    [N].
 
     The 2x2 mass matrix is never singular: its determinant is at least m1 m3 e^2 + (m1 + m3) J.
     """

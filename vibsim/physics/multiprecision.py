@@ -1,8 +1,9 @@
 """The number kit of any precision, on python-flint's arb: the Python engine runs on it unchanged.
 
-Arb numbers carry a radius. The state is stripped of it at the start of every segment (`settle`), because radii follow worst cases while the
-right digits of a chaotic run are told by its own error growth: compare two precisions. Inside a segment every decision is one between balls; the unit
-round-off `eps` stands GUARD_BITS above the working precision so that rounding never blurs it.
+Arb numbers carry a radius. The state is stripped of it at the start of every segment (`settle`), because
+radii follow worst cases while the right digits of a chaotic run are told by its own error growth: compare
+two precisions. Inside a segment every decision is one between balls; the unit round-off `eps` stands
+GUARD_BITS above the working precision so that rounding never blurs it.
 """
 
 from fractions import Fraction
@@ -16,7 +17,9 @@ MOST_DIGITS = 1000
 
 
 class Balls:
-    """Arithmetic of `digits` decimal digits. There is one working precision in a process at a time: the last kit made sets it."""
+    """Arithmetic of `digits` decimal digits. There is one working precision in a process at a time: the last
+    kit made sets it.
+    """
 
     name = "arb"
     no_exponent = -(10**6)

@@ -1,8 +1,8 @@
 """Number kits: the elementary functions that the engines need, for one type of number.
 
-The Python engine is written once and takes its arithmetic from a kit. `Doubles` is the kit of IEEE doubles; the C engine
-repeats its operations one by one, so every expression here has a fixed order. A kit for another type offers the
-same names.
+The Python engine is written once and takes its arithmetic from a kit. `Doubles` is the kit of IEEE doubles;
+the C engine repeats its operations one by one, so every expression here has a fixed order. A kit for another
+type offers the same names.
 """
 
 import math
@@ -18,7 +18,7 @@ class Doubles:
     name = "double"
     no_exponent = -2000  # what `exponent` gives for zero
     eps = 2.0**-53  # unit round-off
-    series_terms = 26  # 2**26 / 26! < 2**-53 / 12: a power series whose argument stays below 2 is exact to round-off
+    series_terms = 26  # 2**26 / 26! < 2**-53 / 12: enough for a power series at arguments below 2
     sin = staticmethod(math.sin)
     cos = staticmethod(math.cos)
     exp = staticmethod(math.exp)

@@ -1,7 +1,8 @@
 """A scene: the numbers of one case, SI and rad/s, as the kernels read them.
 
 Nothing here knows of units, files or defaults; `vibsim.cases` builds scenes. What a scene has not got is None
-and is not modelled. The fields are floats for the two engines; the arbitrary-precision runs put other number types in.
+and is not modelled. The fields are floats for the two engines; the arbitrary-precision runs put other number
+types in.
 """
 
 from dataclasses import dataclass

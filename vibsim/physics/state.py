@@ -8,8 +8,9 @@ from typing import Any
 class State:
     """Displacements [m], velocities [m/s], rotor angle [rad] and speed [rad/s] at time t [s].
 
-    The rotor angle is phase + 2 pi turns with the phase kept within one turn, so that a run of many turns loses no digits.
-    Time lies on the grid of its number type and the other values belong to that very instant.
+    The rotor angle is phase + 2 pi turns with the phase kept within one turn, so that a run of many turns
+    loses no digits. Time lies on the grid of its number type and the other values belong to that very
+    instant.
     """
 
     t: Any
@@ -24,7 +25,8 @@ class State:
 
 @dataclass(frozen=True)
 class Mode:
-    """contact 0 free, 1 contact; friction +1 slip +, 0 stick, -1 slip -; violated: blocks closer than the rest distance allows.
+    """contact 0 free, 1 contact; friction +1 slip +, 0 stick, -1 slip -; violated: blocks closer than the
+    rest distance allows.
 
     Without friction `friction` stays +1 and means nothing.
     """
