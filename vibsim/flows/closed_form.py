@@ -93,7 +93,7 @@ class ClosedForm:
     def _evaluate_start(self):
         """What `evaluate` would give at the anchor, where every response is 0 or 1."""
         zero = self.kit.number(0)
-        self.at, self.tau = self.t0, zero
+        self.tau = zero
         self.y, self.u = self.y0, self.u0
         self.sine, self.cosine = self.sin0, self.cos0
         self.stiff = self.impulse = self.steady = zero
@@ -104,16 +104,14 @@ class ClosedForm:
     def carry_on(self, state):
         """Go on from an instant that was no event: nothing to do, the anchor holds."""
 
-    def evaluate(self, t):
-        """Set y, u, the centre of mass and the phase of the force at time t, and keep the responses they are
-        made of.
+    def evaluate(self, tau):
+        """Set y, u, the centre of mass and the phase of the force a time tau after the anchor, and keep the
+        responses they are made of.
         """
-        if t == self.at:
+        if tau == self.tau:
             return
         regime, osc, kit = self.regime, self.regime.oscillator, self.kit
         self.evaluations += 1
-        self.at = t
-        tau = t - self.t0
         release, impulse = osc.release_and_impulse(tau)
         steady = osc.constant_response(tau, release)
         y0, u0 = self.y0, self.u0
@@ -165,10 +163,27 @@ class ClosedForm:
                 size = abs(self.centre_dc) + abs(self.centre_ds)
                 self.scale_V = self.scale_V + abs(regime.centre_amplitude) * size
 
+    def longest_piece(self, tau):
+        """Longest stretch [s] from tau after the anchor that one quadrature rule integrates to round-off.
+
+        Behind an event the fast transient of strong damping wants short pieces, which may grow as it decays.
+        """
+        osc = self.regime.oscillator
+        longest = 1.5 * osc.window
+        growing = 1.5 / (2 * osc.a) + tau if osc.a > 0 else longest
+        return growing if growing < longest else longest
+
     def state_at(self, t):
         """State at time t within the segment."""
+        state = self.state_after(t - self.t0)
+        state.t = t
+        return state
+
+    def state_after(self, tau):
+        """State a time tau after the anchor, which need not be on the time grid."""
         zero = self.kit.number(0)
-        self.evaluate(t)
+        self.evaluate(tau)
+        t = self.t0 + tau
         if self.locked:
             return State(t, self.x2 + self.y, self.u, self.x2, zero, zero, zero, zero)
         x1, x2 = self.X + self.share1 * self.y, self.X - self.share2 * self.y
@@ -274,7 +289,6 @@ class ClosedForm:
     def _lead(self):
         """The first stretch of a segment, known zeros divided out, from the derivatives at its start."""
         self.leading = False
-        self.evaluate(self.t0)
         self.measure()
         step = self.regime.oscillator.window
         d = self.jet(JET_ORDER)
@@ -301,7 +315,7 @@ class ClosedForm:
     def _step(self):
         """One certified step; returns the event function that reached zero here, or NOTHING."""
         self.steps += 1
-        self.evaluate(self.t)
+        self.evaluate(self.t - self.t0)
         self.measure()
         step, nearest = self.regime.oscillator.window, NOTHING
         d = self.jet(4)
@@ -342,7 +356,7 @@ class ClosedForm:
         for _ in range(3):
             t = t - slope / curvature
             t = self.t0 if t < self.t0 else here if t > here else t
-            self.evaluate(t)
+            self.evaluate(t - self.t0)
             d = self.jet(4)
             value, slope = self.derivative(GAP, d, 0), self.derivative(GAP, d, 1)
             curvature = self.derivative(GAP, d, 2)
@@ -351,4 +365,4 @@ class ClosedForm:
         value = value if value > 0 else self.kit.number(0)
         if value < self.margin:
             self.margin, self.margin_time = value, t
-        self.evaluate(here)
+        self.evaluate(here - self.t0)

@@ -236,10 +236,20 @@ class Taylor:
                 break
         return end, found
 
+    def longest_piece(self, _tau):
+        """Longest stretch [s] that one quadrature rule integrates to round-off: a whole step."""
+        return inf
+
     def state_at(self, t):
         """State at time t within the step."""
-        tau, kit = t - self.t0, self.kit
-        zero = kit.number(0)
+        state = self.state_after(t - self.t0)
+        state.t = t
+        return state
+
+    def state_after(self, tau):
+        """State a time tau after the expansion point, which need not be on the time grid."""
+        kit = self.kit
+        zero, t = kit.number(0), self.t0 + tau
         x1, v1 = horner(self.x1, tau), horner(self.v1, tau)
         x2, v2 = (self.x2[0], zero) if self.locked else (horner(self.x2, tau), horner(self.v2, tau))
         if not self.scene.has_motor:

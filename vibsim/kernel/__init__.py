@@ -68,7 +68,7 @@ def flow_method(scene):
     return scene.method
 
 
-def open_trajectory(scene, engine="auto", resume=None, section=False):
+def open_trajectory(scene, engine="auto", resume=None, section=False, ledger=False):
     """A run of `scene` from its start, not yet computed.
 
     Parameters
@@ -78,6 +78,7 @@ def open_trajectory(scene, engine="auto", resume=None, section=False):
     resume : one stored event row (t, states, phase, contact, friction by name) to go on from, or None
     section : whether the blocks carry the stroboscopic section, the state at the end of every excitation
     period
+    ledger : whether the totals carry the energy ledger (costs about half as much again)
 
     Returns an object with `engine`, `method`, `blocks()` (an iterator of `Block`s; the run stops between two
     of them when it is abandoned) and `totals`. `blocks()` raises KernelError when the run fails.
@@ -86,10 +87,10 @@ def open_trajectory(scene, engine="auto", resume=None, section=False):
     if engine_name(engine) == "c":
         from vibsim.kernel.c_engine import CTrajectory
 
-        return CTrajectory(scene, method, resume, section)
+        return CTrajectory(scene, method, resume, section, ledger)
     from vibsim.kernel.python_engine import PythonTrajectory
 
-    return PythonTrajectory(scene, method, resume, section)
+    return PythonTrajectory(scene, method, resume, section, ledger)
 
 
 def state_at(scene, row, times, engine="auto"):

@@ -23,12 +23,12 @@ EVENT_ROWS = ("t", "x1", "v1", "x2", "v2", "phi", "phidot", "phase")
 REASONS = {1: "accumulation", 2: "diverged"}
 
 
-def pack(scene, method):
+def pack(scene, method, ledger=False):
     """The scene as the kernel's struct of doubles; what it has not got is zero and flagged."""
     values = [getattr(scene, name) for name in PACKED]
     values += [log2(scene.tol), scene.order, scene.has_block2, scene.has_stop, scene.has_friction]
     values += [scene.has_motor, scene.source == "harmonic", scene.rest_distance is not None]
-    values += [scene.stop_on_violation, method == "closed_form"]
+    values += [scene.stop_on_violation, method == "closed_form", ledger]
     return np.array([0.0 if value is None else float(value) for value in values])
 
 
@@ -44,8 +44,8 @@ class CTrajectory:
 
     engine = "c"
 
-    def __init__(self, scene, method, resume=None, section=False):
-        self.scene, self.method = scene, method
+    def __init__(self, scene, method, resume=None, section=False, ledger=False):
+        self.scene, self.method, self.ledger = scene, method, ledger
         self.memory = bytearray(_kernel.run_size())
         self.samples = np.empty((len(SAMPLE_ROWS), SAMPLE_ROOM))
         self.sample_modes = np.empty((2, SAMPLE_ROOM), dtype="i1")
@@ -54,7 +54,7 @@ class CTrajectory:
         wanted = section and scene.source != "none"
         self.section = np.empty((len(SAMPLE_ROWS), SECTION_ROOM if wanted else 0))
         row = b"" if resume is None else pack_resume(scene, resume)
-        self.filled = _kernel.start(self.memory, pack(scene, method), row, *self._buffers())
+        self.filled = _kernel.start(self.memory, pack(scene, method, ledger), row, *self._buffers())
 
     def _buffers(self):
         return self.samples, self.sample_modes, self.events, self.event_codes, self.section
@@ -88,6 +88,7 @@ class CTrajectory:
             (int(tally["steps"]), int(tally["evaluations"]), int(tally["uncertified"])),
             (tally["margin"], tally["margin_time"]) if tally["margin"] != inf else (nan, nan),
             tally["first_violation"] if tally["violated_once"] else nan,
+            tally["ledger"] if self.ledger else None,
         )
 
     def state_at(self, times):

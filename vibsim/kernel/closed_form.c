@@ -84,7 +84,6 @@ void closed_form_enter(Run *r, const State *state, Mode mode)
     f->centre_cosine = regime_of(f)->centre_amplitude * f->cos0;
     f->slope_before = 0.0;
     f->stall = 1.0;
-    f->at = f->t0;
     f->tau = 0.0;
     f->y = f->y0;
     f->u = f->u0;
@@ -131,17 +130,16 @@ static void measure(ClosedForm *f)
     }
 }
 
-static void evaluate(Run *r, double t)
+static void evaluate(Run *r, double tau)
 {
     ClosedForm *f = &r->closed;
     const Regime *g = regime_of(f);
     const Oscillator *o = &g->oscillator;
-    double tau = t - f->t0, release, impulse, steady, rate, stiff, y, u, sine = 0, cosine = 0;
+    double release, impulse, steady, rate, stiff, y, u, sine = 0, cosine = 0;
     double y0 = f->y0, u0 = f->u0;
-    if (t == f->at)
+    if (tau == f->tau)
         return;
     r->evaluations += 1;
-    f->at = t;
     release_and_impulse(o, tau, &release, &impulse);
     steady = constant_response(o, tau, release);
     rate = release - 2 * o->a * impulse;
@@ -174,11 +172,18 @@ static void evaluate(Run *r, double t)
         centre(f, g, tau, sine, cosine);
 }
 
-void closed_form_state(Run *r, double t, State *out)
+double closed_form_longest_piece(const Run *r, double tau)
+{
+    const Oscillator *o = &regime_of(&r->closed)->oscillator;
+    double longest = 1.5 * o->window, growing = o->a > 0 ? 1.5 / (2 * o->a) + tau : longest;
+    return growing < longest ? growing : longest;
+}
+
+void closed_form_state_after(Run *r, double tau, State *out)
 {
     const ClosedForm *f = &r->closed;
-    evaluate(r, t);
-    out->t = t;
+    evaluate(r, tau);
+    out->t = f->t0 + tau;
     out->phase = out->turns = out->w = 0.0;
     if (f->locked) {
         out->x1 = f->x2 + f->y;
@@ -302,7 +307,6 @@ static int lead(Run *r)
     double step = regime_of(f)->oscillator.window, d[JET_ORDER + 1];
     int i;
     f->leading = 0;
-    evaluate(r, f->t0);
     measure(f);
     jet_here(f, JET_ORDER, d);
     for (i = 0; i < r->function_count; i++) {
@@ -339,7 +343,7 @@ static void graze(Run *r, double slope, double curvature, double value)
     for (i = 0; i < 3; i++) {
         t = t - slope / curvature;
         t = t < f->t0 ? f->t0 : t > here ? here : t;
-        evaluate(r, t);
+        evaluate(r, t - f->t0);
         jet_here(f, 4, d);
         value = derivative(r, GAP, d, 0);
         slope = derivative(r, GAP, d, 1);
@@ -352,7 +356,7 @@ static void graze(Run *r, double slope, double curvature, double value)
         r->margin = value;
         r->margin_time = t;
     }
-    evaluate(r, here);
+    evaluate(r, here - f->t0);
 }
 
 static int step_once(Run *r)
@@ -361,7 +365,7 @@ static int step_once(Run *r)
     double step = regime_of(f)->oscillator.window, before, d[6];
     int nearest = NOTHING, i;
     r->steps += 1;
-    evaluate(r, f->t);
+    evaluate(r, f->t - f->t0);
     measure(f);
     jet_here(f, 4, d);
     for (i = 0; i < r->function_count; i++) {

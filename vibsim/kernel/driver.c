@@ -24,17 +24,33 @@ void flow_jet(Run *r, const State *state, Mode mode, int count, double *jet)
         taylor_jet(r, state, mode, count, jet);
 }
 
-void flow_state(Run *r, double t, State *out)
+double flow_anchor(const Run *r)
+{
+    return r->scene.closed_form != 0 ? r->closed.t0 : r->taylor.t0;
+}
+
+void flow_state_after(Run *r, double tau, State *out)
 {
     if (r->scene.closed_form != 0)
-        closed_form_state(r, t, out);
+        closed_form_state_after(r, tau, out);
     else
-        taylor_state(r, t, out);
+        taylor_state_after(r, tau, out);
+}
+
+void flow_state(Run *r, double t, State *out)
+{
+    flow_state_after(r, t - flow_anchor(r), out);
+    out->t = t;
 }
 
 double flow_advance(Run *r, double limit, int *function)
 {
     return r->scene.closed_form != 0 ? closed_form_advance(r, limit, function) : taylor_advance(r, limit, function);
+}
+
+double flow_longest_piece(const Run *r, double tau)
+{
+    return r->scene.closed_form != 0 ? closed_form_longest_piece(r, tau) : INFINITY;
 }
 
 static double sample_time(const Scene *s, long long i)
@@ -126,6 +142,7 @@ void run_start(Run *r, const Scene *scene, const State *resume, const Mode *mode
     }
     r->known_since = r->state.t;
     section_start(r);
+    r->energy_start = r->stored = ledger_energy(r, &r->state, r->mode);
     record(r, b, START);
     if (r->mode.violated)
         note_violation(r, b);
@@ -201,6 +218,7 @@ void run_advance(Run *r, Buffers *b, long steps)
             r->status = DIVERGED;
             return;
         }
+        ledger_gather(r, r->pending_end, &state);
         if (r->pending_function != NOTHING) {
             r->status = take_event(r, b, &state, r->pending_function);
         } else {

@@ -8,6 +8,7 @@ trajectory: samples are read off the flow, states are not restarted there.
 from vibsim.events.automaton import initial_mode, transition
 from vibsim.events.watch import NOTHING
 from vibsim.kernel.errors import KernelError
+from vibsim.kernel.ledger import EnergyLedger
 from vibsim.kernel.stroboscopic import StroboscopicSection
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.state import State
@@ -18,9 +19,10 @@ EVENTS_AT_ONE_INSTANT = 64
 class Driver:
     """Runs a scene from its start, or from `resume` = (state, mode, known zeros), to its end."""
 
-    def __init__(self, scene, kit, flow, resume=None, section=False):
+    def __init__(self, scene, kit, flow, resume=None, section=False, ledger=False):
         self.scene, self.kit, self.flow = scene, kit, flow
         self.section = StroboscopicSection(scene, flow, section)
+        self.ledger = EnergyLedger(scene, kit, flow, ledger)
         self.samples, self.events = [], []
         self.counts = [0] * len(EVENT_KINDS)
         self.first_violation = None
@@ -34,6 +36,7 @@ class Driver:
             self.next_sample = scene.sample_index(self.state.t)
             self.section.skip_to(self.state.t)
         self.known, self.known_since, self.crowd = known, self.state.t, 0
+        self.ledger.open(self.state, self.mode)
         self._record("start")
         if self.mode.violated:
             self._note_violation()
@@ -69,6 +72,7 @@ class Driver:
         state = self.kit.settle(self.flow.state_at(end))
         if not self.kit.finite(state.x1 + state.v1 + state.x2 + state.v2 + state.w):
             raise KernelError("diverged", self.state)
+        self.ledger.gather(self.state, end, state, self.mode)
         if function != NOTHING:
             self._switch(state, function)
         elif end >= self.scene.t_end:

@@ -3,7 +3,7 @@
  * Every expression repeats its Python twin operation by operation; compile with -ffp-contract=off and never with
  * -ffast-math. Twins: numbers.h physics/numbers.py, first_root.h events/first_root.py, responses.c flows/responses.py,
  * closed_form.c flows/closed_form.py, taylor.c flows/taylor.py, polynomial_root.c events/polynomial_root.py,
- * automaton.c events/automaton.py, driver.c kernel/driver.py, stroboscopic.c kernel/stroboscopic.py.
+ * automaton.c events/automaton.py, driver.c kernel/driver.py, stroboscopic.c kernel/stroboscopic.py, ledger.c kernel/ledger.py.
  */
 #ifndef VIBSIM_KERNEL_H
 #define VIBSIM_KERNEL_H
@@ -27,7 +27,7 @@ typedef struct {
     double m3, e, J, M0, Omega0;
     double x1, v1, x2, v2, phi, phidot;
     double rest_distance, t_end, every_num, every_den, tolerance_exponent, order;
-    double has_block2, has_stop, has_friction, has_motor, harmonic, has_rest, stop_on_violation, closed_form;
+    double has_block2, has_stop, has_friction, has_motor, harmonic, has_rest, stop_on_violation, closed_form, ledger;
 } Scene;
 
 typedef struct {
@@ -60,7 +60,7 @@ typedef struct {
     double limit, omega, share1, share2;
     double t0, t, x2, y0, u0, X0, V0, sin0, cos0, slope_before, stall;
     double load_sine, load_cosine, centre_sine, centre_cosine;
-    double at, y, u, X, V, tau, sine, cosine, stiff, impulse, steady, hc, hs, dc, ds, centre_dc, centre_ds;
+    double y, u, X, V, tau, sine, cosine, stiff, impulse, steady, hc, hs, dc, ds, centre_dc, centre_ds;
     double scale_y, scale_u, scale_V;
     int driven, leading, locked, regime[3];
 } ClosedForm;
@@ -80,6 +80,7 @@ typedef struct {
     Known known;
     int functions[FUNCTIONS], function_count;
     double known_since, margin, margin_time, first_violation;
+    double work, viscous, friction_loss, energy_start, stored; /* the energy ledger [J] */
     double evaluations, steps, uncertified, counts[KINDS];
     double period; /* of the ideal source, whose end is the next section point */
     long long next_sample;
@@ -102,14 +103,15 @@ void free_harmonic_response(const Oscillator *point, double t, double cosine, do
 void closed_form_set(Run *r);
 void closed_form_enter(Run *r, const State *state, Mode mode);
 double closed_form_advance(Run *r, double limit, int *function);
-void closed_form_state(Run *r, double t, State *out);
+double closed_form_longest_piece(const Run *r, double tau);
+void closed_form_state_after(Run *r, double tau, State *out);
 void closed_form_jet(Run *r, const State *state, Mode mode, int count, double *jet);
 
 /* taylor.c */
 void taylor_set(Run *r);
 void taylor_enter(Run *r, const State *state, Mode mode);
 double taylor_advance(Run *r, double limit, int *function);
-void taylor_state(Run *r, double t, State *out);
+void taylor_state_after(Run *r, double tau, State *out);
 void taylor_jet(Run *r, const State *state, Mode mode, int count, double *jet);
 
 /* polynomial_root.c */
@@ -125,7 +127,14 @@ int transition(Run *r, State *state, int function, Mode *mode, Known *known);
 void flow_enter(Run *r, const State *state, Mode mode);
 void flow_jet(Run *r, const State *state, Mode mode, int count, double *jet);
 void flow_state(Run *r, double t, State *out);
+void flow_state_after(Run *r, double tau, State *out);
+double flow_anchor(const Run *r);
 double flow_advance(Run *r, double limit, int *function);
+double flow_longest_piece(const Run *r, double tau);
+
+/* ledger.c */
+double ledger_energy(const Run *r, const State *state, Mode mode);
+void ledger_gather(Run *r, double end, const State *state);
 
 /* driver.c */
 typedef struct {

@@ -23,11 +23,12 @@ class PythonTrajectory:
 
     engine = "python"
 
-    def __init__(self, scene, method, resume=None, section=False):
+    def __init__(self, scene, method, resume=None, section=False, ledger=False):
         self.scene, self.method = scene, method
         self.kit = Doubles
         self.flow = FLOWS[method](scene, Doubles)
-        self.driver = Driver(scene, Doubles, self.flow, resume and resume_point(scene, resume), section)
+        point = resume and resume_point(scene, resume)
+        self.driver = Driver(scene, Doubles, self.flow, point, section, ledger)
 
     def blocks(self):
         """Yield `Block`s until the run ends."""
@@ -56,6 +57,7 @@ class PythonTrajectory:
             (flow.steps, flow.evaluations, flow.uncertified),
             (flow.margin, flow.margin_time) if flow.margin != inf else (nan, nan),
             nan if violated is None else violated,
+            driver.ledger.entries(),
         )
 
     def state_at(self, times):

@@ -291,12 +291,12 @@ static void dense_output(const Taylor *f, double tau, double *out)
         out[k] = (high[k] * square + f->table[0][k]) + tau * low[k];
 }
 
-void taylor_state(Run *r, double t, State *out)
+void taylor_state_after(Run *r, double tau, State *out)
 {
     const Taylor *f = &r->taylor;
     double values[STATES], turns = 0;
-    dense_output(f, t - f->t0, values);
-    out->t = t;
+    dense_output(f, tau, values);
+    out->t = f->t0 + tau;
     out->x1 = values[X1];
     out->x2 = f->locked ? f->table[0][X2] : values[X2];
     out->v1 = values[V1];

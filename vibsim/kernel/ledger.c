@@ -1,0 +1,80 @@
+/* The energy ledger; twin of vibsim/kernel/ledger.py. */
+#include "kernel.h"
+#include "numbers.h"
+
+#define NODE_COUNT 12
+
+static const double NODES[NODE_COUNT] = {
+    0.009219682876640375, 0.04794137181476257, 0.11504866290284765, 0.2063410228566913,
+    0.3160842505009099, 0.43738329574426554, 0.5626167042557345, 0.6839157494990901, 0.7936589771433087,
+    0.8849513370971523, 0.9520586281852375, 0.9907803171233597,
+};
+static const double WEIGHTS[NODE_COUNT] = {
+    0.023587668193255914, 0.05346966299765921, 0.08003916427167311, 0.10158371336153296,
+    0.1167462682691774, 0.12457352290670139, 0.12457352290670139, 0.1167462682691774,
+    0.10158371336153296, 0.08003916427167311, 0.05346966299765921, 0.023587668193255914,
+};
+
+double ledger_energy(const Run *r, const State *state, Mode mode)
+{
+    const Scene *s = &r->scene;
+    double y = state->x1 - state->x2;
+    double energy = s->m1 * (state->v1 * state->v1) / 2 + s->k1 * (y * y) / 2;
+    if (s->has_block2 != 0)
+        energy = energy + s->m2 * (state->v2 * state->v2) / 2;
+    if (mode.contact) {
+        double gap = -(s->stop_sign * y) - s->G;
+        energy = energy + s->k2 * (gap * gap) / 2;
+    }
+    if (s->has_motor != 0) {
+        double spin = s->e * state->w;
+        energy = energy + s->m3 * (state->v1 * state->v1) / 2;
+        energy = energy + (s->J + s->m3 * s->e * s->e) * (state->w * state->w) / 2;
+        energy = energy - s->m3 * (state->v1 * (spin * sin(state->phase)));
+    }
+    return energy;
+}
+
+static double power(const Run *r, const State *state, double tau)
+{
+    const Scene *s = &r->scene;
+    double angle;
+    if (s->has_motor != 0)
+        return s->M0 * (1.0 - state->w / s->Omega0) * state->w;
+    if (s->harmonic == 0)
+        return 0.0;
+    angle = turn_angle(s->cycles, s->cycles_lo, flow_anchor(r)) + turn_angle(s->cycles, s->cycles_lo, tau);
+    return (s->A * sin(angle) + s->F0) * state->v1;
+}
+
+static void integrate(Run *r, double tau, double length)
+{
+    double work = 0, viscous = 0;
+    int i;
+    for (i = 0; i < NODE_COUNT; i++) {
+        double offset = tau + NODES[i] * length, u;
+        State state;
+        flow_state_after(r, offset, &state);
+        u = state.v1 - state.v2;
+        viscous = viscous + WEIGHTS[i] * (u * u);
+        work = work + WEIGHTS[i] * power(r, &state, offset);
+    }
+    r->work = r->work + length * work;
+    r->viscous = r->viscous + length * (r->scene.c * viscous);
+}
+
+void ledger_gather(Run *r, double end, const State *state)
+{
+    double tau = r->state.t - flow_anchor(r), last = end - flow_anchor(r);
+    if (r->scene.ledger == 0)
+        return;
+    while (tau < last) {
+        double piece = flow_longest_piece(r, tau);
+        double ahead = piece < last - tau ? tau + piece : last;
+        integrate(r, tau, ahead - tau);
+        tau = ahead;
+    }
+    if (r->scene.has_friction != 0 && r->mode.friction != 0)
+        r->friction_loss = r->friction_loss + r->scene.N * (r->mode.friction * (state->x2 - r->state.x2));
+    r->stored = ledger_energy(r, state, r->mode);
+}

@@ -1,0 +1,108 @@
+"""The energy ledger: what the source puts in, what damper and friction take out, and what is stored.
+
+    work = int F v1 dt (ideal source) or int M0 (1 - w / Omega0) w dt (motor)
+    viscous loss = int c (v1 - v2)^2 dt,  friction loss = N int |v2| dt = N |Delta x2| while block 2 slides
+    one way stored = kinetic energy of blocks and rotor + k1 y^2 / 2 + k2 g^2 / 2 in contact
+The integrals are taken stretch by stretch by Gauss-Legendre quadrature of the flow itself, to round-off, so
+that stored - stored(0) - work + losses is zero but for rounding: a check on every run (first law).
+"""
+
+from vibsim.physics.forces import gap_function, motor_torque, source_force
+
+# 12 Gauss-Legendre nodes and weights on [0, 1]
+NODES = (
+    0.009219682876640375, 0.04794137181476257, 0.11504866290284765, 0.2063410228566913,
+    0.3160842505009099, 0.43738329574426554, 0.5626167042557345, 0.6839157494990901, 0.7936589771433087,
+    0.8849513370971523, 0.9520586281852375, 0.9907803171233597,
+)
+WEIGHTS = (
+    0.023587668193255914, 0.05346966299765921, 0.08003916427167311, 0.10158371336153296,
+    0.1167462682691774, 0.12457352290670139, 0.12457352290670139, 0.1167462682691774,
+    0.10158371336153296, 0.08003916427167311, 0.05346966299765921, 0.023587668193255914,
+)
+
+
+def stored_energy(scene, state, mode):
+    """Kinetic and elastic energy [J] of `state` in `mode`; the unbalanced mass moves with velocity
+    (v1 - e w sin phi, e w cos phi), Eqs. (2.8)-(2.10).
+    """
+    y = state.x1 - state.x2
+    energy = scene.m1 * (state.v1 * state.v1) / 2 + scene.k1 * (y * y) / 2
+    if scene.has_block2:
+        energy = energy + scene.m2 * (state.v2 * state.v2) / 2
+    if mode.contact:
+        gap = gap_function(scene, y)
+        energy = energy + scene.k2 * (gap * gap) / 2
+    return energy
+
+
+class EnergyLedger:
+    """Sums work and losses over the stretches of a run; does nothing when not wanted."""
+
+    def __init__(self, scene, kit, flow, wanted):
+        self.scene, self.kit, self.flow, self.wanted = scene, kit, flow, wanted
+        self.work = self.viscous = self.friction = self.start = self.stored = kit.number(0)
+
+    def open(self, state, mode):
+        """Energy at the start."""
+        self.start = self.stored = self.energy(state, mode)
+
+    def energy(self, state, mode):
+        """Stored energy [J], rotor included."""
+        scene, kit = self.scene, self.kit
+        energy = stored_energy(scene, state, mode)
+        if scene.has_motor:
+            spin = scene.e * state.w
+            energy = energy + scene.m3 * (state.v1 * state.v1) / 2
+            energy = energy + (scene.J + scene.m3 * scene.e * scene.e) * (state.w * state.w) / 2
+            energy = energy - scene.m3 * (state.v1 * (spin * kit.sin(state.phase)))
+        return energy
+
+    def gather(self, start, end, state, mode):
+        """Add the stretch from the state `start` to `state` at the time `end`."""
+        if not self.wanted:
+            return
+        tau, last = start.t - self.flow.t0, end - self.flow.t0
+        while tau < last:
+            piece = self.flow.longest_piece(tau)
+            ahead = tau + piece if piece < last - tau else last
+            self._integrate(tau, ahead - tau)
+            tau = ahead
+        if self.scene.has_friction and mode.friction != 0:
+            loss = self.scene.N * (mode.friction * (state.x2 - start.x2))
+            self.friction = self.friction + loss
+        self.stored = self.energy(state, mode)
+
+    def _integrate(self, tau, length):
+        """Work and viscous loss of one piece. The nodes lie where they should, not on the time grid, whose
+        rounding would show in the sums.
+        """
+        scene = self.scene
+        work = viscous = self.kit.number(0)
+        for node, weight in zip(NODES, WEIGHTS, strict=True):
+            offset = tau + node * length
+            state = self.flow.state_after(offset)
+            u = state.v1 - state.v2
+            viscous = viscous + weight * (u * u)
+            work = work + weight * self._power(state, offset)
+        self.work = self.work + length * work
+        self.viscous = self.viscous + length * (scene.c * viscous)
+
+    def _power(self, state, tau):
+        """Power of the source [W]."""
+        scene, kit = self.scene, self.kit
+        if scene.has_motor:
+            return motor_torque(scene, state.w) * state.w
+        if scene.source != "harmonic":
+            return kit.number(0)
+        anchor = kit.turn_angle(scene.cycles, scene.cycles_lo, self.flow.t0)
+        sine = kit.sin(anchor + kit.turn_angle(scene.cycles, scene.cycles_lo, tau))
+        return source_force(scene, sine) * state.v1
+
+    def entries(self):
+        """(energy at the start, energy now, work, viscous loss, friction loss) [J], or None when not
+        wanted.
+        """
+        if not self.wanted:
+            return None
+        return self.start, self.stored, self.work, self.viscous, self.friction
