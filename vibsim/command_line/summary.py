@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -49,10 +49,15 @@ def result_lines(result: Result, scene: Scene) -> list[tuple[str, str]]:
             ("grazing margin", f"{metres(attrs['grazing_margin'])} at {attrs['grazing_time']:.3f} s")
         )
     if "energy_residual" in attrs:
-        lines.append(("energy residual", f"{attrs['energy_residual']:.3g}"))
+        lines.append(("energy residual", energy_text(attrs)))
     if "rest_distance_needed" in attrs or scene.rest_distance is not None:
         lines.append(("rest distance", rest_distance_text(attrs, scene)))
     return lines
+
+
+def energy_text(attrs: Mapping[str, Any]) -> str:
+    """Closure of the energy ledger, absolute and relative to its largest entry."""
+    return f"{attrs['energy_residual']:.1e} J ({attrs['energy_residual_relative']:.1e} relative)"
 
 
 def last_sample(result: Result) -> float:

@@ -29,6 +29,13 @@ TOTALS = (
     "grazing_time",
     "violations",
     "first_violation_time",
+    "energy_start",
+    "energy_end",
+    "work_source",
+    "loss_viscous",
+    "loss_friction",
+    "energy_residual",
+    "energy_residual_relative",
 )
 
 

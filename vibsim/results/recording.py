@@ -32,7 +32,7 @@ class Recording:
 
         self.scene: Scene = case.scene()
         self.began = time.perf_counter()
-        self.trajectory = open_trajectory(self.scene, engine=engine)
+        self.trajectory = open_trajectory(self.scene, engine=engine, ledger=True)
         self.start = origin(case, self.scene, self.trajectory.engine, self.trajectory.method)
         self.t_reached = 0.0
         self.complete = False
