@@ -8,6 +8,9 @@
     result.save("II-B.h5")
     vibsim.open_result("II-B.h5")
 
+    sweep = vibsim.sweep("II-B", {"excitation.Omega0": "3:7:0.05 Hz"}, out="sommerfeld.h5")
+    sweep["omega0"], sweep["mean_speed"]
+
 Names are imported when they are used, so `import vibsim` costs next to nothing.
 """
 
@@ -17,6 +20,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from vibsim.cases import Case, CaseError, load_case
     from vibsim.results import Result, ResultFileError, open_result, simulate
+    from vibsim.sweeps import SweepResult, sweep
 
 __version__ = "0.1.0"
 
@@ -28,6 +32,8 @@ _HOMES = {
     "ResultFileError": "vibsim.results",
     "open_result": "vibsim.results",
     "simulate": "vibsim.results",
+    "SweepResult": "vibsim.sweeps",
+    "sweep": "vibsim.sweeps",
 }
 
 __all__ = [
@@ -35,10 +41,12 @@ __all__ = [
     "CaseError",
     "Result",
     "ResultFileError",
+    "SweepResult",
     "__version__",
     "load_case",
     "open_result",
     "simulate",
+    "sweep",
 ]
 
 

@@ -5,9 +5,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+import vibsim
 from tests.sweeps.made import OMEGA0, short_case, short_plan
 from vibsim.cases import CaseError, RangeError, UnknownKeyError
-from vibsim.sweeps import sweep
 from vibsim.sweeps.axis import read_axis
 from vibsim.sweeps.discard import parse_discard
 from vibsim.sweeps.plan import PlanError
@@ -23,7 +23,7 @@ def test_the_81_values():
 @pytest.mark.parametrize(
     ("key", "text", "unit", "values"),
     [
-        ("c", "0.01:0.05/9", "", [0.01, 0.015, 0.02, 0.025, 0.03, 0.035, 0.04, 0.045, 0.05]),
+        ("c", "0.01:0.05/9", "N s/m", [0.01, 0.015, 0.02, 0.025, 0.03, 0.035, 0.04, 0.045, 0.05]),
         ("stop.G", "2, 0.5, 1 mm", "mm", [0.5, 1.0, 2.0]),
         ("G", "1 mm, 0.2 cm", "cm", [0.1, 0.2]),
         ("Omega0", "240:300:30 rpm", "rpm", [240.0, 270.0, 300.0]),
@@ -91,7 +91,7 @@ def test_a_chain_goes_up_and_back_down_along_the_first_axis():
 
 
 def test_the_python_call():
-    found = sweep(short_case(), {"Omega0": "3:4:0.5 Hz", "c": "0.001, 0.1"}, jobs=2, section=5)
+    found = vibsim.sweep(short_case(), {"Omega0": "3:4:0.5 Hz", "c": "0.001, 0.1"}, jobs=2, section=5)
     assert found["omega0"].tolist() == [3.0, 3.5, 4.0] and found["c"].tolist() == [0.001, 0.1]
     assert found["mean_speed"].shape == (3, 2, 1) and found["section_speed"].shape == (3, 2, 1, 5)
     assert found.complete and found.case_at((2, 1, 0)).quantity("c").value == Fraction(1, 10)

@@ -130,7 +130,7 @@ def test_both_engines_give_the_same_bits(name):
 
 
 def test_motor_in_empty_space_runs_up_to_its_no_load_speed():
-    """V9, heavy block: w = Omega0 (1 - exp(-t/T)); the mean at the end is Omega0, the least that at its start."""
+    """V9, heavy block: w = Omega0 (1 - exp(-t/T)); the mean late is Omega0."""
     heavy = fixed_block(replace_motor(5.5), m1=1e9, k1=0.0, c=0.0, t_end=500.0)
     constant = heavy.Omega0 * (heavy.J + heavy.m3 * heavy.e**2) / heavy.M0
     statistics, _ = measured(heavy, 450.0)

@@ -27,7 +27,7 @@ class Kind:
     name : as on the command line
     reads : "trajectory" or "sweep" (a result file of that kind), or "case" (any file or case will do)
     summary : one line for `--list`
-    needs : keys of NEEDS; what the scene must have
+    needs : keys of NEEDS; what the subject must have
     width : "column" or "page", the width unless the user says otherwise
     """
 
@@ -62,18 +62,32 @@ KINDS = (
     Kind("stroboscopic", "trajectory", "relative motion once per period of the source", ("excitation",)),
     Kind("stiffness", "case", "force of the two springs against the relative displacement"),
     Kind("motor", "case", "torque of the motor against its speed", ("motor",)),
+    Kind("sommerfeld", "sweep", "steady speed of the motor against its no-load speed", ("motor", "Omega0")),
+    Kind("amplitude", "sweep", "amplitudes against the frequency, or whatever was swept"),
+    Kind(
+        "orbit",
+        "sweep",
+        "orbit diagram: stroboscopic points against what was swept",
+        ("excitation", "section"),
+    ),
 )
 
-NEEDS: dict[str, tuple[str, Callable[[Any], bool]]] = {
-    "motor": ("a motor", lambda scene: scene.has_motor),
-    "stop": ("a stop", lambda scene: scene.has_stop),
-    "excitation": (
-        "a periodic source",
-        lambda scene: scene.has_motor or (scene.source == "harmonic" and scene.omega != 0),
+NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
+    "motor": ("a motor", lambda subject: subject.scene.has_motor),
+    "stop": ("a stop", lambda subject: subject.scene.has_stop),
+    "excitation": ("a periodic source", lambda subject: _is_periodic(subject.scene)),
+    "Omega0": (
+        "a sweep over Omega0",
+        lambda subject: any(axis.key == "excitation.Omega0" for axis in subject.result.axes),
     ),
+    "section": ("stroboscopic points", lambda subject: subject.result.plan.section > 0),
 }
 
-DEFAULTS = {"trajectory": ("overview",), "case": ("stiffness", "motor")}
+DEFAULTS = {"trajectory": ("overview",), "case": ("stiffness", "motor"), "sweep": ("sommerfeld",)}
+
+
+def _is_periodic(scene: Any) -> bool:
+    return scene.has_motor or (scene.source == "harmonic" and scene.omega != 0)
 
 
 def misfit(kind: Kind, subject: Subject) -> str | None:
@@ -84,7 +98,7 @@ def misfit(kind: Kind, subject: Subject) -> str | None:
         return f"it shows one case, and {subject.path} is a sweep"
     for need in kind.needs:
         words, has = NEEDS[need]
-        if not has(subject.scene):
+        if not has(subject):
             return f"it needs {words}, and {subject.path} has none"
     return None
 

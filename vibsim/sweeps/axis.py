@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.cases.keys import full_key
+from vibsim.cases.keys import all_keys, full_key
 from vibsim.cases.problems import CaseError
 from vibsim.cases.quantities import decimal_text
 from vibsim.cases.ranges import RangeError, RangeValue, parse_range
-from vibsim.cases.units import UNITS
+from vibsim.cases.units import UNITS, si_unit
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -72,13 +72,13 @@ def read_axis(case: "Case", key: str, text: str, bare_unit: str = "") -> Axis:
     ----------
     key : dotted or unambiguous short key of a number of the case
     text : a range, see `vibsim.cases.ranges`
-    bare_unit : unit of a range that has none
+    bare_unit : unit of a range that has none; by default SI, and an angular rate must have one
 
     Raises UnknownKeyError, RangeError, and CaseError where the case does not allow a value.
     """
     case.quantity(key)  # a number of this case, or UnknownKeyError
     full = full_key(key, case.values)
-    values = _in_one_unit(parse_range(text, bare_unit))
+    values = _in_one_unit(parse_range(text, bare_unit or _bare_unit(full)))
     exact = sorted(value.value for value in values)
     for low, high in pairwise(exact):
         if low == high:
@@ -86,6 +86,12 @@ def read_axis(case: "Case", key: str, text: str, bare_unit: str = "") -> Axis:
     axis = Axis(full, values[0].unit, tuple(exact))
     _check(case, axis)
     return axis
+
+
+def _bare_unit(key: str) -> str:
+    """The SI unit; none for an angular rate, which must have one."""
+    measured = all_keys()[key]
+    return si_unit(measured.dimension).name if measured and measured.dimension != "angular rate" else ""
 
 
 def _in_one_unit(values: list[RangeValue]) -> list[RangeValue]:

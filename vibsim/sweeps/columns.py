@@ -78,12 +78,12 @@ PER_POINT = {**STATISTICS, **TOTALS, **END_STATE}
 NOT_REPRODUCIBLE = ("wall_time",)
 
 DEFINITIONS = (
-    "An excitation period runs from one stroboscopic point to the next: t = k/f of a harmonic source, "
-    "phi = 2 pi k passed forwards of a motor. Only whole periods between the transient and the end count. "
-    "Amplitudes are half the peak-to-peak within one period, so that a drift does not add up; without periods "
-    "they are half the peak-to-peak of the whole time after the transient, and what is counted per period is "
-    "NaN. Extremes between stored rows are those of the interpolating polynomial. The mean speed is whole turns "
-    "over their time. Stroboscopic points are counted back from the last."
+    "An excitation period runs from one stroboscopic point to the next: t = k/f of a harmonic source, phi "
+    "= 2 pi k passed forwards of a motor. Only whole periods between the transient and the end count. "
+    "Amplitudes are half the peak-to-peak within one period, so that a drift does not add up; without "
+    "periods they are half the peak-to-peak of the whole time after the transient, and what is counted "
+    "per period is NaN. Extremes between stored rows are those of the interpolating polynomial. The mean "
+    "speed is whole turns over their time. Stroboscopic points are counted back from the last."
 )
 
 

@@ -1,0 +1,137 @@
+"""Pictures of sweeps: what is drawn where, what fits what, nothing clipped or covered."""
+
+import re
+
+import numpy as np
+import pytest
+
+from tests.plots.artists import clipped_texts, colliding_legends
+from vibsim.plots.errors import PlotError
+from vibsim.plots.picture import draw_files
+from vibsim.plots.registry import choose, fitting, kind_named
+from vibsim.plots.subject import open_subject
+from vibsim.plots.view import View
+from vibsim.sweeps import sweep
+
+UNIT = re.compile(r"\((s|Hz|[kmµn]?(m|m/s|N|N m|N s/m))\)$")
+KINDS = ("sommerfeld", "amplitude", "orbit")
+SWEEPS = {
+    "motor": ({"Omega0": "3:4:0.25 Hz"}, {}),
+    "carried": ({"Omega0": "3:4:0.5 Hz"}, {"carry_state": True, "direction": "both"}),
+    "grid": ({"c": "0.01:0.08/8", "Omega0": "3, 4 Hz"}, {}),
+    "damping": ({"c": "0.01, 0.02"}, {"section": 0}),
+    "ideal": ({"omega": "20, 25 rad/s"}, {}),
+}
+
+
+@pytest.fixture(scope="module")
+def paths(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("sweeps")
+    from vibsim.cases import load_case
+
+    for name, (axes, settings) in SWEEPS.items():
+        case = load_case("I-B" if name == "ideal" else "II-B", {"run.t_end": "4 s"})
+        sweep(case, axes, out=folder / f"{name}.h5", **settings)
+    return {name: str(folder / f"{name}.h5") for name in SWEEPS}
+
+
+def drawn(kind, *paths):
+    return kind_named(kind).draw([open_subject(path) for path in paths], View())
+
+
+def lines(axes, gid):
+    return [line for line in axes.get_lines() if line.get_gid() == gid]
+
+
+FITTING = {
+    "motor": set(KINDS),
+    "carried": set(KINDS),
+    "grid": set(KINDS),
+    "damping": {"amplitude"},
+    "ideal": {"amplitude", "orbit"},
+}
+
+
+@pytest.mark.parametrize("name", SWEEPS)
+def test_what_fits_is_drawn_and_fit_to_print(paths, name):
+    subject = open_subject(paths[name])
+    assert {kind.name for kind in fitting([subject])} == FITTING[name]
+    for kind in FITTING[name]:
+        figure = drawn(kind, paths[name])
+        for axes in figure.axes:
+            assert UNIT.search(axes.get_ylabel()), axes.get_ylabel()
+            assert not axes.get_xlabel() or UNIT.search(axes.get_xlabel()), axes.get_xlabel()
+        figure.draw_without_rendering()
+        assert clipped_texts(figure) == [] and colliding_legends(figure) == []
+
+
+def test_the_default_suits_the_sweep(paths):
+    for name, kind in {"motor": "sommerfeld", "ideal": "amplitude", "damping": "amplitude"}.items():
+        assert [found.name for found in choose(None, [open_subject(paths[name])])] == [kind]
+
+
+def test_sommerfeld_says_what_it_needs(paths):
+    with pytest.raises(
+        PlotError, match=r"it needs a motor, and .*ideal\.h5 has none; kinds that fit: amplitude"
+    ):
+        choose(["sommerfeld"], [open_subject(paths["ideal"])])
+    with pytest.raises(PlotError, match=r"it needs a sweep over Omega0, and .*damping\.h5 has none"):
+        choose(["sommerfeld"], [open_subject(paths["damping"])])
+
+
+def test_sommerfeld_draws_the_speeds(paths):
+    result = open_subject(paths["motor"]).result
+    axes = drawn("sommerfeld", paths["motor"]).axes[0]
+    (mean,) = lines(axes, "mean")
+    np.testing.assert_array_equal(mean.get_xdata(), result["omega0"])
+    np.testing.assert_array_equal(mean.get_ydata(), result["mean_speed"][:, 0])
+    (no_load,) = lines(axes, "no-load")
+    np.testing.assert_array_equal(no_load.get_xdata(), no_load.get_ydata())
+    levels = {round(float(line.get_ydata()[0]), 2) for line in lines(axes, "level")}
+    assert 3.68 in levels  # half bilinear: 7.37 / 2, physics.md section 4
+
+
+def test_up_and_down_are_told_apart(paths):
+    result = open_subject(paths["carried"]).result
+    figure = drawn("sommerfeld", paths["carried"])
+    up, down = lines(figure.axes[0], "mean")
+    assert (up.get_label(), down.get_label()) == ("up", "down")
+    np.testing.assert_array_equal(down.get_ydata(), result["mean_speed"][:, 1])
+    assert up.get_color() != down.get_color() and up.get_markerfacecolor() != down.get_markerfacecolor()
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["up", "down"]
+
+
+def test_a_grid_has_a_curve_per_other_value(paths):
+    result = open_subject(paths["grid"]).result
+    means = lines(drawn("sommerfeld", paths["grid"]).axes[0], "mean")
+    assert [line.get_label() for line in means][:2] == ["c = 0.01 N s/m", "c = 0.02 N s/m"]
+    for i, line in enumerate(means):
+        np.testing.assert_array_equal(line.get_ydata(), result["mean_speed"][i, :, 0])
+
+
+def test_amplitudes_are_drawn_in_hertz_and_millimetres(paths):
+    result = open_subject(paths["ideal"]).result
+    figure = drawn("amplitude", paths["ideal"])
+    (line,) = lines(figure.axes[1], "x1")
+    np.testing.assert_allclose(line.get_xdata(), np.array([20, 25]) / (2 * np.pi), rtol=1e-15)
+    factor = {"mm": 1e3, "µm": 1e6}[figure.axes[1].get_ylabel()[-3:-1]]
+    np.testing.assert_allclose(line.get_ydata(), factor * result["amplitude_x1"][:, 0], rtol=1e-15)
+
+
+def test_orbit_draws_every_point(paths):
+    result = open_subject(paths["motor"]).result
+    axes = drawn("orbit", paths["motor"]).axes[1]
+    (points,) = lines(axes, "section_speed")
+    np.testing.assert_array_equal(points.get_ydata(), result["section_speed"].ravel())
+    assert set(points.get_xdata()) == set(result["omega0"])
+
+
+def test_sweeps_over_different_things_do_not_go_together(paths):
+    with pytest.raises(PlotError, match="do not go into one picture"):
+        drawn("amplitude", paths["motor"], paths["ideal"])
+
+
+def test_two_sweeps_in_one_picture(paths, tmp_path):
+    out = tmp_path / "two.pdf"
+    assert draw_files([paths["motor"], paths["carried"]], None, View(), str(out)) == [str(out)]
+    assert len(lines(drawn("sommerfeld", paths["motor"], paths["carried"]).axes[0], "mean")) == 3

@@ -1,0 +1,63 @@
+"""Amplitudes of a sweep against the frequency of the source, or whatever else was swept."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from vibsim.plots.frequency_marks import mark_frequencies
+from vibsim.plots.quantities import scale_for
+from vibsim.plots.sheet import sheet
+from vibsim.plots.subject import Subject
+from vibsim.plots.sweep_curves import (
+    SPEEDS,
+    Curve,
+    along,
+    axis_label,
+    curves,
+    frequencies,
+    legend_below,
+    limit,
+)
+from vibsim.plots.view import View
+
+PANEL_CM = 3.1
+BANDS_UP_TO = 2
+NAMES = {"relative": r"$x_1 - x_2$", "x1": "$x_1$", "x2": "$x_2$"}
+
+
+def draw(subjects: Sequence[Subject], view: View) -> Figure:
+    """Half the peak-to-peak per excitation period [m]: its mean as a line, up to its greatest as a band."""
+    drawn = curves(subjects)
+    names = [name for name in NAMES if any(f"amplitude_{name}" in subject.result for subject in subjects)]
+    figure = sheet(view, 2.4 + PANEL_CM * len(names))
+    panels = figure.subplots(len(names), 1, squeeze=False, sharex=True)[:, 0]
+    for axes, name in zip(panels, names, strict=True):
+        _panel(axes, [curve for curve in drawn if f"amplitude_{name}" in curve.subject.result], name)
+    limit(panels[0], drawn, view)
+    if all(subject.result.axes[along(subject.result)].key in SPEEDS for subject in subjects):
+        mark_frequencies(list(panels), frequencies(subjects), (view.width_cm - 1.6) * 28)
+    figure.supylabel("Amplitude", fontsize=8)
+    panels[-1].set_xlabel(axis_label(subjects))
+    legend_below(figure, panels[0])
+    return figure
+
+
+def _panel(axes: Axes, drawn: Sequence[Curve], name: str) -> None:
+    means = [curve.values(f"amplitude_{name}") for curve in drawn]
+    greatest = [curve.values(f"amplitude_{name}_max") for curve in drawn]
+    scale = scale_for("m", *(greatest if len(drawn) <= BANDS_UP_TO else means))
+    for curve, mean, most in zip(drawn, means, greatest, strict=True):
+        if len(drawn) <= BANDS_UP_TO:
+            axes.fill_between(
+                curve.x, scale(mean), scale(most), color=curve.colour, alpha=0.2, linewidth=0, gid="band"
+            )
+        axes.plot(curve.x, scale(mean), label=curve.label, gid=name, zorder=3, **curve.look)
+    axes.set_ylim(bottom=0)
+    axes.set_ylabel(scale.label(NAMES[name]))
+    axes.margins(y=0.06)
+    if all(np.isnan(mean).all() for mean in means):
+        axes.set_ylim(0, 1)
