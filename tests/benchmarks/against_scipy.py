@@ -1,0 +1,69 @@
+"""Budget: 500 times faster than solve_ivp at equal error, over 20 s, final state only."""
+
+from dataclasses import replace
+from statistics import median
+
+from tests.benchmarks.engine_clock import run_through, without_samples
+from tests.benchmarks.row import Row, stopwatch
+from tests.benchmarks.scipy_run import run_with_events, run_with_sgn
+from tests.benchmarks.true_states import error_of
+from vibsim.cases import load_case
+from vibsim.kernel import open_trajectory
+
+SPAN = 20  # s
+LADDER = (1e-10, 1e-12, 2.3e-14)  # rtol; the last is the tightest that solve_ivp takes
+REPETITIONS = 3
+
+
+def rows():
+    for name in ("II-B", "I-C"):
+        scene = without_samples(replace(load_case(name).scene(), t_end=float(SPAN)))
+        ours = median(
+            stopwatch(lambda scene=scene: run_through(open_trajectory(scene, "c"))) for _ in range(15)
+        )
+        note = f"vibsim {ours * 1e3:.2f} ms, error {error_of(name, SPAN, final_state(scene)):.1e}"
+        yield with_events(name, scene, ours, note)
+        yield with_sgn(name, scene, ours, note)
+
+
+def with_events(name, scene, ours, note):
+    """DOP853 with events: the loosest tolerance that reaches the error of vibsim, else the best."""
+    allowed = error_of(name, SPAN, final_state(scene))
+    tried = []
+    for rtol in LADDER:
+        state = []
+        seconds = stopwatch(
+            lambda rtol=rtol, state=state: state.extend(run_with_events(scene, "DOP853", rtol))
+        )
+        tried.append((error_of(name, SPAN, state), rtol, seconds))
+        if tried[-1][0] <= allowed:
+            break
+    _, rtol, seconds = next((entry for entry in tried if entry[0] <= allowed), min(tried))
+    again = [stopwatch(lambda: run_with_events(scene, "DOP853", rtol)) for _ in range(REPETITIONS - 1)]
+    ladder = "; ".join(f"rtol {r:.1e}: {s:.2f} s, error {e:.1e}" for e, r, s in tried)
+    figures = [value / ours for value in (seconds, *again)]
+    return Row(
+        f"{name}, {SPAN} s, DOP853 with events / vibsim", "x", 500.0, figures, [note, ladder], at_least=True
+    )
+
+
+def with_sgn(name, scene, ours, note):
+    """RK45 at rtol 1e-6 without events, which is nowhere near the error of vibsim."""
+    state = []
+    seconds = stopwatch(lambda: state.extend(run_with_sgn(scene, "RK45", 1e-6)))
+    told = f"RK45 {seconds:.2f} s, error {error_of(name, SPAN, state):.1e}"
+    return Row(
+        f"{name}, {SPAN} s, RK45 rtol 1e-6 with sgn / vibsim",
+        "x",
+        500.0,
+        [seconds / ours],
+        [note, told],
+        at_least=True,
+    )
+
+
+def final_state(scene):
+    """[x1, v1, x2, v2 (, phi, phidot)] at the end of the run."""
+    *_, last = open_trajectory(scene, "c").blocks()
+    names = ("x1", "v1", "x2", "v2", "phi", "phidot")
+    return [last.events[name][-1] for name in names if name in last.events]

@@ -1,0 +1,46 @@
+"""Time spent inside the C engine, apart from the copying of its blocks."""
+
+import math
+import time
+from dataclasses import replace
+from types import SimpleNamespace
+from unittest.mock import patch
+
+from vibsim.kernel import _kernel, c_engine
+
+
+class EngineClock:
+    """Within `with EngineClock() as clock:` every run on the C engine adds to clock.seconds."""
+
+    def __enter__(self):
+        self.seconds = 0.0
+        names = ("run_size", "tally", "state_at")
+        timed = {name: self._timed(getattr(_kernel, name)) for name in ("start", "advance")}
+        kernel = SimpleNamespace(**timed, **{name: getattr(_kernel, name) for name in names})
+        self._patch = patch.object(c_engine, "_kernel", kernel)
+        self._patch.start()
+        return self
+
+    def __exit__(self, *_):
+        self._patch.stop()
+
+    def _timed(self, function):
+        def call(*arguments):
+            began = time.perf_counter()
+            answer = function(*arguments)
+            self.seconds += time.perf_counter() - began
+            return answer
+
+        return call
+
+
+def run_through(trajectory):
+    """Run a trajectory to its end, dropping its blocks; returns its totals."""
+    for _ in trajectory.blocks():
+        pass
+    return trajectory.totals
+
+
+def without_samples(scene):
+    """The scene with no samples but the one at t = 0."""
+    return replace(scene, every_num=2 * math.ceil(scene.t_end), every_den=1)
