@@ -30,7 +30,7 @@ def rows():
 
 
 def case_rows(name):
-    """Time of vibsim / time of heyoka, both with 60,001 samples, taken in turns; their errors; their events."""
+    """Time of vibsim / time of heyoka, both with 60,001 samples, taken in turns; errors; events."""
     from tests.benchmarks.heyoka_motor import HeyokaMotor
 
     scene = load_case(name).scene()
