@@ -1,7 +1,7 @@
 """C, S, I and H of one oscillator to some 100 digits, and how much rounded arguments move them.
 
-Divided differences of exp(r t) over the roots and the load's exponents, with 200 digits and points that coincide
-moved 1e-60 apart: crude, obvious, and right far beyond double precision.
+Divided differences of exp(r t) over the roots and the load's exponents, with 200 digits and points that
+coincide moved 1e-60 apart: crude, obvious, and right far beyond double precision.
 """
 
 import mpmath

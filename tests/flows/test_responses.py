@@ -1,10 +1,10 @@
 """The responses of one oscillator against 200 digits, over damping, stiffness, load frequency and time.
 
 An error is counted in units of eps (|value| + conditioning), eps = 2^-53, where the conditioning is what one
-relative unit of change in a, b, omega and t moves the response by: sin(wd t) at large t, say, cannot be better
-than eps wd t, as wd itself is rounded. A response is a sum of two or three rounded products (about 6 roundings)
-and its branches let the terms cancel by three bits at most: 6 units stand for the sums without cancellation
-(C, S), 8 for I, and 16 for H, a complex product more.
+relative unit of change in a, b, omega and t moves the response by: sin(wd t) at large t, say, cannot be
+better than eps wd t, as wd itself is rounded. A response is a sum of two or three rounded products (about 6
+roundings) and its branches let the terms cancel by three bits at most: 6 units stand for the sums without
+cancellation (C, S), 8 for I, and 16 for H, a complex product more.
 """
 
 import math
