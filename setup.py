@@ -10,7 +10,7 @@ from glob import glob
 from setuptools import Extension, setup
 
 KERNEL = "vibsim/kernel"
-GCC_FLAGS = ["-std=c99", "-O2", "-ffp-contract=off", "-fno-fast-math", "-Wall"]
+GCC_FLAGS = ["-std=c99", "-O3", "-ffp-contract=off", "-fno-fast-math", "-Wall"]
 
 sources = sorted(glob(f"{KERNEL}/*.c"))
 extensions = [

@@ -5,6 +5,7 @@
 
 #define JET_ORDER 9
 #define STEPS_PER_CALL 4096
+#define POLISHING 10
 
 static void regime_set(Regime *g, const Scene *s, int locked, int contact, int friction)
 {
@@ -150,7 +151,9 @@ static void evaluate(Run *r, double tau)
     f->impulse = impulse;
     f->steady = steady;
     if (f->driven) {
-        double angle = turn_angle(r->scene.cycles, r->scene.cycles_lo, tau), hc, hs, dc, ds;
+        double angle = f->omega * tau, hc, hs, dc, ds;
+        if (angle > 3)
+            angle = turn_angle(r->scene.cycles, r->scene.cycles_lo, tau);
         cosine = cos(angle);
         sine = sin(angle);
         harmonic_response(o, tau, release, impulse, cosine, sine, &hc, &hs);
@@ -359,11 +362,35 @@ static void graze(Run *r, double slope, double curvature, double value)
     evaluate(r, here - f->t0);
 }
 
+/* Go to the one zero of `function` ahead, by Halley's iteration. */
+static void polish(Run *r, int function)
+{
+    ClosedForm *f = &r->closed;
+    double start = f->t, d[6];
+    int i;
+    for (i = 0; i < POLISHING; i++) {
+        double value, slope, curvature, before = f->t;
+        jet_here(f, 4, d);
+        value = derivative(r, function, d, 0);
+        slope = derivative(r, function, d, 1);
+        if (fabs(value) <= noise_of(r, function))
+            return;
+        curvature = derivative(r, function, d, 2);
+        move(f, -(2 * value * slope) / (2 * slope * slope - value * curvature));
+        f->t = f->t > start ? f->t : start;
+        if (f->t == before)
+            return;
+        r->steps += 1;
+        evaluate(r, f->t - f->t0);
+        measure(f);
+    }
+}
+
 static int step_once(Run *r)
 {
     ClosedForm *f = &r->closed;
-    double step = regime_of(f)->oscillator.window, before, d[6];
-    int nearest = NOTHING, i;
+    double step = regime_of(f)->oscillator.window, rival = step, reach = 0, before, d[6];
+    int nearest = NOTHING, alone = 0, i;
     r->steps += 1;
     evaluate(r, f->t - f->t0);
     measure(f);
@@ -371,17 +398,27 @@ static int step_once(Run *r)
     for (i = 0; i < r->function_count; i++) {
         int function = r->functions[i];
         double value = derivative(r, function, d, 0), slope = derivative(r, function, d, 1);
-        double noise = noise_of(r, function), room, ahead;
+        double noise = noise_of(r, function), room, ahead, limit;
         if (value < -noise || (value <= noise && slope <= 0))
             return function;
         if (function == GAP)
             graze(r, slope, derivative(r, function, d, 2), value);
         room = value - noise;
-        ahead = safe_step(room > 0 ? room : 0.0, slope, derivative_bound(r, function, d, 2));
+        limit = derivative_bound(r, function, d, 2);
+        ahead = safe_step(room > 0 ? room : 0.0, slope, limit);
         if (ahead < step) {
+            rival = step;
             step = ahead;
             nearest = slope < 0 ? function : NOTHING;
+            alone = slope < 0 && 8 * value * limit < slope * slope;
+            reach = -2 * value / slope;
+        } else if (ahead < rival) {
+            rival = ahead;
         }
+    }
+    if (alone && reach <= rival) {
+        polish(r, nearest);
+        return nearest;
     }
     before = f->t;
     move(f, step);
