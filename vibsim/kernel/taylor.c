@@ -1,6 +1,7 @@
 /* The Taylor flow; twin of vibsim/flows/taylor.py. */
 #include "kernel.h"
 #include "numbers.h"
+#include "pair.h"
 
 #define LEADING 4
 
@@ -88,11 +89,11 @@ static void expand_motor(Run *r, const State *state, Law law)
 {
     const Scene *s = &r->scene;
     Taylor *f = &r->taylor;
-    double sine[SERIES], cosine[SERIES], w[SERIES], a1[SERIES], (*table)[STATES] = f->table;
+    double sine[SERIES], cosine[SERIES], w[SERIES], w_back[SERIES], a1_back[SERIES], (*table)[STATES] = f->table;
     double mass = s->m1 + s->m3, inertia = s->J + f->unbalance * s->e, unbalance = f->unbalance;
     double coupling, inverse_det, drag, stall = s->M0, sw, to_a1, to_w, cross, previous = 0;
     int p = f->order, n, i;
-    w[0] = table[0][W] = state->w;
+    w[0] = w_back[p] = table[0][W] = state->w;
     table[0][PHI] = state->phase;
     sine[0] = sin(state->phase);
     cosine[0] = cos(state->phase);
@@ -105,23 +106,24 @@ static void expand_motor(Run *r, const State *state, Law law)
     sw = sine[0] * w[0];
     for (n = 0; n < p; n++) {
         double inverse = f->inverse[n + 1], force, thrust, torque;
-        double cw0 = 0, cw1 = 0, tail0 = 0, tail1 = 0, back0 = 0, back1 = 0, cw, tail, back;
+        const double *wn = w_back + (p - n), *an = a1_back + (p + 1 - n); /* wn[i] = w[n - i], an[i] = a1[n - 1 - i] */
+        Pair cws = make_pair(0, 0), tails = cws, backs = cws;
+        double cw, tail, back;
         for (i = 1; i + 1 < n; i += 2) {
-            cw0 = cw0 + cosine[i] * w[n - i];
-            tail0 = tail0 + sine[i + 1] * w[n - i];
-            back0 = back0 + sine[i + 1] * a1[n - 1 - i];
-            cw1 = cw1 + cosine[i + 1] * w[n - i - 1];
-            tail1 = tail1 + sine[i + 2] * w[n - i - 1];
-            back1 = back1 + sine[i + 2] * a1[n - 2 - i];
+            Pair speeds = load_pair(wn + i), sines = load_pair(sine + i + 1);
+            cws = add_product(cws, load_pair(cosine + i), speeds);
+            tails = add_product(tails, sines, speeds);
+            backs = add_product(backs, sines, load_pair(an + i));
         }
-        if (i < n) {
-            cw0 = cw0 + cosine[i] * w[n - i];
-            tail0 = tail0 + sine[i + 1] * w[n - i];
-            back0 = back0 + sine[i + 1] * a1[n - 1 - i];
+        if (i < n) { /* the odd chain has one term more; the even one adds 0 * 0 */
+            Pair speed = make_pair(wn[i], 0), next = make_pair(sine[i + 1], 0);
+            cws = add_product(cws, make_pair(cosine[i], 0), speed);
+            tails = add_product(tails, next, speed);
+            backs = add_product(backs, next, make_pair(an[i], 0));
         }
-        cw = cw0 + cw1;
-        tail = tail0 + tail1;
-        back = back0 + back1;
+        cw = sum_of_pair(cws);
+        tail = sum_of_pair(tails);
+        back = sum_of_pair(backs);
         cosine[n + 1] = -(sw * inverse);
         if (n > 0) {
             cw = cw + (cosine[0] * w[n] + cosine[n] * w[0]);
@@ -137,8 +139,8 @@ static void expand_motor(Run *r, const State *state, Law law)
         torque = unbalance * back - drag * w[n];
         if (n == 0)
             torque = torque + stall;
-        previous = a1[n] = to_a1 * thrust + cross * torque;
-        w[n + 1] = (to_w * torque + cross * thrust) * inverse;
+        previous = a1_back[p - n] = to_a1 * thrust + cross * torque;
+        w[n + 1] = w_back[p - n - 1] = (to_w * torque + cross * thrust) * inverse;
         table[n + 1][W] = w[n + 1];
         table[n + 1][PHI] = w[n] * inverse;
         sw = tail + sine[0] * w[n + 1];
