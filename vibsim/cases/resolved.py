@@ -10,7 +10,7 @@ from vibsim.cases.quantities import Quantity
 from vibsim.cases.schema import CaseFile, Motor, Section
 
 RESOLVED_FORMAT = 1  # of the JSON text
-NOT_PHYSICS = ("name", "title")
+NOT_PHYSICS = ("name", "title", "run.trust_tolerance")
 
 
 def nested_values(case: CaseFile) -> dict[str, Any]:
@@ -52,7 +52,10 @@ def resolved_values(text: str, source: str) -> dict[str, Any]:
 
 
 def fingerprint(flat: dict[str, Any]) -> str:
-    """SHA-256 of the exact values in any spelling (330 rpm is 5.5 Hz); name and title do not count."""
+    """SHA-256 of the exact values in any spelling (330 rpm is 5.5 Hz).
+
+    Name, title and trust tolerance do not count: they leave the motion as it is.
+    """
     exact = {key: _exact_text(value) for key, value in flat.items() if key not in NOT_PHYSICS}
     return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
 

@@ -200,6 +200,9 @@ class Run(Section):
         "1.1102230246251565e-16",
         "relative tolerance of the Taylor series; 2^-53 by default, and less helps only beyond doubles",
     )
+    trust_tolerance: Annotated[Quantity, Measured("length", above="0")] = optional(
+        "1e-6 m", "error up to which the displacements count as right: the trust horizon ends there", "1 um"
+    )
 
 
 class CaseFile(Section):

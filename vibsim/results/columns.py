@@ -36,7 +36,10 @@ MODES = {
     "contact": Column("i1", None, "contact at the stop", CONTACT_FLAGS),
     "friction": Column("i1", None, "friction mode of block 2", FRICTION_FLAGS),
 }
-COLUMNS = {**TIMES, **KINDS, **STATES, **MODES}  # in file order
+JUDGEMENTS = {
+    "error_estimate": Column("f8", "m", "estimated error of the displacements, the largest so far"),
+}
+COLUMNS = {**TIMES, **KINDS, **STATES, **MODES, **JUDGEMENTS}  # in file order
 
 
 def in_file_order(names: Iterable[str]) -> list[str]:

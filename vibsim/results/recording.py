@@ -10,6 +10,7 @@ from vibsim.physics.scene import Scene
 from vibsim.results.columns import COLUMNS, event_columns
 from vibsim.results.provenance import origin, outcome
 from vibsim.results.rest_distance import RestDistance
+from vibsim.results.trust import NoTrust, Trust
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -25,9 +26,12 @@ class Sink(Protocol):
 
 
 class Recording:
-    """One run of a case: `start` has the attributes known before it, `into` runs it, `end` has the rest."""
+    """One run of a case: `start` has the attributes known before it, `into` runs it, `end` has the rest.
 
-    def __init__(self, case: "Case", engine: str = "auto"):
+    With `trust`, a second run beside it tells until when it is right.
+    """
+
+    def __init__(self, case: "Case", engine: str = "auto", trust: bool = True):
         from vibsim.kernel import open_trajectory
 
         self.scene: Scene = case.scene()
@@ -37,21 +41,27 @@ class Recording:
         self.t_reached = 0.0
         self.complete = False
         self._rest = RestDistance(self.scene)
+        method, engine = self.trajectory.method, self.trajectory.engine
+        self._trust = Trust(case, self.scene, method, engine) if trust else NoTrust()
+        self.columns = (*self.scene.columns(), *self._trust.columns)
 
     def into(self, sink: Sink, watch: Watch | None = None) -> None:
         """Run to the end, or until `watch` says stop; raises KernelError when the run fails."""
-        for block in self.trajectory.blocks():
-            sink.append(block.samples, block.events)
-            self._rest.update(block.samples, block.events)
-            self.t_reached = max(float(block.t_reached), *block.samples["time"][-1:].tolist(), self.t_reached)
-            if watch is not None and not watch(self.t_reached):
-                return
+        with self._trust:
+            for block in self.trajectory.blocks():
+                sink.append(self._trust.judged(block.samples), block.events)
+                self._rest.update(block.samples, block.events)
+                times = block.samples["time"][-1:].tolist()
+                self.t_reached = max(float(block.t_reached), *times, self.t_reached)
+                if watch is not None and not watch(self.t_reached):
+                    return
         self.complete = True
 
     def end(self) -> dict[str, Any]:
         """Attributes of what came of the run so far."""
         wall_time = time.perf_counter() - self.began
-        return outcome(self.trajectory.totals, self.t_reached, self._rest.needed, wall_time, self.complete)
+        known = outcome(self.trajectory.totals, self.t_reached, self._rest.needed, wall_time, self.complete)
+        return {**known, **self._trust.attrs(self.t_reached)}
 
 
 class MemorySink:

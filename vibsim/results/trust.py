@@ -1,0 +1,77 @@
+"""Until when a run is right: its error at every sample, and the trust horizon."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibsim.physics.scene import Scene
+from vibsim.results.trust_companion import Companion, companion_scene, described
+from vibsim.results.trust_estimate import ErrorEstimate
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+COLUMN = "error_estimate"
+
+
+class NoTrust:
+    """What takes the place of `Trust` in a run that is not judged."""
+
+    columns: tuple[str, ...] = ()
+
+    def __enter__(self) -> "NoTrust":
+        return self
+
+    def __exit__(self, *failure: object) -> None:
+        pass
+
+    def judged(self, samples: Mapping[str, np.ndarray]) -> Mapping[str, np.ndarray]:
+        """The samples as they are."""
+        return samples
+
+    def attrs(self, t_reached: float) -> dict[str, Any]:
+        """Nothing is known."""
+        return {}
+
+
+class Trust(NoTrust):
+    """Judges a run of `case` while it is computed, by a companion on the same engine.
+
+    case, scene : what is run; method : flow that it is run by, "closed_form" or "taylor". To be entered for
+    as long as the run goes.
+    """
+
+    columns = (COLUMN,)
+
+    def __init__(self, case: "Case", scene: Scene, method: str, engine: str):
+        other = companion_scene(case, scene, method)
+        self._method = described(other)
+        self._estimate = ErrorEstimate(case.number("run.trust_tolerance"))
+        self._companion = Companion(other, engine)
+        self._names = [name for name in ("x1", "x2") if name in scene.columns()]
+
+    def __enter__(self) -> "Trust":
+        self._companion.start()
+        return self
+
+    def __exit__(self, *failure: object) -> None:
+        self._companion.close()
+
+    def judged(self, samples: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """The next block of samples with the column `error_estimate` [m]."""
+        ours = np.stack([samples[name] for name in self._names])
+        theirs = self._companion.take(ours.shape[1])
+        return {**samples, COLUMN: self._estimate.update(samples["time"], ours, theirs)}
+
+    def attrs(self, t_reached: float) -> dict[str, Any]:
+        """Attributes of the file: horizon [s], tolerance [m], method, and the estimate at the end [m].
+
+        The horizon is `t_reached` where the tolerance is never passed.
+        """
+        return {
+            "trust_horizon_s": self._estimate.horizon(t_reached),
+            "trust_tolerance_m": self._estimate.tolerance,
+            "trust_method": self._method,
+            "error_estimate_end": self._estimate.latest,
+        }

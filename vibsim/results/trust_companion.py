@@ -1,0 +1,138 @@
+"""The companion of a run: the same case integrated a second time, differently, beside the first.
+
+What two runs share, their difference cannot show. So the companion takes other steps, at full
+tolerance: those of the other flow where there are two, else of another order (the same flow from other
+data alone misses some growth). And its data lie on the other side of the true ones: a decimal such as
+0.297 kg is no double, and every number that is none is moved by one unit in the last place towards its
+exact value. Without that the phase error of a motor that turns evenly, which comes of the data, would
+be missed: after 10,000 s it is 70 times the distance of two runs from equal data.
+"""
+
+import threading
+from collections import deque
+from dataclasses import replace
+from fractions import Fraction
+from math import inf, nextafter
+from queue import SimpleQueue
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibsim.cases.pi import FIRST_BITS, two_pi_bounds
+from vibsim.physics.scene import Scene
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+BLOCKS = ("m1", "m2", "k1", "c", "k2", "G", "N")
+SOURCE = ("A", "F0", "omega", "m3", "e", "J", "M0", "Omega0")
+DATA = (*BLOCKS, *SOURCE, "x1", "v1", "x2", "v2", "phi", "phidot")
+USUAL_ORDER, OTHER_ORDER = 20, 25  # of the Taylor flow; both cost the same
+TOLERANCE = 2.0**-53
+BLOCKS_AHEAD = 8  # bounds the memory of a companion that is faster than the run
+
+
+def companion_scene(case: "Case", scene: Scene, method: str) -> Scene:
+    """The scene of the companion of a run of `case` by `method` ("closed_form" or "taylor").
+
+    Samples are at the same times. The rest distance is left out: it never changes the motion.
+    """
+    if scene.has_motor:
+        order = OTHER_ORDER if scene.order < (USUAL_ORDER + OTHER_ORDER) // 2 else USUAL_ORDER
+        stepping: dict[str, Any] = {"method": "taylor", "order": order, "tol": TOLERANCE}
+    elif method == "taylor":
+        stepping = {"method": "closed_form"}
+    else:
+        stepping = {"method": "taylor", "order": USUAL_ORDER, "tol": TOLERANCE}
+    return replace(scene, **stepping, **_moved(case, scene), rest_distance=None, stop_on_violation=False)
+
+
+def described(companion: Scene) -> str:
+    """The companion in words, for the file."""
+    taylor = companion.method == "taylor"
+    stepping = f"Taylor series of order {companion.order}" if taylor else "closed form"
+    return f"difference from a second run by {stepping}, its data one ulp towards their decimal values"
+
+
+def _moved(case: "Case", scene: Scene) -> dict[str, Any]:
+    """The numbers of a scene that are not exact, each one ulp towards its exact value."""
+    exact = case.exact_scene(Fraction, pi=two_pi_bounds(FIRST_BITS)[0] / 2)
+    moved = {}
+    for name in DATA:
+        value = getattr(scene, name)
+        error = 0 if value is None else Fraction(getattr(exact, name)) - Fraction(value)
+        if error:
+            moved[name] = nextafter(value, inf if error > 0 else -inf)
+    return moved
+
+
+class Companion:
+    """A run of `scene` in a thread of its own, of which only the displacements at the samples are kept.
+
+    The C engine lets go of the interpreter while it computes: on two cores it costs hardly any time.
+    """
+
+    def __init__(self, scene: Scene, engine: str):
+        from vibsim.kernel import open_trajectory
+
+        self._trajectory = open_trajectory(scene, engine=engine)
+        self._names = [name for name in ("x1", "x2") if name in scene.columns()]
+        self._queue: SimpleQueue[np.ndarray | BaseException | None] = SimpleQueue()
+        self._room = threading.Semaphore(BLOCKS_AHEAD)
+        self._closed = self._ended = False
+        self._waiting: deque[np.ndarray] = deque()
+        self._thread = threading.Thread(target=self._run, name="vibsim companion", daemon=True)
+
+    def start(self) -> None:
+        """Set off."""
+        self._thread.start()
+
+    def take(self, count: int) -> np.ndarray:
+        """Displacements [m] at the next `count` samples, shape (blocks that move, count).
+
+        NaN from where the companion has failed.
+        """
+        rows = len(self._names)
+        parts = [np.empty((rows, 0))]
+        while count:
+            piece = self._next()
+            if piece is None:
+                piece = np.full((rows, count), np.nan)
+            if piece.shape[1] > count:
+                self._waiting.appendleft(piece[:, count:])
+            parts.append(piece[:, :count])
+            count -= parts[-1].shape[1]
+        return np.concatenate(parts, axis=1)
+
+    def close(self) -> None:
+        """End the companion where it is."""
+        self._closed = True
+        self._room.release()
+        self._thread.join()
+
+    def _next(self) -> np.ndarray | None:
+        """The next samples; None after the last."""
+        if self._waiting:
+            return self._waiting.popleft()
+        found = None if self._ended else self._queue.get()
+        if isinstance(found, BaseException):
+            raise found
+        self._ended = found is None
+        self._room.release()
+        return found
+
+    def _run(self) -> None:
+        from vibsim.kernel import KernelError
+
+        last: BaseException | None = None
+        try:
+            for block in self._trajectory.blocks():
+                self._room.acquire()
+                if self._closed:
+                    return
+                self._queue.put(np.stack([block.samples[name] for name in self._names]))
+        except KernelError:
+            pass  # the run went on where its companion failed: nothing more to compare with
+        except BaseException as error:  # raised where the samples are asked for
+            last = error
+        self._queue.put(last)
