@@ -1,7 +1,7 @@
 """The ordinary oddities of a non-smooth motion, each in the smallest scene that shows it.
 
-The closed form takes an event function for zero once it is within its rounding bound eps (16 + w t) x magnitudes,
-so event times stand up to that bound over the slope of the function before the exact ones.
+The closed form takes an event function for zero once it is within its rounding bound eps (16 + w t) x
+magnitudes, so event times stand up to that bound over the slope of the function before the exact ones.
 """
 
 import math

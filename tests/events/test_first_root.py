@@ -1,0 +1,144 @@
+"""Certified steps: they never pass a root, and converge quadratically to a simple one."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from vibsim.events.first_root import deflated_step, leading_order, safe_step
+from vibsim.events.polynomial_root import PolynomialSearch
+from vibsim.physics.numbers import Doubles
+
+EPS = 2.0**-53
+roots_ahead = st.lists(st.integers(1, 60).map(lambda n: n / 20), min_size=1, max_size=4, unique=True)
+complex_pairs = st.lists(st.tuples(st.integers(-3000, 3000), st.integers(500, 3000)), max_size=3)
+
+
+def polynomial(roots, pairs=(), order=0):
+    """Coefficients, lowest first, of t^order prod (r - t) prod ((t - a)^2 + b^2), positive right behind 0."""
+    p = np.polynomial.Polynomial([0.0] * order + [1.0])
+    for root in roots:
+        p = p * np.polynomial.Polynomial([root, -1.0])
+    for a, b in pairs:
+        p = p * np.polynomial.Polynomial([(a * a + b * b) / 1e6, -2 * a / 1e3, 1.0])
+    return p
+
+
+def curvature_bound(p, h):
+    """sum |coefficients of p''| h^n."""
+    return float(sum(abs(value) * h**n for n, value in enumerate(p.deriv(2).coef)))
+
+
+@settings(max_examples=50)
+@given(roots_ahead, complex_pairs)
+def test_safe_step_never_passes_a_root(roots, pairs):
+    p, h = polynomial(roots, pairs), 3.5
+    bound, first, t = curvature_bound(p, h), min(roots), 0.0
+    derivative = p.deriv()
+    noise = (
+        16 * EPS * float(np.polynomial.Polynomial(np.abs(p.coef))(h))
+    )  # rounding of the value by its terms
+    for _ in range(200):
+        value, slope = float(p(t)), float(derivative(t))
+        if value <= noise:
+            break
+        t += safe_step(Doubles, value - noise, slope, bound)
+        assert t <= first * (1 + 4 * EPS)
+
+
+@given(st.integers(-1000, 1000), st.integers(0, 1000), st.integers(0, 1000))
+def test_safe_step_is_the_root_of_its_parabola(slope, value, bound):
+    q0, q1, b = value / 7, slope / 7, bound / 7
+    step = safe_step(Doubles, q0, q1, b)
+    assume(math.isfinite(step) and q0 > 0)
+    terms = q0 + abs(q1) * step + b * step * step / 2
+    assert abs(q0 + q1 * step - b * step * step / 2) <= 16 * EPS * terms
+    assert step > 0
+
+
+def test_safe_step_is_infinite_where_the_parabola_never_comes_down():
+    assert safe_step(Doubles, 1.0, 0.5, 0.0) == math.inf
+    assert safe_step(Doubles, 1.0, -0.5, 0.0) == 2.0
+
+
+def test_convergence_of_order_2_at_a_simple_root():
+    # f = cos t, root pi / 2, |f''| <= 1: distances d_n with d_(n+1) ~ C d_n^2; slope of log against log
+    t, distances = 0.3, []
+    while math.cos(t) > 1e-13:
+        distances.append(math.pi / 2 - t)
+        t += safe_step(Doubles, math.cos(t), -math.sin(t), 1.0)
+    near = np.log([d for d in distances if d < 0.5])
+    assert len(near) >= 4
+    order = np.polyfit(near[:-1], near[1:], 1)[0]
+    assert order >= 2 - 0.2  # cos curves away near its root, which makes it 3 here
+    # f = 1 - exp(t - 1): curvature in full at the root, bound e^0 = 1
+    t, distances = 0.0, []
+    while 1 - t > 1e-7:
+        distances.append(1 - t)
+        t += safe_step(Doubles, -math.expm1(t - 1), -math.exp(t - 1), 2.0)
+    near = np.log([d for d in distances if d < 0.5])
+    assert np.polyfit(near[:-1], near[1:], 1)[0] == pytest.approx(2.0, abs=0.2)
+
+
+@given(roots_ahead, st.integers(1, 3))
+def test_deflated_step_never_passes_a_root(roots, order):
+    p, h = polynomial(roots, order=order), 3.5
+    lead, following = (float(p.deriv(n)(0.0)) for n in (order, order + 1))
+    high = p.deriv(order + 2)
+    bound = float(np.polynomial.Polynomial(np.abs(high.coef))(h))
+    assert 0 < deflated_step(Doubles, order, lead, following, bound) <= min(roots) * (1 + 8 * EPS)
+
+
+def test_leading_order():
+    assert leading_order([0.0, 0.0, 3.0], 0) == 2
+    assert leading_order([5.0, 0.0, 3.0], 1) == 2  # a known zero may stand as a rounded value
+    assert leading_order([0.0, 0.0], 0) == 2
+
+
+@given(roots_ahead, complex_pairs, st.integers(0, 2), st.integers(0, 10**6))
+def test_polynomial_search_finds_the_first_root(roots, pairs, order, t0):
+    p, h = polynomial(roots, pairs, order), 3.5
+    search = PolynomialSearch(Doubles)
+    found = search.first_root(p.coef.tolist(), order, float(t0), h, False)
+    assert found is not None
+    q = polynomial(roots, pairs)
+    total = float(np.polynomial.Polynomial(np.abs(q.coef))(h))
+    first, tau = min(roots), found - t0
+    assert tau <= first * (1 + 1e-12) + 2 * EPS * t0
+    # taken for zero: what lies within the rounding bound 4 eps sum |b_n| h^n, or one grid step of time away
+    reach = float(np.max(np.abs(q.deriv()(np.linspace(tau, first, 20)))))
+    assert abs(float(q(tau))) <= 16 * EPS * total + 4 * EPS * (t0 + h) * reach
+    assert search.uncertified == 0
+
+
+@given(complex_pairs.filter(bool))
+def test_polynomial_search_finds_no_root_where_there_is_none(pairs):
+    p = polynomial([], pairs)
+    total = float(np.polynomial.Polynomial(np.abs(p.coef))(3.5))
+    assume(np.min(p(np.linspace(0, 3.5, 2001))) > 1e-6 * total)
+    assert PolynomialSearch(Doubles).first_root(p.coef.tolist(), 0, 0.0, 3.5, False) is None
+
+
+@given(st.integers(100, 3000), st.integers(-12, 0))
+def test_polynomial_search_keeps_the_grazing_margin(at, exponent):
+    """(t - a)^2 + b turns round at a, with the value b."""
+    a, b = at / 1000, 10.0**exponent
+    search = PolynomialSearch(Doubles)
+    assert search.first_root([a * a + b, -2 * a, 1.0], 0, 0.0, 3.5, True) is None
+    assert search.margin == pytest.approx(b, abs=16 * EPS * (a * a + b + 2 * a * 3.5 + 3.5**2))
+    assert search.margin_time == pytest.approx(a, rel=1e-12)
+
+
+@given(st.integers(2, 60))
+def test_polynomial_search_stops_at_a_double_root(n):
+    """(t - a)^2 touches zero: found, up to the square root of the rounding bound before it."""
+    a, h = n / 20, 3.5
+    found = PolynomialSearch(Doubles).first_root([a * a, -2 * a, 1.0], 0, 0.0, h, False)
+    if found is not None:  # a rounded up to no root at all is as good
+        assert abs(found - a) <= math.sqrt(16 * EPS * (a + h) ** 2)
+
+
+def test_a_rest_at_zero_has_no_root():
+    assert PolynomialSearch(Doubles).first_root([0.0, 0.0, 0.0], 1, 0.0, 1.0, True) is None

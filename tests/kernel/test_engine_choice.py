@@ -1,0 +1,119 @@
+"""Which engine runs, and what is said where the C engine was not built."""
+
+import os
+import shutil
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import vibsim.kernel
+from tests.scenes import fixed_block, paper
+from vibsim.kernel import KernelError, engine_name, flow_method, open_trajectory
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def without_c(monkeypatch):
+    """An installation that found no compiler."""
+    monkeypatch.setattr(vibsim.kernel, "compiled", lambda: False)
+    monkeypatch.setattr(vibsim.kernel, "_noticed", False)
+
+
+def test_auto_takes_the_c_engine():
+    assert engine_name("auto") == "c"
+    assert open_trajectory(paper("I-A")).engine == "c"
+    assert engine_name("python") == "python"
+    assert open_trajectory(paper("I-A"), "python").engine == "python"
+
+
+def test_auto_falls_back_with_one_notice(without_c, capsys):
+    assert engine_name("auto") == "python"
+    first = capsys.readouterr()
+    assert first.out == ""
+    assert "no C engine" in first.err
+    assert "slower" in first.err
+    assert first.err.count("\n") == 1
+    assert open_trajectory(paper("I-A")).engine == "python"
+    assert capsys.readouterr().err == ""
+
+
+def test_asking_for_python_is_no_occasion_for_a_notice(without_c, capsys):
+    assert engine_name("python") == "python"
+    assert capsys.readouterr().err == ""
+
+
+def test_asking_for_c_where_it_was_not_built(without_c):
+    with pytest.raises(RuntimeError, match="C engine was not built"):
+        engine_name("c")
+
+
+def test_unknown_engine():
+    with pytest.raises(ValueError, match="auto, c or python, got 'fortran'"):
+        engine_name("fortran")
+
+
+def test_methods():
+    assert flow_method(paper("I-A")) == "closed_form"
+    assert flow_method(paper("II-A")) == "taylor"
+    assert flow_method(paper("I-A", method="taylor")) == "taylor"
+    with pytest.raises(ValueError, match=r"closed_form .* motor"):
+        flow_method(paper("II-A", method="closed_form"))
+    with pytest.raises(ValueError, match="got 'euler'"):
+        flow_method(paper("I-A", method="euler"))
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+def test_a_failing_run_says_what_when_where_and_what_to_do(engine):
+    wild = fixed_block(x1=1e308, v1=1e308, G=None, t_end=1.0)
+    with pytest.raises(KernelError) as failure:
+        list(open_trajectory(wild, engine).blocks())
+    message = str(failure.value)
+    assert message.startswith("t = 0.0 s: the state is no longer finite")
+    assert "x1 = 1e+308 m" in message
+    assert message.endswith("check the parameters for values far outside each other's scale")
+    assert "\n" not in message
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+def test_without_a_compiler_the_package_builds_and_runs(tmp_path):
+    """A wheel built with a compiler that fails has no C engine and runs the same on Python."""
+    source = tmp_path / "source"
+    leave = shutil.ignore_patterns(".git", ".venv", "build", "*.so", "*.egg-info", "__pycache__", ".*_cache")
+    shutil.copytree(ROOT, source, ignore=leave)
+    environment = {**os.environ, "CC": "/bin/false"}
+    build = [
+        sys.executable,
+        "-m",
+        "pip",
+        "wheel",
+        "--no-deps",
+        "--no-build-isolation",
+        "-q",
+        "-w",
+        tmp_path,
+        source,
+    ]
+    subprocess.run(build, check=True, env=environment)
+    (wheel,) = tmp_path.glob("vibsim-*.whl")
+    installed = tmp_path / "installed"
+    shutil.unpack_archive(wheel, installed, "zip")
+    assert not list(installed.rglob("_kernel*"))
+    program = (
+        f"import sys; sys.path[:0] = [{str(installed)!r}, {str(ROOT)!r}]\n"
+        "import vibsim.kernel as k; from tests.scenes import paper; from tests.trajectories import run\n"
+        "print(k.__file__, k.engine_name(), run(paper('I-A', t_end=1.0), 'auto').final('x1').hex())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], check=True, capture_output=True, text=True, cwd=tmp_path
+    )
+    where, engine, x1 = done.stdout.split()
+    assert Path(where).is_relative_to(installed)
+    assert engine == "python"
+    assert "no C engine" in done.stderr
+    trajectory = open_trajectory(replace(paper("I-A"), t_end=1.0), "c")
+    assert float.fromhex(x1) == list(trajectory.blocks())[-1].events["x1"][-1]

@@ -1,0 +1,112 @@
+"""What must not change a trajectory, and what must not change along one."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.scenes import fixed_block, motor, paper, scene
+from tests.trajectories import run
+from vibsim.kernel import state_at
+
+TURN = 2 * math.pi
+
+
+def test_a_motor_scene_may_start_at_any_time():
+    """No time occurs in Eqs. (2.8)-(2.10): a run from the state at an event repeats what follows it."""
+    original = paper("II-B", t_end=10.0)
+    result = run(original)
+    i = 40
+    row = result.row(i)
+    names = ("x1", "v1", "x2", "v2", "phidot")
+    state = {name: float(row[name]) for name in names}
+    shifted = run(replace(original, **state, phi=float(row["phase"]), t_end=4.0))
+    count = 60
+    assert row["kind"] in (1, 2, 3, 4, 5)
+    np.testing.assert_array_equal(shifted.events["kind"][1:count], result.events["kind"][i + 1 : i + count])
+    # time is kept to eps of itself: 10 s of it against 4 s; states grow apart e-fold per second at most
+    times = result.events["t"][i + 1 : i + count] - row["t"]
+    np.testing.assert_allclose(shifted.events["t"][1:count], times, rtol=0, atol=1e-11)
+    for name in names:
+        gap = shifted.events[name][1:count] - result.events[name][i + 1 : i + count]
+        assert np.max(np.abs(gap)) <= 1e-9 * np.max(np.abs(result.events[name]))
+
+
+@pytest.mark.parametrize("method", ("closed_form", "taylor"))
+def test_a_far_stop_is_no_stop(method):
+    far = paper("I-B", G=10.0, t_end=20.0, method=method)
+    without = replace(far, k2=None, G=None)
+    one, other = run(far), run(without)
+    assert one.totals["impacts"] == 0
+    assert one.kinds == other.kinds
+    for name in ("x1", "v1", "x2", "v2"):
+        # the stop only adds step ends to look at; the closed form is anchored at events alone
+        bound = 1e-13 * np.max(np.abs(other.samples[name]))
+        np.testing.assert_allclose(one.samples[name], other.samples[name], rtol=0, atol=bound)
+    assert 9.0 < one.totals["grazing_margin"] < 10.0
+
+
+def energy(scene, state):
+    """Kinetic energy and that of both springs [J]; the stop's spring is compressed by x2 - x1 - G."""
+    y = state["x1"] - state["x2"]
+    depth = np.maximum(-scene.stop_sign * y - scene.G, 0.0)
+    kinetic = scene.m1 * state["v1"] ** 2 + scene.m2 * state["v2"] ** 2
+    return (kinetic + scene.k1 * y**2 + scene.k2 * depth**2) / 2
+
+
+@pytest.mark.parametrize("method", ("closed_form", "taylor"))
+def test_energy_over_a_thousand_periods_with_impacts(method):
+    free = scene(c=0.0, N=None, x1=0.02, v1=0.5, v2=-0.5 * 0.297 / 2.94, t_end=140.0, method=method)
+    result = run(free)
+    assert result.totals["impacts"] > 1000
+    total = energy(free, result.samples)
+    # some 3000 events, each rounding the state by a few eps at random: 3000^(1/2) x 10 eps = 6e-14
+    np.testing.assert_allclose(total, total[0], rtol=1e-12)
+    momentum = 0.297 * result.samples["v1"] + 2.94 * result.samples["v2"]
+    np.testing.assert_allclose(momentum, 0.0, rtol=0, atol=1e-12 * 0.297 * 0.5)
+
+
+def test_momentum_and_energy_of_a_free_rotor():
+    """No torque (M0 / Omega0 -> 0), no friction, no stop: blocks and rotor keep momentum and energy."""
+    source = {**motor(5.0), "M0": 1e-300, "phidot": 30.0}
+    free = scene(source, c=0.0, N=None, k2=None, G=None, t_end=60.0)
+    result = run(free)
+    s = result.samples
+    m3, e = 0.03, 0.11
+    # mass m3 sits at x1 + e cos phi, y3 = e sin phi: the paper's coupling has m3 e (w' sin phi + w^2 cos phi)
+    vx, vy = s["v1"] - e * s["phidot"] * np.sin(s["phi"]), e * s["phidot"] * np.cos(s["phi"])
+    momentum = 0.297 * s["v1"] + 2.94 * s["v2"] + m3 * vx
+    kinetic = 0.297 * s["v1"] ** 2 + 2.94 * s["v2"] ** 2 + m3 * (vx**2 + vy**2) + 0.001 * s["phidot"] ** 2
+    total = kinetic + 200.0 * (s["x1"] - s["x2"]) ** 2
+    # 60 s are some 5000 steps of eps each, at random
+    np.testing.assert_allclose(momentum, momentum[0], rtol=0, atol=1e-13)
+    np.testing.assert_allclose(total, total[0], rtol=1e-12)
+    assert np.ptp(s["phidot"]) > 1.0  # the rotor feels the blocks
+
+
+def test_momentum_balance_with_dry_friction():
+    """The momentum changes by the impulses of source and friction alone, whatever stop and springs do."""
+    driven = paper("I-B", t_end=20.0)
+    result = run(driven)
+    edges = result.events["t"][1:]  # from the first release on it always slips
+    assert np.all(result.events["friction"][1:] != 0)
+    slip = float(np.sum(np.diff(edges) * result.events["friction"][1:-1]))
+    push = (
+        driven.A
+        * (math.cos(driven.omega * edges[0]) - math.cos(TURN * math.fmod(5.5 * 20.0, 1.0)))
+        / driven.omega
+    )
+    momentum = 0.297 * result.events["v1"] + 2.94 * result.events["v2"]
+    # some 400 events, each rounding momentum and time: 400 eps (p + N T)
+    assert momentum[-1] - momentum[1] == pytest.approx(
+        push - driven.N * slip, abs=400 * 2**-53 * driven.N * 20
+    )
+
+
+def test_state_at_lies_on_the_orbit_of_a_free_oscillator():
+    w = math.sqrt(200.0 / 0.297)
+    alone = fixed_block(x1=0.01, c=0.0, G=None, t_end=1000.0)
+    times = np.array([0.0, 0.1, 17.0, 900.0])
+    got = state_at(alone, run(alone).row(0), times)
+    np.testing.assert_allclose(got["x1"], 0.01 * np.cos(w * times), rtol=0, atol=0.01 * 4 * 2**-53 * w * 900)
