@@ -103,8 +103,11 @@ class Scene:
         return i
 
     def sample_time(self, i: int) -> float:
-        """Time of sample i [s]: one correctly rounded division, so 3 x 5 ms is 0.015 and nothing else."""
-        return (i * self.every_num) / self.every_den
+        """Time of sample i [s]: one correctly rounded division, so 3 x 5 ms is 0.015 and nothing else.
+
+        In doubles, as the C engine has it; the product is exact up to 2^53.
+        """
+        return (float(i) * self.every_num) / self.every_den
 
     def columns(self) -> tuple[str, ...]:
         """Names of the sampled columns that this scene has, in file order."""
