@@ -2,7 +2,7 @@
  *
  * Every expression repeats its Python twin operation by operation; compile with -ffp-contract=off and never with
  * -ffast-math. Twins: numbers.h physics/numbers.py, first_root.h events/first_root.py, responses.c flows/responses.py,
- * closed_form.c flows/closed_form.py, taylor.c flows/taylor.py, polynomial_root.c events/polynomial_root.py,
+ * regime.c flows/regime.py, closed_form.c flows/closed_form.py, taylor.c flows/taylor.py, polynomial_root.c events/polynomial_root.py,
  * automaton.c events/automaton.py, driver.c kernel/driver.py, stroboscopic.c kernel/stroboscopic.py, ledger.c kernel/ledger.py.
  */
 #ifndef VIBSIM_KERNEL_H
@@ -11,6 +11,7 @@
 #include <math.h>
 
 #define MAX_ORDER 40
+#define JET_ORDER 9 /* derivatives of y taken at the start of a segment */
 #define SERIES (MAX_ORDER + 2)
 #define SERIES_TERMS 26
 #define EPS 1.1102230246251565e-16 /* 2^-53, unit round-off */
@@ -51,7 +52,7 @@ typedef struct {
 
 typedef struct {
     Oscillator oscillator;
-    double k, offset, load, amplitude, centre_load, centre_amplitude, forced[12];
+    double k, offset, load, amplitude, centre_load, centre_amplitude, forced[JET_ORDER + 1];
 } Regime;
 
 typedef struct {
@@ -99,8 +100,10 @@ void harmonic_response(const Oscillator *o, double t, double release, double imp
                        double *hc, double *hs);
 void free_harmonic_response(const Oscillator *point, double t, double cosine, double sine, double *hc, double *hs);
 
-/* closed_form.c */
+/* regime.c */
 void closed_form_set(Run *r);
+
+/* closed_form.c */
 void closed_form_enter(Run *r, const State *state, Mode mode);
 double closed_form_advance(Run *r, double limit, int *function);
 double closed_form_longest_piece(const Run *r, double tau);
