@@ -13,7 +13,7 @@ GROUND = {"physics", "flows", "events", "kernel"}
 MIDDLE = ["cases", "results", "analysis", "sweeps"]  # each may import those before it
 TOP = {"command_line", "plots"}
 LIGHT = {"numpy"}  # what the ground floor may import besides the standard library
-OPTIONAL = {"multiprecision.py": {"flint"}}  # and the one module that exists for it
+OPTIONAL = {"multiprecision.py": {"flint"}, "big_floats.py": {"mpmath"}}  # and who is there for it
 
 MODULES = sorted(PACKAGE.rglob("*.py"))
 

@@ -48,7 +48,28 @@ class Window(click.ParamType):
         return window
 
 
+class DigitCount(click.ParamType):
+    """A number of decimal digits, or auto."""
+
+    name = "digits"
+
+    def convert(self, value, param, ctx):
+        from vibsim.physics.working_precision import FEWEST_DIGITS, MOST_DIGITS
+
+        if value == "auto":
+            return value
+        try:
+            digits = int(value)
+        except ValueError:
+            self.fail(f"{value!r} is neither a whole number nor auto", param, ctx)
+        if not FEWEST_DIGITS <= digits <= MOST_DIGITS:
+            allowed = f"{FEWEST_DIGITS} to {MOST_DIGITS}"
+            self.fail(f"{digits} is not in the range {allowed}; doubles have 16", param, ctx)
+        return digits
+
+
 CASE = CaseSource()
+DIGITS = DigitCount()
 ASSIGNMENT = Assignment()
 WINDOW = Window()
 FILE = click.Path(path_type=str)

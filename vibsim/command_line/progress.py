@@ -29,6 +29,10 @@ class Progress:
                 return
             self._bar = self._new_bar()
         done = int(STEPS * t / self._t_end) if self._t_end else STEPS
+        if done < self._bar.pos:  # another run of the same case has begun
+            self.close()
+            self._began = time.time()
+            self._bar = self._new_bar()
         self._bar.update(done - self._bar.pos, current_item=t)
 
     def close(self) -> None:

@@ -58,6 +58,20 @@ def check_engine(engine: str) -> None:
         raise click.UsageError("--engine c: this installation has no C engine; leave --engine out")
 
 
+def check_digits(digits: int | str | None, engine: str) -> None:
+    """Usage error where many digits are asked for and cannot be had."""
+    if digits is None:
+        return
+    from vibsim.physics.number_kits import MultiprecisionMissing, installed_library
+
+    if engine == "c":
+        raise click.UsageError("--digits needs the Python engine; the C engine has doubles only")
+    try:
+        installed_library()
+    except MultiprecisionMissing as error:
+        raise click.UsageError(f"--digits: {error}") from error
+
+
 def check_picture(picture: str | None, count: int, force: bool) -> None:
     """Settle before the run that its picture can be written; raises UsageError for several runs."""
     if picture is None:

@@ -7,46 +7,30 @@ GUARD_BITS above the working precision so that rounding never blurs it.
 """
 
 from fractions import Fraction
-from math import log2
 
 import flint
 
-GUARD_BITS = 32
-BITS_PER_DIGIT = 3.3219280948873626
-MOST_DIGITS = 1000
+from vibsim.physics.working_precision import GUARD_BITS, WorkingPrecision
 
 
-class Balls:
+class Balls(WorkingPrecision):
     """Arithmetic of `digits` decimal digits. There is one working precision in a process at a time: the last
     kit made sets it.
     """
 
     name = "arb"
-    no_exponent = -(10**6)
+    library = f"python-flint {flint.__version__}"
 
     def __init__(self, digits):
-        self.digits = digits
-        self.bits = int(digits * BITS_PER_DIGIT) + 1
-        flint.ctx.prec = self.bits + GUARD_BITS
+        super().__init__(digits)
+        self.activate()
         self.eps = flint.arb(2) ** -self.bits
-        self.two_pi = 2 * flint.arb.pi()
-        self.series_terms = self._terms()
+        self.pi = flint.arb.pi()
+        self.two_pi = 2 * self.pi
 
-    def _terms(self):
-        """Terms after which 2^n / n! is below round-off."""
-        n, exponent = 1, 1.0
-        while exponent > -self.bits - 4:
-            n += 1
-            exponent += 1 - log2(n)
-        return n
-
-    def order(self, _scene):
-        """Order of the Taylor flow: half the logarithm of the precision, where the work per time is least."""
-        return max(20, int(0.36 * self.bits))
-
-    def tolerance_exponent(self, _scene):
-        """The Taylor flow goes to the working precision."""
-        return -float(self.bits)
+    def activate(self):
+        """Make this kit's precision that of the process."""
+        flint.ctx.prec = self.bits + GUARD_BITS
 
     @staticmethod
     def exact(t):
@@ -78,10 +62,10 @@ class Balls:
         return (t + (abs(t) + self.eps) * self.eps).mid()
 
     @staticmethod
-    def exponent(x):
-        """Binary exponent of x; `no_exponent` for x = 0."""
+    def parts(x):
+        """Whole numbers m, e of the middle m 2**e of x."""
         mantissa, exponent = x.mid().man_exp()
-        return int(exponent) + int(abs(mantissa)).bit_length() if mantissa != 0 else Balls.no_exponent
+        return int(mantissa), int(exponent)
 
     @staticmethod
     def power_of_two(y):

@@ -50,4 +50,4 @@ def open_trajectory_file(path: str | Path):
     from vibsim.results.trajectory_file import TrajectoryFile
 
     file = TrajectoryFile(path)
-    return Result(file.attrs, file.samples, file.events)
+    return Result(file.attrs, file.samples, file.events, digits=file.digits)

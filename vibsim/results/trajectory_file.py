@@ -11,6 +11,7 @@ import numpy as np
 from vibsim import __version__
 from vibsim.results.attributes import read_attrs
 from vibsim.results.columns import in_file_order
+from vibsim.results.digits import Digits
 from vibsim.results.errors import ResultFileError
 from vibsim.results.output_file import reason
 from vibsim.results.provenance import FORMAT
@@ -28,6 +29,12 @@ class TrajectoryFile:
             self.attrs = read_attrs(self._file)
             self.samples = FileColumns(self.path, self._file)
             self.events = FileColumns(self.path, self._file["events"])
+            self.digits = self._digits(self._file.get("digits"))
+
+    def _digits(self, group: h5py.Group | None) -> Digits | None:
+        if group is None:
+            return None
+        return Digits(FileColumns(self.path, group), FileColumns(self.path, group["events"]))
 
     def close(self) -> None:
         """Let go of the file; columns not read so far can then not be read."""

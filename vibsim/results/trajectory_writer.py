@@ -59,6 +59,7 @@ class TrajectoryWriter:
         self.update(attrs)
         self.samples = DatasetStream(self._file.id, columns, SAMPLE_CHUNK)
         self.events = DatasetStream(self._file.create_group("events").id, event_columns(columns), EVENT_CHUNK)
+        self.streams: list[Any] = [self.samples, self.events]
         self._file.flush()
 
     def append(self, samples: Mapping[str, np.ndarray], events: Mapping[str, np.ndarray]) -> None:
@@ -98,13 +99,13 @@ class TrajectoryWriter:
             raise ResultFileError(f"{self.shown}: cannot write: {reason(error)}") from error
 
     def _write(self, everything: bool = False) -> None:
-        size = self.samples.waiting_bytes() + self.events.waiting_bytes()
+        size = sum(stream.waiting_bytes() for stream in self.streams)
         full = not self._reserve(size)
         try:
             if full and size > MARGIN // 2:
                 raise OSError(errno.ENOSPC, "no room for what waits")
-            self.samples.write(everything or full)
-            self.events.write(everything or full)
+            for stream in self.streams:
+                stream.write(everything or full)
             self._unflushed += size
             if self._unflushed >= FLUSH_BYTES:
                 self._file.flush()

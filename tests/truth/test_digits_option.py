@@ -1,0 +1,50 @@
+"""--digits on the command line: what it refuses, and how."""
+
+import pytest
+
+import vibsim
+from tests.command_line.made import call
+from tests.truth.made import case
+from vibsim.physics import number_kits
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--digits", "0"], "0 is not in the range 20 to 1000"),
+        (["--digits", "-5"], "-5 is not in the range 20 to 1000"),
+        (["--digits", "5000"], "5000 is not in the range 20 to 1000"),
+        (["--digits", "many"], "'many' is neither a whole number nor auto"),
+        (["--digits", "60", "--engine", "c"], "--digits needs the Python engine"),
+    ],
+)
+def test_wrong_usage(words, message, tmp_path):
+    done = call("run", "I-A", "-o", tmp_path / "out.h5", *words)
+    assert done.exit_code == 2
+    assert message in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_missing_library_names_the_extra(monkeypatch, tmp_path):
+    monkeypatch.setattr(number_kits, "KITS", {})
+    done = call("run", "I-A", "--digits", "60", "-o", tmp_path / "out.h5")
+    assert done.exit_code == 2
+    assert "pip install 'vibsim[reference]'" in done.stderr
+    with pytest.raises(ImportError, match="reference"):
+        vibsim.simulate(case("I-A", "1 s"), digits=30)
+
+
+def test_simulate_refuses_too():
+    with pytest.raises(ValueError, match="20 to 1000"):
+        vibsim.simulate(case("I-A", "1 s"), digits=10)
+    with pytest.raises(ValueError, match="Python engine"):
+        vibsim.simulate(case("I-A", "1 s"), digits=30, engine="c")
+
+
+def test_method_taylor_is_obeyed(tmp_path):
+    path = tmp_path / "out.h5"
+    words = ["run", "I-A", "--digits", "30", "--method", "taylor", "--t-end", "0.5 s", "-o", path]
+    done = call(*words)
+    assert done.exit_code == 0
+    assert "Python on arb numbers, taylor series of order 36" in done.stdout
+    assert vibsim.open_result(path).attrs["method"] == "taylor"

@@ -1,0 +1,79 @@
+"""The number kit of any precision on mpmath, for where python-flint is missing: some thirty times slower.
+
+mpmath's numbers are plain floats without a radius: decisions close to round-off go by the margin `eps` alone,
+which stands GUARD_BITS above the working precision.
+"""
+
+from fractions import Fraction
+
+import mpmath
+
+from vibsim.physics.working_precision import GUARD_BITS, WorkingPrecision
+
+
+class BigFloats(WorkingPrecision):
+    """Arithmetic of `digits` decimal digits, in a context of its own."""
+
+    name = "mpf"
+    library = f"mpmath {mpmath.__version__}"
+
+    def __init__(self, digits):
+        super().__init__(digits)
+        self.context = context = mpmath.mp.clone()
+        context.prec = self.bits + GUARD_BITS
+        self.eps = context.ldexp(1, -self.bits)
+        self.pi = +context.pi
+        self.two_pi = 2 * self.pi
+        self.sin, self.cos, self.exp, self.expm1 = context.sin, context.cos, context.exp, context.expm1
+        self.sinh, self.cosh, self.finite = context.sinh, context.cosh, context.isfinite
+
+    def activate(self):
+        """Nothing to do: the precision belongs to the numbers' context."""
+
+    def number(self, value):
+        """`value` (int, float, Fraction, mpf) as mpf."""
+        if isinstance(value, Fraction):
+            return self.context.mpf(value.numerator) / value.denominator
+        return self.context.mpf(value)
+
+    @staticmethod
+    def exact(t):
+        """The time `t` on the grid of the number type."""
+        return t
+
+    def sqrt(self, x):
+        """Square root; 0 where rounding has left x below it."""
+        return self.context.sqrt(x) if x > 0 else self.context.zero
+
+    def next_after(self, t, _towards):
+        """The next larger time: one unit in the last place on."""
+        return t + (abs(t) + self.eps) * self.eps
+
+    @staticmethod
+    def parts(x):
+        """Whole numbers m, e with x = m 2**e."""
+        sign, mantissa, exponent, _ = x._mpf_
+        return (-int(mantissa) if sign else int(mantissa)), int(exponent)
+
+    def power_of_two(self, y):
+        """2**y for a float y."""
+        return self.context.mpf(2) ** y
+
+    def turn_angle(self, cycles, cycles_lo, t):
+        """2 pi (cycles + cycles_lo) t reduced to [-pi, pi] [rad]."""
+        turns = (self.number(cycles) + cycles_lo) * t
+        return self.two_pi * (turns - self.context.floor(turns + 0.5))
+
+    def reduce_angle(self, angle):
+        """`angle` [rad] moved into [-pi, pi], and the whole turns taken out."""
+        turns = self.context.floor(angle / self.two_pi + 0.5)
+        return angle - turns * self.two_pi, turns
+
+    def unwind(self, angle, turns):
+        """angle + 2 pi turns [rad]."""
+        return angle + turns * self.two_pi
+
+    @staticmethod
+    def settle(state):
+        """`state` as it starts a segment: nothing to strip."""
+        return state

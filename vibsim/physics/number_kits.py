@@ -1,0 +1,35 @@
+"""Which number kit a run of many digits gets: python-flint's balls, or mpmath's floats without it."""
+
+from importlib import import_module
+from importlib.util import find_spec
+
+from vibsim.physics.working_precision import FEWEST_DIGITS, MOST_DIGITS
+
+KITS = {
+    "flint": ("vibsim.physics.multiprecision", "Balls"),
+    "mpmath": ("vibsim.physics.big_floats", "BigFloats"),
+}
+MISSING = "digits beyond double precision need python-flint (or mpmath): pip install 'vibsim[reference]'"
+
+
+class MultiprecisionMissing(ImportError):
+    """Neither python-flint nor mpmath is installed; the message names the extra."""
+
+
+def installed_library():
+    """Name of the package that runs of many digits use here. Raises MultiprecisionMissing without any."""
+    found = next((name for name in KITS if find_spec(name) is not None), None)
+    if found is None:
+        raise MultiprecisionMissing(MISSING)
+    return found
+
+
+def number_kit(digits):
+    """The kit of `digits` decimal digits.
+
+    Raises ValueError for digits outside FEWEST_DIGITS to MOST_DIGITS, MultiprecisionMissing.
+    """
+    if not FEWEST_DIGITS <= digits <= MOST_DIGITS:
+        raise ValueError(f"digits must be {FEWEST_DIGITS} to {MOST_DIGITS}, got {digits}")
+    module, name = KITS[installed_library()]
+    return getattr(import_module(module), name)(digits)

@@ -1,0 +1,38 @@
+"""The digits of a truth run: decimal texts beside the doubles."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from vibsim.results.columns import STATES, TIMES
+
+Table = Mapping[str, np.ndarray]
+
+
+class Digits(Mapping[str, np.ndarray]):
+    """Columns of decimal texts (numpy str, 1-D), read and decoded when they are asked for.
+
+    `digits["x1"]` holds the sampled displacements of block 1, `digits.events["t"]` the times of the events,
+    each to all the digits carried: str(digits["x1"][-1]) can be given to Decimal, flint.arb or mpmath.mpf.
+    """
+
+    def __init__(self, table: Table, events: Table | None = None):
+        self.table = table
+        self._names = [name for name in table if name in STATES or name in TIMES]
+        self.event_table = {} if events is None else events
+
+    @property
+    def events(self) -> "Digits":
+        """The digits of the table of events."""
+        return Digits(self.event_table)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self._names:
+            raise KeyError(f"no digits of {name}; there are those of {', '.join(self._names)}")
+        return np.char.decode(self.table[name], "ascii")
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)

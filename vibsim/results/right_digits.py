@@ -1,0 +1,154 @@
+"""How many digits a run must carry, and how many of them are right at its end.
+
+Two runs of different precision follow each other until the errors of the coarser one have grown to the size
+of the motion. Where they still agree to `a` digits at the end, the coarser run, of p digits, has lost p - a;
+the finer one loses as many of its own. The coarser run is one in doubles where that says enough: it costs
+next to nothing.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from decimal import Context, Decimal
+from math import ceil, floor, log10
+from typing import TYPE_CHECKING, Any
+
+from vibsim.kernel import KernelError
+from vibsim.kernel.block import EVENT_STATE
+from vibsim.kernel.error_growth import error_growth, last_states
+from vibsim.kernel.truth import open_truth
+from vibsim.physics.state import State
+from vibsim.physics.working_precision import FEWEST_DIGITS, MOST_DIGITS
+from vibsim.results.recording import Watch
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+EndState = dict[str, Decimal]
+
+DOUBLE_DIGITS = 53 * log10(2)
+WANTED = 10  # right digits at the end of a run with digits "auto"
+TELLING = 3  # agreement below so many digits may be chance
+ORDINARY = 30  # digits of a run without chaos
+MARGIN, SHARE = 6, 1.15  # digits beyond the growth found in doubles, which is an estimate
+FINER = 12  # digits that a run carries beyond the one it is compared with
+EXACT = Context(prec=2 * MOST_DIGITS)
+
+
+class DigitsPlan:
+    """The precision of a run: `digits` for the next attempt, `enough` once a verdict has found them so.
+
+    wanted : the digits, or "auto" for as many as leave WANTED right ones at the end
+    """
+
+    def __init__(self, case: "Case", wanted: int | str, watch: Watch | None = None):
+        self.case, self.watch = case, watch
+        self.automatic = wanted == "auto"
+        self.enough = not self.automatic
+        self.scene = case.scene()
+        self._growth: float | None = None
+        self.coarse_digits, self.coarse = DOUBLE_DIGITS, end_in_doubles(self.scene)
+        self.digits = self._first_choice() if self.automatic else int(wanted)
+
+    @property
+    def growth(self) -> float:
+        """Digits lost over the run, as kicks in doubles tell; a guess where doubles fail altogether."""
+        if self._growth is None:
+            try:
+                self._growth = error_growth(self.scene)
+            except KernelError:
+                self._growth = 2 * DOUBLE_DIGITS
+        return self._growth
+
+    def _first_choice(self) -> int:
+        if self.growth + TELLING <= DOUBLE_DIGITS and self.coarse is not None:
+            return max(ORDINARY, ceil(self.growth) + WANTED + MARGIN)
+        self._compare_with(max(FEWEST_DIGITS, ceil(SHARE * self.growth) + MARGIN))
+        return self._within_reach(self.coarse_digits + FINER)
+
+    def _compare_with(self, digits: int) -> None:
+        self.coarse_digits = self._within_reach(digits)
+        self.coarse = end_in_digits(self.case, self.coarse_digits, self.watch)
+
+    def _within_reach(self, digits: float) -> int:
+        if digits > MOST_DIGITS:
+            scene = self.scene
+            raise KernelError(
+                "precision", State(scene.t_end, scene.x1, scene.v1, scene.x2, scene.v2, 0.0, 0.0, 0.0)
+            )
+        return ceil(digits)
+
+    def verdict(self, end: EndState | None) -> dict[str, Any]:
+        """What is known of the digits of a run with the state `end` at its end, as attributes of its file.
+
+        end is None where the run did not reach it. Sets `enough`, and `digits` for another attempt.
+        """
+        if end is None:
+            self.enough = True
+            return {}
+        found = None if self.coarse is None else agreement(self.coarse, end)
+        if found is not None and found >= TELLING:
+            right = floor(self.digits - max(self.coarse_digits - found, 0))
+            return self._judged(max(right, 0), self._source(), end)
+        if self.automatic:
+            return self._judged(0, "", end)
+        return self._judged(
+            max(floor(self.digits - self.growth - 1), 0), "growth of a small kick, estimated", end
+        )
+
+    def _source(self) -> str:
+        coarse = (
+            "in doubles" if self.coarse_digits == DOUBLE_DIGITS else f"of {self.coarse_digits:.0f} digits"
+        )
+        return f"agreement with a run {coarse}"
+
+    def _judged(self, right: int, source: str, end: EndState) -> dict[str, Any]:
+        self.enough = not self.automatic or right >= WANTED
+        if not self.enough:
+            self.coarse_digits, self.coarse = self.digits, end
+            self.digits = self._within_reach(1.5 * self.digits + FINER)
+        return {"digits_right": right, "digits_right_from": source}
+
+
+def agreement(first: Mapping[str, Decimal], second: Mapping[str, Decimal]) -> float:
+    """Decimal digits to which two states agree, the fewest of any quantity relative to its size.
+
+    Infinite where they are equal.
+    """
+    fewest = float("inf")
+    for name, value in first.items():
+        apart = EXACT.abs(EXACT.subtract(value, second[name]))
+        if apart:
+            size = max(abs(value), abs(second[name]))
+            fewest = min(fewest, max(float(EXACT.log10(EXACT.divide(size, apart))), 0.0))
+    return fewest
+
+
+def end_in_doubles(scene) -> EndState | None:
+    """Time and state at the end of a run in doubles; None where it fails."""
+    try:
+        table = last_states(scene)
+    except KernelError:
+        return None
+    return {name: Decimal(float(column[-1])) for name, column in table.items() if name in ("t", *EVENT_STATE)}
+
+
+def end_in_digits(case: "Case", digits: int, watch: Watch | None = None) -> EndState | None:
+    """The same in so many digits; None where `watch` stopped the run."""
+
+    def without_samples(number, pi):
+        numerator, denominator = case.scene().t_end.as_integer_ratio()
+        return replace(case.exact_scene(number, pi), every_num=max(numerator, 1), every_den=denominator)
+
+    end = None
+    for block in open_truth(without_samples, digits).blocks():
+        end = end_of(block.event_digits) or end
+        if watch is not None and not watch(block.t_reached):
+            return None
+    return end
+
+
+def end_of(event_digits: Mapping[str, Any]) -> EndState | None:
+    """Time and state in the last row of a block of event digits; None without rows."""
+    if not len(event_digits["t"]):
+        return None
+    return {name: Decimal(column[-1].decode()) for name, column in event_digits.items()}

@@ -1,0 +1,39 @@
+"""Write a trajectory and its digits to an HDF5 file while they are being computed."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vibsim.physics.exact_decimals import text_width
+from vibsim.results.columns import STATES
+from vibsim.results.digits_stream import DigitsStream
+from vibsim.results.trajectory_writer import EVENT_CHUNK, SAMPLE_CHUNK, TrajectoryWriter
+
+
+class TruthWriter(TrajectoryWriter):
+    """A trajectory writer that also takes texts of `digits` digits: groups /digits and /digits/events."""
+
+    def __init__(
+        self,
+        path: str | Path,
+        columns: tuple[str, ...],
+        attrs: Mapping[str, Any],
+        digits: int,
+        force: bool = False,
+    ):
+        super().__init__(path, columns, attrs, force)
+        names = [name for name in columns if name in STATES]
+        width = text_width(digits)
+        group = self._file.create_group("digits")
+        time = self._file["time"]
+        self.sample_digits = DigitsStream(group, names, width, SAMPLE_CHUNK, time)
+        self.event_digits = DigitsStream(group.create_group("events"), ["t", *names], width, EVENT_CHUNK)
+        self.streams += [self.sample_digits, self.event_digits]
+        self._file.flush()
+
+    def append_digits(self, samples: Mapping[str, np.ndarray], events: Mapping[str, np.ndarray]) -> None:
+        """Take the digits of one block, before its samples and events."""
+        self.sample_digits.append(samples)
+        self.event_digits.append(events)
