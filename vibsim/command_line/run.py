@@ -3,7 +3,7 @@
 import click
 
 from vibsim.command_line.examples import examples
-from vibsim.command_line.parameters import ASSIGNMENT, CASE, FILE
+from vibsim.command_line.parameters import ASSIGNMENT, CASE, DIGITS, FILE
 
 METHODS = ["auto", "closed_form", "taylor"]
 ENGINES = ["auto", "c", "python"]
@@ -17,6 +17,7 @@ ENGINES = ["auto", "c", "python"]
         "vibsim run my.yaml -s c='0.03 N s/m' -o damped.h5",
         "vibsim run I-A I-B I-C -o runs/               # three files in one folder",
         "vibsim run II-B --t-end 20s --every 1ms --plot II-B.png",
+        "vibsim run I-A --digits 60                    # the truth, 60 digits of it",
         "vibsim run II-B.h5 -o again.h5                # the same run again, bit for bit",
         "cat my.yaml | vibsim run - --json",
     ),
@@ -41,19 +42,26 @@ ENGINES = ["auto", "c", "python"]
 @click.option(
     "--plot", "picture", type=FILE, metavar="FILE", help="Draw the run too: a .png, .pdf or .svg file."
 )
+@click.option(
+    "--digits",
+    type=DIGITS,
+    metavar="N|auto",
+    help="Decimal digits to carry, 20 to 1000; auto: ten right ones at the end.",
+)
 @click.option("--dry-run", is_flag=True, help="Print what would be run, and stop.")
 @click.option("--force", is_flag=True, help="Replace existing output files.")
 @click.pass_context
-def command(ctx, sources, output, changes, t_end, every, method, engine, picture, dry_run, force):
+def command(ctx, sources, output, changes, t_end, every, method, engine, picture, digits, dry_run, force):
     """Run each CASE and write its trajectory to an HDF5 file.
 
     A CASE is a YAML file, the name of a shipped case (see `vibsim cases`), - for standard input, or an HDF5
     file that vibsim wrote: its case is run again.
     """
     from vibsim.command_line.run_jobs import run_all
-    from vibsim.command_line.run_plan import check_engine, check_picture, plan, print_plan
+    from vibsim.command_line.run_plan import check_digits, check_engine, check_picture, plan, print_plan
 
     check_engine(engine)
+    check_digits(digits, engine)
     check_picture(picture, len(sources), force)
     given = {"run.t_end": t_end, "run.every": every, "run.method": method}
     values = dict(changes) | {key: value for key, value in given.items() if value is not None}
@@ -61,7 +69,7 @@ def command(ctx, sources, output, changes, t_end, every, method, engine, picture
     if dry_run:
         print_plan(jobs, ctx.obj)
         return 0
-    code = run_all(jobs, engine, force, ctx.obj)
+    code = run_all(jobs, engine, force, ctx.obj, digits=digits)
     if picture and code == 0:
         from vibsim.plots import plot_run
 

@@ -22,13 +22,15 @@ from vibsim.results import Result, simulate_to_file
 from vibsim.results.output_file import partial_path
 
 
-def run_all(jobs: list[Job], engine: str, force: bool, settings: Settings) -> int:
+def run_all(
+    jobs: list[Job], engine: str, force: bool, settings: Settings, digits: int | str | None = None
+) -> int:
     """Run the jobs; returns the exit code. One that fails does not keep the others from running."""
     code = 0
     with Interruption() as interruption:
         for job in jobs:
             try:
-                _run_one(job, engine, force, settings, interruption)
+                _run_one(job, engine, force, settings, interruption, digits)
             except KernelError as error:
                 kept = partial_path(job.output)
                 click.echo(f"Error: {job.case.name}: {error}; what came before is in {kept}", err=True)
@@ -38,7 +40,14 @@ def run_all(jobs: list[Job], engine: str, force: bool, settings: Settings) -> in
     return code
 
 
-def _run_one(job: Job, engine: str, force: bool, settings: Settings, interruption: Interruption) -> None:
+def _run_one(
+    job: Job,
+    engine: str,
+    force: bool,
+    settings: Settings,
+    interruption: Interruption,
+    digits: int | str | None,
+) -> None:
     began = time.perf_counter()
     progress = Progress(job.case.name, job.case.scene().t_end, wanted=not settings.quiet)
 
@@ -47,7 +56,7 @@ def _run_one(job: Job, engine: str, force: bool, settings: Settings, interruptio
         return interruption.signum is None
 
     try:
-        result = simulate_to_file(job.case, job.output, engine, force, watch)
+        result = simulate_to_file(job.case, job.output, engine, force, watch, digits=digits)
     finally:
         progress.close()
     if not result.complete:

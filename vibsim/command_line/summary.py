@@ -42,6 +42,8 @@ def result_lines(result: Result, scene: Scene) -> list[tuple[str, str]]:
         )
     if "events" in attrs:
         lines.append(("motion", motion_text(attrs)))
+    if "digits" in attrs:
+        lines.append(("digits", digits_text(attrs)))
     if result.trust_horizon is not None:
         lines.append(("trust horizon", seconds(result.trust_horizon)))
     if "grazing_margin" in attrs:
@@ -81,9 +83,21 @@ def engine_text(attrs: dict[str, Any]) -> str:
     """Engine and method; order and tolerance of the Taylor method."""
     engine = {"c": "C", "python": "Python"}.get(attrs["engine"], attrs["engine"])
     method = attrs["method"].replace("_", " ")
+    if "number_type" in attrs:
+        engine += f" on {attrs['number_type']} numbers"
     if "taylor_order" in attrs:
-        method += f" series of order {attrs['taylor_order']}, tolerance {attrs['taylor_tolerance']:.2g}"
+        method += f" series of order {attrs['taylor_order']}"
+    if "taylor_tolerance" in attrs:
+        method += f", tolerance {attrs['taylor_tolerance']:.2g}"
     return f"{engine}, {method}"
+
+
+def digits_text(attrs: dict[str, Any]) -> str:
+    """How many digits a run carried, and how many are right at its end."""
+    carried = f"{attrs['digits']} carried"
+    if "digits_right" not in attrs:
+        return carried
+    return f"{carried}, {attrs['digits_right']} right at the end ({attrs['digits_right_from']})"
 
 
 def motion_text(attrs: dict[str, Any]) -> str:

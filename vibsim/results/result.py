@@ -8,6 +8,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
+    from vibsim.results.digits import Digits
 
 Table = Mapping[str, np.ndarray]
 
@@ -17,10 +18,20 @@ class Result:
 
     `result["x1"]` is the sampled column x1 (1-D array, SI), `result.events["t"]` an event column; on file
     they are read when asked for. `result.attrs` says where the trajectory comes from and what came of it.
+    `result.digits["x1"]` and `result.digits.events["t"]` are the decimal texts of a run with digits; `digits`
+    is None for a run in doubles.
     """
 
-    def __init__(self, attrs: dict[str, Any], samples: Table, events: Table, case: "Case | None" = None):
+    def __init__(
+        self,
+        attrs: dict[str, Any],
+        samples: Table,
+        events: Table,
+        case: "Case | None" = None,
+        digits: "Digits | None" = None,
+    ):
         self.attrs = attrs
+        self.digits = digits
         self.events = events
         self._samples = samples
         self._case = case
@@ -103,12 +114,24 @@ class Result:
         """
         from vibsim.results.trajectory_writer import TrajectoryWriter
 
-        writer = TrajectoryWriter(path, tuple(self.keys()), {}, force)
+        columns = tuple(self.keys())
+        if self.digits is None:
+            writer = TrajectoryWriter(path, columns, {}, force)
+        else:
+            writer = self._truth_writer(path, columns, self.digits, force)
         try:
             writer.append({name: self[name] for name in self.keys()}, dict(self.events))
             return writer.finish(self.attrs)
         finally:
             writer.close()
+
+    def _truth_writer(self, path: str | Path, columns: tuple[str, ...], digits: "Digits", force: bool):
+        """A writer that has the digits already."""
+        from vibsim.results.truth_writer import TruthWriter
+
+        writer = TruthWriter(path, columns, {}, self.attrs["digits"], force)
+        writer.append_digits(digits.table, digits.event_table)
+        return writer
 
     def __repr__(self) -> str:
         name, engine, method = (self.attrs.get(key) for key in ("case_name", "engine", "method"))

@@ -10,16 +10,23 @@ if TYPE_CHECKING:
     from vibsim.cases import Case
 
 
-def simulate(case: "Case", engine: str = "auto") -> Result:
+def simulate(case: "Case", engine: str = "auto", digits: int | str | None = None) -> Result:
     """Run a case and keep its samples and events in memory.
 
     Parameters
     ----------
     case : as `load_case` returns it
     engine : "auto" (C where it was built, else Python), "c" or "python"; they agree bit for bit
+    digits : decimal digits to carry (20 to 1000), or "auto" for as many as leave ten right ones at the end;
+        they are in `result.digits`. None: doubles
 
-    Raises KernelError (in `vibsim.kernel`) when the run fails.
+    Raises KernelError (in `vibsim.kernel`) when the run fails, ValueError for other digits, and
+    MultiprecisionMissing (in `vibsim.physics.number_kits`) where neither python-flint nor mpmath is there.
     """
+    if digits is not None:
+        from vibsim.results.truth import truth
+
+        return truth(case, digits, engine)
     recording = Recording(case, engine)
     sink = MemorySink(recording.scene.columns())
     recording.into(sink)
@@ -28,7 +35,12 @@ def simulate(case: "Case", engine: str = "auto") -> Result:
 
 
 def simulate_to_file(
-    case: "Case", path: str | Path, engine: str = "auto", force: bool = False, watch: Watch | None = None
+    case: "Case",
+    path: str | Path,
+    engine: str = "auto",
+    force: bool = False,
+    watch: Watch | None = None,
+    digits: int | str | None = None,
 ) -> Result:
     """Run a case straight into an HDF5 file, in memory that does not grow with the length of the run.
 
@@ -38,6 +50,10 @@ def simulate_to_file(
     Raises KernelError when the run fails and ResultFileError when the file cannot be written. Either way what
     was written before is kept beside `path`, in NAME.partial.
     """
+    if digits is not None:
+        from vibsim.results.truth import truth_to_file
+
+        return truth_to_file(case, path, digits, engine, force, watch)
     from vibsim.results.trajectory_file import TrajectoryFile
     from vibsim.results.trajectory_writer import TrajectoryWriter
 
