@@ -32,6 +32,7 @@ class ClosedForm:
         self.mass_point = Oscillator(kit, zero, zero, self.omega)
         self.share1 = scene.m2 / (scene.m1 + scene.m2) if scene.has_block2 else zero
         self.share2 = scene.m1 / (scene.m1 + scene.m2) if scene.has_block2 else zero
+        self.settled = kit.power_of_two(kit.exponent(kit.eps) / 3)  # the next error is this cubed
         self.regimes = {}
         self.evaluations = self.steps = self.uncertified = 0
         self.margin, self.margin_time = inf, kit.number(0)
@@ -330,20 +331,18 @@ class ClosedForm:
         Called where 8 f |f''| < f'^2 and f' < 0: then f falls all the way to its zero, which lies within
         -2 f / f' and is the only one there (Kantorovich), and no other event function can vanish before.
         """
-        start = self.t
+        start, settled = self.t, self.settled * self.regime.oscillator.window
         for _ in range(POLISHING):
             d = self.jet(4)
             value, slope = self.derivative(function, d, 0), self.derivative(function, d, 1)
-            if abs(value) <= self.noise(function):
-                return
             curvature, before = self.derivative(function, d, 2), self.t
-            self._move(-(2 * value * slope) / (2 * slope * slope - value * curvature))
+            step = -(2 * value * slope) / (2 * slope * slope - value * curvature)
+            self._move(step)
             self.t = self.t if self.t > start else start
-            if self.t == before:
+            if self.t == before or abs(step) < settled:
                 return
             self.steps += 1
             self.evaluate(self.t - self.t0)
-            self.measure()
 
     def _move(self, step):
         """Go ahead by `step` on the time grid."""

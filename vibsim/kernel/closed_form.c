@@ -322,23 +322,21 @@ static void graze(Run *r, double slope, double curvature, double value)
 static void polish(Run *r, int function)
 {
     ClosedForm *f = &r->closed;
-    double start = f->t, d[6];
+    double start = f->t, settled = f->settled * regime_of(f)->oscillator.window, d[6];
     int i;
     for (i = 0; i < POLISHING; i++) {
-        double value, slope, curvature, before = f->t;
+        double value, slope, curvature, step, before = f->t;
         jet_here(f, 4, d);
         value = derivative(r, function, d, 0);
         slope = derivative(r, function, d, 1);
-        if (fabs(value) <= noise_of(r, function))
-            return;
         curvature = derivative(r, function, d, 2);
-        move(f, -(2 * value * slope) / (2 * slope * slope - value * curvature));
+        step = -(2 * value * slope) / (2 * slope * slope - value * curvature);
+        move(f, step);
         f->t = f->t > start ? f->t : start;
-        if (f->t == before)
+        if (f->t == before || fabs(step) < settled)
             return;
         r->steps += 1;
         evaluate(r, f->t - f->t0);
-        measure(f);
     }
 }
 

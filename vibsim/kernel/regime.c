@@ -1,5 +1,6 @@
 /* Constants of the smooth modes of the ideal source; twin of vibsim/flows/regime.py. */
 #include "kernel.h"
+#include "numbers.h"
 
 static void regime_set(Regime *g, const Scene *s, int locked, int contact, int friction)
 {
@@ -31,6 +32,7 @@ void closed_form_set(Run *r)
     const Scene *s = &r->scene;
     ClosedForm *f = &r->closed;
     int locked, contact, friction;
+    f->settled = power_of_two(binary_exponent(EPS) / 3.0);
     f->limit = s->has_friction != 0 ? s->N : 0.0;
     f->driven = s->harmonic != 0 && s->A != 0;
     f->omega = f->driven ? s->omega : 0.0;
