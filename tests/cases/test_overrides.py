@@ -147,7 +147,7 @@ def test_number_and_numeric_keys():
         "stop.k2", "stop.G", "friction.mu", "friction.g",
         "excitation.A", "excitation.omega", "excitation.F0",
         "initial.x1", "initial.v1", "initial.x2", "initial.v2",
-        "run.t_end", "run.every", "run.tol",
+        "run.t_end", "run.every", "run.tol", "run.trust_tolerance",
     ]  # fmt: skip
     assert all(isinstance(case.number(key), float) for key in case.numeric_keys())
     assert str(case.frequency()) == "3.5 Hz"

@@ -259,6 +259,17 @@ def test_trust_horizon_is_drawn(subject):
     figure = figure_of("displacement", [one])
     assert points(lines(figure, "trust-horizon")[0])[0][0] == 7.5
     assert "trust horizon 7.5 s" in figure.axes[0].get_title(loc="right")
+    [beyond] = [patch for patch in figure.axes[0].patches if patch.get_gid() == "beyond-trust"]
+    assert (beyond.get_x(), beyond.get_x() + beyond.get_width()) == (7.5, figure.axes[0].get_xlim()[1])
+    assert figure.axes[1].get_title(loc="right") == "beyond the trust horizon, 7.5 s"
+
+
+def test_a_run_that_is_right_to_the_end_is_not_marked(subject):
+    one = subject("motor")
+    one.result.attrs["trust_horizon_s"] = one.result.t_reached
+    figure = figure_of("displacement", [one])
+    assert lines(figure, "trust-horizon") == []
+    assert "trust" not in "".join(axes.get_title(loc="right") for axes in figure.axes)
 
 
 def test_repeated_names_become_file_names(runs, tmp_path):

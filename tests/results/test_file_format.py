@@ -15,6 +15,7 @@ from vibsim.results.trajectory_writer import EVENT_CHUNK, SAMPLE_CHUNK
 
 SAMPLES = {"time": "s", "x1": "m", "v1": "m s-1", "x2": "m", "v2": "m s-1", "phi": "rad", "phidot": "rad s-1"}
 FLAGS = {"contact", "friction"}
+ERROR = "error_estimate"
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +34,7 @@ def columns(group):
 
 
 def test_the_datasets_are_those_of_the_scene(file):
-    assert set(columns(file)) == set(SAMPLES) | FLAGS
+    assert set(columns(file)) == set(SAMPLES) | FLAGS | {ERROR}
     assert set(columns(file["events"])) == {"t", "kind", "phase", *SAMPLES, *FLAGS} - {"time"}
 
 
@@ -42,7 +43,7 @@ def test_a_scene_without_motor_friction_and_stop_has_no_such_columns(tmp_path):
     (tmp_path / "bare.yaml").write_text(text + "initial: {x1: 1 mm}\nrun: {t_end: 1 s}\n")
     saved = vibsim.simulate(vibsim.load_case(tmp_path / "bare.yaml")).save(tmp_path / "bare.h5")
     with h5py.File(saved) as file:
-        assert set(columns(file)) == {"time", "x1", "v1"}
+        assert set(columns(file)) == {"time", "x1", "v1", ERROR}
         assert set(columns(file["events"])) == {"t", "kind", "x1", "v1"}
 
 
@@ -56,7 +57,7 @@ def test_units_and_meanings(file):
                 assert set(np.unique(dataset[:])) <= set(values)
             else:
                 assert dataset.dtype == "f8"
-                assert dataset.attrs["units"] == {**SAMPLES, "t": "s", "phase": "rad"}[name]
+                assert dataset.attrs["units"] == {**SAMPLES, "t": "s", "phase": "rad", ERROR: "m"}[name]
 
 
 def test_every_axis_has_its_scale(file):

@@ -19,6 +19,7 @@ COMMANDS = {
     "sweep": ("vibsim.command_line.sweep", "Run a case at every point of a grid."),
     "plot": ("vibsim.command_line.plot", "Draw pictures of runs, cases and sweeps."),
     "info": ("vibsim.command_line.info", "Say what a result file holds."),
+    "compare": ("vibsim.command_line.compare", "Compare two runs."),
     "export": ("vibsim.command_line.export", "Write a trajectory as CSV or MAT."),
     "cases": ("vibsim.command_line.cases", "List the shipped cases, or print one."),
     "check": ("vibsim.command_line.check", "Check case files."),

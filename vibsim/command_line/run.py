@@ -43,6 +43,11 @@ ENGINES = ["auto", "c", "python"]
     "--plot", "picture", type=FILE, metavar="FILE", help="Draw the run too: a .png, .pdf or .svg file."
 )
 @click.option(
+    "--trust/--no-trust",
+    default=True,
+    help="Tell by a second run until when this one is right. [default: trust]",
+)
+@click.option(
     "--digits",
     type=DIGITS,
     metavar="N|auto",
@@ -51,7 +56,9 @@ ENGINES = ["auto", "c", "python"]
 @click.option("--dry-run", is_flag=True, help="Print what would be run, and stop.")
 @click.option("--force", is_flag=True, help="Replace existing output files.")
 @click.pass_context
-def command(ctx, sources, output, changes, t_end, every, method, engine, picture, digits, dry_run, force):
+def command(
+    ctx, sources, output, changes, t_end, every, method, engine, picture, trust, digits, dry_run, force
+):
     """Run each CASE and write its trajectory to an HDF5 file.
 
     A CASE is a YAML file, the name of a shipped case (see `vibsim cases`), - for standard input, or an HDF5
@@ -69,7 +76,7 @@ def command(ctx, sources, output, changes, t_end, every, method, engine, picture
     if dry_run:
         print_plan(jobs, ctx.obj)
         return 0
-    code = run_all(jobs, engine, force, ctx.obj, digits=digits)
+    code = run_all(jobs, engine, force, ctx.obj, trust, digits)
     if picture and code == 0:
         from vibsim.plots import plot_run
 

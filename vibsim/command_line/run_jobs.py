@@ -23,14 +23,19 @@ from vibsim.results.output_file import partial_path
 
 
 def run_all(
-    jobs: list[Job], engine: str, force: bool, settings: Settings, digits: int | str | None = None
+    jobs: list[Job],
+    engine: str,
+    force: bool,
+    settings: Settings,
+    trust: bool = True,
+    digits: int | str | None = None,
 ) -> int:
     """Run the jobs; returns the exit code. One that fails does not keep the others from running."""
     code = 0
     with Interruption() as interruption:
         for job in jobs:
             try:
-                _run_one(job, engine, force, settings, interruption, digits)
+                _run_one(job, engine, force, settings, interruption, trust, digits)
             except KernelError as error:
                 kept = partial_path(job.output)
                 click.echo(f"Error: {job.case.name}: {error}; what came before is in {kept}", err=True)
@@ -46,6 +51,7 @@ def _run_one(
     force: bool,
     settings: Settings,
     interruption: Interruption,
+    trust: bool,
     digits: int | str | None,
 ) -> None:
     began = time.perf_counter()
@@ -56,7 +62,7 @@ def _run_one(
         return interruption.signum is None
 
     try:
-        result = simulate_to_file(job.case, job.output, engine, force, watch, digits=digits)
+        result = simulate_to_file(job.case, job.output, engine, force, watch, trust, digits)
     finally:
         progress.close()
     if not result.complete:

@@ -45,7 +45,7 @@ def result_lines(result: Result, scene: Scene) -> list[tuple[str, str]]:
     if "digits" in attrs:
         lines.append(("digits", digits_text(attrs)))
     if result.trust_horizon is not None:
-        lines.append(("trust horizon", seconds(result.trust_horizon)))
+        lines.append(("trust horizon", trust_text(result)))
     if "grazing_margin" in attrs:
         lines.append(
             ("grazing margin", f"{metres(attrs['grazing_margin'])} at {attrs['grazing_time']:.3f} s")
@@ -60,6 +60,20 @@ def result_lines(result: Result, scene: Scene) -> list[tuple[str, str]]:
 def energy_text(attrs: Mapping[str, Any]) -> str:
     """Closure of the energy ledger, absolute and relative to its largest entry."""
     return f"{attrs['energy_residual']:.1e} J ({attrs['energy_residual_relative']:.1e} relative)"
+
+
+def trust_text(result: Result) -> str:
+    """To what and until when a trajectory is right; the estimated error at its end."""
+    attrs = result.attrs
+    tolerance, horizon = f"right to {short(attrs['trust_tolerance_m'])} m", attrs["trust_horizon_s"]
+    if horizon < result.t_reached:
+        return f"{tolerance} until {horizon:.4g} s"
+    return f"{tolerance} over the whole run; estimated error {short(attrs['error_estimate_end'])} m"
+
+
+def short(x: float) -> str:
+    """A number to two digits: 1e-6, 0.0025."""
+    return f"{x:.2g}".replace("e-0", "e-")
 
 
 def last_sample(result: Result) -> float:

@@ -52,6 +52,7 @@ SETTINGS: Any = {
     "xtick.major.size": 2.5,
     "ytick.major.size": 2.5,
     "lines.linewidth": THIN,
+    "hatch.linewidth": THIN,
     "lines.solid_joinstyle": "round",
     "savefig.dpi": 300,
     "figure.dpi": 300,

@@ -13,11 +13,11 @@ from vibsim.plots.dense import dense, samples_are_sparse
 from vibsim.plots.impacts import contact_spans, events_of
 from vibsim.plots.quantities import Scale, scale_for
 from vibsim.plots.samples import Series, common_window, series, window_of
-from vibsim.plots.sheet import above_wider, legend_above, pixel_columns, sheet, time_axis
+from vibsim.plots.sheet import above_wider, legend_above, note, pixel_columns, sheet, time_axis
 from vibsim.plots.spans import DETAIL_PERIODS, detail_span, period_of
 from vibsim.plots.style import BLOCK1, BLOCK2, SHADE, overlay
 from vibsim.plots.subject import Subject
-from vibsim.plots.time_marks import annotate_run
+from vibsim.plots.time_marks import annotate_run, trust_mark
 from vibsim.plots.view import Span, View
 
 SINGLE_MARKS = 120  # impacts in a detail up to which each gets its own mark on the curves
@@ -139,6 +139,8 @@ def short_panel(axes: Axes, curves: list[Curve], span: Span, unit: str) -> Scale
     if subject.scene.has_stop and all(curve.subject is subject for curve in curves):
         for begin, end in contact_spans(subject.result, span):
             axes.axvspan(begin, end, color=SHADE, linewidth=0, zorder=0)
+    if all(curve.subject is subject for curve in curves) and (remark := trust_mark(axes, subject, span)):
+        note(axes, remark)
     return scale
 
 

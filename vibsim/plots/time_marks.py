@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from matplotlib.axes import Axes
 
@@ -11,14 +9,14 @@ from vibsim.plots.dense import samples_are_sparse
 from vibsim.plots.impacts import impact_times
 from vibsim.plots.samples import window_of
 from vibsim.plots.sheet import note, pixel_columns
-from vibsim.plots.style import GREY
+from vibsim.plots.style import GREY, SHADE
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span
 
 
 def annotate_run(axes: Axes, subject: Subject, span: Span, impacts: bool = True) -> None:
-    """Ticks for the impacts (where wanted), a line at the trust horizon, and a note above that names them."""
-    remarks = [impact_ticks(axes, subject, span) if impacts else "", trust_line(axes, subject, span)]
+    """Ticks for the impacts (where wanted), the trust horizon, and a note above that names them."""
+    remarks = [impact_ticks(axes, subject, span) if impacts else "", trust_mark(axes, subject, span)]
     remarks.append(
         f"samples every {subject.scene.sample_time(1):g} s" if samples_are_sparse(subject.scene) else ""
     )
@@ -40,10 +38,19 @@ def impact_ticks(axes: Axes, subject: Subject, span: Span) -> str:
     return f"{len(t)} impact{'' if len(t) == 1 else 's'}"
 
 
-def trust_line(axes: Axes, subject: Subject, span: Span) -> str:
-    """A dotted line where the run ceases to be right, if within the span; the instant in words."""
+def trust_mark(axes: Axes, subject: Subject, span: Span) -> str:
+    """What lies beyond the trust horizon hatched, behind a dotted line; in words, empty where all is right.
+
+    A span that lies beyond it as a whole is only said to.
+    """
     horizon = subject.result.trust_horizon
-    if horizon is None or not math.isfinite(horizon) or not span[0] < horizon < span[1]:
+    if horizon is None or horizon >= min(span[1], subject.result.t_reached):
         return ""
+    if horizon <= span[0]:
+        return f"beyond the trust horizon, {horizon:.4g} s"
+    axes.axvspan(
+        horizon, span[1], facecolor="none", edgecolor=SHADE, hatch="////", linewidth=0, zorder=0,
+        gid="beyond-trust",
+    )  # fmt: skip
     axes.axvline(horizon, color=GREY, linewidth=0.8, linestyle=(0, (1, 1.5)), gid="trust-horizon")
-    return f"trust horizon {horizon:.4g} s (dotted)"
+    return f"trust horizon {horizon:.4g} s (hatched beyond)"

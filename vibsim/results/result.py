@@ -69,8 +69,16 @@ class Result:
 
     @property
     def trust_horizon(self) -> float | None:
-        """Time until which the trajectory is right [s]; None while nobody has worked it out."""
+        """Time until which the displacements are right to the trust tolerance [s].
+
+        It is `t_reached` where they are to the end, None where it was not worked out.
+        """
         return self.attrs.get("trust_horizon_s")
+
+    @property
+    def error_estimate(self) -> np.ndarray | None:
+        """Estimated error of the displacements [m] at each sample, the largest so far; None as above."""
+        return self._samples.get("error_estimate")
 
     @property
     def complete(self) -> bool:

@@ -10,13 +10,16 @@ if TYPE_CHECKING:
     from vibsim.cases import Case
 
 
-def simulate(case: "Case", engine: str = "auto", digits: int | str | None = None) -> Result:
+def simulate(
+    case: "Case", engine: str = "auto", trust: bool = True, digits: int | str | None = None
+) -> Result:
     """Run a case and keep its samples and events in memory.
 
     Parameters
     ----------
     case : as `load_case` returns it
     engine : "auto" (C where it was built, else Python), "c" or "python"; they agree bit for bit
+    trust : whether a second run beside the first tells until when it is right
     digits : decimal digits to carry (20 to 1000), or "auto" for as many as leave ten right ones at the end;
         they are in `result.digits`. None: doubles
 
@@ -27,8 +30,8 @@ def simulate(case: "Case", engine: str = "auto", digits: int | str | None = None
         from vibsim.results.truth import truth
 
         return truth(case, digits, engine)
-    recording = Recording(case, engine)
-    sink = MemorySink(recording.scene.columns())
+    recording = Recording(case, engine, trust)
+    sink = MemorySink(recording.columns)
     recording.into(sink)
     samples, events = sink.tables()
     return Result({**recording.start, **recording.end()}, samples, events, case=case)
@@ -40,6 +43,7 @@ def simulate_to_file(
     engine: str = "auto",
     force: bool = False,
     watch: Watch | None = None,
+    trust: bool = True,
     digits: int | str | None = None,
 ) -> Result:
     """Run a case straight into an HDF5 file, in memory that does not grow with the length of the run.
@@ -57,8 +61,8 @@ def simulate_to_file(
     from vibsim.results.trajectory_file import TrajectoryFile
     from vibsim.results.trajectory_writer import TrajectoryWriter
 
-    recording = Recording(case, engine)
-    writer = TrajectoryWriter(path, recording.scene.columns(), recording.start, force)
+    recording = Recording(case, engine, trust)
+    writer = TrajectoryWriter(path, recording.columns, recording.start, force)
     try:
         recording.into(writer, watch)
     except BaseException:
