@@ -37,9 +37,14 @@ CASE_I = {
 }
 
 
-def rounds_to(value, text):
-    """Whether the Decimal `value`, rounded to the place of the last digit of `text`, is `text`."""
-    return abs(value - Decimal(text)) <= Decimal(1).scaleb(Decimal(text).as_tuple().exponent) / 2
+# Closed form of 40 and 60 digits and Taylor series of 32 agree on 0.00560393880015970069...: the last digit of
+# the figure is one too high.
+ONE_TOO_HIGH = ("I-B", "v1")
+
+
+def rounds_to(value, text, units=Decimal("0.5")):
+    """Whether the Decimal `value` is `text` to within so many units of its last place."""
+    return abs(value - Decimal(text)) <= units * Decimal(1).scaleb(Decimal(text).as_tuple().exponent)
 
 
 @pytest.mark.parametrize(
@@ -50,7 +55,8 @@ def test_case_i_at_its_end(name):
     totals, end = true_end(name, "300 s", 60)
     assert (totals["impacts"], totals["sticks"], totals["uncertified"]) == (impacts, sticks, 0)
     for column, text in expected.items():
-        assert rounds_to(end[column], text), column
+        units = Decimal(1) if (name, column) == ONE_TOO_HIGH else Decimal("0.5")
+        assert rounds_to(end[column], text, units), column
 
 
 @pytest.mark.parametrize(
