@@ -64,14 +64,14 @@ def assert_margin(scene):
 
 
 @CLOSED_FORM_MISSES
-@settings(max_examples=80, phases=[Phase.generate])
+@settings(max_examples=150, phases=[Phase.generate])
 @given(scenes(sources=("none", "harmonic"), features=False).filter(lambda scene: scene.has_stop))
 def test_random_scenes_by_closed_form(scene):
     assert_margin(scene)
 
 
 @TAYLOR_MISSES
-@settings(max_examples=80, phases=[Phase.generate])
+@settings(max_examples=150, phases=[Phase.generate])
 @given(scenes(features=False).filter(lambda scene: scene.has_stop))
 def test_random_scenes_by_taylor(scene):
     assert_margin(replace(scene, method="taylor"))
