@@ -63,12 +63,12 @@ def energy_text(attrs: Mapping[str, Any]) -> str:
 
 
 def trust_text(result: Result) -> str:
-    """To what and until when a trajectory is right; the estimated error at its end."""
+    """To what and until when a trajectory is right; its estimated error where it is to the end."""
     attrs = result.attrs
     tolerance, horizon = f"right to {short(attrs['trust_tolerance_m'])} m", attrs["trust_horizon_s"]
     if horizon < result.t_reached:
         return f"{tolerance} until {horizon:.4g} s"
-    return f"{tolerance} over the whole run; estimated error {short(attrs['error_estimate_end'])} m"
+    return f"{tolerance} over the whole run; estimated error up to {short(attrs['error_estimate_max'])} m"
 
 
 def short(x: float) -> str:

@@ -37,7 +37,7 @@ MODES = {
     "friction": Column("i1", None, "friction mode of block 2", FRICTION_FLAGS),
 }
 JUDGEMENTS = {
-    "error_estimate": Column("f8", "m", "estimated error of the displacements, the largest so far"),
+    "error_estimate": Column("f8", "m", "estimated error of the displacements"),
 }
 COLUMNS = {**TIMES, **KINDS, **STATES, **MODES, **JUDGEMENTS}  # in file order
 

@@ -77,7 +77,7 @@ class Result:
 
     @property
     def error_estimate(self) -> np.ndarray | None:
-        """Estimated error of the displacements [m] at each sample, the largest so far; None as above."""
+        """Estimated error of the displacements [m] at each sample; None as above."""
         return self._samples.get("error_estimate")
 
     @property

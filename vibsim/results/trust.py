@@ -47,7 +47,7 @@ class Trust(NoTrust):
     def __init__(self, case: "Case", scene: Scene, method: str, engine: str):
         other = companion_scene(case, scene, method)
         self._method = described(other)
-        self._estimate = ErrorEstimate(case.number("run.trust_tolerance"))
+        self._estimate = ErrorEstimate(scene, case.number("run.trust_tolerance"))
         self._companion = Companion(other, engine)
         self._names = [name for name in ("x1", "x2") if name in scene.columns()]
 
@@ -65,7 +65,7 @@ class Trust(NoTrust):
         return {**samples, COLUMN: self._estimate.update(samples["time"], ours, theirs)}
 
     def attrs(self, t_reached: float) -> dict[str, Any]:
-        """Attributes of the file: horizon [s], tolerance [m], method, and the estimate at the end [m].
+        """Attributes of the file: horizon [s], tolerance [m], method, and the largest estimate [m].
 
         The horizon is `t_reached` where the tolerance is never passed.
         """
@@ -73,5 +73,5 @@ class Trust(NoTrust):
             "trust_horizon_s": self._estimate.horizon(t_reached),
             "trust_tolerance_m": self._estimate.tolerance,
             "trust_method": self._method,
-            "error_estimate_end": self._estimate.latest,
+            "error_estimate_max": self._estimate.largest,
         }

@@ -1,31 +1,51 @@
 """The error of a run at every sample, estimated from the distance to its companion.
 
-    estimate = (1 + decades / 6) x largest distance so far; at least one ulp of the largest displacement
+    distance = the larger of |dx1| and |dx2|, at least one ulp of the largest displacement so far
+    estimate = (1 + decades / 6) x distance, held for about two periods
 
-Distance: the larger of |dx1| and |dx2|. Two rounding errors of one size start in different directions,
-and what counts is their share in the direction that grows; by bad luck the distance is small where the
-error is not. Where nothing grows this averages out; where errors grow it stays. So the distance is
-multiplied by a factor that rises with the decades by which it has grown beyond rounding: 1 at the
-start, 2.7 when 1e-16 m has become 1e-6 m. The estimate never falls. When the two runs have nothing to
-do with each other any more, it stays at the largest distance that they reach: it saturates at the size
-of the motion.
+The distance swings with the motion, so the largest of the last periods counts: a value fades by the
+factor e in two periods. Where errors die out, as in a damped motion under a steady force, the estimate
+follows them down.
+
+Two rounding errors of one size start in different directions, and what counts is their share in the
+direction that grows; by bad luck the distance is small where the error is not. Where nothing grows this
+averages out; where errors grow it stays. So the distance is multiplied by a factor that rises with the
+decades by which it has grown beyond rounding: 1 at the start, 2.7 when 1e-16 m has become 1e-6 m. When
+the two runs have nothing to do with each other any more, the estimate says how far apart such runs are:
+it saturates at the size of the motion.
 """
+
+from math import exp, inf, pi, sqrt
 
 import numpy as np
 
+from vibsim.physics.scene import Scene
+
 ULP = 2.0**-52
-BITS_DROPPED = 43  # of 52: three digits are more than an estimate has, and zeros take no room on file
 DECADES = 6.0  # of growth for which the distance counts once more
+PERIODS_HELD = 2.0
+BITS_DROPPED = 43  # of 52: three digits are more than an estimate has, and zeros take no room on file
+
+
+def longest_period(scene: Scene) -> float:
+    """The longer of the periods of source and free vibration [s]; infinite without either."""
+    mobility = 1 / scene.m1 + (1 / scene.m2 if scene.has_block2 else 0.0)
+    source = {"none": 0.0, "harmonic": scene.omega, "motor": scene.Omega0}[scene.source]
+    return max((2 * pi / rate for rate in (abs(source), sqrt(scene.k1 * mobility)) if rate), default=inf)
 
 
 class ErrorEstimate:
-    """Running estimate over blocks of samples, and the horizon: until when it is within `tolerance` [m]."""
+    """Running estimate over blocks of samples, and the horizon: until when it is within `tolerance` [m].
 
-    def __init__(self, tolerance: float):
+    scene : what is run; it sets the time for which a distance is held
+    """
+
+    def __init__(self, scene: Scene, tolerance: float):
         self.tolerance = tolerance
-        self.latest = 0.0  # estimate at the last sample [m]
-        self._distance = self._size = 0.0
-        self._within = 0.0  # time of the last sample within the tolerance [s]
+        self.largest = 0.0  # estimate so far [m]
+        self._fading = 1 / (PERIODS_HELD * longest_period(scene))  # [1/s]
+        self._time = self._distance = self._size = 0.0  # at the last sample
+        self._within = 0.0  # time of the last sample before the estimate passes the tolerance [s]
         self._passed = False
 
     def update(self, time: np.ndarray, ours: np.ndarray, theirs: np.ndarray) -> np.ndarray:
@@ -39,9 +59,10 @@ class ErrorEstimate:
         size = np.maximum.accumulate(np.maximum(np.abs(ours).max(axis=0), self._size))
         apart = np.abs(ours - theirs).max(axis=0)
         apart = np.where(np.isnan(apart), size, apart)
-        distance = np.maximum.accumulate(np.maximum(apart, self._distance))
+        apart[0] = max(apart[0], self._distance * exp(-self._fading * (time[0] - self._time)))
+        distance = held(time, apart, self._fading)
         estimate = rounded_up(widened(distance, ULP * size))
-        self._distance, self._size, self.latest = distance[-1], size[-1], float(estimate[-1])
+        self._time, self._distance, self._size = time[-1], distance[-1], size[-1]
         self._note(time, estimate)
         return estimate
 
@@ -50,22 +71,31 @@ class ErrorEstimate:
         return self._within if self._passed else t_reached
 
     def _note(self, time: np.ndarray, estimate: np.ndarray) -> None:
+        self.largest = max(self.largest, float(estimate.max()))
         if self._passed:
             return
-        inside = int(np.searchsorted(estimate, self.tolerance, side="right"))  # it never falls
+        beyond = np.flatnonzero(estimate > self.tolerance)
+        inside = int(beyond[0]) if len(beyond) else len(estimate)
         if inside:
             self._within = float(time[inside - 1])
-        self._passed = inside < len(estimate)
+        self._passed = len(beyond) > 0
+
+
+def held(time: np.ndarray, values: np.ndarray, fading: float) -> np.ndarray:
+    """At each time [s] the largest of the values up to then, each faded by exp(-fading x its age)."""
+    age = fading * (time - time[0])
+    with np.errstate(divide="ignore"):  # the logarithm of 0 is -inf, which is right
+        return np.exp(np.maximum.accumulate(np.log(values) + age) - age)
 
 
 def widened(distance: np.ndarray, rounding: np.ndarray) -> np.ndarray:
-    """Estimate [m] from the largest distance so far and the rounding of the states, both [m]."""
+    """Estimate [m] from the distance and the rounding of the states, both [m]."""
     grown = np.maximum(distance, rounding)
     ratio = np.divide(grown, rounding, out=np.ones_like(grown), where=rounding > 0)
     return grown * (1 + np.log10(ratio) / DECADES)
 
 
 def rounded_up(values: np.ndarray) -> np.ndarray:
-    """Positive doubles rounded up to three digits."""
+    """Doubles that are not negative, rounded up to three digits."""
     rest = (1 << BITS_DROPPED) - 1
     return ((values.view("i8") + rest) & ~rest).view("f8")
