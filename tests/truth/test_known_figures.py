@@ -37,8 +37,8 @@ CASE_I = {
 }
 
 
-# Closed form of 40 and 60 digits and Taylor series of 32 agree on 0.00560393880015970069...: the last digit of
-# the figure is one too high.
+# Closed form of 40 and 60 digits and Taylor series of 32 agree on 0.00560393880015970069...: the last digit
+# of the figure is one too high.
 ONE_TOO_HIGH = ("I-B", "v1")
 
 
