@@ -19,7 +19,7 @@ from vibsim.results.windows import rows_within
 
 MOST_BLOCKS, FEWEST_BLOCKS = 20, 8
 PERIODS = 5  # in a block, at least
-STRONGEST_CORRELATION = 0.9  # of neighbours; what is more cannot be told from so few blocks
+FEWEST_INDEPENDENT = 3.0  # even of blocks that all drift one way: Student's distribution of 2 degrees
 UNITS = {"amplitude": "m", "drift rate": "m/s", "motor speed": "Hz", "impact rate": "1/s"}
 
 Span = tuple[float, float]
@@ -77,8 +77,8 @@ def average(blocks: np.ndarray, doubt: float) -> Average:
     apart = blocks - mean
     variance = float(apart @ apart) / (count - 1)
     neighbours = float(apart[1:] @ apart[:-1]) / float(apart @ apart) if variance else 0.0
-    correlation = min(max(neighbours, 0.0), STRONGEST_CORRELATION)
-    independent = max(2.0, count * (1 - correlation) / (1 + correlation))
+    correlation = max(neighbours, 0.0)
+    independent = max(FEWEST_INDEPENDENT, count * (1 - correlation) / (1 + correlation))
     return Average(mean, float(stdtrit(independent - 1, 1 - doubt / 2)) * sqrt(variance / independent))
 
 

@@ -1,0 +1,135 @@
+"""The second run beside the first: what it integrates; that it keeps step, ends and fails as it should."""
+
+import threading
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from tests.trajectories import run
+from vibsim.cases import load_case
+from vibsim.kernel import KernelError, open_trajectory
+from vibsim.physics.state import State
+from vibsim.results import trust_companion
+from vibsim.results.trust_companion import Companion, companion_scene, described
+
+LONG = {"run.t_end": "100000 s"}
+
+
+def companion_of(name, method="taylor", **changes):
+    case = load_case(name, {key.replace("__", "."): value for key, value in changes.items()})
+    return case, companion_scene(case, case.scene(), method)
+
+
+@pytest.fixture
+def companions():
+    """Companions that are ended with the test."""
+    made = []
+
+    def start(scene):
+        made.append(Companion(scene, "c"))
+        made[-1].start()
+        return made[-1]
+
+    yield start
+    for companion in made:
+        companion.close()
+
+
+def test_data_that_are_no_doubles_move_one_ulp_towards_their_decimals():
+    case, other = companion_of("II-B")
+    scene, exact = case.scene(), case.exact_scene(Fraction)
+    for name in ("m1", "m2", "c", "G", "N", "m3", "e", "J", "M0", "Omega0"):
+        ours, theirs, true = getattr(scene, name), getattr(other, name), getattr(exact, name)
+        assert abs(theirs - ours) == np.spacing(min(ours, theirs))
+        assert min(ours, theirs) < true < max(ours, theirs)
+    for name in ("k1", "k2", "x1", "v2", "phi"):  # 200, 12400 and 0 are doubles
+        assert getattr(scene, name) == getattr(other, name)
+
+
+@pytest.mark.parametrize(
+    ("name", "method", "changes", "expected"),
+    [
+        ("I-A", "closed_form", {}, ("taylor", 20)),
+        ("I-A", "closed_form", {"run__order": "6"}, ("taylor", 20)),
+        ("I-A", "taylor", {"run__method": "taylor"}, ("closed_form", 20)),
+        ("II-B", "taylor", {}, ("taylor", 25)),
+        ("II-B", "taylor", {"run__order": "25"}, ("taylor", 20)),
+        ("II-B", "taylor", {"run__order": "4", "run__tol": "1e-3"}, ("taylor", 25)),
+    ],
+)
+def test_the_companion_steps_otherwise_and_at_full_tolerance(name, method, changes, expected):
+    case, other = companion_of(name, method, **changes)
+    assert (other.method, other.order) == expected
+    assert (other.method, other.order) != (method, case.scene().order)
+    assert other.method == "closed_form" or other.tol == 2.0**-53
+    assert ("closed form" in described(other)) == (other.method == "closed_form")
+
+
+def test_the_companion_goes_on_where_the_rest_distance_ends_the_run():
+    changes = {"rest_distance__value": "1 mm", "rest_distance__on_violation": "stop"}
+    case, other = companion_of("I-B", "closed_form", run__t_end="10 s", **changes)
+    assert run(case.scene()).events["t"][-1] < 10 == run(other).events["t"][-1]
+
+
+@pytest.mark.parametrize("name", ["I-A", "II-B"])
+def test_samples_come_in_any_portions(name, companions):
+    _, other = companion_of(name, "closed_form", run__t_end="40 s", run__every="1 ms")
+    whole = run(other).samples
+    companion = companions(other)
+    portions = [companion.take(count) for count in (1, 0, 7, 20_000, 19_993)]
+    got = np.concatenate(portions, axis=1)
+    assert got.tobytes() == np.stack([whole["x1"], whole["x2"]]).tobytes()
+
+
+def test_a_companion_that_nobody_asks_waits_and_can_be_ended(companions):
+    _, other = companion_of("I-A", "closed_form", **{"run__t_end": "100000 s"})
+    companion = companions(other)
+    companion.take(10)
+    assert companion._thread.is_alive()
+    companion._thread.join(0.3)
+    assert companion._queue.qsize() <= trust_companion.BLOCKS_AHEAD
+    companion.close()
+    assert not companion._thread.is_alive()
+    assert "vibsim companion" not in [thread.name for thread in threading.enumerate()]
+
+
+class Failing:
+    """A trajectory that fails after its first blocks."""
+
+    def __init__(self, trajectory, error):
+        self.trajectory, self.error = trajectory, error
+
+    def blocks(self):
+        for i, block in enumerate(self.trajectory.blocks()):
+            yield block
+            if i == 2:
+                raise self.error
+
+
+@pytest.fixture
+def failing(monkeypatch, companions):
+    def start(scene, error):
+        real = open_trajectory
+        monkeypatch.setattr(
+            "vibsim.kernel.open_trajectory", lambda scene, engine: Failing(real(scene), error)
+        )
+        return companions(scene)
+
+    return start
+
+
+def test_of_a_companion_that_fails_nothing_is_known(failing):
+    _, other = companion_of("I-A", "closed_form")
+    companion = failing(other, KernelError("diverged", State(*[0.0] * 8)))
+    got = companion.take(60_000)
+    known = int(np.count_nonzero(~np.isnan(got[0])))
+    assert 0 < known < 60_000
+    assert np.isnan(got[:, known:]).all()
+    assert np.isnan(companion.take(3)).all()
+
+
+def test_a_bug_in_the_companion_is_raised(failing):
+    _, other = companion_of("I-A", "closed_form")
+    with pytest.raises(ZeroDivisionError):
+        failing(other, ZeroDivisionError()).take(60_000)

@@ -1,0 +1,118 @@
+"""From distances to estimates and a horizon."""
+
+import math
+
+import numpy as np
+import pytest
+
+from tests.scenes import NO_SOURCE, fixed_block, harmonic, motor, scene
+from vibsim.results.trust_estimate import ErrorEstimate, held, longest_period, rounded_up, widened
+
+TIME = np.arange(2001) / 200
+PERIOD = 0.5
+SCENE = scene(harmonic(1 / PERIOD, 1.0))
+ULP = 2.0**-52
+
+
+def growing(start=1e-16, rate=2.3):
+    """Two runs of size 1 whose distance swings and grows tenfold per second."""
+    ours = np.stack([np.cos(12 * TIME), np.sin(3 * TIME)])
+    apart = start * np.exp(rate * TIME) * np.sin(12 * TIME)
+    return ours, ours + np.stack([apart, apart / 2])
+
+
+def estimated(ours, theirs, tolerance=1e-10, pieces=1):
+    estimate = ErrorEstimate(SCENE, tolerance)
+    parts = [
+        estimate.update(TIME[rows], ours[:, rows], theirs[:, rows])
+        for rows in np.array_split(np.arange(len(TIME)), pieces)
+    ]
+    return estimate, np.concatenate(parts)
+
+
+def test_the_estimate_is_no_less_than_the_distance_and_not_much_more():
+    ours, theirs = growing()
+    _, got = estimated(ours, theirs)
+    distance = np.abs(ours - theirs).max(axis=0)
+    assert np.all(got >= distance)
+    assert np.all(got >= ULP)
+    assert np.all(got <= np.maximum(1e-16 * np.exp(2.3 * TIME), ULP) * 3.7)
+
+
+def test_blocks_of_any_size_give_the_same():
+    whole, got = estimated(*growing())
+    for pieces in (2, 7, len(TIME)):
+        other, again = estimated(*growing(), pieces=pieces)
+        np.testing.assert_allclose(again, got, rtol=2e-3)  # three digits are kept
+        assert other.horizon(10) == pytest.approx(whole.horizon(10), abs=0.005)
+        assert other.largest == pytest.approx(whole.largest, rel=2e-3)
+
+
+def test_the_horizon_is_the_last_sample_within_the_tolerance():
+    estimate, got = estimated(*growing())
+    horizon = estimate.horizon(10.0)
+    assert 0 < horizon < 10
+    assert np.all(got[horizon >= TIME] <= 1e-10)
+    assert got[horizon < TIME][0] > 1e-10
+
+
+def test_a_tolerance_that_is_never_passed_and_one_that_is_at_once():
+    assert estimated(*growing(), tolerance=1.0)[0].horizon(9.5) == 9.5
+    assert estimated(*growing(), tolerance=1e-17)[0].horizon(9.5) == 0.0
+
+
+def test_what_was_passed_once_stays_passed():
+    ours, theirs = growing(rate=0.0)
+    theirs[:, 400:440] += 1e-3
+    estimate, got = estimated(ours, theirs, tolerance=1e-5)
+    assert got[-1] < 1e-5
+    assert estimate.horizon(10.0) == TIME[399]
+    assert estimate.largest == got.max()
+
+
+def test_without_a_companion_the_estimate_is_the_size_of_the_motion():
+    ours, theirs = growing()
+    theirs[:, 1000:] = np.nan
+    _, got = estimated(ours, theirs)
+    assert got[999] < 1e-9
+    assert np.all(got[1000:] >= 1.0)
+
+
+def test_equal_runs_at_rest_have_no_error():
+    still = np.zeros((2, len(TIME)))
+    estimate, got = estimated(still, still)
+    assert not got.any()
+    assert estimate.horizon(10.0) == 10.0
+    assert len(estimate.update(TIME[:0], still[:, :0], still[:, :0])) == 0
+
+
+def test_values_are_held_and_fade():
+    values = np.zeros(len(TIME))
+    values[100] = 1.0
+    got = held(TIME, values, 2.0)
+    np.testing.assert_allclose(got[100:], np.exp(-2 * (TIME[100:] - TIME[100])), rtol=1e-12)
+    assert not got[:100].any()
+
+
+def test_distances_that_have_grown_count_for_more():
+    decades = np.array([0.0, 3.0, 6.0, 12.0])
+    np.testing.assert_allclose(
+        widened(ULP * 10**decades, np.full(4, ULP)), ULP * 10**decades * [1, 1.5, 2, 3]
+    )
+    assert widened(np.array([0.0]), np.array([0.0])) == 0.0
+    assert widened(np.array([0.0]), np.array([ULP])) == ULP
+
+
+def test_rounding_goes_up_and_keeps_three_digits():
+    values = np.concatenate([10.0 ** np.linspace(-300, 3, 999), [0.0, 1.0, 2.0**-40]])
+    got = rounded_up(values)
+    assert np.all((got >= values) & (got <= values * 1.002))
+    assert got[-3:].tolist() == [0.0, 1.0, 2.0**-40]
+
+
+def test_the_slower_of_source_and_free_vibration_sets_the_time():
+    natural = 2 * math.pi / math.sqrt(200 * (1 / 0.297 + 1 / 2.94))
+    assert longest_period(scene()) == pytest.approx(natural)
+    assert longest_period(scene(harmonic(1.0, 1.0))) == pytest.approx(1.0)
+    assert longest_period(scene(motor(50.0))) == pytest.approx(natural)
+    assert longest_period(fixed_block({**NO_SOURCE, "source": "none"}, k1=0.0)) == math.inf

@@ -1,0 +1,134 @@
+"""The trust horizon in runs, files and commands."""
+
+import json
+
+import h5py
+import numpy as np
+import pytest
+
+import vibsim
+from tests.command_line.made import call
+from tests.results.made import short_case
+from vibsim.results import simulate, simulate_to_file
+from vibsim.sweeps import sweep
+
+
+def chaotic():
+    return short_case("II-B", "60 s", run__trust_tolerance="1e-12 m")
+
+
+def test_the_motion_is_the_same_with_and_without():
+    case = short_case("II-B", "20 s")
+    judged, plain = simulate(case), simulate(case, trust=False)
+    assert [name for name in judged if name not in plain] == ["error_estimate"]
+    for name in plain:
+        assert judged[name].tobytes() == plain[name].tobytes()
+    assert plain.trust_horizon is plain.error_estimate is None
+    assert not [name for name in plain.attrs if "trust" in name or "error_estimate" in name]
+
+
+def test_the_file_says_what_the_result_says(tmp_path):
+    result = simulate(chaotic())
+    written = simulate_to_file(chaotic(), tmp_path / "a.h5")
+    read = vibsim.open_result(tmp_path / "a.h5")
+    assert 10 < result.trust_horizon < 60
+    assert result.trust_horizon == written.trust_horizon == read.trust_horizon
+    assert result.error_estimate.tobytes() == read.error_estimate.tobytes()
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert file["error_estimate"].attrs["units"] == "m"
+        assert file["error_estimate"].dims[0][0] == file["time"]
+        assert file.attrs["trust_tolerance_m"] == 1e-12
+        assert file.attrs["trust_horizon_s"] == result.trust_horizon
+        assert "order 25" in file.attrs["trust_method"]
+        assert file.attrs["error_estimate_max"] == result.error_estimate.max()
+
+
+def test_the_tolerance_moves_the_horizon_and_not_the_fingerprint():
+    fine, coarse = chaotic(), short_case("II-B", "60 s")
+    assert fine.sha256 == coarse.sha256
+    assert simulate(coarse).trust_horizon == 60 == simulate(coarse).t_reached
+
+
+def test_truncation_is_seen():
+    """Steps of order 8 and tolerance 1e-7, against the closed form."""
+    case = short_case("I-B", "10 s", run__method="taylor", run__order="8", run__tol="1e-7")
+    rough, true = simulate(case), simulate(short_case("I-B", "10 s"))
+    error = np.maximum(np.abs(rough["x1"] - true["x1"]), np.abs(rough["x2"] - true["x2"]))
+    assert error.max() > 1e-11
+    ratio = rough.error_estimate[200:].max() / error[200:].max()
+    assert 1 <= ratio < 30
+
+
+def test_sparse_samples_are_judged_as_dense_ones():
+    dense, sparse = simulate(chaotic()), simulate(short_case("II-B", "60 s", run__every="1 s"))
+    np.testing.assert_array_less(sparse.error_estimate, 2 * dense.error_estimate[::200] + 1e-300)
+
+
+def test_a_scene_without_block_2():
+    case = vibsim.load_case("I-A", {"blocks.m2": "fixed", "friction": "none", "run.t_end": "5 s"})
+    result = simulate(case)
+    assert result.error_estimate.max() < 1e-12
+    assert result.trust_horizon == 5
+
+
+def test_an_interrupted_run_is_judged_as_far_as_it_went(tmp_path):
+    result = simulate_to_file(short_case("I-B", "300 s"), tmp_path / "a.h5", watch=lambda t: t < 20)
+    assert not result.complete
+    assert 20 <= result.t_reached < 300
+    assert result.trust_horizon == result.t_reached
+    assert len(result.error_estimate) == len(result)
+
+
+def test_the_python_engine_estimates_the_same():
+    fast = simulate(short_case("I-B", "2 s"))
+    plain = simulate(short_case("I-B", "2 s"), engine="python")
+    assert plain.error_estimate.tobytes() == fast.error_estimate.tobytes()
+
+
+def test_sweeps_do_without(monkeypatch):
+    def refuse(*_):
+        raise AssertionError("a sweep pays for a second run")
+
+    monkeypatch.setattr("vibsim.results.trust.Trust.__init__", refuse)
+    monkeypatch.setattr("vibsim.results.trust_companion.Companion.__init__", refuse)
+    done = sweep(short_case("II-B", "2 s"), {"excitation.Omega0": "3:4:0.5 Hz"}, jobs=1)
+    assert done.complete
+    with pytest.raises(AssertionError, match="pays"):
+        simulate(short_case("II-B", "2 s"))
+
+
+def test_run_and_info_print_it(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    settings = ("--t-end", "60s", "-s", "trust_tolerance=1e-12 m")
+    found = call("run", "II-B", *settings)
+    [line] = [line for line in found.stdout.splitlines() if "trust horizon" in line]
+    horizon = vibsim.open_result("II-B.h5").trust_horizon
+    assert line.split(maxsplit=2)[2] == f"right to 1e-12 m until {horizon:.4g} s"
+    assert line in call("info", "II-B.h5").stdout.splitlines()
+    assert json.loads(call("info", "II-B.h5", "--json").stdout)["trust_horizon_s"] == horizon
+    found = call("run", "I-A", "--t-end", "5s", "--json")
+    assert json.loads(found.stdout)["trust_horizon_s"] == 5
+    assert "right to 1e-6 m over the whole run; estimated error up to " in call("info", "I-A.h5").stdout
+
+
+def test_run_can_do_without(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    found = call("run", "I-A", "--t-end", "5s", "--no-trust")
+    assert "trust" not in found.stdout
+    assert "error_estimate" not in vibsim.open_result("I-A.h5")
+
+
+def test_a_run_from_a_file_keeps_its_tolerance(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    call("run", "II-B", "--t-end", "60s", "-s", "trust_tolerance=1e-12 m", "-o", "a.h5")
+    call("run", "a.h5", "-o", "b.h5")
+    first, again = vibsim.open_result("a.h5"), vibsim.open_result("b.h5")
+    assert first.trust_horizon == again.trust_horizon < 60
+    assert first.error_estimate.tobytes() == again.error_estimate.tobytes()
+
+
+@pytest.mark.parametrize("value", ["0 m", "-1 m", "1 s", "none"])
+def test_tolerances_that_are_none(value):
+    found = call("run", "I-A", "-s", f"trust_tolerance={value}", "--dry-run")
+    assert found.exit_code == 3
+    assert "run.trust_tolerance" in found.stderr
