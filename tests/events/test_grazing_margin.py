@@ -5,20 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import Phase, given, settings
+from hypothesis import given, settings
 
 from tests.random_scenes import scenes
 from tests.scenes import fixed_block
 from tests.trajectories import run
 
 SAMPLES = 20000
-CLOSED_FORM_MISSES = pytest.mark.xfail(
-    reason="closed form: Newton on the slope from the end of a long step goes elsewhere than the minimum"
-)
-TAYLOR_MISSES = pytest.mark.xfail(
-    reason="Taylor: a turn before a contact in the same step, or after a maximum in it, is not looked for"
-)
-METHODS = (pytest.param("closed_form", marks=CLOSED_FORM_MISSES), "taylor")
+METHODS = ("closed_form", "taylor")
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -63,15 +57,13 @@ def assert_margin(scene):
     return margin
 
 
-@CLOSED_FORM_MISSES
-@settings(max_examples=150, phases=[Phase.generate])
+@settings(max_examples=60)
 @given(scenes(sources=("none", "harmonic"), features=False).filter(lambda scene: scene.has_stop))
 def test_random_scenes_by_closed_form(scene):
     assert_margin(scene)
 
 
-@TAYLOR_MISSES
-@settings(max_examples=150, phases=[Phase.generate])
+@settings(max_examples=60)
 @given(scenes(features=False).filter(lambda scene: scene.has_stop))
 def test_random_scenes_by_taylor(scene):
     assert_margin(replace(scene, method="taylor"))

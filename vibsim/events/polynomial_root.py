@@ -5,6 +5,8 @@ from math import inf
 from vibsim.events.first_root import safe_step
 
 MARCH_LIMIT = 10000
+PIECES = 8  # a step spans less than two radians of the fastest motion: one minimum at most
+TURNING = 60
 
 
 class PolynomialSearch:
@@ -16,13 +18,14 @@ class PolynomialSearch:
         self.kit = kit
         self.margin, self.margin_time = inf, kit.number(0)
         self.uncertified = 0
+        self.settled = kit.power_of_two(kit.exponent(kit.eps) / 3)
 
     def first_root(self, coefficients, known, t0, h, keep_margin):
         """Grid time of the first zero in (t0, t0 + h] of the polynomial in t - t0, or None.
 
         coefficients: lowest first; positive at the start but for a zero there of order `known`, which is
         divided out together with any further coefficient that is exactly zero. keep_margin: look for a
-        grazing minimum where there is no root.
+        grazing minimum before the root or the end of the step.
         """
         order = known
         while order < len(coefficients) and coefficients[order] == 0:
@@ -30,32 +33,37 @@ class PolynomialSearch:
         if order == len(coefficients):
             return None
         series = coefficients[order:]
-        total, fall, curvature, turn = self._bounds(series, h)
+        total, fall, curvature, swing = self._bounds(series, h)
         noise = 4 * self.kit.eps * total
         root = None
         if series[0] - noise - fall <= 0:
             root = self._march(series, noise, curvature, t0, h)
-        if root is None and keep_margin and turn:
-            self._graze(coefficients, t0, h)
+        if keep_margin and series[0] - fall < self.margin and self._may_turn(series, order, total, swing, h):
+            self._watch_turns(coefficients, t0, h if root is None else root - t0)
         return root
 
     def _bounds(self, series, h):
-        """sum |b_n| h^n, the largest possible fall below b_0, a bound of |f''|, and whether f can turn
-        upwards within h.
-        """
+        """sum |b_n| h^n, the largest possible fall below b_0, a bound of |f''|, and sum n |b_n| h^n."""
         zero = self.kit.number(0)
-        total, fall, curvature, power = abs(series[0]), zero, zero, h
+        total, fall, curvature, swing, power = abs(series[0]), zero, zero, zero, h
         for n in range(1, len(series)):
             term = abs(series[n]) * power
             total = total + term
+            swing = swing + n * term
             if n > 1:
                 curvature = curvature + n * (n - 1) * term
                 fall = fall + term
             elif series[1] < 0:
                 fall = fall + term
             power = power * h
-        turn = len(series) > 1 and series[1] < 0 and curvature > abs(series[1]) * h
-        return total, fall, curvature / (h * h), turn
+        return total, fall, curvature / (h * h), swing
+
+    @staticmethod
+    def _may_turn(series, order, total, swing, h):
+        """Whether f = t^order sum b_n t^n may have a minimum within h; not where it is plainly monotonic."""
+        if order > 0:
+            return order * series[0] <= swing + order * (total - series[0])
+        return len(series) > 1 and 2 * abs(series[1]) * h <= swing
 
     def _march(self, series, noise, bound, t0, h):
         """March by safe steps from t0 to the first zero; None where t0 + h comes first."""
@@ -94,23 +102,32 @@ class PolynomialSearch:
             value = value * tau + coefficient
         return value, slope
 
-    def _graze(self, series, t0, h):
-        """Minimum of a rootless gap function within the step, by secant and three Newton steps on its
-        slope.
-        """
-        first = series[1]
-        _, last = self._value_and_slope(series, h)
-        if not first < 0 <= last:
-            return
-        tau = h * (first / (first - last))
+    def _watch_turns(self, series, t0, stop):
+        """Keep the smallest minimum of the gap function within a step: slopes at PIECES points tell where."""
         slopes = [n * series[n] for n in range(1, len(series))]
-        for _ in range(3):
+        low, falling = 0 * stop, slopes[0]
+        for i in range(1, PIECES + 1):
+            high = stop * i / PIECES
+            rising, _ = self._value_and_slope(slopes, high)
+            if falling < 0 <= rising:
+                self._turn_between(series, slopes, t0, low, high)
+            low, falling = high, rising
+
+    def _turn_between(self, series, slopes, t0, low, high):
+        """Keep the minimum between two points, by safeguarded Newton steps on the slope."""
+        tau, settled = low + (high - low) / 2, (high - low) * self.settled
+        for _ in range(TURNING):
             slope, curvature = self._value_and_slope(slopes, tau)
-            if curvature <= 0:
+            low, high = (tau, high) if slope < 0 else (low, tau)
+            ahead = tau - slope / curvature if curvature > 0 else low
+            if curvature > 0 and abs(ahead - tau) < settled:
                 break
-            tau = tau - slope / curvature
-            tau = 0 * h if tau < 0 else h if tau > h else tau
+            if not low < ahead < high:
+                ahead = low + (high - low) / 2
+            tau = ahead
         value, _ = self._value_and_slope(series, tau)
-        value = value if value > 0 else 0 * h
+        if curvature > 0:
+            value = value - slope * slope / (2 * curvature)
+        value = value if value > 0 else 0 * tau
         if value < self.margin:
-            self.margin, self.margin_time = value, t0 + tau
+            self.margin, self.margin_time = value, t0 + ahead

@@ -16,6 +16,7 @@ from vibsim.physics.state import State
 
 STEPS_PER_CALL = 4096
 POLISHING = 10  # Halley's iteration triples the right digits
+TURNING = 60
 
 
 class ClosedForm:
@@ -61,7 +62,8 @@ class ClosedForm:
         self.load_cosine = self.regime.amplitude * self.cos0
         self.centre_sine = self.regime.centre_amplitude * self.sin0
         self.centre_cosine = self.regime.centre_amplitude * self.cos0
-        self.slope_before, self.stall = kit.number(0), kit.number(1)
+        self.watched = (self.t0,) + (kit.number(0),) * 3
+        self.stall = kit.number(1)
         self._evaluate_start()
 
     def _evaluate_start(self):
@@ -259,6 +261,7 @@ class ClosedForm:
                 return limit, NOTHING
             found = self._step()
             if found != NOTHING:
+                self._turn_before_event(found)
                 return self.t, found
         return (limit if self.t > limit else self.t), NOTHING
 
@@ -284,7 +287,8 @@ class ClosedForm:
             ahead = deflated_step(self.kit, order, lead, derivatives[order + 1], bound)
             step = ahead if ahead < step else step
             if function == GAP:
-                self.slope_before = derivatives[1]
+                limit = self.derivative_bound(GAP, d, 2)
+                self.watched = (self.t0, derivatives[0], derivatives[1], limit)
         self._move(step)
         return NOTHING
 
@@ -301,9 +305,9 @@ class ClosedForm:
             noise = self.noise(function)
             if value < -noise or (value <= noise and slope <= 0):
                 return function
-            if function == GAP:
-                self._graze(slope, self.derivative(function, d, 2), value)
             bound = self.derivative_bound(function, d, 2)
+            if function == GAP:
+                self._watch_turn(value, slope, bound)
             room = value - noise
             ahead = safe_step(self.kit, room if room > 0 else self.kit.number(0), slope, bound)
             if ahead < step:
@@ -331,7 +335,7 @@ class ClosedForm:
         Called where 8 f |f''| < f'^2 and f' < 0: then f falls all the way to its zero, which lies within
         -2 f / f' and is the only one there (Kantorovich), and no other event function can vanish before.
         """
-        start, settled = self.t, self.settled * self.regime.oscillator.window
+        start, window = self.t, self.regime.oscillator.window
         for _ in range(POLISHING):
             d = self.jet(4)
             value, slope = self.derivative(function, d, 0), self.derivative(function, d, 1)
@@ -339,7 +343,8 @@ class ClosedForm:
             step = -(2 * value * slope) / (2 * slope * slope - value * curvature)
             self._move(step)
             self.t = self.t if self.t > start else start
-            if self.t == before or abs(step) < settled:
+            reach = window if abs(curvature) * window < abs(slope) else abs(slope / curvature)
+            if self.t == before or abs(step) < self.settled * reach:
                 return
             self.steps += 1
             self.evaluate(self.t - self.t0)
@@ -348,23 +353,49 @@ class ClosedForm:
         """Go ahead by `step` on the time grid."""
         self.t = self.kit.exact(self.t0 + ((self.t - self.t0) + step))
 
-    def _graze(self, slope, curvature, value):
-        """Keep the smallest value that the gap function turned round at without crossing."""
-        turned = self.slope_before < 0 <= slope and curvature > 0
-        self.slope_before = slope
-        if not turned or value - slope * slope / (2 * curvature) > 2 * self.margin:
-            return
-        here, t = self.t, self.t
-        for _ in range(3):
-            t = t - slope / curvature
-            t = self.t0 if t < self.t0 else here if t > here else t
+    def _watch_turn(self, value, slope, bound):
+        """Look for a minimum of the gap function since the point watched before; then watch from here on.
+
+        bound: on its second derivative over the window ahead. A minimum that cannot undercut the grazing
+        margin is not looked for.
+        """
+        low, was, falling, limit = self.watched
+        self.watched = (self.t, value, slope, bound)
+        if falling < 0 <= slope:
+            length = self.t - low
+            if was + falling * length - limit * (length * length) / 2 < self.margin:
+                self._turn_between(low, self.t)
+
+    def _turn_between(self, low, high):
+        """Keep the minimum of the gap function between two times, by safeguarded Newton steps on its
+        slope.
+        """
+        here, t = self.t, low + (high - low) / 2
+        settled = self.settled * self.regime.oscillator.window
+        for _ in range(TURNING):
             self.evaluate(t - self.t0)
             d = self.jet(4)
             value, slope = self.derivative(GAP, d, 0), self.derivative(GAP, d, 1)
             curvature = self.derivative(GAP, d, 2)
-            if curvature <= 0:
+            low, high = (t, high) if slope < 0 else (low, t)
+            ahead = t - slope / curvature if curvature > 0 else low
+            if curvature > 0 and abs(ahead - t) < settled:
                 break
+            if not low < ahead < high:
+                ahead = low + (high - low) / 2
+            t = ahead
+        if curvature > 0:
+            value = value - slope * slope / (2 * curvature)
         value = value if value > 0 else self.kit.number(0)
         if value < self.margin:
-            self.margin, self.margin_time = value, t
+            self.margin, self.margin_time = value, ahead
         self.evaluate(here - self.t0)
+
+    def _turn_before_event(self, function):
+        """Look for a minimum of the gap function between the point watched last and an event of another
+        kind.
+        """
+        if self.scene.has_stop and function != GAP:
+            self.evaluate(self.t - self.t0)
+            d = self.jet(4)
+            self._watch_turn(self.derivative(GAP, d, 0), self.derivative(GAP, d, 1), self.kit.number(0))

@@ -5,6 +5,7 @@
 
 #define STEPS_PER_CALL 4096
 #define POLISHING 10
+#define TURNING 60
 
 static const Regime *regime_of(const ClosedForm *f)
 {
@@ -39,7 +40,8 @@ void closed_form_enter(Run *r, const State *state, Mode mode)
     f->load_cosine = regime_of(f)->amplitude * f->cos0;
     f->centre_sine = regime_of(f)->centre_amplitude * f->sin0;
     f->centre_cosine = regime_of(f)->centre_amplitude * f->cos0;
-    f->slope_before = 0.0;
+    f->watched_t = f->t0;
+    f->watched_value = f->watched_slope = f->watched_bound = 0.0;
     f->stall = 1.0;
     f->tau = 0.0;
     f->y = f->y0;
@@ -284,48 +286,86 @@ static int lead(Run *r)
         limit = derivative_bound(r, function, d, order + 2);
         ahead = deflated_step(order, first, derivative(r, function, d, order + 1), limit);
         step = ahead < step ? ahead : step;
-        if (function == GAP)
-            f->slope_before = derivative(r, function, d, 1);
+        if (function == GAP) {
+            f->watched_t = f->t0;
+            f->watched_value = derivative(r, GAP, d, 0);
+            f->watched_slope = derivative(r, GAP, d, 1);
+            f->watched_bound = derivative_bound(r, GAP, d, 2);
+        }
     }
     move(f, step);
     return NOTHING;
 }
 
-static void graze(Run *r, double slope, double curvature, double value)
+/* Keep the minimum of the gap function between two times, by safeguarded Newton steps on its slope. */
+static void turn_between(Run *r, double low, double high)
 {
     ClosedForm *f = &r->closed;
-    int turned = f->slope_before < 0 && 0 <= slope && curvature > 0, i;
-    double here = f->t, t = f->t, d[6];
-    f->slope_before = slope;
-    if (!turned || value - slope * slope / (2 * curvature) > 2 * r->margin)
-        return;
-    for (i = 0; i < 3; i++) {
-        t = t - slope / curvature;
-        t = t < f->t0 ? f->t0 : t > here ? here : t;
+    double here = f->t, t = low + (high - low) / 2, settled = f->settled * regime_of(f)->oscillator.window;
+    double value = 0, slope = 0, curvature = 0, ahead = t, d[6];
+    int i;
+    for (i = 0; i < TURNING; i++) {
         evaluate(r, t - f->t0);
         jet_here(f, 4, d);
         value = derivative(r, GAP, d, 0);
         slope = derivative(r, GAP, d, 1);
         curvature = derivative(r, GAP, d, 2);
-        if (curvature <= 0)
+        if (slope < 0)
+            low = t;
+        else
+            high = t;
+        ahead = curvature > 0 ? t - slope / curvature : low;
+        if (curvature > 0 && fabs(ahead - t) < settled)
             break;
+        if (!(low < ahead && ahead < high))
+            ahead = low + (high - low) / 2;
+        t = ahead;
     }
+    if (curvature > 0)
+        value = value - slope * slope / (2 * curvature);
     value = value > 0 ? value : 0.0;
     if (value < r->margin) {
         r->margin = value;
-        r->margin_time = t;
+        r->margin_time = ahead;
     }
     evaluate(r, here - f->t0);
+}
+
+/* Look for a minimum of the gap function since the point watched before; then watch from here on. */
+static void watch_turn(Run *r, double value, double slope, double limit)
+{
+    ClosedForm *f = &r->closed;
+    double low = f->watched_t, was = f->watched_value, falling = f->watched_slope, before = f->watched_bound;
+    f->watched_t = f->t;
+    f->watched_value = value;
+    f->watched_slope = slope;
+    f->watched_bound = limit;
+    if (falling < 0 && 0 <= slope) {
+        double length = f->t - low;
+        if (was + falling * length - before * (length * length) / 2 < r->margin)
+            turn_between(r, low, f->t);
+    }
+}
+
+static void turn_before_event(Run *r, int function)
+{
+    ClosedForm *f = &r->closed;
+    double d[6];
+    if (r->scene.has_stop != 0 && function != GAP) {
+        evaluate(r, f->t - f->t0);
+        jet_here(f, 4, d);
+        watch_turn(r, derivative(r, GAP, d, 0), derivative(r, GAP, d, 1), 0.0);
+    }
 }
 
 /* Go to the one zero of `function` ahead, by Halley's iteration. */
 static void polish(Run *r, int function)
 {
     ClosedForm *f = &r->closed;
-    double start = f->t, settled = f->settled * regime_of(f)->oscillator.window, d[6];
+    double start = f->t, window = regime_of(f)->oscillator.window, d[6];
     int i;
     for (i = 0; i < POLISHING; i++) {
-        double value, slope, curvature, step, before = f->t;
+        double value, slope, curvature, step, reach, before = f->t;
         jet_here(f, 4, d);
         value = derivative(r, function, d, 0);
         slope = derivative(r, function, d, 1);
@@ -333,7 +373,8 @@ static void polish(Run *r, int function)
         step = -(2 * value * slope) / (2 * slope * slope - value * curvature);
         move(f, step);
         f->t = f->t > start ? f->t : start;
-        if (f->t == before || fabs(step) < settled)
+        reach = fabs(curvature) * window < fabs(slope) ? window : fabs(slope / curvature);
+        if (f->t == before || fabs(step) < f->settled * reach)
             return;
         r->steps += 1;
         evaluate(r, f->t - f->t0);
@@ -355,10 +396,10 @@ static int step_once(Run *r)
         double noise = noise_of(r, function), room, ahead, limit;
         if (value < -noise || (value <= noise && slope <= 0))
             return function;
-        if (function == GAP)
-            graze(r, slope, derivative(r, function, d, 2), value);
-        room = value - noise;
         limit = derivative_bound(r, function, d, 2);
+        if (function == GAP)
+            watch_turn(r, value, slope, limit);
+        room = value - noise;
         ahead = safe_step(room > 0 ? room : 0.0, slope, limit);
         if (ahead < step) {
             rival = step;
@@ -404,8 +445,10 @@ double closed_form_advance(Run *r, double limit, int *function)
         if (f->t >= limit)
             return limit;
         *function = step_once(r);
-        if (*function != NOTHING)
+        if (*function != NOTHING) {
+            turn_before_event(r, *function);
             return f->t;
+        }
     }
     return f->t > limit ? limit : f->t;
 }

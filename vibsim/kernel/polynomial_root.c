@@ -1,8 +1,11 @@
 /* Certified first root of a polynomial event function; twin of vibsim/events/polynomial_root.py. */
 #include "first_root.h"
 #include "kernel.h"
+#include "numbers.h"
 
 #define MARCH_LIMIT 10000
+#define PIECES 8
+#define TURNING 60
 
 static void value_and_slope(const double *series, int count, double tau, double *value, double *slope)
 {
@@ -51,38 +54,65 @@ static int march(Run *r, const double *series, int count, double noise, double b
     return 0;
 }
 
-static void graze(Run *r, const double *series, int count, double t0, double h)
+/* Keep the minimum between two points, by safeguarded Newton steps on the slope. */
+static void turn_between(Run *r, const double *series, const double *slopes, int count, double t0, double low, double high)
 {
-    double slopes[SERIES], first = series[1], last, value, tau;
-    int n, i;
-    value_and_slope(series, count, h, &value, &last);
-    if (!(first < 0 && 0 <= last))
-        return;
-    tau = h * (first / (first - last));
-    for (n = 1; n < count; n++)
-        slopes[n - 1] = n * series[n];
-    for (i = 0; i < 3; i++) {
-        double slope, curvature;
+    double tau = low + (high - low) / 2, settled = (high - low) * power_of_two(binary_exponent(EPS) / 3.0);
+    double value, slope = 0, curvature = 0, ahead = tau, unused;
+    int i;
+    for (i = 0; i < TURNING; i++) {
         value_and_slope(slopes, count - 1, tau, &slope, &curvature);
-        if (curvature <= 0)
+        if (slope < 0)
+            low = tau;
+        else
+            high = tau;
+        ahead = curvature > 0 ? tau - slope / curvature : low;
+        if (curvature > 0 && fabs(ahead - tau) < settled)
             break;
-        tau = tau - slope / curvature;
-        tau = tau < 0 ? 0 * h : tau > h ? h : tau;
+        if (!(low < ahead && ahead < high))
+            ahead = low + (high - low) / 2;
+        tau = ahead;
     }
-    value_and_slope(series, count, tau, &value, &last);
-    value = value > 0 ? value : 0 * h;
+    value_and_slope(series, count, tau, &value, &unused);
+    if (curvature > 0)
+        value = value - slope * slope / (2 * curvature);
+    value = value > 0 ? value : 0 * tau;
     if (value < r->margin) {
         r->margin = value;
-        r->margin_time = t0 + tau;
+        r->margin_time = t0 + ahead;
     }
+}
+
+static void watch_turns(Run *r, const double *series, int count, double t0, double stop)
+{
+    double slopes[SERIES], low = 0 * stop, falling, rising, unused;
+    int n, i;
+    for (n = 1; n < count; n++)
+        slopes[n - 1] = n * series[n];
+    falling = slopes[0];
+    for (i = 1; i <= PIECES; i++) {
+        double high = stop * i / PIECES;
+        value_and_slope(slopes, count - 1, high, &rising, &unused);
+        if (falling < 0 && 0 <= rising)
+            turn_between(r, series, slopes, count, t0, low, high);
+        low = high;
+        falling = rising;
+    }
+}
+
+static int may_turn(const double *series, int count, int order, double total, double swing, double h)
+{
+    if (order > 0)
+        return order * series[0] <= swing + order * (total - series[0]);
+    return count > 1 && 2 * fabs(series[1]) * h <= swing;
 }
 
 int polynomial_first_root(Run *r, const double *coefficients, int count, int known, double t0, double h, int keep_margin,
                           double *root)
 {
     const double *series;
-    double total, fall = 0.0, curvature = 0.0, power = h, noise;
-    int order = known, n, turn, found = 0;
+    double total, fall = 0.0, curvature = 0.0, swing = 0.0, power = h, noise;
+    int order = known, n, found = 0;
     while (order < count && coefficients[order] == 0)
         order++;
     if (order == count)
@@ -92,6 +122,7 @@ int polynomial_first_root(Run *r, const double *coefficients, int count, int kno
     for (n = 1; n < count - order; n++) {
         double term = fabs(series[n]) * power;
         total = total + term;
+        swing = swing + n * term;
         if (n > 1) {
             curvature = curvature + n * (n - 1) * term;
             fall = fall + term;
@@ -100,11 +131,10 @@ int polynomial_first_root(Run *r, const double *coefficients, int count, int kno
         }
         power = power * h;
     }
-    turn = count - order > 1 && series[1] < 0 && curvature > fabs(series[1]) * h;
     noise = 4 * EPS * total;
     if (series[0] - noise - fall <= 0)
         found = march(r, series, count - order, noise, curvature / (h * h), t0, h, root);
-    if (!found && keep_margin && turn)
-        graze(r, coefficients, count, t0, h);
+    if (keep_margin && series[0] - fall < r->margin && may_turn(series, count - order, order, total, swing, h))
+        watch_turns(r, coefficients, count, t0, found ? *root - t0 : h);
     return found;
 }
