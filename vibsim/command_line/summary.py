@@ -12,7 +12,7 @@ from vibsim.physics.scene import Scene
 from vibsim.results import Result
 
 PREFIXES = ((1.0, "m"), (1e-3, "mm"), (1e-6, "um"), (1e-9, "nm"))
-SIZES = ((1 << 30, "GB"), (1 << 20, "MB"), (1 << 10, "kB"))
+SIZES = ((1e9, "GB"), (1e6, "MB"), (1e3, "kB"))
 LABEL_WIDTH = 16
 
 
@@ -170,5 +170,5 @@ def seconds(t: float) -> str:
 def size(path: str | Path) -> str:
     """Size of a file with the prefix that suits it."""
     count = Path(path).stat().st_size
-    factor, unit = next(((f, u) for f, u in SIZES if count >= f), (1, "bytes"))
+    factor, unit = next(((f, u) for f, u in SIZES if count >= 0.9995 * f), (1, "bytes"))
     return f"{count / factor:.3g} {unit}"
