@@ -16,6 +16,9 @@ from vibsim.physics.numbers import horner
 # quarter; far above critical damping, where r2 t is large whatever r1 t is, where |r1 - i omega| t is above
 # a half.
 QUARTER = 0.25
+# After many turns close to resonance the phases of C and S, rounded to eps w t, come out of the quotient divided by
+# |r1 - i omega| t.
+RESONANT = 0.01
 UNHURRIED = 1e100  # window of a free mass [s]: longer than any run, yet finite (0 * inf is no bound)
 
 
@@ -75,8 +78,9 @@ class Oscillator:
 
     def harmonic_response(self, t, release, impulse, cosine, sine):
         """Re H(t), Im H(t) [s^2], given C, S and cos, sin of omega t."""
-        square = t * t
-        if self.beating * (square * square) >= QUARTER * QUARTER:
+        square, detuning = t * t, self.wd - self.omega
+        resonant = self.oscillates and (self.a * self.a + detuning * detuning) * square < RESONANT
+        if self.beating * (square * square) >= QUARTER * QUARTER and not resonant:
             nr = cosine - release
             ni = sine - self.omega * impulse
             return nr * self.inverse_r + ni * self.inverse_i, ni * self.inverse_r - nr * self.inverse_i

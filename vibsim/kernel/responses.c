@@ -3,6 +3,7 @@
 #include "numbers.h"
 
 #define QUARTER 0.25
+#define RESONANT 0.01
 #define UNHURRIED 1e100
 
 static void series_coefficients(const Oscillator *o, double omega, double *real, double *imag)
@@ -143,8 +144,9 @@ static void confluent(const Oscillator *o, double t, double cosine, double sine,
 void harmonic_response(const Oscillator *o, double t, double release, double impulse, double cosine, double sine,
                        double *hc, double *hs)
 {
-    double square = t * t;
-    if (o->beating * (square * square) >= QUARTER * QUARTER) {
+    double square = t * t, detuning = o->wd - o->omega;
+    int resonant = o->oscillates && (o->a * o->a + detuning * detuning) * square < RESONANT;
+    if (o->beating * (square * square) >= QUARTER * QUARTER && !resonant) {
         double nr = cosine - release, ni = sine - o->omega * impulse;
         *hc = nr * o->inverse_r + ni * o->inverse_i;
         *hs = ni * o->inverse_r - nr * o->inverse_i;
