@@ -39,8 +39,11 @@ def transversal(scene):
 def assert_same_trajectory(scene):
     one = run(replace(scene, method="closed_form"))
     other = run(replace(scene, method="taylor"))
-    assert one.kinds == other.kinds
-    np.testing.assert_allclose(one.times, other.times, rtol=0, atol=TIME * scene.t_end)
+    clear = scene.t_end * (1 - 10 * TIME)  # an event just at the end happens in one and not in the other
+    count = int(np.sum(one.times < clear))
+    assert one.kinds[:count] == other.kinds[:count]
+    assert count == np.sum(other.times < clear)
+    np.testing.assert_allclose(one.times[:count], other.times[:count], rtol=0, atol=TIME * scene.t_end)
     size, speed = sizes(scene, one)
     for name in one.samples:
         bound = STATE * (size if name.startswith("x") else speed)
