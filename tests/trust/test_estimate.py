@@ -64,7 +64,7 @@ def test_a_tolerance_that_is_never_passed_and_one_that_is_at_once():
 def test_what_was_passed_once_stays_passed():
     ours, theirs = growing(rate=0.0)
     theirs[:, 400:440] += 1e-3
-    estimate, got = estimated(ours, theirs, tolerance=1e-5)
+    estimate, got = estimated(ours, theirs, tolerance=1e-5, pieces=10)
     assert got[-1] < 1e-5
     assert estimate.horizon(10.0) == TIME[399]
     assert estimate.largest == got.max()
