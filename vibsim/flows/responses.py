@@ -16,8 +16,8 @@ from vibsim.physics.numbers import horner
 # quarter; far above critical damping, where r2 t is large whatever r1 t is, where |r1 - i omega| t is above
 # a half.
 QUARTER = 0.25
-# After many turns close to resonance the phases of C and S, rounded to eps w t, come out of the quotient divided by
-# |r1 - i omega| t.
+# After many turns close to resonance the phases of C and S, rounded to eps w t, come out of the quotient over
+# |r1 - i omega| t, which is small.
 RESONANT = 0.01
 UNHURRIED = 1e100  # window of a free mass [s]: longer than any run, yet finite (0 * inf is no bound)
 
