@@ -260,6 +260,8 @@ class ClosedForm:
             if self.t >= limit:
                 return limit, NOTHING
             found = self._step()
+            if found != NOTHING and self.t > limit:  # polished to a time behind the end
+                return limit, NOTHING
             if found != NOTHING:
                 self._turn_before_event(found)
                 return self.t, found

@@ -445,6 +445,10 @@ double closed_form_advance(Run *r, double limit, int *function)
         if (f->t >= limit)
             return limit;
         *function = step_once(r);
+        if (*function != NOTHING && f->t > limit) {
+            *function = NOTHING;
+            return limit;
+        }
         if (*function != NOTHING) {
             turn_before_event(r, *function);
             return f->t;
