@@ -44,6 +44,33 @@ def test_both_engines_sample_at_the_same_times(every):
     assert_same_columns(fast.samples, slow.samples)
 
 
+@pytest.mark.parametrize("method", ("closed_form", "taylor"))
+@pytest.mark.parametrize("before", (1e-3, 1e-6, 1e-12))
+@pytest.mark.parametrize("engine", ENGINES)
+def test_nothing_happens_after_the_end(method, before, engine):
+    """The run ends shortly before a contact: that contact is not part of it."""
+    w = np.sqrt(200 / 0.297)
+    contact = float(np.arcsin(0.001 * w / 0.1) / w)
+    scene = fixed_block(
+        k2=12400.0, G=0.001, c=0.0, v1=-0.1, t_end=contact - before, every_den=10**6, method=method
+    )
+    result = run(scene, engine)
+    assert result.kinds == []
+    assert result.events["t"].tolist() == [0.0, scene.t_end]
+    assert result.samples["time"][-1] <= scene.t_end
+    assert len(result.samples["time"]) == scene.sample_count
+
+
+@settings(max_examples=200)
+@given(scenes())
+def test_random_runs_end_at_their_end(scene):
+    scene = replace(scene, stop_on_violation=False)
+    result = run(scene)
+    assert result.events["t"][-1] == scene.t_end
+    assert np.all(np.diff(result.events["t"]) >= 0)
+    assert len(result.samples["time"]) == scene.sample_count
+
+
 def states_between(scene, result, i, engine):
     """Samples strictly between event rows i and i + 1, as the run gave them and as state_at gives them."""
     t = result.samples["time"]
