@@ -44,6 +44,7 @@ def smallest_turn(scene):
     first = np.searchsorted(events, samples["time"][:-2])
     turn &= first == np.searchsorted(events, samples["time"][2:])
     bend = before - 2 * here + after
+    turn &= bend > 1e-10 * np.max(np.abs(distance))  # not the last bits of a distance that stays
     shift = np.where(bend > 0, (before - after) ** 2 / (8 * np.where(bend > 0, bend, 1.0)), 0.0)
     return float(np.min((here - shift)[turn], initial=np.inf)), float(np.max(np.abs(distance)))
 

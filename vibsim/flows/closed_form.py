@@ -62,7 +62,7 @@ class ClosedForm:
         self.load_cosine = self.regime.amplitude * self.cos0
         self.centre_sine = self.regime.centre_amplitude * self.sin0
         self.centre_cosine = self.regime.centre_amplitude * self.cos0
-        self.watched = (self.t0,) + (kit.number(0),) * 3
+        self.watched = (self.t0,) + (kit.number(0),) * 4
         self.stall = kit.number(1)
         self._evaluate_start()
 
@@ -290,7 +290,7 @@ class ClosedForm:
             step = ahead if ahead < step else step
             if function == GAP:
                 limit = self.derivative_bound(GAP, d, 2)
-                self.watched = (self.t0, derivatives[0], derivatives[1], limit)
+                self.watched = (self.t0, *derivatives[:3], limit)
         self._move(step)
         return NOTHING
 
@@ -309,7 +309,7 @@ class ClosedForm:
                 return function
             bound = self.derivative_bound(function, d, 2)
             if function == GAP:
-                self._watch_turn(value, slope, bound)
+                self._watch_turn(value, slope, self.derivative(GAP, d, 2), bound)
             room = value - noise
             ahead = safe_step(self.kit, room if room > 0 else self.kit.number(0), slope, bound)
             if ahead < step:
@@ -355,18 +355,31 @@ class ClosedForm:
         """Go ahead by `step` on the time grid."""
         self.t = self.kit.exact(self.t0 + ((self.t - self.t0) + step))
 
-    def _watch_turn(self, value, slope, bound):
+    def _watch_turn(self, value, slope, curvature, bound):
         """Look for a minimum of the gap function since the point watched before; then watch from here on.
 
         bound: on its second derivative over the window ahead. A minimum that cannot undercut the grazing
-        margin is not looked for.
+        margin is not looked for. Between slopes of one sign there may be a maximum beside the minimum: then
+        the slope itself has an extreme between, which the curvatures tell.
         """
-        low, was, falling, limit = self.watched
-        self.watched = (self.t, value, slope, bound)
-        if falling < 0 <= slope:
-            length = self.t - low
-            if was + falling * length - limit * (length * length) / 2 < self.margin:
-                self._turn_between(low, self.t)
+        low, was, before, bend, limit = self.watched
+        self.watched = (self.t, value, slope, curvature, bound)
+        length = self.t - low
+        least = was + before * length - limit * (length * length) / 2
+        if (least if least < was else was) >= self.margin:
+            return
+        if before < 0 <= slope:
+            self._turn_between(low, self.t)
+        elif (before < 0) == (slope < 0) and (bend < 0 < curvature or (before < 0 and curvature < 0 < bend)):
+            middle = low + length * (bend / (bend - curvature))
+            here = self.t
+            self.evaluate(middle - self.t0)
+            between = self.derivative(GAP, self.jet(4), 1)
+            self.evaluate(here - self.t0)
+            if before >= 0 > between:
+                self._turn_between(middle, here)
+            elif before < 0 <= between:
+                self._turn_between(low, middle)
 
     def _turn_between(self, low, high):
         """Keep the minimum of the gap function between two times, by safeguarded Newton steps on its
@@ -400,4 +413,5 @@ class ClosedForm:
         if self.scene.has_stop and function != GAP:
             self.evaluate(self.t - self.t0)
             d = self.jet(4)
-            self._watch_turn(self.derivative(GAP, d, 0), self.derivative(GAP, d, 1), self.kit.number(0))
+            value, slope, curvature = (self.derivative(GAP, d, n) for n in range(3))
+            self._watch_turn(value, slope, curvature, self.kit.number(0))

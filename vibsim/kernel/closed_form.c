@@ -41,7 +41,7 @@ void closed_form_enter(Run *r, const State *state, Mode mode)
     f->centre_sine = regime_of(f)->centre_amplitude * f->sin0;
     f->centre_cosine = regime_of(f)->centre_amplitude * f->cos0;
     f->watched_t = f->t0;
-    f->watched_value = f->watched_slope = f->watched_bound = 0.0;
+    f->watched_value = f->watched_slope = f->watched_curvature = f->watched_bound = 0.0;
     f->stall = 1.0;
     f->tau = 0.0;
     f->y = f->y0;
@@ -290,6 +290,7 @@ static int lead(Run *r)
             f->watched_t = f->t0;
             f->watched_value = derivative(r, GAP, d, 0);
             f->watched_slope = derivative(r, GAP, d, 1);
+            f->watched_curvature = derivative(r, GAP, d, 2);
             f->watched_bound = derivative_bound(r, GAP, d, 2);
         }
     }
@@ -332,18 +333,31 @@ static void turn_between(Run *r, double low, double high)
 }
 
 /* Look for a minimum of the gap function since the point watched before; then watch from here on. */
-static void watch_turn(Run *r, double value, double slope, double limit)
+static void watch_turn(Run *r, double value, double slope, double curvature, double limit)
 {
     ClosedForm *f = &r->closed;
-    double low = f->watched_t, was = f->watched_value, falling = f->watched_slope, before = f->watched_bound;
+    double low = f->watched_t, was = f->watched_value, before = f->watched_slope, bend = f->watched_curvature;
+    double length = f->t - low, least = was + before * length - f->watched_bound * (length * length) / 2;
     f->watched_t = f->t;
     f->watched_value = value;
     f->watched_slope = slope;
+    f->watched_curvature = curvature;
     f->watched_bound = limit;
-    if (falling < 0 && 0 <= slope) {
-        double length = f->t - low;
-        if (was + falling * length - before * (length * length) / 2 < r->margin)
-            turn_between(r, low, f->t);
+    if ((least < was ? least : was) >= r->margin)
+        return;
+    if (before < 0 && 0 <= slope) {
+        turn_between(r, low, f->t);
+    } else if ((before < 0) == (slope < 0) &&
+               ((bend < 0 && 0 < curvature) || (before < 0 && curvature < 0 && 0 < bend))) {
+        double middle = low + length * (bend / (bend - curvature)), between, d[6];
+        evaluate(r, middle - f->t0);
+        jet_here(f, 4, d);
+        between = derivative(r, GAP, d, 1);
+        evaluate(r, f->t - f->t0);
+        if (before >= 0 && 0 > between)
+            turn_between(r, middle, f->t);
+        else if (before < 0 && 0 <= between)
+            turn_between(r, low, middle);
     }
 }
 
@@ -354,7 +368,7 @@ static void turn_before_event(Run *r, int function)
     if (r->scene.has_stop != 0 && function != GAP) {
         evaluate(r, f->t - f->t0);
         jet_here(f, 4, d);
-        watch_turn(r, derivative(r, GAP, d, 0), derivative(r, GAP, d, 1), 0.0);
+        watch_turn(r, derivative(r, GAP, d, 0), derivative(r, GAP, d, 1), derivative(r, GAP, d, 2), 0.0);
     }
 }
 
@@ -398,7 +412,7 @@ static int step_once(Run *r)
             return function;
         limit = derivative_bound(r, function, d, 2);
         if (function == GAP)
-            watch_turn(r, value, slope, limit);
+            watch_turn(r, value, slope, derivative(r, GAP, d, 2), limit);
         room = value - noise;
         ahead = safe_step(room > 0 ? room : 0.0, slope, limit);
         if (ahead < step) {

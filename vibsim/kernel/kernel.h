@@ -60,7 +60,7 @@ typedef struct {
     Oscillator mass_point;
     double limit, omega, share1, share2, settled;
     double t0, t, x2, y0, u0, X0, V0, sin0, cos0, stall;
-    double watched_t, watched_value, watched_slope, watched_bound; /* the gap function, at its last point */
+    double watched_t, watched_value, watched_slope, watched_curvature, watched_bound; /* the gap function, at its last point */
     double load_sine, load_cosine, centre_sine, centre_cosine;
     double y, u, X, V, tau, sine, cosine, stiff, impulse, steady, hc, hs, dc, ds, centre_dc, centre_ds;
     double scale_y, scale_u, scale_V;
