@@ -47,7 +47,7 @@ def engine_name(engine="auto"):
     if not _noticed:
         print(
             "vibsim: no C engine in this installation, running on the Python engine"
-            " (same results, some 200 times slower)",
+            " (same results, some 100 times slower)",
             file=sys.stderr,
         )
         _noticed = True
