@@ -73,3 +73,13 @@ DIGITS = DigitCount()
 ASSIGNMENT = Assignment()
 WINDOW = Window()
 FILE = click.Path(path_type=str)
+
+set_option = click.option(
+    "-s",
+    "--set",
+    "changes",
+    metavar="KEY=VALUE",
+    multiple=True,
+    type=ASSIGNMENT,
+    help="Change a value; repeatable.",
+)

@@ -3,7 +3,7 @@
 import click
 
 from vibsim.command_line.examples import examples
-from vibsim.command_line.parameters import ASSIGNMENT, CASE, DIGITS, FILE
+from vibsim.command_line.parameters import CASE, DIGITS, FILE, set_option
 
 METHODS = ["auto", "closed_form", "taylor"]
 ENGINES = ["auto", "c", "python"]
@@ -24,15 +24,7 @@ ENGINES = ["auto", "c", "python"]
 )
 @click.argument("sources", metavar="CASE...", nargs=-1, required=True, type=CASE)
 @click.option("-o", "--output", type=FILE, metavar="FILE", help="Output file or folder. [default: NAME.h5]")
-@click.option(
-    "-s",
-    "--set",
-    "changes",
-    metavar="KEY=VALUE",
-    multiple=True,
-    type=ASSIGNMENT,
-    help="Change a value; repeatable.",
-)
+@set_option
 @click.option("--t-end", metavar="TIME", help="End of the run, such as 20s.")
 @click.option("--every", metavar="TIME", help="Time between samples, such as 5ms.")
 @click.option("--method", type=click.Choice(METHODS), help="How the motion between events is computed.")

@@ -3,7 +3,7 @@
 import click
 
 from vibsim.command_line.examples import examples
-from vibsim.command_line.parameters import ASSIGNMENT, CASE, FILE
+from vibsim.command_line.parameters import CASE, FILE, set_option
 
 DEFAULT_CASE = "II-B"
 
@@ -62,15 +62,7 @@ class KeyRange(click.ParamType):
     "--section", type=click.IntRange(min=0), default=100, metavar="N", show_default=True,
     help="Stroboscopic points kept per point.",
 )  # fmt: skip
-@click.option(
-    "-s",
-    "--set",
-    "changes",
-    metavar="KEY=VALUE",
-    multiple=True,
-    type=ASSIGNMENT,
-    help="Change a value; repeatable.",
-)
+@set_option
 @click.option("--t-end", metavar="TIME", help="End of every run, such as 100s.")
 @click.option(
     "--every", metavar="TIME", help="Sampling behind the statistics. [default: what the motion needs]"

@@ -75,11 +75,10 @@ class Driver:
         self.ledger.gather(self.state, end, state, self.mode)
         if function != NOTHING:
             self._switch(state, function)
-        elif end >= self.scene.t_end:
-            self.state = state
         else:
             self.state = state
-            self.flow.carry_on(state)
+            if end < self.scene.t_end:
+                self.flow.carry_on(state)
         if not self.finished and end >= self.scene.t_end:
             self._finish()
 
