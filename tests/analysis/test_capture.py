@@ -1,0 +1,157 @@
+"""Was the motor captured? Speeds of known shape, and the motors of the paper."""
+
+import numpy as np
+import pytest
+
+from tests.results.made import short_run
+from tests.scenes import motor, scene
+from vibsim.analysis.capture import capture_of_turns, judge_capture
+from vibsim.analysis.holds import BAND, TURNS, longest_stretch
+from vibsim.analysis.span import Span
+
+SCENE = scene(motor(5.5))  # time constant 9.42 s; half bilinear 3.685 Hz, free 4.149 Hz
+TAU = 2 * np.pi * 5.5 * (0.001 + 0.03 * 0.11**2) / 0.005
+
+
+def turns_of(speed, t_end, step=0.01):
+    """Ends of the turns of a rotor of the speed `speed(t)` [Hz]."""
+    t = np.arange(0, t_end, step)
+    angle = np.concatenate([[0], np.cumsum(speed((t[1:] + t[:-1]) / 2) * step)])
+    return np.interp(np.arange(1, int(angle[-1]) + 1), angle, t)
+
+
+def run_up(t, no_load=5.5):
+    """Speed of the motor alone [Hz], validation case V9."""
+    return no_load * (1 - np.exp(-t / TAU))
+
+
+def held(speed, end=1e9):
+    """When a run-up gets to `speed` [Hz], and a run-up that is then held there until `end` [s]."""
+    reached = -TAU * np.log(1 - speed / 5.5)
+
+    def at(t):
+        return np.where(t < end, np.minimum(run_up(t), speed), run_up(reached + np.maximum(t - end, 0)))
+
+    return reached, at
+
+
+def judged(speed, t_end, impacts=()):
+    turns = turns_of(speed, t_end)
+    return capture_of_turns(turns, np.array(impacts, dtype=float), SCENE, Span(0.0, t_end))
+
+
+IMPACTS = np.arange(0.0, 300.0, 0.13)
+
+
+def test_a_free_run_up_is_no_capture():
+    found = judged(run_up, 100.0)
+    assert (found.verdict, found.holds) == ("passed", ())
+    assert found.final_speed_hz == pytest.approx(5.5, rel=1e-3)
+    for passage in found.passages:
+        expected = -TAU * np.log(1 - passage.resonance.hz / 5.5)
+        assert passage.time == pytest.approx(expected, abs=0.3)
+    assert [passage.resonance.name for passage in found.passages] == ["half bilinear", "free"]
+
+
+def test_a_motor_held_to_the_end_is_captured():
+    reached, speed = held(3.69)
+    found = judged(speed, 200.0, IMPACTS)
+    assert (found.verdict, found.resonance.name) == ("captured", "half bilinear")
+    assert found.since == pytest.approx(reached, abs=TURNS / 2 / 3.5)
+    assert found.until == pytest.approx(200, abs=TURNS / 3.69)
+    assert found.speed_hz == pytest.approx(3.69, rel=1e-3)
+
+
+@pytest.mark.parametrize(("length", "verdict"), [(2.0, "passed"), (12.0, "passed"), (25.0, "escaped")])
+def test_how_long_it_is_held_tells_a_passage_from_a_capture(length, verdict):
+    """The free motor passes 3.69 Hz +- 3 % in 1.16 s; 15 times that is 17 s."""
+    reached = -TAU * np.log(1 - 3.69 / 5.5)
+    found = judged(held(3.69, reached + length)[1], 100.0, IMPACTS)
+    assert found.verdict == verdict
+    assert found.final_speed_hz == pytest.approx(5.5, rel=2e-3)
+    if length > 10:
+        delayed = found.holds[0]
+        free = TAU * np.log((5.5 - 3.69 * (1 - BAND)) / (5.5 - 3.69 * (1 + BAND)))
+        assert delayed.delay == pytest.approx((length + free) / free, rel=0.1)
+        assert delayed.begin == pytest.approx(reached, abs=2)
+        assert delayed.end == pytest.approx(reached + length, abs=2)
+
+
+def test_a_hold_far_from_any_resonance_is_a_capture_too():
+    found = judged(held(2.9)[1], 200.0)
+    assert (found.verdict, found.resonance) == ("captured", None)
+
+
+def test_a_motor_settled_under_load_above_the_resonance_has_passed():
+    found = judged(held(4.98)[1], 200.0, IMPACTS)
+    assert found.verdict == "passed"
+    assert found.holds[-1].at_end
+
+
+def test_a_motor_that_ends_below_every_resonance_has_not_met_it():
+    weak = scene(motor(3.5))
+    turns = turns_of(lambda t: run_up(t, 3.47), 150.0)
+    assert capture_of_turns(turns, IMPACTS, weak, Span(0, 150)).verdict == "not met"
+
+
+@pytest.mark.parametrize(
+    ("t_end", "reason"), [(8.0, "turns are too few"), (14.0, "still changing"), (20.0, "lingers")]
+)
+def test_too_short_a_run_is_undecided(t_end, reason):
+    found = judged(held(3.69)[1], t_end, IMPACTS)
+    assert found.verdict == "undecided"
+    assert reason in found.reason
+
+
+def test_a_rotor_that_rocks_back_is_counted_once():
+    run = short_run("II-B", "20 s")
+    assert np.all(np.diff(judge_capture(run).span.window) > 0)
+    from vibsim.analysis.cycles import cycle_ends
+
+    wild = short_run("II-B", "20 s", initial__phi="-0.3 rad", initial__phidot="-3 rad/s")
+    ends = cycle_ends(wild, (0.0, 20.0))
+    assert wild["phi"].min() < -0.3
+    assert np.all(np.diff(ends) > 0)
+    np.testing.assert_allclose(wild.at(ends)["phi"], 2 * np.pi * np.arange(len(ends)), atol=2e-3)
+
+
+def test_the_longest_stretch_against_all_stretches():
+    rng = np.random.default_rng(3)
+    ratio = (1 + BAND) / (1 - BAND)
+    for _ in range(50):
+        values = np.exp(np.cumsum(rng.normal(scale=0.015, size=40))) * rng.choice([1, 1, 1, -1], size=40)
+        stretches = [
+            (a, b)
+            for a in range(40)
+            for b in range(a, 40)
+            if values[a : b + 1].min() > 0 and values[a : b + 1].max() <= ratio * values[a : b + 1].min()
+        ]
+        first, last = longest_stretch(values)
+        assert last - first == max(b - a for a, b in stretches)
+        assert (first, last) in stretches
+    assert longest_stretch(np.array([-1.0, 0.0])) == (0, -1)
+
+
+def test_an_ideal_source_is_not_captured():
+    with pytest.raises(ValueError, match="ideal source"):
+        judge_capture(short_run("I-A"))
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "verdict", "speed"),
+    [
+        ("II-A", {}, "not met", None),
+        ("II-B", {}, "passed", 3.69),
+        ("II-C", {}, "passed", None),
+        ("II-B", {"coupling__c": "0.03 N s/m"}, "captured", 3.69),
+        ("II-B", {"coupling__c": "0.049 N s/m"}, "captured", 3.69),
+        ("II-C", {"coupling__c": "0.046 N s/m"}, "escaped", 3.69),
+        ("II-B", {"stop": "none"}, "captured", 4.02),
+        ("II-C", {"stop": "none"}, "captured", 4.04),
+        ("II-B", {"excitation__Omega0": "10 Hz"}, "captured", 7.11),  # just below the bilinear 7.37 Hz
+    ],
+)
+def test_the_motors_of_the_paper(name, changes, verdict, speed):
+    found = judge_capture(short_run(name, "300 s", **changes))
+    assert found.verdict == verdict
+    assert found.speed_hz == (None if speed is None else pytest.approx(speed, abs=0.03))

@@ -1,0 +1,174 @@
+"""Was the motor captured by the vibration, and for how long?
+
+    captured   held at the end, and so long that it counts (see below)
+    escaped    held so long that it counts, then let go
+    passed     went through a resonance without being held that long, and settled above it
+    not met    settled near its no-load speed, below every resonance
+    undecided  with the reason
+
+A hold (see `holds`) counts where it delays the motor by a factor of at least CAPTURE against its free run-up,
+that is, where the vibration takes up at least 93 % of the driving torque; and where it lies at least FAR
+below the no-load speed, or NEAR a resonance. A motor that has settled above a resonance, under the load of a
+strong vibration, is neither.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vibsim.analysis.cycles import TURN, cycle_ends
+from vibsim.analysis.holds import BAND, DELAY, TURNS, Hold, holds_of, mean_speeds
+from vibsim.analysis.resonances import Resonance, resonances
+from vibsim.analysis.span import Span, span_of
+from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.scene import Scene
+from vibsim.results.result import Result
+from vibsim.results.windows import Window
+
+CAPTURE = 15.0  # II-B as printed: 10.6; every capture for good in 300 s: over 100
+FAR = 0.15  # below the no-load speed, relative; a motor above the resonance settles 1 to 12 % below it
+NEAR = 0.05  # relative distance from a resonance
+FEWEST_TURNS = 2 * TURNS
+
+
+@dataclass(frozen=True)
+class Capture:
+    """Verdict on a motor run.
+
+    Attributes
+    ----------
+    verdict : "captured", "escaped", "passed", "not met" or "undecided"
+    reason : what it rests on, in words
+    since, until : of the hold that decides it [s]; None without one
+    speed_hz : mean speed over that hold [Hz]
+    resonance : the resonance that it lies near, if any
+    final_speed_hz : mean over the last turns [Hz]
+    no_load_speed_hz : Omega0 [Hz]
+    holds : all stretches that delay the motor by a factor of at least 3
+    passages : when the mean speed last rose through each resonance that it ended well above
+    """
+
+    verdict: str
+    reason: str
+    span: Span
+    no_load_speed_hz: float
+    final_speed_hz: float | None = None
+    since: float | None = None
+    until: float | None = None
+    speed_hz: float | None = None
+    resonance: Resonance | None = None
+    holds: tuple[Hold, ...] = ()
+    passages: tuple["Passage", ...] = ()
+
+
+@dataclass(frozen=True)
+class Passage:
+    """Time [s] at which the mean speed last rose through a resonance."""
+
+    resonance: Resonance
+    time: float
+
+
+def judge_capture(result: Result, window: Window | None = None) -> Capture:
+    """Judge the run of a motor, or the part of it within `window` [s].
+
+    Raises ValueError where the run has no motor, or nothing within the window.
+    """
+    scene, span = result.case.scene(), span_of(result, window)
+    if not scene.has_motor:
+        raise ValueError("capture is a matter of motors, and this run has an ideal source or none")
+    impacts = result.events["t"][result.events["kind"] == EVENT_KINDS["contact_begin"]]
+    return capture_of_turns(cycle_ends(result, span.window), impacts, scene, span)
+
+
+def capture_of_turns(turn_times: np.ndarray, impact_times: np.ndarray, scene: Scene, span: Span) -> Capture:
+    """The verdict from the ends of the turns of the rotor and the impacts, ascending times [s]."""
+    no_load = scene.Omega0 / TURN
+    if len(turn_times) < FEWEST_TURNS:
+        return Capture("undecided", f"{len(turn_times)} turns are too few to judge", span, no_load)
+    times, speeds = mean_speeds(turn_times)
+    holds = holds_of(times, speeds, scene)
+    verdict, reason, hold = _verdict(holds, speeds, impact_times, scene)
+    found = Capture(
+        verdict,
+        reason,
+        span,
+        no_load,
+        float(speeds[-1]),
+        holds=tuple(one for one in holds if one.delay >= DELAY),
+        passages=passages(times, speeds, scene),
+    )
+    if hold is None:
+        return found
+    near = near_resonance(hold, impact_times, scene)
+    return replace(found, since=hold.begin, until=hold.end, speed_hz=hold.speed_hz, resonance=near)
+
+
+def _verdict(
+    holds: list[Hold], speeds: np.ndarray, impacts: np.ndarray, scene: Scene
+) -> tuple[str, str, Hold | None]:
+    """Verdict, reason, and the hold that decides it."""
+    counting = [hold for hold in holds if counts(hold, near_resonance(hold, impacts, scene) is not None)]
+    last = holds[-1] if holds and holds[-1].at_end else None
+    final = f"{speeds[-1]:.3g} Hz"
+    if last is not None and last in counting:
+        return "captured", f"held to the end, {_evidence(last)}", last
+    if counting:
+        longest = max(counting, key=lambda hold: hold.delay)
+        return "escaped", f"{_evidence(longest)}; later at {final}", longest
+    if last is None:
+        return "undecided", f"the speed is still changing at the end, at {final}", None
+    if last.below_no_load >= FAR:
+        return "undecided", f"the run ends while the motor lingers, {_evidence(last)}", last
+    return _settled(holds, last, scene)
+
+
+def _settled(holds: list[Hold], last: Hold, scene: Scene) -> tuple[str, str, Hold | None]:
+    """Verdict on a motor that ends near its no-load speed without having been captured."""
+    passed = [one for one in all_resonances(scene) if one.hz * (1 + BAND) < last.speed_hz]
+    settled = f"settled at {last.speed_hz:.3g} Hz, {100 * last.below_no_load:.2g} % below no-load speed"
+    if not passed:
+        near = [f", near {one.name} {one.hz:.3g} Hz" for one in all_resonances(scene) if is_near(last, one)]
+        return "not met", settled + "".join(near), None
+    lingering = [hold for hold in holds if hold is not last and hold.delay >= DELAY]
+    if not lingering:
+        return "passed", settled, None
+    longest = max(lingering, key=lambda hold: hold.delay)
+    return "passed", f"lingered, {_evidence(longest)}; {settled}", longest
+
+
+def counts(hold: Hold, near: bool) -> bool:
+    """Whether a hold is a capture."""
+    return hold.delay >= CAPTURE and (near or hold.below_no_load >= FAR)
+
+
+def _evidence(hold: Hold) -> str:
+    return f"{hold.turns:.0f} turns, {hold.delay:.3g} times as long as in a free run-up"
+
+
+def near_resonance(hold: Hold, impact_times: np.ndarray, scene: Scene) -> Resonance | None:
+    """The resonance that a hold lies near; which ones there are depends on whether it has impacts."""
+    first, last = np.searchsorted(impact_times, [hold.begin, hold.end])
+    near = [one for one in resonances(scene, bool(last > first)) if is_near(hold, one)]
+    return min(near, key=lambda one: abs(hold.speed_hz - one.hz), default=None)
+
+
+def is_near(hold: Hold, resonance: Resonance) -> bool:
+    """Whether a hold lies near a resonance."""
+    return abs(hold.speed_hz / resonance.hz - 1) <= NEAR
+
+
+def all_resonances(scene: Scene) -> tuple[Resonance, ...]:
+    """With and without impacts, ascending."""
+    found = {*resonances(scene, False), *resonances(scene, True)}
+    return tuple(sorted(found, key=lambda one: one.hz))
+
+
+def passages(times: np.ndarray, speeds: np.ndarray, scene: Scene) -> tuple[Passage, ...]:
+    """When the mean speed last rose through each resonance that it ended well above."""
+    found = []
+    for one in all_resonances(scene):
+        below = np.flatnonzero(speeds < one.hz)
+        if len(below) and speeds[-1] > one.hz * (1 + BAND):
+            found.append(Passage(one, float(times[below[-1] + 1])))
+    return tuple(found)
