@@ -78,7 +78,7 @@ def test_points_waiting_in_the_journal_are_taken_over(tmp_path):
     plan, path = short_plan(), tmp_path / "sweep.h5"
     points = in_memory(plan)
     with FileStore(plan, path) as store:
-        store._journal.add(points.point((1, 0)))
+        store._journal.add([points.point((1, 0))])
         with open(journal_path(path), "ab") as file:
             file.write(b'{"index": [2, 0], "status": 1, "sha')  # killed in the middle of a line
         copy = journal_path(path).read_bytes()
@@ -218,7 +218,7 @@ def test_a_point_whose_case_is_not_allowed_fails_alone():
 def test_journal_lines_are_plain_json(tmp_path):
     plan = short_plan({OMEGA0: "3, 4 Hz"})
     with FileStore(plan, tmp_path / "sweep.h5") as store:
-        store.add(in_memory(plan).point((1, 0)))
+        store.add([in_memory(plan).point((1, 0))])
         lines = journal_path(tmp_path / "sweep.h5").read_text().splitlines()
     assert json.loads(lines[0]) == {"fingerprint": plan.fingerprint}
     assert json.loads(lines[1])["index"] == [1, 0]

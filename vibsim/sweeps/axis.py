@@ -51,6 +51,10 @@ class Axis:
         """One value with its unit, as `Case.with_values` takes it."""
         return f"{decimal_text(self.values[position])} {self.unit}".strip()
 
+    def changes(self, position: int) -> dict[str, str]:
+        """What a point at this position replaces in the case: key -> text."""
+        return {self.key: self.text(position)}
+
     def plain(self) -> dict[str, Any]:
         """The axis as plain data for JSON; `from_plain` reads it back."""
         return {"key": self.key, "unit": self.unit, "values": [decimal_text(value) for value in self.values]}

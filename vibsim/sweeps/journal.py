@@ -7,8 +7,7 @@ and removed at the end. It is also the lock: one process at a time holds it.
 
 import json
 import os
-from collections.abc import Iterator
-from dataclasses import asdict
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from vibsim.results.errors import ResultFileError
@@ -36,23 +35,23 @@ class Journal:
         except OSError as error:
             raise ResultFileError(f"{self.path}: cannot write: {reason(error)}") from error
 
-    def read(self) -> tuple[str, list[Point]]:
-        """Fingerprint of the sweep and its points, up to a broken line; empty for a new journal."""
+    def read(self) -> tuple[str, Iterator[Point]]:
+        """Fingerprint of the sweep and its points, up to a broken line; none of a new journal."""
         lines = _whole_lines(self.path)
         fingerprint = str(next(lines, {}).get("fingerprint", ""))
-        return fingerprint, [Point(**{**line, "index": tuple(line["index"])}) for line in lines]
+        return fingerprint, (Point(**{**line, "index": tuple(line["index"])}) for line in lines)
 
     def restart(self, fingerprint: str) -> None:
         """Begin anew: no points, the fingerprint on the first line."""
         os.ftruncate(self._descriptor, 0)
-        self._append({"fingerprint": fingerprint})
+        self._append([{"fingerprint": fingerprint}])
 
-    def add(self, point: Point) -> None:
-        """Append a point; it is kept whatever happens to this process afterwards."""
-        self._append(asdict(point))
+    def add(self, points: Iterable[Point]) -> None:
+        """Append points; they are kept whatever happens to this process afterwards."""
+        self._append(map(vars, points))
 
-    def _append(self, line: dict) -> None:
-        text = json.dumps(line) + "\n"
+    def _append(self, lines: Iterable[dict]) -> None:
+        text = "".join(json.dumps(line) + "\n" for line in lines)
         try:
             with os.fdopen(os.dup(self._descriptor), "ab") as file:
                 file.write(text.encode())

@@ -1,12 +1,11 @@
 """What a sweep is to do: its case, its axes, the order of its points, and what is kept of each.
 
-A plan is plain data that can be sent to another process. `fingerprint` covers everything that the numbers
-depend on.
+`fingerprint` covers everything that the numbers depend on.
 """
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -16,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from vibsim.cases.quantities import Quantity
 from vibsim.sweeps.axis import Axis
 from vibsim.sweeps.discard import HALF, Discard
+from vibsim.sweeps.recipe import Recipe, Start
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -26,7 +26,6 @@ DIRECTIONS = {"up": (UP,), "down": (DOWN,), "both": (UP, DOWN)}
 DIRECTION_FLAGS = {"up": UP, "down": DOWN}
 
 Index = tuple[int, ...]  # position on every axis, then the position of the direction
-Start = Mapping[str, str]  # initial values that replace those of the case, such as {"initial.x1": "0.1 m"}
 
 
 class PlanError(ValueError):
@@ -101,10 +100,21 @@ class Plan:
         count = len(self.axes[0])
         return range(count) if direction == UP else range(count - 1, -1, -1)
 
+    def changes(self, index: Index) -> dict[str, str]:
+        """The values of the case that the point at `index` replaces: dotted key -> text."""
+        found: dict[str, str] = {}
+        for axis, i in zip(self.axes, index, strict=False):
+            found |= axis.changes(i)
+        return found
+
     def point_case(self, index: Index, start: Start | None = None) -> "Case":
         """The case of one point, begun from `start` where a state is carried. Raises CaseError."""
-        values = {axis.key: axis.text(i) for axis, i in zip(self.axes, index, strict=False)}
-        return self.case.with_values(values | dict(start or {}))
+        return self.recipe.point_case(self.changes(index), start)
+
+    @cached_property
+    def recipe(self) -> Recipe:
+        """What all points have in common; with a point's `changes` it is all that computing it takes."""
+        return Recipe(self.case, self.carry, self.discard, self.section, self.every)
 
     @cached_property
     def settings(self) -> dict[str, Any]:

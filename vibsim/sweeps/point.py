@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,7 +11,8 @@ from vibsim.kernel import KernelError
 from vibsim.physics.scene import Scene
 from vibsim.sweeps.columns import DONE, FAILED
 from vibsim.sweeps.measured_run import GivenUpError, MeasuredRun
-from vibsim.sweeps.plan import Index, Plan, Start
+from vibsim.sweeps.plan import Index
+from vibsim.sweeps.recipe import Recipe, Start
 from vibsim.sweeps.resolution import sampled_for_statistics
 from vibsim.sweeps.statistics import Statistics
 
@@ -60,12 +61,18 @@ class Point:
 
 
 def compute_point(
-    plan: Plan, index: Index, start: Start | None, engine: str, go_on: Callable[[], bool] | None = None
+    recipe: Recipe,
+    index: Index,
+    changes: Mapping[str, str],
+    start: Start | None,
+    engine: str,
+    go_on: Callable[[], bool] | None = None,
 ) -> Point | None:
     """Run one point and take its statistics.
 
     Parameters
     ----------
+    changes : what the point replaces in the case of the recipe
     start : where a state is carried, the end of the point before
     go_on : asked every few milliseconds; the point is given up (None) when it says False
 
@@ -73,32 +80,32 @@ def compute_point(
     """
     began = time.perf_counter()
     try:
-        case = plan.point_case(index, start)
+        case = recipe.point_case(changes, start)
     except CaseError as error:
         return Point(index, FAILED, "", str(error))
-    scene = sampled_for_statistics(case.scene(), plan.every)
+    scene = sampled_for_statistics(case.scene(), recipe.every)
     try:
-        values, section = _measure(scene, plan, engine, go_on)
+        values, section = _measure(scene, recipe, engine, go_on)
     except KernelError as error:
         return Point(index, FAILED, case.sha256, str(error))
     except GivenUpError:
         return None
-    if plan.carry and "end_x1" not in values:
+    if recipe.carry and "end_x1" not in values:
         return Point(index, FAILED, case.sha256, NOTHING_TO_CARRY)
     values["wall_time"] = time.perf_counter() - began
     return Point(index, DONE, case.sha256, "", values, section)
 
 
-def _measure(scene: Scene, plan: Plan, engine: str, go_on: Callable[[], bool] | None) -> Measured:
+def _measure(scene: Scene, recipe: Recipe, engine: str, go_on: Callable[[], bool] | None) -> Measured:
     """Statistics, totals and end state by name; stroboscopic points by name."""
-    begin = plan.discard.time(scene.t_end)
+    begin = recipe.discard.time(scene.t_end)
     run, statistics = MeasuredRun(scene, begin, engine, go_on), Statistics(scene, begin)
     end: dict[str, float] = {}
     for block in run.blocks():
         statistics.update(block)
         end = _end_state(scene, block) or end
     section = {
-        f"section_{name}": column.tolist() for name, column in statistics.section(plan.section).items()
+        f"section_{name}": column.tolist() for name, column in statistics.section(recipe.section).items()
     }
     return {**statistics.values(), **run.totals, "t_reached": run.t_reached, **end}, section
 

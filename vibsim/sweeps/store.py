@@ -20,7 +20,7 @@ LARGEST_SHARE = 0.02  # of the time that writing it may take
 
 
 class Store:
-    """The points of one sweep. `table` holds them; `add` takes one more."""
+    """The points of one sweep. `table` holds them; `add` takes more."""
 
     def __init__(self, plan: Plan, engine: str = "auto"):
         self.plan = plan
@@ -33,9 +33,10 @@ class Store:
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
         pass
 
-    def add(self, point: Point) -> None:
-        """Keep a point."""
-        self.table.put(point)
+    def add(self, points: list[Point]) -> None:
+        """Keep points."""
+        for point in points:
+            self.table.put(point)
 
     @property
     def all_attrs(self) -> dict[str, Any]:
@@ -73,11 +74,11 @@ class FileStore(Store):
             self.attrs["date_created"] = attrs["date_created"]
             self._on_file = True
         fingerprint, points = self._journal.read()
-        if points and fingerprint != self.plan.fingerprint:
-            raise ResultFileError(
-                f"{self._journal.path}: points of another sweep are waiting in it; --force drops them"
-            )
         for point in points:
+            if fingerprint != self.plan.fingerprint:
+                raise ResultFileError(
+                    f"{self._journal.path}: points of another sweep are waiting in it; --force drops them"
+                )
             self.table.put(point)
             self._on_file = False
 
@@ -104,10 +105,10 @@ class FileStore(Store):
         finally:
             self._journal.close(remove=published)
 
-    def add(self, point: Point) -> None:
-        super().add(point)
+    def add(self, points: list[Point]) -> None:
+        super().add(points)
         self._on_file = False
-        self._journal.add(point)
+        self._journal.add(points)
         if time.monotonic() >= self._next:
             self._publish()
 

@@ -14,7 +14,8 @@ from vibsim.cases import Case
 from vibsim.sweeps.axis import Axis
 from vibsim.sweeps.columns import PER_POINT, SECTION, Column
 from vibsim.sweeps.discard import parse_discard
-from vibsim.sweeps.plan import DIRECTION_FLAGS, Index, Plan, Start
+from vibsim.sweeps.plan import DIRECTION_FLAGS, Index, Plan
+from vibsim.sweeps.recipe import Start
 from vibsim.sweeps.sweep_file import fill, read_sweep_attrs
 from vibsim.sweeps.table import Table
 

@@ -13,7 +13,7 @@ from vibsim.sweeps.plan import DIRECTIONS, Plan, PlanError
 from vibsim.sweeps.runner import Watch, run
 from vibsim.sweeps.store import FileStore, Store
 from vibsim.sweeps.sweep_result import SweepResult
-from vibsim.sweeps.workers import Workers, available_cores
+from vibsim.sweeps.workers import LocalWorkers, available_cores
 
 
 def sweep(
@@ -94,7 +94,7 @@ def run_stored(
     store: Store, jobs: int, engine: str = "auto", watch: Watch | None = None
 ) -> tuple[SweepResult, bool]:
     """Complete a store; the result, and whether every point was reached."""
-    with store, Workers(store.plan, jobs, engine) as workers:
+    with store, LocalWorkers(store.plan.recipe, jobs, engine) as workers:
         finished = run(store, workers, watch)
     return SweepResult(store.all_attrs, store.plan, lambda: store.table), finished
 

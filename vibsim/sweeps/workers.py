@@ -1,16 +1,47 @@
-"""Who computes the points: threads over the C engine, which lets go of the GIL, else processes."""
+"""Who computes the points: threads over the C engine, which lets go of the GIL, else processes.
+
+`vibsim.sweeps.cluster` has workers of the same kind on other machines.
+"""
 
 import multiprocessing
 import os
 import signal
 import threading
+from collections.abc import Callable
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from functools import partial
 from types import TracebackType
-from typing import Any
+from typing import Any, Protocol
 
 from vibsim.kernel import engine_name
-from vibsim.sweeps.plan import Index, Plan, Start
-from vibsim.sweeps.point import Point, compute_point
+from vibsim.sweeps.batch import Piece, compute_batch
+from vibsim.sweeps.point import Point
+from vibsim.sweeps.recipe import Recipe
+
+Pieces = tuple[Piece, ...]
+
+
+class Workers(Protocol):
+    """Takes batches of points and gives futures of their results; a context manager.
+
+    count : batches that are computed at the same time
+    batch_seconds : computing time that a batch should take [s]
+    """
+
+    batch_seconds: float
+
+    @property
+    def count(self) -> int: ...
+
+    def submit(self, pieces: Pieces) -> "Future[list[Point]]":
+        """The points of a batch, some time; fewer when it was given up."""
+
+    def stop(self) -> None:
+        """Give up what is being computed."""
+
+    def __enter__(self) -> "Workers": ...
+
+    def __exit__(self, kind: Any, error: Any, trace: Any) -> None: ...
 
 
 def available_cores() -> int:
@@ -18,28 +49,31 @@ def available_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-class Workers:
-    """A pool of `jobs` workers for one plan, a context manager; what is unfinished at its end is given up."""
+class LocalWorkers:
+    """A pool of `jobs` workers on this machine; what is unfinished at its end is given up."""
 
-    def __init__(self, plan: Plan, jobs: int, engine: str = "auto"):
-        self.plan, self.jobs, self.engine = plan, jobs, engine_name(engine)
+    batch_seconds = 0.1  # handing a batch out takes less than 1 ms; and as much may be lost to a kill
+
+    def __init__(self, recipe: Recipe, jobs: int, engine: str = "auto"):
+        self.recipe, self.count, self.engine = recipe, jobs, engine_name(engine)
         self._stop: Any
         self._pool: Executor
+        self._compute: Callable[..., list[Point]]
         if self.engine == "c":
             self._stop = threading.Event()
             self._pool = ThreadPoolExecutor(jobs)
+            self._compute = partial(compute_batch, go_on=self._going_on)
         else:
             spawning = multiprocessing.get_context("spawn")
             self._stop = spawning.Event()
             self._pool = ProcessPoolExecutor(
                 jobs, spawning, initializer=_prepare_process, initargs=(self._stop,)
             )
+            self._compute = _compute_in_process
 
-    def submit(self, index: Index, start: Start | None) -> "Future[Point | None]":
-        """The point at `index`, some time; None when it was given up."""
-        if isinstance(self._pool, ThreadPoolExecutor):
-            return self._pool.submit(compute_point, self.plan, index, start, self.engine, self._going_on)
-        return self._pool.submit(_compute_in_process, self.plan, index, start, self.engine)
+    def submit(self, pieces: Pieces) -> "Future[list[Point]]":
+        """The points of a batch, some time; fewer when it was given up."""
+        return self._pool.submit(self._compute, self.recipe, pieces, self.engine)
 
     def _going_on(self) -> bool:
         return not self._stop.is_set()
@@ -48,7 +82,7 @@ class Workers:
         """Give up what is being computed, within milliseconds."""
         self._stop.set()
 
-    def __enter__(self) -> "Workers":
+    def __enter__(self) -> "LocalWorkers":
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
@@ -66,5 +100,5 @@ def _prepare_process(stop: Any) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def _compute_in_process(plan: Plan, index: Index, start: Start | None, engine: str) -> Point | None:
-    return compute_point(plan, index, start, engine, lambda: not _told_to_stop.is_set())
+def _compute_in_process(recipe: Recipe, pieces: Pieces, engine: str) -> list[Point]:
+    return compute_batch(recipe, pieces, engine, lambda: not _told_to_stop.is_set())
