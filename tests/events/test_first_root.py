@@ -26,6 +26,17 @@ def polynomial(roots, pairs=(), order=0):
     return p
 
 
+def search_for_root(search, p, order, t0, h, keep_margin=False):
+    """Grid time of the first zero of p(t - t0) in the step, or None; expands anew as a flow does."""
+    start, end = t0, t0 + h
+    while True:
+        series = p(np.polynomial.Polynomial([start - t0, 1.0])).coef.tolist()
+        found, zero = search.first_root([*series, 0.0, 0.0], order, start, end - start, keep_margin)
+        if found is None or zero:
+            return found
+        start, order = found, 0
+
+
 def curvature_bound(p, h):
     """sum |coefficients of p''| h^n."""
     return float(sum(abs(value) * h**n for n, value in enumerate(p.deriv(2).coef)))
@@ -101,7 +112,7 @@ def test_leading_order():
 def test_polynomial_search_finds_the_first_root(roots, pairs, order, t0):
     p, h = polynomial(roots, pairs, order), 3.5
     search = PolynomialSearch(Doubles)
-    found = search.first_root(p.coef.tolist(), order, float(t0), h, False)
+    found = search_for_root(search, p, order, float(t0), h)
     assert found is not None
     q = polynomial(roots, pairs)
     total = float(np.polynomial.Polynomial(np.abs(q.coef))(h))
@@ -110,7 +121,7 @@ def test_polynomial_search_finds_the_first_root(roots, pairs, order, t0):
     # taken for zero: what lies within the rounding bound 4 eps sum |b_n| h^n, or one grid step of time away
     reach = float(np.max(np.abs(q.deriv()(np.linspace(tau, first, 20)))))
     assert abs(float(q(tau))) <= 16 * EPS * total + 4 * EPS * (t0 + h) * reach
-    assert search.uncertified == 0
+    assert search.certificate.uncertified == 0
 
 
 @given(complex_pairs.filter(bool))
@@ -118,7 +129,9 @@ def test_polynomial_search_finds_no_root_where_there_is_none(pairs):
     p = polynomial([], pairs)
     total = float(np.polynomial.Polynomial(np.abs(p.coef))(3.5))
     assume(np.min(p(np.linspace(0, 3.5, 2001))) > 1e-6 * total)
-    assert PolynomialSearch(Doubles).first_root(p.coef.tolist(), 0, 0.0, 3.5, False) is None
+    search = PolynomialSearch(Doubles)
+    assert search_for_root(search, p, 0, 0.0, 3.5) is None
+    assert search.certificate.uncertified == 0
 
 
 @given(st.integers(100, 3000), st.integers(-12, 0))
@@ -126,19 +139,22 @@ def test_polynomial_search_keeps_the_grazing_margin(at, exponent):
     """(t - a)^2 + b turns round at a, with the value b."""
     a, b = at / 1000, 10.0**exponent
     search = PolynomialSearch(Doubles)
-    assert search.first_root([a * a + b, -2 * a, 1.0], 0, 0.0, 3.5, True) is None
-    assert search.margin == pytest.approx(b, abs=16 * EPS * (a * a + b + 2 * a * 3.5 + 3.5**2))
-    assert search.margin_time == pytest.approx(a, rel=1e-12)
+    p = np.polynomial.Polynomial([a * a + b, -2 * a, 1.0])
+    assert search_for_root(search, p, 0, 0.0, 3.5, keep_margin=True) is None
+    assert search.certificate.margin == pytest.approx(b, abs=16 * EPS * (a * a + b + 2 * a * 3.5 + 3.5**2))
+    assert search.certificate.margin_time == pytest.approx(a, rel=1e-12)
 
 
 @given(st.integers(2, 60))
 def test_polynomial_search_stops_at_a_double_root(n):
     """(t - a)^2 touches zero: found, up to the square root of the rounding bound before it."""
     a, h = n / 20, 3.5
-    found = PolynomialSearch(Doubles).first_root([a * a, -2 * a, 1.0], 0, 0.0, h, False)
+    search = PolynomialSearch(Doubles)
+    found = search_for_root(search, np.polynomial.Polynomial([a * a, -2 * a, 1.0]), 0, 0.0, h)
+    assert search.certificate.uncertified == 1  # whether it touches or misses is beyond doubles
     if found is not None:  # a rounded up to no root at all is as good
         assert abs(found - a) <= math.sqrt(16 * EPS * (a + h) ** 2)
 
 
 def test_a_rest_at_zero_has_no_root():
-    assert PolynomialSearch(Doubles).first_root([0.0, 0.0, 0.0], 1, 0.0, 1.0, True) is None
+    assert PolynomialSearch(Doubles).first_root([0.0, 0.0, 0.0], 1, 0.0, 1.0, True) == (None, False)

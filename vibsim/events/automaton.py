@@ -132,5 +132,3 @@ def first_sign(values):
         if value != 0:
             return sign(value)
     return 0
-
-

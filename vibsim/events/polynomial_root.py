@@ -2,52 +2,59 @@
 
 from math import inf
 
+from vibsim.events.certificate import Certificate, crosses
 from vibsim.events.first_root import safe_step
+from vibsim.events.turning_point import turning_point
 
-MARCH_LIMIT = 10000
+MARCH_LIMIT = 1000  # a march longer than this goes on from a new expansion, whose bounds are tighter
 PIECES = 8  # a step spans less than two radians of the fastest motion: one minimum at most
-TURNING = 60
 
 
 class PolynomialSearch:
-    """Finds first roots and keeps the smallest value that the gap function turned round at without
-    crossing.
-    """
+    """Finds first roots, and watches how close the gap function comes without one."""
 
     def __init__(self, kit):
         self.kit = kit
-        self.margin, self.margin_time = inf, kit.number(0)
-        self.uncertified = 0
+        self.certificate = Certificate(kit)
         self.settled = kit.power_of_two(kit.exponent(kit.eps) / 3)
 
     def first_root(self, coefficients, known, t0, h, keep_margin):
-        """Grid time of the first zero in (t0, t0 + h] of the polynomial in t - t0, or None.
+        """How far the polynomial in t - t0 is known to be positive: (grid time, whether it is zero there).
 
         coefficients: lowest first; positive at the start but for a zero there of order `known`, which is
-        divided out together with any further coefficient that is exactly zero. keep_margin: look for a
-        grazing minimum before the root or the end of the step.
+        divided out together with any further coefficient that is exactly zero. h: length of the step [s].
+        The time is None where it is positive on the whole step. keep_margin: look for a grazing minimum
+        before the root or the end of the step.
         """
         order = known
         while order < len(coefficients) and coefficients[order] == 0:
             order += 1
         if order == len(coefficients):
-            return None
+            return None, False
         series = coefficients[order:]
-        total, fall, curvature, swing = self._bounds(series, h)
+        total, fall, curvature, swing, truncation = self._bounds(series, h)
         noise = 4 * self.kit.eps * total
-        root = None
-        if series[0] - noise - fall <= 0:
-            root = self._march(series, noise, curvature, t0, h)
-        if keep_margin and series[0] - fall < self.margin and self._may_turn(series, order, total, swing, h):
-            self._watch_turns(coefficients, t0, h if root is None else root - t0)
-        return root
+        error = noise + truncation
+        end, zero = None, False
+        if series[0] - error - fall <= 0:
+            end, zero = self._march(series, noise, error, curvature, t0, h)
+        close = keep_margin and series[0] - fall < self.certificate.margin
+        if close and self._may_turn(series, order, total, swing, h):
+            self._watch_turns(coefficients, t0, h if end is None else end - t0)
+        return end, zero
 
     def _bounds(self, series, h):
-        """sum |b_n| h^n, the largest possible fall below b_0, a bound of |f''|, and sum n |b_n| h^n."""
+        """sum |b_n| h^n, the largest possible fall below b_0, a bound of |f''|, sum n |b_n| h^n, and a bound
+        of what follows the last term.
+
+        The last two terms bound what follows them as long as terms fall to less than 0.7 of the one before;
+        the step control lets them fall to tol^(1/order), 0.16 by default.
+        """
         zero = self.kit.number(0)
         total, fall, curvature, swing, power = abs(series[0]), zero, zero, zero, h
+        before = term = zero
         for n in range(1, len(series)):
-            term = abs(series[n]) * power
+            before, term = term, abs(series[n]) * power
             total = total + term
             swing = swing + n * term
             if n > 1:
@@ -56,7 +63,7 @@ class PolynomialSearch:
             elif series[1] < 0:
                 fall = fall + term
             power = power * h
-        return total, fall, curvature / (h * h), swing
+        return total, fall, curvature / (h * h), swing, before + term
 
     @staticmethod
     def _may_turn(series, order, total, swing, h):
@@ -65,33 +72,41 @@ class PolynomialSearch:
             return order * series[0] <= swing + order * (total - series[0])
         return len(series) > 1 and 2 * abs(series[1]) * h <= swing
 
-    def _march(self, series, noise, bound, t0, h):
-        """March by safe steps from t0 to the first zero; None where t0 + h comes first."""
+    def _march(self, series, noise, error, bound, t0, h):
+        """March by safe steps from t0; as `first_root`.
+
+        The function is proved positive where the polynomial stays above `error`. From there down to its zero,
+        the place of which only rounding blurs, it has to fall all the way: where it turns round between,
+        the stretch is in doubt.
+        """
         zero = self.kit.number(0)
-        t, stall = t0, self.kit.number(1)
+        t, stall, floor, near = t0, self.kit.number(1), error, False
         for _ in range(MARCH_LIMIT):
             tau = t - t0
             if tau > h:
-                return None
+                return None, False
             value, slope = self._value_and_slope(series, tau)
+            if value <= error and not near:
+                near, floor = True, noise
+                if slope >= 0 or not crosses(slope, bound, 2 * error):
+                    self.certificate.doubt(t0)
             if value < -noise or (value <= noise and slope <= 0):
-                return t
-            room = value - noise if value > noise else zero
+                return t, True
+            room = value - floor if value > floor else zero
             step = safe_step(self.kit, room, slope, bound)
             if step > h:
-                return None
+                return None, False
             ahead = self.kit.exact(t0 + (tau + step))
             if ahead <= t:
                 if slope < 0:
-                    return t
-                self.uncertified += 1
+                    return t, True
+                self.certificate.doubt(t0)
                 ahead = t + (self.kit.next_after(t, inf) - t) * stall
                 stall = stall * 2
             else:
                 stall = self.kit.number(1)
             t = ahead
-        self.uncertified += 1
-        return None
+        return t, False
 
     @staticmethod
     def _value_and_slope(series, tau):
@@ -114,20 +129,9 @@ class PolynomialSearch:
             low, falling = high, rising
 
     def _turn_between(self, series, slopes, t0, low, high):
-        """Keep the minimum between two points, by safeguarded Newton steps on the slope."""
-        tau, settled = low + (high - low) / 2, (high - low) * self.settled
-        for _ in range(TURNING):
-            slope, curvature = self._value_and_slope(slopes, tau)
-            low, high = (tau, high) if slope < 0 else (low, tau)
-            ahead = tau - slope / curvature if curvature > 0 else low
-            if curvature > 0 and abs(ahead - tau) < settled:
-                break
-            if not low < ahead < high:
-                ahead = low + (high - low) / 2
-            tau = ahead
+        def slope_at(tau):
+            return self._value_and_slope(slopes, tau)
+
+        tau, turn, depth = turning_point(slope_at, low, high, (high - low) * self.settled)
         value, _ = self._value_and_slope(series, tau)
-        if curvature > 0:
-            value = value - slope * slope / (2 * curvature)
-        value = value if value > 0 else 0 * tau
-        if value < self.margin:
-            self.margin, self.margin_time = value, t0 + ahead
+        self.certificate.keep_turn(value - depth, t0 + turn)

@@ -21,7 +21,7 @@ class Regime:
         if harmonic:
             self.load = self.load + scene.F0 / scene.m1
         self.amplitude = scene.A / scene.m1 if harmonic else zero
-        self.forced = [abs(self.amplitude) * (self.oscillator.window * self.oscillator.window / 2)]
+        self.forced = [abs(self.amplitude) / 2]  # by n: |R| omega^n / 2
         for _ in range(JET_ORDER):
             self.forced.append(self.forced[-1] * omega)
         self.centre_load = self.centre_amplitude = zero

@@ -35,9 +35,7 @@ class Taylor:
         self.search = PolynomialSearch(kit)
         self.evaluations = self.steps = 0
 
-    margin = property(lambda self: self.search.margin)
-    margin_time = property(lambda self: self.search.margin_time)
-    uncertified = property(lambda self: self.search.uncertified)
+    certificate = property(lambda self: self.search.certificate)
 
     def enter(self, state, mode, known):
         """Expand the motion at `state` in `mode`; known: {event function: order of its zero here}."""
@@ -222,15 +220,15 @@ class Taylor:
         h = self.h if self.h < length else length
         end = limit if self.h >= length else self.kit.exact(self.t0 + h)
         if end <= self.t0:
-            self.search.uncertified += 1
+            self.certificate.doubt(self.t0)
             return self.kit.next_after(self.t0, inf), NOTHING
         found = NOTHING
         for function in self.functions:
             coefficients = self.polynomial(function)
             known = self.known.get(function, 0)
-            root = self.search.first_root(coefficients, known, self.t0, h, function == GAP)
-            if root is not None and (found == NOTHING or root < end):
-                end, found = root, function
+            t, zero = self.search.first_root(coefficients, known, self.t0, h, function == GAP)
+            if t is not None and (t < end or (zero and found == NOTHING)):
+                end, found = t, function if zero else NOTHING
                 h = end - self.t0
             if h == 0:  # an event at the start: no other can come before it
                 break

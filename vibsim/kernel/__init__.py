@@ -1,8 +1,8 @@
 """The engines: one contract, two implementations that agree bit for bit on doubles.
 
-    trajectory = open_trajectory(scene, engine="auto")
-    for block in trajectory.blocks(): ...
-    trajectory.totals
+trajectory = open_trajectory(scene, engine="auto")
+for block in trajectory.blocks(): ...
+trajectory.totals
 """
 
 import sys

@@ -1,6 +1,6 @@
 """The C engine as a trajectory: packs the scene, hands buffers to the kernel, cuts blocks from them."""
 
-from math import inf, log2, nan
+from math import log2, nan
 
 import numpy as np
 
@@ -85,8 +85,8 @@ class CTrajectory:
         tally = _kernel.tally(self.memory)
         return totals_of(
             tally["counts"],
-            (int(tally["steps"]), int(tally["evaluations"]), int(tally["uncertified"])),
-            (tally["margin"], tally["margin_time"]) if tally["margin"] != inf else (nan, nan),
+            (int(tally["steps"]), int(tally["evaluations"])),
+            tally["certificate"],
             tally["first_violation"] if tally["violated_once"] else nan,
             tally["ledger"] if self.ledger else None,
         )

@@ -119,7 +119,8 @@ void run_start(Run *r, const Scene *scene, const State *resume, const Mode *mode
 {
     memset(r, 0, sizeof *r);
     r->scene = *scene;
-    r->margin = INFINITY;
+    r->certificate.margin = INFINITY;
+    r->certificate.doubted = NAN;
     if (scene->closed_form != 0)
         closed_form_set(r);
     else

@@ -2,7 +2,9 @@
  *
  * Every expression repeats its Python twin operation by operation; compile with -ffp-contract=off and never with
  * -ffast-math. Twins: numbers.h physics/numbers.py, first_root.h events/first_root.py, responses.c flows/responses.py,
- * regime.c flows/regime.py, closed_form.c flows/closed_form.py, taylor.c flows/taylor.py, polynomial_root.c events/polynomial_root.py,
+ * regime.c flows/regime.py, closed_form.c flows/closed_form.py, event_functions.c flows/event_functions.py, closed_form_search.c
+ * events/closed_form_search.py, taylor.c flows/taylor.py, polynomial_root.c events/polynomial_root.py, certificate.h
+ * events/certificate.py, turning_point.h events/turning_point.py,
  * automaton.c events/automaton.py, driver.c kernel/driver.py, stroboscopic.c kernel/stroboscopic.py, ledger.c kernel/ledger.py.
  */
 #ifndef VIBSIM_KERNEL_H
@@ -56,15 +58,21 @@ typedef struct {
 } Regime;
 
 typedef struct {
+    double t, reach, window, stall;
+    double watched_t, watched_value, watched_slope, watched_curvature, watched_bound; /* the gap function, at its last point */
+    int leading;
+} ClosedFormSearch;
+
+typedef struct {
     Regime regimes[2][2][3]; /* locked, contact, friction + 1 */
     Oscillator mass_point;
+    ClosedFormSearch search;
     double limit, omega, share1, share2, settled;
-    double t0, t, x2, y0, u0, X0, V0, sin0, cos0, stall;
-    double watched_t, watched_value, watched_slope, watched_curvature, watched_bound; /* the gap function, at its last point */
+    double t0, x2, y0, u0, X0, V0, sin0, cos0;
     double load_sine, load_cosine, centre_sine, centre_cosine;
     double y, u, X, V, tau, sine, cosine, stiff, impulse, steady, hc, hs, dc, ds, centre_dc, centre_ds;
     double scale_y, scale_u, scale_V;
-    int driven, leading, locked, regime[3];
+    int driven, locked, regime[3];
 } ClosedForm;
 
 typedef struct {
@@ -74,6 +82,10 @@ typedef struct {
     int order, locked;
 } Taylor;
 
+typedef struct {
+    double margin, margin_time, uncertified, first_doubt, doubted;
+} Certificate;
+
 /* A run: everything between two calls. Plain memory, kept by the caller. */
 typedef struct {
     Scene scene;
@@ -81,9 +93,10 @@ typedef struct {
     Mode mode;
     Known known;
     int functions[FUNCTIONS], function_count;
-    double known_since, margin, margin_time, first_violation;
+    double known_since, first_violation;
+    Certificate certificate;
     double work, viscous, friction_loss, energy_start, stored; /* the energy ledger [J] */
-    double evaluations, steps, uncertified, counts[KINDS];
+    double evaluations, steps, counts[KINDS];
     double period; /* of the ideal source, whose end is the next section point */
     long long next_sample;
     int crowd, finished, status, violated_once;
@@ -105,11 +118,23 @@ void free_harmonic_response(const Oscillator *point, double t, double cosine, do
 void closed_form_set(Run *r);
 
 /* closed_form.c */
+const Regime *regime_of(const ClosedForm *f);
 void closed_form_enter(Run *r, const State *state, Mode mode);
-double closed_form_advance(Run *r, double limit, int *function);
+void closed_form_evaluate(Run *r, double tau);
+void closed_form_measure(ClosedForm *f);
+void closed_form_jet_here(const ClosedForm *f, int count, double *d);
 double closed_form_longest_piece(const Run *r, double tau);
 void closed_form_state_after(Run *r, double tau, State *out);
 void closed_form_jet(Run *r, const State *state, Mode mode, int count, double *jet);
+
+/* event_functions.c; d: derivatives of x1 - x2 at the point evaluated last */
+double event_derivative(const Run *r, int function, const double *d, int n);
+double event_bound(const Run *r, int function, const double *d, int n, double reach);
+double event_noise(const Run *r, int function);
+
+/* closed_form_search.c */
+void closed_form_open(Run *r);
+double closed_form_advance(Run *r, double limit, int *function);
 
 /* taylor.c */
 void taylor_set(Run *r);
@@ -118,9 +143,10 @@ double taylor_advance(Run *r, double limit, int *function);
 void taylor_state_after(Run *r, double tau, State *out);
 void taylor_jet(Run *r, const State *state, Mode mode, int count, double *jet);
 
-/* polynomial_root.c */
+/* polynomial_root.c; what became of the search for a zero within a step */
+enum { POSITIVE, ZERO, UNFINISHED };
 int polynomial_first_root(Run *r, const double *coefficients, int count, int known, double t0, double h, int keep_margin,
-                          double *root);
+                          double *end);
 
 /* automaton.c */
 void watch(Run *r, Mode mode);

@@ -146,11 +146,12 @@ static PyObject *tally(PyObject *self, PyObject *args)
     if (r && (counts = PyTuple_New(KINDS)) != NULL) {
         for (i = 0; i < KINDS; i++)
             PyTuple_SET_ITEM(counts, i, PyLong_FromDouble(r->counts[i]));
-        result = Py_BuildValue("{s(dddddddd)s(iii)sNsdsdsdsdsdsisds(ddddd)}", "state", r->state.t, r->state.x1, r->state.v1,
+        result = Py_BuildValue("{s(dddddddd)s(iii)sNsdsds(dddd)sisds(ddddd)}", "state", r->state.t, r->state.x1, r->state.v1,
                                r->state.x2, r->state.v2, r->state.phase, r->state.turns, r->state.w, "mode",
                                r->mode.contact, r->mode.friction, r->mode.violated, "counts", counts, "steps", r->steps,
-                               "evaluations", r->evaluations, "uncertified", r->uncertified, "margin", r->margin,
-                               "margin_time", r->margin_time, "violated_once", r->violated_once, "first_violation",
+                               "evaluations", r->evaluations, "certificate", r->certificate.uncertified,
+                               r->certificate.first_doubt, r->certificate.margin, r->certificate.margin_time,
+                               "violated_once", r->violated_once, "first_violation",
                                r->first_violation, "ledger", r->energy_start, r->stored, r->work, r->viscous,
                                r->friction_loss);
     }

@@ -1,11 +1,12 @@
 /* Certified first root of a polynomial event function; twin of vibsim/events/polynomial_root.py. */
+#include "certificate.h"
 #include "first_root.h"
 #include "kernel.h"
 #include "numbers.h"
+#include "turning_point.h"
 
-#define MARCH_LIMIT 10000
+#define MARCH_LIMIT 1000
 #define PIECES 8
-#define TURNING 60
 
 static void value_and_slope(const double *series, int count, double tau, double *value, double *slope)
 {
@@ -19,30 +20,38 @@ static void value_and_slope(const double *series, int count, double tau, double 
     *slope = s;
 }
 
-static int march(Run *r, const double *series, int count, double noise, double bound, double t0, double h, double *root)
+/* March by safe steps from t0; `error` proves a stretch, `noise` blurs the place of a zero. */
+static int march(Run *r, const double *series, int count, double noise, double error, double bound, double t0, double h,
+                 double *end)
 {
-    double t = t0, stall = 1.0;
-    int i;
+    double t = t0, stall = 1.0, floor = error;
+    int near = 0, i;
     for (i = 0; i < MARCH_LIMIT; i++) {
         double tau = t - t0, value, slope, room, step, ahead;
         if (tau > h)
-            return 0;
+            return POSITIVE;
         value_and_slope(series, count, tau, &value, &slope);
-        if (value < -noise || (value <= noise && slope <= 0)) {
-            *root = t;
-            return 1;
+        if (value <= error && !near) {
+            near = 1;
+            floor = noise;
+            if (slope >= 0 || !crosses(slope, bound, 2 * error))
+                doubt(&r->certificate, t0);
         }
-        room = value > noise ? value - noise : 0.0;
+        if (value < -noise || (value <= noise && slope <= 0)) {
+            *end = t;
+            return ZERO;
+        }
+        room = value > floor ? value - floor : 0.0;
         step = safe_step(room, slope, bound);
         if (step > h)
-            return 0;
+            return POSITIVE;
         ahead = t0 + (tau + step);
         if (ahead <= t) {
             if (slope < 0) {
-                *root = t;
-                return 1;
+                *end = t;
+                return ZERO;
             }
-            r->uncertified += 1;
+            doubt(&r->certificate, t0);
             ahead = t + (nextafter(t, INFINITY) - t) * stall;
             stall = stall * 2;
         } else {
@@ -50,37 +59,30 @@ static int march(Run *r, const double *series, int count, double noise, double b
         }
         t = ahead;
     }
-    r->uncertified += 1;
-    return 0;
+    *end = t;
+    return UNFINISHED;
 }
 
-/* Keep the minimum between two points, by safeguarded Newton steps on the slope. */
+typedef struct {
+    const double *slopes;
+    int count;
+} Slopes;
+
+static void slope_at(void *function, double tau, double *slope, double *curvature)
+{
+    const Slopes *of = function;
+    value_and_slope(of->slopes, of->count, tau, slope, curvature);
+}
+
 static void turn_between(Run *r, const double *series, const double *slopes, int count, double t0, double low, double high)
 {
-    double tau = low + (high - low) / 2, settled = (high - low) * power_of_two(binary_exponent(EPS) / 3.0);
-    double value, slope = 0, curvature = 0, ahead = tau, unused;
-    int i;
-    for (i = 0; i < TURNING; i++) {
-        value_and_slope(slopes, count - 1, tau, &slope, &curvature);
-        if (slope < 0)
-            low = tau;
-        else
-            high = tau;
-        ahead = curvature > 0 ? tau - slope / curvature : low;
-        if (curvature > 0 && fabs(ahead - tau) < settled)
-            break;
-        if (!(low < ahead && ahead < high))
-            ahead = low + (high - low) / 2;
-        tau = ahead;
-    }
+    Slopes of;
+    double tau, turn, depth, value, unused;
+    of.slopes = slopes;
+    of.count = count - 1;
+    turning_point(slope_at, &of, low, high, (high - low) * power_of_two(binary_exponent(EPS) / 3.0), &tau, &turn, &depth);
     value_and_slope(series, count, tau, &value, &unused);
-    if (curvature > 0)
-        value = value - slope * slope / (2 * curvature);
-    value = value > 0 ? value : 0 * tau;
-    if (value < r->margin) {
-        r->margin = value;
-        r->margin_time = t0 + ahead;
-    }
+    keep_turn(&r->certificate, value - depth, t0 + turn);
 }
 
 static void watch_turns(Run *r, const double *series, int count, double t0, double stop)
@@ -108,19 +110,20 @@ static int may_turn(const double *series, int count, int order, double total, do
 }
 
 int polynomial_first_root(Run *r, const double *coefficients, int count, int known, double t0, double h, int keep_margin,
-                          double *root)
+                          double *end)
 {
     const double *series;
-    double total, fall = 0.0, curvature = 0.0, swing = 0.0, power = h, noise;
-    int order = known, n, found = 0;
+    double total, fall = 0.0, curvature = 0.0, swing = 0.0, power = h, term = 0.0, before = 0.0, noise, error;
+    int order = known, n, outcome = POSITIVE;
     while (order < count && coefficients[order] == 0)
         order++;
     if (order == count)
-        return 0;
+        return POSITIVE;
     series = coefficients + order;
     total = fabs(series[0]);
     for (n = 1; n < count - order; n++) {
-        double term = fabs(series[n]) * power;
+        before = term;
+        term = fabs(series[n]) * power;
         total = total + term;
         swing = swing + n * term;
         if (n > 1) {
@@ -132,9 +135,11 @@ int polynomial_first_root(Run *r, const double *coefficients, int count, int kno
         power = power * h;
     }
     noise = 4 * EPS * total;
-    if (series[0] - noise - fall <= 0)
-        found = march(r, series, count - order, noise, curvature / (h * h), t0, h, root);
-    if (keep_margin && series[0] - fall < r->margin && may_turn(series, count - order, order, total, swing, h))
-        watch_turns(r, coefficients, count, t0, found ? *root - t0 : h);
-    return found;
+    error = noise + (before + term);
+    if (series[0] - error - fall <= 0)
+        outcome = march(r, series, count - order, noise, error, curvature / (h * h), t0, h, end);
+    if (keep_margin && series[0] - fall < r->certificate.margin &&
+        may_turn(series, count - order, order, total, swing, h))
+        watch_turns(r, coefficients, count, t0, outcome == POSITIVE ? h : *end - t0);
+    return outcome;
 }

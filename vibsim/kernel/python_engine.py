@@ -1,6 +1,6 @@
 """The Python engine as a trajectory: the driver's rows gathered into blocks of arrays."""
 
-from math import inf, nan
+from math import nan
 from typing import Any
 
 import numpy as np
@@ -50,12 +50,12 @@ class PythonTrajectory:
     @property
     def totals(self):
         """Counts and margins so far."""
-        driver, flow = self.driver, self.flow
+        driver, flow, kept = self.driver, self.flow, self.flow.certificate
         violated = driver.first_violation
         return totals_of(
             driver.counts,
-            (flow.steps, flow.evaluations, flow.uncertified),
-            (flow.margin, flow.margin_time) if flow.margin != inf else (nan, nan),
+            (flow.steps, flow.evaluations),
+            (kept.uncertified, kept.first_doubt, kept.margin, kept.margin_time),
             nan if violated is None else violated,
             driver.ledger.entries(),
         )

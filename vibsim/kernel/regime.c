@@ -15,7 +15,7 @@ static void regime_set(Regime *g, const Scene *s, int locked, int contact, int f
     if (harmonic)
         g->load = g->load + s->F0 / s->m1;
     g->amplitude = harmonic ? s->A / s->m1 : 0.0;
-    g->forced[0] = fabs(g->amplitude) * (g->oscillator.window * g->oscillator.window / 2);
+    g->forced[0] = fabs(g->amplitude) / 2;
     for (n = 0; n < JET_ORDER; n++)
         g->forced[n + 1] = g->forced[n] * g->oscillator.omega;
     g->centre_load = g->centre_amplitude = 0.0;

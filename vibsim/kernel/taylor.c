@@ -1,4 +1,5 @@
 /* The Taylor flow; twin of vibsim/flows/taylor.py. */
+#include "certificate.h"
 #include "kernel.h"
 #include "numbers.h"
 #include "pair.h"
@@ -250,19 +251,19 @@ double taylor_advance(Run *r, double limit, int *function)
 {
     const Taylor *f = &r->taylor;
     double length = limit - f->t0, h = f->h < length ? f->h : length;
-    double end = f->h >= length ? limit : f->t0 + h, coefficients[SERIES], root;
+    double end = f->h >= length ? limit : f->t0 + h, coefficients[SERIES], t = 0;
     int i;
     *function = NOTHING;
     if (end <= f->t0) {
-        r->uncertified += 1;
+        doubt(&r->certificate, f->t0);
         return nextafter(f->t0, INFINITY);
     }
     for (i = 0; i < r->function_count && h != 0; i++) { /* after an event at the start no other can come before it */
         int which = r->functions[i], count = event_polynomial(r, which, coefficients);
-        if (polynomial_first_root(r, coefficients, count, r->known.order[which], f->t0, h, which == GAP, &root) &&
-            (*function == NOTHING || root < end)) {
-            end = root;
-            *function = which;
+        int outcome = polynomial_first_root(r, coefficients, count, r->known.order[which], f->t0, h, which == GAP, &t);
+        if (outcome != POSITIVE && (t < end || (outcome == ZERO && *function == NOTHING))) {
+            end = t;
+            *function = outcome == ZERO ? which : NOTHING;
             h = end - f->t0;
         }
     }

@@ -1,15 +1,18 @@
 """The totals of a run: counts of events, work done and margins, one dict for both engines."""
 
+from math import inf, nan
+
 from vibsim.physics.modes import EVENT_KINDS
 
 
-def totals_of(counts, work, margin, first_violation, ledger=None):
+def totals_of(counts, work, certificate, first_violation, ledger=None):
     """Totals by name from event counts in the order of their codes.
 
-    work: (steps, evaluations, uncertified); margin: (smallest gap at a turn without contact [m], its time
-    [s]), NaN where there is none; first_violation: time [s] or NaN; ledger: the entries of the energy
-    ledger [J] where it was kept.
+    work: (steps, evaluations); certificate: (stretches without proof, time of the first [s], smallest gap at
+    a turn without contact [m], inf where there is none, its time [s]); first_violation: time [s] or NaN;
+    ledger: the entries of the energy ledger [J] where it was kept.
     """
+    uncertified, first_doubt, margin, margin_time = certificate
     by_kind = dict(zip(EVENT_KINDS, counts, strict=True))
     totals = {
         "impacts": by_kind["contact_begin"],
@@ -18,9 +21,10 @@ def totals_of(counts, work, margin, first_violation, ledger=None):
         "events": sum(counts) - by_kind["start"] - by_kind["end"],
         "steps": work[0],
         "evaluations": work[1],
-        "uncertified": work[2],
-        "grazing_margin": margin[0],
-        "grazing_time": margin[1],
+        "uncertified": int(uncertified),
+        "first_uncertified_time": first_doubt if uncertified else nan,
+        "grazing_margin": margin if margin != inf else nan,
+        "grazing_time": margin_time if margin != inf else nan,
         "violations": by_kind["violation_begin"],
         "first_violation_time": first_violation,
     }

@@ -101,10 +101,12 @@ class TruthTrajectory(PythonTrajectory):
     def totals(self):
         """Counts and margins so far."""
         driver, flow = self.driver, self.flow
-        margin = (nan, nan) if flow.margin == inf else self.kit.rounded([flow.margin, flow.margin_time])
+        kept = flow.certificate
+        margin = inf if kept.margin == inf else self.kit.rounded([kept.margin])[0]
+        times = self.kit.rounded([kept.first_doubt, kept.margin_time])
         violated = nan if driver.first_violation is None else self.kit.rounded([driver.first_violation])[0]
-        work = flow.steps, flow.evaluations, flow.uncertified
-        return totals_of(driver.counts, work, tuple(margin), violated)
+        certificate = (kept.uncertified, times[0], margin, times[1])
+        return totals_of(driver.counts, (flow.steps, flow.evaluations), certificate, violated)
 
 
 def digit_columns(scene: Scene) -> tuple[str, ...]:

@@ -25,6 +25,7 @@ TOTALS = (
     "steps",
     "evaluations",
     "uncertified",
+    "first_uncertified_time",
     "grazing_margin",
     "grazing_time",
     "violations",

@@ -1,0 +1,39 @@
+"""What a run has proved about its events, and how close it came to one more.
+
+A stretch between two events is certified where every event function is known to stay positive on it, by more
+than the bound of its rounding and truncation. An event is certified where its function is known to cross
+zero, by more than that bound too. All else is a doubt: counted, and the first one timed.
+"""
+
+from math import inf
+
+
+class Certificate:
+    """Doubts of a run, and its grazing margin: the smallest gap [m] at a turn of the gap function."""
+
+    def __init__(self, kit):
+        self.margin, self.margin_time = inf, kit.number(0)
+        self.uncertified, self.first_doubt = 0, kit.number(0)
+        self.doubted = None
+
+    def doubt(self, anchor):
+        """Count the stretch that starts at time `anchor` as not proved, once."""
+        if anchor != self.doubted:
+            if self.uncertified == 0:
+                self.first_doubt = anchor
+            self.uncertified += 1
+            self.doubted = anchor
+
+    def keep_turn(self, value, t):
+        """Keep a minimum of the gap function, of height `value` [m] at time `t` [s]."""
+        value = value if value > 0 else 0 * value
+        if value < self.margin:
+            self.margin, self.margin_time = value, t
+
+
+def crosses(slope, bound, error):
+    """Whether a function that is zero here with this slope falls below -error: its upper parabola does.
+
+    bound: on its absolute second derivative ahead. A touch from above by less than `error` does not.
+    """
+    return slope * slope > 2 * bound * error

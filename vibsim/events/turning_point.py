@@ -1,0 +1,24 @@
+"""The minimum of a function between two points, by safeguarded Newton steps on its slope."""
+
+TURNING = 60
+
+
+def turning_point(slope_at, low, high, settled):
+    """Where a function with a falling slope at `low` and a rising one at `high` turns round.
+
+    slope_at(t) -> (slope, curvature); settled: length of a step behind which the next one is round-off.
+    Returns (point evaluated last, place of the minimum by one more Newton step, its depth below the value at
+    the point evaluated last).
+    """
+    ahead = low + (high - low) / 2
+    for _ in range(TURNING):
+        t = ahead
+        slope, curvature = slope_at(t)
+        low, high = (t, high) if slope < 0 else (low, t)
+        ahead = t - slope / curvature if curvature > 0 else low
+        if curvature > 0 and abs(ahead - t) < settled:
+            break
+        if not low < ahead < high:
+            ahead = low + (high - low) / 2
+    depth = slope * slope / (2 * curvature) if curvature > 0 else 0 * slope
+    return t, ahead, depth

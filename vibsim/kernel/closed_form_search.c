@@ -1,0 +1,255 @@
+/* Certified first event on the closed-form flow; twin of vibsim/events/closed_form_search.py. */
+#include "certificate.h"
+#include "first_root.h"
+#include "kernel.h"
+#include "turning_point.h"
+
+#define STEPS_PER_CALL 4096
+#define POLISHING 10
+#define NARROWER 16
+
+void closed_form_open(Run *r)
+{
+    ClosedFormSearch *m = &r->closed.search;
+    m->leading = 1;
+    m->t = r->closed.t0;
+    m->reach = m->window = regime_of(&r->closed)->oscillator.window;
+    m->watched_t = m->t;
+    m->watched_value = m->watched_slope = m->watched_curvature = m->watched_bound = 0.0;
+    m->stall = 1.0;
+}
+
+static void move(Run *r, double step)
+{
+    ClosedFormSearch *m = &r->closed.search;
+    m->t = r->closed.t0 + ((m->t - r->closed.t0) + step);
+}
+
+static void adapt_reach(ClosedFormSearch *m, double step)
+{
+    double wanted = NARROWER * step;
+    m->reach = wanted < m->window ? wanted : m->window;
+}
+
+static void certify_crossing(Run *r, double slope, double bound, double noise)
+{
+    if (slope >= 0 || !crosses(slope, bound, noise))
+        doubt(&r->certificate, r->closed.t0);
+}
+
+static int lead(Run *r)
+{
+    ClosedForm *f = &r->closed;
+    ClosedFormSearch *m = &f->search;
+    double step = m->window, d[JET_ORDER + 1];
+    int i;
+    m->leading = 0;
+    closed_form_measure(f);
+    closed_form_jet_here(f, JET_ORDER, d);
+    for (i = 0; i < r->function_count; i++) {
+        int function = r->functions[i], order = r->known.order[function];
+        double first, bound, ahead;
+        while (order < JET_ORDER - 2 && event_derivative(r, function, d, order) == 0)
+            order++;
+        if (order >= JET_ORDER - 3)
+            continue;
+        first = event_derivative(r, function, d, order);
+        bound = event_bound(r, function, d, order + 2, m->window);
+        if (order == 0) {
+            double noise = event_noise(r, function), slope = event_derivative(r, function, d, 1);
+            if (first <= noise && slope <= 0) {
+                certify_crossing(r, slope, bound, noise);
+                return function;
+            }
+            first = first - noise;
+            if (first <= 0)
+                doubt(&r->certificate, f->t0);
+        }
+        first = first > 0 ? first : 0.0;
+        ahead = deflated_step(order, first, event_derivative(r, function, d, order + 1), bound);
+        step = ahead < step ? ahead : step;
+        if (function == GAP) {
+            m->watched_t = f->t0;
+            m->watched_value = event_derivative(r, GAP, d, 0);
+            m->watched_slope = event_derivative(r, GAP, d, 1);
+            m->watched_curvature = event_derivative(r, GAP, d, 2);
+            m->watched_bound = event_bound(r, GAP, d, 2, m->window);
+        }
+    }
+    adapt_reach(m, step);
+    move(r, step);
+    return NOTHING;
+}
+
+/* Slope and curvature of the gap function at time t. */
+static void gap_slope(void *run, double t, double *slope, double *curvature)
+{
+    Run *r = run;
+    double d[6];
+    closed_form_evaluate(r, t - r->closed.t0);
+    closed_form_jet_here(&r->closed, 4, d);
+    *slope = event_derivative(r, GAP, d, 1);
+    *curvature = event_derivative(r, GAP, d, 2);
+}
+
+static void turn_between(Run *r, double low, double high)
+{
+    ClosedForm *f = &r->closed;
+    double t, turn, depth, d[4];
+    turning_point(gap_slope, r, low, high, f->settled * f->search.window, &t, &turn, &depth);
+    closed_form_evaluate(r, t - f->t0);
+    closed_form_jet_here(f, 2, d);
+    keep_turn(&r->certificate, event_derivative(r, GAP, d, 0) - depth, turn);
+}
+
+/* Look for a minimum of the gap function since the point watched before; then watch from here on. */
+static void watch_turn(Run *r, double value, double slope, double curvature, double bound)
+{
+    ClosedFormSearch *m = &r->closed.search;
+    double low = m->watched_t, was = m->watched_value, before = m->watched_slope, bend = m->watched_curvature;
+    double length = m->t - low, least = was + before * length - m->watched_bound * (length * length) / 2;
+    m->watched_t = m->t;
+    m->watched_value = value;
+    m->watched_slope = slope;
+    m->watched_curvature = curvature;
+    m->watched_bound = bound;
+    if ((least < was ? least : was) >= r->certificate.margin)
+        return;
+    if (before < 0 && 0 <= slope) {
+        turn_between(r, low, m->t);
+    } else if ((before < 0) == (slope < 0) &&
+               ((bend < 0 && 0 < curvature) || (before < 0 && curvature < 0 && 0 < bend))) {
+        double middle = low + length * (bend / (bend - curvature)), between, unused;
+        gap_slope(r, middle, &between, &unused);
+        if (before >= 0 && 0 > between)
+            turn_between(r, middle, m->t);
+        else if (before < 0 && 0 <= between)
+            turn_between(r, low, middle);
+    }
+    closed_form_evaluate(r, m->t - r->closed.t0);
+}
+
+static void turn_before_event(Run *r, int function)
+{
+    ClosedForm *f = &r->closed;
+    double d[6];
+    if (r->scene.has_stop != 0 && function != GAP) {
+        closed_form_evaluate(r, f->search.t - f->t0);
+        closed_form_jet_here(f, 4, d);
+        watch_turn(r, event_derivative(r, GAP, d, 0), event_derivative(r, GAP, d, 1), event_derivative(r, GAP, d, 2), 0.0);
+    }
+}
+
+/* Go to the one zero of `function` ahead, by Halley's iteration. */
+static void polish(Run *r, int function)
+{
+    ClosedForm *f = &r->closed;
+    ClosedFormSearch *m = &f->search;
+    double start = m->t, d[6];
+    int i;
+    for (i = 0; i < POLISHING; i++) {
+        double value, slope, curvature, step, near, before = m->t;
+        closed_form_jet_here(f, 4, d);
+        value = event_derivative(r, function, d, 0);
+        slope = event_derivative(r, function, d, 1);
+        curvature = event_derivative(r, function, d, 2);
+        step = -(2 * value * slope) / (2 * slope * slope - value * curvature);
+        move(r, step);
+        m->t = m->t > start ? m->t : start;
+        near = fabs(curvature) * m->window < fabs(slope) ? m->window : fabs(slope / curvature);
+        if (m->t == before || fabs(step) < f->settled * near)
+            return;
+        r->steps += 1;
+        closed_form_evaluate(r, m->t - f->t0);
+    }
+}
+
+/* Leave a point where the certified step is shorter than the time grid's. */
+static void creep(Run *r, double before)
+{
+    ClosedFormSearch *m = &r->closed.search;
+    doubt(&r->certificate, r->closed.t0);
+    m->t = before + (nextafter(before, INFINITY) - before) * m->stall;
+    m->stall = m->stall * 2;
+}
+
+static int step_once(Run *r)
+{
+    ClosedForm *f = &r->closed;
+    ClosedFormSearch *m = &f->search;
+    double step = m->reach, rival = step, near = 0, before, d[6], course[3] = {0, 0, 0};
+    int nearest = NOTHING, alone = 0, i;
+    r->steps += 1;
+    closed_form_evaluate(r, m->t - f->t0);
+    closed_form_measure(f);
+    closed_form_jet_here(f, 4, d);
+    for (i = 0; i < r->function_count; i++) {
+        int function = r->functions[i];
+        double value = event_derivative(r, function, d, 0), slope = event_derivative(r, function, d, 1);
+        double noise = event_noise(r, function), bound = event_bound(r, function, d, 2, m->reach), room, ahead;
+        if (value < -noise || (value <= noise && slope <= 0)) {
+            certify_crossing(r, slope, bound, noise);
+            return function;
+        }
+        if (function == GAP)
+            watch_turn(r, value, slope, event_derivative(r, GAP, d, 2), bound);
+        room = value - noise;
+        ahead = safe_step(room > 0 ? room : 0.0, slope, bound);
+        if (ahead < step) {
+            rival = step;
+            step = ahead;
+            nearest = slope < 0 ? function : NOTHING;
+            alone = slope < 0 && 8 * value * bound < slope * slope;
+            near = -2 * value / slope;
+            course[0] = slope;
+            course[1] = bound;
+            course[2] = noise;
+        } else if (ahead < rival) {
+            rival = ahead;
+        }
+    }
+    if (alone && near <= rival) {
+        polish(r, nearest);
+        return nearest;
+    }
+    adapt_reach(m, step);
+    before = m->t;
+    move(r, step);
+    if (m->t > before) {
+        m->stall = 1.0;
+        return NOTHING;
+    }
+    if (nearest == NOTHING)
+        creep(r, before);
+    else
+        certify_crossing(r, course[0], course[1], course[2]);
+    return nearest;
+}
+
+double closed_form_advance(Run *r, double limit, int *function)
+{
+    ClosedFormSearch *m = &r->closed.search;
+    int i;
+    *function = NOTHING;
+    if (m->leading) {
+        *function = lead(r);
+        if (*function != NOTHING)
+            return m->t;
+    }
+    if (r->function_count == 0)
+        m->t = limit;
+    for (i = 0; i < STEPS_PER_CALL; i++) {
+        if (m->t >= limit)
+            return limit;
+        *function = step_once(r);
+        if (*function != NOTHING && m->t > limit) {
+            *function = NOTHING;
+            return limit;
+        }
+        if (*function != NOTHING) {
+            turn_before_event(r, *function);
+            return m->t;
+        }
+    }
+    return m->t > limit ? limit : m->t;
+}
