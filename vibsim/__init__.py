@@ -7,6 +7,7 @@
     result["x2"], result.events["t"], result.at(12.3456)
     result.save("II-B.h5")
     vibsim.open_result("II-B.h5")
+    vibsim.analyse(result).capture.verdict
 
     sweep = vibsim.sweep("II-B", {"excitation.Omega0": "3:7:0.05 Hz"}, out="sommerfeld.h5")
     sweep["omega0"], sweep["mean_speed"]
@@ -18,6 +19,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from vibsim.analysis import Analysis, analyse
     from vibsim.cases import Case, CaseError, load_case
     from vibsim.results import Result, ResultFileError, open_result, simulate
     from vibsim.sweeps import SweepResult, sweep
@@ -25,6 +27,8 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
+    "Analysis": "vibsim.analysis",
+    "analyse": "vibsim.analysis",
     "Case": "vibsim.cases",
     "CaseError": "vibsim.cases",
     "load_case": "vibsim.cases",
@@ -37,12 +41,14 @@ _HOMES = {
 }
 
 __all__ = [
+    "Analysis",
     "Case",
     "CaseError",
     "Result",
     "ResultFileError",
     "SweepResult",
     "__version__",
+    "analyse",
     "load_case",
     "open_result",
     "simulate",

@@ -3,7 +3,9 @@
     judge_capture(result)       was the motor captured, since when, until when, at which speed
     measure_drift(result)       how fast the blocks drift, with an interval
     count_impacts(result)       impacts, sticks and event words per cycle of the source
+    judge_regime(result)        periodic, quasi-periodic, chaotic, or less settled
     find_frequencies(result)    dominant frequencies of a displacement
+    analyse(result)             all of these
     compare(a, b, tolerance)    are two runs the same
 
 Names are imported when they are used: scipy takes longer to import than most runs take to run.
@@ -13,14 +15,19 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from vibsim.analysis.analysis import Analysis, analyse
     from vibsim.analysis.capture import Capture, judge_capture
     from vibsim.analysis.comparison import Comparison, compare
     from vibsim.analysis.dominant_frequencies import DominantFrequencies, find_frequencies
     from vibsim.analysis.drift import Drift, measure_drift
     from vibsim.analysis.impacts_per_cycle import ImpactsPerCycle, count_impacts
+    from vibsim.analysis.regime.points import Exponent
+    from vibsim.analysis.regime.verdict import Regime, judge_regime
     from vibsim.analysis.span import Span
 
 _HOMES = {
+    "Analysis": "analysis",
+    "analyse": "analysis",
     "Capture": "capture",
     "judge_capture": "capture",
     "Comparison": "comparison",
@@ -29,22 +36,30 @@ _HOMES = {
     "find_frequencies": "dominant_frequencies",
     "Drift": "drift",
     "measure_drift": "drift",
+    "Exponent": "regime.points",
     "ImpactsPerCycle": "impacts_per_cycle",
     "count_impacts": "impacts_per_cycle",
+    "Regime": "regime.verdict",
+    "judge_regime": "regime.verdict",
     "Span": "span",
 }
 
 __all__ = [
+    "Analysis",
     "Capture",
     "Comparison",
     "DominantFrequencies",
     "Drift",
+    "Exponent",
     "ImpactsPerCycle",
+    "Regime",
     "Span",
+    "analyse",
     "compare",
     "count_impacts",
     "find_frequencies",
     "judge_capture",
+    "judge_regime",
     "measure_drift",
 ]
 

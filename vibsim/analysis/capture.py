@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from vibsim.analysis.cycles import TURN, cycle_ends
+from vibsim.analysis.event_rows import events_within
 from vibsim.analysis.holds import BAND, DELAY, TURNS, Hold, holds_of, mean_speeds
 from vibsim.analysis.resonances import Resonance, resonances
 from vibsim.analysis.span import Span, span_of
@@ -77,7 +78,8 @@ def judge_capture(result: Result, window: Window | None = None) -> Capture:
     scene, span = result.case.scene(), span_of(result, window)
     if not scene.has_motor:
         raise ValueError("capture is a matter of motors, and this run has an ideal source or none")
-    impacts = result.events["t"][result.events["kind"] == EVENT_KINDS["contact_begin"]]
+    events = events_within(result, span.window, "t", "kind")
+    impacts = events["t"][events["kind"] == EVENT_KINDS["contact_begin"]]
     return capture_of_turns(cycle_ends(result, span.window), impacts, scene, span)
 
 

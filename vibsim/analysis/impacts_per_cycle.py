@@ -7,10 +7,11 @@ from itertools import pairwise
 import numpy as np
 
 from vibsim.analysis.cycles import cycle_ends
+from vibsim.analysis.event_rows import events_within
 from vibsim.analysis.span import Span, steady_span
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.results.result import Result
-from vibsim.results.windows import Window, rows_within
+from vibsim.results.windows import Window
 
 # letter of each event in a word; c ... o is a contact, s ... g a stick, r a reversal
 LETTERS = {"contact_begin": "c", "contact_end": "o", "reversal": "r", "stick_begin": "s", "stick_end": "g"}
@@ -89,22 +90,19 @@ def count_impacts(result: Result, window: Window | None = None) -> ImpactsPerCyc
 def words_of(result: Result, ends: np.ndarray) -> list[str]:
     """The word of each cycle between ascending `ends` [s]: an event at an end belongs to the next cycle."""
     letters = {EVENT_KINDS[kind]: letter for kind, letter in LETTERS.items()}
-    times, kinds = result.events["t"], result.events["kind"]
-    text = "".join(letters.get(kind, " ") for kind in kinds.tolist())
-    edges = np.searchsorted(times, ends, side="left").tolist()
+    events = events_within(result, (float(ends[0]), float(ends[-1])), "t", "kind")
+    text = "".join(letters.get(kind, " ") for kind in events["kind"].tolist())
+    edges = np.searchsorted(events["t"], ends, side="left").tolist()
     return [text[a:b].replace(" ", "") for a, b in pairwise(edges)]
 
 
 def speeds(result: Result, span: Span) -> Spread | None:
     """|v1 - v2| at the impacts within the span; None without impacts."""
-    rows = rows_within(result.events["t"], span.window)
-    begun = result.events["kind"][rows] == EVENT_KINDS["contact_begin"]
+    events = events_within(result, span.window, "kind", *(name for name in ("v1", "v2") if name in result))
+    begun = events["kind"] == EVENT_KINDS["contact_begin"]
     if not begun.any():
         return None
-    v = result.events["v1"][rows][begun]
-    if "v2" in result.events:
-        v = v - result.events["v2"][rows][begun]
-    return spread(np.abs(v), "m/s")
+    return spread(np.abs(events["v1"] - events.get("v2", 0.0))[begun], "m/s")
 
 
 def spread(values: np.ndarray, unit: str) -> Spread:

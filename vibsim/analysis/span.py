@@ -48,3 +48,18 @@ def span_of(result: Result, window: Window | None = None) -> Span:
 def steady_span(result: Result, window: Window | None = None) -> Span:
     """The part of `window` [s] that the run covers; without a window, the second half of the run."""
     return span_of(result, window or (TRANSIENT * result.t_reached, result.t_reached))
+
+
+def later_part(result: Result, window: Window | None, discard: float | None) -> Window:
+    """The window [s] without its first `discard` seconds.
+
+    discard : None: nothing where a window is given, else half the run
+
+    Raises ValueError where nothing is left, and for a window outside the run.
+    """
+    whole = span_of(result, window)
+    if discard is None:
+        discard = 0.0 if window else TRANSIENT * whole.length
+    if not 0 <= discard < whole.length:
+        raise ValueError(f"a transient of {discard:g} s leaves nothing of {whole.begin:g} to {whole.end:g} s")
+    return whole.begin + discard, whole.end

@@ -1,0 +1,76 @@
+"""Everything that a run tells, judged at once."""
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import Any
+
+from vibsim.analysis.capture import Capture, judge_capture
+from vibsim.analysis.dominant_frequencies import DominantFrequencies, find_frequencies
+from vibsim.analysis.drift import Drift, measure_drift
+from vibsim.analysis.impacts_per_cycle import ImpactsPerCycle, count_impacts
+from vibsim.analysis.regime.points import Exponent
+from vibsim.analysis.regime.verdict import Regime, judge_regime
+from vibsim.analysis.span import Span, later_part, span_of
+from vibsim.results.result import Result
+from vibsim.results.windows import Window
+
+WHAT = ("capture", "drift", "impacts", "regime", "frequencies")
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """Verdicts on a run; None for what was not asked and for what the scene has not got.
+
+    Attributes
+    ----------
+    case : name of the case
+    span : window that was looked at; capture is judged on all of it
+    steady : what is left of it without the transient; the rest is judged on that
+    """
+
+    case: str
+    span: Span
+    steady: Span
+    capture: Capture | None = None
+    drift: Drift | None = None
+    impacts: ImpactsPerCycle | None = None
+    regime: Regime | None = None
+    frequencies: DominantFrequencies | None = None
+
+
+def analyse(
+    result: Result,
+    window: Window | None = None,
+    discard: float | None = None,
+    what: Collection[str] = WHAT,
+    exponent: Exponent | None = None,
+) -> Analysis:
+    """Judge a run.
+
+    Parameters
+    ----------
+    window : span to look at [s]; None: all of the run
+    discard : transient at its begin that only the verdict on capture takes in [s]; None: half the run without
+        a window, nothing with one
+    what : names out of WHAT
+    exponent : largest Lyapunov exponent of the motion, where it is known; helps the verdict on the regime
+
+    Raises ValueError for other names, a window outside the run, and a transient that leaves nothing.
+    """
+    unknown = [name for name in what if name not in WHAT]
+    if unknown:
+        raise ValueError(f"{unknown[0]!r} is not one of {', '.join(WHAT)}")
+    span, steady = span_of(result, window), later_part(result, window, discard)
+    scene = result.case.scene()
+    found: dict[str, Any] = {}
+    if "capture" in what and scene.has_motor:
+        found["capture"] = judge_capture(result, span.window)
+    if "drift" in what and scene.has_block2:
+        found["drift"] = measure_drift(result, steady)
+    if "impacts" in what and scene.has_stop:
+        found["impacts"] = count_impacts(result, steady)
+    if "regime" in what:
+        found["regime"] = judge_regime(result, steady, exponent)
+    if "frequencies" in what:
+        found["frequencies"] = find_frequencies(result, steady)
+    return Analysis(result.attrs["case_name"], span, span_of(result, steady), **found)

@@ -1,0 +1,90 @@
+"""The regime of a run: periodic, quasi-periodic, chaotic, or something less settled, and what says so."""
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from vibsim.analysis.impacts_per_cycle import words_of
+from vibsim.analysis.regime.points import Exponent, Judged, judge_points
+from vibsim.analysis.regime.section import section_of
+from vibsim.analysis.span import Span, steady_span
+from vibsim.results.result import Result
+from vibsim.results.windows import Window, rows_within
+
+STILL = 1e-9  # [m], [m/s], [rad], [rad/s]: nothing moves that moves less
+
+
+@dataclass(frozen=True)
+class Regime:
+    """Verdict on a motion and its evidence; what was not worked out is None.
+
+    Attributes
+    ----------
+    verdict : "at rest", "periodic", "transient", "quasi-periodic", "chaotic" or "undecided"
+    reason : in words
+    span : transient left out
+    cycles : points of the stroboscopic section
+    period : of a periodic motion, or of the one that a transient approaches, in cycles of the source
+    since : from when on it is periodic [s]
+    step : distance of points a period apart at the end of the span, relative to the vibration
+    chaos_number : K of the 0-1 test, see `zero_one_test`
+    prediction : error of predicting points from their neighbours, relative to guessing
+    word_period : cycles after which the events repeat themselves, in its later half; None: they do not
+    exponent : as it was given
+    """
+
+    verdict: str
+    reason: str
+    span: Span
+    cycles: int = 0
+    period: int | None = None
+    since: float | None = None
+    step: float | None = None
+    chaos_number: float | None = None
+    prediction: float | None = None
+    word_period: int | None = None
+    exponent: Exponent | None = None
+
+
+def judge_regime(result: Result, window: Window | None = None, exponent: Exponent | None = None) -> Regime:
+    """The regime within `window` [s], by default the second half of the run.
+
+    exponent : largest Lyapunov exponent of the motion, where it is known
+
+    Raises ValueError for a window outside the run.
+    """
+    span = steady_span(result, window)
+    if is_at_rest(result, span):
+        return Regime("at rest", "nothing moves", span, exponent=exponent)
+    if result.case.scene().source == "none":
+        return Regime("undecided", "no source, so no stroboscopic section", span, exponent=exponent)
+    section = section_of(result, span)
+    judged = judge_points(section.points, exponent)
+    since, word_period = _since(result, section.times, judged)
+    evidence = {name: value for name, value in asdict(judged).items() if name != "onset"}
+    return Regime(
+        span=span, cycles=len(section), since=since, word_period=word_period, exponent=exponent, **evidence
+    )
+
+
+def _since(result: Result, times: np.ndarray, judged: Judged) -> tuple[float | None, int | None]:
+    """When a periodic motion began to be so [s], and after how many cycles its events repeat themselves."""
+    if judged.onset is None:
+        return None, None
+    later = times[(judged.onset + len(times)) // 2 :]
+    return float(times[judged.onset]), word_period(words_of(result, later))
+
+
+def word_period(words: list[str]) -> int | None:
+    """Cycles after which the words repeat themselves all along, at least twice; None: they do not."""
+    periods = range(1, len(words) // 2 + 1)
+    return next((period for period in periods if words[period:] == words[:-period]), None)
+
+
+def is_at_rest(result: Result, span: Span) -> bool:
+    """Whether everything stands still at the samples of the span; not known without two of them."""
+    rows = rows_within(result.column("time"), span.window)
+    if rows.stop - rows.start < 2:
+        return False
+    moving = [name for name in ("x1", "v1", "x2", "v2", "phi", "phidot") if name in result]
+    return all(np.ptp(np.asarray(result.column(name)[rows])) <= STILL for name in moving)
