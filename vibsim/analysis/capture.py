@@ -40,7 +40,7 @@ class Capture:
     ----------
     verdict : "captured", "escaped", "passed", "not met" or "undecided"
     reason : what it rests on, in words
-    since, until : of the hold that decides it [s]; None without one
+    since, until : of the hold that decides it [s]; None without one, and `until` of one that lasts to the end
     speed_hz : mean speed over that hold [Hz]
     resonance : the resonance that it lies near, if any
     final_speed_hz : mean over the last turns [Hz]
@@ -103,7 +103,8 @@ def capture_of_turns(turn_times: np.ndarray, impact_times: np.ndarray, scene: Sc
     if hold is None:
         return found
     near = near_resonance(hold, impact_times, scene)
-    return replace(found, since=hold.begin, until=hold.end, speed_hz=hold.speed_hz, resonance=near)
+    until = None if hold.at_end else hold.end
+    return replace(found, since=hold.begin, until=until, speed_hz=hold.speed_hz, resonance=near)
 
 
 def _verdict(

@@ -78,7 +78,7 @@ def drift_of(time: np.ndarray, x: np.ndarray, edges: np.ndarray, span: Span, of:
     found = average(np.diff(means) / np.diff(middles), DOUBT)
     rate, half_width = found.mean, found.half_width
     verdict = "none" if abs(rate) <= max(half_width, STILL) else "forward" if rate > 0 else "backward"
-    reason = f"{len(means)} blocks, {DOUBT:.0%} doubt"
+    reason = f"{1 - DOUBT:.0%} interval from {len(means)} blocks"
     return Drift(verdict, reason, span, of, rate, half_width, len(means))
 
 

@@ -19,6 +19,7 @@ COMMANDS = {
     "sweep": ("vibsim.command_line.sweep", "Run a case at every point of a grid."),
     "plot": ("vibsim.command_line.plot", "Draw pictures of runs, cases and sweeps."),
     "info": ("vibsim.command_line.info", "Say what a result file holds."),
+    "analyse": ("vibsim.command_line.analyse", "Judge runs: capture, drift, impacts, regime, frequencies."),
     "compare": ("vibsim.command_line.compare", "Compare two runs."),
     "export": ("vibsim.command_line.export", "Write a trajectory as CSV or MAT."),
     "cases": ("vibsim.command_line.cases", "List the shipped cases, or print one."),

@@ -79,7 +79,7 @@ def judge_points(points: np.ndarray, exponent: Exponent | None = None) -> Judged
         return Judged("periodic", reason, repeated.period, repeated.onset, repeated.step)
     near = approached_period(points)
     if near is not None:
-        reason = f"steps of {near.period} cycles shrink by a factor {near.trend:.2g} to {near.step:.2g}"
+        reason = f"points a period apart come closer, from {near.step / near.trend:.2g} to {near.step:.2g}"
         return Judged("transient", reason, near.period, step=near.step)
     if len(points) < FEWEST:
         reason = f"no period up to {min(LONGEST, len(points) // 5)}, and {len(points)} cycles are too few"

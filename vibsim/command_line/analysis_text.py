@@ -1,0 +1,126 @@
+"""Verdicts on a run in lines for people."""
+
+from collections.abc import Iterator
+
+import click
+
+from vibsim.analysis import Analysis, Capture, DominantFrequencies, Drift, ImpactsPerCycle, Regime
+from vibsim.analysis.impacts_per_cycle import Spread
+from vibsim.command_line.summary import metres, short, trust_text
+from vibsim.results import Result
+
+COLORS = {"undecided": "yellow", "captured": "green", "chaotic": "magenta"}
+CAPTURE_WORDS = {"escaped": "captured, then escaped", "not met": "met no resonance"}
+SHOWN = 4  # frequencies
+
+Line = tuple[str, str]
+
+
+def analysis_lines(source: str, result: Result, found: Analysis, verbose: bool = False) -> list[Line]:
+    """Label and text of every verdict that there is; with `verbose`, of all that it rests on."""
+    lines = [("run", f"{source}, {_span(found.span.window)}{_trust(result)}")]
+    if any((found.drift, found.impacts, found.regime, found.frequencies)):
+        lines.append(("judged", _span(found.steady.window) + _trusted(found.steady.trusted)))
+    if found.capture:
+        lines += capture_lines(found.capture, verbose)
+    if found.drift:
+        lines.append(("drift", drift_text(found.drift)))
+    if found.impacts:
+        lines += impact_lines(found.impacts, verbose)
+    if found.regime:
+        lines += regime_lines(found.regime)
+    if found.frequencies:
+        lines += list(frequency_lines(found.frequencies))
+    return lines
+
+
+def capture_lines(found: Capture, verbose: bool) -> list[Line]:
+    """Verdict, the hold that decides it, and when resonances were passed."""
+    lines = [("capture", f"{_verdict(found.verdict, CAPTURE_WORDS)}: {found.reason}")]
+    if found.since is not None:
+        to = "" if found.until is None else f" to {found.until:.4g}"
+        near = f", near {found.resonance.name} {found.resonance.hz:.4g} Hz" if found.resonance else ""
+        lines.append(("", f"at {found.speed_hz:.4g} Hz from {found.since:.4g}{to} s{near}"))
+    if verbose:
+        for hold in found.holds:
+            held = f"held {_span((hold.begin, hold.end))} at {hold.speed_hz:.4g} Hz"
+            lines.append(("", f"{held}, {hold.delay:.3g} times a free run-up, {hold.absorbed:.1%} absorbed"))
+    if found.passages:
+        parts = [
+            f"{one.resonance.name} {one.resonance.hz:.4g} Hz at {one.time:.4g} s" for one in found.passages
+        ]
+        lines.append(("", f"passed {', '.join(parts)}"))
+    return lines
+
+
+def drift_text(found: Drift) -> str:
+    """Verdict, rate and interval."""
+    if found.rate is None or found.half_width is None:
+        return f"{_verdict(found.verdict)}: {found.reason}"
+    return (
+        f"{_verdict(found.verdict)}: {_number(found.rate)} +- {short(found.half_width)} m/s ({found.reason})"
+    )
+
+
+def impact_lines(found: ImpactsPerCycle, verbose: bool) -> list[Line]:
+    """Verdict, means per cycle, speeds at impact."""
+    text = f"{_verdict(found.verdict)}: {found.reason}"
+    if found.impacts is not None and found.sticks is not None:
+        text = f"{_verdict(found.verdict)}: {found.impacts:.4g} per cycle, {found.reason}"
+        text += f"; {found.sticks:.4g} sticks per cycle" if found.sticks else ""
+    lines = [("impacts", text)]
+    if found.velocity:
+        lines.append(("", f"at {_spread(found.velocity)}"))
+    if verbose and found.words:
+        words = ", ".join(f"{word or '-'} {count}" for word, count in found.words.items())
+        lines.append(("words", f"{words}; {found.distinct_words} in all"))
+    return lines
+
+
+def regime_lines(found: Regime) -> list[Line]:
+    """Verdict, period, evidence."""
+    text = _verdict(found.verdict)
+    if found.verdict == "periodic":
+        text += f", period {found.period}, since {found.since:.4g} s"
+    elif found.verdict == "transient":
+        text += f" towards period {found.period}"
+    return [("regime", f"{text}: {found.reason}")]
+
+
+def frequency_lines(found: DominantFrequencies) -> Iterator[Line]:
+    """The strongest lines: frequency, order of the source, amplitude."""
+    if not found.lines:
+        yield "frequencies", f"{_verdict(found.verdict, {'still': 'nothing vibrates'})}: {found.reason}"
+        return
+    parts = [
+        f"{line.hz:.4g} Hz{f' ({line.order})' if line.order else ''} {metres(line.amplitude)}"
+        for line in found.lines[:SHOWN]
+    ]
+    yield "frequencies", ", ".join(parts)
+    source = f"source {found.source_hz:.4g} Hz (orders in brackets), " if found.source_hz else ""
+    yield "", f"{source}resolution {short(found.resolution_hz or 0.0)} Hz"
+
+
+def _number(x: float) -> str:
+    return f"{x:.4g}".replace("e-0", "e-")
+
+
+def _verdict(word: str, words: dict[str, str] | None = None) -> str:
+    return click.style((words or {}).get(word, word), fg=COLORS.get(word), bold=True)
+
+
+def _span(window: tuple[float, float]) -> str:
+    return f"{window[0]:.4g} to {window[1]:.4g} s"
+
+
+def _trust(result: Result) -> str:
+    return "" if result.trust_horizon is None else f", {trust_text(result)}"
+
+
+def _trusted(trusted: bool | None) -> str:
+    """Beyond the trust horizon, verdicts hold for a motion of the same statistics, not for this very one."""
+    return ", which ends beyond the trust horizon" if trusted is False else ""
+
+
+def _spread(found: Spread) -> str:
+    return f"{found.least:.4g} to {found.greatest:.4g} {found.unit}, mean {found.mean:.4g} {found.unit}"
