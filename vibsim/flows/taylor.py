@@ -145,7 +145,7 @@ class Taylor:
             sw = tail + s[0] * w[n + 1]
             self._advance_series(n, previous, force)
         phi[p + 1] = w[p] * self.inverse[p + 1]
-        self.w, self.phi = w, phi
+        self.w, self.phi, self.s, self.c = w, phi, s, c
         self._finish_series()
 
     def _products(self, s, c, w, a1, n):

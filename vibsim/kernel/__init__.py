@@ -10,6 +10,7 @@ from importlib.util import find_spec
 
 from vibsim.kernel.block import EVENT_STATE, Block, event_columns, section_columns
 from vibsim.kernel.errors import KernelError
+from vibsim.physics.disturbance import dimension
 
 __all__ = [
     "EVENT_STATE",
@@ -68,7 +69,9 @@ def flow_method(scene):
     return scene.method
 
 
-def open_trajectory(scene, engine="auto", resume=None, section=False, ledger=False):
+def open_trajectory(
+    scene, engine="auto", resume=None, section=False, ledger=False, tangent=0, tangent_from=0.0
+):
     """A run of `scene` from its start, not yet computed.
 
     Parameters
@@ -79,18 +82,24 @@ def open_trajectory(scene, engine="auto", resume=None, section=False, ledger=Fal
     section : whether the blocks carry the stroboscopic section, the state at the end of every excitation
     period
     ledger : whether the totals carry the energy ledger (costs about half as much again)
+    tangent : number of Lyapunov exponents that the totals carry, the largest first, 0 to `dimension(scene)`
+    (in vibsim.physics.disturbance)
+    tangent_from : time [s] from which they count; before it the disturbances turn into their directions
 
     Returns an object with `engine`, `method`, `blocks()` (an iterator of `Block`s; the run stops between two
-    of them when it is abandoned) and `totals`. `blocks()` raises KernelError when the run fails.
+    of them when it is abandoned) and `totals`. `blocks()` raises KernelError when the run fails. Raises
+    ValueError for a method, an engine or a number of exponents that there is not.
     """
     method = flow_method(scene)
+    if not 0 <= tangent <= dimension(scene):
+        raise ValueError(f"tangent must be 0 to {dimension(scene)} for this scene, got {tangent}")
     if engine_name(engine) == "c":
         from vibsim.kernel.c_engine import CTrajectory
 
-        return CTrajectory(scene, method, resume, section, ledger)
+        return CTrajectory(scene, method, resume, section, ledger, (tangent, tangent_from))
     from vibsim.kernel.python_engine import PythonTrajectory
 
-    return PythonTrajectory(scene, method, resume, section, ledger)
+    return PythonTrajectory(scene, method, resume, section, ledger, (tangent, tangent_from))
 
 
 def state_at(scene, row, times, engine="auto"):

@@ -9,6 +9,7 @@ from vibsim.kernel import _kernel
 from vibsim.kernel.block import select
 from vibsim.kernel.errors import KernelError
 from vibsim.kernel.resume import resume_point
+from vibsim.kernel.tangent_totals import tangent_totals
 from vibsim.kernel.totals import totals_of
 from vibsim.physics.numbers import TWO_PI
 from vibsim.physics.state import State
@@ -23,12 +24,12 @@ EVENT_ROWS = ("t", "x1", "v1", "x2", "v2", "phi", "phidot", "phase")
 REASONS = {1: "accumulation", 2: "diverged"}
 
 
-def pack(scene, method, ledger=False):
+def pack(scene, method, ledger=False, tangent=(0, 0.0)):
     """The scene as the kernel's struct of doubles; what it has not got is zero and flagged."""
     values = [getattr(scene, name) for name in PACKED]
     values += [log2(scene.tol), scene.order, scene.has_block2, scene.has_stop, scene.has_friction]
     values += [scene.has_motor, scene.source == "harmonic", scene.rest_distance is not None]
-    values += [scene.stop_on_violation, method == "closed_form", ledger]
+    values += [scene.stop_on_violation, method == "closed_form", ledger, *tangent]
     return np.array([0.0 if value is None else float(value) for value in values])
 
 
@@ -44,8 +45,8 @@ class CTrajectory:
 
     engine = "c"
 
-    def __init__(self, scene, method, resume=None, section=False, ledger=False):
-        self.scene, self.method, self.ledger = scene, method, ledger
+    def __init__(self, scene, method, resume=None, section=False, ledger=False, tangent=(0, 0.0)):
+        self.scene, self.method, self.ledger, self.tangent = scene, method, ledger, tangent
         self.memory = bytearray(_kernel.run_size())
         self.samples = np.empty((len(SAMPLE_ROWS), SAMPLE_ROOM))
         self.sample_modes = np.empty((2, SAMPLE_ROOM), dtype="i1")
@@ -54,7 +55,7 @@ class CTrajectory:
         wanted = section and scene.source != "none"
         self.section = np.empty((len(SAMPLE_ROWS), SECTION_ROOM if wanted else 0))
         row = b"" if resume is None else pack_resume(scene, resume)
-        self.filled = _kernel.start(self.memory, pack(scene, method, ledger), row, *self._buffers())
+        self.filled = _kernel.start(self.memory, pack(scene, method, ledger, tangent), row, *self._buffers())
 
     def _buffers(self):
         return self.samples, self.sample_modes, self.events, self.event_codes, self.section
@@ -89,7 +90,11 @@ class CTrajectory:
             tally["certificate"],
             tally["first_violation"] if tally["violated_once"] else nan,
             tally["ledger"] if self.ledger else None,
+            self._tangent_totals(*tally["certificate"][2:]) if self.tangent[0] else None,
         )
+
+    def _tangent_totals(self, margin, margin_time):
+        return tangent_totals(self.scene, _kernel.growth(self.memory), margin, margin_time)
 
     def state_at(self, times):
         """States at ascending times before the next event, as columns."""

@@ -144,6 +144,7 @@ void run_start(Run *r, const Scene *scene, const State *resume, const Mode *mode
     r->known_since = r->state.t;
     section_start(r);
     r->energy_start = r->stored = ledger_energy(r, &r->state, r->mode);
+    tangent_start(r);
     record(r, b, START);
     if (r->mode.violated)
         note_violation(r, b);
@@ -167,6 +168,7 @@ static int take_event(Run *r, Buffers *b, State *state, int function)
         kind = transition(r, state, function, &mode, &known);
         r->crowd = 0;
     }
+    tangent_cross(r, kind, state, r->mode);
     r->state = *state;
     r->mode = mode;
     r->known = known;
@@ -220,6 +222,7 @@ void run_advance(Run *r, Buffers *b, long steps)
             return;
         }
         ledger_gather(r, r->pending_end, &state);
+        tangent_gather(r, r->pending_end, &state);
         if (r->pending_function != NOTHING) {
             r->status = take_event(r, b, &state, r->pending_function);
         } else {

@@ -10,6 +10,7 @@ from vibsim.events.watch import NOTHING
 from vibsim.kernel.errors import KernelError
 from vibsim.kernel.ledger import EnergyLedger
 from vibsim.kernel.stroboscopic import StroboscopicSection
+from vibsim.kernel.tangent_bundle import TangentBundle
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.state import State
 
@@ -19,10 +20,11 @@ EVENTS_AT_ONE_INSTANT = 64
 class Driver:
     """Runs a scene from its start, or from `resume` = (state, mode, known zeros), to its end."""
 
-    def __init__(self, scene, kit, flow, resume=None, section=False, ledger=False):
+    def __init__(self, scene, kit, flow, resume=None, section=False, ledger=False, tangent=(0, 0.0)):
         self.scene, self.kit, self.flow = scene, kit, flow
         self.section = StroboscopicSection(scene, flow, section)
         self.ledger = EnergyLedger(scene, kit, flow, ledger)
+        self.tangent = TangentBundle(scene, kit, flow, *tangent)
         self.samples, self.events = [], []
         self.counts = [0] * len(EVENT_KINDS)
         self.first_violation = None
@@ -37,6 +39,7 @@ class Driver:
             self.section.skip_to(self.state.t)
         self.known, self.known_since, self.crowd = known, self.state.t, 0
         self.ledger.open(self.state, self.mode)
+        self.tangent.open(self.state, self.mode)
         self._record("start")
         if self.mode.violated:
             self._note_violation()
@@ -73,6 +76,7 @@ class Driver:
         if not self.kit.finite(state.x1 + state.v1 + state.x2 + state.v2 + state.w):
             raise KernelError("diverged", self.state)
         self.ledger.gather(self.state, end, state, self.mode)
+        self.tangent.gather(self.state, end, state)
         if function != NOTHING:
             self._switch(state, function)
         else:
@@ -93,6 +97,7 @@ class Driver:
     def _switch(self, state, function):
         """Take the event: new mode, record, new segment."""
         mode, kind, known = transition(self.scene, self.flow, state, self.mode, function)
+        self.tangent.cross(kind, state, self.mode)
         if state.t == self.known_since:
             known = {**self.known, **known}
             self.crowd += 1

@@ -5,7 +5,9 @@
  * regime.c flows/regime.py, closed_form.c flows/closed_form.py, event_functions.c flows/event_functions.py, closed_form_search.c
  * events/closed_form_search.py, taylor.c flows/taylor.py, polynomial_root.c events/polynomial_root.py, certificate.h
  * events/certificate.py, turning_point.h events/turning_point.py,
- * automaton.c events/automaton.py, driver.c kernel/driver.py, stroboscopic.c kernel/stroboscopic.py, ledger.c kernel/ledger.py.
+ * automaton.c events/automaton.py, driver.c kernel/driver.py, stroboscopic.c kernel/stroboscopic.py, ledger.c kernel/ledger.py,
+ * closed_form_tangent.c flows/closed_form_tangent.py, taylor_tangent.c flows/taylor_tangent.py, tangencies.c events/tangencies.py and
+ * events/saltation.py, tangent_bundle.c kernel/tangent_bundle.py.
  */
 #ifndef VIBSIM_KERNEL_H
 #define VIBSIM_KERNEL_H
@@ -16,11 +18,13 @@
 #define JET_ORDER 9 /* derivatives of y taken at the start of a segment */
 #define SERIES (MAX_ORDER + 2)
 #define SERIES_TERMS 26
+#define SPANS 100 /* that the growth of disturbances is recorded in */
 #define EPS 1.1102230246251565e-16 /* 2^-53, unit round-off */
 
 enum { NOTHING = -1, GAP = 0, SLIDE = 1, HOLD_PLUS = 2, HOLD_MINUS = 3, CLEARANCE = 4, FUNCTIONS = 5 };
 enum { START, CONTACT_BEGIN, CONTACT_END, REVERSAL, STICK_BEGIN, STICK_END, VIOLATION_BEGIN, VIOLATION_END, END, KINDS };
 enum { X1, X2, PHI, V1, V2, W, STATES }; /* columns of a table of Taylor coefficients */
+enum { DY, DV1, DV2, DPHI, DW, DISTURBANCE }; /* components of a disturbance, y = x1 - x2 */
 enum { OK = 0, ACCUMULATION = 1, DIVERGED = 2 };
 
 /* Numbers of a scene, in the order in which vibsim.kernel.c_engine packs them. */
@@ -31,6 +35,7 @@ typedef struct {
     double x1, v1, x2, v2, phi, phidot;
     double rest_distance, t_end, every_num, every_den, tolerance_exponent, order;
     double has_block2, has_stop, has_friction, has_motor, harmonic, has_rest, stop_on_violation, closed_form, ledger;
+    double tangent, tangent_from;
 } Scene;
 
 typedef struct {
@@ -77,7 +82,7 @@ typedef struct {
 
 typedef struct {
     double table[SERIES][STATES]; /* coefficients n of all states */
-    double inverse[SERIES + 1];
+    double inverse[SERIES + 1], sine[SERIES], cosine[SERIES]; /* of the rotor angle; kept for disturbances only */
     double limit, unbalance, per_m1, per_m2, k, offset, t0, h, turns;
     int order, locked;
 } Taylor;
@@ -85,6 +90,19 @@ typedef struct {
 typedef struct {
     double margin, margin_time, uncertified, first_doubt, doubted;
 } Certificate;
+
+typedef struct {
+    double fastest, closest, time, count;
+} Tangencies;
+
+/* Disturbances carried along, and the logarithms of their growth. */
+typedef struct {
+    double vectors[DISTURBANCE][DISTURBANCE], weights[DISTURBANCE], sums[DISTURBANCE], begin, volume, expected, losses, pieces;
+    double reach, dragging; /* of the Taylor flow: length of a piece [rad], drag of the motor [1/s] */
+    double rows[SPANS + 1][DISTURBANCE + 1];
+    int count, complete, stuck, row_count, next_row;
+    Tangencies tangencies;
+} Tangent;
 
 /* A run: everything between two calls. Plain memory, kept by the caller. */
 typedef struct {
@@ -104,6 +122,7 @@ typedef struct {
     double pending_end;
     ClosedForm closed;
     Taylor taylor;
+    Tangent tangent;
 } Run;
 
 /* responses.c */
@@ -165,6 +184,24 @@ double flow_longest_piece(const Run *r, double tau);
 /* ledger.c */
 double ledger_energy(const Run *r, const State *state, Mode mode);
 void ledger_gather(Run *r, double end, const State *state);
+
+/* closed_form_tangent.c, taylor_tangent.c; a move returns the logarithm of the growth of a volume */
+double closed_form_tangent_piece_end(const Run *r, double t, double end, double mark);
+double closed_form_tangent_move(Run *r, double t, double end);
+void taylor_tangent_set(Run *r);
+double taylor_tangent_piece_end(const Run *r, double t, double end);
+double taylor_tangent_move(Run *r, double t, double end);
+
+/* tangencies.c */
+double reversal_factor(const Run *r, const State *state, int contact);
+void tangencies_forget(Tangencies *t);
+void tangencies_pass_by(Tangencies *t, const State *state);
+void tangencies_judge(Run *r, int kind, const State *state, Mode before);
+
+/* tangent_bundle.c */
+void tangent_start(Run *r);
+void tangent_gather(Run *r, double end, const State *state);
+void tangent_cross(Run *r, int kind, const State *state, Mode before);
 
 /* driver.c */
 typedef struct {

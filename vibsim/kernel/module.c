@@ -1,4 +1,4 @@
-/* The Python face of the C engine: four functions on caller-owned memory; the GIL is released while it computes. */
+/* The Python face of the C engine: functions on caller-owned memory; the GIL is released while it computes. */
 #define PY_SSIZE_T_CLEAN
 #include <Python.h>
 #include <string.h>
@@ -159,12 +159,40 @@ static PyObject *tally(PyObject *self, PyObject *args)
     return result;
 }
 
+PyDoc_STRVAR(growth_doc, "growth(run) -> (count, complete, rows, rank losses, pieces, volume residual, (tangencies, closest, its time, largest speed))\n\n"
+                         "The tangent bundle of a run, as `TangentBundle.entries()` has it; rows as one flat tuple.");
+
+static PyObject *growth(PyObject *self, PyObject *args)
+{
+    Py_buffer v;
+    Run *r;
+    PyObject *result = NULL, *rows;
+    int i, k;
+    if (!PyArg_ParseTuple(args, "y*", &v))
+        return NULL;
+    r = run_of(&v);
+    if (r) {
+        const Tangent *b = &r->tangent;
+        int width = b->count + 1;
+        rows = PyTuple_New(b->row_count * width);
+        for (i = 0; rows && i < b->row_count; i++)
+            for (k = 0; k < width; k++)
+                PyTuple_SET_ITEM(rows, i * width + k, PyFloat_FromDouble(b->rows[i][k]));
+        if (rows)
+            result = Py_BuildValue("iiNddd(dddd)", b->count, b->complete, rows, b->losses, b->pieces, b->volume - b->expected,
+                                   b->tangencies.count, b->tangencies.closest, b->tangencies.time, b->tangencies.fastest);
+    }
+    release(&v, 1);
+    return result;
+}
+
 static PyMethodDef methods[] = {
     {"run_size", run_size, METH_NOARGS, "run_size() -> bytes of memory that a run needs"},
     {"start", start, METH_VARARGS, start_doc},
     {"advance", advance, METH_VARARGS, advance_doc},
     {"state_at", state_at, METH_VARARGS, state_at_doc},
     {"tally", tally, METH_VARARGS, tally_doc},
+    {"growth", growth, METH_VARARGS, growth_doc},
     {NULL, NULL, 0, NULL},
 };
 

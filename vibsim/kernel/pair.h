@@ -23,9 +23,19 @@ static inline Pair make_pair(double first, double second)
     return pair;
 }
 
-static inline double sum_of_pair(Pair pair)
+static inline Pair add_pair(Pair a, Pair b)
 {
-    return pair[0] + pair[1];
+    return a + b;
+}
+
+static inline double first_of_pair(Pair pair)
+{
+    return pair[0];
+}
+
+static inline double second_of_pair(Pair pair)
+{
+    return pair[1];
 }
 #else
 typedef struct {
@@ -50,10 +60,25 @@ static inline Pair add_product(Pair sum, Pair a, Pair b)
     return make_pair(sum.first + a.first * b.first, sum.second + a.second * b.second);
 }
 
-static inline double sum_of_pair(Pair pair)
+static inline Pair add_pair(Pair a, Pair b)
 {
-    return pair.first + pair.second;
+    return make_pair(a.first + b.first, a.second + b.second);
+}
+
+static inline double first_of_pair(Pair pair)
+{
+    return pair.first;
+}
+
+static inline double second_of_pair(Pair pair)
+{
+    return pair.second;
 }
 #endif
+
+static inline double sum_of_pair(Pair pair)
+{
+    return first_of_pair(pair) + second_of_pair(pair);
+}
 
 #endif

@@ -11,6 +11,7 @@ from vibsim.flows.taylor import Taylor
 from vibsim.kernel.block import select
 from vibsim.kernel.driver import Driver
 from vibsim.kernel.resume import resume_point
+from vibsim.kernel.tangent_totals import tangent_totals
 from vibsim.kernel.totals import totals_of
 from vibsim.physics.numbers import Doubles
 
@@ -23,12 +24,12 @@ class PythonTrajectory:
 
     engine = "python"
 
-    def __init__(self, scene, method, resume=None, section=False, ledger=False):
+    def __init__(self, scene, method, resume=None, section=False, ledger=False, tangent=(0, 0.0)):
         self.scene, self.method = scene, method
         self.kit = Doubles
         self.flow = FLOWS[method](scene, Doubles)
         point = resume and resume_point(scene, resume)
-        self.driver = Driver(scene, Doubles, self.flow, point, section, ledger)
+        self.driver = Driver(scene, Doubles, self.flow, point, section, ledger, tangent)
 
     def blocks(self):
         """Yield `Block`s until the run ends."""
@@ -58,6 +59,7 @@ class PythonTrajectory:
             (kept.uncertified, kept.first_doubt, kept.margin, kept.margin_time),
             nan if violated is None else violated,
             driver.ledger.entries(),
+            tangent_totals(self.scene, driver.tangent.entries(), kept.margin, kept.margin_time),
         )
 
     def state_at(self, times):

@@ -1,4 +1,6 @@
 /* The Taylor flow; twin of vibsim/flows/taylor.py. */
+#include <string.h>
+
 #include "certificate.h"
 #include "kernel.h"
 #include "numbers.h"
@@ -148,6 +150,10 @@ static void expand_motor(Run *r, const State *state, Law law)
         advance_series(&law, table[n], table[n + 1], n, inverse, previous, force);
     }
     table[p + 1][PHI] = w[p] * f->inverse[p + 1];
+    if (r->tangent.count > 0) {
+        memcpy(f->sine, sine, sizeof f->sine);
+        memcpy(f->cosine, cosine, sizeof f->cosine);
+    }
 }
 
 static int block_size(const Taylor *f, int first, int second, int n)

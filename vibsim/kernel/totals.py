@@ -5,7 +5,7 @@ from math import inf, nan
 from vibsim.physics.modes import EVENT_KINDS
 
 
-def totals_of(counts, work, certificate, first_violation, ledger=None):
+def totals_of(counts, work, certificate, first_violation, ledger=None, tangent=None):
     """Totals by name from event counts in the order of their codes.
 
     work: (steps, evaluations); certificate: (stretches without proof, time of the first [s], smallest gap at
@@ -28,7 +28,7 @@ def totals_of(counts, work, certificate, first_violation, ledger=None):
         "violations": by_kind["violation_begin"],
         "first_violation_time": first_violation,
     }
-    return totals if ledger is None else totals | balance(*ledger)
+    return totals | ({} if ledger is None else balance(*ledger)) | (tangent or {})
 
 
 def balance(start, end, work, viscous, friction):

@@ -25,7 +25,8 @@ class BigFloats(WorkingPrecision):
         self.pi = +context.pi
         self.two_pi = 2 * self.pi
         self.sin, self.cos, self.exp, self.expm1 = context.sin, context.cos, context.exp, context.expm1
-        self.sinh, self.cosh, self.finite = context.sinh, context.cosh, context.isfinite
+        self.sinh, self.cosh, self.log = context.sinh, context.cosh, context.log
+        self.finite = context.isfinite
 
     def activate(self):
         """Nothing to do: the precision belongs to the numbers' context."""

@@ -48,6 +48,7 @@ class Balls(WorkingPrecision):
     cos = staticmethod(lambda x: x.cos())
     exp = staticmethod(lambda x: x.exp())
     expm1 = staticmethod(lambda x: x.expm1())
+    log = staticmethod(lambda x: x.log())
     sinh = staticmethod(lambda x: x.sinh())
     cosh = staticmethod(lambda x: x.cosh())
     finite = staticmethod(lambda x: x.is_finite())

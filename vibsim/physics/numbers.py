@@ -23,6 +23,7 @@ class Doubles:
     cos = staticmethod(math.cos)
     exp = staticmethod(math.exp)
     expm1 = staticmethod(math.expm1)
+    log = staticmethod(math.log)
     sinh = staticmethod(math.sinh)
     cosh = staticmethod(math.cosh)
     sqrt = staticmethod(math.sqrt)

@@ -1,0 +1,78 @@
+"""V10: a volume grows by the integral of the trace and by the determinants at the events."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+
+from tests.random_scenes import scenes
+from tests.scenes import CASE_NAMES, MOTORS, paper
+from tests.tangent.bundles import totals
+from tests.trajectories import run
+from vibsim.kernel.tangent_bundle import TangentBundle
+from vibsim.physics.modes import EVENT_KINDS
+
+# a series of order 20 is cut off at 1.65**20 / 20! = 9e-15 of the disturbance; rounding adds some eps times
+# the spread of the vectors
+PER_PIECE = 400 * 2.0**-53
+
+
+def bound(found):
+    return PER_PIECE * found["tangent_pieces"]
+
+
+def methods(name):
+    return ("taylor",) if name in MOTORS else ("closed_form", "taylor")
+
+
+@pytest.mark.parametrize(("name", "method"), [(n, m) for n in CASE_NAMES for m in methods(n)])
+def test_the_nine_cases(name, method):
+    found = totals(paper(name, t_end=300.0, method=method))
+    assert abs(found["volume_residual"]) <= bound(found)
+    assert found["impacts"] > 500 and found["reversals"] > 50
+
+
+@settings(max_examples=150)
+@given(scenes(sources=("none", "harmonic"), features=False))
+def test_random_ideal_scenes_by_closed_form(scene):
+    found = totals(scene)
+    assert abs(found["volume_residual"]) <= bound(found)
+
+
+@settings(max_examples=150)
+@given(scenes(features=False))
+def test_random_scenes_by_taylor(scene):
+    found = totals(replace(scene, method="taylor"))
+    assert abs(found["volume_residual"]) <= bound(found)
+
+
+def test_impacts_and_reversals_by_hand():
+    """det = exp(-int c (1/m1 + 1/m2) dt) times the (|S| - N) / (|S| + N) of the reversals."""
+    scene = paper("I-B", t_end=20.0)
+    result = run(scene)
+    first = int(np.flatnonzero(result.events["friction"] != 0)[0])  # it starts stuck
+    assert np.all(result.events["friction"][first:] != 0)
+    turned = {name: column[result.events["kind"] == 3] for name, column in result.events.items()}
+    y = turned["x1"] - turned["x2"]
+    force = 200.0 * y + 0.001 * (turned["v1"] - turned["v2"]) + 12400.0 * np.minimum(y + 0.001, 0.0)
+    jumps = np.log((np.abs(force) - scene.N) / (np.abs(force) + scene.N))
+    slipping = 20.0 - float(result.events["t"][first])
+    expected = -0.001 * (1 / 0.297 + 1 / 2.94) * slipping + np.sum(jumps)
+    growth = totals(scene, resume=result.row(first))["growth"]
+    assert len(jumps) > 100 and np.count_nonzero(result.events["kind"] == 1) > 90
+    # a jump is known to the rounding of S, eps |S|, over |S| - N > 0.01 N; there are 200 of them
+    assert np.sum(growth[-1, 1:]) == pytest.approx(expected, abs=1e-10)
+
+
+def test_a_wrong_saltation_is_seen(monkeypatch):
+    right = TangentBundle.cross
+
+    def without_reversals(self, kind, state, before):
+        vectors = [list(vector) for vector in self.vectors]
+        right(self, kind, state, before)
+        if kind == EVENT_KINDS["reversal"]:
+            self.vectors = vectors
+
+    monkeypatch.setattr(TangentBundle, "cross", without_reversals)
+    assert abs(totals(paper("I-B", t_end=10.0), "python")["volume_residual"]) > 1.0

@@ -1,0 +1,73 @@
+"""Lyapunov exponents of a scene: a run with a tangent bundle and next to no samples.
+
+found = lyapunov_exponents(scene, count=1)
+found.exponents, found.growth, found.rank_losses
+"""
+
+from dataclasses import dataclass, fields, replace
+from math import nan
+from typing import Any
+
+import numpy as np
+
+from vibsim.kernel import open_trajectory
+from vibsim.physics.disturbance import dimension
+from vibsim.physics.scene import Scene
+
+
+@dataclass(frozen=True)
+class LyapunovExponents:
+    """What a tangent bundle came to over a span of a run.
+
+    Attributes
+    ----------
+    exponents : growth rates of disturbances [1/s], the largest first; -inf where sticking took the direction,
+        NaN where the run ended before the span began
+    growth : rows (t [s], logarithm of each disturbance's growth since the first row), at 101 times at most
+    rank_losses : how often sticking took a direction
+    volume_residual : what is missing in the identity of Liouville over the whole run [-], where all exponents
+        were asked for; else NaN
+    tangencies : events crossed almost tangentially, turns almost in contact; `closest_tangency` [-] at
+        `closest_tangency_time` [s]; see `vibsim.events.tangencies`
+    tangent_pieces : stretches that the residual adds up over
+    """
+
+    exponents: np.ndarray
+    growth: np.ndarray
+    rank_losses: int
+    volume_residual: float
+    tangencies: int
+    closest_tangency: float
+    closest_tangency_time: float
+    tangent_pieces: int
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Begin and end [s] of what the exponents are taken over; NaN without any."""
+        return (float(self.growth[0, 0]), float(self.growth[-1, 0])) if len(self.growth) else (nan, nan)
+
+
+def lyapunov_exponents(
+    scene: Scene, count: int | None = None, discard: float | None = None, engine: str = "auto"
+) -> LyapunovExponents:
+    """The largest `count` Lyapunov exponents of the motion from the start of `scene`; None: all of them.
+
+    discard : time [s] after which they are taken, for the motion to settle and the disturbances to turn into
+    their directions; None: half of the run.
+
+    Two exponents that are 0 by construction are left out: see `vibsim.physics.disturbance`. Raises ValueError
+    for a count that the scene has not got, KernelError when the run fails.
+    """
+    count = dimension(scene) if count is None else count
+    begin = scene.t_end / 2 if discard is None else discard
+    numerator, denominator = float(scene.t_end).as_integer_ratio()
+    sparse = replace(scene, every_num=max(numerator, 1), every_den=denominator)
+    trajectory = open_trajectory(sparse, engine, tangent=count, tangent_from=begin)
+    for _ in trajectory.blocks():
+        pass
+    return exponents_of(trajectory.totals)
+
+
+def exponents_of(totals: dict[str, Any]) -> LyapunovExponents:
+    """The exponents in the totals of a run that carried a tangent bundle."""
+    return LyapunovExponents(**{field.name: totals[field.name] for field in fields(LyapunovExponents)})

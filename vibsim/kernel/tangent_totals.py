@@ -1,0 +1,56 @@
+"""What the tangent bundle of a run came to, by name, for both engines."""
+
+from math import inf, nan, sqrt
+
+import numpy as np
+
+from vibsim.events.tangencies import CLOSE
+
+
+def tangent_totals(scene, entries, margin, margin_time):
+    """Totals from `TangentBundle.entries()`; None where nothing was carried.
+
+    margin, margin_time: smallest gap at a turn without contact [m] (inf without any) and when [s].
+
+    exponents : growth rates [1/s] over the recorded span, the largest first; NaN where there is no span yet,
+    -inf where sticking took the direction
+    growth : rows (t [s], logarithm of the growth of each disturbance since the first row)
+    rank_losses : stickings within the span, and the resting at its start
+    tangent_pieces : stretches after which it was orthonormalised
+    volume_residual : what is missing in the identity of Liouville [-]; NaN unless the bundle is complete
+    tangencies, closest_tangency [-], closest_tangency_time [s] : events crossed almost tangentially, turns
+    almost in contact; see `vibsim.events.tangencies`
+    """
+    if entries is None:
+        return None
+    count, complete, rows, losses, pieces, residual, near = entries
+    growth = np.array(rows, dtype="f8").reshape(-1, 1 + count)
+    if complete and losses > 0:
+        growth[1:, -1] = -inf
+    known = len(growth) > 1
+    exponents = growth[-1, 1:] / (growth[-1, 0] - growth[0, 0]) if known else np.full(count, nan)
+    return {
+        "exponents": exponents,
+        "growth": growth,
+        "rank_losses": int(losses),
+        "tangent_pieces": int(pieces),
+        "volume_residual": float(residual) if complete else nan,
+        **_tangencies(scene, near, growth[0, 0] if known else inf, margin, margin_time),
+    }
+
+
+def _tangencies(scene, near, begin, margin, margin_time):
+    """Crossings and the closest turn. A turn as far from contact as the deepest crossing at the natural rate
+    counts 1, as that crossing does.
+    """
+    count, closest, time, fastest = near
+    if begin <= margin_time and margin < inf and fastest > 0:
+        rate = sqrt(scene.k1 / scene.m1) if scene.k1 > 0 else 1.0
+        share = 2 * margin * rate / fastest
+        count += share < CLOSE
+        closest, time = min((closest, time), (share, margin_time))
+    return {
+        "tangencies": int(count),
+        "closest_tangency": float(closest),
+        "closest_tangency_time": float(time) if closest < 1 else nan,
+    }
