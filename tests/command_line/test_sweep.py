@@ -96,6 +96,11 @@ def test_failed_points_end_in_exit_code_5():
         (("--omega0", "3,4", "--discard", "3s"), 2, "leaves nothing"),
         (("--omega0", "3,4", "--every", "soon"), 2, "time"),
         (("--omega0", "3,4", "-s", "nonsense=1"), 3, "nonsense"),
+        (("--omega0", "3,4", "--compute", "powr"), 2, "did you mean power?"),
+        (("--omega0", "3,4", "--spread", "x1=1mm"), 2, "needs an ensemble"),
+        (("--omega0", "3,4", "--spread", "x1"), 2, "is not KEY=HOW"),
+        (("--ensemble", "3", "--spread", "x1=1kg"), 2, "must be a length"),
+        (("--ensemble", "3", "--spread", "m1=1kg"), 3, "--spread blocks.m1: must be > 0"),
     ],
 )
 def test_what_is_refused(words, code, message, own_folder):
@@ -146,3 +151,16 @@ def test_interruption_keeps_what_is_finished_and_resumes(signum, code):
     left = open_result("s.h5")
     assert not left.complete and left.attrs["points_done"] >= 2
     assert os.listdir() == ["s.h5"]
+
+
+def test_an_ensemble_with_what_is_computed_besides():
+    words = ("--omega0", "3,4", "--ensemble", 3, "--seed", 7, "--spread", "phi=0:360deg", "--spread", "x1=1mm")
+    done = call("sweep", "II-B", *words, "--compute", "grazing,power", *SHORT, "-o", "e.h5")
+    assert done.exit_code == 0
+    assert "3 members, seed 7: phi uniform from 0 to 360 deg; x1 uniform from -1 to 1 mm" in done.stdout
+    assert "power, grazing" in done.stdout
+    result = open_result("e.h5")
+    assert result["power_source"].shape == (2, 3, 1) and result["member_x1"].shape == (3,)
+    done = call("sweep", "II-B", *words[:4], "--seed", 8, *words[6:], *SHORT, "-o", "e.h5")
+    assert done.exit_code == 6 and "seed 7" in done.stderr and "seed 8" in done.stderr
+    assert "compute: in the file power and grazing, here nothing" in done.stderr

@@ -113,7 +113,7 @@ def test_a_failed_point_is_retried_alone_when_those_behind_it_hold():
     for index in indices:
         piece = Chain(plan, store.table, indices).piece(1)
         (point,) = compute_batch(plan.recipe, (piece,), "c")
-        failing = replace(point, status=FAILED, error="so it is", values={}, section={})
+        failing = replace(point, status=FAILED, error="so it is", values={}, arrays={})
         store.add([failing if index == (1, 0) else point])
         if index == (1, 0):
             break

@@ -10,7 +10,7 @@ import pytest
 from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
 from vibsim.results import ResultFileError, open_result
 from vibsim.sweeps import describe, sweep
-from vibsim.sweeps.columns import DEFINITIONS, PER_POINT, SECTION
+from vibsim.sweeps.columns import ALWAYS, DEFINITIONS, SECTION
 from vibsim.sweeps.store import FileStore
 from vibsim.sweeps.sweeping import run_stored
 
@@ -53,7 +53,7 @@ def test_every_dataset_lies_on_the_scales(file):
 
 
 def test_units_and_filters(file):
-    for name, column in {**PER_POINT, **SECTION}.items():
+    for name, column in ALWAYS.items():
         assert file[name].attrs["units"] == column.units
         assert (file[name].compression, file[name].fletcher32) == ("gzip", True)
     assert file["status"].attrs["flag_meanings"].split() == ["missing", "done", "failed"]

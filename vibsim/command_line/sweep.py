@@ -9,16 +9,19 @@ DEFAULT_CASE = "II-B"
 
 
 class KeyRange(click.ParamType):
-    """KEY=RANGE, as a pair."""
+    """KEY=RANGE or another text behind a key, as a pair."""
 
     name = "key=range"
+
+    def __init__(self, form="KEY=RANGE, such as c=0.01:0.05/9"):
+        self.form = form
 
     def convert(self, value, param, ctx):
         if isinstance(value, tuple):
             return value
         key, _, text = value.partition("=")
         if not key.strip() or not text.strip():
-            self.fail(f"{value!r} is not KEY=RANGE, such as c=0.01:0.05/9", param, ctx)
+            self.fail(f"{value!r} is not {self.form}", param, ctx)
         return key.strip(), text.strip()
 
 
@@ -30,6 +33,8 @@ class KeyRange(click.ParamType):
         "vibsim sweep II-B --omega0 3:7:0.05 --direction both --carry-state -o hysteresis.h5",
         "vibsim sweep I-B --omega 3:7:0.1 --discard 100s",
         "vibsim sweep II-B --omega0 3:7:0.1 --param c=0.01:0.05/9",
+        "vibsim sweep II-B --omega0 3:7:0.1 --ensemble 20 --spread phi=0:360deg --spread x1=1mm",
+        "vibsim sweep II-B --omega0 3:7:0.1 --compute power,impact-velocity",
         "vibsim plot II-B-omega0.h5",
         before="Ranges: FROM:TO:STEP (both ends included), FROM:TO/COUNT, or A,B,C; with a unit at the end. "
         "An interrupted sweep goes on when the same command is given again.",
@@ -47,6 +52,19 @@ class KeyRange(click.ParamType):
     help="Any number; repeat for a grid.",
 )
 @click.option(
+    "--ensemble", type=click.IntRange(min=1), metavar="N",
+    help="Run N members at every point, each with other start values.",
+)  # fmt: skip
+@click.option(
+    "--seed", type=click.IntRange(min=0), default=0, metavar="S", show_default=True,
+    help="Of the members' draws; member 7 of a seed is the same in an ensemble of any size.",
+)  # fmt: skip
+@click.option(
+    "--spread", "spreads", metavar="KEY=HOW", multiple=True, type=KeyRange("KEY=HOW, such as x1=1mm"),
+    help="What varies over the ensemble: WIDTH (uniform, either side of the case's value), FROM:TO, or "
+    "'normal DEVIATION'; repeatable. [default: the motor's phi, over the full turn]",
+)  # fmt: skip
+@click.option(
     "--direction", type=click.Choice(["up", "down", "both"]), default="up", help="Along the first axis.",
     show_default=True,
 )  # fmt: skip
@@ -61,6 +79,11 @@ class KeyRange(click.ParamType):
 @click.option(
     "--section", type=click.IntRange(min=0), default=100, metavar="N", show_default=True,
     help="Stroboscopic points kept per point.",
+)  # fmt: skip
+@click.option(
+    "--compute", "computed", metavar="NAME,...", default="",
+    help="What to compute of each point besides: power, impact-velocity, contact-section, grazing, "
+    "certificate; or all.",
 )  # fmt: skip
 @set_option
 @click.option("--t-end", metavar="TIME", help="End of every run, such as 100s.")
@@ -78,8 +101,9 @@ class KeyRange(click.ParamType):
 @click.option("--force", is_flag=True, help="Replace an output file that holds something else.")
 @click.pass_context
 def command(
-    ctx, source, omega0, omega, params, changes, t_end, method, engine, jobs, output, force, **settings
-):
+    ctx, source, omega0, omega, params, ensemble, seed, spreads, computed, changes, t_end, method, engine,
+    jobs, output, force, **settings
+):  # fmt: skip
     """Run CASE at every point of a grid and store statistics of each run.
 
     CASE is a YAML file, the name of a shipped case, - for standard input, or an HDF5 file of `vibsim run`.
@@ -96,5 +120,6 @@ def command(
     values = dict(changes) | {key: value for key, value in given.items() if value is not None}
     axes = [("excitation.Omega0", omega0, "Hz"), ("excitation.omega", omega, "Hz")]
     axes = [axis for axis in axes if axis[1] is not None] + [(key, text, "") for key, text in params]
-    plan = read_plan(source, values, axes, settings)
+    settings["compute"] = [name.strip() for name in computed.split(",") if name.strip()]
+    plan = read_plan(source, values, axes, (ensemble or 0, seed, spreads), settings)
     return run_sweep(plan, output, jobs, engine, force, ctx.obj)

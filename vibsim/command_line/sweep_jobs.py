@@ -18,27 +18,34 @@ from vibsim.sweeps.columns import FAILED, MISSING
 from vibsim.sweeps.description import facts, sweep_lines
 from vibsim.sweeps.plan import UP, Plan, PlanError
 from vibsim.sweeps.store import FileStore
-from vibsim.sweeps.sweeping import make_plan, run_stored
+from vibsim.sweeps.sweeping import make_plan, read_ensemble, run_stored
 from vibsim.sweeps.table import Table
 from vibsim.sweeps.workers import available_cores
 
 PATIENCE = 1.0  # seconds before a bar appears
 
 AxisText = tuple[str, str, str]  # key, range, unit of a bare range
+Ensemble = tuple[int, int, Sequence[tuple[str, str]]]  # members, seed, spreads as key and text
 
 
 def read_plan(
-    source: str, changes: dict[str, str], axes: Sequence[AxisText], settings: dict[str, Any]
+    source: str,
+    changes: dict[str, str],
+    axes: Sequence[AxisText],
+    ensemble: Ensemble,
+    settings: dict[str, Any],
 ) -> Plan:
     """The plan that the options describe.
 
     Raises CaseError and ResultFileError for the case, UsageError for axes and settings.
     """
     case = read_case(source, changes)
-    if not axes:
-        raise click.UsageError("nothing to sweep: give --omega0, --omega or --param KEY=RANGE")
+    count, seed, spreads = ensemble
+    if not axes and not count and not spreads:
+        raise click.UsageError("nothing to sweep: give --omega0, --omega, --param KEY=RANGE or --ensemble N")
     try:
-        plan = make_plan(case, axes, carry_state=settings.pop("carry"), **settings)
+        members = read_ensemble(case, count, seed, dict(spreads))
+        plan = make_plan(case, axes, carry_state=settings.pop("carry"), ensemble=members, **settings)
     except UnknownKeyError as error:
         raise click.UsageError(f"--param: {error}") from None
     except (RangeError, PlanError) as error:

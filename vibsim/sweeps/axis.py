@@ -40,6 +40,11 @@ class Axis:
         """Name of its dimension scale: the last part of the key, omega0 for the motor constant."""
         return SCALE_NAMES.get(self.key, self.key.rpartition(".")[2])
 
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The keys of the case that the axis sets."""
+        return (self.key,)
+
     def __len__(self) -> int:
         return len(self.values)
 
@@ -64,12 +69,16 @@ class Axis:
         """The axis that `plain` wrote down."""
         return Axis(data["key"], data["unit"], tuple(map(Fraction, data["values"])))
 
+    def part(self, begin: int, end: int) -> "Axis":
+        """The axis with its values at positions `begin` to `end - 1`."""
+        return replace(self, values=self.values[begin:end])
+
     def __str__(self) -> str:
         ends = [decimal_text(value) for value in (self.values[0], self.values[-1])]
         return f"{self.name} {' to '.join(dict.fromkeys(ends))} {self.unit}".strip()
 
 
-def read_axis(case: "Case", key: str, text: str, bare_unit: str = "") -> Axis:
+def read_axis(case: "Case", key: str, text: str, bare_unit: str = "", option: str = "--param") -> Axis:
     """The axis that `key` and the range `text` describe, every value tried in the case.
 
     Parameters
@@ -77,6 +86,7 @@ def read_axis(case: "Case", key: str, text: str, bare_unit: str = "") -> Axis:
     key : dotted or unambiguous short key of a number of the case
     text : a range, see `vibsim.cases.ranges`
     bare_unit : unit of a range that has none; by default SI, and an angular rate must have one
+    option : where the user wrote it, for messages
 
     Raises UnknownKeyError, RangeError, and CaseError where the case does not allow a value.
     """
@@ -88,7 +98,7 @@ def read_axis(case: "Case", key: str, text: str, bare_unit: str = "") -> Axis:
         if low == high:
             raise RangeError(f"{text} has the value {decimal_text(low)} twice")
     axis = Axis(full, values[0].unit, tuple(exact))
-    _check(case, axis)
+    _check(case, axis, option)
     return axis
 
 
@@ -112,10 +122,10 @@ def _in_one_unit(values: list[RangeValue]) -> list[RangeValue]:
     ]
 
 
-def _check(case: "Case", axis: Axis) -> None:
+def _check(case: "Case", axis: Axis, option: str) -> None:
     """Try every value; a CaseError names the option instead of --set."""
     for position in range(len(axis)):
         try:
             case.with_values({axis.key: axis.text(position)})
         except CaseError as error:
-            raise CaseError(replace(problem, file="--param") for problem in error.problems) from None
+            raise CaseError(replace(problem, file=option) for problem in error.problems) from None

@@ -10,11 +10,20 @@ STATUS_FLAGS = {"missing": MISSING, "done": DONE, "failed": FAILED}
 
 @dataclass(frozen=True)
 class Column:
-    """A number per point or stroboscopic point: UDUNITS unit, definition, and what the scene must have."""
+    """A number per point, or one along a further dimension.
+
+    Attributes
+    ----------
+    units : UDUNITS unit
+    long_name : definition
+    needs : what the scene must have, of "motor", "source", "block2", "stop" and "friction"
+    dimension : name of the further dimension, such as "section"; empty for a number per point
+    """
 
     units: str
     long_name: str
-    needs: str = ""  # "motor", "block2", "stop", "friction", or nothing
+    needs: str = ""
+    dimension: str = ""
 
 
 _HALF = "half the peak-to-peak of {} in one excitation period, {} over the whole periods after the transient"
@@ -68,13 +77,13 @@ END_STATE = {
     "end_phidot": Column("rad s-1", _END.format("rotor speed"), "motor"),
 }
 SECTION = {
-    "section_displacement": Column("m", f"{RELATIVE} at the last stroboscopic points"),
+    "section_displacement": Column("m", f"{RELATIVE} at the last stroboscopic points", "", "section"),
     "section_velocity": Column(
-        "m s-1", "v1 - v2 (v1 where block 2 is fixed) at the last stroboscopic points"
+        "m s-1", "v1 - v2 (v1 where block 2 is fixed) at the last stroboscopic points", "", "section"
     ),
-    "section_speed": Column("Hz", "motor speed at the last stroboscopic points", "motor"),
+    "section_speed": Column("Hz", "motor speed at the last stroboscopic points", "motor", "section"),
 }
-PER_POINT = {**STATISTICS, **TOTALS, **END_STATE}
+ALWAYS = {**STATISTICS, **TOTALS, **END_STATE, **SECTION}
 NOT_REPRODUCIBLE = ("wall_time",)
 
 DEFINITIONS = (
@@ -90,10 +99,10 @@ DEFINITIONS = (
 def columns_of(scene: Scene, table: dict[str, Column]) -> dict[str, Column]:
     """Those columns that a sweep of this scene has."""
     has = {
-        "": True,
         "motor": scene.has_motor,
+        "source": scene.source != "none",
         "block2": scene.has_block2,
         "stop": scene.has_stop,
         "friction": scene.has_block2,  # mu may be swept through 0
     }
-    return {name: column for name, column in table.items() if has[column.needs]}
+    return {name: column for name, column in table.items() if all(has[need] for need in column.needs.split())}

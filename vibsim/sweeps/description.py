@@ -7,6 +7,7 @@ from typing import Any
 
 from vibsim.cases.quantities import decimal_text
 from vibsim.sweeps.axis import Axis
+from vibsim.sweeps.members import Members
 from vibsim.sweeps.plan import DIRECTION_FLAGS
 from vibsim.sweeps.sweep_result import SweepResult, open_sweep
 
@@ -36,6 +37,8 @@ def sweep_lines(result: SweepResult) -> Lines:
     lines.append(
         ("run", f"{plan.case.quantity('run.t_end')}, transient of {plan.discard} left out of the statistics")
     )
+    if plan.compute:
+        lines.append(("computed", ", ".join(plan.compute)))
     lines.append(("section", f"the last {plan.section} stroboscopic points of each"))
     failures = list(result.table.failures())
     lines += [("failed", f"{place_text(result, index)}: {reason}") for index, reason in failures[:5]]
@@ -52,8 +55,10 @@ def facts(result: SweepResult) -> dict[str, Any]:
     return {**attrs, "case": case, "sweep": settings, "failed": failed}
 
 
-def axis_text(axis: Axis) -> str:
+def axis_text(axis: Axis | Members) -> str:
     """The values of an axis: 3 to 7 Hz in steps of 0.05, 81 values."""
+    if isinstance(axis, Members):
+        return str(axis)
     values, count = axis.values, f"{len(axis)} value{'' if len(axis) == 1 else 's'}"
     steps = {high - low for low, high in pairwise(values)}
     if len(values) > 2 and len(steps) == 1:

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from vibsim.cases import Case
+from vibsim.sweeps.members import axis_from_plain
 from vibsim.sweeps.plan import Plan
 
 AT_MOST = 12  # lines; a sweep of another model differs in everything
@@ -29,7 +30,7 @@ def _settings(stored: Mapping[str, Any], wanted: Mapping[str, Any]) -> Iterator[
         yield from _line(key, *(_axis(side.get(key)) for side in axes))
     if set(axes[0]) == set(axes[1]):
         yield from _line("order of the axes", *map(", ".join, axes))
-    for name in wanted:
+    for name in dict.fromkeys([*wanted, *stored]):
         if name != "axes":
             yield from _line(name.replace("_", " "), *(_words(side.get(name)) for side in (stored, wanted)))
 
@@ -37,7 +38,8 @@ def _settings(stored: Mapping[str, Any], wanted: Mapping[str, Any]) -> Iterator[
 def _cases(resolved: str, plan: Plan, stored_axes: list[dict[str, Any]]) -> Iterator[str]:
     """Values that no axis of either sweep varies and that are not the same number."""
     theirs, ours = Case.from_resolved_json(resolved), plan.case
-    swept = {axis.key for axis in plan.axes} | {axis["key"] for axis in stored_axes} | {"name", "title"}
+    stored = {key for axis in stored_axes for key in axis_from_plain(axis).keys}
+    swept = {key for axis in plan.axes for key in axis.keys} | stored | {"name", "title"}
     exact = [_exact_values(case) for case in (theirs, ours)]
     for key in dict.fromkeys([*ours.values, *theirs.values]):
         if key not in swept and exact[0].get(key) != exact[1].get(key):
@@ -59,12 +61,16 @@ def _line(what: str, stored: str, wanted: str) -> Iterator[str]:
 def _axis(axis: Mapping[str, Any] | None) -> str:
     if axis is None:
         return "not swept"
+    if "seed" in axis:
+        return str(axis_from_plain(axis))
     values, unit = axis["values"], axis["unit"]
     text = ", ".join(values) if len(values) <= 3 else f"{values[0]}, {values[1]}, ... {values[-1]}"
     return f"{text} {unit}".strip() + f" ({len(values)} values)"
 
 
 def _words(value: Any) -> str:
+    if value is None:
+        return "nothing"
     if isinstance(value, list):
         return " and ".join(map(str, value))
     return {True: "yes", False: "no"}[value] if isinstance(value, bool) else str(value)

@@ -13,7 +13,7 @@ from vibsim.kernel import Block, open_trajectory
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.scene import Scene
 
-SUMMED = ("impacts", "sticks", "events")
+SUMMED = ("impacts", "sticks", "events", "uncertified")
 
 
 class GivenUpError(Exception):
@@ -23,24 +23,36 @@ class GivenUpError(Exception):
 class MeasuredRun:
     """A run of `scene`: its blocks from about the time `begin` [s] on, with stroboscopic points.
 
-    `totals` are those of the whole run, up to date after the last block. `go_on` is asked before every
-    block, those of the transient too; where it says False, GivenUpError is raised.
+    `totals` are those of the whole run, up to date after the last block; `late` those of the blocks that were
+    shown, which begin with the event `row` (None: with the run), with the energy ledger if that is wanted.
+    `go_on` is asked before every block, those of the transient too; where it says False, GivenUpError is
+    raised.
     """
 
-    def __init__(self, scene: Scene, begin: float, engine: str, go_on: Callable[[], bool] | None = None):
-        self.scene, self.begin, self.engine = scene, begin, engine
+    def __init__(
+        self,
+        scene: Scene,
+        begin: float,
+        engine: str,
+        go_on: Callable[[], bool] | None = None,
+        ledger: bool = False,
+    ):
+        self.scene, self.begin, self.engine, self.ledger = scene, begin, engine, ledger
         self._go_on = go_on
         self.totals: dict[str, float] = dict.fromkeys(SUMMED, 0.0) | {"grazing_margin": math.nan}
+        self.late: dict[str, Any] = {}
+        self.row: dict[str, float] | None = None
         self.t_reached = 0.0
 
     def blocks(self) -> Iterator[Block]:
         """The blocks from the last event before `begin` on; none where the run ended before."""
-        row = self._transient() if self.begin > 0 else None
+        self.row = self._transient() if self.begin > 0 else None
         if self.t_reached < self.begin:
             return
-        trajectory = open_trajectory(self.scene, self.engine, resume=row, section=True)
+        trajectory = open_trajectory(self.scene, self.engine, self.row, section=True, ledger=self.ledger)
         yield from self._asked(trajectory)
-        self._add(trajectory.totals)
+        self.late = trajectory.totals
+        self._add(self.late)
 
     def _transient(self) -> dict[str, float] | None:
         """Run up to `begin`; the row of the last event."""

@@ -14,7 +14,10 @@ from typing import TYPE_CHECKING, Any
 
 from vibsim.cases.quantities import Quantity
 from vibsim.sweeps.axis import Axis
+from vibsim.sweeps.columns import ALWAYS, Column, columns_of
+from vibsim.sweeps.computations import COMPUTATIONS, length_of
 from vibsim.sweeps.discard import HALF, Discard
+from vibsim.sweeps.members import Members
 from vibsim.sweeps.recipe import Recipe, Start
 
 if TYPE_CHECKING:
@@ -39,22 +42,24 @@ class Plan:
     Attributes
     ----------
     case : the case that the axes vary
-    axes : one or more; the first is the one along which a state is carried
+    axes : one or more; the first is the one along which a state is carried, an ensemble's members the last
     directions : of the first axis, in the order computed: UP (ascending), DOWN, or both
     carry : start each point from the end of the one before, `both` going up and then back down; otherwise
         every point starts as its case says, and the direction makes no difference
     discard : transient left out of the statistics
     section : number of stroboscopic points kept per point, the last ones
     every : output interval that the statistics are taken from [s]; None: what suits each point's motion
+    compute : names of what is computed besides, see `vibsim.sweeps.computations`, in their order there
     """
 
     case: "Case"
-    axes: tuple[Axis, ...]
+    axes: tuple[Axis | Members, ...]
     directions: tuple[int, ...] = (UP,)
     carry: bool = False
     discard: Discard = HALF
     section: int = 100
     every: Fraction | None = None
+    compute: tuple[str, ...] = ()
 
     def __post_init__(self):
         names = [axis.name for axis in self.axes]
@@ -62,14 +67,29 @@ class Plan:
             raise PlanError("a sweep needs something to vary")
         if len(set(names)) < len(names):
             raise PlanError(f"{next(name for name in names if names.count(name) > 1)} is given twice")
-        if self.carry and self.axes[0].key.startswith("initial."):
-            raise PlanError(
-                f"a carried state replaces the initial one, so {self.axes[0].key} cannot be swept first"
-            )
+        self._check_keys()
+        self._check_carry()
+        for name in self.compute:
+            kind = COMPUTATIONS[name]
+            if not columns_of(self.case.scene(), kind.columns):
+                raise PlanError(f"{name} needs {kind.needs}, which {self.case.name} has not got")
         if not self.discard.relative and self.discard.value >= self.case.quantity("run.t_end").value:
             raise PlanError(
                 f"a transient of {self.discard} leaves nothing of a run of {self.case.quantity('run.t_end')}"
             )
+
+    def _check_keys(self) -> None:
+        keys = [key for axis in self.axes for key in axis.keys]
+        if len(set(keys)) < len(keys):
+            twice = next(key for key in keys if keys.count(key) > 1)
+            raise PlanError(f"{twice} is both swept and spread over the ensemble; choose one")
+
+    def _check_carry(self) -> None:
+        first = self.axes[0]
+        if self.carry and isinstance(first, Members):
+            raise PlanError("a state is carried along a range; an ensemble alone has none")
+        if self.carry and first.key.startswith("initial."):
+            raise PlanError(f"a carried state replaces the initial one, so {first.key} cannot be swept first")
 
     @property
     def shape(self) -> Index:
@@ -114,12 +134,25 @@ class Plan:
     @cached_property
     def recipe(self) -> Recipe:
         """What all points have in common; with a point's `changes` it is all that computing it takes."""
-        return Recipe(self.case, self.carry, self.discard, self.section, self.every)
+        return Recipe(self.case, self.carry, self.discard, self.section, self.every, self.compute)
+
+    @cached_property
+    def columns(self) -> dict[str, Column]:
+        """What is stored of each point, by name."""
+        wanted = {name: column for key in self.compute for name, column in COMPUTATIONS[key].columns.items()}
+        return columns_of(self.case.scene(), {**ALWAYS, **wanted})
+
+    def shape_of(self, name: str) -> Index:
+        """Shape of a column: that of the sweep, and its further dimension where it has one."""
+        dimension = self.columns[name].dimension
+        return (*self.shape, length_of(dimension, self.section)) if dimension else self.shape
 
     @cached_property
     def settings(self) -> dict[str, Any]:
         """Everything but the case, as plain data for JSON."""
+        computed = {"compute": list(self.compute)} if self.compute else {}  # files without it stay valid
         return {
+            **computed,
             "axes": [axis.plain() for axis in self.axes],
             "direction": [name for name, code in DIRECTION_FLAGS.items() if code in self.directions],
             "carry_state": self.carry,
@@ -132,7 +165,7 @@ class Plan:
     @cached_property
     def fixed_values(self) -> dict[str, str]:
         """The values of the case that no axis varies: dotted key -> text in exact SI units."""
-        swept = {axis.key for axis in self.axes} | {"name", "title"}
+        swept = {key for axis in self.axes for key in axis.keys} | {"name", "title"}
         return {key: _exact(value) for key, value in self.case.values.items() if key not in swept}
 
     @cached_property

@@ -10,6 +10,7 @@ from vibsim.cases import CaseError
 from vibsim.kernel import KernelError
 from vibsim.physics.scene import Scene
 from vibsim.sweeps.columns import DONE, FAILED
+from vibsim.sweeps.computations import COMPUTATIONS
 from vibsim.sweeps.measured_run import GivenUpError, MeasuredRun
 from vibsim.sweeps.plan import Index
 from vibsim.sweeps.recipe import Recipe, Start
@@ -36,7 +37,7 @@ class Point:
     sha256 : fingerprint of the point's case, its start included; empty where the case is not allowed
     error : why it failed
     values : statistics, totals and end state by name (see `columns`); what does not apply is missing
-    section : the last stroboscopic points by name
+    arrays : what has a further dimension, such as the last stroboscopic points, by name
     """
 
     index: Index
@@ -44,7 +45,7 @@ class Point:
     sha256: str
     error: str = ""
     values: dict[str, float] = field(default_factory=dict)
-    section: dict[str, list[float]] = field(default_factory=dict)
+    arrays: dict[str, list[float]] = field(default_factory=dict)
 
     @property
     def done(self) -> bool:
@@ -85,7 +86,7 @@ def compute_point(
         return Point(index, FAILED, "", str(error))
     scene = sampled_for_statistics(case.scene(), recipe.every)
     try:
-        values, section = _measure(scene, recipe, engine, go_on)
+        values, arrays = measure(scene, recipe, engine, go_on)
     except KernelError as error:
         return Point(index, FAILED, case.sha256, str(error))
     except GivenUpError:
@@ -93,21 +94,30 @@ def compute_point(
     if recipe.carry and "end_x1" not in values:
         return Point(index, FAILED, case.sha256, NOTHING_TO_CARRY)
     values["wall_time"] = time.perf_counter() - began
-    return Point(index, DONE, case.sha256, "", values, section)
+    return Point(index, DONE, case.sha256, "", values, arrays)
 
 
-def _measure(scene: Scene, recipe: Recipe, engine: str, go_on: Callable[[], bool] | None) -> Measured:
-    """Statistics, totals and end state by name; stroboscopic points by name."""
+def measure(scene: Scene, recipe: Recipe, engine: str, go_on: Callable[[], bool] | None) -> Measured:
+    """Statistics, totals and end state by name; sections and what else has a further dimension by name."""
     begin = recipe.discard.time(scene.t_end)
-    run, statistics = MeasuredRun(scene, begin, engine, go_on), Statistics(scene, begin)
+    kinds = [COMPUTATIONS[name] for name in recipe.compute]
+    run = MeasuredRun(scene, begin, engine, go_on, ledger=any(kind.ledger for kind in kinds))
+    statistics = Statistics(scene, begin)
+    computed = [kind.make(scene, begin, recipe.section) for kind in kinds]
     end: dict[str, float] = {}
     for block in run.blocks():
         statistics.update(block)
+        for computation in computed:
+            computation.update(block)
         end = _end_state(scene, block) or end
-    section = {
-        f"section_{name}": column.tolist() for name, column in statistics.section(recipe.section).items()
-    }
-    return {**statistics.values(), **run.totals, "t_reached": run.t_reached, **end}, section
+    values = {**statistics.values(), **run.totals, "t_reached": run.t_reached, **end}
+    found: dict[str, Any] = {f"section_{name}": c for name, c in statistics.section(recipe.section).items()}
+    if run.late:
+        for computation in computed:
+            found |= computation.values(statistics.window, run)
+    numbers = {name: value for name, value in found.items() if isinstance(value, float)}
+    arrays = {name: value.tolist() for name, value in found.items() if not isinstance(value, float)}
+    return {**values, **numbers}, arrays
 
 
 def _end_state(scene: Scene, block: Any) -> dict[str, float]:

@@ -25,6 +25,7 @@ class Recipe:
     discard: Discard
     section: int
     every: Fraction | None
+    compute: tuple[str, ...] = ()
 
     def point_case(self, changes: Mapping[str, str], start: Start | None = None) -> "Case":
         """The case of a point, begun from `start` where a state is carried. Raises CaseError."""

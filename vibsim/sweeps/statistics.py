@@ -71,6 +71,14 @@ class Statistics:
             **self._speeds(points),
         }
 
+    @property
+    def window(self) -> tuple[float, float]:
+        """Begin and end of the whole periods [s]; of everything that was taken where there is none."""
+        times = self.points()["time"]
+        if len(times) < 2 and self._rows is not None and self._first is not None:
+            return self._first["time"], float(self._rows.states["time"][0])
+        return (float(times[0]), float(times[-1])) if len(times) else (math.nan, math.nan)
+
     def points(self) -> dict[str, np.ndarray]:
         """The stroboscopic points: time and states by name, each (n)."""
         return {

@@ -25,7 +25,7 @@ class Store:
     def __init__(self, plan: Plan, engine: str = "auto"):
         self.plan = plan
         self.attrs: dict[str, Any] = origin(plan, engine)
-        self.table = Table(plan.case.scene(), plan.shape, plan.section)
+        self.table = Table(plan)
 
     def __enter__(self) -> "Store":
         return self

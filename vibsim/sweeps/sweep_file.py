@@ -11,13 +11,21 @@ import numpy as np
 from vibsim.results.errors import ResultFileError
 from vibsim.results.output_file import output_file
 from vibsim.results.trajectory_file import damage_named, open_hdf5, read_attrs
-from vibsim.sweeps.columns import PER_POINT, SECTION, STATUS_FLAGS, Column
+from vibsim.sweeps.columns import STATUS_FLAGS, Column
+from vibsim.sweeps.computations import length_of
+from vibsim.sweeps.impact_velocity import QUANTILES
+from vibsim.sweeps.members import Members
 from vibsim.sweeps.plan import DIRECTION_FLAGS, Plan
 from vibsim.sweeps.table import Table
 
 LIBVER = ("earliest", "v110")  # opens in every HDF5 since 1.10, h5netcdf and netCDF4
 COMPRESSED = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
-SECTION_SCALE, DIRECTION_SCALE = "section", "direction"
+DIRECTION_SCALE = "direction"
+FURTHER_SCALES = {
+    "section": "stroboscopic points, counted back from the last",
+    "contact": "beginnings of contact, counted back from the last",
+    "quantile": "share of the impacts that are not faster",
+}
 
 
 def write_sweep(path: Path, plan: Plan, table: Table, attrs: Mapping[str, Any]) -> None:
@@ -34,10 +42,11 @@ def write_sweep(path: Path, plan: Plan, table: Table, attrs: Mapping[str, Any]) 
 
 def _write_datasets(file: h5py.File, plan: Plan, table: Table) -> None:
     scales = _write_scales(file, plan)
+    further = _write_further_scales(file, plan)
     for name, array in table.numbers.items():
-        column = PER_POINT.get(name) or SECTION[name]
-        if array.ndim == len(table.shape) or plan.section:
-            _attach(_number(file, name, array, column), scales)
+        column = plan.columns[name]
+        if array.size:
+            _attach(_number(file, name, array, column), [*scales, *further.get(column.dimension, [])])
     status = file.create_dataset("status", data=table.status, **COMPRESSED)
     _flags(status, "whether the point was computed", STATUS_FLAGS)
     _attach(status, scales)
@@ -48,22 +57,43 @@ def _write_datasets(file: h5py.File, plan: Plan, table: Table) -> None:
 
 
 def _write_scales(file: h5py.File, plan: Plan) -> list[h5py.Dataset]:
-    """The dimension scales in the order of the dimensions: axes, direction, section."""
+    """The dimension scales in the order of the dimensions: axes, direction."""
     scales = []
     for axis in plan.axes:
         scale = _number(file, axis.name, axis.numbers(), Column(axis.unit or "1", axis.key))
         scale.attrs["key"] = axis.key
         scales.append(scale)
+        if isinstance(axis, Members):
+            scale.attrs["long_name"] = "number of the member of the ensemble"
+            _write_drawn(file, axis, scale)
     direction = file.create_dataset(DIRECTION_SCALE, data=np.array(plan.directions, dtype="i1"))
     _flags(direction, f"direction in which {plan.axes[0].name} was swept", DIRECTION_FLAGS)
     scales.append(direction)
-    if plan.section:
-        section = file.create_dataset(SECTION_SCALE, data=np.arange(1 - plan.section, 1, dtype="i4"))
-        section.attrs["long_name"] = "stroboscopic points, counted back from the last"
-        section.attrs["units"] = "1"
-        scales.append(section)
     for scale in scales:
         scale.make_scale(scale.name.lstrip("/"))
+    return scales
+
+
+def _write_drawn(file: h5py.File, members: Members, scale: h5py.Dataset) -> None:
+    """What was drawn for each member, by its key."""
+    for spread, values in zip(members.spreads, members.drawn.values(), strict=True):
+        column = Column(spread.unit or "1", f"{spread.key}: {spread}")
+        _attach(_number(file, f"{members.name}_{spread.name}", values, column), [scale])
+
+
+def _write_further_scales(file: h5py.File, plan: Plan) -> dict[str, list[h5py.Dataset]]:
+    """The scale of each further dimension that the plan has and that is not empty, in a list."""
+    scales = {}
+    for dimension in dict.fromkeys(column.dimension for column in plan.columns.values() if column.dimension):
+        count = length_of(dimension, plan.section)
+        values = QUANTILES if dimension == "quantile" else np.arange(1 - count, 1, dtype="i4")
+        if not count:
+            continue
+        scale = file.create_dataset(dimension, data=values)
+        scale.attrs["long_name"] = FURTHER_SCALES[dimension]
+        scale.attrs["units"] = "1"
+        scale.make_scale(dimension)
+        scales[dimension] = [scale]
     return scales
 
 

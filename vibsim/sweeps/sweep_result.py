@@ -12,8 +12,10 @@ import numpy as np
 
 from vibsim.cases import Case
 from vibsim.sweeps.axis import Axis
-from vibsim.sweeps.columns import PER_POINT, SECTION, Column
+from vibsim.sweeps.columns import DONE, Column
 from vibsim.sweeps.discard import parse_discard
+from vibsim.sweeps.ensemble import Share, Summary, share, summary
+from vibsim.sweeps.members import Members, axis_from_plain
 from vibsim.sweeps.plan import DIRECTION_FLAGS, Index, Plan
 from vibsim.sweeps.recipe import Start
 from vibsim.sweeps.sweep_file import fill, read_sweep_attrs
@@ -40,6 +42,9 @@ class SweepResult:
         for axis in self.plan.axes:
             if axis.name == name:
                 return axis.numbers()
+        drawn = self._drawn()
+        if name in drawn:
+            return drawn[name]
         if name in ("status", "sha256", "error"):
             return getattr(self.table, name)
         if name not in self.table.numbers:
@@ -54,12 +59,45 @@ class SweepResult:
 
     def keys(self) -> list[str]:
         """Names of the axes and of what is known per point."""
-        return [*(axis.name for axis in self.axes), *self.table.numbers, "status", "sha256", "error"]
+        names = [axis.name for axis in self.axes]
+        return [*names, *self._drawn(), *self.table.numbers, "status", "sha256", "error"]
 
     @property
-    def axes(self) -> tuple[Axis, ...]:
+    def axes(self) -> tuple[Axis | Members, ...]:
         """The axes, in the order of the dimensions."""
         return self.plan.axes
+
+    @property
+    def members(self) -> Members | None:
+        """The ensemble, where the sweep has one: its last axis."""
+        last = self.axes[-1]
+        return last if isinstance(last, Members) else None
+
+    def _drawn(self) -> dict[str, np.ndarray]:
+        """What was drawn for the members, such as `member_phi`."""
+        members = self.members
+        if members is None:
+            return {}
+        return {f"{members.name}_{s.name}": members.drawn[s.key] for s in members.spreads}
+
+    def over_members(self, name: str) -> Summary:
+        """What the members of the ensemble have of that name, summed up; shapes without the member axis.
+
+        Raises ValueError for a sweep without ensemble.
+        """
+        return summary(self[name], self._member_dimension())
+
+    def probability(self, condition: np.ndarray) -> Share:
+        """Share of the members for which `condition` (shape of the sweep) holds, with its interval of 95 %.
+
+        Only the points that were computed count. Raises ValueError for a sweep without ensemble.
+        """
+        return share(condition, self["status"] == DONE, self._member_dimension())
+
+    def _member_dimension(self) -> int:
+        if self.members is None:
+            raise ValueError("this sweep has no ensemble")
+        return len(self.axes) - 1
 
     @property
     def directions(self) -> tuple[int, ...]:
@@ -78,7 +116,7 @@ class SweepResult:
 
     def column(self, name: str) -> Column:
         """Unit and definition of what `self[name]` holds."""
-        return PER_POINT.get(name) or SECTION[name]
+        return self.plan.columns[name]
 
     def case_at(self, index: Index) -> Case:
         """The case of one point: its values and, where a state was carried, the state that it began from."""
@@ -107,7 +145,7 @@ def open_sweep(path: str | Path) -> SweepResult:
     plan = plan_from(attrs)
 
     def read_table() -> Table:
-        table = Table(plan.case.scene(), plan.shape, plan.section)
+        table = Table(plan)
         fill(table, Path(path))
         return table
 
@@ -120,10 +158,11 @@ def plan_from(attrs: dict[str, Any]) -> Plan:
     every = settings["every"]
     return Plan(
         case=replace(Case.from_resolved_json(attrs["case_resolved_json"]), text=attrs["case_yaml"]),
-        axes=tuple(map(Axis.from_plain, settings["axes"])),
+        axes=tuple(map(axis_from_plain, settings["axes"])),
         directions=tuple(DIRECTION_FLAGS[name] for name in settings["direction"]),
         carry=settings["carry_state"],
         discard=parse_discard(settings["discard"]),
         section=settings["section"],
         every=None if every == "auto" else Fraction(every.removesuffix(" s")),
+        compute=tuple(settings.get("compute", ())),
     )

@@ -8,7 +8,9 @@ from pathlib import Path
 from vibsim.cases import Case, load_case
 from vibsim.cases.quantities import parse_quantity
 from vibsim.sweeps.axis import read_axis
+from vibsim.sweeps.computations import read_computations
 from vibsim.sweeps.discard import parse_discard
+from vibsim.sweeps.members import Members, read_members
 from vibsim.sweeps.plan import DIRECTIONS, Plan, PlanError
 from vibsim.sweeps.runner import Watch, run
 from vibsim.sweeps.store import FileStore, Store
@@ -18,13 +20,17 @@ from vibsim.sweeps.workers import LocalWorkers, available_cores
 
 def sweep(
     case: Case | str | PathLike[str],
-    axes: Mapping[str, str],
+    axes: Mapping[str, str] | None = None,
     *,
     direction: str = "up",
     carry_state: bool = False,
     discard: str = "50 %",
     section: int = 100,
     every: str | None = None,
+    compute: Iterable[str] = (),
+    ensemble: int = 0,
+    seed: int = 0,
+    spread: Mapping[str, str] | None = None,
     jobs: int | None = None,
     engine: str = "auto",
     out: str | PathLike[str] | None = None,
@@ -43,6 +49,11 @@ def sweep(
     discard : transient left out of the statistics, a time ("100 s") or a share of t_end ("50 %")
     section : stroboscopic points kept per point, the last ones
     every : output interval for the statistics, such as "1 ms"; by default what suits the motion
+    compute : names of what is computed besides, see `vibsim.sweeps.computations`, or "all"
+    ensemble : members of an ensemble that is run at every point; 0: none
+    seed : of the members' draws; member 7 of a seed is the same in an ensemble of any size
+    spread : key -> what varies over the ensemble and by how much, e.g. {"x1": "1 mm", "v1": "normal 2 mm/s",
+        "phi": "0:360 deg"}; with a motor by default the rotor angle, over the full turn
     jobs : points computed at a time; by default the available cores. The result is the same bit for bit
     engine : "auto", "c" or "python"
     out : HDF5 file; one that holds a part of this very sweep is completed, any other is an error unless
@@ -53,7 +64,15 @@ def sweep(
     """
     case = case if isinstance(case, Case) else load_case(case)
     plan = make_plan(
-        case, [(key, text, "") for key, text in axes.items()], direction, carry_state, discard, section, every
+        case,
+        [(key, text, "") for key, text in (axes or {}).items()],
+        direction,
+        carry_state,
+        discard,
+        section,
+        every,
+        compute,
+        read_ensemble(case, ensemble, seed, spread or {}),
     )
     jobs = available_cores() if jobs is None else jobs
     if jobs < 1:
@@ -70,6 +89,8 @@ def make_plan(
     discard: str = "50 %",
     section: int = 100,
     every: str | None = None,
+    compute: Iterable[str] = (),
+    ensemble: tuple[Members, ...] = (),
 ) -> Plan:
     """The plan of `sweep`, everything checked; axes: key, range, and the unit of a range without one."""
     if direction not in DIRECTIONS:
@@ -79,15 +100,28 @@ def make_plan(
     try:
         return Plan(
             case=case,
-            axes=tuple(read_axis(case, *axis) for axis in axes),
+            axes=(*(read_axis(case, *axis) for axis in axes), *ensemble),
             directions=DIRECTIONS[direction],
             carry=carry_state,
             discard=parse_discard(discard),
             section=section,
             every=None if every is None else _interval(every),
+            compute=read_computations(compute),
         )
     except ValueError as error:
         raise error if isinstance(error, PlanError) else PlanError(str(error)) from None
+
+
+def read_ensemble(case: Case, count: int, seed: int, spread: Mapping[str, str]) -> tuple[Members, ...]:
+    """The members' axis, or none. Raises PlanError, and CaseError where the case does not allow a value."""
+    if not count:
+        if spread:
+            raise PlanError("a spread needs an ensemble: say how many members it has")
+        return ()
+    try:
+        return (read_members(case, count, seed, spread),)
+    except ValueError as error:
+        raise PlanError(str(error)) from None
 
 
 def run_stored(

@@ -4,9 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from vibsim.physics.scene import Scene
-from vibsim.sweeps.columns import DONE, FAILED, MISSING, PER_POINT, SECTION, columns_of
-from vibsim.sweeps.plan import Index
+from vibsim.sweeps.columns import DONE, FAILED, MISSING
+from vibsim.sweeps.plan import Index, Plan
 from vibsim.sweeps.point import Point
 
 
@@ -15,34 +14,39 @@ class Table:
 
     Attributes
     ----------
-    numbers : name -> array of the sweep's shape (values) or (*shape, section)
+    numbers : name -> array of the sweep's shape, or with a further dimension such as (*shape, section)
     status : codes of `columns.STATUS_FLAGS` (shape)
     sha256, error : texts (shape)
     """
 
-    def __init__(self, scene: Scene, shape: Index, section: int):
-        self.shape, self.section = shape, section
-        self.numbers = {name: np.full(shape, np.nan) for name in columns_of(scene, PER_POINT)}
-        self.numbers |= {name: np.full((*shape, section), np.nan) for name in columns_of(scene, SECTION)}
+    def __init__(self, plan: Plan):
+        shape = self.shape = plan.shape
+        self._further = {name for name, column in plan.columns.items() if column.dimension}
+        self.numbers = {name: np.full(plan.shape_of(name), np.nan) for name in plan.columns}
         self.status = np.full(shape, MISSING, dtype="i1")
         self.sha256 = np.full(shape, "", dtype=object)
         self.error = np.full(shape, "", dtype=object)
 
     def put(self, point: Point) -> None:
-        """Store a point, in place of what was there."""
-        found = {**point.values, **point.section}
+        """Store a point, in place of what was there; what is shorter than its dimension gets NaN in front."""
         for name, array in self.numbers.items():
-            array[point.index] = found.get(name, np.nan)
+            if name not in self._further:
+                array[point.index] = point.values.get(name, np.nan)
+                continue
+            row, found = array[point.index], point.arrays.get(name, [])
+            row[...] = np.nan
+            row[len(row) - len(found) :] = found
         self.status[point.index] = point.status
         self.sha256[point.index] = point.sha256
         self.error[point.index] = point.error
 
     def point(self, index: Index) -> Point:
         """The point at `index`, as it was put."""
-        values = {name: float(self.numbers[name][index]) for name in self.numbers if name in PER_POINT}
-        section = {name: self.numbers[name][index].tolist() for name in self.numbers if name in SECTION}
+        further = self._further
+        values = {name: float(array[index]) for name, array in self.numbers.items() if name not in further}
+        arrays = {name: self.numbers[name][index].tolist() for name in self.numbers if name in further}
         status, sha256, error = self.status[index], self.sha256[index], self.error[index]
-        return Point(index, int(status), str(sha256), str(error), values, section)
+        return Point(index, int(status), str(sha256), str(error), values, arrays)
 
     def count(self, status: int) -> int:
         """Number of points of a status."""

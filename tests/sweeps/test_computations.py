@@ -1,0 +1,189 @@
+"""What is computed on demand, against closed forms, ledgers of whole runs, and stored events."""
+
+import math
+
+import numpy as np
+import pytest
+
+from tests.scenes import fixed_block, harmonic, motor, paper
+from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
+from vibsim.cases.loading import load_case_text
+from vibsim.kernel import open_trajectory
+from vibsim.physics.modes import EVENT_KINDS
+from vibsim.results import open_result
+from vibsim.sweeps import measured_run
+from vibsim.sweeps.computations import COMPUTATIONS, read_computations
+from vibsim.sweeps.discard import parse_discard
+from vibsim.sweeps.impact_velocity import QUANTILES
+from vibsim.sweeps.plan import PlanError
+from vibsim.sweeps.point import measure
+from vibsim.sweeps.recipe import Recipe
+from vibsim.sweeps.resolution import sampled_for_statistics
+from vibsim.sweeps.store import FileStore, Store
+from vibsim.sweeps.sweeping import run_stored
+
+
+def computed(scene, *names, discard="50 %", section=10):
+    """Values and arrays of one run by name."""
+    recipe = Recipe(None, False, parse_discard(discard), section, None, names)
+    return measure(sampled_for_statistics(scene), recipe, "auto", None)
+
+
+def contact_begins(scene, begin):
+    """Rows of the events table of the whole run, those that begin a contact from `begin` on."""
+    blocks = list(open_trajectory(sampled_for_statistics(scene), section=True).blocks())
+    events = {name: np.concatenate([block.events[name] for block in blocks]) for name in blocks[0].events}
+    marks = np.concatenate([block.section["time"] for block in blocks])
+    chosen = (events["kind"] == EVENT_KINDS["contact_begin"]) & (events["t"] >= begin)
+    return {name: column[chosen] for name, column in events.items()}, marks[marks >= begin]
+
+
+def test_power_of_a_driven_linear_oscillator():
+    """Mean power c (w X)^2 / 2 in the damper, X = A / |k1 - m1 w^2 + i c w|; nothing stored per period."""
+    c, w = 1.0, 2 * math.pi * 4.0
+    driven = fixed_block(harmonic(4.0, 0.1), c=c, t_end=40.1)  # ends within a period
+    values, _ = computed(driven, "power")
+    amplitude = 0.1 / math.hypot(driven.k1 - driven.m1 * w * w, c * w)
+    expected = c * (w * amplitude) ** 2 / 2
+    # the transient has died to exp(-20 c / 2 m1) = 2e-15; sums of 1 J are kept to 1e-15, over 20 s
+    assert values["power_source"] == pytest.approx(expected, rel=1e-12)
+    assert values["power_damper"] == pytest.approx(expected, rel=1e-12)
+    assert values["power_friction"] == 0.0
+    assert values["power_stored"] == pytest.approx(0.0, abs=1e-13 * expected)
+
+
+@pytest.mark.parametrize("name", ["I-A", "I-B", "I-C-eq211", "II-A", "II-B"])
+def test_power_is_balanced_and_that_of_the_whole_run_in_between(name):
+    """First law over the window; and the ledgers of two whole runs up to its ends differ by the same work."""
+    scene = paper(name, t_end=24.0)
+    values, _ = computed(scene, "power")
+    lost = values["power_damper"] + values["power_friction"] + values["power_stored"]
+    assert values["power_source"] == pytest.approx(lost, rel=1e-11, abs=1e-14)
+    _, marks = contact_begins(scene, 12.0)
+    work = []
+    for t_end in (float(marks[0]), float(marks[-1])):
+        trajectory = open_trajectory(paper(name, t_end=t_end), ledger=True)
+        list(trajectory.blocks())
+        work.append(trajectory.totals["work_source"])
+    span = marks[-1] - marks[0]
+    assert values["power_source"] * span == pytest.approx(work[1] - work[0], rel=1e-9)
+
+
+def test_a_free_motor_takes_no_power_at_its_no_load_speed():
+    """V9: M0 (1 - w/Omega0) w with w = Omega0 (1 - exp(-t/T)); over [t1, t2] its integral is elementary."""
+    heavy = fixed_block(motor(5.5), m1=1e9, k1=0.0, c=0.0, t_end=60.0)
+    constant = heavy.Omega0 * (heavy.J + heavy.m3 * heavy.e**2) / heavy.M0
+    values, _ = computed(heavy, "power")
+    _, marks = contact_begins(fixed_block(motor(5.5), m1=1e9, k1=0.0, c=0.0, k2=1.0, G=1.0, t_end=60.0), 30.0)
+    first, last = float(marks[0]), float(marks[-1])
+
+    def work(t):
+        """Integral of M0 Omega0 (E - E^2) with E = exp(-t/T)."""
+        share = math.exp(-t / constant)
+        return heavy.M0 * heavy.Omega0 * constant * (share**2 / 2 - share)
+
+    expected = (work(last) - work(first)) / (last - first)
+    assert values["power_source"] == pytest.approx(expected, rel=1e-7)  # m1 = 1e9 kg moves by 1e-10
+    assert values["power_damper"] == 0.0
+
+
+@pytest.mark.parametrize("name", ["I-B", "II-B"])
+def test_the_spectrum_of_impact_velocities(name):
+    scene = paper(name, t_end=24.0)
+    values, arrays = computed(scene, "impact-velocity")
+    rows, marks = contact_begins(scene, 12.0)
+    inside = (rows["t"] >= marks[0]) & (rows["t"] < marks[-1])
+    speeds = sorted(abs(a - b) for a, b in zip(rows["v1"][inside], rows["v2"][inside], strict=True))
+    assert len(speeds) > 40
+    assert values["impact_velocity_mean"] == pytest.approx(math.fsum(speeds) / len(speeds), rel=1e-14)
+    spectrum = arrays["impact_velocity"]
+    assert (spectrum[0], spectrum[-1]) == (speeds[0], speeds[-1]) and len(spectrum) == len(QUANTILES)
+    for q, value in zip(QUANTILES, spectrum, strict=True):  # linear between neighbours in rank
+        place = q * (len(speeds) - 1)
+        low, high = speeds[math.floor(place)], speeds[math.ceil(place)]
+        assert value == pytest.approx(low + (place - math.floor(place)) * (high - low), rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["I-B", "II-B"])
+def test_the_section_at_contact(name):
+    scene = paper(name, t_end=24.0)
+    _, arrays = computed(scene, "contact-section", section=10)
+    rows, _ = contact_begins(scene, 12.0)
+    assert arrays["contact_velocity"] == (rows["v1"] - rows["v2"])[-10:].tolist()
+    assert max(arrays["contact_velocity"]) < 0  # they approach each other
+    if name == "II-B":
+        phase = 2 * np.pi * np.array(arrays["contact_phase"])
+        np.testing.assert_allclose(np.sin(phase), np.sin(rows["phi"][-10:]), atol=1e-12)
+        np.testing.assert_allclose(arrays["contact_speed"], rows["phidot"][-10:] / (2 * np.pi), rtol=1e-15)
+    else:
+        np.testing.assert_allclose(arrays["contact_phase"], (rows["t"][-10:] * 5.5) % 1, atol=1e-12)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_the_grazing_margin_of_a_steady_motion(side):
+    """V5: without contact the gap that is left is G - A / |k1 - m1 w^2 + i c w|, on either side."""
+    c, w, gap = 1.0, 2 * math.pi * 4.0, 0.01
+    driven = fixed_block(harmonic(4.0, 0.1), c=c, k2=12400.0, G=gap, stop_sign=side, t_end=40.0)
+    values, _ = computed(driven, "grazing")
+    amplitude = 0.1 / math.hypot(driven.k1 - driven.m1 * w * w, c * w)
+    assert values["impacts"] == 0
+    assert values["grazing_margin_late"] == pytest.approx(gap - amplitude, abs=1e-7 * amplitude)
+
+
+@pytest.mark.parametrize("name", ["I-A", "I-C-eq211", "II-B"])
+def test_the_grazing_margin_is_the_engines_where_that_is_late(name):
+    scene = paper(name, t_end=24.0)
+    for begin in ("12 s", "1 s", "0 s"):
+        margin = computed(scene, "grazing", discard=begin)[0].get("grazing_margin_late", math.inf)
+        trajectory = open_trajectory(sampled_for_statistics(scene))
+        list(trajectory.blocks())
+        totals = trajectory.totals
+        assert margin > totals["grazing_margin"] - 1e-8
+        if totals["grazing_time"] > float(begin.split()[0]):
+            # a quintic between rows is off by 9e-8 of the amplitude, here up to 0.1 m
+            assert margin == pytest.approx(totals["grazing_margin"], abs=1e-8)
+
+
+def test_the_certificate_counts_uncertified_searches(monkeypatch):
+    def doubtful(scene, *arguments, **options):
+        trajectory = open_trajectory(scene, *arguments, **options)
+        return type(
+            "Doubtful", (), {"blocks": trajectory.blocks, "totals": {**trajectory.totals, "uncertified": 2}}
+        )()
+
+    assert computed(paper("II-B", t_end=4.0), "certificate")[0]["uncertified"] == 0
+    monkeypatch.setattr(measured_run, "open_trajectory", doubtful)
+    assert computed(paper("II-B", t_end=4.0), "certificate")[0]["uncertified"] == 4  # transient and rest
+
+
+def test_names():
+    assert read_computations(["grazing", "power", "power"]) == ("power", "grazing")
+    assert read_computations(["all"]) == tuple(COMPUTATIONS)
+    with pytest.raises(ValueError, match=r"'powr' \(did you mean power\?\); allowed: power, impact-velocity"):
+        read_computations(["powr"])
+    with pytest.raises(PlanError, match="impact-velocity needs a stop, which bare has not got"):
+        text = "blocks: {m1: 1 kg, m2: fixed}\ncoupling: {k1: 9 N/m}"
+        short_plan({"k1": "1, 2"}, load_case_text(text, name="bare"), compute=["impact-velocity"])
+
+
+@pytest.mark.parametrize("jobs", [2])
+def test_computed_columns_on_file_are_the_same_bits_for_any_number_of_jobs(tmp_path, jobs):
+    plan = short_plan({OMEGA0: "3:5:1 Hz"}, short_case(t_end="8 s"), compute=["all"], section=6)
+    one = run_stored(Store(plan), 1)[0]
+    two = run_stored(FileStore(plan, tmp_path / "s.h5"), jobs)[0]
+    assert_same_points(two.table, one.table)
+    read = open_result(tmp_path / "s.h5")
+    assert_same_points(read.table, one.table)
+    assert read["impact_velocity"].shape == (3, 1, len(QUANTILES)) and read["contact_phase"].shape == (
+        3,
+        1,
+        6,
+    )
+    assert np.isfinite(read["power_source"]).all() and read.plan.compute == tuple(COMPUTATIONS)
+    assert read.column("power_source").units == "W"
+
+
+def test_both_engines_compute_the_same_bits():
+    plan = short_plan({OMEGA0: "4 Hz"}, short_case(t_end="3 s"), compute=["all"])
+    c, python = (run_stored(Store(plan, engine), 1, engine)[0].table for engine in ("c", "python"))
+    assert_same_points(c, python)

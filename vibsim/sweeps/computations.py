@@ -1,0 +1,81 @@
+"""What a sweep computes of each point on demand, besides its usual statistics, while the run streams by.
+
+Each computation is made for one run, is shown its blocks from the transient's end on, and answers at the end.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from vibsim.cases.problems import did_you_mean
+from vibsim.kernel import Block
+from vibsim.physics.scene import Scene
+from vibsim.sweeps import certificate, contact_section, grazing, impact_velocity, power
+from vibsim.sweeps.columns import Column
+from vibsim.sweeps.measured_run import MeasuredRun
+
+Window = tuple[float, float]  # of the whole periods [s]; of everything after the transient without periods
+
+
+class Computation(Protocol):
+    """One computation of one run, made with the scene and the time [s] at which the transient ends."""
+
+    def update(self, block: Block) -> None:
+        """Take the next block; the first may begin before `begin`."""
+
+    def values(self, window: Window, run: MeasuredRun) -> dict[str, Any]:
+        """What was found, by column: a float, or an array where the column has a further dimension."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A computation that can be asked for.
+
+    Attributes
+    ----------
+    title : what it is, for the list
+    columns : what it stores
+    needs : what the scene must have for it to make sense, in words
+    ledger : whether the run must keep the energy ledger, which takes half as long again
+    make : from scene, `begin` and the length of sections
+    """
+
+    title: str
+    columns: dict[str, Column]
+    needs: str
+    ledger: bool
+    make: Callable[[Scene, float, int], Computation]
+
+
+COMPUTATIONS = {
+    "power": Kind(power.TITLE, power.COLUMNS, "a source", True, power.Power),
+    "impact-velocity": Kind(
+        impact_velocity.TITLE, impact_velocity.COLUMNS, "a stop", False, impact_velocity.ImpactVelocity
+    ),
+    "contact-section": Kind(
+        contact_section.TITLE, contact_section.COLUMNS, "a stop", False, contact_section.ContactSection
+    ),
+    "grazing": Kind(grazing.TITLE, grazing.COLUMNS, "a stop", False, grazing.Grazing),
+    "certificate": Kind(certificate.TITLE, certificate.COLUMNS, "", False, certificate.Certificate),
+}
+
+
+def read_computations(names: Iterable[str]) -> tuple[str, ...]:
+    """The computations of these names, each once, in the order of `COMPUTATIONS`; "all" stands for all.
+
+    Raises ValueError for a name that there is not.
+    """
+    wanted = set(names)
+    if "all" in wanted:
+        return tuple(COMPUTATIONS)
+    for name in sorted(wanted - set(COMPUTATIONS)):
+        allowed = ", ".join([*COMPUTATIONS, "all"])
+        raise ValueError(
+            f"nothing to compute is called {name!r}{did_you_mean(name, COMPUTATIONS)}; allowed: {allowed}"
+        )
+    return tuple(name for name in COMPUTATIONS if name in wanted)
+
+
+def length_of(dimension: str, section: int) -> int:
+    """Length of a further dimension; sections have as many points as the sweep says."""
+    return {"section": section, "contact": section, "quantile": len(impact_velocity.QUANTILES)}[dimension]
