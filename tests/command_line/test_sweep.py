@@ -154,13 +154,13 @@ def test_interruption_keeps_what_is_finished_and_resumes(signum, code):
 
 
 def test_an_ensemble_with_what_is_computed_besides():
-    words = ("--omega0", "3,4", "--ensemble", 3, "--seed", 7, "--spread", "phi=0:360deg", "--spread", "x1=1mm")
-    done = call("sweep", "II-B", *words, "--compute", "grazing,power", *SHORT, "-o", "e.h5")
+    words = ["--omega0", "3,4", "--ensemble", 3, "--spread", "phi=0:360deg", "--spread", "x1=1mm"]
+    done = call("sweep", "II-B", *words, "--seed", 7, "--compute", "grazing,power", *SHORT, "-o", "e.h5")
     assert done.exit_code == 0
     assert "3 members, seed 7: phi uniform from 0 to 360 deg; x1 uniform from -1 to 1 mm" in done.stdout
     assert "power, grazing" in done.stdout
     result = open_result("e.h5")
     assert result["power_source"].shape == (2, 3, 1) and result["member_x1"].shape == (3,)
-    done = call("sweep", "II-B", *words[:4], "--seed", 8, *words[6:], *SHORT, "-o", "e.h5")
+    done = call("sweep", "II-B", *words, "--seed", 8, *SHORT, "-o", "e.h5")
     assert done.exit_code == 6 and "seed 7" in done.stderr and "seed 8" in done.stderr
     assert "compute: in the file power and grazing, here nothing" in done.stderr
