@@ -8,6 +8,7 @@ from tests.benchmarks.row import Row, stopwatch
 from tests.benchmarks.true_states import error_of
 from vibsim.cases import load_case
 from vibsim.kernel import open_trajectory
+from vibsim.peers.time_limit import TimeLimit
 from vibsim.physics.modes import EVENT_NAMES
 
 STATES = ("x1", "v1", "x2", "v2", "phi", "phidot")
@@ -19,6 +20,7 @@ AGREED = {
 }  # s; chaos parts two runs in doubles by more than SAME later on
 SAME = 1e-4  # s between two records of one event; two events of one kind are at least 7.9 ms apart
 REPETITIONS = 7
+FULL = 2.0**-52  # tolerance of heyoka, its default
 
 
 def rows():
@@ -31,22 +33,24 @@ def rows():
 
 def case_rows(name):
     """Time of vibsim / time of heyoka, both with 60,001 samples, taken in turns; errors; events."""
-    from tests.benchmarks.heyoka_motor import HeyokaMotor
+    from vibsim.peers.heyoka_events import HeyokaEvents
 
     scene = load_case(name).scene()
     times = np.array([scene.sample_time(i) for i in range(scene.sample_count)])
     made = []
-    jit = stopwatch(lambda: made.append(HeyokaMotor(scene)))
+    jit = stopwatch(lambda: made.append(HeyokaEvents(scene, FULL)))
     peer = made[0]
     pairs = [
-        (stopwatch(lambda: vibsim_run(scene)), stopwatch(lambda: peer.run(times))) for _ in range(REPETITIONS)
+        (stopwatch(lambda: vibsim_run(scene)), stopwatch(lambda: peer.run(times, TimeLimit())))
+        for _ in range(REPETITIONS)
     ]
     ours, theirs = np.median(pairs, axis=0) * 1e3
     note = f"vibsim {ours:.1f} ms, heyoka {theirs:.1f} ms, its JIT {jit:.2f} s not counted"
     yield Row(f"{name}, vibsim / heyoka.py, 60,001 samples", "x", 1.0, [a / b for a, b in pairs], [note])
     samples, events = vibsim_run(scene)
-    yield error_row(name, scene, samples, peer.run(times))
-    yield event_row(name, events, np.array(peer.events))
+    attempt = peer.run(times, TimeLimit())
+    yield error_row(name, scene, samples, attempt.states)
+    yield event_row(name, events, np.array(attempt.events))
 
 
 def vibsim_run(scene):
