@@ -5,6 +5,7 @@ scene has them. Lengths are divided by the amplitude of y in the span, speeds of
 speed of the rotor by its mean; so a distance of 1e-3 between points is a thousandth of the vibration.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,23 +38,26 @@ def section_of(result: Result, span: Span) -> Section:
     if not len(times):
         return Section(times, np.empty((0, 0)))
     times, states = _turned(result, span, times)
-    lengths, speeds = amplitudes(result, span)
-    y, u = _relative(states, "x"), _relative(states, "v")
-    columns = [y / (lengths or 1.0), u / (speeds or 1.0)]
-    columns += [states["v2"] / (speeds or 1.0)] if "v2" in states else []
+    return Section(times, scaled(states, *amplitudes(result, span)))
+
+
+def scaled(states: Mapping[str, np.ndarray], length: float, speed: float) -> np.ndarray:
+    """Points (n, d) of the states by name, each (n), at the amplitudes of y [m] and u [m/s]."""
+    columns = [relative(states, "x") / (length or 1.0), relative(states, "v") / (speed or 1.0)]
+    columns += [states["v2"] / (speed or 1.0)] if "v2" in states else []
     columns += [states["phidot"] / (states["phidot"].mean() or 1.0)] if "phidot" in states else []
-    return Section(times, np.stack(columns, axis=1))
+    return np.stack(columns, axis=1)
 
 
 def amplitudes(result: Result, span: Span) -> tuple[float, float]:
     """Half the peak-to-peak of x1 - x2 [m] and of v1 - v2 [m/s] among the samples of the span."""
     rows = rows_within(result.column("time"), span.window)
     samples = {name: np.asarray(result.column(name)[rows]) for name in result if name[0] in "xv"}
-    found = [np.ptp(_relative(samples, kind)) / 2 if rows.stop > rows.start else 0.0 for kind in "xv"]
+    found = [np.ptp(relative(samples, kind)) / 2 if rows.stop > rows.start else 0.0 for kind in "xv"]
     return float(found[0]), float(found[1])
 
 
-def _relative(columns: dict[str, np.ndarray], kind: str) -> np.ndarray:
+def relative(columns: Mapping[str, np.ndarray], kind: str) -> np.ndarray:
     """y ("x") or u ("v"); a fixed block 2 stands still."""
     first, second = columns[f"{kind}1"], columns.get(f"{kind}2")
     return first if second is None else first - second

@@ -1,0 +1,64 @@
+"""Verdicts on a run while it is computed, for those who keep no trajectory, such as sweeps."""
+
+from math import inf
+
+import numpy as np
+
+from vibsim.analysis.capture import Capture, capture_of_turns
+from vibsim.analysis.regime.points import Exponent, Judged, judge_points
+from vibsim.analysis.regime.section import MOST, relative, scaled
+from vibsim.analysis.span import Span
+from vibsim.kernel import Block
+from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.scene import Scene
+
+
+class StreamedVerdicts:
+    """Gathers what the verdicts on capture and regime need from the blocks of a run.
+
+    scene : what is run; begin : the regime is judged from then on [s], capture on everything taken
+
+    The blocks carry the stroboscopic section. Memory grows with the cycles and impacts, not with the samples.
+    """
+
+    def __init__(self, scene: Scene, begin: float = 0.0):
+        self.scene, self.begin = scene, begin
+        self._points: list[dict[str, np.ndarray]] = []
+        self._impacts: list[np.ndarray] = []
+        self._extremes = {"x": (inf, -inf), "v": (inf, -inf)}
+        self._span = (inf, 0.0)
+
+    def update(self, block: Block) -> None:
+        """Take the next block."""
+        self._points.append(dict(block.section))
+        begun = block.events["kind"] == EVENT_KINDS["contact_begin"]
+        self._impacts.append(block.events["t"][begun])
+        later = block.samples["time"] >= self.begin
+        for kind, (low, high) in self._extremes.items():
+            values = relative(block.samples, kind)[later]
+            self._extremes[kind] = float(values.min(initial=low)), float(values.max(initial=high))
+        first = min([self._span[0], *block.events["t"][:1].tolist(), *block.samples["time"][:1].tolist()])
+        self._span = first, block.t_reached
+
+    def capture(self) -> Capture | None:
+        """The verdict on a motor; None for another source."""
+        if not self.scene.has_motor:
+            return None
+        return capture_of_turns(
+            self._section()["time"], np.concatenate([[], *self._impacts]), self.scene, Span(*self._span)
+        )
+
+    def regime(self, exponent: Exponent | None = None) -> Judged:
+        """The verdict on the stroboscopic section from `begin` on."""
+        section = self._section()
+        rows = np.flatnonzero(section["time"] >= self.begin)[-MOST:]
+        if not len(rows):
+            return Judged("undecided", "no cycle of a source")
+        length, speed = ((high - low) / 2 for low, high in self._extremes.values())
+        return judge_points(scaled({k: v[rows] for k, v in section.items()}, length, speed), exponent)
+
+    def _section(self) -> dict[str, np.ndarray]:
+        """The stroboscopic points so far: time and states by name, each (n)."""
+        if not self._points:
+            return {"time": np.empty(0)}
+        return {name: np.concatenate([part[name] for part in self._points]) for name in self._points[0]}
