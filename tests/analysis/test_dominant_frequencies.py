@@ -17,7 +17,7 @@ def test_two_lines_on_a_drift():
     assert [line.amplitude for line in lines] == pytest.approx([2e-3, 5e-4], rel=2e-3)
 
 
-@pytest.mark.parametrize(("apart", "count"), [(0.5, 1), (1.5, 2)])
+@pytest.mark.parametrize(("apart", "count"), [(0.5, 1), (0.8, 1), (1.5, 2)])
 def test_lines_are_told_apart_beyond_the_resolution(apart, count):
     resolution = 4 / 150
     x = np.sin(2 * np.pi * 5 * T) + np.sin(2 * np.pi * (5 + apart * resolution) * T)

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from tests.results.made import short_run
-from vibsim.analysis.impacts_per_cycle import count_impacts
+from vibsim.analysis.cycles import cycle_ends
+from vibsim.analysis.impacts_per_cycle import count_impacts, words_of
 
 
 def test_counts_against_the_published_ones():
@@ -45,6 +46,27 @@ def test_turns_of_a_motor_are_its_cycles():
     run = short_run("II-B", "20 s")
     found = count_impacts(run, (0.0, 20.0))
     assert found.cycles == int(run["phi"][-1] / (2 * np.pi))
+
+
+def test_impacts_are_counted_where_contact_begins():
+    """Contacts of II-B last across the ends of turns."""
+    run = short_run("II-B", "60 s")
+    found = count_impacts(run, (30.0, 45.0))
+    ends = cycle_ends(run, (30.0, 45.0))
+    begun = run.events["t"][run.events["kind"] == 1]
+    counts = np.histogram(begun, ends)[0]
+    ended = np.histogram(run.events["t"][run.events["kind"] == 2], ends)[0]
+    assert counts.sum() != ended.sum()
+    assert found.impacts == counts.sum() / len(counts)
+    assert found.impact_counts == {n: int(np.sum(counts == n)) for n in np.unique(counts)}
+
+
+def test_an_event_at_the_end_of_a_cycle_belongs_to_the_next():
+    run = short_run("II-B", "20 s")
+    contact = float(run.events["t"][run.events["kind"] == 1][5])
+    before, after = words_of(run, np.array([contact - 0.03, contact, contact + 0.03]))
+    assert after.startswith("c")
+    assert "c" not in before
 
 
 def test_a_motion_without_impacts():
