@@ -8,7 +8,7 @@ import pytest
 
 import vibsim
 from tests.results.made import short_run
-from vibsim.analysis import Exponent, analyse
+from vibsim.analysis import analyse
 
 
 def test_a_motor_run_has_every_verdict():
@@ -79,7 +79,7 @@ def test_runs_too_short_to_judge_are_undecided(name, t_end):
 
 
 def test_everything_goes_into_json():
-    dumps(asdict(analyse(short_run("II-B", "60 s"), exponent=Exponent(0.1, 0.2))), allow_nan=False)
+    dumps(asdict(analyse(short_run("II-B", "60 s"))), allow_nan=False)
 
 
 def test_one_verdict_does_not_hang_on_samples_taken_more_often():

@@ -5,6 +5,7 @@ import pytest
 
 from tests.results.made import short_run
 from tests.scenes import motor, scene
+from vibsim.analysis import cycles
 from vibsim.analysis.capture import capture_of_turns, judge_capture
 from vibsim.analysis.cycles import cycle_ends
 from vibsim.analysis.holds import BAND, TURNS, longest_stretch
@@ -176,3 +177,13 @@ def test_the_motors_of_the_paper(name, changes, verdict, speed, resonance):
     assert found.verdict == verdict
     assert found.speed_hz == (None if speed is None else pytest.approx(speed, abs=0.03))
     assert (found.resonance and found.resonance.name) == resonance
+
+
+@pytest.mark.parametrize("rows", [7, 100, 3999])
+def test_turns_are_the_same_in_pieces_of_any_size(rows, monkeypatch):
+    t = np.linspace(0, 10, 10_001)
+    for rotor in (Rotor(t, 4 * t + 6 * np.sin(3 * t)), short_run("II-B", "20 s")):
+        whole = cycle_ends(rotor, (0.0, 10.0))
+        monkeypatch.setattr(cycles, "ROWS", rows)
+        np.testing.assert_array_equal(cycle_ends(rotor, (0.0, 10.0)), whole)
+        monkeypatch.undo()

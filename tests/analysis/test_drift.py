@@ -5,33 +5,38 @@ import pytest
 
 import vibsim
 from tests.results.made import short_case, short_run
-from vibsim.analysis.drift import drift_of, measure_drift
+from vibsim.analysis.drift import drift_of_blocks, measure_drift
 from vibsim.analysis.span import Span
 
 SPAN = Span(0.0, 300.0)
 T = np.arange(0, 300, 0.01)
-EDGES = np.arange(0, 300.1, 12.0)
+BLOCKS = 25
+
+
+def drift_of(t, x):
+    """The drift of displacements x [m] at t [s], in BLOCKS blocks."""
+    return drift_of_blocks(*(np.mean(np.split(column, BLOCKS), axis=1) for column in (x, t)), SPAN)
 
 
 def test_an_even_slide_under_a_vibration():
     """Whole periods cancel: only rounding is left of the vibration."""
     x = 7.0 + 2e-4 * T + 0.03 * np.sin(2 * np.pi * 5.5 * T)
-    found = drift_of(T, x, EDGES, SPAN)
+    found = drift_of(T, x)
     assert found.rate == pytest.approx(2e-4, rel=1e-9)
     assert found.half_width < 1e-10
-    assert (found.verdict, found.blocks) == ("forward", 25)
-    assert drift_of(T, -x, EDGES, SPAN).verdict == "backward"
+    assert (found.verdict, found.blocks) == ("forward", BLOCKS)
+    assert drift_of(T, -x).verdict == "backward"
 
 
 def test_a_vibration_does_not_drift():
-    assert drift_of(T, 0.03 * np.sin(2 * np.pi * 5.03 * T), EDGES, SPAN).verdict == "none"
+    assert drift_of(T, 0.03 * np.sin(2 * np.pi * 5.03 * T)).verdict == "none"
 
 
 @pytest.mark.parametrize("wander", ["white", "correlated", "walk"])
 def test_intervals_hold_as_often_as_they_say(wander):
     """95 % intervals of 25 blocks; displacements that scatter about a line, slowly too, or walk."""
     rng = np.random.default_rng(5)
-    t, edges = np.arange(0, 300, 0.4), EDGES
+    t = np.arange(0, 300, 0.4)
     held = 0
     for _ in range(400):
         noise = rng.normal(size=len(t))
@@ -40,7 +45,7 @@ def test_intervals_hold_as_often_as_they_say(wander):
         elif wander == "correlated":  # over 20 s
             for i in range(1, len(t)):
                 noise[i] = 0.98 * noise[i - 1] + 0.2 * noise[i]
-        found = drift_of(t, noise + 0.01 * t, edges, SPAN)
+        found = drift_of(t, noise + 0.01 * t)
         held += abs(found.rate - 0.01) <= found.half_width
     assert held / 400 >= 0.92
 

@@ -4,6 +4,7 @@
     measure_drift(result)       how fast the blocks drift, with an interval
     count_impacts(result)       impacts, sticks and event words per cycle of the source
     judge_regime(result)        periodic, quasi-periodic, chaotic, or less settled
+    largest_exponent(result)    largest Lyapunov exponent, for judge_regime(result, exponent=...)
     find_frequencies(result)    dominant frequencies of a displacement
     analyse(result)             all of these
     compare(a, b, tolerance)    are two runs the same
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from vibsim.analysis.dominant_frequencies import DominantFrequencies, find_frequencies
     from vibsim.analysis.drift import Drift, measure_drift
     from vibsim.analysis.impacts_per_cycle import ImpactsPerCycle, count_impacts
+    from vibsim.analysis.regime.largest_exponent import largest_exponent
     from vibsim.analysis.regime.points import Exponent
     from vibsim.analysis.regime.verdict import Regime, judge_regime
     from vibsim.analysis.span import Span
@@ -37,6 +39,7 @@ _HOMES = {
     "Drift": "drift",
     "measure_drift": "drift",
     "Exponent": "regime.points",
+    "largest_exponent": "regime.largest_exponent",
     "ImpactsPerCycle": "impacts_per_cycle",
     "count_impacts": "impacts_per_cycle",
     "Regime": "regime.verdict",
@@ -60,6 +63,7 @@ __all__ = [
     "find_frequencies",
     "judge_capture",
     "judge_regime",
+    "largest_exponent",
     "measure_drift",
 ]
 

@@ -8,7 +8,7 @@ from vibsim.analysis.capture import Capture, judge_capture
 from vibsim.analysis.dominant_frequencies import DominantFrequencies, find_frequencies
 from vibsim.analysis.drift import Drift, measure_drift
 from vibsim.analysis.impacts_per_cycle import ImpactsPerCycle, count_impacts
-from vibsim.analysis.regime.points import Exponent
+from vibsim.analysis.regime.largest_exponent import largest_exponent
 from vibsim.analysis.regime.verdict import Regime, judge_regime
 from vibsim.analysis.span import Span, later_part, span_of
 from vibsim.results.result import Result
@@ -43,7 +43,7 @@ def analyse(
     window: Window | None = None,
     discard: float | None = None,
     what: Collection[str] = WHAT,
-    exponent: Exponent | None = None,
+    exponent: bool = True,
 ) -> Analysis:
     """Judge a run.
 
@@ -53,7 +53,7 @@ def analyse(
     discard : transient at its begin that only the verdict on capture takes in [s]; None: half the run without
         a window, nothing with one
     what : names out of WHAT
-    exponent : largest Lyapunov exponent of the motion, where it is known; helps the verdict on the regime
+    exponent : whether the largest Lyapunov exponent helps to judge the regime; costs one more run
 
     Raises ValueError for other names, a window outside the run, and a transient that leaves nothing.
     """
@@ -70,7 +70,8 @@ def analyse(
     if "impacts" in what and scene.has_stop:
         found["impacts"] = count_impacts(result, steady)
     if "regime" in what:
-        found["regime"] = judge_regime(result, steady, exponent)
+        known = largest_exponent(result, steady) if exponent else None
+        found["regime"] = judge_regime(result, steady, known)
     if "frequencies" in what:
         found["frequencies"] = find_frequencies(result, steady)
     return Analysis(result.attrs["case_name"], span, span_of(result, steady), **found)

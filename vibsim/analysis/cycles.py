@@ -10,9 +10,10 @@ import numpy as np
 
 from vibsim.physics.scene import Scene
 from vibsim.results.result import Result
-from vibsim.results.windows import Window, rows_within
+from vibsim.results.windows import Window, pieces, rows_within
 
 TURN = 2 * pi
+ROWS = 1 << 20  # samples read at a time
 
 
 def cycle_ends(result: Result, window: Window) -> np.ndarray:
@@ -34,11 +35,20 @@ def _period_ends(scene: Scene, window: Window) -> np.ndarray:
 def _turn_ends(result: Result, window: Window) -> np.ndarray:
     """Where the furthest angle so far passes a whole turn, on the line between two samples."""
     rows = rows_within(result.column("time"), window)
-    t, phi = np.asarray(result.column("time")[rows]), np.asarray(result.column("phi")[rows])
-    if len(t) < 2:
-        return np.empty(0)
+    found, reached = [np.empty(0)], -np.inf
+    for piece in pieces(rows, ROWS):
+        joined = slice(max(piece.start - 1, rows.start), piece.stop)  # no interval is lost between pieces
+        t, phi = (np.asarray(result.column(name)[joined]) for name in ("time", "phi"))
+        found.append(_passages(t, phi, reached))
+        reached = max(reached, float(phi.max()))
+    return np.concatenate(found)
+
+
+def _passages(t: np.ndarray, phi: np.ndarray, reached: float) -> np.ndarray:
+    """Times [s] at which phi (n) first passes a whole turn above `reached`, the furthest angle before."""
     furthest = np.maximum.accumulate(phi)
-    turns = TURN * np.arange(ceil(furthest[0] / TURN), floor(furthest[-1] / TURN) + 1)
+    first = ceil(furthest[0] / TURN) if reached == -np.inf else floor(reached / TURN) + 1
+    turns = TURN * np.arange(first, floor(furthest[-1] / TURN) + 1)
     right = np.searchsorted(furthest, turns, side="left")
     left = np.maximum(right - 1, 0)  # the first sample itself may end a turn
     rise = phi[right] - phi[left]

@@ -6,7 +6,7 @@ through the logarithm of three values. Two frequencies closer than the resolutio
 the frequency of a lone line is far better known than that.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
@@ -22,7 +22,7 @@ PADDING = 4
 FLOOR = 0.01  # amplitude of the weakest line, relative to the strongest
 ROUNDING = 1e-13  # amplitude, relative to the greatest displacement, below which nothing is a line
 MOST = 8  # lines
-FEWEST = 64  # samples
+FEWEST, GREATEST = 64, 1 << 20  # samples; of a longer span the last ones, 87 min at 5 ms
 DENOMINATORS = 6  # largest n of the fractions m/n of the source frequency that lines are identified with
 
 
@@ -72,6 +72,9 @@ def find_frequencies(
         raise ValueError(f"of must be one of {', '.join(OF)}, got {of!r}")
     span = steady_span(result, window)
     rows = rows_within(result.column("time"), span.window)
+    if rows.stop - rows.start > GREATEST:
+        rows = slice(rows.stop - GREATEST, rows.stop)
+        span = replace(span, begin=float(result.column("time")[rows.start]))
     if rows.stop - rows.start < FEWEST:
         reason = f"{rows.stop - rows.start} samples are too few, {FEWEST} are needed"
         return DominantFrequencies("undecided", reason, span, of)

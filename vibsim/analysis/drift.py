@@ -8,6 +8,7 @@ chaotic motion makes it wander.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from vibsim.analysis.block_averages import FEWEST_BLOCKS, MOST_BLOCKS, average, 
 from vibsim.analysis.cycles import cycle_ends
 from vibsim.analysis.span import Span, steady_span
 from vibsim.results.result import Result
-from vibsim.results.windows import Window, rows_within
+from vibsim.results.windows import Window
 
 DOUBT = 0.05  # probability that the interval misses the rate
 STILL = 1e-12  # [m/s] a nanometre in a quarter of an hour: no drift
@@ -62,19 +63,17 @@ def measure_drift(result: Result, window: Window | None = None, of: str = "x2") 
     if len(edges) - 1 < FEWEST_BLOCKS:
         reason = f"too short: {max(len(edges) - 1, 0)} blocks of {CYCLES} cycles, {FEWEST_BLOCKS} are needed"
         return Drift("undecided", reason, span, of)
-    rows = rows_within(result.column("time"), (edges[0], edges[-1]))
-    return drift_of(np.asarray(result.column("time")[rows]), displacement(result, rows, of), edges, span, of)
-
-
-def drift_of(time: np.ndarray, x: np.ndarray, edges: np.ndarray, span: Span, of: str = "x2") -> Drift:
-    """The drift of the displacements x [m] at `time` [s] (n), from the blocks between `edges` [s]."""
-    starts = np.searchsorted(time, edges[:-1])
-    stops = np.searchsorted(time, edges[1:])
-    if np.any(stops - starts < 2 * CYCLES):
+    places = np.searchsorted(result.time, edges).tolist()
+    if min(b - a for a, b in pairwise(places)) < 2 * CYCLES:
         return Drift("undecided", "too few samples to a block", span, of)
-    begin = x[starts[0]]
-    means = np.array([(x[a:b] - begin).mean() for a, b in zip(starts, stops, strict=True)])
-    middles = np.array([time[a:b].mean() for a, b in zip(starts, stops, strict=True)])
+    blocks = [slice(a, b) for a, b in pairwise(places)]
+    begin = float(displacement(result, slice(places[0], places[0] + 1), of)[0])
+    means = np.array([(displacement(result, rows, of) - begin).mean() for rows in blocks])
+    return drift_of_blocks(means, np.array([result.time[rows].mean() for rows in blocks]), span, of)
+
+
+def drift_of_blocks(means: np.ndarray, middles: np.ndarray, span: Span, of: str = "x2") -> Drift:
+    """The drift from the mean displacements [m] of neighbouring blocks and their mean times [s]."""
     found = average(np.diff(means) / np.diff(middles), DOUBT)
     rate, half_width = found.mean, found.half_width
     verdict = "none" if abs(rate) <= max(half_width, STILL) else "forward" if rate > 0 else "backward"

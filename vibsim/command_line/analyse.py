@@ -63,9 +63,14 @@ def _hint(name):
     metavar="TIME|SHARE",
     help="Transient that only capture takes in, such as 100s or 0.5. [default: 0.5; 0 with --window]",
 )
+@click.option(
+    "--exponent/--no-exponent",
+    default=True,
+    help="Run the case again for its largest Lyapunov exponent. [default: exponent]",
+)
 @set_option
 @click.pass_context
-def command(ctx, sources, what, window, discard, changes):
+def command(ctx, sources, what, window, discard, exponent, changes):
     """Judge each FILE: an HDF5 file of `vibsim run`, or a case, which is run first.
 
     Capture: was the motor captured by the vibration, since when, until when, and at which speed. Drift: its
@@ -74,4 +79,4 @@ def command(ctx, sources, what, window, discard, changes):
     """
     from vibsim.command_line.analysis_jobs import judge_all
 
-    judge_all(sources, what, window, discard, dict(changes), ctx.obj)
+    judge_all(sources, what, window, discard, exponent, dict(changes), ctx.obj)

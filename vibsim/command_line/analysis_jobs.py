@@ -21,6 +21,7 @@ def judge_all(
     what: tuple[str, ...],
     window: Window | None,
     discard: str | None,
+    exponent: bool,
     changes: dict[str, str],
     settings: Settings,
 ) -> None:
@@ -35,7 +36,7 @@ def judge_all(
         result = ready if isinstance(ready, Result) else simulate(ready)
         try:
             left_out = None if transient is None else transient.time(_length(result, window))
-            found = analyse(result, window, left_out, what)
+            found = analyse(result, window, left_out, what, exponent)
         except ValueError as error:
             raise click.UsageError(f"{source}: {error}") from error
         _print(source, result, found, settings)

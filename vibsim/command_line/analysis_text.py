@@ -84,7 +84,11 @@ def regime_lines(found: Regime) -> list[Line]:
         text += f", period {found.period}, since {found.since:.4g} s"
     elif found.verdict == "transient":
         text += f" towards period {found.period}"
-    return [("regime", f"{text}: {found.reason}")]
+    lines = [("regime", f"{text}: {found.reason}")]
+    if found.exponent:
+        value, half_width = found.exponent.value, found.exponent.half_width
+        lines.append(("", f"largest Lyapunov exponent {value:.3g} +- {short(half_width)} 1/s"))
+    return lines
 
 
 def frequency_lines(found: DominantFrequencies) -> Iterator[Line]:

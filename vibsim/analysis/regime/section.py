@@ -10,12 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibsim.analysis.cycles import TURN, cycle_ends
+from vibsim.analysis.cycles import ROWS, TURN, cycle_ends
 from vibsim.analysis.event_rows import events_within
 from vibsim.analysis.span import Span
 from vibsim.results.restart import states_at
 from vibsim.results.result import Result
-from vibsim.results.windows import rows_within
+from vibsim.results.windows import pieces, rows_within
 
 MOST = 5000  # points, the last ones of the span
 NEWTON_STEPS = 2  # from an error of 1e-4 rad, which the line between two samples leaves
@@ -52,9 +52,16 @@ def scaled(states: Mapping[str, np.ndarray], length: float, speed: float) -> np.
 def amplitudes(result: Result, span: Span) -> tuple[float, float]:
     """Half the peak-to-peak of x1 - x2 [m] and of v1 - v2 [m/s] among the samples of the span."""
     rows = rows_within(result.column("time"), span.window)
-    samples = {name: np.asarray(result.column(name)[rows]) for name in result if name[0] in "xv"}
-    found = [np.ptp(relative(samples, kind)) / 2 if rows.stop > rows.start else 0.0 for kind in "xv"]
-    return float(found[0]), float(found[1])
+    names = [name for name in ("x1", "v1", "x2", "v2") if name in result]
+    extremes = []
+    for piece in pieces(rows, ROWS):
+        samples = {name: np.asarray(result.column(name)[piece]) for name in names}
+        y, u = relative(samples, "x"), relative(samples, "v")
+        extremes.append((y.min(), y.max(), u.min(), u.max()))
+    if not extremes:
+        return 0.0, 0.0
+    low_y, high_y, low_u, high_u = np.array(extremes).T
+    return float(high_y.max() - low_y.min()) / 2, float(high_u.max() - low_u.min()) / 2
 
 
 def relative(columns: Mapping[str, np.ndarray], kind: str) -> np.ndarray:

@@ -4,12 +4,13 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from vibsim.analysis.cycles import ROWS
 from vibsim.analysis.impacts_per_cycle import words_of
 from vibsim.analysis.regime.points import Exponent, Judged, judge_points
 from vibsim.analysis.regime.section import section_of
 from vibsim.analysis.span import Span, steady_span
 from vibsim.results.result import Result
-from vibsim.results.windows import Window, rows_within
+from vibsim.results.windows import Window, pieces, rows_within
 
 STILL = 1e-9  # [m], [m/s], [rad], [rad/s]: nothing moves that moves less
 
@@ -86,5 +87,9 @@ def is_at_rest(result: Result, span: Span) -> bool:
     rows = rows_within(result.column("time"), span.window)
     if rows.stop - rows.start < 2:
         return False
-    moving = [name for name in ("x1", "v1", "x2", "v2", "phi", "phidot") if name in result]
-    return all(np.ptp(np.asarray(result.column(name)[rows])) <= STILL for name in moving)
+    for name in ("x1", "v1", "x2", "v2", "phi", "phidot"):
+        column = result.column(name) if name in result else np.zeros(rows.stop)
+        first = float(column[rows.start])
+        if any(np.abs(column[piece] - first).max() > STILL for piece in pieces(rows, ROWS)):
+            return False
+    return True
