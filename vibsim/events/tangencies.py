@@ -2,11 +2,12 @@
 
 Where an event function h is crossed at the rate h', the motion goes beyond by about h'^2 / (2 |h''|) before
 it can turn. A disturbance larger than that misses the event, and first order (the tangent flow) says nothing
-of it. Crossings are judged by the square of their rate over the largest that occurs, their share of the depth
-of the deepest one. A share below CLOSE counts as a tangency.
+of it. Crossings are judged by the square of their rate over that of the whole motion, about their share of
+the depth of the deepest one. A share below CLOSE counts as a tangency.
 """
 
 from vibsim.events.saltation import stopping_share
+from vibsim.physics.disturbance import natural_rate
 from vibsim.physics.modes import EVENT_KINDS
 
 CLOSE = 1e-6  # a rate of 1/1000 of the largest
@@ -17,8 +18,8 @@ class Tangencies:
     """Counts close crossings and keeps the closest."""
 
     def __init__(self, scene, kit):
-        self.scene = scene
-        self.fastest = kit.number(0)  # largest |v1 - v2| at an event or the end of a step [m/s]
+        self.scene, self.rate = scene, natural_rate(scene, kit)
+        self.fastest = kit.number(0)  # largest |v1 - v2| + rate |y| at an event or the end of a step [m/s]
         self.nothing = kit.number(1), kit.number(0)
         self.forget()
 
@@ -29,7 +30,7 @@ class Tangencies:
 
     def pass_by(self, state):
         """Learn how fast the blocks move against each other."""
-        speed = abs(state.v1 - state.v2)
+        speed = abs(state.v1 - state.v2) + self.rate * abs(state.x1 - state.x2)
         self.fastest = speed if speed > self.fastest else self.fastest
 
     def judge(self, kind, state, sliding, contact):

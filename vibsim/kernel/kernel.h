@@ -92,7 +92,7 @@ typedef struct {
 } Certificate;
 
 typedef struct {
-    double fastest, closest, time, count;
+    double rate, fastest, closest, time, count;
 } Tangencies;
 
 /* Disturbances carried along, and the logarithms of their growth. */

@@ -31,7 +31,7 @@ void tangencies_forget(Tangencies *t)
 
 void tangencies_pass_by(Tangencies *t, const State *state)
 {
-    double speed = fabs(state->v1 - state->v2);
+    double speed = fabs(state->v1 - state->v2) + t->rate * fabs(state->x1 - state->x2);
     t->fastest = speed > t->fastest ? speed : t->fastest;
 }
 

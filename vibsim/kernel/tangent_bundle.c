@@ -76,7 +76,9 @@ static void weights_set(Run *r)
 {
     const Scene *s = &r->scene;
     Tangent *b = &r->tangent;
-    double rate = s->k1 > 0 ? sqrt(s->k1 / s->m1) : 1.0, arm = s->has_motor != 0 ? s->e : 1.0;
+    double mobility = s->has_block2 != 0 ? 1 / s->m1 + 1 / s->m2 : 1 / s->m1;
+    double rate = s->k1 > 0 ? sqrt(s->k1 * mobility) : 1.0, arm = s->has_motor != 0 ? s->e : 1.0;
+    b->tangencies.rate = rate;
     b->weights[DY] = rate * rate;
     b->weights[DV1] = b->weights[DV2] = 1.0;
     b->weights[DPHI] = (arm * rate) * (arm * rate);

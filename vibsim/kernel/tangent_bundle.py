@@ -21,7 +21,7 @@ from vibsim.events.saltation import reversal_factor
 from vibsim.events.tangencies import Tangencies
 from vibsim.flows.closed_form_tangent import ClosedFormTangent
 from vibsim.flows.taylor_tangent import TaylorTangent
-from vibsim.physics.disturbance import COMPONENTS, DV2, DY, components, dimension
+from vibsim.physics.disturbance import COMPONENTS, DV2, DY, components, dimension, natural_rate
 from vibsim.physics.modes import EVENT_KINDS
 
 TANGENTS = {"closed_form": ClosedFormTangent, "taylor": TaylorTangent}
@@ -49,9 +49,11 @@ class TangentBundle:
         self.sums = [kit.number(0)] * count
 
     def _weights(self):
-        """Weights of the squared components: each is measured as a velocity [m/s] by rate and arm."""
+        """Weights of the squared components: each is measured as a velocity [m/s], dy by the natural rate, dw
+        by the arm e, dphi by both.
+        """
         scene, kit = self.scene, self.kit
-        rate = kit.sqrt(scene.k1 / scene.m1) if scene.k1 > 0 else kit.number(1)
+        rate = natural_rate(scene, kit)
         arm = scene.e if scene.has_motor else kit.number(1)
         one = kit.number(1)
         return [rate * rate, one, one, (arm * rate) * (arm * rate), arm * arm]

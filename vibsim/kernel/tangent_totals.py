@@ -1,10 +1,12 @@
 """What the tangent bundle of a run came to, by name, for both engines."""
 
-from math import inf, nan, sqrt
+from math import inf, nan
 
 import numpy as np
 
 from vibsim.events.tangencies import CLOSE
+from vibsim.physics.disturbance import natural_rate
+from vibsim.physics.numbers import Doubles
 
 
 def tangent_totals(scene, entries, margin, margin_time):
@@ -45,8 +47,7 @@ def _tangencies(scene, near, begin, margin, margin_time):
     """
     count, closest, time, fastest = near
     if begin <= margin_time and margin < inf and fastest > 0:
-        rate = sqrt(scene.k1 / scene.m1) if scene.k1 > 0 else 1.0
-        share = 2 * margin * rate / fastest
+        share = 2 * margin * natural_rate(scene, Doubles) / fastest
         count += share < CLOSE
         closest, time = min((closest, time), (share, margin_time))
     return {

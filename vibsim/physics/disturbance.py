@@ -16,3 +16,9 @@ def components(scene):
 def dimension(scene):
     """Number of Lyapunov exponents of the scene."""
     return len(components(scene))
+
+
+def natural_rate(scene, kit):
+    """Rate [rad/s] that compares displacements with velocities: that of y on its spring k1; 1 without it."""
+    mobility = 1 / scene.m1 + 1 / scene.m2 if scene.has_block2 else 1 / scene.m1
+    return kit.sqrt(scene.k1 * mobility) if scene.k1 > 0 else kit.number(1)

@@ -1,0 +1,50 @@
+"""Without an ideal source no time occurs: the motion's own direction is carried along, through all events."""
+
+import numpy as np
+import pytest
+
+from tests.scenes import paper, scene
+from vibsim.kernel.driver import Driver
+from vibsim.kernel.python_engine import FLOWS
+from vibsim.physics.forces import motor_accelerations, transmitted_force
+from vibsim.physics.modes import EVENT_NAMES
+from vibsim.physics.numbers import Doubles
+
+
+def direction(scene, state, mode):
+    """Rate of change of (y, v1, v2, phi, w), from the equations as printed."""
+    force = transmitted_force(scene, state.x1 - state.x2, state.v1 - state.v2, mode.contact)
+    a1, rotor = -force / scene.m1, 0.0
+    if scene.has_motor:
+        a1, rotor = motor_accelerations(scene, force, np.sin(state.phase), np.cos(state.phase), state.w)
+    stuck = scene.has_friction and mode.friction == 0
+    friction = mode.friction * scene.N if scene.has_friction else 0.0
+    a2 = 0.0 if stuck else (force - friction) / scene.m2
+    return [state.v1 - state.v2, a1, a2, state.w, rotor]
+
+
+def carried(scene, method):
+    """The direction at the start, carried to the end; the direction there; kinds of the events between."""
+    driver = Driver(scene, Doubles, FLOWS[method](scene, Doubles), tangent=(1, 0.0))
+    driver.tangent.vectors = [direction(scene, driver.state, driver.mode)]
+    while not driver.finished:
+        driver.run(10**9, 10**9, 10**6)
+    ours = np.exp(driver.tangent.sums[0]) * np.array(driver.tangent.vectors[0])
+    kinds = [EVENT_NAMES[code] for code, _, _ in driver.events]
+    return ours, np.array(direction(scene, driver.state, driver.mode)), kinds
+
+
+@pytest.mark.parametrize(("name", "t_end"), [("II-A", 15.0), ("II-B", 8.0), ("II-C", 6.0)])
+def test_the_motors_cases(name, t_end):
+    ours, theirs, kinds = carried(paper(name, t_end=t_end), "taylor")
+    # errors grow no faster than neighbours part; by less than 1e4 here
+    np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-10 * np.max(np.abs(theirs)))
+    assert kinds.count("contact_begin") > 10 and kinds.count("reversal") + kinds.count("stick_begin") > 10
+
+
+@pytest.mark.parametrize("method", ["closed_form", "taylor"])
+def test_a_free_vibration_with_impacts_and_friction(method):
+    released = scene(x1=0.02, v1=0.3, v2=-0.01, N=2.0, t_end=1.5, method=method)
+    ours, theirs, kinds = carried(released, method)
+    np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-10 * np.max(np.abs(theirs)))
+    assert {"contact_begin", "reversal", "stick_begin", "stick_end"} <= set(kinds)
