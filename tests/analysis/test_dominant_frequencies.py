@@ -77,6 +77,14 @@ def test_the_captured_motor_makes_the_blocks_vibrate_at_twice_its_speed():
     assert found.lines[1].hz == pytest.approx(found.source_hz, abs=1e-3)
 
 
+def test_samples_too_far_apart_show_no_false_frequencies():
+    run = short_run("I-B", "300 s", run__every="100 ms")
+    found = find_frequencies(run)
+    assert (found.verdict, found.lines) == ("undecided", ())
+    assert "0.1 s apart miss vibrations at 5.5 Hz" in found.reason
+    assert find_frequencies(short_run("I-B", "300 s", run__every="45 ms")).verdict == "lines"
+
+
 def test_too_short_a_window_is_undecided():
     found = find_frequencies(short_run("I-A"), (1.0, 1.2))
     assert (found.verdict, found.lines) == ("undecided", ())

@@ -7,7 +7,7 @@ from tests.analysis import known_maps
 from vibsim.analysis.regime.determinism import prediction_error
 from vibsim.analysis.regime.points import Exponent, judge_points
 from vibsim.analysis.regime.recurrence import approached_period, find_period
-from vibsim.analysis.regime.zero_one_test import zero_one
+from vibsim.analysis.regime.zero_one_test import square_displacements, zero_one
 
 RNG = np.random.default_rng(11)
 
@@ -94,17 +94,20 @@ def test_too_few_points():
     assert judge_points(known_maps.logistic(3.5, 60)).verdict == "periodic"
 
 
-@pytest.mark.parametrize(("value", "verdict"), [(0.4, "chaotic"), (0.0, "undecided"), (-0.4, "undecided")])
-def test_the_exponent_decides_between_and_must_not_contradict(value, verdict):
-    points = known_maps.logistic(3.6, 500)  # two bands: K is between
-    assert judge_points(points).verdict == "undecided"
-    assert judge_points(points, Exponent(value, 0.05)).verdict == verdict
-    chaotic = known_maps.henon(500)
-    assert judge_points(chaotic, Exponent(value, 0.05)).verdict == verdict
-    torus = known_maps.torus(500)
-    assert judge_points(torus, Exponent(value, 0.05)).verdict == (
-        "quasi-periodic" if not value else "undecided"
-    )
+@pytest.mark.parametrize(
+    ("value", "between", "chaotic", "regular"),
+    [
+        (0.4, "chaotic", "chaotic", "undecided"),
+        (0.0, "undecided", "undecided", "quasi-periodic"),
+        (-0.4, "transient", "undecided", "transient"),
+    ],
+)
+def test_the_exponent_decides_between_and_must_not_contradict(value, between, chaotic, regular):
+    bands = known_maps.logistic(3.6, 500)  # K is between
+    assert judge_points(bands).verdict == "undecided"
+    orbits = [bands, known_maps.henon(500), known_maps.torus(500)]
+    found = [judge_points(orbit, Exponent(value, 0.05)).verdict for orbit in orbits]
+    assert found == [between, chaotic, regular]
 
 
 def test_the_0_1_test_against_the_figures_of_its_authors():
@@ -118,3 +121,10 @@ def test_points_of_a_map_follow_from_their_neighbours():
     assert prediction_error(known_maps.henon(500)) < 0.03
     assert np.isnan(prediction_error(np.ones((500, 1))))
     assert np.isnan(prediction_error(np.ones((10, 1))))
+
+
+def test_square_displacements_against_their_definition():
+    path = np.cumsum(RNG.normal(size=(3, 200)) + 1j * RNG.normal(size=(3, 200)), axis=1)
+    steps = np.arange(1, 21)
+    expected = [np.mean(np.abs(path[:, n : n + 180] - path[:, :180]) ** 2, axis=1) for n in steps]
+    np.testing.assert_allclose(square_displacements(path, steps), np.transpose(expected), rtol=1e-11)

@@ -12,7 +12,9 @@ from fractions import Fraction
 import numpy as np
 
 from vibsim.analysis.cycles import cycle_ends
+from vibsim.analysis.resonances import resonances
 from vibsim.analysis.span import Span, steady_span
+from vibsim.physics.scene import Scene
 from vibsim.results.result import Result
 from vibsim.results.windows import Window, rows_within
 
@@ -21,6 +23,7 @@ TERMS = (0.35875, -0.48829, 0.14128, -0.01168)  # of the window (Harris 1978)
 PADDING = 4
 FLOOR = 0.01  # amplitude of the weakest line, relative to the strongest
 ROUNDING = 1e-13  # amplitude, relative to the greatest displacement, below which nothing is a line
+PER_PERIOD = 4  # samples to a period of what vibrates fastest, at least: others would stand for it
 MOST = 8  # lines
 FEWEST, GREATEST = 64, 1 << 20  # samples; of a longer span the last ones, 87 min at 5 ms
 DENOMINATORS = 6  # largest n of the fractions m/n of the source frequency that lines are identified with
@@ -81,10 +84,18 @@ def find_frequencies(
     scene = result.case.scene()
     every = scene.every_num / scene.every_den
     source = source_hz(result, span)
+    if every * fastest(scene, source) > 1 / PER_PERIOD:
+        reason = f"samples {every:g} s apart miss vibrations at {fastest(scene, source):.3g} Hz"
+        return DominantFrequencies("undecided", reason, span, of, source_hz=source)
     lines, resolution = lines_of(displacement(result, rows, of), every, source)
     verdict = "lines" if lines else "still"
     reason = f"{rows.stop - rows.start} samples, resolution {resolution:.2g} Hz"
     return DominantFrequencies(verdict, reason, span, of, lines, resolution, source)
+
+
+def fastest(scene: Scene, source: float | None) -> float:
+    """The higher of the frequencies of the source and of the free vibration [Hz]."""
+    return max(source or 0.0, *(one.hz for one in resonances(scene, False)), 0.0)
 
 
 def lines_of(x: np.ndarray, every: float, source: float | None = None) -> tuple[tuple[Line, ...], float]:

@@ -82,7 +82,7 @@ def regime_lines(found: Regime) -> list[Line]:
     text = _verdict(found.verdict)
     if found.verdict == "periodic":
         text += f", period {found.period}, since {found.since:.4g} s"
-    elif found.verdict == "transient":
+    elif found.verdict == "transient" and found.period is not None:
         text += f" towards period {found.period}"
     lines = [("regime", f"{text}: {found.reason}")]
     if found.exponent:

@@ -8,6 +8,7 @@ relative to the error of guessing.
 import numpy as np
 
 APART = 5  # points between neighbours, at least: those next to each other in time say nothing
+MOST = 2000  # points looked at, the last ones
 PIECE = 500  # points whose distances are worked out at a time
 
 
@@ -16,6 +17,7 @@ def prediction_error(points: np.ndarray) -> float:
 
     points : (n, d); nan where there are too few, or all are the same
     """
+    points = points[-MOST:]
     count = len(points) - 1
     if count < 4 * APART:
         return float("nan")

@@ -1,7 +1,7 @@
 """The verdict on a stroboscopic section, and the evidence for it.
 
     periodic         the points repeat themselves, up to the last one
-    transient        they come closer to repeating themselves and are not there yet
+    transient        they come closer to repeating themselves and are not there yet; or disturbances die out
     quasi-periodic   they lie on a curve, never repeat themselves, and the 0-1 test finds them regular
     chaotic          each follows from the one before, and the 0-1 test finds them chaotic
     undecided        with the reason
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibsim.analysis.regime.determinism import prediction_error
+from vibsim.analysis.regime.determinism import MOST, prediction_error
 from vibsim.analysis.regime.recurrence import (
     EXACT,
     LEAST,
@@ -106,10 +106,10 @@ def _weighed(k: float, prediction: float, count: int, sign: int | None) -> tuple
         )
     if (sign == 1 and k > REGULAR) or (k >= CHAOTIC and sign is None):
         return "chaotic", test + known
-    if sign == -1:
-        return "undecided", f"exponent negative, but no period up to {LONGEST} is near; {test}"
+    if sign == -1 and k < CHAOTIC:
+        return "transient", f"exponent negative, so it settles; no period up to {LONGEST} is near yet"
     if abs(k) <= REGULAR and sign != 1:
-        if prediction * count <= CURVE:
+        if prediction * min(count, MOST) <= CURVE:
             return "quasi-periodic", f"{test}, points on a curve" + known
         return "undecided", f"{test}, but the points lie on no curve"
     return "undecided", f"{test}{known}: between regular and chaotic"

@@ -25,8 +25,10 @@ def zero_one(series: np.ndarray) -> float:
         return float("nan")
     series = (series - series.min()) / spread
     steps = np.arange(1, max(2, len(series) // SHARE) + 1)
-    found = [_correlation(steps, _displacement(series, c, steps)) for c in frequencies()]
-    return float(np.median(found))
+    c = frequencies()[:, np.newaxis]
+    path = np.cumsum(series * np.exp(1j * c * np.arange(1, len(series) + 1)), axis=1)
+    oscillating = series.mean() ** 2 * (1 - np.cos(steps * c)) / (1 - np.cos(c))
+    return float(np.median(correlations(steps, square_displacements(path, steps) - oscillating)))
 
 
 def frequencies() -> np.ndarray:
@@ -35,17 +37,25 @@ def frequencies() -> np.ndarray:
     return LOWEST + (HIGHEST - LOWEST) * places
 
 
-def _displacement(series: np.ndarray, c: float, steps: np.ndarray) -> np.ndarray:
-    """D of Eq. (3.1) at the steps."""
-    path = np.cumsum(series * np.exp(1j * c * np.arange(1, len(series) + 1)))
-    kept = len(series) - int(steps[-1])
-    moved = [np.mean(np.abs(path[n : n + kept] - path[:kept]) ** 2) for n in steps.tolist()]
-    oscillating = series.mean() ** 2 * (1 - np.cos(steps * c)) / (1 - np.cos(c))
-    return np.array(moved) - oscillating
+def square_displacements(path: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """Mean of |path[j + n] - path[j]|^2 over the first j, for the n of `steps` (m); the same j for all.
+
+    path (k, count), complex; result (k, m). |b - a|^2 = |b|^2 + |a|^2 - 2 Re(a* b): sums, and a Fourier
+    transform for the products.
+    """
+    count = path.shape[1]
+    kept = count - int(steps[-1])
+    length = 2 ** (count + kept).bit_length()
+    first, whole = np.fft.fft(path[:, :kept], length), np.fft.fft(path, length)
+    products = np.fft.ifft(np.conj(first) * whole)[:, steps].real
+    sums = np.cumsum(np.abs(path) ** 2, axis=1)
+    later = sums[:, steps + kept - 1] - sums[:, steps - 1]
+    return (later + sums[:, kept - 1 : kept] - 2 * products) / kept
 
 
-def _correlation(steps: np.ndarray, displacement: np.ndarray) -> float:
-    """Correlation coefficient; 0 where nothing moves."""
-    a, b = steps - steps.mean(), displacement - displacement.mean()
-    size = float(np.sqrt((a @ a) * (b @ b)))
-    return float(a @ b) / size if size else 0.0
+def correlations(steps: np.ndarray, displacements: np.ndarray) -> np.ndarray:
+    """Correlation coefficient with the steps (m) of each row (k, m); 0 where nothing moves."""
+    a = steps - steps.mean()
+    b = displacements - displacements.mean(axis=1, keepdims=True)
+    size = np.sqrt((a @ a) * np.sum(b * b, axis=1))
+    return np.divide(b @ a, size, out=np.zeros(len(b)), where=size > 0)
