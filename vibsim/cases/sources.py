@@ -13,6 +13,7 @@ LARGEST_FILE = 1_000_000  # bytes
 HDF5_SIGNATURE = b"\x89HDF"
 _CONTROL = re.compile("[^\t\n\r -~\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # what YAML forbids
 SUFFIXES = (".yaml", ".yml")
+HARD = "hard/"  # the folder of the hard cases, and how their names begin
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,11 @@ def shipped_case_names() -> list[str]:
     return sorted(path.stem for path in shipped_folder().glob("*.yaml"))
 
 
+def hard_case_names() -> list[str]:
+    """Names of the cases that are hard to compute, sorted: hard/a-million-seconds, ... hard/..."""
+    return sorted(f"{HARD}{path.stem}" for path in (shipped_folder() / HARD).glob("*.yaml"))
+
+
 def is_path(source: str) -> bool:
     """True for what names a file: it ends in .yaml or .yml or has a folder in it."""
     return source.lower().endswith(SUFFIXES) or "/" in source or "\\" in source
@@ -63,6 +69,9 @@ def find_source(source: str, folder: Path | None = None) -> SourceText:
         text = decoded(sys.stdin.buffer.read(LARGEST_FILE + 1), "stdin")
         return SourceText("stdin", "stdin", text, Path(), "-")
     path = Path(source)
+    if source.startswith(HARD) and source in hard_case_names():
+        path = shipped_folder() / f"{source}.yaml"
+        return _file(path, str(path))
     if is_path(source):
         path = Path(normpath(folder / path)) if folder and not path.is_absolute() else path
         return _file(path, str(path))
@@ -93,6 +102,8 @@ def _unreadable(path: Path, error: Exception) -> str:
     if isinstance(error, FileNotFoundError):
         names = shipped_case_names()
         near = f"; the shipped case is called {path.stem}" if path.stem in names else ""
+        if str(path).startswith(HARD):
+            near = did_you_mean(str(path), hard_case_names())
         return f"no such file{near}"
     if isinstance(error, IsADirectoryError):
         return "is a folder, not a case file"
