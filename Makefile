@@ -7,7 +7,7 @@ STAMP := $(VENV)/installed
 KERNEL := $(wildcard vibsim/kernel/*.c vibsim/kernel/*.h)
 PAPER := I-A I-B I-C I-A-eq211 I-B-eq211 I-C-eq211 II-A II-B II-C
 
-.PHONY: help env run test verify lint figures sweep budgets clean
+.PHONY: help env run test verify lint figures sweep budgets truths clean
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -28,8 +28,12 @@ run: $(STAMP) ## run case II-B and plot it: results/II-B.h5, results/II-B.png
 test: $(STAMP) ## run the test suite in parallel
 	$(BIN)/python -m pytest -n auto -q
 
-verify: $(STAMP) ## run the slow verification
+verify: $(STAMP) ## verify against known cases, then run the slow tests
+	$(BIN)/vibsim verify
 	$(BIN)/python -m pytest -n auto -q -m slow --timeout 1800
+
+truths: $(STAMP) ## compute the stored truths of `vibsim verify` anew (ten minutes)
+	$(BIN)/python -m vibsim.verification.truth_making
 
 lint: $(STAMP) ## check style and types
 	$(BIN)/ruff check vibsim tests setup.py

@@ -10,7 +10,8 @@ import vibsim
 
 PACKAGE = Path(vibsim.__file__).parent
 GROUND = {"physics", "flows", "events", "kernel"}
-MIDDLE = ["cases", "results", "analysis", "sweeps", "peers"]  # each may import those before it
+# each may import those before it
+MIDDLE = ["cases", "results", "analysis", "sweeps", "peers", "verification"]
 TOP = {"command_line", "plots"}
 LIGHT = {"numpy"}  # what the ground floor may import besides the standard library
 OPTIONAL = {"multiprecision.py": {"flint"}, "big_floats.py": {"mpmath"}}  # and who is there for it

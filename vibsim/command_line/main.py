@@ -21,6 +21,7 @@ COMMANDS = {
     "info": ("vibsim.command_line.info", "Say what a result file holds."),
     "analyse": ("vibsim.command_line.analyse", "Judge runs: capture, drift, impacts, regime, frequencies."),
     "compare": ("vibsim.command_line.compare", "Compare two runs."),
+    "verify": ("vibsim.command_line.verify", "Verify this installation against known cases."),
     "export": ("vibsim.command_line.export", "Write a trajectory as CSV or MAT."),
     "cases": ("vibsim.command_line.cases", "List the shipped cases, or print one."),
     "check": ("vibsim.command_line.check", "Check case files."),

@@ -10,10 +10,23 @@ class CaseSource(click.ParamType):
     name = "case"
 
     def shell_complete(self, ctx, param, incomplete):
-        from vibsim.cases import shipped_case_names
+        from vibsim.cases import hard_case_names, shipped_case_names
 
-        shipped = [CompletionItem(name) for name in shipped_case_names() if name.startswith(incomplete)]
+        names = [*shipped_case_names(), *hard_case_names()]
+        shipped = [CompletionItem(name) for name in names if name.startswith(incomplete)]
         return [*shipped, CompletionItem(incomplete, type="file")]
+
+
+class CheckName(click.ParamType):
+    """A check of `vibsim verify`, or how it begins."""
+
+    name = "check"
+
+    def shell_complete(self, ctx, param, incomplete):
+        from vibsim.verification.catalogue import all_checks
+        from vibsim.verification.selection import spellings
+
+        return [CompletionItem(name) for name in spellings(all_checks()) if name.startswith(incomplete)]
 
 
 class Assignment(click.ParamType):
@@ -69,6 +82,7 @@ class DigitCount(click.ParamType):
 
 
 CASE = CaseSource()
+CHECK = CheckName()
 DIGITS = DigitCount()
 ASSIGNMENT = Assignment()
 WINDOW = Window()

@@ -1,0 +1,81 @@
+"""Rounding, imitated where it can be seen: runs of many digits that are kicked as a run in doubles is.
+
+A run in doubles rounds every number of its scene, and the state behind every event, for Taylor series behind
+every step. Here the very same is done to a run of many digits, by random signs and known amounts. How far its
+states and event times then stray tells what an algorithm without faults of its own may be off by in doubles:
+the conditioning of the motion, amplification by impacts and chaos included.
+"""
+
+from dataclasses import replace
+from random import Random
+from typing import Any
+
+from vibsim.flows.closed_form import ClosedForm
+from vibsim.flows.taylor import Taylor
+from vibsim.physics.state import State
+
+UNIT = 2.0**-53  # unit round-off of doubles
+# a number of the scene is rounded once, and what follows from several (k1 + k2, 1/m1 + 1/m2, w0) twice more
+SCENE_UNITS = 4
+# a state is made of responses right to 6, 8 and 16 units (tests/flows/test_responses.py)
+STATE_UNITS = 16
+NUMBERS = ("m1", "m2", "k1", "c", "k2", "G", "N", "A", "F0", "omega", "m3", "e", "J", "M0", "Omega0")
+START = ("x1", "v1", "x2", "v2", "phi", "phidot")
+
+
+def kicked_scene(scene, kit, rng: Random):
+    """`scene` with every number of it off by SCENE_UNITS, up or down.
+
+    The frequency in Hz stays: both flows reduce the phase with twice the digits of a double.
+    """
+    given = {name: getattr(scene, name) for name in NUMBERS + START}
+    return replace(
+        scene,
+        **{
+            name: value * _factor(kit, rng, SCENE_UNITS) for name, value in given.items() if value is not None
+        },
+    )
+
+
+def _factor(kit, rng, units):
+    return 1 + kit.number(rng.choice((-1, 1)) * units * UNIT)
+
+
+def kicked_state(state, kit, rng: Random):
+    """Displacements and velocities off by STATE_UNITS of the larger of the two, the phase by as much of a
+    radian. An exact zero stays: such are set, not computed.
+    """
+    length, speed = max(abs(state.x1), abs(state.x2)), max(abs(state.v1), abs(state.v2))
+    sizes = {"x1": length, "x2": length, "v1": speed, "v2": speed, "phase": 1, "w": abs(state.w)}
+    values = dict(vars(state))
+    for name, size in sizes.items():
+        if values[name] != 0:
+            values[name] = values[name] + size * (_factor(kit, rng, STATE_UNITS) - 1)
+    return State(**values)
+
+
+class KickedClosedForm(ClosedForm):
+    """The closed form, kicked at every event."""
+
+    def __init__(self, scene, kit, rng: Random):
+        self.rng = rng
+        super().__init__(scene, kit)
+
+    def enter(self, state, mode, known):
+        """Anchor the flow at `state`, kicked."""
+        super().enter(kicked_state(state, self.kit, self.rng), mode, known)
+
+
+class KickedTaylor(Taylor):
+    """The Taylor flow, kicked at every step."""
+
+    def __init__(self, scene, kit, rng: Random):
+        self.rng = rng
+        super().__init__(scene, kit)
+
+    def enter(self, state, mode, known):
+        """Expand the motion at `state`, kicked."""
+        super().enter(kicked_state(state, self.kit, self.rng), mode, known)
+
+
+KICKED: dict[str, Any] = {"closed_form": KickedClosedForm, "taylor": KickedTaylor}
