@@ -62,12 +62,14 @@ def code_for(error: Exception) -> int | None:
     from vibsim.kernel import KernelError
     from vibsim.plots.errors import PlotError
     from vibsim.results import ResultFileError
+    from vibsim.sweeps.cluster import ClusterError
 
     codes: dict[type[Exception], int] = {
         CaseError: INVALID_CASE,
         KernelError: RUN_FAILED,
         PlotError: click.UsageError.exit_code,
         ResultFileError: FILE_TROUBLE,
+        ClusterError: RUN_FAILED,
     }
     return next((code for kind, code in codes.items() if isinstance(error, kind)), None)
 

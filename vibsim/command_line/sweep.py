@@ -35,6 +35,7 @@ class KeyRange(click.ParamType):
         "vibsim sweep II-B --omega0 3:7:0.1 --param c=0.01:0.05/9",
         "vibsim sweep II-B --omega0 3:7:0.1 --ensemble 20 --spread phi=0:360deg --spread x1=1mm",
         "vibsim sweep II-B --omega0 3:7:0.1 --compute power,impact-velocity",
+        "vibsim sweep II-B --omega0 3:7:0.001 --scheduler tcp://10.0.0.1:8786",
         "vibsim plot II-B-omega0.h5",
         before="Ranges: FROM:TO:STEP (both ends included), FROM:TO/COUNT, or A,B,C; with a unit at the end. "
         "An interrupted sweep goes on when the same command is given again.",
@@ -97,19 +98,22 @@ class KeyRange(click.ParamType):
 @click.option(
     "-j", "--jobs", type=click.IntRange(min=1), metavar="N", help="Points at a time. [default: all cores]"
 )
+@click.option(
+    "--scheduler", metavar="ADDRESS", help="Compute on the workers of this dask scheduler, such as tcp://host:8786."
+)
 @click.option("-o", "--output", type=FILE, metavar="FILE", help="Output file. [default: CASE-AXES.h5]")
 @click.option("--force", is_flag=True, help="Replace an output file that holds something else.")
 @click.pass_context
 def command(
     ctx, source, omega0, omega, params, ensemble, seed, spreads, computed, changes, t_end, method, engine,
-    jobs, output, force, **settings
+    jobs, scheduler, output, force, **settings
 ):  # fmt: skip
     """Run CASE at every point of a grid and store statistics of each run.
 
     CASE is a YAML file, the name of a shipped case, - for standard input, or an HDF5 file of `vibsim run`.
     """
     from vibsim.command_line.run_plan import check_engine
-    from vibsim.command_line.sweep_jobs import read_plan, run_sweep
+    from vibsim.command_line.sweep_jobs import read_plan, run_sweep, workers_for
 
     check_engine(engine)
     if source is None:
@@ -122,4 +126,4 @@ def command(
     axes = [axis for axis in axes if axis[1] is not None] + [(key, text, "") for key, text in params]
     settings["compute"] = [name.strip() for name in computed.split(",") if name.strip()]
     plan = read_plan(source, values, axes, (ensemble or 0, seed, spreads), settings)
-    return run_sweep(plan, output, jobs, engine, force, ctx.obj)
+    return run_sweep(plan, output, workers_for(plan, jobs, scheduler, engine), engine, force, ctx.obj)

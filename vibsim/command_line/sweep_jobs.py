@@ -18,9 +18,9 @@ from vibsim.sweeps.columns import FAILED, MISSING
 from vibsim.sweeps.description import facts, sweep_lines
 from vibsim.sweeps.plan import UP, Plan, PlanError
 from vibsim.sweeps.store import FileStore
-from vibsim.sweeps.sweeping import make_plan, read_ensemble, run_stored
+from vibsim.sweeps.sweeping import complete, make_plan, open_workers, read_ensemble
 from vibsim.sweeps.table import Table
-from vibsim.sweeps.workers import available_cores
+from vibsim.sweeps.workers import Workers
 
 PATIENCE = 1.0  # seconds before a bar appears
 
@@ -57,13 +57,21 @@ def read_plan(
     return plan
 
 
+def workers_for(plan: Plan, jobs: int | None, scheduler: str | None, engine: str) -> Workers:
+    """The workers that the options name. Raises UsageError."""
+    try:
+        return open_workers(plan, jobs, scheduler, engine)
+    except PlanError as error:
+        raise click.UsageError(str(error)) from None
+
+
 def run_sweep(
-    plan: Plan, output: str | None, jobs: int | None, engine: str, force: bool, settings: Settings
+    plan: Plan, output: str | None, workers: Workers, engine: str, force: bool, settings: Settings
 ) -> int:
     """Run or complete a sweep; returns the exit code."""
     path = Path(output or f"{plan.case.name}-{'-'.join(axis.name for axis in plan.axes)}.h5")
     began = time.perf_counter()
-    with Interruption() as interruption:
+    with Interruption() as interruption, workers:
         store = FileStore(plan, path, engine, force)
         had = plan.count - store.table.count(MISSING) - store.table.count(FAILED)
         progress = PointsProgress(store.table, wanted=not settings.quiet)
@@ -73,7 +81,7 @@ def run_sweep(
             return interruption.signum is None
 
         try:
-            result, _ = run_stored(store, jobs or available_cores(), engine, watch)
+            result, _ = complete(store, workers, watch)
         finally:
             progress.close()
     took = time.perf_counter() - began

@@ -23,8 +23,11 @@ class Piece:
         return len(self.points)
 
 
+Pieces = tuple[Piece, ...]
+
+
 def compute_batch(
-    recipe: Recipe, pieces: tuple[Piece, ...], engine: str, go_on: Callable[[], bool] | None = None
+    recipe: Recipe, pieces: Pieces, engine: str, go_on: Callable[[], bool] | None = None
 ) -> list[Point]:
     """The points of all pieces, in their order; those that were done before `go_on` said False."""
     found: list[Point] = []

@@ -31,7 +31,7 @@ def run(store: Store, workers: Workers, watch: Watch | None = None) -> bool:
         if not active:
             return True
         for future in wait(active, PATIENCE, FIRST_COMPLETED).done:
-            points, handed = future.result(), active.pop(future)
+            points, handed = workers.result(future), active.pop(future)
             store.add(points)
             backlog.take(handed, points)
 
@@ -47,4 +47,4 @@ def _keep_finished(store: Store, workers: Workers, active: Iterable["Future[list
     workers.stop()
     running = [future for future in active if not future.cancel()]
     for future in wait(running).done:
-        store.add(future.result())
+        store.add(workers.result(future))

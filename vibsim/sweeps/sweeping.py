@@ -15,7 +15,7 @@ from vibsim.sweeps.plan import DIRECTIONS, Plan, PlanError
 from vibsim.sweeps.runner import Watch, run
 from vibsim.sweeps.store import FileStore, Store
 from vibsim.sweeps.sweep_result import SweepResult
-from vibsim.sweeps.workers import LocalWorkers, available_cores
+from vibsim.sweeps.workers import LocalWorkers, Workers, available_cores
 
 
 def sweep(
@@ -32,6 +32,7 @@ def sweep(
     seed: int = 0,
     spread: Mapping[str, str] | None = None,
     jobs: int | None = None,
+    scheduler: str | None = None,
     engine: str = "auto",
     out: str | PathLike[str] | None = None,
     force: bool = False,
@@ -55,12 +56,14 @@ def sweep(
     spread : key -> what varies over the ensemble and by how much, e.g. {"x1": "1 mm", "v1": "normal 2 mm/s",
         "phi": "0:360 deg"}; with a motor by default the rotor angle, over the full turn
     jobs : points computed at a time; by default the available cores. The result is the same bit for bit
+    scheduler : address of a dask.distributed scheduler whose workers compute the points, instead of this
+        machine; the same bits
     engine : "auto", "c" or "python"
     out : HDF5 file; one that holds a part of this very sweep is completed, any other is an error unless
         `force`
 
-    Raises CaseError, UnknownKeyError, RangeError, PlanError and ResultFileError. Points that fail are kept
-    with their reason, see `SweepResult["status"]` and `["error"]`.
+    Raises CaseError, UnknownKeyError, RangeError, PlanError, ClusterError and ResultFileError. Points that
+    fail are kept with their reason, see `SweepResult["status"]` and `["error"]`.
     """
     case = case if isinstance(case, Case) else load_case(case)
     plan = make_plan(
@@ -74,11 +77,9 @@ def sweep(
         compute,
         read_ensemble(case, ensemble, seed, spread or {}),
     )
-    jobs = available_cores() if jobs is None else jobs
-    if jobs < 1:
-        raise PlanError(f"jobs must be at least 1, got {jobs}")
-    store = Store(plan, engine) if out is None else FileStore(plan, Path(out), engine, force)
-    return run_stored(store, jobs, engine)[0]
+    with open_workers(plan, jobs, scheduler, engine) as workers:
+        store = Store(plan, engine) if out is None else FileStore(plan, Path(out), engine, force)
+        return complete(store, workers)[0]
 
 
 def make_plan(
@@ -127,8 +128,27 @@ def read_ensemble(case: Case, count: int, seed: int, spread: Mapping[str, str]) 
 def run_stored(
     store: Store, jobs: int, engine: str = "auto", watch: Watch | None = None
 ) -> tuple[SweepResult, bool]:
+    """Complete a store on this machine; the result, and whether every point was reached."""
+    with LocalWorkers(store.plan.recipe, jobs, engine) as workers:
+        return complete(store, workers, watch)
+
+
+def open_workers(plan: Plan, jobs: int | None, scheduler: str | None, engine: str) -> Workers:
+    """Workers here, or those of a scheduler; to be entered. Raises PlanError for wishes that do not fit."""
+    if scheduler is not None and jobs is not None:
+        raise PlanError("jobs are the workers of this machine; with a scheduler its workers compute")
+    if scheduler is not None:
+        from vibsim.sweeps.cluster import ClusterWorkers
+
+        return ClusterWorkers(plan.recipe, scheduler, engine)
+    if jobs is not None and jobs < 1:
+        raise PlanError(f"jobs must be at least 1, got {jobs}")
+    return LocalWorkers(plan.recipe, jobs or available_cores(), engine)
+
+
+def complete(store: Store, workers: Workers, watch: Watch | None = None) -> tuple[SweepResult, bool]:
     """Complete a store; the result, and whether every point was reached."""
-    with store, LocalWorkers(store.plan.recipe, jobs, engine) as workers:
+    with store:
         finished = run(store, workers, watch)
     return SweepResult(store.all_attrs, store.plan, lambda: store.table), finished
 

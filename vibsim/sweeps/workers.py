@@ -14,11 +14,9 @@ from types import TracebackType
 from typing import Any, Protocol
 
 from vibsim.kernel import engine_name
-from vibsim.sweeps.batch import Piece, compute_batch
+from vibsim.sweeps.batch import Pieces, compute_batch
 from vibsim.sweeps.point import Point
 from vibsim.sweeps.recipe import Recipe
-
-Pieces = tuple[Piece, ...]
 
 
 class Workers(Protocol):
@@ -35,6 +33,9 @@ class Workers(Protocol):
 
     def submit(self, pieces: Pieces) -> "Future[list[Point]]":
         """The points of a batch, some time; fewer when it was given up."""
+
+    def result(self, future: "Future[list[Point]]") -> list[Point]:
+        """The points of a future that is done."""
 
     def stop(self) -> None:
         """Give up what is being computed."""
@@ -74,6 +75,10 @@ class LocalWorkers:
     def submit(self, pieces: Pieces) -> "Future[list[Point]]":
         """The points of a batch, some time; fewer when it was given up."""
         return self._pool.submit(self._compute, self.recipe, pieces, self.engine)
+
+    def result(self, future: "Future[list[Point]]") -> list[Point]:
+        """The points of a future that is done."""
+        return future.result()
 
     def _going_on(self) -> bool:
         return not self._stop.is_set()

@@ -1,0 +1,186 @@
+"""Sweeps on a cluster of real processes: the same bits, workers killed or foreign, no scheduler."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+
+import pytest
+
+from tests.command_line.made import call
+from tests.sweeps.clusters import loopback_cluster
+from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
+from vibsim.results import open_result
+from vibsim.sweeps.cluster import DIED, ClusterError, ClusterWorkers
+from vibsim.sweeps.columns import FAILED
+from vibsim.sweeps.store import FileStore, Store
+from vibsim.sweeps.sweeping import complete, run_stored
+
+pytest.importorskip("distributed")
+CARRIED = {"carry_state": True, "direction": "both"}
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory):
+    with loopback_cluster(tmp_path_factory.mktemp("cluster")) as running:
+        yield running
+
+
+def on(cluster, store, watch=None, **options):
+    with ClusterWorkers(store.plan.recipe, cluster.address, **options) as workers:
+        return complete(store, workers, watch)
+
+
+@pytest.mark.parametrize("settings", [{}, CARRIED], ids=["fresh", "carried"])
+def test_a_cluster_gives_the_same_bits(cluster, settings):
+    plan = short_plan({OMEGA0: "3:5:0.25 Hz", "c": "0.001, 0.03"}, compute=["all"], **settings)
+    result, finished = on(cluster, Store(plan))
+    assert finished and result.table.done
+    assert_same_points(result.table, run_stored(Store(plan), 2)[0].table)
+
+
+def test_a_killed_worker_costs_nothing_but_time(tmp_path):
+    """SIGKILL to one of two workers in the middle of the sweep; the other computes its batches again."""
+    plan = short_plan({OMEGA0: "3:5:0.05 Hz"}, short_case(t_end="60 s"))
+    killed = []
+
+    def watch(table):
+        if table.count(1) >= 5 and not killed:
+            killed.append(cluster.workers[0])
+            os.kill(killed[0].pid, signal.SIGKILL)
+        return True
+
+    with loopback_cluster(tmp_path) as cluster, ClusterWorkers(plan.recipe, cluster.address) as workers:
+        workers._client.wait_for_workers(2, timeout=60)
+        assert workers.count == 2
+        result, finished = complete(FileStore(plan, tmp_path / "s.h5"), workers, watch)
+        assert killed[0].wait(10) == -signal.SIGKILL
+        assert finished and result.table.done
+    assert_same_points(open_result(tmp_path / "s.h5").table, run_stored(Store(plan), 2)[0].table)
+
+
+def test_an_interrupted_cluster_sweep_goes_on_here(cluster, tmp_path):
+    plan, path = short_plan({OMEGA0: "3:5:0.05 Hz"}, short_case(t_end="20 s")), tmp_path / "s.h5"
+    _, finished = on(cluster, FileStore(plan, path), lambda table: table.count(1) < 4)
+    left = open_result(path)
+    assert not finished and 4 <= left.table.count(1) < plan.count
+    result = run_stored(FileStore(plan, path), 2)[0]
+    assert_same_points(result.table, run_stored(Store(plan), 2)[0].table)
+
+
+def test_batches_in_flight_are_bounded(cluster):
+    plan = short_plan({OMEGA0: "3:5:0.005 Hz"}, short_case(t_end="1 s"))
+    store, most = Store(plan), 0
+    with ClusterWorkers(plan.recipe, cluster.address) as workers:
+
+        def watch(table):
+            nonlocal most
+            most = max(most, len(workers._handed))
+            return True
+
+        assert complete(store, workers, watch)[1]
+    assert 2 <= most <= 4 and not workers._handed
+
+
+def test_a_worker_that_computes_other_bits_is_refused(cluster, monkeypatch):
+    plan = short_plan({OMEGA0: "3, 4 Hz"})
+    for key, value, message in [
+        ("vibsim", "9.9", "has vibsim .*, and 9.9 asks"),
+        ("statistics", "99", "has version 1 of the statistics, and 99 asks"),
+        ("bits", "0", "computes other last digits than this machine"),
+    ]:
+        workers = ClusterWorkers(plan.recipe, cluster.address)
+        workers._signature = {**workers._signature, key: value}
+        with pytest.raises(ClusterError, match=f"worker tcp://.* {message}"), workers:
+            pass
+        workers = ClusterWorkers(plan.recipe, cluster.address)
+        with pytest.raises(ClusterError, match=rf"worker .*, process \d+, {message}"), workers:
+            workers._signature = {**workers._signature, key: value}  # as a worker finds it that joins later
+            complete(Store(plan), workers)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("who", ["scheduler", "worker"])
+def test_a_cluster_without_vibsim_is_refused(tmp_path, who):
+    (tmp_path / "no").mkdir()
+    (tmp_path / "no" / "vibsim.py").write_text("raise ModuleNotFoundError(\"No module named 'vibsim'\")")
+    lacking = {"PYTHONPATH": str(tmp_path / "no")}
+    with loopback_cluster(tmp_path, 0, **(lacking if who == "scheduler" else {})) as cluster:
+        cluster.add_worker(**(lacking if who == "worker" else {}))
+        plan = short_plan({OMEGA0: "3, 4 Hz"})
+        with pytest.raises(ClusterError, match=r"vibsim: .*No module named 'vibsim'"):
+            on(cluster, Store(plan))
+
+
+def test_points_that_kill_every_worker_fail_and_the_others_do_not(cluster, monkeypatch):
+    from distributed.scheduler import KilledWorker
+
+    plan = short_plan({OMEGA0: "3, 4 Hz"}, short_case(t_end="1 s"))
+    with ClusterWorkers(plan.recipe, cluster.address) as workers:
+        result = workers.result
+
+        def deadly(future):
+            if any(index == (1, 0) for piece in workers._handed[future] for index, _ in piece.points):
+                future.result()
+                future._result, future._exception = None, KilledWorker("compute", None, 3)
+            return result(future)
+
+        monkeypatch.setattr(workers, "result", deadly)
+        table = complete(Store(plan), workers)[0].table
+    assert table.status[:, 0].tolist() == [1, FAILED] and table.error[1, 0] == DIED
+
+
+def sweep_process(folder, *words):
+    command = [sys.executable, "-m", "vibsim", "sweep", "II-B", *words, "-o", "s.h5"]
+    return subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def test_nobody_there(tmp_path, monkeypatch):
+    monkeypatch.setattr("vibsim.sweeps.cluster.TIMEOUT", 0.5)
+    monkeypatch.chdir(tmp_path)
+    with socket.socket() as unused:
+        unused.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{unused.getsockname()[1]}"
+        done = call("sweep", "II-B", "--omega0", "3,4", "--scheduler", address)
+    assert done.exit_code == 4
+    assert done.stderr.startswith(f"Error: no scheduler at {address}: ")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_jobs_do_not_go_with_a_scheduler():
+    done = call("sweep", "II-B", "--omega0", "3,4", "--scheduler", "tcp://127.0.0.1:1", "-j", 2)
+    assert done.exit_code == 2 and "jobs are the workers of this machine" in done.stderr
+
+
+def test_interrupting_the_command_keeps_what_is_finished(cluster, tmp_path):
+    process = sweep_process(
+        tmp_path, "--omega0", "3:7:0.01", "--t-end", "60s", "--scheduler", cluster.address
+    )
+    journal = tmp_path / "s.h5.journal"
+    while not (journal.exists() and journal.read_text().count("\n") > 3):
+        assert process.poll() is None
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 130 and "interrupted: s.h5 holds what was done" in said
+    left = open_result(tmp_path / "s.h5")
+    assert not left.complete and left.attrs["points_done"] >= 3
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_dies_ends_the_sweep_and_keeps_what_is_finished(tmp_path):
+    with loopback_cluster(tmp_path) as cluster:
+        process = sweep_process(
+            tmp_path, "--omega0", "3:7:0.01", "--t-end", "60s", "--scheduler", cluster.address
+        )
+        journal = tmp_path / "s.h5.journal"
+        while not (journal.exists() and journal.read_text().count("\n") > 3):
+            assert process.poll() is None
+            time.sleep(0.01)
+        cluster.scheduler.kill()
+        _, said = process.communicate(timeout=100)
+    assert process.returncode == 4, said
+    assert f"Error: the scheduler at {cluster.address} was lost" in said and "Traceback" not in said
+    assert open_result(tmp_path / "s.h5").attrs["points_done"] >= 3

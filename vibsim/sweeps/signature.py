@@ -1,0 +1,41 @@
+"""What tells whether two installations compute the same bits: versions, engine, bits of two short runs.
+
+Versions alone do not: numpy and the C library have their own sines for each kind of processor.
+"""
+
+import hashlib
+import json
+from functools import cache
+
+from vibsim import __version__
+from vibsim.cases import load_case
+from vibsim.kernel import engine_name
+from vibsim.sweeps.columns import NOT_REPRODUCIBLE
+from vibsim.sweeps.computations import COMPUTATIONS
+from vibsim.sweeps.discard import HALF
+from vibsim.sweeps.plan import STATISTICS
+from vibsim.sweeps.point import compute_point
+from vibsim.sweeps.recipe import Recipe
+
+RUNS = ("II-B", "I-B")  # one by Taylor series, one by the closed form
+LENGTH = "2 s"  # with impacts, in a few milliseconds
+
+
+@cache
+def signature(engine: str) -> dict[str, str]:
+    """What must be equal here and there: name -> text. Raises RuntimeError where the engine is not there."""
+    return {
+        "vibsim": __version__,
+        "statistics": str(STATISTICS),
+        "engine": engine_name(engine),
+        "bits": hashlib.sha256("".join(_bits(name, engine) for name in RUNS).encode()).hexdigest()[:16],
+    }
+
+
+def _bits(name: str, engine: str) -> str:
+    """All numbers of a short run of a shipped case."""
+    recipe = Recipe(load_case(name, {"run.t_end": LENGTH}), False, HALF, 10, None, tuple(COMPUTATIONS))
+    point = compute_point(recipe, (), {}, None, engine)
+    assert point is not None  # nobody gave it up
+    values = {key: value for key, value in point.values.items() if key not in NOT_REPRODUCIBLE}
+    return json.dumps([point.error, sorted(values.items()), sorted(point.arrays.items())])
