@@ -97,6 +97,11 @@ def test_a_motor_that_ends_below_every_resonance_has_not_met_it():
     assert capture_of_turns(turns, IMPACTS, weak, Span(0, 150)).verdict == "not met"
 
 
+def test_a_motor_that_slows_down_has_passed_nothing():
+    found = judged(lambda t: 5.5 + 1.5 * np.exp(-t / TAU), 100.0)
+    assert (found.verdict, found.passages) == ("not met", ())
+
+
 @pytest.mark.parametrize(
     ("t_end", "reason"), [(8.0, "turns are too few"), (14.0, "still changing"), (20.0, "lingers")]
 )

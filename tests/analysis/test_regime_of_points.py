@@ -51,6 +51,13 @@ def test_noise_is_undecided(dimension):
     assert found.prediction == pytest.approx(1, abs=0.15)
 
 
+def test_mostly_the_same_with_bursts():
+    points = np.zeros((400, 1))
+    points[RNG.choice(400, 20, replace=False)] = 1.0
+    found = judge_points(points)
+    assert (found.verdict, found.prediction) == ("undecided", None)
+
+
 def test_a_noisy_period_is_not_taken_for_a_torus():
     noisy = known_maps.logistic(3.55, 800) + 0.01 * RNG.normal(size=(800, 1))
     assert judge_points(noisy).verdict == "undecided"

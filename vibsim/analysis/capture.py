@@ -3,7 +3,7 @@
     captured   held at the end, and so long that it counts (see below)
     escaped    held so long that it counts, then let go
     passed     went through a resonance without being held that long, and settled above it
-    not met    settled near its no-load speed, below every resonance
+    not met    settled near its no-load speed without having risen through a resonance
     undecided  with the reason
 
 A hold (see `holds`) counts where it delays the motor by a factor of at least CAPTURE against its free run-up,
@@ -90,7 +90,8 @@ def capture_of_turns(turn_times: np.ndarray, impact_times: np.ndarray, scene: Sc
         return Capture("undecided", f"{len(turn_times)} turns are too few to judge", span, no_load)
     times, speeds = mean_speeds(turn_times)
     holds = holds_of(times, speeds, scene)
-    verdict, reason, hold = _verdict(holds, speeds, impact_times, scene)
+    passed = passages(times, speeds, scene)
+    verdict, reason, hold = _verdict(holds, float(speeds[-1]), impact_times, scene, bool(passed))
     found = Capture(
         verdict,
         reason,
@@ -98,7 +99,7 @@ def capture_of_turns(turn_times: np.ndarray, impact_times: np.ndarray, scene: Sc
         no_load,
         float(speeds[-1]),
         holds=tuple(one for one in holds if one.delay >= DELAY),
-        passages=passages(times, speeds, scene),
+        passages=passed,
     )
     if hold is None:
         return found
@@ -108,27 +109,25 @@ def capture_of_turns(turn_times: np.ndarray, impact_times: np.ndarray, scene: Sc
 
 
 def _verdict(
-    holds: list[Hold], speeds: np.ndarray, impacts: np.ndarray, scene: Scene
+    holds: list[Hold], final: float, impacts: np.ndarray, scene: Scene, passed: bool
 ) -> tuple[str, str, Hold | None]:
     """Verdict, reason, and the hold that decides it."""
     counting = [hold for hold in holds if counts(hold, near_resonance(hold, impacts, scene) is not None)]
     last = holds[-1] if holds and holds[-1].at_end else None
-    final = f"{speeds[-1]:.3g} Hz"
     if last is not None and last in counting:
         return "captured", f"held to the end, {_evidence(last)}", last
     if counting:
         longest = max(counting, key=lambda hold: hold.delay)
-        return "escaped", f"{_evidence(longest)}; later at {final}", longest
+        return "escaped", f"{_evidence(longest)}; later at {final:.3g} Hz", longest
     if last is None:
-        return "undecided", f"the speed is still changing at the end, at {final}", None
+        return "undecided", f"the speed is still changing at the end, at {final:.3g} Hz", None
     if last.below_no_load >= FAR:
         return "undecided", f"the run ends while the motor lingers, {_evidence(last)}", last
-    return _settled(holds, last, scene)
+    return _settled(holds, last, scene, passed)
 
 
-def _settled(holds: list[Hold], last: Hold, scene: Scene) -> tuple[str, str, Hold | None]:
+def _settled(holds: list[Hold], last: Hold, scene: Scene, passed: bool) -> tuple[str, str, Hold | None]:
     """Verdict on a motor that ends near its no-load speed without having been captured."""
-    passed = [one for one in all_resonances(scene) if one.hz * (1 + BAND) < last.speed_hz]
     settled = f"settled at {last.speed_hz:.3g} Hz, {100 * last.below_no_load:.2g} % below no-load speed"
     if not passed:
         near = [f", near {one.name} {one.hz:.3g} Hz" for one in all_resonances(scene) if is_near(last, one)]
@@ -146,7 +145,8 @@ def counts(hold: Hold, near: bool) -> bool:
 
 
 def _evidence(hold: Hold) -> str:
-    return f"{hold.turns:.0f} turns, {hold.delay:.3g} times as long as in a free run-up"
+    below = f"{100 * hold.below_no_load:.2g} % below no-load speed"
+    return f"{hold.turns:.0f} turns {below}, {hold.delay:.3g} times as long as in a free run-up"
 
 
 def near_resonance(hold: Hold, impact_times: np.ndarray, scene: Scene) -> Resonance | None:

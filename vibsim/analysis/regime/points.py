@@ -11,6 +11,7 @@ it. What is judged is a deterministic motion: noise is told apart only where it 
 """
 
 from dataclasses import dataclass
+from math import isnan
 
 import numpy as np
 
@@ -73,9 +74,8 @@ def judge_points(points: np.ndarray, exponent: Exponent | None = None) -> Judged
         return Judged("undecided", f"{len(points)} cycles are too few, {LEAST} are needed")
     repeated = find_period(points)
     if repeated is not None:
-        reason = (
-            f"the section repeats itself within {TOLERANCE:g}, over {len(points) - repeated.onset} cycles"
-        )
+        lasted = len(points) - repeated.onset
+        reason = f"the section repeats itself within {TOLERANCE:g}, over {lasted} cycles"
         return Judged("periodic", reason, repeated.period, repeated.onset, repeated.step)
     near = approached_period(points)
     if near is not None:
@@ -91,6 +91,8 @@ def _irregular(points: np.ndarray, exponent: Exponent | None) -> Judged:
     """The verdict on points that neither repeat themselves nor come closer to it."""
     k = float(np.nanmedian([zero_one(column) for column in points.T if np.ptp(column) > EXACT]))
     prediction = prediction_error(points)
+    if isnan(prediction):
+        return Judged("undecided", "too many points are the same to tell how they follow", chaos_number=k)
     verdict, reason = _weighed(k, prediction, len(points), exponent.sign if exponent else None)
     return Judged(verdict, reason, chaos_number=k, prediction=prediction)
 
@@ -102,7 +104,7 @@ def _weighed(k: float, prediction: float, count: int, sign: int | None) -> tuple
     if prediction > FOLLOWS:
         return (
             "undecided",
-            f"no point follows from its neighbours (error {prediction:.2f}): noise, or too few",
+            f"points do not follow from neighbours (error {prediction:.2f}): noise, or too few",
         )
     if (sign == 1 and k > REGULAR) or (k >= CHAOTIC and sign is None):
         return "chaotic", test + known
