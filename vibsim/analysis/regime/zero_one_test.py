@@ -15,9 +15,9 @@ GOLDEN = (np.sqrt(5) - 1) / 2
 def zero_one(series: np.ndarray) -> float:
     """K of a series (n) sampled so far apart that neighbours are not alike; nan for a constant one.
 
-    For each c, Eq. (2.1): p + iq = sum of phi_j exp(i c j); Eq. (2.2): its mean square displacement M over n
-    steps; Eq. (3.1): D = M less the oscillating part (mean phi)^2 (1 - cos nc)/(1 - cos c). K is the
-    correlation of D with n.
+    For each c the path p + iq = sum of phi_j exp(i c j) is formed, then its mean square displacement M over n
+    steps, then D = M less the oscillating part (mean phi)^2 (1 - cos nc)/(1 - cos c). D grows with n where
+    the path diffuses, as under chaos, and stays bounded else: K is the correlation of D with n.
     """
     series = np.asarray(series, dtype=float)
     spread = float(np.ptp(series))
