@@ -33,6 +33,9 @@ class ImmediateWorkers:
         self.most_in_flight = max(self.most_in_flight, len(self.waiting))
         return future
 
+    def result(self, future):
+        return future.result()
+
     def compute_one(self):
         future, pieces = self.waiting.pop()  # the last first: the order of completion must not matter
         points = [invented(index, self.seconds) for piece in pieces for index, _ in piece.points]
