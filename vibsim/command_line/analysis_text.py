@@ -36,11 +36,13 @@ def analysis_lines(source: str, result: Result, found: Analysis, verbose: bool =
 
 def capture_lines(found: Capture, verbose: bool) -> list[Line]:
     """Verdict, the hold that decides it, and when resonances were passed."""
-    lines = [("capture", f"{_verdict(found.verdict, CAPTURE_WORDS)}: {found.reason}")]
+    first, *others = found.reason.split("; ")
+    lines = [("capture", f"{_verdict(found.verdict, CAPTURE_WORDS)}: {first}")]
     if found.since is not None:
         to = "" if found.until is None else f" to {found.until:.4g}"
         near = f", near {found.resonance.name} {found.resonance.hz:.4g} Hz" if found.resonance else ""
         lines.append(("", f"at {found.speed_hz:.4g} Hz from {found.since:.4g}{to} s{near}"))
+    lines += [("", other) for other in others]
     if verbose:
         for hold in found.holds:
             held = f"held {_span((hold.begin, hold.end))} at {hold.speed_hz:.4g} Hz"
