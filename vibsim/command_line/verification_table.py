@@ -98,7 +98,7 @@ def _print_verdict(
     wrong = sum(not row.passed for row in rows)
     where = f"{ENGINES[engine]}, {took:.1f} s"
     if left_out:
-        names = ", ".join(check.name for check in left_out)
+        names = ", ".join(dict.fromkeys(check.name.rpartition("/")[0] for check in left_out))
         click.echo(f"left out, minutes each on the Python engine; name them to have them: {names}", err=True)
     if wrong:
         text = f"{wrong} of {counted(len(rows), 'number')} fall short of their bounds"
