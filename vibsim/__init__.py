@@ -8,6 +8,7 @@
     result.save("II-B.h5")
     vibsim.open_result("II-B.h5")
     vibsim.analyse(result).capture.verdict
+    vibsim.lyapunov(case).exponents
 
     sweep = vibsim.sweep("II-B", {"excitation.Omega0": "3:7:0.05 Hz"}, out="sommerfeld.h5")
     sweep["omega0"], sweep["mean_speed"]
@@ -19,7 +20,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from vibsim.analysis import Analysis, analyse
+    from vibsim.analysis import Analysis, Lyapunov, analyse, lyapunov
     from vibsim.cases import Case, CaseError, load_case
     from vibsim.results import Result, ResultFileError, open_result, simulate
     from vibsim.sweeps import SweepResult, sweep
@@ -28,7 +29,9 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "Analysis": "vibsim.analysis",
+    "Lyapunov": "vibsim.analysis",
     "analyse": "vibsim.analysis",
+    "lyapunov": "vibsim.analysis",
     "Case": "vibsim.cases",
     "CaseError": "vibsim.cases",
     "load_case": "vibsim.cases",
@@ -44,12 +47,14 @@ __all__ = [
     "Analysis",
     "Case",
     "CaseError",
+    "Lyapunov",
     "Result",
     "ResultFileError",
     "SweepResult",
     "__version__",
     "analyse",
     "load_case",
+    "lyapunov",
     "open_result",
     "simulate",
     "sweep",

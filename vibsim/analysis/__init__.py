@@ -5,6 +5,7 @@
     count_impacts(result)       impacts, sticks and event words per cycle of the source
     judge_regime(result)        periodic, quasi-periodic, chaotic, or less settled
     largest_exponent(result)    largest Lyapunov exponent, for judge_regime(result, exponent=...)
+    lyapunov(case)              Lyapunov exponents, with intervals and warnings
     find_frequencies(result)    dominant frequencies of a displacement
     analyse(result)             all of these
     compare(a, b, tolerance)    are two runs the same
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from vibsim.analysis.comparison import Comparison, compare
     from vibsim.analysis.dominant_frequencies import DominantFrequencies, find_frequencies
     from vibsim.analysis.drift import Drift, measure_drift
+    from vibsim.analysis.exponents import Lyapunov, lyapunov
     from vibsim.analysis.impacts_per_cycle import ImpactsPerCycle, count_impacts
     from vibsim.analysis.regime.largest_exponent import largest_exponent
     from vibsim.analysis.regime.points import Exponent
@@ -42,6 +44,8 @@ _HOMES = {
     "largest_exponent": "regime.largest_exponent",
     "ImpactsPerCycle": "impacts_per_cycle",
     "count_impacts": "impacts_per_cycle",
+    "Lyapunov": "exponents",
+    "lyapunov": "exponents",
     "Regime": "regime.verdict",
     "judge_regime": "regime.verdict",
     "Span": "span",
@@ -55,6 +59,7 @@ __all__ = [
     "Drift",
     "Exponent",
     "ImpactsPerCycle",
+    "Lyapunov",
     "Regime",
     "Span",
     "analyse",
@@ -64,6 +69,7 @@ __all__ = [
     "judge_capture",
     "judge_regime",
     "largest_exponent",
+    "lyapunov",
     "measure_drift",
 ]
 

@@ -81,9 +81,23 @@ class DigitCount(click.ParamType):
         return digits
 
 
+class ExponentCount(click.ParamType):
+    """A number of Lyapunov exponents, or all."""
+
+    name = "exponents"
+
+    def convert(self, value, param, ctx):
+        if value == "all" or isinstance(value, int):
+            return value
+        if not value.isdecimal() or int(value) == 0:
+            self.fail(f"{value!r} is neither a whole number above 0 nor all", param, ctx)
+        return int(value)
+
+
 CASE = CaseSource()
 CHECK = CheckName()
 DIGITS = DigitCount()
+EXPONENTS = ExponentCount()
 ASSIGNMENT = Assignment()
 WINDOW = Window()
 FILE = click.Path(path_type=str)

@@ -3,7 +3,7 @@
 import click
 
 from vibsim.command_line.examples import examples
-from vibsim.command_line.parameters import CASE, DIGITS, FILE, set_option
+from vibsim.command_line.parameters import CASE, DIGITS, EXPONENTS, FILE, set_option
 
 METHODS = ["auto", "closed_form", "taylor"]
 ENGINES = ["auto", "c", "python"]
@@ -18,6 +18,7 @@ ENGINES = ["auto", "c", "python"]
         "vibsim run I-A I-B I-C -o runs/               # three files in one folder",
         "vibsim run II-B --t-end 20s --every 1ms --plot II-B.png",
         "vibsim run I-A --digits 60                    # the truth, 60 digits of it",
+        "vibsim run II-B --lyapunov all --discard 100s # with its Lyapunov exponents from 100 s on",
         "vibsim run II-B.h5 -o again.h5                # the same run again, bit for bit",
         "cat my.yaml | vibsim run - --json",
     ),
@@ -45,11 +46,36 @@ ENGINES = ["auto", "c", "python"]
     metavar="N|auto",
     help="Decimal digits to carry, 20 to 1000; auto: ten right ones at the end.",
 )
+@click.option(
+    "--lyapunov",
+    type=EXPONENTS,
+    metavar="N|all",
+    help="Take the N largest Lyapunov exponents along.",
+)
+@click.option(
+    "--discard",
+    metavar="TIME|SHARE",
+    help="Transient that --lyapunov leaves out, such as 100s or 0.5. [default: 0.5]",
+)
 @click.option("--dry-run", is_flag=True, help="Print what would be run, and stop.")
 @click.option("--force", is_flag=True, help="Replace existing output files.")
 @click.pass_context
 def command(
-    ctx, sources, output, changes, t_end, every, method, engine, picture, trust, digits, dry_run, force
+    ctx,
+    sources,
+    output,
+    changes,
+    t_end,
+    every,
+    method,
+    engine,
+    picture,
+    trust,
+    digits,
+    lyapunov,
+    discard,
+    dry_run,
+    force,
 ):
     """Run each CASE and write its trajectory to an HDF5 file.
 
@@ -57,14 +83,21 @@ def command(
     file that vibsim wrote: its case is run again.
     """
     from vibsim.command_line.run_jobs import run_all
-    from vibsim.command_line.run_plan import check_digits, check_engine, check_picture, plan, print_plan
+    from vibsim.command_line.run_plan import (
+        check_digits,
+        check_engine,
+        check_picture,
+        plan,
+        print_plan,
+        with_exponents,
+    )
 
     check_engine(engine)
     check_digits(digits, engine)
     check_picture(picture, len(sources), force)
     given = {"run.t_end": t_end, "run.every": every, "run.method": method}
     values = dict(changes) | {key: value for key, value in given.items() if value is not None}
-    jobs = plan(sources, values, output, force)
+    jobs = with_exponents(plan(sources, values, output, force), lyapunov, discard, digits)
     if dry_run:
         print_plan(jobs, ctx.obj)
         return 0

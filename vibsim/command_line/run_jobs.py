@@ -62,7 +62,7 @@ def _run_one(
         return interruption.signum is None
 
     try:
-        result = simulate_to_file(job.case, job.output, engine, force, watch, trust, digits)
+        result = simulate_to_file(job.case, job.output, engine, force, watch, trust, digits, job.tangent)
     finally:
         progress.close()
     if not result.complete:

@@ -23,6 +23,7 @@ class Job:
 
     case: "Case"
     output: Path
+    tangent: tuple[int, float] = (0, 0.0)  # number of Lyapunov exponents, and from when on [s]
 
 
 def plan(sources: tuple[str, ...], changes: dict[str, str], output: str | None, force: bool) -> list[Job]:
@@ -70,6 +71,39 @@ def check_digits(digits: int | str | None, engine: str) -> None:
         installed_library()
     except MultiprecisionMissing as error:
         raise click.UsageError(f"--digits: {error}") from error
+
+
+def with_exponents(
+    jobs: list[Job], count: int | str | None, discard: str | None, digits: int | str | None
+) -> list[Job]:
+    """The jobs with so many Lyapunov exponents ("all": as many as each case has) behind a transient.
+
+    Raises UsageError for a count that a case has not got, a transient that leaves nothing of a run, a
+    transient without exponents, and exponents with digits.
+    """
+    if count is None:
+        if discard is not None:
+            raise click.UsageError("--discard leaves a transient out of --lyapunov, which is not given")
+        return jobs
+    if digits is not None:
+        raise click.UsageError("--lyapunov needs doubles; leave --digits out")
+    return [replace(job, tangent=_tangent(job.case, count, discard)) for job in jobs]
+
+
+def _tangent(case: "Case", count: int | str, discard: str | None) -> tuple[int, float]:
+    from vibsim.physics.disturbance import dimension
+    from vibsim.sweeps.discard import HALF, parse_discard
+
+    scene = case.scene()
+    if count != "all" and int(count) > dimension(scene):
+        raise click.UsageError(f"--lyapunov {count}: {case.name} has {dimension(scene)} exponents")
+    try:
+        begin = (HALF if discard is None else parse_discard(discard)).time(scene.t_end)
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint="'--discard'") from error
+    if not begin < scene.t_end:
+        raise click.UsageError(f"--discard {discard}: leaves nothing of {case.name}, {scene.t_end:g} s")
+    return (dimension(scene) if count == "all" else int(count)), begin
 
 
 def check_picture(picture: str | None, count: int, force: bool) -> None:

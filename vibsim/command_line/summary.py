@@ -14,6 +14,7 @@ from vibsim.results import Result
 PREFIXES = ((1.0, "m"), (1e-3, "mm"), (1e-6, "um"), (1e-9, "nm"))
 SIZES = ((1e9, "GB"), (1e6, "MB"), (1e3, "kB"))
 LABEL_WIDTH = 16
+NO_JSON = ("case_yaml", "lyapunov_growth")  # as long as a file of its own
 
 
 def heading(name: str, title: str) -> str:
@@ -52,6 +53,10 @@ def result_lines(result: Result, scene: Scene) -> list[tuple[str, str]]:
         )
     if "energy_residual" in attrs:
         lines.append(("energy residual", energy_text(attrs)))
+    if "lyapunov_growth" in attrs:
+        from vibsim.command_line.exponent_text import exponent_lines
+
+        lines += exponent_lines(result)
     if "rest_distance_needed" in attrs or scene.rest_distance is not None:
         lines.append(("rest distance", rest_distance_text(attrs, scene)))
     return lines
@@ -141,9 +146,23 @@ def print_lines(lines: Iterable[tuple[str, str]]) -> None:
 
 def summary_object(result: Result, path: str | Path) -> dict[str, Any]:
     """The attributes of a trajectory for JSON: the case as an object, without its YAML text."""
-    attrs = {name: value for name, value in result.attrs.items() if name != "case_yaml"}
+    attrs = {name: plain(value) for name, value in result.attrs.items() if name not in NO_JSON}
     resolved = json.loads(attrs.pop("case_resolved_json"))
+    if "lyapunov_exponents" in attrs:
+        from vibsim.command_line.exponent_text import exponent_object
+
+        attrs |= plain(exponent_object(result))
     return {"file": str(path), **attrs, "samples": len(result), "case": resolved}
+
+
+def plain(value: Any) -> Any:
+    """A value for JSON: arrays as lists, null for what is not finite."""
+    value = value.tolist() if hasattr(value, "tolist") else value
+    if isinstance(value, list):
+        return [plain(item) for item in value]
+    if isinstance(value, dict):
+        return {name: plain(item) for name, item in value.items()}
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def print_json(value: Any) -> None:

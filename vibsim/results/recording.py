@@ -8,6 +8,7 @@ import numpy as np
 
 from vibsim.physics.scene import Scene
 from vibsim.results.columns import COLUMNS, event_columns
+from vibsim.results.exponent_attributes import exponent_attributes
 from vibsim.results.provenance import origin, outcome
 from vibsim.results.rest_distance import RestDistance
 from vibsim.results.trust import NoTrust, Trust
@@ -28,15 +29,20 @@ class Sink(Protocol):
 class Recording:
     """One run of a case: `start` has the attributes known before it, `into` runs it, `end` has the rest.
 
-    With `trust`, a second run beside it tells until when it is right.
+    With `trust`, a second run beside it tells until when it is right. tangent : number of Lyapunov exponents
+    that it takes along, and the time [s] from which they count.
     """
 
-    def __init__(self, case: "Case", engine: str = "auto", trust: bool = True):
+    def __init__(
+        self, case: "Case", engine: str = "auto", trust: bool = True, tangent: tuple[int, float] = (0, 0.0)
+    ):
         from vibsim.kernel import open_trajectory
 
         self.scene: Scene = case.scene()
         self.began = time.perf_counter()
-        self.trajectory = open_trajectory(self.scene, engine=engine, ledger=True)
+        self.trajectory = open_trajectory(
+            self.scene, engine=engine, ledger=True, tangent=tangent[0], tangent_from=tangent[1]
+        )
         self.start = origin(case, self.scene, self.trajectory.engine, self.trajectory.method)
         self.t_reached = 0.0
         self.complete = False
@@ -60,8 +66,9 @@ class Recording:
     def end(self) -> dict[str, Any]:
         """Attributes of what came of the run so far."""
         wall_time = time.perf_counter() - self.began
-        known = outcome(self.trajectory.totals, self.t_reached, self._rest.needed, wall_time, self.complete)
-        return {**known, **self._trust.attrs(self.t_reached)}
+        totals = self.trajectory.totals
+        known = outcome(totals, self.t_reached, self._rest.needed, wall_time, self.complete)
+        return {**known, **exponent_attributes(totals), **self._trust.attrs(self.t_reached)}
 
 
 class MemorySink:

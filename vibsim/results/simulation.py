@@ -45,11 +45,13 @@ def simulate_to_file(
     watch: Watch | None = None,
     trust: bool = True,
     digits: int | str | None = None,
+    tangent: tuple[int, float] = (0, 0.0),
 ) -> Result:
     """Run a case straight into an HDF5 file, in memory that does not grow with the length of the run.
 
     `watch` is called with the time reached [s] every few to tens of milliseconds; when it returns False
-    the file is finished as it is, with the attribute `complete` = 0.
+    the file is finished as it is, with the attribute `complete` = 0. `tangent` : number of Lyapunov exponents
+    to take along, and the time [s] from which they count; a run with digits takes none.
 
     Raises KernelError when the run fails and ResultFileError when the file cannot be written. Either way what
     was written before is kept beside `path`, in NAME.partial.
@@ -61,7 +63,7 @@ def simulate_to_file(
     from vibsim.results.trajectory_file import TrajectoryFile
     from vibsim.results.trajectory_writer import TrajectoryWriter
 
-    recording = Recording(case, engine, trust)
+    recording = Recording(case, engine, trust, tangent)
     writer = TrajectoryWriter(path, recording.columns, recording.start, force)
     try:
         recording.into(writer, watch)

@@ -1,0 +1,147 @@
+"""Lyapunov exponents of a case: how well they are known, and what speaks against them.
+
+    found = vibsim.lyapunov(vibsim.load_case("II-B"))
+    found.exponents, found.half_widths, found.warnings
+
+A positive one means chaos. Two exponents that are 0 by construction are left out: that of a shift of both
+blocks, and with an ideal source that of time. A motor has no explicit time: one of its exponents is 0 too,
+that of the motion's own direction, as is every exponent of a motion that neither settles nor parts; such
+ones approach 0 like log(t) / t.
+"""
+
+from dataclasses import dataclass
+from math import nan
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibsim.analysis.regime.largest_exponent import exponent_of
+from vibsim.kernel.tangent import LyapunovExponents, lyapunov_exponents
+from vibsim.results.result import Result
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+UNIT_ROUNDOFF = 2.0**-53
+SETTLED = 10.0  # by which the logarithms of the growth in two halves of a span may differ without a trend
+PIECE = 400  # what a piece adds to the volume residual at most, in units of the tolerance: 1 to 10 were met
+
+
+@dataclass(frozen=True)
+class Lyapunov:
+    """Lyapunov exponents over a span of a motion, the largest first.
+
+    Attributes
+    ----------
+    exponents : growth rates of small disturbances [1/s] over the span; -inf where sticking took the direction
+    half_widths : of their 95 % intervals [1/s], from the scatter of ten blocks of the span; NaN where the
+        span is too short for that
+    span : begin and end [s]
+    times, running : times [s] and the exponents over the span up to each of them, shape (times, exponents)
+    finite_time : exponents over the time between each two neighbouring `times`, one row less
+    rank_losses : how often sticking took a direction
+    volume_residual : what is missing in the identity of Liouville [-]; NaN without all exponents
+    warnings : what speaks against the exponents, in sentences
+    """
+
+    exponents: np.ndarray
+    half_widths: np.ndarray
+    span: tuple[float, float]
+    times: np.ndarray
+    running: np.ndarray
+    finite_time: np.ndarray
+    rank_losses: int
+    volume_residual: float
+    warnings: tuple[str, ...]
+
+
+def lyapunov(
+    case: "Case", count: int | None = None, discard: float | None = None, engine: str = "auto"
+) -> Lyapunov:
+    """The largest `count` Lyapunov exponents of a case, by default all of them.
+
+    discard : time [s] that is left out at the start, for the motion to settle; None: half of the run
+
+    Raises ValueError for a count that the case has not got and for a transient that leaves nothing,
+    KernelError (in `vibsim.kernel`) when the run fails.
+    """
+    scene = case.scene()
+    if discard is not None and not 0 <= discard < scene.t_end:
+        raise ValueError(f"a transient of {discard:g} s leaves nothing of {scene.t_end:g} s")
+    return judged(lyapunov_exponents(scene, count, discard, engine), scene.tol)
+
+
+def stored_exponents(result: Result) -> Lyapunov | None:
+    """The exponents that a run took along (`vibsim run --lyapunov`); None where it took none."""
+    attrs = {name.removeprefix("lyapunov_"): value for name, value in result.attrs.items()}
+    if "growth" not in attrs:
+        return None
+    found = LyapunovExponents(
+        exponents=attrs["exponents"],
+        growth=attrs["growth"],
+        rank_losses=attrs["rank_losses"],
+        volume_residual=attrs.get("volume_residual", nan),
+        tangencies=attrs["tangencies"],
+        closest_tangency=attrs["closest_tangency"],
+        closest_tangency_time=attrs.get("closest_tangency_time", nan),
+        tangent_pieces=attrs["pieces"],
+    )
+    return judged(found, attrs.get("taylor_tolerance", UNIT_ROUNDOFF))
+
+
+def judged(found: LyapunovExponents, tolerance: float) -> Lyapunov:
+    """Intervals and warnings for exponents as they come; tolerance: of the Taylor flow."""
+    growth = found.growth
+    times, sums = growth[:, 0], growth[:, 1:]
+    with np.errstate(invalid="ignore"):  # -inf less -inf, in a direction that sticking took
+        finite_time = np.diff(sums, axis=0) / np.diff(times)[:, None]
+        finite_time[np.isneginf(sums[1:])] = -np.inf
+    return Lyapunov(
+        exponents=found.exponents,
+        half_widths=np.array([_half_width(times, column) for column in sums.T]),
+        span=found.span,
+        times=times[1:],
+        running=sums[1:] / (times[1:] - times[:1])[:, None],
+        finite_time=finite_time,
+        rank_losses=found.rank_losses,
+        volume_residual=found.volume_residual,
+        warnings=tuple(_warnings(found, tolerance)),
+    )
+
+
+def _half_width(times: np.ndarray, growth: np.ndarray) -> float:
+    known = exponent_of(times, growth)
+    return known.half_width if known else float("nan")
+
+
+def _warnings(found: LyapunovExponents, tolerance: float):
+    if len(found.growth) < 2:
+        yield "the run ended before the span of the exponents began"
+    else:
+        yield from _trend(found.growth[:, 0], found.growth[:, 1])
+    if found.tangencies:
+        yield (
+            f"{found.tangencies} events crossed almost tangentially, the closest at"
+            f" {found.closest_tangency_time:.6g} s: first order holds there for tiny disturbances only"
+        )
+    bound = PIECE * max(tolerance, UNIT_ROUNDOFF) * found.tangent_pieces
+    if abs(found.volume_residual) > bound:
+        yield (
+            f"volumes grow by exp({found.volume_residual:.1e}) more than the equations of motion let them:"
+            " the exponents are not right"
+        )
+
+
+def _trend(times: np.ndarray, growth: np.ndarray):
+    """A warning where the largest exponent differs clearly between the halves of the span."""
+    middle = len(times) // 2
+    halves = [exponent_of(times[part], growth[part]) for part in (slice(middle + 1), slice(middle, None))]
+    if halves[0] is None or halves[1] is None:
+        return
+    apart = abs(halves[1].value - halves[0].value)
+    by_chance = float(np.hypot(halves[0].half_width, halves[1].half_width))
+    if apart > max(by_chance, 2 * SETTLED / (times[-1] - times[0])):
+        yield (
+            f"the largest exponent is {halves[0].value:.3g} 1/s before {times[middle]:.4g} s and"
+            f" {halves[1].value:.3g} 1/s after it: the motion has not settled"
+        )

@@ -1,0 +1,48 @@
+"""The Lyapunov exponents that a run took along, for people (lines) and for programs (JSON)."""
+
+import math
+from typing import Any
+
+import click
+
+from vibsim.analysis.exponents import Lyapunov, stored_exponents
+from vibsim.results import Result
+
+
+def exponent_lines(result: Result) -> list[tuple[str, str]]:
+    """Label and text: the exponents with their intervals, their span, and what speaks against them."""
+    found = stored_exponents(result)
+    if found is None:
+        return []
+    pairs = zip(found.exponents.tolist(), found.half_widths.tolist(), strict=True)
+    begin, end = found.span
+    lines = [
+        ("exponents", f"{', '.join(exponent_text(*pair) for pair in pairs)} 1/s"),
+        ("", f"from {begin:.4g} to {end:.4g} s{checks(found)}"),
+    ]
+    return lines + [("", click.style(warning, fg="yellow")) for warning in found.warnings]
+
+
+def exponent_object(result: Result) -> dict[str, Any]:
+    """What the intervals and warnings add to the attributes of a run."""
+    found = stored_exponents(result)
+    if found is None:
+        return {}
+    return {"lyapunov_half_widths": found.half_widths, "lyapunov_warnings": list(found.warnings)}
+
+
+def exponent_text(value: float, half_width: float) -> str:
+    """1.27 +- 0.12; -inf where sticking took the direction."""
+    if math.isinf(value):
+        return "-inf"
+    return f"{value:.3g}" if math.isnan(half_width) else f"{value:.3g} +- {half_width:.2g}"
+
+
+def checks(found: Lyapunov) -> str:
+    """Rank losses, and how well volumes obey Liouville's identity."""
+    parts = []
+    if found.rank_losses:
+        parts.append(f"{found.rank_losses} rank loss{'' if found.rank_losses == 1 else 'es'} by sticking")
+    if not math.isnan(found.volume_residual):
+        parts.append(f"volume residual {found.volume_residual:.1e}")
+    return "".join(f", {part}" for part in parts)
