@@ -10,7 +10,7 @@ from tests.command_line.made import call
 from vibsim.kernel import KernelError
 from vibsim.physics.state import State
 from vibsim.results import Result
-from vibsim.verification import bilinear_oscillator, free_vibration, runs, verify
+from vibsim.verification import bilinear_oscillator, free_vibration, monodromy, runs, verify
 from vibsim.verification.catalogue import all_checks
 
 QUICK = ("V2", "V3/taylor", "hard/light-rotor")
@@ -75,6 +75,12 @@ def test_a_planted_wrong_expectation_falls_short(monkeypatch):
     assert "2 of 12 numbers fall short of their bounds" in done.stdout
     quiet = call("verify", "V2", "V3", "-q")
     assert quiet.exit_code == 4 and "V2" not in quiet.stdout and "FALLS SHORT" in quiet.stdout
+
+
+def test_a_jump_left_out_of_the_determinant_falls_short(monkeypatch):
+    monkeypatch.setattr(monodromy, "jump_logarithms", lambda *given: ([], 0.0))
+    (row,) = verify(["V10/period/closed_form"])
+    assert not row.passed and row.error > 0.1
 
 
 def broken(monkeypatch, change):

@@ -12,6 +12,7 @@ MODULES = (
     "coulomb_friction",
     "mirror_symmetry",
     "motor_run_up",
+    "monodromy",
     "energy_ledger",
     "hard_cases",
     "million_seconds",
