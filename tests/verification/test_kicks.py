@@ -7,6 +7,7 @@ import pytest
 import vibsim
 from vibsim.physics.number_kits import number_kit
 from vibsim.physics.state import State
+from vibsim.verification.digits_runs import Plan, run_digits
 from vibsim.verification.kicks import (
     NUMBERS,
     SCENE_UNITS,
@@ -16,7 +17,7 @@ from vibsim.verification.kicks import (
     kicked_scene,
     kicked_state,
 )
-from vibsim.verification.truth_making import Plan, run_digits, states_apart
+from vibsim.verification.stray import states_apart
 
 
 @pytest.fixture

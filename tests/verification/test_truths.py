@@ -6,11 +6,12 @@ from decimal import Decimal
 import pytest
 
 from vibsim.cases import hard_case_names, load_case
+from vibsim.verification.digits_runs import Run as DigitsRun
 from vibsim.verification.hard_cases import judged_names
 from vibsim.verification.paper_cases import judged_case
+from vibsim.verification.stray import undecided_spans
 from vibsim.verification.truth_file import TruthError, read_truth, truth_path, truths_folder, write_truth
-from vibsim.verification.truth_making import Run as DigitsRun
-from vibsim.verification.truth_making import confirm, make_truth, stored_names, undecided_spans
+from vibsim.verification.truth_making import confirm, make_truth, stored_names
 
 
 def case_of(name):

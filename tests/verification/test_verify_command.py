@@ -2,6 +2,7 @@
 
 import json
 import re
+import signal
 
 import numpy as np
 import pytest
@@ -175,3 +176,20 @@ def test_verification_works_as_a_library():
 def test_an_engine_that_does_not_exist():
     with pytest.raises(ValueError, match="engine must be"):
         verify(["V3"], "fortran")
+
+
+def test_an_interrupted_verification_prints_what_it_has(monkeypatch):
+    sound, calls = runs.simulate, []
+
+    def simulate(*given, **options):
+        calls.append(given)
+        if len(calls) == 2:
+            signal.raise_signal(signal.SIGINT)
+        return sound(*given, **options)
+
+    monkeypatch.setattr(runs, "simulate", simulate)
+    done = call("verify", "V2", "V3")
+    assert done.exit_code == 130
+    assert "V2/taylor" in done.stdout and "V3" not in done.stdout
+    assert "6 numbers, all within their bounds" in done.stdout
+    assert "interrupted" in done.stderr

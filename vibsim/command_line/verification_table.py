@@ -3,6 +3,7 @@
 import sys
 import time
 from collections.abc import Iterator, Sequence
+from contextlib import nullcontext
 from itertools import groupby
 from math import isfinite
 from typing import Any
@@ -52,15 +53,16 @@ def print_verification(
 
 def _computed(checks: Sequence[Check], engine: str, interruption: Interruption) -> Iterator[Row]:
     """The rows of the checks, with a bar on stderr where that is a terminal, until an interruption."""
-    bar: Any = click.progressbar(
-        length=len(checks), label="verifying", file=sys.stderr, hidden=not sys.stderr.isatty()
-    )
-    with bar:
+    bar: Any = nullcontext()
+    if sys.stderr.isatty():
+        bar = click.progressbar(length=len(checks), label="verifying", file=sys.stderr)
+    with bar as shown:
         for check in checks:
             if interruption.signum is not None:
                 return
             yield from rows_of([check], engine)
-            bar.update(1)
+            if shown is not None:
+                shown.update(1)
 
 
 def print_table(rows: Sequence[Row], titles: dict[str, str], settings: Settings) -> None:

@@ -72,23 +72,16 @@ def read_truth(case_name: str, sha256: str) -> Truth:
 
 def write_truth(truth: Truth, path: Path) -> None:
     """Write a truth, one list a line."""
-    values = json.dumps(_to_json(truth), indent=1)
-    path.write_text(_flat_lists(values) + "\n", encoding="utf-8")
+    path.write_text(_text(_to_json(truth)) + "\n", encoding="utf-8")
 
 
-def _flat_lists(text: str) -> str:
-    """The same JSON text with innermost lists on one line each."""
-    lines: list[str] = []
-    for line in text.splitlines():
-        inside = bool(lines) and lines[-1].count("[") > lines[-1].count("]")
-        opens = line.endswith(("[", "{"))
-        if inside and not opens and not line.strip().startswith("]"):
-            lines[-1] += line.strip() if lines[-1].endswith("[") else " " + line.strip()
-        elif inside and line.strip().startswith("]"):
-            lines[-1] += line.strip()
-        else:
-            lines.append(line)
-    return "\n".join(lines)
+def _text(value: Any, indent: str = "") -> str:
+    """JSON with the keys of an object below one another."""
+    if not isinstance(value, dict):
+        return json.dumps(value)
+    inner = indent + " "
+    lines = [f"{inner}{json.dumps(name)}: {_text(part, inner)}" for name, part in value.items()]
+    return "{\n" + ",\n".join(lines) + f"\n{indent}}}"
 
 
 def _to_json(truth: Truth) -> dict[str, Any]:

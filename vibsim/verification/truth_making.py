@@ -6,64 +6,22 @@ by runs that are kicked as doubles round. Takes minutes; needs python-flint.
 
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from decimal import Decimal
-from random import Random
-from typing import Any
 
-from vibsim.cases import Case, hard_case_names, load_case
-from vibsim.kernel.driver import Driver
-from vibsim.kernel.python_engine import FLOWS
-from vibsim.kernel.truth import digit_columns
-from vibsim.physics.modes import EVENT_NAMES
+from vibsim.cases import hard_case_names, load_case
 from vibsim.physics.number_kits import number_kit
-from vibsim.verification.event_matching import Event, Window, match_events, outside
-from vibsim.verification.hard_cases import CLOSED_FORMS, PERIODIC
-from vibsim.verification.kicks import KICKED, kicked_scene
-from vibsim.verification.million_seconds import PERIOD, SETTLED
-from vibsim.verification.paper_cases import CASE_I, SPANS, judged_case
+from vibsim.verification.digits_runs import Run, plan, run_digits
+from vibsim.verification.event_matching import outside
+from vibsim.verification.hard_cases import CLOSED_FORMS
+from vibsim.verification.paper_cases import CASE_I, SPANS
 from vibsim.verification.runs import flows_of
+from vibsim.verification.stray import kept, states_apart, times_apart, undecided_spans
 from vibsim.verification.truth_file import Truth, truth_path, write_truth
 
-DIGITS, FEWER_DIGITS, KEPT = 40, 30, 25
+DIGITS, FEWER_DIGITS = 40, 30
 KICKED_RUNS = 8
-INSTANTS = 10  # at which states are kept, besides the start
 CONFIRMED = 1e-6  # of what rounding does: so much the two runs that make a truth may differ at most
 NOTHING = 1e-24  # relative to a number: likewise where rounding does nothing
-WIDENED = 4  # a touch may last some times as long as in the runs that showed it
-
-
-@dataclass(frozen=True)
-class Run:
-    """A finished run: time [s] and states of its samples, its events."""
-
-    time: list[float]
-    states: dict[str, list[Decimal]]
-    events: list[Event]
-
-
-@dataclass(frozen=True)
-class Plan:
-    """How a truth is made: case to run, samples per instant kept, whether events are kept.
-
-    settled, period : where only one period [s] after a settled start [s] is kept
-    """
-
-    case: Case
-    stride: int
-    with_events: bool = True
-    settled: float | None = None
-    period: float | None = None
-
-
-def plan(name: str) -> Plan:
-    """The plan for a hard case, or for one of the paper's."""
-    if name == PERIODIC:
-        case = load_case(name, {"run.t_end": f"{SETTLED + PERIOD:g} s", "run.every": f"{PERIOD / 16:g} s"})
-        return Plan(case, 1, True, SETTLED, PERIOD)
-    case = load_case(name) if name.startswith("hard/") else judged_case(name)
-    stride = max(1, (case.scene().sample_count - 1) // INSTANTS)
-    return Plan(case, stride, name.startswith("hard/"))
 
 
 def make_truth(name: str) -> Truth:
@@ -102,119 +60,6 @@ def make_truth(name: str) -> Truth:
     )
 
 
-def run_digits(how: Plan, flow: str, digits: int, seed: int | None = None) -> Run:
-    """A run of many digits, kicked where a seed is given."""
-    kit: Any = number_kit(digits)
-    kit.activate()
-    doubles = how.case.scene()
-    scene = how.case.exact_scene(kit.number, kit.pi)
-    scene = replace(scene, t_end=kit.number(doubles.t_end), every_num=scene.every_num * how.stride)
-    if seed is None:
-        moving = FLOWS[flow](scene, kit)
-    else:
-        rng = Random(seed)
-        scene = kicked_scene(scene, kit, rng)
-        moving = KICKED[flow](scene, kit, rng)
-    driver = Driver(scene, kit, moving)
-    while not driver.finished:
-        driver.run(10**9, 10**9, 10**9)
-    return _kept_part(_finished(doubles, kit, driver), how)
-
-
-def _finished(scene, kit, driver) -> Run:
-    samples, events, _ = driver.take()
-    states = [state for state, _ in samples]
-    columns = {
-        name: kit.texts([_value(kit, state, name) for state in states]) for name in digit_columns(scene)
-    }
-    times = kit.texts([state.t for _, state, _ in events])
-    kinds = [EVENT_NAMES[code] for code, _, _ in events]
-    return Run(
-        [float(state.t) for state in states],
-        {name: [Decimal(text) for text in texts] for name, texts in columns.items()},
-        list(zip(kinds, map(Decimal, times), strict=True))[1:-1],
-    )
-
-
-def _value(kit, state, name):
-    if name == "phi":
-        return kit.unwind(state.phase, state.turns)
-    return state.w if name == "phidot" else getattr(state, name)
-
-
-def _kept_part(run: Run, how: Plan) -> Run:
-    """The run as its truth keeps it: without events, or one settled period with times from its start."""
-    if not how.with_events:
-        return replace(run, events=[])
-    if how.settled is None:
-        return run
-    late = [i for i, t in enumerate(run.time) if t >= how.settled]
-    return Run(
-        [run.time[i] - how.settled for i in late[:-1]],  # the last one is the first of the next period
-        {name: [column[i] for i in late[:-1]] for name, column in run.states.items()},
-        [(kind, t - Decimal(how.settled)) for kind, t in run.events if t >= how.settled],
-    )
-
-
-def states_apart(truth: Run, runs: list[Run]) -> dict[str, list[float]]:
-    """Largest distance of the runs from the truth, by column and instant."""
-    return {
-        name: [
-            rounded(max(abs(run.states[name][i] - value) for run in runs)) for i, value in enumerate(column)
-        ]
-        for name, column in truth.states.items()
-    }
-
-
-def times_apart(events: list[Event], runs: list[Run]) -> list[float]:
-    """Largest distance in time [s] of the runs' events from those of the truth."""
-    apart, near = [Decimal(0)] * len(events), reach(events)
-    for run in runs:
-        for i, j in match_events(events, near, run.events).pairs:
-            apart[i] = max(apart[i], abs(run.events[j][1] - events[i][1]))
-    return [rounded(value) for value in apart]
-
-
-def reach(events: list[Event]) -> list[float]:
-    """Half the time [s] from each event to the next one of its kind."""
-    found = []
-    for kind, t in events:
-        others = [abs(other - t) for name, other in events if name == kind and other != t]
-        found.append(float(min(others, default=Decimal("inf")) / 2))
-    return found
-
-
-def undecided_spans(truth: list[Event], runs: list[Run]) -> list[Window]:
-    """Spans [s] around the touches, pairs of events, that the truth has and some run has not, or the reverse.
-
-    Every span is as wide as the longest touch asks for: which of them are seen, and how long, is luck.
-    """
-    late = times_apart(truth, runs)
-    touches, longest = [], Decimal(0)
-    for run in runs:
-        matching = match_events(truth, reach(truth), run.events)
-        alone = [(truth[i][1], late[i]) for i in matching.missed]
-        alone += [(run.events[j][1], 0.0) for j in matching.spurious]
-        if len(alone) % 2:
-            raise ValueError(f"an event without its counterpart among those at {alone}")
-        alone.sort()
-        for (begin, before), (end, behind) in zip(alone[::2], alone[1::2], strict=True):
-            touches.append((begin, end))
-            longest = max(longest, end - begin + Decimal(max(before, behind)))
-    return merged([(begin - WIDENED * longest, end + WIDENED * longest) for begin, end in touches])
-
-
-def merged(spans: list[Window]) -> list[Window]:
-    """The same spans, those that overlap made one."""
-    found: list[Window] = []
-    for low, high in sorted(spans):
-        if found and low <= found[-1][1]:
-            found[-1] = found[-1][0], max(high, found[-1][1])
-        else:
-            found.append((low, high))
-    return [(kept(low), kept(high)) for low, high in found]
-
-
 def confirm(name: str, truth: Run, other: Run, stray, timing) -> None:
     """ValueError where two runs differ by more than a small part of what rounding does in doubles."""
     for column, apart in states_apart(truth, [other]).items():
@@ -229,16 +74,6 @@ def _confirm(what: str, values: list[Decimal], apart: list[float], allowed: list
     for value, distance, rounding in zip(values, apart, allowed, strict=True):
         if distance > max(CONFIRMED * rounding, NOTHING * abs(float(value))):
             raise ValueError(f"{what}: {value:.6g} is known to {distance} only")
-
-
-def kept(value: Decimal) -> Decimal:
-    """`value` to the digits that are stored."""
-    return Decimal(f"{value:.{KEPT - 1}e}")
-
-
-def rounded(value: Decimal) -> float:
-    """A distance to two digits."""
-    return float(f"{value:.1e}")
 
 
 def stored_names() -> list[str]:

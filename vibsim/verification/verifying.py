@@ -1,6 +1,6 @@
 """Run checks one by one and hand on their rows."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from math import inf
 
 from vibsim.kernel import KernelError, engine_name
@@ -31,15 +31,9 @@ def chosen_checks(names: Sequence[str], engine: str) -> tuple[list[Check], list[
     return [check for check in chosen if not check.long], [check for check in chosen if check.long]
 
 
-def rows_of(
-    checks: Sequence[Check], engine: str, watch: Callable[[int, Check], None] = lambda done, check: None
-) -> Iterator[Row]:
-    """The rows of the checks; `watch` is told how many are done before each.
-
-    A run that fails is a row that falls short.
-    """
-    for done, check in enumerate(checks):
-        watch(done, check)
+def rows_of(checks: Sequence[Check], engine: str) -> Iterator[Row]:
+    """The rows of the checks; a run that fails is a row that falls short."""
+    for check in checks:
         try:
             yield from check.rows(engine)
         except KernelError as error:
