@@ -7,7 +7,7 @@ STAMP := $(VENV)/installed
 KERNEL := $(wildcard vibsim/kernel/*.c vibsim/kernel/*.h)
 PAPER := I-A I-B I-C I-A-eq211 I-B-eq211 I-C-eq211 II-A II-B II-C
 
-.PHONY: help env run test verify lint figures sweep budgets truths clean
+.PHONY: help env run test verify lint figures sweep bench budgets truths clean
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -50,6 +50,12 @@ sweep: $(STAMP) ## sweep the motor constant of II-B and draw the Sommerfeld diag
 	mkdir -p results
 	$(BIN)/vibsim sweep --omega0 3:7:0.05 -o results/sommerfeld.h5
 	$(BIN)/vibsim plot results/sommerfeld.h5 -o results/sommerfeld.png --force
+
+bench: $(STAMP) ## measure speed against error beside other solvers, and draw README's picture of it
+	mkdir -p results
+	-$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,bench]'
+	$(BIN)/vibsim bench II-B -o results/II-B-bench.h5 --force
+	$(BIN)/vibsim plot results/II-B-bench.h5 -o docs/work-precision.png --force
 
 budgets: $(STAMP) ## measure the speed budgets on this machine
 	$(BIN)/python tests/benchmarks/budgets.py

@@ -6,7 +6,7 @@ from vibsim.plots.registry import KINDS, NEEDS, choose, fitting, kind_named
 ALWAYS = {"overview", "displacement", "velocity", "phase", "relative", "stiffness"}
 FITTING = {
     "ideal": ALWAYS | {"impact-velocity", "stroboscopic"},
-    "motor": {kind.name for kind in KINDS if kind.reads != "sweep"},
+    "motor": {kind.name for kind in KINDS if kind.reads in ("trajectory", "case")},
     "fixed": ALWAYS | {"impact-velocity", "stroboscopic"},
     "bare": ALWAYS,
     "quiet": ALWAYS | {"impact-velocity", "stroboscopic"},
@@ -17,7 +17,7 @@ FITTING = {
 def test_every_kind_can_be_drawn_and_its_needs_are_known(kind):
     assert callable(kind.draw)
     assert set(kind.needs) <= set(NEEDS)
-    assert kind.reads in ("trajectory", "case", "sweep")
+    assert kind.reads in ("trajectory", "case", "sweep", "bench")
 
 
 @pytest.mark.parametrize("name", FITTING)

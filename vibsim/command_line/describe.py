@@ -1,4 +1,4 @@
-"""Describe a result file: a trajectory here, a sweep by the sweeps themselves."""
+"""Describe a result file: a trajectory here, a sweep by the sweeps themselves, a bench by its table."""
 
 from importlib import import_module
 
@@ -27,7 +27,11 @@ def print_description(path: str, settings: Settings) -> None:
     A sweep is described by `vibsim.sweeps.describe(path)`, which returns (lines, facts): labelled lines for
     people, a dict for JSON.
     """
-    if kind_of(path) != "trajectory":
+    kind = kind_of(path)
+    if kind == "bench":
+        _print_bench(path, settings)
+        return
+    if kind != "trajectory":
         lines, facts = import_module("vibsim.sweeps").describe(path)
         if settings.json:
             print_json({"file": path, **facts})
@@ -39,6 +43,17 @@ def print_description(path: str, settings: Settings) -> None:
         print_json(summary_object(result, path))
     elif not settings.quiet:
         _print_trajectory(result, path)
+
+
+def _print_bench(path: str, settings: Settings) -> None:
+    from vibsim.benchmark.description import facts
+    from vibsim.command_line.bench_text import print_bench
+
+    bench = open_result(path)
+    if settings.json:
+        print_json({"file": path, **facts(bench)})
+    elif not settings.quiet:
+        print_bench(bench, path)
 
 
 def _print_trajectory(result: Result, path: str) -> None:

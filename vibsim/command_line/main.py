@@ -20,6 +20,7 @@ COMMANDS = {
     "plot": ("vibsim.command_line.plot", "Draw pictures of runs, cases and sweeps."),
     "info": ("vibsim.command_line.info", "Say what a result file holds."),
     "analyse": ("vibsim.command_line.analyse", "Judge runs: capture, drift, impacts, regime, frequencies."),
+    "bench": ("vibsim.command_line.bench", "Measure speed against error, beside other solvers."),
     "compare": ("vibsim.command_line.compare", "Compare two runs."),
     "verify": ("vibsim.command_line.verify", "Verify this installation against known cases."),
     "export": ("vibsim.command_line.export", "Write a trajectory as CSV or MAT."),

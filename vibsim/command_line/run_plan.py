@@ -107,11 +107,17 @@ def _tangent(case: "Case", count: int | str, discard: str | None) -> tuple[int, 
 
 
 def check_picture(picture: str | None, count: int, force: bool) -> None:
-    """Settle before the run that its picture can be written; raises UsageError for several runs."""
+    """Settle before the run that its picture can be written.
+
+    Raises UsageError for several runs, PlotError for its format, ResultFileError.
+    """
     if picture is None:
         return
     if count > 1:
         raise click.UsageError("--plot draws one run; for several use vibsim plot")
+    from vibsim.plots.picture import picture_suffix
+
+    picture_suffix(picture)
     check_output(picture, force)
 
 

@@ -25,7 +25,7 @@ class Kind:
     Attributes
     ----------
     name : as on the command line
-    reads : "trajectory" or "sweep" (a result file of that kind), or "case" (any file or case will do)
+    reads : "trajectory", "sweep" or "bench" (a result file of that kind), or "case" (any file of one case)
     summary : one line for `--list`
     needs : keys of NEEDS; what the subject must have
     width : "column" or "page", the width unless the user says otherwise
@@ -70,6 +70,7 @@ KINDS = (
         "orbit diagram: stroboscopic points against what was swept",
         ("excitation", "section"),
     ),
+    Kind("work-precision", "bench", "error against computing time of every method", width="page"),
 )
 
 NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
@@ -83,7 +84,12 @@ NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
     "section": ("stroboscopic points", lambda subject: subject.result.plan.section > 0),
 }
 
-DEFAULTS = {"trajectory": ("overview",), "case": ("stiffness", "motor"), "sweep": ("sommerfeld",)}
+DEFAULTS = {
+    "trajectory": ("overview",),
+    "case": ("stiffness", "motor"),
+    "sweep": ("sommerfeld",),
+    "bench": ("work-precision",),
+}
 
 
 def _is_periodic(scene: Any) -> bool:

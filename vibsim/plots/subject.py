@@ -21,7 +21,7 @@ class Subject:
     ----------
     path : as the user gave it
     name : its name in legends and in default file names
-    reads : "trajectory", "sweep" or "case", see `registry.Kind.reads`
+    reads : "trajectory", "sweep", "bench" or "case", see `registry.Kind.reads`
     case : the Case, as far as it is known
     result : the open result file (None for a case)
     """

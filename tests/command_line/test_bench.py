@@ -1,0 +1,131 @@
+"""`vibsim bench`: the table, files, pictures, the truth used again, interruption."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.command_line.made import call
+from vibsim.benchmark import open_bench
+from vibsim.benchmark.families import FAMILIES
+from vibsim.kernel import compiled
+
+SHORT = ("--t-end", "1s", "--methods", "python,dop853,rk4")
+
+
+@pytest.fixture(autouse=True)
+def own_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("vibsim.benchmark.measuring.ENOUGH", 0.0)
+    return tmp_path
+
+
+def test_a_small_bench_from_end_to_end():
+    done = call("bench", *SHORT, "--plot", "b.png")
+    assert (done.exit_code, done.stderr) == (0, "no case given: measuring II-B\n")
+    bench = open_bench("II-B-bench.h5")
+    assert bench.complete and len(bench.rows) == 11 and Path("b.png").stat().st_size > 10_000
+    lines = done.stdout.splitlines()
+    assert lines[0].startswith("II-B  ") and "30 digits carried" in done.stdout
+    for row in bench.rows:
+        (line,) = [line for line in lines if line.startswith(f"  {row.setting} ")]
+        assert f"{row.error_until(bench['time'], 1.0):.1e}" in line and f" {row.steps} " in line
+    assert sum("fastest" in line for line in lines) == sum("most accurate" in line for line in lines) == 1
+    assert re.search(
+        r"beside it +DOP853 with events, rtol 2\.3e-14 +\d\S* x the time, \S+ x the error", done.stdout
+    )
+    assert len({len(line) for line in lines if line.startswith("  rtol")}) <= 2  # aligned, but for a remark
+
+
+def test_json():
+    done = call("bench", "I-A", *SHORT, "--json", "-o", "b.h5")
+    found = json.loads(done.stdout)
+    assert found["file"] == "b.h5" and found["case"]["name"] == "I-A" and found["complete"] == 1
+    assert [row["setting"] for row in found["rows"]][:2] == ["as by default", "rtol 1e-3"]
+    assert found["rows"][1]["events"]["contact_begin"].keys() == {"found", "missed", "spurious"}
+    assert found["beside"][0]["method"] == "dop853"
+
+
+def test_info_prints_the_same_table():
+    table = call("bench", "I-A", *SHORT).stdout.splitlines()
+    shown = call("info", "I-A-bench.h5")
+    assert shown.exit_code == 0 and shown.stdout.splitlines()[:-1] == table[:-1]
+    assert json.loads(call("info", "I-A-bench.h5", "--json").stdout)["vibsim_kind"] == "bench"
+    assert call("info", "I-A-bench.h5", "--case").stdout == call("cases", "I-A").stdout
+
+
+def test_the_truth_is_computed_once(monkeypatch):
+    assert call("bench", "I-A", *SHORT).exit_code == 0
+    monkeypatch.setattr(
+        "vibsim.benchmark.running.compute_truth", lambda *given: pytest.fail("computed again")
+    )
+    assert call("bench", "I-A", *SHORT, "--force").exit_code == 0
+    assert call("bench", "I-A", *SHORT, "-o", "b.h5", "--truth", "I-A-bench.h5").exit_code == 0
+    done = call("bench", "I-B", *SHORT, "--truth", "b.h5")
+    assert done.exit_code == 2
+    assert (
+        "--truth: b.h5: its truth is of another case; it differs in excitation.A (0.0725 N there"
+        in done.stderr
+    )
+
+
+def test_what_is_not_installed_is_named(monkeypatch):
+    from importlib.util import find_spec
+
+    monkeypatch.setattr(
+        "vibsim.benchmark.families.find_spec", lambda name: None if name == "heyoka" else find_spec(name)
+    )
+    done = call("bench", "--t-end", "1s", "--methods", "python,heyoka")
+    assert done.exit_code == 0
+    assert "heyoka.py with events  not installed: pip install 'vibsim[bench]'" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "message"),
+    [
+        (("--methods", "dop85"), 2, "did you mean dop853?"),
+        (("--limit", "0"), 2, "--limit"),
+        (("--t-end", "1ms"), 2, "too short"),
+        (("--t-end", "soon"), 3, "run.t_end"),
+        (("-s", "nonsense=1"), 3, "nonsense"),
+        (("--plot", "b.gif"), 2, "suffix .gif"),
+        (("--truth", "none.h5"), 6, "No such file"),
+        (("-o", "no/b.h5"), 6, "does not exist"),
+    ],
+)
+def test_what_is_refused(words, code, message, own_folder):
+    done = call("bench", "I-A", "--t-end", "1s", *words)
+    assert done.exit_code == code and message in done.stderr
+    assert list(own_folder.iterdir()) == []
+
+
+def test_without_a_library_for_the_truth(monkeypatch):
+    monkeypatch.setattr("vibsim.physics.number_kits.find_spec", lambda name: None)
+    done = call("bench", "I-A", *SHORT)
+    assert done.exit_code == 2 and "pip install 'vibsim[reference]'" in done.stderr
+
+
+def test_the_help_names_every_method():
+    words = call("bench", "--help").stdout.replace("\n", " ").split()
+    assert {family.name for family in FAMILIES} <= {word.strip(",.") for word in words}
+
+
+@pytest.mark.skipif(not compiled(), reason="needs the C engine")
+def test_interruption_keeps_the_rows_done():
+    command = [sys.executable, "-m", "vibsim", "bench", "I-A", "--t-end", "10s", "-o", "b.h5"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    while not (Path("b.h5").exists() and len(open_bench("b.h5").rows) > 2):
+        assert process.poll() is None
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    said, complained = process.communicate()
+    assert process.returncode == 130
+    assert "interrupted: b.h5 holds the rows that were done" in complained and "stopped early" in said
+    left = open_bench("b.h5")
+    assert not left.complete and len(left.rows) >= 3 and os.listdir() == ["b.h5"]

@@ -1,0 +1,84 @@
+"""A bench as users meet it: rows, truth, and columns by name."""
+
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vibsim.benchmark.bench_file import read_rows, read_truth
+from vibsim.benchmark.row import DONE, SLOWER, Row
+from vibsim.benchmark.truth import Truth
+from vibsim.cases import Case
+from vibsim.results.attributes import read_attrs
+from vibsim.results.errors import ResultFileError
+from vibsim.results.trajectory_file import damage_named, open_hdf5
+
+TRUSTED = 1e-6  # m: an error beyond this is the chaos of the case rather than the work of the method
+
+
+class BenchResult:
+    """A bench, in memory or from a file.
+
+    `bench.rows` are its rows, `bench["wall_time"]` one number of them all (n), `bench["error"]` their errors
+    at the instants `bench["time"]` (n, instants). `bench.attrs` says where it comes from.
+    """
+
+    def __init__(self, attrs: dict[str, Any], truth: Truth, rows: list[Row]):
+        self.attrs, self.truth, self.rows = attrs, truth, rows
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name == "time":
+            return self.truth.samples["time"]
+        if name not in Row.__dataclass_fields__ or name == "events":
+            raise KeyError(f"no {name}; a bench has time, {', '.join(self.keys())}")
+        return np.array([getattr(row, name) for row in self.rows])
+
+    def keys(self) -> list[str]:
+        """Names of what is known per row."""
+        return [name for name in Row.__dataclass_fields__ if name != "events"]
+
+    @cached_property
+    def case(self) -> Case:
+        """The case that was run, its run settings those of the bench."""
+        case = Case.from_resolved_json(self.attrs["case_resolved_json"])
+        return replace(case, text=self.attrs["case_yaml"])
+
+    @property
+    def complete(self) -> bool:
+        """Whether every row was run."""
+        return bool(self.attrs["complete"])
+
+    @property
+    def check_times(self) -> list[float]:
+        """The instants at which errors are told [s]."""
+        return [float(t) for t in np.atleast_1d(self.attrs["check_times_s"])]
+
+    def usable(self) -> list[Row]:
+        """The rows that ran."""
+        return [row for row in self.rows if row.status in (DONE, SLOWER)]
+
+    def telling_time(self) -> float:
+        """The latest instant [s] to compare errors at: where some row is still right to 1e-6 m, else the
+        first.
+        """
+        right = [
+            t
+            for t in self.check_times
+            if any(row.error_until(self["time"], t) <= TRUSTED for row in self.rows)
+        ]
+        return max(right, default=self.check_times[0])
+
+    def __repr__(self) -> str:
+        span = f"{self['time'][-1]:g} s"
+        return f"<BenchResult {self.case.name}: {len(self.rows)} rows, {span}; {', '.join(self.keys())}>"
+
+
+def open_bench(path: str | Path) -> BenchResult:
+    """The BenchResult in an HDF5 file. Raises ResultFileError where it holds none."""
+    with damage_named(Path(path)), open_hdf5(Path(path)) as file:
+        kind = file.attrs.get("vibsim_kind")
+        if kind != "bench":
+            raise ResultFileError(f"{path}: holds a {kind or 'trajectory'}, not a bench")
+        return BenchResult(read_attrs(file), read_truth(file), read_rows(file))

@@ -1,0 +1,128 @@
+"""What `vibsim bench` does: settle everything, run it with progress and interruption, print the table."""
+
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from vibsim.benchmark.errors import BenchError
+from vibsim.benchmark.known_truth import truth_at_hand, truth_from
+from vibsim.benchmark.plan import Plan, make_plan
+from vibsim.benchmark.running import run_bench
+from vibsim.benchmark.truth import Truth
+from vibsim.command_line.bench_text import print_bench
+from vibsim.command_line.interruption import Interruption
+from vibsim.command_line.run_plan import check_digits, check_picture, read_case
+from vibsim.command_line.settings import Settings
+from vibsim.command_line.summary import print_json
+from vibsim.results.output_file import check_output
+
+SHARES = 1000  # of a bar
+
+
+def read_plan(
+    source: str, changes: dict[str, str], t_end: str | None, methods: Sequence[str], limit: float
+) -> Plan:
+    """The plan that the options describe. Raises CaseError, ResultFileError, and UsageError for the span."""
+    case = read_case(source, changes)
+    try:
+        return make_plan(case, t_end, methods, limit)
+    except BenchError as error:
+        raise click.UsageError(str(error)) from None
+
+
+def run_jobs(
+    plan: Plan,
+    output: str | None,
+    picture: str | None,
+    truth_file: str | None,
+    force: bool,
+    settings: Settings,
+) -> int:
+    """Run a bench; returns the exit code."""
+    path = Path(output or f"{plan.case.name}-bench.h5")
+    check_output(path, force)
+    check_picture(picture, 1, force)
+    truth = _truth(plan, path, truth_file)
+    began = time.perf_counter()
+    with Interruption() as interruption:
+        progress = Progress(wanted=not settings.quiet)
+
+        def watch(what: str, share: float) -> bool:
+            progress.show(what, share)
+            return interruption.signum is None
+
+        try:
+            bench = run_bench(plan, path, truth, force, watch)
+        finally:
+            progress.close()
+    if bench is None:
+        click.echo("interrupted: the truth was not done; nothing is kept", err=True)
+        return interruption.exit_code
+    if settings.json:
+        from vibsim.benchmark.description import facts
+
+        print_json({"file": str(path), **facts(bench)})
+    elif not settings.quiet:
+        print_bench(bench, path, time.perf_counter() - began)
+    if picture and bench.rows:
+        from vibsim.plots import plot_run
+
+        plot_run(path, picture, force=force)
+    if not bench.complete:
+        click.echo(f"interrupted: {path} holds the rows that were done", err=True)
+        return interruption.exit_code
+    return 0
+
+
+def _truth(plan: Plan, path: Path, given: str | None) -> Truth | None:
+    """The truth of the file given, else of the file about to be replaced; None to compute it."""
+    if given is not None:
+        try:
+            return truth_from(plan, given)
+        except BenchError as error:
+            raise click.UsageError(f"--truth: {error}") from None
+    found = truth_at_hand(plan, path)
+    if found is None:
+        check_digits("auto", "python")
+    return found
+
+
+class Progress:
+    """A bar on stderr, on a terminal: first over the truth, then over the rows."""
+
+    def __init__(self, wanted: bool):
+        self._wanted = wanted and sys.stderr.isatty()
+        self._bar: Any = None
+        self._of_truth = True
+
+    def show(self, what: str, share: float) -> None:
+        """Say what is being done, and how far the truth or the rows are [0 to 1]."""
+        if not self._wanted:
+            return
+        of_truth = what == "truth"
+        if self._bar is None or of_truth != self._of_truth:
+            self.close()
+            self._of_truth = of_truth
+            label = "truth" if of_truth else "methods"
+            self._bar = click.progressbar(
+                length=SHARES,
+                label=label,
+                file=sys.stderr,
+                show_eta=of_truth,
+                item_show_func=lambda item: item,
+            )
+            self._bar.render_progress()
+        shown = None if of_truth else what
+        if int(SHARES * share) > self._bar.pos or shown != self._bar.current_item:
+            self._bar.update(int(SHARES * share) - self._bar.pos, current_item=shown)
+            self._bar.render_progress()
+
+    def close(self) -> None:
+        """Leave the terminal line as the bar left it."""
+        if self._bar is not None:
+            self._bar.render_finish()
+            self._bar = None

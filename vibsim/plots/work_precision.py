@@ -1,0 +1,157 @@
+"""The work-precision diagram: error against computing time of every method, and until when it is faithful."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isfinite
+from typing import Any, Literal
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
+
+from vibsim.benchmark.families import Family, family_of
+from vibsim.benchmark.scoring import FAITHFUL
+from vibsim.benchmark.verdicts import error_at, faster, most_accurate
+from vibsim.plots.curve_labels import Named, write_names
+from vibsim.plots.errors import PlotError
+from vibsim.plots.sheet import note, sheet
+from vibsim.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, PINK, SKY, VERMILLION
+from vibsim.plots.subject import Subject
+from vibsim.plots.view import View
+
+HEIGHT_CM = 8.5
+SHORT = 30  # an arrow over a smaller ratio is shorter than its words
+SIDES: tuple[Literal["top", "bottom"], ...] = ("top", "bottom")  # edges of the words at an arrow
+OWN: dict[str, Any] = {"color": VERMILLION, "linewidth": 1.8, "markersize": 5.0, "zorder": 4}
+PEER: dict[str, Any] = {"linewidth": 0.8, "markersize": 3.2, "zorder": 3}
+DASHED = (0, (4, 1.5))
+UNDRAWN = {"orders"}  # they crowd where the curve of the Taylor series ends; the table has them
+LOOKS: dict[str, dict[str, Any]] = {
+    "closed-form": {**OWN, "marker": "*", "markersize": 9.0},
+    "taylor": {**OWN, "marker": "o"},
+    "python": {**OWN, "marker": "o", "markerfacecolor": "white"},
+    "heyoka": {**PEER, "color": BLUE, "marker": "D"},
+    "dop853": {**PEER, "color": GREEN, "marker": "o"},
+    "lsoda": {**PEER, "color": SKY, "marker": "^"},
+    "radau": {**PEER, "color": PINK, "marker": "v"},
+    "rk45": {**PEER, "color": BLACK, "marker": "x", "linestyle": DASHED},
+    "tanh": {**PEER, "color": ORANGE, "marker": "s", "linestyle": DASHED},
+    "rk4": {**PEER, "color": GREY, "marker": "+", "linestyle": DASHED},
+}
+
+
+def look_of(family: Family) -> dict[str, Any]:
+    """Line and markers of a family."""
+    return LOOKS.get(family.name, {**PEER, "color": GREY, "marker": "."})
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One family: computing time per second of motion [s], error [m], faithful time [s] of its rows (n)."""
+
+    family: Family
+    time: np.ndarray
+    error: np.ndarray
+    faithful: np.ndarray
+
+
+def draw(subjects: Sequence[Subject], view: View) -> Figure:
+    """Errors against times in double logarithm, and beside it the faithful times."""
+    if len(subjects) > 1:
+        raise PlotError(f"kind work-precision shows one bench at a time, not {len(subjects)}")
+    bench = subjects[0].result
+    drawn = curves(bench)
+    if not drawn:
+        raise PlotError(f"{subjects[0].path}: no method in it came to {bench.telling_time():g} s")
+    figure = sheet(view, HEIGHT_CM)
+    axes, beside = figure.subplots(1, 2, width_ratios=(2.8, 1.0))
+    _draw_curves(axes, drawn)
+    axes.set_xlabel("Computing time per second of motion (s)")
+    axes.set_ylabel(f"Largest error of the displacements until {bench.telling_time():g} s (m)")
+    note(axes, f"{bench.attrs['case_name']}; solid: events located, dashed: no events")
+    note(beside, f"error within {FAITHFUL * 1e3:g} mm")
+    _draw_faithful(beside, drawn, float(bench["time"][-1]))
+    _mark_leads(axes, bench, drawn)
+    _write_names(axes, drawn)
+    return figure
+
+
+def curves(bench: Any) -> list[Curve]:
+    """The families that came to the telling time, their rows in the order of the ladder."""
+    found = []
+    for method in dict.fromkeys(row.method for row in bench.rows if row.method not in UNDRAWN):
+        rows = [row for row in bench.rows if row.method == method and isfinite(error_at(bench, row))]
+        if rows:
+            columns = [
+                np.array(values)
+                for values in (
+                    [row.time_per_second for row in rows],
+                    [error_at(bench, row) for row in rows],
+                    [row.faithful_time for row in rows],
+                )
+            ]
+            found.append(Curve(family_of(method), *columns))
+    return found
+
+
+def _draw_curves(axes: Axes, drawn: Sequence[Curve]) -> None:
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    for curve in drawn:
+        axes.plot(curve.time, curve.error, gid=curve.family.name, **look_of(curve.family))
+    axes.margins(0.09, 0.1)
+    axes.yaxis.set_major_locator(LogLocator(numticks=12))
+
+
+def _write_names(axes: Axes, drawn: Sequence[Curve]) -> None:
+    """The name of each family beside its most accurate row, or where there is room."""
+    named = []
+    for curve in drawn:
+        order = np.argsort(curve.error)
+        weight = "bold" if curve.family.own else "normal"
+        look = {"color": look_of(curve.family)["color"], "fontweight": weight}
+        named.append(Named(curve.family.mark, curve.time[order], curve.error[order], look))
+    write_names(axes, named)
+
+
+def _mark_leads(axes: Axes, bench: Any, drawn: Sequence[Curve]) -> None:
+    """Arrows from the two most accurate peers to vibsim at no larger error, with the factor in time.
+
+    The words of the lower one are below it, those of the other above.
+    """
+    peers = [most_accurate(bench, curve.family.name) for curve in drawn if not curve.family.own]
+    best = sorted((row for row in peers if row), key=lambda row: error_at(bench, row))
+    for row, side in zip(best, SIDES, strict=False):
+        times = faster(bench, row)
+        if times is not None and times > 1:
+            _draw_lead(axes, row.time_per_second, times, error_at(bench, row), side)
+
+
+def _draw_lead(axes: Axes, time: float, times: float, error: float, side: Literal["top", "bottom"]) -> None:
+    axes.annotate(
+        "", (time / times, error), (time, error),
+        arrowprops={"arrowstyle": "-|>", "color": VERMILLION, "linewidth": 0.8, "shrinkA": 4, "shrinkB": 5},
+    )  # fmt: skip
+    words, drop = f"{float(f'{times:.2g}'):g} x faster", 2 if side == "bottom" else -2
+    short = times < SHORT  # then the words begin at the head, clear of the curve that it points to
+    axes.annotate(
+        words, (time / times if short else time / times**0.5, error), (5 if short else 0, drop),
+        textcoords="offset points", ha="left" if short else "center", va=side,
+        fontsize=7, color=VERMILLION, gid="lead",
+    )  # fmt: skip
+
+
+def _draw_faithful(axes: Axes, drawn: Sequence[Curve], span: float) -> None:
+    """A line of marks per family: the faithful times of its settings."""
+    for place, curve in enumerate(drawn):
+        look = {**look_of(curve.family), "linewidth": 0.8}
+        axes.plot(curve.faithful, np.full(len(curve.faithful), -place), gid="faithful", **look)
+    axes.set_yticks(-np.arange(len(drawn)), [curve.family.mark for curve in drawn], fontsize=6.5)
+    for label, curve in zip(axes.get_yticklabels(), drawn, strict=True):
+        label.set_color(look_of(curve.family)["color"])
+    axes.tick_params(axis="y", length=0)
+    axes.set_xlim(-0.03 * span, 1.03 * span)
+    axes.set_xlabel("Faithful until (s)")
