@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from vibsim.cases import CaseError
 from vibsim.kernel import KernelError
 from vibsim.physics.scene import Scene
@@ -17,7 +19,7 @@ from vibsim.sweeps.recipe import Recipe, Start
 from vibsim.sweeps.resolution import sampled_for_statistics
 from vibsim.sweeps.statistics import Statistics
 
-Measured = tuple[dict[str, float], dict[str, list[float]]]
+Measured = tuple[dict[str, float], dict[str, np.ndarray]]
 
 NOTHING_TO_CARRY = (
     "the run after the transient holds no whole excitation period, so there is no state to carry on from"
@@ -45,7 +47,7 @@ class Point:
     sha256: str
     error: str = ""
     values: dict[str, float] = field(default_factory=dict)
-    arrays: dict[str, list[float]] = field(default_factory=dict)
+    arrays: dict[str, np.ndarray] = field(default_factory=dict)
 
     @property
     def done(self) -> bool:
@@ -116,7 +118,7 @@ def measure(scene: Scene, recipe: Recipe, engine: str, go_on: Callable[[], bool]
         for computation in computed:
             found |= computation.values(statistics.window, run)
     numbers = {name: value for name, value in found.items() if isinstance(value, float)}
-    arrays = {name: value.tolist() for name, value in found.items() if not isinstance(value, float)}
+    arrays = {name: value for name, value in found.items() if not isinstance(value, float)}
     return {**values, **numbers}, arrays
 
 

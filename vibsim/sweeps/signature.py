@@ -38,4 +38,5 @@ def _bits(name: str, engine: str) -> str:
     point = compute_point(recipe, (), {}, None, engine)
     assert point is not None  # nobody gave it up
     values = {key: value for key, value in point.values.items() if key not in NOT_REPRODUCIBLE}
-    return json.dumps([point.error, sorted(values.items()), sorted(point.arrays.items())])
+    arrays = {name: array.tolist() for name, array in point.arrays.items()}
+    return json.dumps([point.error, sorted(values.items()), sorted(arrays.items())])

@@ -33,9 +33,10 @@ class Table:
             if name not in self._further:
                 array[point.index] = point.values.get(name, np.nan)
                 continue
-            row, found = array[point.index], point.arrays.get(name, [])
+            row, found = array[point.index], point.arrays.get(name)
             row[...] = np.nan
-            row[len(row) - len(found) :] = found
+            if found is not None:
+                row[len(row) - len(found) :] = found
         self.status[point.index] = point.status
         self.sha256[point.index] = point.sha256
         self.error[point.index] = point.error
@@ -44,7 +45,7 @@ class Table:
         """The point at `index`, as it was put."""
         further = self._further
         values = {name: float(array[index]) for name, array in self.numbers.items() if name not in further}
-        arrays = {name: self.numbers[name][index].tolist() for name in self.numbers if name in further}
+        arrays = {name: array[index].copy() for name, array in self.numbers.items() if name in further}
         status, sha256, error = self.status[index], self.sha256[index], self.error[index]
         return Point(index, int(status), str(sha256), str(error), values, arrays)
 
