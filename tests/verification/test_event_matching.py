@@ -1,8 +1,9 @@
 """Missed and spurious events are told from those that are only late."""
 
 from decimal import Decimal
+from math import inf
 
-from vibsim.verification.event_matching import match_events, outside
+from vibsim.verification.event_matching import match_events, outside, reach
 
 WITHIN = 0.1
 
@@ -45,6 +46,11 @@ def test_two_at_one_instant_have_no_order():
 def test_a_miss_does_not_shift_those_behind_it():
     pairs, missed, spurious = found("a1 a2 a3 a4 a5", "a2 a3 a4 a5 a6")
     assert (len(pairs), missed, spurious) == (4, [0], [4])
+
+
+def test_reach_is_half_way_to_the_next_of_a_kind():
+    assert reach(events("a1 b2 a5 a6 b9")) == [2.0, 3.5, 0.5, 0.5, 3.5]
+    assert reach(events("a1 b2")) == [inf, inf]
 
 
 def test_what_is_undecided_is_left_out():

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
+from math import inf
 
 Event = tuple[str, Decimal]  # kind, time [s]
 Window = tuple[Decimal, Decimal]
@@ -41,6 +42,18 @@ def match_events(truth: Sequence[Event], within: Sequence[float], found: Sequenc
     missed = set(range(len(truth))).difference(i for i, _ in pairs)
     spurious = set(range(len(found))).difference(j for _, j in pairs)
     return Matching(sorted(pairs), sorted(missed), sorted(spurious))
+
+
+def reach(events: Sequence[Event]) -> list[float]:
+    """Half the time [s] from each event to the nearest other one of its kind; infinite where it is alone."""
+    near = [inf] * len(events)
+    last: dict[str, int] = {}
+    for i, (kind, t) in enumerate(events):
+        if kind in last:
+            half = float(t - events[last[kind]][1]) / 2
+            near[last[kind]], near[i] = min(near[last[kind]], half), half
+        last[kind] = i
+    return near
 
 
 def outside(events: Sequence[Event], windows: Sequence[Window]) -> list[Event]:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from decimal import Decimal
 from functools import partial
-from math import isfinite
+from math import isfinite, ulp
 
 import numpy as np
 
@@ -11,8 +11,8 @@ from vibsim.cases import hard_case_names, load_case
 from vibsim.physics.modes import EVENT_NAMES
 from vibsim.results import Result
 from vibsim.verification.check import Check
-from vibsim.verification.event_matching import Event, match_events, outside
-from vibsim.verification.row import Point, Row, compared, counted_row, worst_row
+from vibsim.verification.event_matching import Event, Matching, match_events, outside, reach
+from vibsim.verification.row import Point, Row, compared, worst_row
 from vibsim.verification.runs import flows_of, run
 from vibsim.verification.truth_file import Truth, read_truth
 
@@ -77,42 +77,38 @@ def distance(value: float, expected: Decimal) -> float:
 def event_row(name: str, truth: Truth, result: Result, flow: str) -> Row:
     """All events: the one that comes nearest to its bound, or how many are missed or spurious."""
     found = outside(events_of(result), truth.undecided)
-    stray = truth.event_stray[flow]
-    bounds = [LUCK * stray[i] + np.spacing(float(t)) for i, (_, t) in enumerate(truth.events)]
-    matching = match_events(truth.events, bounds, found)
+    matching = match_events(truth.events, reach(truth.events), found)
     points = [
-        compared(
-            f"{truth.events[i][0]} at {truth.events[i][1]:.6g} s",
-            float(truth.events[i][1]),
-            float(found[j][1]),
-            bounds[i],
-            "s",
-            float(abs(found[j][1] - truth.events[i][1])),
-        )
-        for i, j in matching.pairs
+        event_point(truth.events[i], found[j], LUCK * truth.event_stray[flow][i]) for i, j in matching.pairs
     ]
     wrong = len(matching.missed) + len(matching.spurious)
-    if wrong or not points:
-        row = counted_row(name, "events missed or spurious", 0, wrong, "every event once")
-        because, points = row.because, [*row.points]
-    else:
-        row = worst_row(name, points, BECAUSE)
-        because = row.because
+    shown, because = compared("events", 0.0, wrong, 0.0), "every event once"
+    if points and not wrong:
+        shown, because = max(points, key=lambda point: point.share), BECAUSE
     return Row(
         name,
-        "events",
+        shown.what if shown.what == "events" else f"events, {shown.what}",
         f"{len(truth.events)} events{_open(len(truth.undecided))}",
-        f"{len(found)} events{_flaws(matching.missed, matching.spurious)}, {certificate(result)}",
-        row.error,
-        row.bound,
-        row.unit,
+        f"{len(found)} events{_flaws(matching)}, {certificate(result)}",
+        shown.error,
+        shown.bound,
+        shown.unit,
         because,
         tuple(points),
     )
 
 
-def _flaws(missed: list[int], spurious: list[int]) -> str:
-    return f", {len(missed)} missed, {len(spurious)} spurious" if missed or spurious else ""
+def event_point(truth: Event, found: Event, bound: float) -> Point:
+    """The time of one event, which lies on the grid of doubles."""
+    kind, t = truth
+    late = float(abs(found[1] - t))
+    what = f"{kind} at {t:.6g} s"
+    return compared(what, float(t), float(found[1]), bound + ulp(float(t)), "s", late)
+
+
+def _flaws(matching: Matching) -> str:
+    missed, spurious = len(matching.missed), len(matching.spurious)
+    return f", {missed} missed, {spurious} spurious" if missed or spurious else ""
 
 
 def _open(touches: int) -> str:

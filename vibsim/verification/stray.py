@@ -3,7 +3,7 @@
 from decimal import Decimal
 
 from vibsim.verification.digits_runs import Run
-from vibsim.verification.event_matching import Event, Window, match_events
+from vibsim.verification.event_matching import Event, Window, match_events, reach
 
 KEPT = 25  # digits of a stored number
 WIDENED = 4  # a touch may last some times as long as in the runs that showed it
@@ -26,15 +26,6 @@ def times_apart(events: list[Event], runs: list[Run]) -> list[float]:
         for i, j in match_events(events, near, run.events).pairs:
             apart[i] = max(apart[i], abs(run.events[j][1] - events[i][1]))
     return [rounded(value) for value in apart]
-
-
-def reach(events: list[Event]) -> list[float]:
-    """Half the time [s] from each event to the next one of its kind."""
-    found = []
-    for kind, t in events:
-        others = [abs(other - t) for name, other in events if name == kind and other != t]
-        found.append(float(min(others, default=Decimal("inf")) / 2))
-    return found
 
 
 def undecided_spans(truth: list[Event], runs: list[Run]) -> list[Window]:
