@@ -58,7 +58,7 @@ bench: $(STAMP) ## measure speed against error beside other solvers, and draw RE
 	$(BIN)/vibsim plot results/II-B-bench.h5 -o docs/work-precision.png --force
 
 budgets: $(STAMP) ## measure the speed budgets on this machine
-	$(BIN)/python tests/benchmarks/budgets.py
+	$(BIN)/python tests/budgets/budgets.py
 
 clean: ## remove the environment, builds, results and figures
 	rm -rf $(VENV) build *.egg-info results figures .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -5,7 +5,7 @@ import pytest
 
 from tests.benchmark.made import planted
 from tests.scenes import paper, scene
-from vibsim.benchmark.event_matching import EventCount
+from vibsim.benchmark.event_counts import EventCount
 from vibsim.benchmark.row import DONE, Row
 from vibsim.benchmark.scoring import score, shortest_period
 from vibsim.peers.attempt import CONTACTS, EVERY_KIND, Attempt

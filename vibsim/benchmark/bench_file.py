@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 
 from vibsim.benchmark.columns import COUNTS, ROW, TEXTS
-from vibsim.benchmark.event_matching import EventCount
+from vibsim.benchmark.event_counts import EventCount
 from vibsim.benchmark.families import family_of
 from vibsim.benchmark.row import STATUS_FLAGS, Row
 from vibsim.benchmark.truth import Truth

@@ -5,7 +5,7 @@ from math import nan
 
 import numpy as np
 
-from vibsim.benchmark.event_matching import EventCount
+from vibsim.benchmark.event_counts import EventCount
 
 DONE, SLOWER, FAILED = 1, 2, 3
 STATUS_FLAGS = {"done": DONE, "slower": SLOWER, "failed": FAILED}

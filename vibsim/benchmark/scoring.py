@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.benchmark.event_matching import EventCount, count_events
+from vibsim.benchmark.event_counts import EventCount, count_events
 from vibsim.benchmark.truth import Truth
 from vibsim.peers.attempt import Attempt
 from vibsim.physics.scene import Scene

@@ -4,9 +4,9 @@ import tempfile
 from pathlib import Path
 from statistics import median
 
-from tests.benchmarks.engine_clock import EngineClock
-from tests.benchmarks.processes import VIBSIM, seconds
-from tests.benchmarks.row import Row
+from tests.budgets.engine_clock import EngineClock
+from tests.budgets.processes import VIBSIM, seconds
+from tests.budgets.row import Row
 from vibsim.cases import load_case
 from vibsim.sweeps.measured_run import MeasuredRun
 from vibsim.sweeps.resolution import sampled_for_statistics

@@ -1,6 +1,6 @@
 """Every budget of the project, measured: limit, median (smallest-largest), ratio to the limit, verdict.
 
-    python tests/benchmarks/budgets.py [--long] [NAME...]        NAME: a part, such as engine_time
+    python tests/budgets/budgets.py [--long] [NAME...]        NAME: a part, such as engine_time
 
 Run it on a quiet machine. Peers that are not installed are left out. Exits with 1 where a budget is not met.
 """
@@ -31,7 +31,7 @@ def main(arguments):
     print(f"{'budget':<58} {'limit':>14} {'median (smallest-largest)':>32} {'ratio':>7}")
     missed = 0
     for part in parts:
-        for row in importlib.import_module(f"tests.benchmarks.{part}").rows():
+        for row in importlib.import_module(f"tests.budgets.{part}").rows():
             print(row, flush=True)
             missed += row.met == "NOT MET"
     return 1 if missed else 0

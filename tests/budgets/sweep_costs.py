@@ -1,6 +1,6 @@
 """What a point of a sweep costs beside its run, in CPU time, memory and bytes.
 
-    python tests/benchmarks/sweep_costs.py
+    python tests/budgets/sweep_costs.py
 
 CPU time does not count waiting, so it may be taken while other programs run.
 """

@@ -1,6 +1,6 @@
 """The states that count as true: the Python engine in 40 digits, for the very doubles of the shipped scenes.
 
-python -m tests.benchmarks.truth prints the table of `true_states.py`. Needs python-flint.
+python -m tests.budgets.truth prints the table of `true_states.py`. Needs python-flint.
 """
 
 import math

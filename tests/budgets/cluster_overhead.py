@@ -1,6 +1,6 @@
 """What handing points to a dask cluster costs: CPU time of client, scheduler and workers per batch and point.
 
-    python tests/benchmarks/cluster_overhead.py [--no-profile]
+    python tests/budgets/cluster_overhead.py [--no-profile]
 
 Two workers on this machine, whose points sleep for 50 ms instead of computing: all CPU time is overhead.
 """

@@ -2,8 +2,8 @@
 
 from statistics import median
 
-from tests.benchmarks.engine_clock import EngineClock, run_through, without_samples
-from tests.benchmarks.row import Row, stopwatch
+from tests.budgets.engine_clock import EngineClock, run_through, without_samples
+from tests.budgets.row import Row, stopwatch
 from vibsim.cases import load_case
 from vibsim.kernel import open_trajectory
 from vibsim.kernel.c_engine import CTrajectory

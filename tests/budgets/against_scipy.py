@@ -5,9 +5,9 @@ from statistics import median
 
 import numpy as np
 
-from tests.benchmarks.engine_clock import run_through, without_samples
-from tests.benchmarks.row import Row, stopwatch
-from tests.benchmarks.true_states import error_of
+from tests.budgets.engine_clock import run_through, without_samples
+from tests.budgets.row import Row, stopwatch
+from tests.budgets.true_states import error_of
 from vibsim.cases import load_case
 from vibsim.kernel import open_trajectory
 from vibsim.peers.solve_ivp_eventless import EventlessSolver

@@ -5,8 +5,8 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from tests.benchmarks.processes import VIBSIM
-from tests.benchmarks.row import Row
+from tests.budgets.processes import VIBSIM
+from tests.budgets.row import Row
 
 
 def rows():

@@ -5,7 +5,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from tests.benchmarks.row import Row, stopwatch
+from tests.budgets.row import Row, stopwatch
 
 VIBSIM = Path(sys.executable).with_name("vibsim")
 CASES = Path(__file__).resolve().parents[2] / "cases"

@@ -1,15 +1,17 @@
 """Budget: Case II faster than heyoka.py on the same scene in the same run, errors and events compared."""
 
+from decimal import Decimal
 from importlib.util import find_spec
 
 import numpy as np
 
-from tests.benchmarks.row import Row, stopwatch
-from tests.benchmarks.true_states import error_of
+from tests.budgets.row import Row, stopwatch
+from tests.budgets.true_states import error_of
 from vibsim.cases import load_case
 from vibsim.kernel import open_trajectory
 from vibsim.peers.time_limit import TimeLimit
 from vibsim.physics.modes import EVENT_NAMES
+from vibsim.verification.event_matching import match_events
 
 STATES = ("x1", "v1", "x2", "v2", "phi", "phidot")
 CHECKED = {"II-A": (20, 40), "II-B": (20, 50), "II-C": (20, 40)}  # s
@@ -76,23 +78,19 @@ def error_row(name, scene, samples, peer_samples):
 
 def event_row(name, events, peer_events):
     """Events that heyoka has and vibsim has not, while chaos lets both have the same."""
-    ours, theirs = (table[table[:, 0] <= AGREED[name]] for table in (events, peer_events))
-    missed, surplus = unmatched(theirs, ours), unmatched(ours, theirs)
+    ours, theirs = (early(table, AGREED[name]) for table in (events, peer_events))
+    matching = match_events(theirs, [SAME] * len(theirs), ours)
+    missed, surplus = [theirs[i] for i in matching.missed], [ours[j] for j in matching.spurious]
     note = f"vibsim has {len(ours)}, of which heyoka misses {len(surplus)}"
     notes = [note, *told("heyoka", missed), *told("vibsim", surplus)]
     return Row(f"{name}, events up to {AGREED[name]:g} s missed", "", 0.0, [float(len(missed))], notes)
 
 
-def unmatched(events, others):
-    """The rows (t, kind) of `events` without a partner of the same kind within SAME in `others`."""
-    lonely = []
-    for t, kind in events:
-        same = others[others[:, 1] == kind, 0]
-        if not np.any(np.abs(same - t) < SAME):
-            lonely.append((t, kind))
-    return lonely
+def early(table, until):
+    """The rows (t, kind) up to `until` [s] as (name of the kind, time)."""
+    return [(EVENT_NAMES[int(kind)], Decimal(t)) for t, kind in table.tolist() if t <= until]
 
 
 def told(who, events):
     """The first few of the events that only `who` has."""
-    return [f"only in {who}: {EVENT_NAMES[int(kind)]} at {t:.9f} s" for t, kind in events[:5]]
+    return [f"only in {who}: {name} at {t:.9f} s" for name, t in events[:5]]
