@@ -97,7 +97,7 @@ typedef struct {
 
 /* Disturbances carried along, and the logarithms of their growth. */
 typedef struct {
-    double vectors[DISTURBANCE][DISTURBANCE], weights[DISTURBANCE], sums[DISTURBANCE], begin, volume, expected, losses, pieces;
+    double vectors[DISTURBANCE][DISTURBANCE], weights[DISTURBANCE], sums[DISTURBANCE], begin, residual, losses, pieces;
     double reach, dragging; /* of the Taylor flow: length of a piece [rad], drag of the motor [1/s] */
     double rows[SPANS + 1][DISTURBANCE + 1];
     int count, complete, stuck, row_count, next_row;

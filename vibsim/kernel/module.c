@@ -179,7 +179,7 @@ static PyObject *growth(PyObject *self, PyObject *args)
             for (k = 0; k < width; k++)
                 PyTuple_SET_ITEM(rows, i * width + k, PyFloat_FromDouble(b->rows[i][k]));
         if (rows)
-            result = Py_BuildValue("iiNddd(dddd)", b->count, b->complete, rows, b->losses, b->pieces, b->volume - b->expected,
+            result = Py_BuildValue("iiNddd(dddd)", b->count, b->complete, rows, b->losses, b->pieces, b->residual,
                                    b->tangencies.count, b->tangencies.closest, b->tangencies.time, b->tangencies.fastest);
     }
     release(&v, 1);

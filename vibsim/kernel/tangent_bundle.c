@@ -128,10 +128,10 @@ void tangent_gather(Run *r, double end, const State *state)
         return;
     while (t < end) {
         double ahead = closed ? closed_form_tangent_piece_end(r, t, end, mark(r)) : taylor_tangent_piece_end(r, t, end);
-        double volume = closed ? closed_form_tangent_move(r, t, ahead) : taylor_tangent_move(r, t, ahead);
+        double expected = closed ? closed_form_tangent_move(r, t, ahead) : taylor_tangent_move(r, t, ahead);
+        double volume = renormalise(b);
         if (b->complete)
-            b->expected = b->expected + volume;
-        b->volume = b->volume + renormalise(b);
+            b->residual = b->residual + (volume - expected);
         b->pieces += 1;
         t = ahead;
         record_row(r, t);
@@ -151,7 +151,7 @@ void tangent_cross(Run *r, int kind, const State *state, Mode before)
         for (i = 0; i < b->count; i++)
             b->vectors[i][DV2] = b->vectors[i][DV2] * factor;
         if (b->complete && factor > 0)
-            b->expected = b->expected + log(factor);
+            b->residual = b->residual - log(factor);
     } else if (kind == STICK_BEGIN) {
         lose_rank(b);
     }

@@ -44,7 +44,7 @@ class TangentBundle:
         self.begin = kit.number(begin)
         self.weights = self._weights()
         self.tangencies = Tangencies(scene, kit)
-        self.volume = self.expected = kit.number(0)
+        self.residual = kit.number(0)  # growth of the logarithm of the volume that nothing explains
         self.rows, self.next_row, self.losses, self.pieces = [], 0, 0, 0
         self.sums = [kit.number(0)] * count
 
@@ -84,9 +84,9 @@ class TangentBundle:
             ahead = self.flow.piece_end(t, end, self._mark())
             self.flow.prepare(t, ahead)
             self.vectors = [self.flow.moved(vector) for vector in self.vectors]
+            volume = self.renormalise()
             if self.complete:
-                self.expected = self.expected + self.flow.log_volume(t, ahead)
-            self.volume = self.volume + self.renormalise()
+                self.residual = self.residual + (volume - self.flow.log_volume(t, ahead))
             self.pieces += 1
             t = ahead
             self._record(t)
@@ -102,7 +102,7 @@ class TangentBundle:
             for vector in self.vectors:
                 vector[DV2] = vector[DV2] * factor
             if self.complete and factor > 0:
-                self.expected = self.expected + self.kit.log(factor)
+                self.residual = self.residual - self.kit.log(factor)
         elif kind == EVENT_KINDS["stick_begin"]:
             self._lose_rank()
         self.stuck = kind == EVENT_KINDS["stick_begin"] or (self.stuck and kind != EVENT_KINDS["stick_end"])
@@ -166,5 +166,4 @@ class TangentBundle:
             return None
         near = self.tangencies
         judged = near.count, near.closest, near.time, near.fastest
-        residual = self.volume - self.expected
-        return self.count, self.complete, self.rows, self.losses, self.pieces, residual, judged
+        return self.count, self.complete, self.rows, self.losses, self.pieces, self.residual, judged
