@@ -13,6 +13,7 @@ import pytest
 
 from tests.command_line.made import call
 from vibsim.results import open_result
+from vibsim.sweeps.computations import COMPUTATIONS
 
 SHORT = ("--t-end", "2s", "-j", "2")
 
@@ -164,3 +165,8 @@ def test_an_ensemble_with_what_is_computed_besides():
     done = call("sweep", "II-B", *words, "--seed", 8, *SHORT, "-o", "e.h5")
     assert done.exit_code == 6 and "seed 7" in done.stderr and "seed 8" in done.stderr
     assert "compute: in the file power and grazing, here nothing" in done.stderr
+
+
+def test_the_help_lists_everything_that_can_be_computed():
+    said = " ".join(call("sweep", "--help").stdout.split())
+    assert all(f" {name}" in said for name in COMPUTATIONS)

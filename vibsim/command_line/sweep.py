@@ -34,7 +34,7 @@ class KeyRange(click.ParamType):
         "vibsim sweep I-B --omega 3:7:0.1 --discard 100s",
         "vibsim sweep II-B --omega0 3:7:0.1 --param c=0.01:0.05/9",
         "vibsim sweep II-B --omega0 3:7:0.1 --ensemble 20 --spread phi=0:360deg --spread x1=1mm",
-        "vibsim sweep II-B --omega0 3:7:0.1 --compute power,impact-velocity",
+        "vibsim sweep II-B --omega0 3:7:0.1 --compute power,capture,regime",
         "vibsim sweep II-B --omega0 3:7:0.001 --scheduler tcp://10.0.0.1:8786",
         "vibsim plot II-B-omega0.h5",
         before="Ranges: FROM:TO:STEP (both ends included), FROM:TO/COUNT, or A,B,C; with a unit at the end. "
@@ -84,7 +84,8 @@ class KeyRange(click.ParamType):
 @click.option(
     "--compute", "computed", metavar="NAME,...", default="",
     help="What to compute of each point besides: power, impact-velocity, contact-section, grazing, "
-    "certificate; or all.",
+    "certificate, capture, lyapunov (one more run), lyapunov-spectrum (one more, three times as long), "
+    "regime; or all.",
 )  # fmt: skip
 @set_option
 @click.option("--t-end", metavar="TIME", help="End of every run, such as 100s.")

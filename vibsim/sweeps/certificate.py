@@ -1,5 +1,7 @@
 """Whether every search for an event was certified: no root overlooked."""
 
+from typing import Any
+
 from vibsim.kernel import Block
 from vibsim.physics.scene import Scene
 from vibsim.sweeps.columns import Column
@@ -22,6 +24,8 @@ class Certificate:
     def update(self, block: Block) -> None:
         """The engine counts them."""
 
-    def values(self, window: tuple[float, float], run: MeasuredRun) -> dict[str, float]:
+    def values(
+        self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]
+    ) -> dict[str, float]:
         """The engine's total, of transient and rest."""
         return {"uncertified": run.totals["uncertified"]}

@@ -46,7 +46,7 @@ class ClusterWorkers:
 
     def __init__(self, recipe: Recipe, address: str, engine: str = "auto"):
         self.recipe, self.address, self.engine = recipe, address, engine_name(engine)
-        self._signature = signature(self.engine)
+        self._signature = signature(self.engine, recipe.compute)
         self._handed: dict[Future[list[Point]], Pieces] = {}
         self._threads = 1
         self._counted = self._deserted = -math.inf  # when; and when there last was a worker
@@ -66,7 +66,9 @@ class ClusterWorkers:
 
     def _check_workers(self) -> None:
         """Refuse a cluster one of whose workers would not compute the same bits."""
-        checked = self._client.run(differing, self.engine, self._signature, on_error="return")
+        checked = self._client.run(
+            differing, self.engine, self.recipe.compute, self._signature, on_error="return"
+        )
         for worker, found in checked.items():
             if isinstance(found, Exception):
                 raise ClusterError(f"worker {worker} cannot run vibsim: {found}")
@@ -134,18 +136,18 @@ class ClusterWorkers:
 
 def compute_there(recipe: Recipe, pieces: Pieces, engine: str, expected: dict[str, str]) -> list[Point]:
     """On a worker: the points of a batch. Raises WorkerMismatch where they would have other bits."""
-    found = differing(engine, expected)
+    found = differing(engine, recipe.compute, expected)
     if found:
         raise WorkerMismatch(f"worker {socket.gethostname()}, process {os.getpid()}, {found}")
     return compute_batch(recipe, pieces, engine)
 
 
-def differing(engine: str, expected: dict[str, str]) -> str:
+def differing(engine: str, compute: tuple[str, ...], expected: dict[str, str]) -> str:
     """In what a worker's installation differs from the one that asks; empty where it does not."""
     if __version__ != expected["vibsim"]:
         return f"has vibsim {__version__}, and {expected['vibsim']} asks"
     try:
-        ours = signature(engine)
+        ours = signature(engine, compute)
     except RuntimeError as error:
         return f"has another engine: {error}"
     if ours["statistics"] != expected["statistics"]:

@@ -1,5 +1,6 @@
 """What a sweep stores per point: names, units, definitions. The definitions go into every file."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from vibsim.physics.scene import Scene
@@ -18,12 +19,14 @@ class Column:
     long_name : definition
     needs : what the scene must have, of "motor", "source", "block2", "stop" and "friction"
     dimension : name of the further dimension, such as "section"; empty for a number per point
+    flags : what each value means, where the number is a verdict
     """
 
     units: str
     long_name: str
     needs: str = ""
     dimension: str = ""
+    flags: Mapping[str, int] | None = None
 
 
 _HALF = "half the peak-to-peak of {} in one excitation period, {} over the whole periods after the transient"

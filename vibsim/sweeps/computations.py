@@ -9,8 +9,18 @@ from typing import Any, Protocol
 
 from vibsim.cases.problems import did_you_mean
 from vibsim.kernel import Block
+from vibsim.physics.disturbance import dimension as exponents
 from vibsim.physics.scene import Scene
-from vibsim.sweeps import certificate, contact_section, grazing, impact_velocity, power
+from vibsim.sweeps import (
+    capture_verdict,
+    certificate,
+    contact_section,
+    grazing,
+    impact_velocity,
+    lyapunov,
+    power,
+    regime_label,
+)
 from vibsim.sweeps.columns import Column
 from vibsim.sweeps.measured_run import MeasuredRun
 
@@ -23,8 +33,11 @@ class Computation(Protocol):
     def update(self, block: Block) -> None:
         """Take the next block; the first may begin before `begin`."""
 
-    def values(self, window: Window, run: MeasuredRun) -> dict[str, Any]:
-        """What was found, by column: a float, or an array where the column has a further dimension."""
+    def values(self, window: Window, run: MeasuredRun, found: dict[str, Any]) -> dict[str, Any]:
+        """By column a float, or an array where the column has a further dimension.
+
+        found : what the computations before this one have come to
+        """
 
 
 @dataclass(frozen=True)
@@ -57,6 +70,14 @@ COMPUTATIONS = {
     ),
     "grazing": Kind(grazing.TITLE, grazing.COLUMNS, "a stop", False, grazing.Grazing),
     "certificate": Kind(certificate.TITLE, certificate.COLUMNS, "", False, certificate.Certificate),
+    "capture": Kind(
+        capture_verdict.TITLE, capture_verdict.COLUMNS, "a motor", False, capture_verdict.CaptureVerdict
+    ),
+    "lyapunov": Kind(lyapunov.TITLE, lyapunov.COLUMNS, "", False, lyapunov.Lyapunov),
+    "lyapunov-spectrum": Kind(
+        lyapunov.SPECTRUM_TITLE, lyapunov.SPECTRUM_COLUMNS, "", False, lyapunov.Spectrum
+    ),
+    "regime": Kind(regime_label.TITLE, regime_label.COLUMNS, "a source", False, regime_label.RegimeLabel),
 }
 
 
@@ -76,6 +97,12 @@ def read_computations(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(name for name in COMPUTATIONS if name in wanted)
 
 
-def length_of(dimension: str, section: int) -> int:
+def length_of(dimension: str, scene: Scene, section: int) -> int:
     """Length of a further dimension; sections have as many points as the sweep says."""
-    return {"section": section, "contact": section, "quantile": len(impact_velocity.QUANTILES)}[dimension]
+    lengths = {
+        "section": section,
+        "contact": section,
+        "quantile": len(impact_velocity.QUANTILES),
+        "exponent": exponents(scene),
+    }
+    return lengths[dimension]

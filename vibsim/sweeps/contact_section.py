@@ -27,7 +27,7 @@ class ContactSection:
         """Take the next block."""
         self._contacts.update(block)
 
-    def values(self, window: tuple[float, float], run: MeasuredRun) -> dict[str, Any]:
+    def values(self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]) -> dict[str, Any]:
         """The last contacts, oldest first."""
         table = self._contacts.table()
         first = max(len(table["t"]) - self._count, 0)

@@ -1,5 +1,7 @@
 """How near to grazing the steady motion is: the smallest gap at which the blocks turn back."""
 
+from typing import Any
+
 import numpy as np
 
 from vibsim.kernel import Block
@@ -43,6 +45,8 @@ class Grazing:
         gaps = self._scene.G + (low[-1] if side > 0 else -high[-1])[:-1]
         return float(gaps[turns].min(initial=np.inf))
 
-    def values(self, window: tuple[float, float], run: MeasuredRun) -> dict[str, float]:
+    def values(
+        self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]
+    ) -> dict[str, float]:
         """The margin; nothing where no turn was seen."""
         return {"grazing_margin_late": self._margin} if np.isfinite(self._margin) else {}

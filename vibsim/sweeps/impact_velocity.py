@@ -32,7 +32,7 @@ class ImpactVelocity:
         """Take the next block."""
         self._contacts.update(block)
 
-    def values(self, window: tuple[float, float], run: MeasuredRun) -> dict[str, Any]:
+    def values(self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]) -> dict[str, Any]:
         """Mean and quantiles; nothing where there was no impact."""
         contacts = self._contacts.table()
         inside = (contacts["t"] >= window[0]) & (contacts["t"] < window[1])

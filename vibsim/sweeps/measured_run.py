@@ -25,8 +25,8 @@ class MeasuredRun:
 
     `totals` are those of the whole run, up to date after the last block; `late` those of the blocks that were
     shown, which begin with the event `row` (None: with the run), with the energy ledger if that is wanted.
-    `go_on` is asked before every block, those of the transient too; where it says False, GivenUpError is
-    raised.
+    `watch_transient` is shown the blocks of the transient, which have no samples. `go_on` is asked before
+    every block, those of the transient too; where it says False, GivenUpError is raised.
     """
 
     def __init__(
@@ -36,9 +36,10 @@ class MeasuredRun:
         engine: str,
         go_on: Callable[[], bool] | None = None,
         ledger: bool = False,
+        watch_transient: Callable[[Block], None] | None = None,
     ):
         self.scene, self.begin, self.engine, self.ledger = scene, begin, engine, ledger
-        self._go_on = go_on
+        self._go_on, self._watch_transient = go_on, watch_transient
         self.totals: dict[str, float] = dict.fromkeys(SUMMED, 0.0) | {"grazing_margin": math.nan}
         self.late: dict[str, Any] = {}
         self.row: dict[str, float] | None = None
@@ -58,9 +59,12 @@ class MeasuredRun:
         """Run up to `begin`; the row of the last event."""
         long = 2 * math.ceil(self.scene.t_end)
         scene = replace(self.scene, t_end=self.begin, every_num=long, every_den=1)
-        trajectory = open_trajectory(scene, self.engine)
+        watch = self._watch_transient
+        trajectory = open_trajectory(scene, self.engine, section=watch is not None)
         row: dict[str, float] | None = None
         for block in self._asked(trajectory):
+            if watch is not None:
+                watch(block)
             before = block.events["kind"] != EVENT_KINDS["end"]
             if before.any():
                 row = {name: float(column[before][-1]) for name, column in block.events.items()}

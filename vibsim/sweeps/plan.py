@@ -145,7 +145,11 @@ class Plan:
     def shape_of(self, name: str) -> Index:
         """Shape of a column: that of the sweep, and its further dimension where it has one."""
         dimension = self.columns[name].dimension
-        return (*self.shape, length_of(dimension, self.section)) if dimension else self.shape
+        return (*self.shape, self.length_of(dimension)) if dimension else self.shape
+
+    def length_of(self, dimension: str) -> int:
+        """Length of a further dimension."""
+        return length_of(dimension, self.case.scene(), self.section)
 
     @cached_property
     def settings(self) -> dict[str, Any]:

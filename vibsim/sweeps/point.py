@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from vibsim.cases import CaseError
-from vibsim.kernel import KernelError
+from vibsim.kernel import Block, KernelError
 from vibsim.physics.scene import Scene
 from vibsim.sweeps.columns import DONE, FAILED
-from vibsim.sweeps.computations import COMPUTATIONS
+from vibsim.sweeps.computations import COMPUTATIONS, Computation
 from vibsim.sweeps.measured_run import GivenUpError, MeasuredRun
 from vibsim.sweeps.plan import Index
 from vibsim.sweeps.recipe import Recipe, Start
@@ -103,9 +103,9 @@ def measure(scene: Scene, recipe: Recipe, engine: str, go_on: Callable[[], bool]
     """Statistics, totals and end state by name; sections and what else has a further dimension by name."""
     begin = recipe.discard.time(scene.t_end)
     kinds = [COMPUTATIONS[name] for name in recipe.compute]
-    run = MeasuredRun(scene, begin, engine, go_on, ledger=any(kind.ledger for kind in kinds))
     statistics = Statistics(scene, begin)
     computed = [kind.make(scene, begin, recipe.section) for kind in kinds]
+    run = MeasuredRun(scene, begin, engine, go_on, any(kind.ledger for kind in kinds), _watchers(computed))
     end: dict[str, float] = {}
     for block in run.blocks():
         statistics.update(block)
@@ -116,10 +116,23 @@ def measure(scene: Scene, recipe: Recipe, engine: str, go_on: Callable[[], bool]
     found: dict[str, Any] = {f"section_{name}": c for name, c in statistics.section(recipe.section).items()}
     if run.late:
         for computation in computed:
-            found |= computation.values(statistics.window, run)
+            found |= computation.values(statistics.window, run, found)
     numbers = {name: value for name, value in found.items() if isinstance(value, float)}
     arrays = {name: value for name, value in found.items() if not isinstance(value, float)}
     return {**values, **numbers}, arrays
+
+
+def _watchers(computed: list[Computation]) -> Callable[[Block], None] | None:
+    """Shows blocks of the transient to those computations that take them; None where none does."""
+    taking = [found.transient for found in computed if hasattr(found, "transient")]
+    if not taking:
+        return None
+
+    def show(block: Block) -> None:
+        for take in taking:
+            take(block)
+
+    return show
 
 
 def _end_state(scene: Scene, block: Any) -> dict[str, float]:

@@ -43,7 +43,9 @@ class Power:
         if len(times):
             self._last = _row(block, len(times) - 1)
 
-    def values(self, window: tuple[float, float], run: MeasuredRun) -> dict[str, float]:
+    def values(
+        self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]
+    ) -> dict[str, float]:
         """Changes of the ledger's entries within the window, by its length; nothing of one without length.
 
         The ledger begins at the event `run.row` and ends with the run. What lies outside the window, from

@@ -10,7 +10,7 @@ from functools import cache
 from vibsim import __version__
 from vibsim.cases import load_case
 from vibsim.kernel import engine_name
-from vibsim.sweeps.columns import NOT_REPRODUCIBLE
+from vibsim.sweeps.columns import NOT_REPRODUCIBLE, columns_of
 from vibsim.sweeps.computations import COMPUTATIONS
 from vibsim.sweeps.discard import HALF
 from vibsim.sweeps.plan import STATISTICS
@@ -22,19 +22,26 @@ LENGTH = "2 s"  # with impacts, in a few milliseconds
 
 
 @cache
-def signature(engine: str) -> dict[str, str]:
-    """What must be equal here and there: name -> text. Raises RuntimeError where the engine is not there."""
+def signature(engine: str, compute: tuple[str, ...]) -> dict[str, str]:
+    """What must be equal here and there, name -> text, for sweeps with these computations.
+
+    Raises RuntimeError where the engine is not there.
+    """
     return {
         "vibsim": __version__,
         "statistics": str(STATISTICS),
         "engine": engine_name(engine),
-        "bits": hashlib.sha256("".join(_bits(name, engine) for name in RUNS).encode()).hexdigest()[:16],
+        "bits": hashlib.sha256("".join(_bits(name, engine, compute) for name in RUNS).encode()).hexdigest()[
+            :16
+        ],
     }
 
 
-def _bits(name: str, engine: str) -> str:
+def _bits(name: str, engine: str, compute: tuple[str, ...]) -> str:
     """All numbers of a short run of a shipped case."""
-    recipe = Recipe(load_case(name, {"run.t_end": LENGTH}), False, HALF, 10, None, tuple(COMPUTATIONS))
+    case = load_case(name, {"run.t_end": LENGTH})
+    fitting = [key for key in compute if columns_of(case.scene(), COMPUTATIONS[key].columns)]
+    recipe = Recipe(case, False, HALF, 10, None, tuple(fitting))
     point = compute_point(recipe, (), {}, None, engine)
     assert point is not None  # nobody gave it up
     values = {key: value for key, value in point.values.items() if key not in NOT_REPRODUCIBLE}

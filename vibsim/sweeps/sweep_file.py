@@ -12,7 +12,6 @@ from vibsim.results.errors import ResultFileError
 from vibsim.results.output_file import output_file
 from vibsim.results.trajectory_file import damage_named, open_hdf5, read_attrs
 from vibsim.sweeps.columns import STATUS_FLAGS, Column
-from vibsim.sweeps.computations import length_of
 from vibsim.sweeps.impact_velocity import QUANTILES
 from vibsim.sweeps.members import Members
 from vibsim.sweeps.plan import DIRECTION_FLAGS, Plan
@@ -25,6 +24,7 @@ FURTHER_SCALES = {
     "section": "stroboscopic points, counted back from the last",
     "contact": "beginnings of contact, counted back from the last",
     "quantile": "share of the impacts that are not faster",
+    "exponent": "number of the exponent, the largest first",
 }
 
 
@@ -85,8 +85,8 @@ def _write_further_scales(file: h5py.File, plan: Plan) -> dict[str, list[h5py.Da
     """The scale of each further dimension that the plan has and that is not empty, in a list."""
     scales = {}
     for dimension in dict.fromkeys(column.dimension for column in plan.columns.values() if column.dimension):
-        count = length_of(dimension, plan.section)
-        values = QUANTILES if dimension == "quantile" else np.arange(1 - count, 1, dtype="i4")
+        count = plan.length_of(dimension)
+        values = _scale_values(dimension, count)
         if not count:
             continue
         scale = file.create_dataset(dimension, data=values)
@@ -97,17 +97,29 @@ def _write_further_scales(file: h5py.File, plan: Plan) -> dict[str, list[h5py.Da
     return scales
 
 
+def _scale_values(dimension: str, count: int) -> np.ndarray:
+    if dimension == "quantile":
+        return QUANTILES
+    return (
+        np.arange(1, count + 1, dtype="i4")
+        if dimension == "exponent"
+        else np.arange(1 - count, 1, dtype="i4")
+    )
+
+
 def _number(file: h5py.File, name: str, array: np.ndarray, column: Column) -> h5py.Dataset:
     dataset = file.create_dataset(name, data=array, **COMPRESSED)
     dataset.attrs["long_name"] = column.long_name
     dataset.attrs["units"] = column.units
+    if column.flags:
+        _flags(dataset, column.long_name, column.flags)
     return dataset
 
 
 def _flags(dataset: h5py.Dataset, long_name: str, flags: Mapping[str, int]) -> None:
     dataset.attrs["long_name"] = long_name
     dataset.attrs["flag_values"] = np.array(list(flags.values()), dataset.dtype)
-    dataset.attrs["flag_meanings"] = " ".join(flags)
+    dataset.attrs["flag_meanings"] = " ".join(flag.replace(" ", "_") for flag in flags)
 
 
 def _attach(dataset: h5py.Dataset, scales: list[h5py.Dataset]) -> None:

@@ -1,0 +1,76 @@
+"""Whether the motor was captured, and when: the verdict of `vibsim.analysis.capture` on the whole run."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from vibsim.analysis.capture import Capture, capture_of_turns
+from vibsim.analysis.span import Span
+from vibsim.kernel import Block
+from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.scene import Scene
+from vibsim.sweeps.columns import Column
+from vibsim.sweeps.measured_run import MeasuredRun
+
+TITLE = "verdict on capture, with times"
+VERDICTS = {"undecided": 0, "not met": 1, "passed": 2, "escaped": 3, "captured": 4}
+COLUMNS = {
+    "capture": Column("1", "verdict on capture, from the whole run", "motor", flags=VERDICTS),
+    "capture_since": Column("s", "begin of the hold that decides the verdict", "motor"),
+    "capture_until": Column("s", "its end; NaN where it lasts to the end of the run", "motor"),
+    "capture_speed": Column("Hz", "mean speed over it", "motor"),
+    "passage_time": Column("s", "when the mean speed last rose through a resonance", "motor"),
+    "final_speed": Column("Hz", "mean speed over the last turns of the run", "motor"),
+}
+
+
+class CaptureVerdict:
+    """Verdict on one run of a motor. Memory grows with its turns and impacts."""
+
+    def __init__(self, scene: Scene, begin: float, section: int):
+        self._scene = scene
+        self._early: list[Block] = []
+        self._late: list[Block] = []
+
+    def transient(self, block: Block) -> None:
+        """Take the next block of the transient."""
+        self._early.append(_thinned(block))
+
+    def update(self, block: Block) -> None:
+        """Take the next block of the rest, which begins with the last event in the transient."""
+        self._late.append(_thinned(block))
+
+    def values(
+        self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]
+    ) -> dict[str, float]:
+        """The verdict and its times; NaN where there is none."""
+        resumed = run.row["t"] if run.row is not None else 0.0
+        turns, impacts = (self._joined(table, resumed) for table in ("section", "events"))
+        return _numbers(capture_of_turns(turns, impacts, self._scene, Span(0.0, run.t_reached)))
+
+    def _joined(self, table: str, resumed: float) -> np.ndarray:
+        """Times of the whole run: those of the transient up to where the rest goes on from, then the rest."""
+        early = np.concatenate([[], *(getattr(block, table)["time"] for block in self._early)])
+        late = [getattr(block, table)["time"] for block in self._late]
+        return np.concatenate([early[early <= resumed], *late])
+
+
+def _thinned(block: Block) -> Block:
+    """What the verdict needs: the times of the turns and of the impacts."""
+    begun = block.events["kind"] == EVENT_KINDS["contact_begin"]
+    return Block({}, {"time": block.events["t"][begun]}, {"time": block.section["time"]}, block.t_reached)
+
+
+def _numbers(capture: Capture) -> dict[str, float]:
+    """The verdict as numbers by column."""
+    last = max((passage.time for passage in capture.passages), default=math.nan)
+    numbers = {
+        "capture_since": capture.since,
+        "capture_until": capture.until,
+        "capture_speed": capture.speed_hz,
+        "passage_time": last,
+        "final_speed": capture.final_speed_hz,
+    }
+    known = {name: float(value) for name, value in numbers.items() if value is not None}
+    return {"capture": float(VERDICTS[capture.verdict]), **known}

@@ -1,0 +1,45 @@
+"""What kind of motion it is after the transient: the verdict of `vibsim.analysis` on its section."""
+
+import math
+from typing import Any
+
+from vibsim.analysis.regime.points import Exponent
+from vibsim.analysis.streaming import StreamedVerdicts
+from vibsim.kernel import Block
+from vibsim.physics.scene import Scene
+from vibsim.sweeps.columns import Column
+from vibsim.sweeps.lyapunov import HALF_WIDTH, LARGEST
+from vibsim.sweeps.measured_run import MeasuredRun
+
+TITLE = "kind of motion: periodic, quasi-periodic, chaotic, ..."
+VERDICTS = {"undecided": 0, "periodic": 1, "transient": 2, "quasi-periodic": 3, "chaotic": 4}
+COLUMNS = {
+    "regime": Column("1", "kind of motion after the transient", "source", flags=VERDICTS),
+    "regime_period": Column("1", "excitation periods after which it repeats itself", "source"),
+    "chaos_number": Column("1", "K of the 0-1 test, 0: regular, 1: chaotic; NaN where not needed", "source"),
+}
+
+
+class RegimeLabel:
+    """Kind of motion of one run."""
+
+    def __init__(self, scene: Scene, begin: float, section: int):
+        self._verdicts = StreamedVerdicts(scene, begin)
+
+    def update(self, block: Block) -> None:
+        """Take the next block."""
+        self._verdicts.update(block)
+
+    def values(
+        self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]
+    ) -> dict[str, float]:
+        """The verdict; a largest Lyapunov exponent that was computed too has its say."""
+        judged = self._verdicts.regime(_exponent(found))
+        numbers = {"regime_period": judged.period, "chaos_number": judged.chaos_number}
+        known = {name: float(value) for name, value in numbers.items() if value is not None}
+        return {"regime": float(VERDICTS[judged.verdict]), **known}
+
+
+def _exponent(found: dict[str, Any]) -> Exponent | None:
+    value, half_width = (found.get(name, math.nan) for name in (LARGEST, HALF_WIDTH))
+    return Exponent(value, half_width) if math.isfinite(value) and math.isfinite(half_width) else None
