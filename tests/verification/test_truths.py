@@ -7,8 +7,9 @@ import pytest
 
 from vibsim.cases import hard_case_names, load_case
 from vibsim.verification.digits_runs import Run as DigitsRun
-from vibsim.verification.hard_cases import judged_names
+from vibsim.verification.hard_cases import judged_names, state_points
 from vibsim.verification.paper_cases import judged_case
+from vibsim.verification.runs import run
 from vibsim.verification.stray import undecided_spans
 from vibsim.verification.truth_file import TruthError, read_truth, truth_path, truths_folder, write_truth
 from vibsim.verification.truth_making import confirm, make_truth, stored_names
@@ -115,3 +116,12 @@ def test_a_fresh_computation_gives_the_same_truth(name):
     for flow, strays in stored.stray.items():
         for column, values in strays.items():
             assert fresh.stray[flow][column] == pytest.approx(values, rel=0.2, abs=1e-25), (flow, column)
+
+
+@pytest.mark.parametrize("name", judged_names())
+def test_hard_cases_are_compared_to_their_end(name):
+    """No instant is left out for chaos."""
+    truth = read_truth(name, case_of(name).sha256)
+    for flow in truth.stray:
+        points = list(state_points(truth, run(case_of(name), "c", flow), flow))
+        assert len(points) == len(truth.states) * len(truth.time)
