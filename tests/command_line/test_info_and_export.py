@@ -73,6 +73,7 @@ def test_info_of_a_file_without_its_end():
             "impacts",
             "sticks",
             "events",
+            "certified",
             "grazing_margin",
             "grazing_time",
         ):

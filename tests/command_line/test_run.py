@@ -51,6 +51,8 @@ def test_the_summary_says_what_ran_and_what_came_of_it():
     assert f"{attrs['impacts']} impacts, {attrs['sticks']} sticks, {attrs['events']} events" in text
     assert f"needs {1000 * attrs['rest_distance_needed']:.4g} mm" in text
     assert f"at {attrs['grazing_time']:.3f} s" in text
+    assert attrs["certified"] == 1
+    assert "every stretch proved" in text
     assert attrs["case_sha256"] in text
     assert "II-B.h5 (" in text
     assert (
@@ -63,6 +65,27 @@ def test_the_summary_says_what_ran_and_what_came_of_it():
         )
         == 1
     )
+
+
+TOUCHING = """
+blocks: {m1: 1 kg, m2: fixed}
+coupling: {k1: 100 N/m}
+stop: {k2: 1000 N/m, G: 1 cm, acts: compression}
+excitation: {kind: none}
+initial: {x1: -1 cm}
+run: {t_end: 2 s, every: 10 ms}
+"""
+
+
+def test_a_run_that_touches_the_stop_is_in_doubt():
+    """Released from x1 = -G, block 1 swings to G exactly: whether it touches, no double can tell."""
+    Path("touching.yaml").write_text(TOUCHING)
+    text = run("touching.yaml").stdout
+    attrs = vibsim.open_result("touching.h5").attrs
+    assert attrs["certified"] == 0
+    assert attrs["uncertified"] >= 1
+    assert 0 <= attrs["first_uncertified_time"] <= 0.32  # half a period of the spring
+    assert f"in doubt, the first from {attrs['first_uncertified_time']:.6g} s on" in text
 
 
 def test_the_texts_of_the_summary_stand_in_one_column():

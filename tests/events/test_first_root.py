@@ -151,7 +151,7 @@ def test_polynomial_search_stops_at_a_double_root(n):
     a, h = n / 20, 3.5
     search = PolynomialSearch(Doubles)
     found = search_for_root(search, np.polynomial.Polynomial([a * a, -2 * a, 1.0]), 0, 0.0, h)
-    assert search.certificate.uncertified == 1  # whether it touches or misses is beyond doubles
+    assert search.certificate.uncertified >= 1  # whether it touches or misses is beyond doubles
     if found is not None:  # a rounded up to no root at all is as good
         assert abs(found - a) <= math.sqrt(16 * EPS * (a + h) ** 2)
 

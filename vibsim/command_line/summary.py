@@ -47,6 +47,8 @@ def result_lines(result: Result, scene: Scene) -> list[tuple[str, str]]:
         lines.append(("digits", digits_text(attrs)))
     if result.trust_horizon is not None:
         lines.append(("trust horizon", trust_text(result)))
+    if "certified" in attrs:
+        lines.append(("certificate", certificate_text(attrs)))
     if "grazing_margin" in attrs:
         lines.append(
             ("grazing margin", f"{metres(attrs['grazing_margin'])} at {attrs['grazing_time']:.3f} s")
@@ -60,6 +62,15 @@ def result_lines(result: Result, scene: Scene) -> list[tuple[str, str]]:
     if "rest_distance_needed" in attrs or scene.rest_distance is not None:
         lines.append(("rest distance", rest_distance_text(attrs, scene)))
     return lines
+
+
+def certificate_text(attrs: Mapping[str, Any]) -> str:
+    """Whether every event is proved, or how many stretches are in doubt and since when."""
+    if attrs["certified"]:
+        return "no event missed, none invented: every stretch proved"
+    count, first = attrs["uncertified"], attrs["first_uncertified_time"]
+    stretches = "1 stretch" if count == 1 else f"{count} stretches"
+    return click.style(f"{stretches} in doubt, the first from {first:.6g} s on", fg="yellow")
 
 
 def energy_text(attrs: Mapping[str, Any]) -> str:

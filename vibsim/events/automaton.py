@@ -6,11 +6,11 @@ equations.
     stick -> slip      when |S| = N and grows, with sigma = sgn(S)
 Every decision at a zero looks at derivatives, never at the sign of a rounded zero. Two events at one instant
 are taken one after the other. Each transition tells which event functions are zero at its instant, and to
-which order.
+which order. A decision that rounding could turn is in doubt, and the certificate counts it.
 """
 
 from vibsim.events.watch import CLEARANCE, GAP, HOLD_MINUS, HOLD_PLUS, SLIDE
-from vibsim.physics.forces import gap_function, gap_rate, transmitted_force
+from vibsim.physics.forces import gap_function, gap_rate, transmitted_force, transmitted_force_size
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.state import Mode
 
@@ -22,6 +22,8 @@ def initial_mode(scene, flow, state):
     y, u = state.x1 - state.x2, state.v1 - state.v2
     gap = gap_function(scene, y) if scene.has_stop else -1
     contact = 1 if gap > 0 else 0
+    if scene.has_stop and _blurred(gap, state.x1, state.x2, scene.stop_sign * scene.G):
+        flow.certificate.doubt(state.t)
     friction, known = 1, {}
     if scene.has_friction:
         friction = sign(state.v2) or _friction_at_rest(scene, flow, state, Mode(contact, 0))
@@ -97,13 +99,29 @@ def _stick_ends(scene, flow, state, mode, direction):
 
 def _friction_at_rest(scene, flow, state, stuck):
     """Friction mode of block 2 at v2 = 0: 0 where the friction holds the force S, else the sign of S."""
-    force = transmitted_force(scene, state.x1 - state.x2, state.v1 - state.v2, stuck.contact)
+    y, u = state.x1 - state.x2, state.v1 - state.v2
+    force = transmitted_force(scene, y, u, stuck.contact)
+    if abs(abs(force) - scene.N) < 4 * flow.kit.eps * transmitted_force_size(scene, y, u, stuck.contact):
+        flow.certificate.doubt(state.t)
     if abs(force) < scene.N:
         return 0
     direction = sign(force)
     if abs(force) > scene.N or _force_growth(scene, flow, state, stuck, direction) > 0:
         return direction
     return 0
+
+
+def _blurred(gap, x1, x2, G):
+    """Whether the rounding of x1 - x2 and of its sum with G could turn the sign of the gap function."""
+    y = x1 - x2
+    lost = abs(_difference_error(x1, x2, y)) + abs(_difference_error(y, -G, y + G))
+    return lost > 0 and abs(gap) <= lost
+
+
+def _difference_error(a, b, difference):
+    """What rounding took from a - b (Knuth's two-sum)."""
+    back = a - difference
+    return (a - (difference + back)) + (back - b)
 
 
 def _turning(scene, flow, state, mode, rate, factor):

@@ -32,8 +32,9 @@ class Certificate:
 
 
 def crosses(slope, bound, error):
-    """Whether a function that is zero here with this slope falls below -error: its upper parabola does.
+    """Whether a function that is zero here with this slope falls below -error: its upper parabola does,
+    which is lowest, at -slope^2 / (2 bound), where its slope is zero.
 
     bound: on its absolute second derivative ahead. A touch from above by less than `error` does not.
     """
-    return slope * slope > 2 * bound * error
+    return slope < 0 and -slope > 2 * bound * (error / -slope)

@@ -31,6 +31,7 @@ class ClosedFormSearch:
         self.reach = self.window = self.flow.regime.oscillator.window
         self.watched = (self.t0,) + (self.kit.number(0),) * 4
         self.stall = self.kit.number(1)
+        self.residues = {}  # what is left of a known zero by the rounding of the segment before
 
     def advance(self, limit):
         """March to the first event or to `limit`; returns (time, event function or NOTHING)."""
@@ -61,7 +62,9 @@ class ClosedFormSearch:
             known = self.known.get(function, 0)
             derivatives = [of.derivative(function, d, n) for n in range(JET_ORDER - 2)]
             order = leading_order(derivatives, known)
+            self.residues[function] = abs(derivatives[0]) if known > 0 else self.kit.number(0)
             if order >= JET_ORDER - 3:  # more zeros than the motion has modes: it rests at zero
+                self.functions = tuple(other for other in self.functions if other != function)
                 continue
             lead, bound = derivatives[order], of.bound(function, d, order + 2, self.window)
             if order == 0:
@@ -92,7 +95,8 @@ class ClosedFormSearch:
         d = self.flow.jet(4)
         for function in self.functions:
             value, slope = of.derivative(function, d, 0), of.derivative(function, d, 1)
-            noise, bound = of.noise(function), of.bound(function, d, 2, self.reach)
+            noise = of.noise(function) + self.residues[function]
+            bound = of.bound(function, d, 2, self.reach)
             if value < -noise or (value <= noise and slope <= 0):
                 self._certify_crossing(slope, bound, noise)
                 return function
@@ -102,7 +106,8 @@ class ClosedFormSearch:
             ahead = safe_step(self.kit, room if room > 0 else self.kit.number(0), slope, bound)
             if ahead < step:
                 step, rival, nearest = ahead, step, (function if slope < 0 else NOTHING)
-                alone, near = slope < 0 and 8 * value * bound < slope * slope, -2 * value / slope
+                near = -2 * value / slope
+                alone = slope < 0 and 4 * near * bound < -slope
                 course = slope, bound, noise
             elif ahead < rival:
                 rival = ahead
@@ -133,7 +138,7 @@ class ClosedFormSearch:
         self.reach = wanted if wanted < self.window else self.window
 
     def _certify_crossing(self, slope, bound, noise):
-        if slope >= 0 or not crosses(slope, bound, noise):
+        if not crosses(slope, bound, noise):
             self.certificate.doubt(self.t0)
 
     def _polish(self, function):
@@ -147,7 +152,8 @@ class ClosedFormSearch:
             d = self.flow.jet(4)
             value, slope = of.derivative(function, d, 0), of.derivative(function, d, 1)
             curvature, before = of.derivative(function, d, 2), self.t
-            step = -(2 * value * slope) / (2 * slope * slope - value * curvature)
+            newton = value / slope
+            step = -(2 * newton) / (2 - newton * (curvature / slope))
             self._move(step)
             self.t = self.t if self.t > start else start
             near = self.window if abs(curvature) * self.window < abs(slope) else abs(slope / curvature)

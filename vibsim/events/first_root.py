@@ -8,6 +8,7 @@ it) is divided out first.
 
 from math import inf
 
+TINY = 2.0**-960  # squares below it have lost digits to underflow
 FACTORIALS = (1, 1, 2, 6, 24, 120, 720, 5040, 40320, 362880, 3628800)
 
 
@@ -15,9 +16,17 @@ def safe_step(kit, q0, q1, bound):
     """Length of the stretch on which q0 + q1 t - bound t^2 / 2 is certainly positive.
 
     q0 >= 0: value; q1: slope; bound >= 0 on the absolute second derivative, all at the start of the stretch.
-    For q1 < 0 the cancellation-free form is used. Infinite where the parabola never comes down.
+    For q1 < 0 the cancellation-free form is used. Infinite where the parabola never comes down. The step does
+    not depend on the unit of f, so one that keeps squares from underflow is chosen where they would.
     """
-    root = kit.sqrt(q1 * q1 + 2 * bound * q0)
+    square = q1 * q1 + 2 * bound * q0
+    if square < TINY:
+        unit = max(q0, abs(q1), bound)
+        if unit == 0:
+            return inf
+        q0, q1, bound = q0 / unit, q1 / unit, bound / unit
+        square = q1 * q1 + 2 * bound * q0
+    root = kit.sqrt(square)
     if q1 < 0:
         return 2 * q0 / (root - q1)
     if bound == 0:

@@ -33,11 +33,10 @@ class PolynomialSearch:
             return None, False
         series = coefficients[order:]
         total, fall, curvature, swing, truncation = self._bounds(series, h)
-        noise = 4 * self.kit.eps * total
-        error = noise + truncation
+        error = 4 * self.kit.eps * total + truncation
         end, zero = None, False
         if series[0] - error - fall <= 0:
-            end, zero = self._march(series, noise, error, curvature, t0, h)
+            end, zero = self._march(series, error, curvature, t0, h)
         close = keep_margin and series[0] - fall < self.certificate.margin
         if close and self._may_turn(series, order, total, swing, h):
             self._watch_turns(coefficients, t0, h if end is None else end - t0)
@@ -72,24 +71,29 @@ class PolynomialSearch:
             return order * series[0] <= swing + order * (total - series[0])
         return len(series) > 1 and 2 * abs(series[1]) * h <= swing
 
-    def _march(self, series, noise, error, bound, t0, h):
+    def _march(self, series, error, bound, t0, h):
         """March by safe steps from t0; as `first_root`.
 
-        The function is proved positive where the polynomial stays above `error`. From there down to its zero,
-        the place of which only rounding blurs, it has to fall all the way: where it turns round between,
-        the stretch is in doubt.
+        The function is proved positive where the polynomial stays above `error`. Where it falls below, and is
+        sure to cross zero, one Newton step leads there. Otherwise the stretch is in doubt, and the march goes
+        on to where the value is zero but for its rounding.
         """
         zero = self.kit.number(0)
-        t, stall, floor, near = t0, self.kit.number(1), error, False
+        t, stall, near = t0, self.kit.number(1), False
+        floor = noise = error
         for _ in range(MARCH_LIMIT):
             tau = t - t0
             if tau > h:
                 return None, False
             value, slope = self._value_and_slope(series, tau)
             if value <= error and not near:
-                near, floor = True, noise
-                if slope >= 0 or not crosses(slope, bound, 2 * error):
-                    self.certificate.doubt(t0)
+                if crosses(slope, bound, 2 * error):
+                    root = tau - value / slope
+                    return (self.kit.exact(t0 + root), True) if root <= h else (None, False)
+                near = True
+                self.certificate.doubt(t0)
+            if near:
+                floor = noise = self._noise(series, tau)
             if value < -noise or (value <= noise and slope <= 0):
                 return t, True
             room = value - floor if value > floor else zero
@@ -107,6 +111,13 @@ class PolynomialSearch:
                 stall = self.kit.number(1)
             t = ahead
         return t, False
+
+    def _noise(self, series, tau):
+        """Rounding bound of the value at tau."""
+        total = abs(series[-1])
+        for coefficient in reversed(series[:-1]):
+            total = total * tau + abs(coefficient)
+        return 4 * self.kit.eps * total
 
     @staticmethod
     def _value_and_slope(series, tau):

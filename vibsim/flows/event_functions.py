@@ -57,8 +57,7 @@ class EventFunctions:
         value, rate, w0 = d[n], d[n + 1], regime.oscillator.w0
         size = abs(value) + abs(rate) * reach
         if w0 > 0:
-            ratio = rate / w0
-            energy = self.kit.sqrt(value * value + ratio * ratio)
+            energy = abs(value) + abs(rate) / w0
             if energy < size:
                 size = energy
         return size + regime.forced[n] * (reach * reach)

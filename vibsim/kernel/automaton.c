@@ -1,4 +1,5 @@
 /* The mode automaton; twin of vibsim/events/automaton.py and watch.py. */
+#include "certificate.h"
 #include "kernel.h"
 #include "numbers.h"
 
@@ -57,16 +58,39 @@ static int force_growth(Run *r, const State *state, Mode mode, int direction)
     return 0;
 }
 
+static double transmitted_force_size(const Scene *s, double y, double u, int contact)
+{
+    double size = s->k1 * fabs(y) + s->c * fabs(u);
+    return contact ? size + s->k2 * (fabs(y) + fabs(s->G)) : size;
+}
+
 static int friction_at_rest(Run *r, const State *state, Mode stuck)
 {
-    double force = transmitted_force(&r->scene, state->x1 - state->x2, state->v1 - state->v2, stuck.contact);
+    double y = state->x1 - state->x2, u = state->v1 - state->v2;
+    double force = transmitted_force(&r->scene, y, u, stuck.contact);
     int direction;
+    if (fabs(fabs(force) - r->scene.N) < 4 * EPS * transmitted_force_size(&r->scene, y, u, stuck.contact))
+        doubt(&r->certificate, state->t);
     if (fabs(force) < r->scene.N)
         return 0;
     direction = sign_of(force);
     if (fabs(force) > r->scene.N || force_growth(r, state, stuck, direction) > 0)
         return direction;
     return 0;
+}
+
+/* What rounding took from a - b (Knuth's two-sum). */
+static double difference_error(double a, double b, double difference)
+{
+    double back = a - difference;
+    return (a - (difference + back)) + (back - b);
+}
+
+/* Whether the rounding of x1 - x2 and of its sum with G could turn the sign of the gap function. */
+static int blurred(double gap, double x1, double x2, double G)
+{
+    double y = x1 - x2, lost = fabs(difference_error(x1, x2, y)) + fabs(difference_error(y, -G, y + G));
+    return lost > 0 && fabs(gap) <= lost;
 }
 
 void initial_mode(Run *r)
@@ -78,6 +102,8 @@ void initial_mode(Run *r)
     int contact = gap > 0 ? 1 : 0, friction = 1, i;
     for (i = 0; i < FUNCTIONS; i++)
         r->known.order[i] = 0;
+    if (s->has_stop != 0 && blurred(gap, state->x1, state->x2, s->stop_sign * s->G))
+        doubt(&r->certificate, state->t);
     if (s->has_friction != 0) {
         Mode stuck = {contact, 0, 0};
         friction = sign_of(state->v2);

@@ -25,7 +25,7 @@ static inline void keep_turn(Certificate *c, double value, double t)
 
 static inline int crosses(double slope, double bound, double error)
 {
-    return slope * slope > 2 * bound * error;
+    return slope < 0 && -slope > 2 * bound * (error / -slope);
 }
 
 #endif

@@ -33,7 +33,7 @@ static void adapt_reach(ClosedFormSearch *m, double step)
 
 static void certify_crossing(Run *r, double slope, double bound, double noise)
 {
-    if (slope >= 0 || !crosses(slope, bound, noise))
+    if (!crosses(slope, bound, noise))
         doubt(&r->certificate, r->closed.t0);
 }
 
@@ -46,13 +46,16 @@ static int lead(Run *r)
     m->leading = 0;
     closed_form_measure(f);
     closed_form_jet_here(f, JET_ORDER, d);
+    m->function_count = 0;
     for (i = 0; i < r->function_count; i++) {
         int function = r->functions[i], order = r->known.order[function];
         double first, bound, ahead;
         while (order < JET_ORDER - 2 && event_derivative(r, function, d, order) == 0)
             order++;
+        m->residues[function] = r->known.order[function] > 0 ? fabs(event_derivative(r, function, d, 0)) : 0.0;
         if (order >= JET_ORDER - 3)
             continue;
+        m->functions[m->function_count++] = function;
         first = event_derivative(r, function, d, order);
         bound = event_bound(r, function, d, order + 2, m->window);
         if (order == 0) {
@@ -148,12 +151,13 @@ static void polish(Run *r, int function)
     double start = m->t, d[6];
     int i;
     for (i = 0; i < POLISHING; i++) {
-        double value, slope, curvature, step, near, before = m->t;
+        double value, slope, curvature, newton, step, near, before = m->t;
         closed_form_jet_here(f, 4, d);
         value = event_derivative(r, function, d, 0);
         slope = event_derivative(r, function, d, 1);
         curvature = event_derivative(r, function, d, 2);
-        step = -(2 * value * slope) / (2 * slope * slope - value * curvature);
+        newton = value / slope;
+        step = -(2 * newton) / (2 - newton * (curvature / slope));
         move(r, step);
         m->t = m->t > start ? m->t : start;
         near = fabs(curvature) * m->window < fabs(slope) ? m->window : fabs(slope / curvature);
@@ -183,10 +187,11 @@ static int step_once(Run *r)
     closed_form_evaluate(r, m->t - f->t0);
     closed_form_measure(f);
     closed_form_jet_here(f, 4, d);
-    for (i = 0; i < r->function_count; i++) {
-        int function = r->functions[i];
+    for (i = 0; i < m->function_count; i++) {
+        int function = m->functions[i];
         double value = event_derivative(r, function, d, 0), slope = event_derivative(r, function, d, 1);
-        double noise = event_noise(r, function), bound = event_bound(r, function, d, 2, m->reach), room, ahead;
+        double noise = event_noise(r, function) + m->residues[function];
+        double bound = event_bound(r, function, d, 2, m->reach), room, ahead;
         if (value < -noise || (value <= noise && slope <= 0)) {
             certify_crossing(r, slope, bound, noise);
             return function;
@@ -199,8 +204,8 @@ static int step_once(Run *r)
             rival = step;
             step = ahead;
             nearest = slope < 0 ? function : NOTHING;
-            alone = slope < 0 && 8 * value * bound < slope * slope;
             near = -2 * value / slope;
+            alone = slope < 0 && 4 * near * bound < -slope;
             course[0] = slope;
             course[1] = bound;
             course[2] = noise;
@@ -236,7 +241,7 @@ double closed_form_advance(Run *r, double limit, int *function)
         if (*function != NOTHING)
             return m->t;
     }
-    if (r->function_count == 0)
+    if (m->function_count == 0)
         m->t = limit;
     for (i = 0; i < STEPS_PER_CALL; i++) {
         if (m->t >= limit)

@@ -40,7 +40,7 @@ static double bound_of_y(const ClosedForm *f, const double *d, int n, double rea
     const Regime *g = regime_of(f);
     double w0 = g->oscillator.w0, size = fabs(d[n]) + fabs(d[n + 1]) * reach;
     if (w0 > 0) {
-        double ratio = d[n + 1] / w0, energy = sqrt(d[n] * d[n] + ratio * ratio);
+        double energy = fabs(d[n]) + fabs(d[n + 1]) / w0;
         if (energy < size)
             size = energy;
     }

@@ -65,7 +65,8 @@ typedef struct {
 typedef struct {
     double t, reach, window, stall;
     double watched_t, watched_value, watched_slope, watched_curvature, watched_bound; /* the gap function, at its last point */
-    int leading;
+    double residues[FUNCTIONS]; /* what is left of a known zero by the rounding of the segment before */
+    int functions[FUNCTIONS], function_count, leading; /* those of the mode that do not rest at zero */
 } ClosedFormSearch;
 
 typedef struct {

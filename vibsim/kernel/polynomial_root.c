@@ -20,11 +20,20 @@ static void value_and_slope(const double *series, int count, double tau, double 
     *slope = s;
 }
 
-/* March by safe steps from t0; `error` proves a stretch, `noise` blurs the place of a zero. */
-static int march(Run *r, const double *series, int count, double noise, double error, double bound, double t0, double h,
-                 double *end)
+/* Rounding bound of the value at tau. */
+static double noise_at(const double *series, int count, double tau)
 {
-    double t = t0, stall = 1.0, floor = error;
+    double total = fabs(series[count - 1]);
+    int n;
+    for (n = count - 2; n >= 0; n--)
+        total = total * tau + fabs(series[n]);
+    return 4 * EPS * total;
+}
+
+/* March by safe steps from t0; `error` proves a stretch, the rounding of its value blurs the place of a zero. */
+static int march(Run *r, const double *series, int count, double error, double bound, double t0, double h, double *end)
+{
+    double t = t0, stall = 1.0, floor = error, noise = error;
     int near = 0, i;
     for (i = 0; i < MARCH_LIMIT; i++) {
         double tau = t - t0, value, slope, room, step, ahead;
@@ -32,11 +41,16 @@ static int march(Run *r, const double *series, int count, double noise, double e
             return POSITIVE;
         value_and_slope(series, count, tau, &value, &slope);
         if (value <= error && !near) {
+            if (crosses(slope, bound, 2 * error)) {
+                double zero = tau - value / slope;
+                *end = t0 + zero;
+                return zero <= h ? ZERO : POSITIVE;
+            }
             near = 1;
-            floor = noise;
-            if (slope >= 0 || !crosses(slope, bound, 2 * error))
-                doubt(&r->certificate, t0);
+            doubt(&r->certificate, t0);
         }
+        if (near)
+            floor = noise = noise_at(series, count, tau);
         if (value < -noise || (value <= noise && slope <= 0)) {
             *end = t;
             return ZERO;
@@ -113,7 +127,7 @@ int polynomial_first_root(Run *r, const double *coefficients, int count, int kno
                           double *end)
 {
     const double *series;
-    double total, fall = 0.0, curvature = 0.0, swing = 0.0, power = h, term = 0.0, before = 0.0, noise, error;
+    double total, fall = 0.0, curvature = 0.0, swing = 0.0, power = h, term = 0.0, before = 0.0, error;
     int order = known, n, outcome = POSITIVE;
     while (order < count && coefficients[order] == 0)
         order++;
@@ -134,10 +148,9 @@ int polynomial_first_root(Run *r, const double *coefficients, int count, int kno
         }
         power = power * h;
     }
-    noise = 4 * EPS * total;
-    error = noise + (before + term);
+    error = 4 * EPS * total + (before + term);
     if (series[0] - error - fall <= 0)
-        outcome = march(r, series, count - order, noise, error, curvature / (h * h), t0, h, end);
+        outcome = march(r, series, count - order, error, curvature / (h * h), t0, h, end);
     if (keep_margin && series[0] - fall < r->certificate.margin &&
         may_turn(series, count - order, order, total, swing, h))
         watch_turns(r, coefficients, count, t0, outcome == POSITIVE ? h : *end - t0);

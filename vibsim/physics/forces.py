@@ -27,6 +27,14 @@ def transmitted_force(scene, y, u, contact):
     return force
 
 
+def transmitted_force_size(scene, y, u, contact):
+    """Sum of the magnitudes of the terms of S [N]: what its rounding is proportional to."""
+    size = scene.k1 * abs(y) + scene.c * abs(u)
+    if contact:
+        size = size + scene.k2 * (abs(y) + abs(scene.G))
+    return size
+
+
 def source_force(scene, sine):
     """Force of the ideal source on block 1 [N], A sin(omega t) + F0, Eq. (2.1), with sine = sin(omega t)."""
     if scene.source != "harmonic":

@@ -95,7 +95,7 @@ class Scene:
 
     def sample_index(self, t: Number) -> int:
         """Index of the first sample at or after t [s]."""
-        i = int(t * self.every_den / self.every_num)
+        i = int(float(t) * self.every_den / self.every_num)
         while i > 0 and self.sample_time(i - 1) >= t:
             i -= 1
         while self.sample_time(i) < t:

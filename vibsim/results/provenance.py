@@ -73,10 +73,15 @@ def outcome(
     wall_time: float,
     complete: bool,
 ) -> dict[str, Any]:
-    """Attributes known at the end of a run. Times in s, `grazing_margin` and `rest_distance_needed` in m."""
+    """Attributes known at the end of a run; `certified` is 1 where every event is proved.
+
+    Times in s, `grazing_margin` and `rest_distance_needed` in m.
+    """
+    certified = {"certified": int(totals["uncertified"] == 0)} if "uncertified" in totals else {}
     known = {name: totals[name] for name in TOTALS if name in totals and math.isfinite(totals[name])}
     return {
         **known,
+        **certified,
         **({} if rest_distance_needed is None else {"rest_distance_needed": rest_distance_needed}),
         "t_reached_s": t_reached,
         "wall_time_s": wall_time,

@@ -1,0 +1,137 @@
+"""The certificate: a run without doubt has every event that the exact flow has, and no other."""
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import pytest
+from hypothesis import given, settings
+
+from tests.events.true_events import ExactFlow, stretches
+from tests.random_scenes import scenes
+from tests.scenes import fixed_block, harmonic, scene
+from tests.trajectories import ENGINES, run
+
+EPS = 2.0**-53
+METHODS = ("closed_form", "taylor")
+SAME_INSTANT = 1e-13  # of the run: events this close may come in either order
+NEAR = 1e-6  # of the run: far more than the square root of rounding, by which a near-grazing event may shift
+M1, K1, OMEGA_HZ, G = 0.5, 300.0, 2.5, 0.01
+OMEGA = 2 * math.pi * OMEGA_HZ
+STIFFNESS = K1 - M1 * OMEGA**2  # dynamic stiffness: steady state x1 = A / STIFFNESS sin(omega t)
+around = [(sign, k) for sign in (1, -1) for k in range(1, 13)]
+
+everywhere = pytest.mark.parametrize(("engine", "method"), [(e, m) for e in ENGINES for m in METHODS])
+
+
+def steady(excess, **changes):
+    """V5, started in its steady state, whose amplitude is G (1 + excess)."""
+    reach = G * (1 + excess)
+    source = harmonic(OMEGA_HZ, STIFFNESS * reach)
+    start = {"m1": M1, "k1": K1, "c": 0.0, "k2": 5000.0, "G": G, "stop_sign": -1, "v1": reach * OMEGA}
+    return fixed_block(source, **{**start, "t_end": 0.5, **changes})
+
+
+@everywhere
+@pytest.mark.parametrize(("sign", "k"), around)
+def test_grazing_amplitudes(engine, method, sign, k):
+    """V5 at amplitudes 1 +- 10^-k: contact where the cosine of the phase is 1 / (1 + 10^-k), or none."""
+    result = run(steady(sign * 10.0**-k, method=method), engine)
+    assert result.totals["uncertified"] == 0
+    if sign < 0:
+        assert result.kinds == []
+        assert result.totals["grazing_margin"] == pytest.approx(G * 10.0**-k, abs=64 * EPS * G)
+    else:
+        assert result.kinds[:2] == ["contact_begin", "contact_end"]
+        before_peak = math.acos(1 / (1 + 10.0**-k)) / OMEGA
+        # the phase from the peak is sqrt(2 10^-k): an error of 32 eps in x1 shifts it by that over its square
+        spread = 32 * EPS / 10.0**-k * before_peak
+        assert 0.1 - result.times[0] == pytest.approx(before_peak, abs=spread + 1e-16)
+
+
+@everywhere
+def test_a_touch_below_rounding_is_in_doubt(engine, method):
+    result = run(steady(0.0, method=method), engine)
+    assert result.totals["uncertified"] > 0
+    assert 0.0 <= result.totals["first_uncertified_time"] <= 0.1
+
+
+@everywhere
+@pytest.mark.parametrize("k", range(2, 13, 2))
+def test_two_events_within_one_step(engine, method, k):
+    """A touch so short that it begins and ends between two steps; a weak stop lets the motion go on."""
+    result = run(steady(10.0**-k, method=method, k2=1e-3, t_end=0.15), engine)
+    assert result.kinds == ["contact_begin", "contact_end"]
+    assert result.totals["uncertified"] == 0
+    first, last = result.times
+    length = 2 * math.acos(1 / (1 + 10.0**-k)) / OMEGA
+    assert last - first == pytest.approx(length, rel=1e-5 + 64 * EPS / 10.0**-k)
+
+
+@everywhere
+@pytest.mark.parametrize(("sign", "k"), around)
+def test_release_at_the_peak_of_the_force(engine, method, sign, k):
+    """Block 2 sticks while k1 x1 <= N: with N = k1 X (1 + 10^-k) it holds, with 1 - 10^-k it lets go."""
+    reach = 0.01
+    limit = K1 * reach * (1 + sign * 10.0**-k)
+    source = harmonic(OMEGA_HZ, STIFFNESS * reach)
+    blocks = {"m1": M1, "m2": 50.0, "k1": K1, "c": 0.0, "k2": None, "G": None, "N": limit}
+    stuck = scene(source, **blocks, v1=reach * OMEGA, t_end=0.15, method=method)
+    result = run(stuck, engine)
+    assert result.totals["uncertified"] == 0
+    if sign > 0:
+        assert result.kinds == []
+    else:
+        assert result.kinds[0] == "stick_end"
+        before_peak = math.acos(1 - 10.0**-k) / OMEGA
+        spread = 32 * EPS / 10.0**-k * before_peak
+        assert 0.1 - result.times[0] == pytest.approx(before_peak, abs=spread + 1e-16)
+
+
+def missed(scene):
+    """(stretches of a run that the exact flow from their start passes otherwise, its certificate)."""
+    found, certificate = stretches(scene)
+    exact, later = ExactFlow(scene), SAME_INSTANT * scene.t_end
+    wrong = []
+    for stretch, following in pairwise([*found, None]):
+        kind, t = exact.first_event(stretch, min(stretch.end + NEAR * scene.t_end, scene.t_end))
+        crowd = following is not None and following.end - stretch.end <= later
+        if stretch.kind:
+            right = kind == stretch.kind and abs(t - stretch.end) <= NEAR * scene.t_end
+            right = right or (crowd and kind == following.kind)
+        else:
+            right = kind == "" or stretch.end - t <= later  # one at the very end belongs to the next stretch
+        if not right:
+            wrong.append((stretch, kind, t))
+    return wrong, certificate
+
+
+def assert_none_missed(scene):
+    wrong, certificate = missed(scene)
+    assert not wrong or certificate.uncertified > 0, (scene, wrong)
+
+
+@settings(max_examples=100)
+@given(scenes(sources=("none", "harmonic"), features=False))
+def test_random_scenes_by_closed_form(scene):
+    assert_none_missed(replace(scene, method="closed_form"))
+
+
+@settings(max_examples=100)
+@given(scenes(features=False, radians=20.0))
+def test_random_scenes_by_taylor(scene):
+    assert_none_missed(replace(scene, method="taylor"))
+
+
+@pytest.mark.slow
+@settings(max_examples=4000)
+@given(scenes(sources=("none", "harmonic")))
+def test_many_random_scenes_by_closed_form(scene):
+    assert_none_missed(replace(scene, method="closed_form"))
+
+
+@pytest.mark.slow
+@settings(max_examples=4000)
+@given(scenes())
+def test_many_random_scenes_by_taylor(scene):
+    assert_none_missed(replace(scene, method="taylor"))
