@@ -61,6 +61,7 @@ def test_chaotic_motion(name, num, den):
     sums = growth(replace(scene, t_end=end / den), num, den)
     theirs = (sums[-1] - sums[100]) / ((end - begin) / den)
     found = exponents(replace(scene, t_end=end / den), count=1, begin=begin / den)
-    # the two measure distances differently, by a factor of three at most: log 3 over 130 s
-    assert found.exponents[0] == pytest.approx(theirs, abs=0.01)
+    # the two measure distances differently, by a factor of three at most: log 3 over 130 s; and a kick that
+    # crosses a near-grazing of the orbit grows otherwise than its tangent does, by up to log 30 once or twice
+    assert found.exponents[0] == pytest.approx(theirs, abs=0.05)
     assert theirs > 0.3

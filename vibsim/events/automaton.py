@@ -36,6 +36,8 @@ def initial_mode(scene, flow, state):
     violated = 0
     if scene.rest_distance is not None:
         violated = 1 if y > scene.rest_distance else 0
+        if _blurred(y - scene.rest_distance, state.x1, state.x2, -scene.rest_distance):
+            flow.certificate.doubt(state.t)
         if y == scene.rest_distance:
             violated = 1 if _turning(scene, flow, state, Mode(contact, friction), u, 1) > 0 else 0
             known[CLEARANCE] = 1
@@ -111,11 +113,11 @@ def _friction_at_rest(scene, flow, state, stuck):
     return 0
 
 
-def _blurred(gap, x1, x2, G):
-    """Whether the rounding of x1 - x2 and of its sum with G could turn the sign of the gap function."""
+def _blurred(value, x1, x2, distance):
+    """Whether the rounding of x1 - x2 and of its sum with `distance` could turn the sign of `value`."""
     y = x1 - x2
-    lost = abs(_difference_error(x1, x2, y)) + abs(_difference_error(y, -G, y + G))
-    return lost > 0 and abs(gap) <= lost
+    lost = abs(_difference_error(x1, x2, y)) + abs(_difference_error(y, -distance, y + distance))
+    return lost > 0 and abs(value) <= lost
 
 
 def _difference_error(a, b, difference):

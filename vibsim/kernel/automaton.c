@@ -86,11 +86,12 @@ static double difference_error(double a, double b, double difference)
     return (a - (difference + back)) + (back - b);
 }
 
-/* Whether the rounding of x1 - x2 and of its sum with G could turn the sign of the gap function. */
-static int blurred(double gap, double x1, double x2, double G)
+/* Whether the rounding of x1 - x2 and of its sum with `distance` could turn the sign of `value`. */
+static int blurred(double value, double x1, double x2, double distance)
 {
-    double y = x1 - x2, lost = fabs(difference_error(x1, x2, y)) + fabs(difference_error(y, -G, y + G));
-    return lost > 0 && fabs(gap) <= lost;
+    double y = x1 - x2, sum = y + distance;
+    double lost = fabs(difference_error(x1, x2, y)) + fabs(difference_error(y, -distance, sum));
+    return lost > 0 && fabs(value) <= lost;
 }
 
 void initial_mode(Run *r)
@@ -120,6 +121,8 @@ void initial_mode(Run *r)
     r->mode.contact = contact;
     r->mode.friction = friction;
     r->mode.violated = s->has_rest != 0 && y > s->rest_distance ? 1 : 0;
+    if (s->has_rest != 0 && blurred(y - s->rest_distance, state->x1, state->x2, -s->rest_distance))
+        doubt(&r->certificate, state->t);
     if (s->has_rest != 0 && y == s->rest_distance) {
         Mode near = {contact, friction, 0};
         r->mode.violated = turning(r, state, near, u, 1) > 0 ? 1 : 0;
