@@ -11,8 +11,8 @@ may take steps that are too long for its disturbances: then these go in pieces.
 
 from math import log
 
+from vibsim.flows.taylor_volume import log_volume
 from vibsim.physics.disturbance import DV2
-from vibsim.physics.gauss_nodes import NODES, WEIGHTS
 from vibsim.physics.numbers import horner
 
 REACH = 1.25  # how much further than exp(-t) of the same order the steps of ordinary vibrations go, at most
@@ -149,32 +149,9 @@ class TaylorTangent:
         tail = tail + s[n + 1] * w[0]
         return tail, back
 
-    def log_volume(self, t, end):
-        """Logarithm of the growth of a volume of (y, v1, v2, phi, w) from t to `end` [s] (Liouville).
-
-        With momenta p = M(phi) v only damping shrinks a volume of (x, p), by exp(-int tr(C M^-1) dt); one of
-        (x, v) differs from it by det M.
-        """
-        scene, flow = self.scene, self.flow
-        rate = scene.c * flow.per_m1 if not self.motor else self.kit.number(0)
-        if not flow.locked:
-            rate = rate + scene.c * flow.per_m2
-        fixed = -(rate * (end - t))
-        if not self.motor:
-            return fixed
-        mass, inertia = scene.m1 + scene.m3, scene.J + flow.unbalance * scene.e
-        share = self.kit.number(0)
-        for node, weight in zip(NODES, WEIGHTS, strict=True):
-            share = share + weight / self._determinant(node * self.tau)
-        damped = (scene.c * inertia + self.drag * mass) * (self.tau * share)
-        kit = self.kit
-        return fixed - damped - kit.log(self._determinant(self.tau) / self._determinant(kit.number(0)))
-
-    def _determinant(self, tau):
-        """det M = (m1 + m3)(J + m3 e^2) - (m3 e s)^2 at tau after the expansion point."""
-        scene, flow = self.scene, self.base
-        coupling = flow.unbalance * self.kit.sin(horner(flow.phi, tau))
-        return (scene.m1 + scene.m3) * (scene.J + flow.unbalance * scene.e) - coupling * coupling
+    def log_volume(self, _t, _end):
+        """Logarithm of the growth of a volume of disturbances over the piece prepared last (Liouville)."""
+        return log_volume(self.scene, self.kit, self.base, self.tau)
 
 
 def chained(zero, c, a, n):

@@ -6,8 +6,8 @@
  * events/closed_form_search.py, taylor.c flows/taylor.py, polynomial_root.c events/polynomial_root.py, certificate.h
  * events/certificate.py, turning_point.h events/turning_point.py,
  * automaton.c events/automaton.py, driver.c kernel/driver.py, stroboscopic.c kernel/stroboscopic.py, ledger.c kernel/ledger.py,
- * closed_form_tangent.c flows/closed_form_tangent.py, taylor_tangent.c flows/taylor_tangent.py, tangencies.c events/tangencies.py and
- * events/saltation.py, tangent_bundle.c kernel/tangent_bundle.py.
+ * closed_form_tangent.c flows/closed_form_tangent.py, taylor_tangent.c flows/taylor_tangent.py, taylor_volume.c
+ * flows/taylor_volume.py, tangencies.c events/tangencies.py and events/saltation.py, tangent_bundle.c kernel/tangent_bundle.py.
  */
 #ifndef VIBSIM_KERNEL_H
 #define VIBSIM_KERNEL_H
@@ -192,6 +192,9 @@ double closed_form_tangent_move(Run *r, double t, double end);
 void taylor_tangent_set(Run *r);
 double taylor_tangent_piece_end(const Run *r, double t, double end);
 double taylor_tangent_move(Run *r, double t, double end);
+
+/* taylor_volume.c */
+double taylor_log_volume(const Run *r, double tau);
 
 /* tangencies.c */
 double reversal_factor(const Run *r, const State *state, int contact);

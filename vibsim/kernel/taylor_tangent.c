@@ -1,5 +1,4 @@
 /* Disturbances along one step of the Taylor flow; twin of vibsim/flows/taylor_tangent.py. */
-#include "gauss_nodes.h"
 #include "kernel.h"
 #include "numbers.h"
 #include "pair.h"
@@ -197,35 +196,6 @@ double taylor_tangent_piece_end(const Run *r, double t, double end)
     return t < ahead && ahead < end ? ahead : end;
 }
 
-static double determinant(const Run *r, double tau)
-{
-    const Scene *s = &r->scene;
-    const Taylor *f = &r->taylor;
-    double phi[SERIES], coupling;
-    int n;
-    for (n = 0; n <= f->order + 1; n++)
-        phi[n] = f->table[n][PHI];
-    coupling = f->unbalance * sin(horner(phi, f->order + 2, tau));
-    return (s->m1 + s->m3) * (s->J + f->unbalance * s->e) - coupling * coupling;
-}
-
-static double log_volume(const Run *r, double tau)
-{
-    const Scene *s = &r->scene;
-    const Taylor *f = &r->taylor;
-    double rate = s->has_motor != 0 ? 0.0 : s->c * f->per_m1, fixed, share = 0, damped;
-    int i;
-    if (!f->locked)
-        rate = rate + s->c * f->per_m2;
-    fixed = -(rate * tau);
-    if (s->has_motor == 0)
-        return fixed;
-    for (i = 0; i < NODE_COUNT; i++)
-        share = share + WEIGHTS[i] / determinant(r, NODES[i] * tau);
-    damped = (s->c * (s->J + f->unbalance * s->e) + s->M0 / s->Omega0 * (s->m1 + s->m3)) * (tau * share);
-    return fixed - damped - log(determinant(r, tau) / determinant(r, 0.0));
-}
-
 double taylor_tangent_move(Run *r, double t, double end)
 {
     double volume, steps = r->steps;
@@ -238,7 +208,7 @@ double taylor_tangent_move(Run *r, double t, double end)
         taylor_enter(r, &state, r->mode);
     }
     move(r, end - t);
-    volume = r->tangent.complete ? log_volume(r, end - t) : 0.0;
+    volume = r->tangent.complete ? taylor_log_volume(r, end - t) : 0.0;
     if (anew) {
         r->taylor = kept;
         r->steps = steps;
