@@ -121,7 +121,7 @@ def _open(touches: int) -> str:
 def certificate(result: Result) -> str:
     """What the run says of its own event search."""
     uncertified = int(result.attrs["uncertified"])
-    return "certified" if uncertified == 0 else f"{uncertified} stretches without proof"
+    return "certified" if uncertified == 0 else f"{uncertified} stretches in doubt"
 
 
 def events_of(result: Result) -> list[Event]:
