@@ -63,6 +63,7 @@ def code_for(error: Exception) -> int | None:
     from vibsim.plots.errors import PlotError
     from vibsim.results import ResultFileError
     from vibsim.sweeps.cluster import ClusterError
+    from vibsim.sweeps.plan import PlanError
 
     codes: dict[type[Exception], int] = {
         CaseError: INVALID_CASE,
@@ -70,6 +71,7 @@ def code_for(error: Exception) -> int | None:
         PlotError: click.UsageError.exit_code,
         ResultFileError: FILE_TROUBLE,
         ClusterError: RUN_FAILED,
+        PlanError: click.UsageError.exit_code,
     }
     return next((code for kind, code in codes.items() if isinstance(error, kind)), None)
 

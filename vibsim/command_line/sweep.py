@@ -102,19 +102,22 @@ class KeyRange(click.ParamType):
 @click.option(
     "--scheduler", metavar="ADDRESS", help="Compute on the workers of this dask scheduler, such as tcp://host:8786."
 )
+@click.option(
+    "--shard", metavar="K/N", help="Only part K of N of the longest axis, into a file of its own."
+)
 @click.option("-o", "--output", type=FILE, metavar="FILE", help="Output file. [default: CASE-AXES.h5]")
 @click.option("--force", is_flag=True, help="Replace an output file that holds something else.")
 @click.pass_context
 def command(
     ctx, source, omega0, omega, params, ensemble, seed, spreads, computed, changes, t_end, method, engine,
-    jobs, scheduler, output, force, **settings
+    jobs, scheduler, shard, output, force, **settings
 ):  # fmt: skip
     """Run CASE at every point of a grid and store statistics of each run.
 
     CASE is a YAML file, the name of a shipped case, - for standard input, or an HDF5 file of `vibsim run`.
     """
     from vibsim.command_line.run_plan import check_engine
-    from vibsim.command_line.sweep_jobs import read_plan, run_sweep, workers_for
+    from vibsim.command_line.sweep_jobs import read_plan, run_sweep, sharded, workers_for
 
     check_engine(engine)
     if source is None:
@@ -127,4 +130,5 @@ def command(
     axes = [axis for axis in axes if axis[1] is not None] + [(key, text, "") for key, text in params]
     settings["compute"] = [name.strip() for name in computed.split(",") if name.strip()]
     plan = read_plan(source, values, axes, (ensemble or 0, seed, spreads), settings)
+    plan, output = sharded(plan, shard, output)
     return run_sweep(plan, output, workers_for(plan, jobs, scheduler, engine), engine, force, ctx.obj)

@@ -17,6 +17,7 @@ from vibsim.command_line.summary import print_json, print_lines, size
 from vibsim.sweeps.columns import FAILED, MISSING
 from vibsim.sweeps.description import facts, sweep_lines
 from vibsim.sweeps.plan import UP, Plan, PlanError
+from vibsim.sweeps.shard import read_shard, shard
 from vibsim.sweeps.store import FileStore
 from vibsim.sweeps.sweeping import complete, make_plan, open_workers, read_ensemble
 from vibsim.sweeps.table import Table
@@ -57,6 +58,18 @@ def read_plan(
     return plan
 
 
+def sharded(plan: Plan, text: str | None, output: str | None) -> tuple[Plan, str]:
+    """The part of a plan that --shard asks for, and the file for it. Raises UsageError."""
+    name = f"{plan.case.name}-{'-'.join(axis.name for axis in plan.axes)}"
+    if text is None:
+        return plan, output or f"{name}.h5"
+    try:
+        number, parts = read_shard(text)
+        return shard(plan, number, parts), output or f"{name}-{number:0{len(str(parts))}}of{parts}.h5"
+    except PlanError as error:
+        raise click.UsageError(f"--shard: {error}") from None
+
+
 def workers_for(plan: Plan, jobs: int | None, scheduler: str | None, engine: str) -> Workers:
     """The workers that the options name. Raises UsageError."""
     try:
@@ -66,10 +79,10 @@ def workers_for(plan: Plan, jobs: int | None, scheduler: str | None, engine: str
 
 
 def run_sweep(
-    plan: Plan, output: str | None, workers: Workers, engine: str, force: bool, settings: Settings
+    plan: Plan, output: str, workers: Workers, engine: str, force: bool, settings: Settings
 ) -> int:
     """Run or complete a sweep; returns the exit code."""
-    path = Path(output or f"{plan.case.name}-{'-'.join(axis.name for axis in plan.axes)}.h5")
+    path = Path(output)
     began = time.perf_counter()
     with Interruption() as interruption, workers:
         store = FileStore(plan, path, engine, force)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from vibsim.sweeps.description import describe
+    from vibsim.sweeps.joining import join
     from vibsim.sweeps.plan import PlanError
     from vibsim.sweeps.sweep_result import SweepResult, open_sweep
     from vibsim.sweeps.sweeping import sweep
@@ -19,11 +20,12 @@ _HOMES = {
     "PlanError": "vibsim.sweeps.plan",
     "SweepResult": "vibsim.sweeps.sweep_result",
     "describe": "vibsim.sweeps.description",
+    "join": "vibsim.sweeps.joining",
     "open_sweep": "vibsim.sweeps.sweep_result",
     "sweep": "vibsim.sweeps.sweeping",
 }
 
-__all__ = ["PlanError", "SweepResult", "describe", "open_sweep", "sweep"]
+__all__ = ["PlanError", "SweepResult", "describe", "join", "open_sweep", "sweep"]
 
 
 def __getattr__(name: str):

@@ -17,6 +17,8 @@ from vibsim.cases.units import UNITS, si_unit
 if TYPE_CHECKING:
     from vibsim.cases import Case
 
+MOST_TRIED = 1000  # values of an axis; trying one takes 0.1 ms
+MOST_LISTED = 1000  # values in an attribute of the file, which holds 64 kB; more must be evenly spaced
 SCALE_NAMES = {"excitation.Omega0": "omega0", "rest_distance.value": "rest_distance"}
 
 
@@ -62,12 +64,20 @@ class Axis:
 
     def plain(self) -> dict[str, Any]:
         """The axis as plain data for JSON; `from_plain` reads it back."""
-        return {"key": self.key, "unit": self.unit, "values": [decimal_text(value) for value in self.values]}
+        data: dict[str, Any] = {"key": self.key, "unit": self.unit}
+        step = (self.values[-1] - self.values[0]) / max(len(self) - 1, 1)
+        if len(self) > MOST_LISTED and all(high - low == step for low, high in pairwise(self.values)):
+            ends = {"from": decimal_text(self.values[0]), "step": decimal_text(step)}
+            return {**data, **ends, "count": len(self)}
+        return {**data, "values": [decimal_text(value) for value in self.values]}
 
     @staticmethod
     def from_plain(data: Mapping[str, Any]) -> "Axis":
         """The axis that `plain` wrote down."""
-        return Axis(data["key"], data["unit"], tuple(map(Fraction, data["values"])))
+        if "values" in data:
+            return Axis(data["key"], data["unit"], tuple(map(Fraction, data["values"])))
+        first, step = Fraction(data["from"]), Fraction(data["step"])
+        return Axis(data["key"], data["unit"], tuple(first + i * step for i in range(data["count"])))
 
     def part(self, begin: int, end: int) -> "Axis":
         """The axis with its values at positions `begin` to `end - 1`."""
@@ -123,8 +133,12 @@ def _in_one_unit(values: list[RangeValue]) -> list[RangeValue]:
 
 
 def _check(case: "Case", axis: Axis, option: str) -> None:
-    """Try every value; a CaseError names the option instead of --set."""
-    for position in range(len(axis)):
+    """Try the values, of a long axis some and both ends; a CaseError names the option instead of --set.
+
+    What a case allows is a span of numbers, so that the ends tell; a point that it does not allow all the
+    same fails alone.
+    """
+    for position in sorted({round(i) for i in np.linspace(0, len(axis) - 1, min(len(axis), MOST_TRIED))}):
         try:
             case.with_values({axis.key: axis.text(position)})
         except CaseError as error:

@@ -63,9 +63,14 @@ def _axis(axis: Mapping[str, Any] | None) -> str:
         return "not swept"
     if "seed" in axis:
         return str(axis_from_plain(axis))
-    values, unit = axis["values"], axis["unit"]
-    text = ", ".join(values) if len(values) <= 3 else f"{values[0]}, {values[1]}, ... {values[-1]}"
-    return f"{text} {unit}".strip() + f" ({len(values)} values)"
+    read = axis_from_plain(axis)
+    values = [read.text(i).removesuffix(read.unit).strip() for i in _few(len(read))]
+    text = ", ".join(values if len(read) <= 3 else [*values[:2], f"... {values[2]}"])
+    return f"{text} {read.unit}".strip() + f" ({len(read)} values)"
+
+
+def _few(count: int) -> list[int]:
+    return list(range(count)) if count <= 3 else [0, 1, count - 1]
 
 
 def _words(value: Any) -> str:

@@ -1,18 +1,20 @@
 """Where the points of a running sweep are kept: in memory and the journal at once, on file now and then."""
 
 import time
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 from vibsim.results.errors import ResultFileError
 from vibsim.results.output_file import check_output
+from vibsim.sweeps.capacity import check_memory
 from vibsim.sweeps.differences import differences
 from vibsim.sweeps.journal import Journal
 from vibsim.sweeps.plan import Plan
 from vibsim.sweeps.point import Point
 from vibsim.sweeps.provenance import origin, outcome
-from vibsim.sweeps.sweep_file import fill, read_sweep_attrs, write_sweep
+from vibsim.sweeps.sweep_file import read_column, read_sweep_attrs, write_sweep
 from vibsim.sweeps.table import Table
 
 LEAST_PAUSE = 10.0  # seconds between two writings of the HDF5 file while points come in
@@ -23,6 +25,7 @@ class Store:
     """The points of one sweep. `table` holds them; `add` takes more."""
 
     def __init__(self, plan: Plan, engine: str = "auto"):
+        check_memory(plan)
         self.plan = plan
         self.attrs: dict[str, Any] = origin(plan, engine)
         self.table = Table(plan)
@@ -70,7 +73,7 @@ class FileStore(Store):
         if self.path.exists():
             attrs = read_sweep_attrs(self.path)
             self._refuse(differences(self.plan, attrs))
-            fill(self.table, self.path)
+            self.table.fill(partial(read_column, self.path, self.plan))
             self.attrs["date_created"] = attrs["date_created"]
             self._on_file = True
         fingerprint, points = self._journal.read()

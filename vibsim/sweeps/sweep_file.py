@@ -143,12 +143,9 @@ def read_sweep_attrs(path: Path) -> dict[str, Any]:
         return read_attrs(file)
 
 
-def fill(table: Table, path: Path) -> None:
-    """Fill a table of the same plan with the points in a file."""
+def read_column(path: Path, plan: Plan, name: str) -> np.ndarray:
+    """One column of the file of a sweep, or its status, sha256 or error; NaN where the file has it not."""
     with opened(path) as file:
-        for name, array in table.numbers.items():
-            if name in file:
-                array[...] = file[name][...]
-        table.status[...] = file["status"][...]
-        for name in ("sha256", "error"):
-            getattr(table, name)[...] = file[name].asstr()[...]
+        if name in ("sha256", "error"):
+            return file[name].asstr()[...]
+        return file[name][...] if name in file or name == "status" else np.full(plan.shape_of(name), np.nan)

@@ -4,22 +4,23 @@ import json
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from vibsim.cases import Case
+from vibsim.results.output_file import check_output
 from vibsim.sweeps.axis import Axis
-from vibsim.sweeps.columns import DONE, Column
+from vibsim.sweeps.columns import DONE, MISSING, Column
 from vibsim.sweeps.discard import parse_discard
 from vibsim.sweeps.ensemble import Share, Summary, share, summary
 from vibsim.sweeps.members import Members, axis_from_plain
 from vibsim.sweeps.plan import DIRECTION_FLAGS, Index, Plan
 from vibsim.sweeps.recipe import Start
-from vibsim.sweeps.sweep_file import fill, read_sweep_attrs
-from vibsim.sweeps.table import Table
+from vibsim.sweeps.sweep_file import read_column, read_sweep_attrs, write_sweep
+from vibsim.sweeps.table import TEXTS_AND_STATUS, Table
 
 
 class SweepResult:
@@ -27,16 +28,28 @@ class SweepResult:
 
     `sweep["mean_speed"]` is an array over the axes and, last, the direction; `sweep["section_displacement"]`
     has the stroboscopic points as one more dimension. What was not computed, or does not apply, is NaN.
-    `sweep.attrs` says where it comes from and what came of it.
+    `sweep.attrs` says where it comes from and what came of it. What lies on file is read, column by column,
+    when it is asked for.
     """
 
-    def __init__(self, attrs: dict[str, Any], plan: Plan, read_table: Callable[[], Table]):
-        self.attrs, self.plan, self._read_table = attrs, plan, read_table
+    def __init__(
+        self,
+        attrs: dict[str, Any],
+        plan: Plan,
+        read: Callable[[str], np.ndarray],
+        table: Table | None = None,
+    ):
+        self.attrs, self.plan = attrs, plan
+        self._read = cache(read)
+        if table is not None:
+            self.table = table
 
     @cached_property
     def table(self) -> Table:
-        """All points; of a file, read when the first of them is asked for."""
-        return self._read_table()
+        """All points at once."""
+        table = Table(self.plan)
+        table.fill(self._read)
+        return table
 
     def __getitem__(self, name: str) -> np.ndarray:
         for axis in self.plan.axes:
@@ -45,11 +58,9 @@ class SweepResult:
         drawn = self._drawn()
         if name in drawn:
             return drawn[name]
-        if name in ("status", "sha256", "error"):
-            return getattr(self.table, name)
-        if name not in self.table.numbers:
+        if name not in (*self.plan.columns, *TEXTS_AND_STATUS):
             raise KeyError(f"no {name}; this sweep has {', '.join(self.keys())}")
-        return self.table.numbers[name]
+        return self._read(name)
 
     def __contains__(self, name: object) -> bool:
         return name in self.keys()
@@ -60,7 +71,7 @@ class SweepResult:
     def keys(self) -> list[str]:
         """Names of the axes and of what is known per point."""
         names = [axis.name for axis in self.axes]
-        return [*names, *self._drawn(), *self.table.numbers, "status", "sha256", "error"]
+        return [*names, *self._drawn(), *self.plan.columns, *TEXTS_AND_STATUS]
 
     @property
     def axes(self) -> tuple[Axis | Members, ...]:
@@ -112,7 +123,7 @@ class SweepResult:
     @property
     def complete(self) -> bool:
         """Whether every point was computed."""
-        return self.table.complete
+        return bool((self["status"] != MISSING).all())
 
     def column(self, name: str) -> Column:
         """Unit and definition of what `self[name]` holds."""
@@ -132,10 +143,19 @@ class SweepResult:
                 start = point.end if point.done else start
         return start
 
+    def save(self, path: str | Path, force: bool = False) -> Path:
+        """Write the sweep to an HDF5 file; its absolute path.
+
+        Raises ResultFileError where it cannot be written, or is there and `force` is not given.
+        """
+        target = check_output(path, force)
+        write_sweep(target, self.plan, self.table, self.attrs)
+        return target
+
     def __repr__(self) -> str:
         axes = " x ".join(f"{len(axis)} {axis}" for axis in self.axes)
         done, count = self.attrs["points_done"], self.attrs["points"]
-        names = ", ".join(self.table.numbers)
+        names = ", ".join(self.plan.columns)
         return f"<SweepResult {self.case.name}: {axes}, {done} of {count} points; {names}>"
 
 
@@ -143,13 +163,7 @@ def open_sweep(path: str | Path) -> SweepResult:
     """The SweepResult in an HDF5 file. Raises ResultFileError where it holds none."""
     attrs = read_sweep_attrs(Path(path))
     plan = plan_from(attrs)
-
-    def read_table() -> Table:
-        table = Table(plan)
-        fill(table, Path(path))
-        return table
-
-    return SweepResult(attrs, plan, read_table)
+    return SweepResult(attrs, plan, partial(read_column, Path(path), plan))
 
 
 def plan_from(attrs: dict[str, Any]) -> Plan:

@@ -150,7 +150,7 @@ def complete(store: Store, workers: Workers, watch: Watch | None = None) -> tupl
     """Complete a store; the result, and whether every point was reached."""
     with store:
         finished = run(store, workers, watch)
-    return SweepResult(store.all_attrs, store.plan, lambda: store.table), finished
+    return SweepResult(store.all_attrs, store.plan, store.table.column, store.table), finished
 
 
 def _interval(text: str) -> Fraction:

@@ -1,12 +1,14 @@
 """The points of a sweep as arrays by name, over the axes and the direction."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
 from vibsim.sweeps.columns import DONE, FAILED, MISSING
 from vibsim.sweeps.plan import Index, Plan
 from vibsim.sweeps.point import Point
+
+TEXTS_AND_STATUS = ("status", "sha256", "error")
 
 
 class Table:
@@ -26,6 +28,15 @@ class Table:
         self.status = np.full(shape, MISSING, dtype="i1")
         self.sha256 = np.full(shape, "", dtype=object)
         self.error = np.full(shape, "", dtype=object)
+
+    def column(self, name: str) -> np.ndarray:
+        """A column of numbers, or status, sha256 or error."""
+        return getattr(self, name) if name in TEXTS_AND_STATUS else self.numbers[name]
+
+    def fill(self, read: Callable[[str], np.ndarray]) -> None:
+        """Take over all columns as `read` gives them."""
+        for name in (*self.numbers, *TEXTS_AND_STATUS):
+            self.column(name)[...] = read(name)
 
     def put(self, point: Point) -> None:
         """Store a point, in place of what was there; what is shorter than its dimension gets NaN in front."""
