@@ -22,9 +22,9 @@ def check_memory(plan: Plan) -> None:
     needed = plan.count * each
     if there and needed > SHARE * there:
         raise PlanError(
-            f"{plan.count:,} points of {each} bytes take {needed / 1e9:.3g} GB of memory, and this machine has"
-            f" {there / 1e9:.3g} GB; share them out among files (--shard K/N), or keep fewer stroboscopic points"
-            " (--section)"
+            f"{plan.count:,} points of {each} bytes take {needed / 1e9:.3g} GB of memory, and this machine"
+            f" has {there / 1e9:.3g} GB; share them out among files (--shard K/N), or keep fewer"
+            " stroboscopic points (--section)"
         )
 
 
