@@ -7,7 +7,7 @@ STAMP := $(VENV)/installed
 KERNEL := $(wildcard vibsim/kernel/*.c vibsim/kernel/*.h)
 PAPER := I-A I-B I-C I-A-eq211 I-B-eq211 I-C-eq211 II-A II-B II-C
 
-.PHONY: help env run test verify lint figures sweep bench budgets truths clean
+.PHONY: help env run paper test verify lint figures sweep bench budgets truths clean
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -24,6 +24,9 @@ run: $(STAMP) ## run case II-B and plot it: results/II-B.h5, results/II-B.png
 	mkdir -p results
 	$(BIN)/vibsim run cases/II-B.yaml -o results/II-B.h5 --force
 	$(BIN)/vibsim plot results/II-B.h5 -o results/II-B.png --force
+
+paper: $(STAMP) ## reproduce and audit the paper: results/paper/report.html
+	$(BIN)/vibsim paper -o results/paper
 
 test: $(STAMP) ## run the test suite in parallel
 	$(BIN)/python -m pytest -n auto -q

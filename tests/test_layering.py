@@ -1,4 +1,4 @@
-"""Imports point down: command line, plots; then cases <- results <- analysis <- sweeps; then the numbers."""
+"""Imports point down: command line, plots, reports; cases <- results <- analysis <- sweeps ...; numbers."""
 
 import ast
 import sys
@@ -12,7 +12,7 @@ PACKAGE = Path(vibsim.__file__).parent
 GROUND = {"physics", "flows", "events", "kernel"}
 # each may import those before it
 MIDDLE = ["cases", "results", "analysis", "sweeps", "peers", "verification", "benchmark"]
-TOP = {"command_line", "plots"}
+TOP = {"command_line", "plots", "reports"}
 LIGHT = {"numpy"}  # what the ground floor may import besides the standard library
 OPTIONAL = {"multiprecision.py": {"flint"}, "big_floats.py": {"mpmath"}}  # and who is there for it
 

@@ -26,7 +26,7 @@ def test_cases_lists_all():
     lines = out.splitlines()
     assert code == 0
     assert [line.split()[0] for line in lines] == ["name", *shipped_case_names()]
-    assert "II-B       motor     5.5 Hz     Non-ideal source, motor constant 5.5 Hz" in lines
+    assert "II-B           motor     5.5 Hz     Non-ideal source, motor constant 5.5 Hz" in lines
 
 
 def test_cases_prints_a_case_to_start_from():

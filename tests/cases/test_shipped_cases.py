@@ -26,13 +26,25 @@ def fields(scene, names):
     return {name: getattr(scene, name) for name in names}
 
 
-def test_there_are_nine():
+READINGS = {"II-B-captured": "II-B", "II-C-escape": "II-C"}
+
+
+def test_the_paper_s_and_the_readings():
     letters = "ABC"
     expected = {f"I-{x}" for x in letters} | {f"I-{x}-eq211" for x in letters} | {f"II-{x}" for x in letters}
-    assert set(shipped_case_names()) == expected
+    assert set(shipped_case_names()) == expected | set(READINGS)
 
 
-@pytest.mark.parametrize("name", shipped_case_names())
+@pytest.mark.parametrize(("name", "printed"), READINGS.items())
+def test_a_reading_changes_two_numbers_and_says_why(name, printed):
+    reading, as_printed = load_case(name), load_case(printed)
+    changed = {**vars(as_printed.scene()), "c": 0.00175, "m3": 0.062}
+    assert vars(reading.scene()) == changed
+    assert "Why these two" in reading.text
+    assert "(printed: 30 g)" in reading.text and "(printed: 0.001)" in reading.text
+
+
+@pytest.mark.parametrize("name", sorted(set(shipped_case_names()) - set(READINGS)))
 def test_common_values_name_and_title(name):
     case = load_case(name)
     assert fields(case.scene(), COMMON) == COMMON

@@ -220,6 +220,6 @@ def test_a_closed_pipe_ends_quietly():
 def test_shell_completion():
     environment = {"_VIBSIM_COMPLETE": "bash_complete", "COMP_WORDS": "vibsim run II-", "COMP_CWORD": "2"}
     done = process(env=environment)
-    assert "plain,II-A\nplain,II-B\nplain,II-C\n" in done.stdout
+    assert "plain,II-A\nplain,II-B\nplain,II-B-captured\nplain,II-C\nplain,II-C-escape\n" in done.stdout
     source = process(env={"_VIBSIM_COMPLETE": "bash_source"})
     assert "complete -o nosort -F _vibsim_completion vibsim" in source.stdout

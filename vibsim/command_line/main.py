@@ -23,6 +23,7 @@ COMMANDS = {
     "bench": ("vibsim.command_line.bench", "Measure speed against error, beside other solvers."),
     "compare": ("vibsim.command_line.compare", "Compare two runs."),
     "verify": ("vibsim.command_line.verify", "Verify this installation against known cases."),
+    "paper": ("vibsim.command_line.paper", "Reproduce and audit the paper."),
     "export": ("vibsim.command_line.export", "Write a trajectory as CSV or MAT."),
     "cases": ("vibsim.command_line.cases", "List the shipped cases, or print one."),
     "check": ("vibsim.command_line.check", "Check case files."),

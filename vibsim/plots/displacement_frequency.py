@@ -24,7 +24,7 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     figure = sheet(view, 1.4 + 4.4 * len(columns))
     panels = figure.subplots(len(columns), 1, squeeze=False, sharex=True)[:, 0]
     for axes, column in zip(panels, columns, strict=True):
-        _panel(axes, subjects, view, column)
+        displacement_frequency_panel(axes, subjects, view, column)
     panels[-1].set_xlabel(f"Motor speed {SPEED} (Hz)")
     spans = [window_of(subject, view.window) for subject in subjects]
     note(panels[0], "; ".join(dict.fromkeys(seconds(span) for span in spans)))
@@ -34,7 +34,9 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     return figure
 
 
-def _panel(axes: Axes, subjects: Sequence[Subject], view: View, column: str) -> None:
+def displacement_frequency_panel(axes: Axes, subjects: Sequence[Subject], view: View, column: str) -> None:
+    """x1 or x2, the `column`, in given axes."""
+
     def plane(columns: Block):
         return columns["phidot"] / (2 * math.pi), columns[column]
 

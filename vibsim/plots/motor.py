@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vibsim.plots.quantities import scale_for
@@ -19,7 +20,12 @@ from vibsim.plots.view import View
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
     """Motor torque M0 (1 - w / Omega0), Eq. (2.10), against the speed w, from standstill to no load."""
     figure = sheet(view, 5.4)
-    axes = figure.subplots()
+    motor_panel(figure.subplots(), subjects)
+    return figure
+
+
+def motor_panel(axes: Axes, subjects: Sequence[Subject]) -> None:
+    """The characteristic in given axes."""
     fastest = 1.1 * max(abs(subject.scene.Omega0) for subject in subjects)
     curves = [characteristic(subject.scene, fastest) for subject in subjects]
     scale = scale_for("N m", *(torque for _, torque in curves))
@@ -35,7 +41,6 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     axes.set_xlabel(r"Motor speed $\omega/2\pi$ (Hz)")
     axes.set_ylabel(scale.label("Motor torque"))
     legend_above(axes)
-    return figure
 
 
 def characteristic(scene: Any, fastest: float) -> tuple[np.ndarray, np.ndarray]:

@@ -97,7 +97,7 @@ def _write(figure: Figure, target: str, force: bool) -> None:
 
     suffix = picture_suffix(target)
     with output_file(target, force) as partial:
-        figure.savefig(partial, format=suffix[1:], dpi=DPI[suffix], metadata=_METADATA[suffix])
+        figure.savefig(partial, format=suffix[1:], dpi=DPI[suffix], metadata=METADATA[suffix])
 
 
 def _write_pages(figures: Sequence[Figure], target: str, force: bool) -> None:
@@ -105,13 +105,13 @@ def _write_pages(figures: Sequence[Figure], target: str, force: bool) -> None:
 
     from vibsim.results.output_file import output_file
 
-    with output_file(target, force) as partial, PdfPages(partial, metadata=_METADATA[".pdf"]) as pages:
+    with output_file(target, force) as partial, PdfPages(partial, metadata=METADATA[".pdf"]) as pages:
         for figure in figures:
             pages.savefig(figure, dpi=DPI[".pdf"])
 
 
 # No dates: the same picture is the same file, so pictures can be compared byte by byte.
-_METADATA: dict[str, dict[str, Any]] = {
+METADATA: dict[str, dict[str, Any]] = {
     ".png": {"Software": "vibsim"},
     ".pdf": {"Creator": "vibsim", "CreationDate": None},
     ".svg": {"Creator": "vibsim", "Date": None},

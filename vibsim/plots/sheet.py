@@ -78,7 +78,7 @@ def time_axis(axes: Axes, span: Span) -> None:
 
 def _width(axes: Axes) -> float:
     """About how wide the axes are [inch], before anything is laid out."""
-    return _sheet_of(axes).get_figwidth() * axes.get_position().width
+    return axes.bbox.width / _sheet_of(axes).dpi
 
 
 def _sheet_of(axes: Axes) -> Figure:

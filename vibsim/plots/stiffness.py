@@ -24,7 +24,12 @@ NO_GAP = 1e-3  # a range to show where the scene gives none [m]
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
     """Spring force F_s1 + F_s2, Eqs. (2.4), (2.5), against x1 - x2: slope k1, and k1 + k2 beyond the gap."""
     figure = sheet(view, 6.0)
-    axes = figure.subplots()
+    stiffness_panel(figure.subplots(), subjects)
+    return figure
+
+
+def stiffness_panel(axes: Axes, subjects: Sequence[Subject]) -> None:
+    """The characteristic in given axes."""
     reach = REACH * (max((s.scene.G for s in subjects if s.scene.has_stop), default=0.0) or NO_GAP)
     curves = [characteristic(subject.scene, reach) for subject in subjects]
     scales = scale_for("m", *(y for y, _ in curves)), scale_for("N", *(force for _, force in curves))
@@ -39,7 +44,6 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
         legend_above(axes)
     axes.set_xlabel(scales[0].label(f"Relative displacement {DISPLACEMENT}"))
     axes.set_ylabel(scales[1].label("Spring force"))
-    return figure
 
 
 def spring_force(scene: Any, y: np.ndarray) -> np.ndarray:

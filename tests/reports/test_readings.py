@@ -1,0 +1,58 @@
+"""The readings do what the paper says of II-B and II-C; the printed cases do not."""
+
+import numpy as np
+import pytest
+
+from vibsim.analysis import judge_capture
+from vibsim.cases import load_case
+from vibsim.peers.runge_kutta4 import RungeKutta4
+from vibsim.peers.time_limit import TimeLimit
+from vibsim.reports.measurements import displacement_peak
+from vibsim.results import simulate
+
+
+@pytest.fixture(scope="module")
+def escape():
+    return simulate(load_case("II-C-escape"))
+
+
+def test_ii_b_is_captured_for_good_and_rightly_so():
+    result = simulate(load_case("II-B-captured"))
+    found = judge_capture(result)
+    assert found.verdict == "captured"
+    assert result.trust_horizon == 300.0
+    assert found.speed_hz == pytest.approx(3.64, abs=0.01)
+
+
+def test_ii_c_is_captured_and_escapes_within_its_trust_horizon(escape):
+    """The paper: captured, away after about 100 s, jumps to 6.2 Hz."""
+    found = judge_capture(escape)
+    assert found.verdict == "escaped"
+    assert 67 <= found.until - found.since <= 150
+    assert found.until < escape.trust_horizon
+    assert found.final_speed_hz == pytest.approx(6.2, abs=0.1)
+
+
+def test_the_displacement_of_ii_c_turns_at_about_170_s(escape):
+    peak = displacement_peak(escape.time, escape["x2"])
+    assert 150 <= peak["time"] <= 190
+    assert peak["end"] < 0.9 * peak["height"]
+
+
+@pytest.mark.parametrize("name", ["II-B", "II-C"])
+def test_as_printed_the_motors_pass(name):
+    assert judge_capture(simulate(load_case(name), trust=False)).verdict == "passed"
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+def test_another_integrator_sees_the_same_capture_and_escape():
+    """Runge and Kutta's method in plain Python, sgn(v2), no events, 0.25 ms: held alike until 130 s."""
+    times = np.arange(0, 160.05, 0.1)
+    for name, escapes in (("II-B-captured", False), ("II-C-escape", True)):
+        case = load_case(name, {"run.t_end": "160 s", "run.every": "100 ms"})
+        phi = RungeKutta4(case.scene(), 2.5e-4).run(times, TimeLimit()).states[:, 4]
+        ours = simulate(case, trust=False)["phi"]
+        assert np.max(np.abs(phi - ours)[times <= 130]) < 0.5 * 2 * np.pi
+        speed = (phi[-1] - phi[-51]) / (2 * np.pi * (times[-1] - times[-51]))
+        assert (speed > 4.5) == escapes

@@ -1,0 +1,106 @@
+"""The figures as files: one for each, and one page with all of the paper's."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+
+from vibsim.plots.picture import DPI, METADATA
+from vibsim.plots.sheet import CM
+from vibsim.plots.subject import Subject
+from vibsim.reports.document import Picture
+from vibsim.reports.measurements import Numbers
+from vibsim.reports.paper_figures import PAGE_CM, PAGE_ROWS, PaperFigure
+from vibsim.reports.paper_numbers import SEARCHED, Tell
+from vibsim.reports.paper_runs import READINGS, Interrupted
+from vibsim.reports.search_figure import draw_search
+from vibsim.results.output_file import output_file
+
+FORMATS = ("png", "pdf")
+PNG_DPI = 200  # a figure is then 1400 pixels wide: sharp on a screen, and the report stays a few megabytes
+HEADING_CM = 0.7
+
+
+def write_figures(
+    figures: Sequence[PaperFigure],
+    subjects: Mapping[str, Subject],
+    folder: Path,
+    formats: Sequence[str],
+    tell: Tell,
+) -> list[Picture]:
+    """Draw each figure into FOLDER/KEY.FORMAT; the PNGs as pictures. Raises Interrupted."""
+    pictures = []
+    for done, figure in enumerate(figures, start=1):
+        path = save(figure.figure(subjects), folder / figure.key, formats)
+        pictures.append(Picture(path, figure.heading, figure.caption, figure.alt))
+        if not tell("drawing", done, len(figures)):
+            raise Interrupted
+    return pictures
+
+
+def write_page(pictures: Sequence[Picture], folder: Path, formats: Sequence[str]) -> Path:
+    """All pictures of the paper's figures on one sheet, FOLDER/all-figures.FORMAT."""
+    return save(page_of(pictures), folder / "all-figures", formats)
+
+
+def write_search(numbers: Numbers, folder: Path, formats: Sequence[str]) -> Picture:
+    """The map of the search, FOLDER/search.FORMAT."""
+    changes = numbers["runs"][READINGS[0]]["changes"]
+    m3, c = ([float(text.split()[0]) for text in changes[key]] for key in ("m3", "c"))
+    points = {which: (1e3 * m3[i], c[i]) for i, which in enumerate(("reading", "printed"))}
+    figure = draw_search(numbers["search"]["together"], SEARCHED, points)
+    return Picture(
+        save(figure, folder / "search", formats),
+        "Search",
+        "What becomes of the motor of II-B and II-C for unbalanced mass m3 and damping c, all else as "
+        "printed, from rest: the printed values (cross) and the reading (ring).",
+        "Two maps over m3 and c. At small m3 and small c both motors pass. II-B is captured to the end "
+        "above some 48 g, except at the smallest c; II-C escapes after 67 to 150 s in a region of small c "
+        "from some 54 g on, and is captured above it. The ring lies where II-B is captured and II-C "
+        "escapes.",
+    )
+
+
+def save(figure: Figure, stem: Path, formats: Sequence[str]) -> Path:
+    """Write a figure in each format, PNG always; the PNG's path."""
+    for kind in dict.fromkeys(("png", *formats)):
+        with output_file(f"{stem}.{kind}", force=True) as partial:
+            dpi = PNG_DPI if kind == "png" else DPI[f".{kind}"]
+            figure.savefig(partial, format=kind, dpi=dpi, metadata=METADATA[f".{kind}"])
+    return stem.with_name(f"{stem.name}.png")
+
+
+def page_of(pictures: Sequence[Picture]) -> Figure:
+    """A sheet with the pictures below their headings; A, B and C side by side."""
+    by_key = {picture.path.stem: picture for picture in pictures}
+    images = {key: imread(picture.path) for key, picture in by_key.items()}
+    heights = [max(_height_cm(images[key]) for key in row if key) + HEADING_CM for row in PAGE_ROWS]
+    columns, whole = max(map(len, PAGE_ROWS)), sum(heights)
+    page = Figure(figsize=(columns * PAGE_CM * CM, whole * CM))
+    top = whole
+    for row, height in zip(PAGE_ROWS, heights, strict=True):
+        for column, key in enumerate(row):
+            if key:
+                _place(page, images[key], by_key[key].heading, (column / columns, top / whole), whole)
+        top -= height
+    return page
+
+
+def _place(page: Figure, image: Any, heading: str, corner: tuple[float, float], page_cm: float) -> None:
+    """One picture below its heading; upper left corner in shares of the page's width and height."""
+    left, top = corner
+    middle = top - 0.45 * HEADING_CM / page_cm
+    page.text(left + 0.004, middle, heading, fontsize=10, fontweight="bold", va="center")
+    width = image.shape[1] / PNG_DPI / page.get_figwidth()
+    height = _height_cm(image) / page_cm
+    axes = page.add_axes((left, top - HEADING_CM / page_cm - height, width, height))
+    axes.imshow(image, interpolation="none")
+    axes.set_axis_off()
+
+
+def _height_cm(image: Any) -> float:
+    return image.shape[0] / PNG_DPI / CM

@@ -1,0 +1,125 @@
+"""Everything that is measured for the report, gathered into one table of numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from math import pi
+from typing import TYPE_CHECKING, Any
+
+from vibsim.analysis import judge_regime, largest_exponent
+from vibsim.cases import load_case
+from vibsim.cases.derived_facts import derived_facts
+from vibsim.reports.ensembles import measure_ensemble, starts
+from vibsim.reports.measurements import Numbers, measure_run, plain
+from vibsim.reports.numbers_file import NumbersFile
+from vibsim.reports.outcomes import Advance, run_all
+from vibsim.reports.paper_runs import EQUAL_FORCE, MOTORS, PRINTED, READINGS
+from vibsim.reports.parameter_search import ALONE, TOGETHER, search_alone, search_together
+from vibsim.reports.solver_hypothesis import SOLVERS, measure_solvers
+from vibsim.results import Result, simulate
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+Tell = Callable[[str, int, int], bool]  # given what is done, how much of it, and of how much; False to stop
+
+LONG = {
+    "run.t_end": "3000 s",
+    "run.every": "10 ms",
+}  # ten times the paper's span: to where the motion settles
+SEARCHED = ("II-B", "II-C")
+CHANGED_KEYS = ("coupling.c", "excitation.m3")
+
+
+def measure_paper(results: Mapping[str, Result], file: NumbersFile, tell: Tell) -> Numbers:
+    """All sections, measured or taken from the file; raises Interrupted when `tell` returns False."""
+    cases = {name: result.case for name, result in results.items()}
+    prints = {name: case.sha256 for name, case in cases.items()}
+    motors = [cases[name] for name in SEARCHED]
+    keys = [prints[name] for name in SEARCHED]
+
+    def told(step: str) -> Advance:
+        return lambda done, total: tell(step, done, total)
+
+    file.section("facts", prints, lambda: measure_facts(cases))
+    file.section("runs", prints, lambda: measure_runs(results, told("measuring")))
+    file.section("long_runs", [prints, LONG], lambda: measure_long_runs(cases, told("following for longer")))
+    for name in (*SEARCHED, *READINGS):
+        measure = partial(measure_ensemble, cases[name], told(f"perturbing {name}"))
+        file.section(f"ensemble {name}", [prints[name], starts()], measure)
+    file.section("alone", [keys, ALONE], lambda: search_alone(motors, told("varying one parameter")))
+    file.section(
+        "together", [keys, TOGETHER], lambda: search_together(motors, told("varying two parameters"))
+    )
+    file.section("solvers", [keys, SOLVERS], lambda: measure_solvers(motors, told("trying other solvers")))
+    return table_of(file.sections)
+
+
+def table_of(sections: Mapping[str, Any]) -> Numbers:
+    """The sections as the claims read them."""
+    ensembles = {
+        name.split(" ", 1)[1]: value for name, value in sections.items() if name.startswith("ensemble ")
+    }
+    search = {name: sections[name] for name in ("alone", "together")}
+    whole = {name: sections[name] for name in ("facts", "runs", "long_runs", "solvers")}
+    return {**whole, "ensembles": ensembles, "search": search}
+
+
+def measure_facts(cases: Mapping[str, Case]) -> Numbers:
+    """What follows from the numbers of the cases alone: natural frequencies [Hz] and amplitudes [N]."""
+    facts = {kind: {fact.name: fact.value for fact in derived_facts(cases[name].scene())}
+             for kind, name in (("I", "I-A"), ("II", "II-A"))}  # fmt: skip
+    return {
+        "held_hz": facts["I"]["block 1 on its spring"],
+        **{f"free_hz_{kind}": facts[kind]["free"] for kind in facts},
+        **{f"bilinear_hz_{kind}": facts[kind]["bilinear"] for kind in facts},
+        "amplitudes": [
+            _amplitudes(*names, cases) for names in zip(PRINTED, EQUAL_FORCE, MOTORS, strict=True)
+        ],
+    }
+
+
+def _amplitudes(printed: str, equal: str, motor: str, cases: Mapping[str, Case]) -> Numbers:
+    ideal, by_rule, scene = (cases[name].scene() for name in (printed, equal, motor))
+    return {
+        "omega_hz": ideal.omega / (2 * pi),
+        "printed": ideal.A,
+        "eq211": by_rule.A,
+        "m3_e_omega": scene.m3 * scene.e * ideal.omega,
+    }
+
+
+def measure_runs(results: Mapping[str, Result], advance: Advance) -> Numbers:
+    """Numbers of every run, its regime among them; of a reading also what it changes."""
+    measured = run_all([partial(_measured, result) for result in results.values()], advance)
+    return dict(zip(results, measured, strict=True))
+
+
+def _measured(result: Result) -> Numbers:
+    case = result.case
+    changes = changes_of(case) if case.name in READINGS else {}
+    return {**measure_run(result), "regime": regime_of(result), "changes": changes}
+
+
+def changes_of(case: Case) -> dict[str, list[str]]:
+    """What a reading changes against the case that it is a reading of: key -> [now, as printed]."""
+    printed = load_case(case.name[:4])
+    changed = [key for key in CHANGED_KEYS if case.quantity(key) != printed.quantity(key)]
+    return {key.split(".")[-1]: [str(each.quantity(key)) for each in (case, printed)] for key in changed}
+
+
+def measure_long_runs(cases: Mapping[str, Case], advance: Advance) -> Numbers:
+    """The regime that each motion settles in."""
+    found = run_all([partial(_long_run, case) for case in cases.values()], advance)
+    return dict(zip(cases, found, strict=True))
+
+
+def _long_run(case: Case) -> Numbers:
+    result = simulate(case.with_values(LONG), trust=False)
+    return {"regime": regime_of(result)}
+
+
+def regime_of(result: Result) -> Numbers:
+    """The verdict on the regime, the largest Lyapunov exponent among its evidence."""
+    return plain(judge_regime(result, exponent=largest_exponent(result)))
