@@ -47,9 +47,9 @@ def path(tmp_path_factory):
     return str(file)
 
 
-@pytest.fixture
-def figure(path):
-    return kind_named("work-precision").draw([open_subject(path)], View(width="page"))
+@pytest.fixture(params=["page", "column"])
+def figure(path, request):
+    return kind_named("work-precision").draw([open_subject(path)], View(width=request.param))
 
 
 def test_every_row_is_where_the_file_has_it(figure, path):

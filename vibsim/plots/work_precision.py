@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -23,8 +23,8 @@ from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
 
 HEIGHT_CM = 8.5
-SHORT = 30  # an arrow over a smaller ratio is shorter than its words
-SIDES: tuple[Literal["top", "bottom"], ...] = ("top", "bottom")  # edges of the words at an arrow
+LEADS = 2  # peers that an arrow says the distance of
+SIDE_BY_SIDE = {"ncols": 2, "width_ratios": (2.8, 1)}
 OWN: dict[str, Any] = {"color": VERMILLION, "linewidth": 1.8, "markersize": 5.0, "zorder": 4}
 PEER: dict[str, Any] = {"linewidth": 0.8, "markersize": 3.2, "zorder": 3}
 DASHED = (0, (4, 1.5))
@@ -66,16 +66,17 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     drawn = curves(bench)
     if not drawn:
         raise PlotError(f"{subjects[0].path}: no method in it came to {bench.telling_time():g} s")
-    figure = sheet(view, HEIGHT_CM)
-    axes, beside = figure.subplots(1, 2, width_ratios=(2.8, 1.0))
+    narrow = view.width == "column"  # then one panel stands below the other
+    figure = sheet(view, 1.6 * HEIGHT_CM if narrow else HEIGHT_CM)
+    shape: dict[str, Any] = {"nrows": 2, "height_ratios": (1.6, 1)} if narrow else SIDE_BY_SIDE
+    axes, beside = figure.subplots(**shape)
     _draw_curves(axes, drawn)
     axes.set_xlabel("Computing time per second of motion (s)")
     axes.set_ylabel(f"Largest error of the displacements until {bench.telling_time():g} s (m)")
-    note(axes, f"{bench.attrs['case_name']}; solid: events located, dashed: no events")
+    note(axes, f"{bench.attrs['case_name']}; dashed: events not located")
     note(beside, f"error within {FAITHFUL * 1e3:g} mm")
     _draw_faithful(beside, drawn, float(bench["time"][-1]))
-    _mark_leads(axes, bench, drawn)
-    _write_names(axes, drawn)
+    write_names(axes, [*_leads(axes, bench, drawn), *_names(drawn)])
     return figure
 
 
@@ -102,46 +103,41 @@ def _draw_curves(axes: Axes, drawn: Sequence[Curve]) -> None:
     axes.set_yscale("log")
     for curve in drawn:
         axes.plot(curve.time, curve.error, gid=curve.family.name, **look_of(curve.family))
-    axes.margins(0.09, 0.1)
+    axes.margins(0.1, 0.1)
     axes.yaxis.set_major_locator(LogLocator(numticks=12))
 
 
-def _write_names(axes: Axes, drawn: Sequence[Curve]) -> None:
-    """The name of each family beside its most accurate row, or where there is room."""
+def _names(drawn: Sequence[Curve]) -> list[Named]:
+    """The name of each family, to stand beside its most accurate row or where there is room."""
     named = []
     for curve in drawn:
         order = np.argsort(curve.error)
         weight = "bold" if curve.family.own else "normal"
         look = {"color": look_of(curve.family)["color"], "fontweight": weight}
         named.append(Named(curve.family.mark, curve.time[order], curve.error[order], look))
-    write_names(axes, named)
+    return named
 
 
-def _mark_leads(axes: Axes, bench: Any, drawn: Sequence[Curve]) -> None:
-    """Arrows from the two most accurate peers to vibsim at no larger error, with the factor in time.
-
-    The words of the lower one are below it, those of the other above.
-    """
+def _leads(axes: Axes, bench: Any, drawn: Sequence[Curve]) -> list[Named]:
+    """Arrows from the two most accurate peers to vibsim at no larger error; the words beside them."""
     peers = [most_accurate(bench, curve.family.name) for curve in drawn if not curve.family.own]
     best = sorted((row for row in peers if row), key=lambda row: error_at(bench, row))
-    for row, side in zip(best, SIDES, strict=False):
+    leads = []
+    for row in best[:LEADS]:
         times = faster(bench, row)
         if times is not None and times > 1:
-            _draw_lead(axes, row.time_per_second, times, error_at(bench, row), side)
+            leads.append(_lead(axes, row.time_per_second, times, error_at(bench, row)))
+    return leads
 
 
-def _draw_lead(axes: Axes, time: float, times: float, error: float, side: Literal["top", "bottom"]) -> None:
+def _lead(axes: Axes, time: float, times: float, error: float) -> Named:
     axes.annotate(
         "", (time / times, error), (time, error),
         arrowprops={"arrowstyle": "-|>", "color": VERMILLION, "linewidth": 0.8, "shrinkA": 4, "shrinkB": 5},
     )  # fmt: skip
-    words, drop = f"{float(f'{times:.2g}'):g} x faster", 2 if side == "bottom" else -2
-    short = times < SHORT  # then the words begin at the head, clear of the curve that it points to
-    axes.annotate(
-        words, (time / times if short else time / times**0.5, error), (5 if short else 0, drop),
-        textcoords="offset points", ha="left" if short else "center", va=side,
-        fontsize=7, color=VERMILLION, gid="lead",
-    )  # fmt: skip
+    places = time / times ** np.array([0.5, 1.0, 0.0])  # the middle of the arrow, its head, its tail
+    look = {"color": VERMILLION, "gid": "lead"}
+    return Named(f"{float(f'{times:.2g}'):g} x faster", places, np.full(3, error), look)
 
 
 def _draw_faithful(axes: Axes, drawn: Sequence[Curve], span: float) -> None:
@@ -153,5 +149,5 @@ def _draw_faithful(axes: Axes, drawn: Sequence[Curve], span: float) -> None:
     for label, curve in zip(axes.get_yticklabels(), drawn, strict=True):
         label.set_color(look_of(curve.family)["color"])
     axes.tick_params(axis="y", length=0)
-    axes.set_xlim(-0.03 * span, 1.03 * span)
+    axes.set_xlim(-0.05 * span, 1.05 * span)
     axes.set_xlabel("Faithful until (s)")
