@@ -52,6 +52,13 @@ def test_json():
     assert found["beside"][0]["method"] == "dop853"
 
 
+def test_compiling_is_told_apart():
+    pytest.importorskip("heyoka")
+    done = call("bench", "I-A", "--t-end", "1s", "--methods", "heyoka,dop853")
+    assert re.search(r"heyoka\.py with events  \(compiled beforehand in \d\.\d\d s at most\)", done.stdout)
+    assert "DOP853 with events\n" in done.stdout
+
+
 def test_info_prints_the_same_table():
     table = call("bench", "I-A", *SHORT).stdout.splitlines()
     shown = call("info", "I-A-bench.h5")

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.benchmark.bench_file import read_rows, read_truth
-from vibsim.benchmark.row import DONE, SLOWER, Row
+from vibsim.benchmark.row import Row
 from vibsim.benchmark.truth import Truth
 from vibsim.cases import Case
 from vibsim.results.attributes import read_attrs
@@ -55,10 +55,7 @@ class BenchResult:
         """The instants at which errors are told [s]."""
         return [float(t) for t in np.atleast_1d(self.attrs["check_times_s"])]
 
-    def usable(self) -> list[Row]:
-        """The rows that ran."""
-        return [row for row in self.rows if row.status in (DONE, SLOWER)]
-
+    @cached_property
     def telling_time(self) -> float:
         """The latest instant [s] to compare errors at: where some row is still right to 1e-6 m, else the
         first.

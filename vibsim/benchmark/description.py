@@ -29,7 +29,7 @@ def facts(bench: BenchResult) -> dict[str, Any]:
         for each in beside_reference(bench)
     ]
     rows = [row_facts(bench, row) for row in bench.rows]
-    return {**attrs, "case": case, "telling_time_s": bench.telling_time(), "rows": rows, "beside": ratios}
+    return {**attrs, "case": case, "telling_time_s": bench.telling_time, "rows": rows, "beside": ratios}
 
 
 def row_facts(bench: BenchResult, row: Row) -> dict[str, Any]:

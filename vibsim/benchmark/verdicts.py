@@ -22,7 +22,7 @@ class Beside:
 
 def error_at(bench: BenchResult, row: Row) -> float:
     """Error of a row [m] until the telling time, at least FLOOR; NaN where it did not come so far."""
-    error = row.error_until(bench["time"], bench.telling_time())
+    error = row.error_until(bench["time"], bench.telling_time)
     return max(error, FLOOR) if isfinite(error) else error
 
 

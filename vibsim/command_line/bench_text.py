@@ -17,6 +17,7 @@ from vibsim.peers.attempt import CONTACTS
 
 SETTING = 22
 NOTHING = "-"
+SETUP = 0.05  # s before the first run that are worth a word
 
 
 def print_bench(bench: BenchResult, path: str | Path | None, took: float | None = None) -> None:
@@ -52,13 +53,20 @@ def table_lines(bench: BenchResult) -> Iterator[str]:
     yield from _header(bench)
     for method, rows in groupby(bench.rows, key=lambda row: row.method):
         group = list(rows)
-        contacts = any(set(row.events) == set(CONTACTS) for row in group)
-        note = click.style("  (contacts only, read off its steps)", dim=True) if contacts else ""
-        yield click.style(family_of(method).label, bold=True) + note
+        yield click.style(family_of(method).label, bold=True) + click.style(_note(group), dim=True)
         yield from (_row_text(bench, row) for row in group)
     for name in json.loads(bench.attrs["not_installed"]):
         family = family_of(name)
         yield click.style(family.label, bold=True) + f"  {family.remedy}"
+
+
+def _note(group: list[Row]) -> str:
+    """What holds for all rows of a family and not for others."""
+    setup = max((row.setup_time for row in group if row.runs), default=0.0)
+    if setup > SETUP:
+        return f"  (compiled beforehand in {setup:.2f} s at most)"
+    contacts = any(set(row.events) == set(CONTACTS) for row in group)
+    return "  (contacts only, read off its steps)" if contacts else ""
 
 
 def _header(bench: BenchResult) -> list[str]:
@@ -112,7 +120,7 @@ def verdict_lines(bench: BenchResult) -> list[tuple[str, str]]:
     ours = reference(bench)
     if ours is None:
         return []
-    t = bench.telling_time()
+    t = bench.telling_time
     error = _error_text(ours.error_until(bench["time"], t))
     told = f"{_short(1e3 * ours.time_per_second)} ms per second of motion, error {error} m until {t:g} s"
     lines = [("vibsim", f"{family_of(ours.method).label.removeprefix('vibsim, ')}, {ours.setting}: {told}")]

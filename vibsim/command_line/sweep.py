@@ -100,11 +100,11 @@ class KeyRange(click.ParamType):
     "-j", "--jobs", type=click.IntRange(min=1), metavar="N", help="Points at a time. [default: all cores]"
 )
 @click.option(
-    "--scheduler", metavar="ADDRESS", help="Compute on the workers of this dask scheduler, such as tcp://host:8786."
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Compute on the workers of this dask scheduler, such as tcp://host:8786.",
 )
-@click.option(
-    "--shard", metavar="K/N", help="Only part K of N of the longest axis, into a file of its own."
-)
+@click.option("--shard", metavar="K/N", help="Only part K of N of the longest axis, into a file of its own.")
 @click.option("-o", "--output", type=FILE, metavar="FILE", help="Output file. [default: CASE-AXES.h5]")
 @click.option("--force", is_flag=True, help="Replace an output file that holds something else.")
 @click.pass_context

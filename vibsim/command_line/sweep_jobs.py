@@ -78,9 +78,7 @@ def workers_for(plan: Plan, jobs: int | None, scheduler: str | None, engine: str
         raise click.UsageError(str(error)) from None
 
 
-def run_sweep(
-    plan: Plan, output: str, workers: Workers, engine: str, force: bool, settings: Settings
-) -> int:
+def run_sweep(plan: Plan, output: str, workers: Workers, engine: str, force: bool, settings: Settings) -> int:
     """Run or complete a sweep; returns the exit code."""
     path = Path(output)
     began = time.perf_counter()

@@ -65,14 +65,14 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     bench = subjects[0].result
     drawn = curves(bench)
     if not drawn:
-        raise PlotError(f"{subjects[0].path}: no method in it came to {bench.telling_time():g} s")
+        raise PlotError(f"{subjects[0].path}: no method in it came to {bench.telling_time:g} s")
     narrow = view.width == "column"  # then one panel stands below the other
     figure = sheet(view, 1.6 * HEIGHT_CM if narrow else HEIGHT_CM)
     shape: dict[str, Any] = {"nrows": 2, "height_ratios": (1.6, 1)} if narrow else SIDE_BY_SIDE
     axes, beside = figure.subplots(**shape)
     _draw_curves(axes, drawn)
     axes.set_xlabel("Computing time per second of motion (s)")
-    axes.set_ylabel(f"Largest error of the displacements until {bench.telling_time():g} s (m)")
+    axes.set_ylabel(f"Largest error of the displacements until {bench.telling_time:g} s (m)")
     note(axes, f"{bench.attrs['case_name']}; dashed: events not located")
     note(beside, f"error within {FAITHFUL * 1e3:g} mm")
     _draw_faithful(beside, drawn, float(bench["time"][-1]))
