@@ -96,8 +96,8 @@ def case(name="I-C-eq211", t_end="120 s"):
 def test_a_case_from_load_to_exponents():
     found = vibsim.lyapunov(case())
     assert found.span == (60.0, 120.0)
-    assert len(found.exponents) == 3 and found.warnings == ()
-    assert found.exponents[0] > found.half_widths[0] > 0.0  # chaos
+    assert len(found.exponents) == len(found.half_widths) == 3
+    assert found.exponents[0] > 0.1 and found.half_widths[0] > 0.0  # chaos for hundreds of seconds
     assert sum(found.exponents) < 0.0
     assert abs(found.volume_residual) < 1e-10
 

@@ -33,8 +33,12 @@ def advanced(scene, state, length):
 
 
 def pulled_back(state, other):
-    """Difference of two states pulled back to the size KICK, and the logarithm of its size over KICK."""
+    """Difference of two states pulled back to the size KICK, and the logarithm of its size over KICK.
+
+    A shift of both blocks, which never fades, is taken out: the exponents are those of the rest.
+    """
     apart = {name: other[name] - value for name, value in state.items()}
+    apart["x1"], apart["x2"] = apart["x1"] - apart["x2"], 0.0
     size = np.sqrt(sum((apart[name] * SCALES[name]) ** 2 for name in apart)) / KICK
     return {name: value / size for name, value in apart.items()}, float(np.log(size))
 
@@ -56,12 +60,11 @@ def growth(scene, num, den):
 )
 def test_chaotic_motion(name, num, den):
     """Over the later part of the run, when both have turned into the direction of fastest growth."""
-    scene = paper(name, t_end=200.0)
-    begin, end = 100 * num, 560 * num  # in units of 1 / den
+    scene = paper(name)
+    begin, end = 100 * num, 400 * num  # in units of 1 / den: before it settles
     sums = growth(replace(scene, t_end=end / den), num, den)
     theirs = (sums[-1] - sums[100]) / ((end - begin) / den)
     found = exponents(replace(scene, t_end=end / den), count=1, begin=begin / den)
-    # the two measure distances differently, by a factor of three at most: log 3 over 130 s; and a kick that
-    # crosses a near-grazing of the orbit grows otherwise than its tangent does, by up to log 30 once or twice
-    assert found.exponents[0] == pytest.approx(theirs, abs=0.05)
+    # the two begin their spans up to a step apart: a growth by a factor of two, over 75 s
+    assert found.exponents[0] == pytest.approx(theirs, abs=0.01)
     assert theirs > 0.3
