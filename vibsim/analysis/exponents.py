@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from vibsim.cases import Case
 
 UNIT_ROUNDOFF = 2.0**-53
+CLEARLY = 2.0  # blocks of chaotic motion scatter more than ten of them tell
 SETTLED = 10.0  # by which the logarithms of the growth in two halves of a span may differ without a trend
 PIECE = 400  # what a piece adds to the volume residual at most, in units of the tolerance: 1 to 10 were met
 
@@ -140,7 +141,7 @@ def _trend(times: np.ndarray, growth: np.ndarray):
         return
     apart = abs(halves[1].value - halves[0].value)
     by_chance = float(np.hypot(halves[0].half_width, halves[1].half_width))
-    if apart > max(by_chance, 2 * SETTLED / (times[-1] - times[0])):
+    if apart > max(CLEARLY * by_chance, 2 * SETTLED / (times[-1] - times[0])):
         yield (
             f"the largest exponent is {halves[0].value:.3g} 1/s before {times[middle]:.4g} s and"
             f" {halves[1].value:.3g} 1/s after it: the motion has not settled"
