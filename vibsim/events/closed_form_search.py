@@ -4,7 +4,7 @@ from math import inf
 
 from vibsim.events.certificate import Certificate, crosses
 from vibsim.events.first_root import deflated_step, leading_order, safe_step
-from vibsim.events.turning_point import turning_point
+from vibsim.events.turning_point import extreme_of_slope, turning_point
 from vibsim.events.watch import GAP, NOTHING
 from vibsim.flows.event_functions import EventFunctions
 from vibsim.flows.regime import JET_ORDER
@@ -42,15 +42,15 @@ class ClosedFormSearch:
         if not self.functions:
             self.t = limit
         for _ in range(STEPS_PER_CALL):
-            if self.t >= limit:
-                return limit, NOTHING
-            found = self._step()
-            if found != NOTHING and self.t > limit:  # polished to a time behind the end
+            found = self._step() if self.t < limit else NOTHING
+            if self.t >= limit and (found == NOTHING or self.t > limit):  # at the end, or polished past it
+                self.t = limit
+                self._turn_before(NOTHING)
                 return limit, NOTHING
             if found != NOTHING:
-                self._turn_before_event(found)
+                self._turn_before(found)
                 return self.t, found
-        return (limit if self.t > limit else self.t), NOTHING
+        return self.t, NOTHING
 
     def _lead(self):
         """The first stretch of a segment, known zeros divided out, from the derivatives at its start."""
@@ -182,7 +182,7 @@ class ClosedFormSearch:
         if before < 0 <= slope:
             self._turn_between(low, self.t)
         elif (before < 0) == (slope < 0) and (bend < 0 < curvature or (before < 0 and curvature < 0 < bend)):
-            middle = low + length * (bend / (bend - curvature))
+            middle = low + extreme_of_slope(self.kit, length, before, bend, slope, curvature)
             between, _ = self._gap_slope(middle)
             if before >= 0 > between:
                 self._turn_between(middle, self.t)
@@ -202,9 +202,9 @@ class ClosedFormSearch:
         d = self.flow.jet(4)
         return self.functions_of.derivative(GAP, d, 1), self.functions_of.derivative(GAP, d, 2)
 
-    def _turn_before_event(self, function):
+    def _turn_before(self, function):
         """Look for a minimum of the gap function between the point watched last and an event of another
-        kind.
+        kind, or the end of the run.
         """
         if self.scene.has_stop and function != GAP:
             self.flow.evaluate(self.t - self.t0)

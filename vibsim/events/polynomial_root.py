@@ -131,7 +131,7 @@ class PolynomialSearch:
     def _watch_turns(self, series, t0, stop):
         """Keep the smallest minimum of the gap function within a step: slopes at PIECES points tell where."""
         slopes = [n * series[n] for n in range(1, len(series))]
-        low, falling = 0 * stop, slopes[0]
+        low, falling = 0 * stop, next((slope for slope in slopes if slope != 0), slopes[0])
         for i in range(1, PIECES + 1):
             high = stop * i / PIECES
             rising, _ = self._value_and_slope(slopes, high)

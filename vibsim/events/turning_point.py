@@ -3,6 +3,16 @@
 TURNING = 60
 
 
+def extreme_of_slope(kit, length, before, bend, after, unbend):
+    """Where a slope has its extreme within `length`, from its cubic: values before and after, derivatives
+    bend and unbend of opposite signs there.
+    """
+    mean = (after - before) / length
+    b, a = 6 * mean - 4 * bend - 2 * unbend, 3 * (bend + unbend) - 6 * mean
+    root = kit.sqrt(b * b - 4 * a * bend)
+    return length * (2 * bend / (root - b if bend > 0 else -root - b))
+
+
 def turning_point(slope_at, low, high, settled):
     """Where a function with a falling slope at `low` and a rising one at `high` turns round.
 

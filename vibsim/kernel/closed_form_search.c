@@ -122,7 +122,7 @@ static void watch_turn(Run *r, double value, double slope, double curvature, dou
         turn_between(r, low, m->t);
     } else if ((before < 0) == (slope < 0) &&
                ((bend < 0 && 0 < curvature) || (before < 0 && curvature < 0 && 0 < bend))) {
-        double middle = low + length * (bend / (bend - curvature)), between, unused;
+        double middle = low + extreme_of_slope(length, before, bend, slope, curvature), between, unused;
         gap_slope(r, middle, &between, &unused);
         if (before >= 0 && 0 > between)
             turn_between(r, middle, m->t);
@@ -132,7 +132,7 @@ static void watch_turn(Run *r, double value, double slope, double curvature, dou
     closed_form_evaluate(r, m->t - r->closed.t0);
 }
 
-static void turn_before_event(Run *r, int function)
+static void turn_before(Run *r, int function)
 {
     ClosedForm *f = &r->closed;
     double d[6];
@@ -244,17 +244,17 @@ double closed_form_advance(Run *r, double limit, int *function)
     if (m->function_count == 0)
         m->t = limit;
     for (i = 0; i < STEPS_PER_CALL; i++) {
-        if (m->t >= limit)
-            return limit;
-        *function = step_once(r);
-        if (*function != NOTHING && m->t > limit) {
+        *function = m->t < limit ? step_once(r) : NOTHING;
+        if (m->t >= limit && (*function == NOTHING || m->t > limit)) {
             *function = NOTHING;
+            m->t = limit;
+            turn_before(r, NOTHING);
             return limit;
         }
         if (*function != NOTHING) {
-            turn_before_event(r, *function);
+            turn_before(r, *function);
             return m->t;
         }
     }
-    return m->t > limit ? limit : m->t;
+    return m->t;
 }

@@ -105,7 +105,10 @@ static void watch_turns(Run *r, const double *series, int count, double t0, doub
     int n, i;
     for (n = 1; n < count; n++)
         slopes[n - 1] = n * series[n];
-    falling = slopes[0];
+    n = 0;
+    while (n < count - 2 && slopes[n] == 0)
+        n++;
+    falling = slopes[n];
     for (i = 1; i <= PIECES; i++) {
         double high = stop * i / PIECES;
         value_and_slope(slopes, count - 1, high, &rising, &unused);

@@ -6,6 +6,14 @@
 
 #define TURNING 60
 
+static inline double extreme_of_slope(double length, double before, double bend, double after, double unbend)
+{
+    double mean = (after - before) / length;
+    double b = 6 * mean - 4 * bend - 2 * unbend, a = 3 * (bend + unbend) - 6 * mean;
+    double root = sqrt(b * b - 4 * a * bend);
+    return length * (2 * bend / (bend > 0 ? root - b : -root - b));
+}
+
 typedef void (*SlopeAt)(void *function, double t, double *slope, double *curvature);
 
 static inline void turning_point(SlopeAt slope_at, void *function, double low, double high, double settled, double *last,
