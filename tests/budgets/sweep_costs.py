@@ -7,8 +7,11 @@ CPU time does not count waiting, so it may be taken while other programs run.
 
 import json
 import pickle
+import resource
 import tempfile
 import time
+from concurrent.futures import Future
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +24,7 @@ from vibsim.sweeps.measured_run import MeasuredRun
 from vibsim.sweeps.plan import Plan
 from vibsim.sweeps.point import Point, compute_point
 from vibsim.sweeps.resolution import sampled_for_statistics
+from vibsim.sweeps.runner import run
 from vibsim.sweeps.store import FileStore
 from vibsim.sweeps.sweep_file import write_sweep
 from vibsim.sweeps.sweeping import make_plan
@@ -122,6 +126,42 @@ def keeping(points: int, section: int):
     print(f"  memory of the table                    {held:.0f} bytes")
 
 
+class Inventing:
+    """Workers that take no time: every point is the same one."""
+
+    batch_seconds, count = 1.0, 2
+
+    def __init__(self, made: Point):
+        self.made = made
+
+    def submit(self, pieces):
+        future = Future()
+        points = [replace(self.made, index=index) for piece in pieces for index, _ in piece.points]
+        future.set_result(points)
+        return future
+
+    def result(self, future):
+        return future.result()
+
+
+def large(points: int, section: int):
+    """A whole sweep of so many points without their computing: CPU time and peak memory of the client."""
+    plan = grid(points, t_end="100 s", section=section)
+    made = a_point(plan, (40, 0, 0))
+    made.values["wall_time"] = 0.05
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with tempfile.TemporaryDirectory() as folder:
+
+        def go():
+            with FileStore(plan, Path(folder) / "s.h5") as store:
+                run(store, Inventing(made))
+
+        took = _cpu(go, 1)
+    grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) * 1024
+    print(f"{points} points, section of {section}, the whole client, per point:")
+    print(f"  CPU time {took / points * MICRO:.1f} us, peak memory {grown / points:.0f} bytes")
+
+
 def sending_the_recipe():
     """What goes along with every batch."""
     recipe = grid(1000).recipe
@@ -136,3 +176,5 @@ if __name__ == "__main__":
     sending_the_recipe()
     keeping(10_000, 100)
     keeping(100_000, 0)
+    large(100_000, 0)
+    large(1_000_000, 0)
