@@ -11,7 +11,7 @@ from vibsim.sweeps.batch import compute_batch
 from vibsim.sweeps.chain import Chain
 from vibsim.sweeps.columns import DONE, FAILED
 from vibsim.sweeps.point import Point
-from vibsim.sweeps.runner import AHEAD, run
+from vibsim.sweeps.runner import run
 from vibsim.sweeps.store import Store
 
 CARRIED = {"carry_state": True, "direction": "both"}
@@ -64,7 +64,7 @@ def test_every_point_comes_once(settings, seconds):
     workers = ImmediateWorkers(plan, seconds)
     came = run_through(plan, workers)
     assert sorted(came) == sorted(index for chain in plan.chains() for index in chain)
-    assert workers.most_in_flight <= AHEAD * workers.count
+    assert workers.most_in_flight <= 2 * workers.count
     for chain in plan.chains():
         assert [index for index in came if index in chain] == chain  # in the order of the chain
 
@@ -76,7 +76,7 @@ def test_a_batch_takes_its_time_and_the_last_are_short():
     assert max(workers.lengths) == 20
     assert workers.lengths[-1] == 1
     # as many as fill a second each; before the pace is known and towards the end, fewer
-    assert len(workers.lengths) <= 2001 / 20 + AHEAD * workers.count + 6 * ROUNDS * workers.count
+    assert len(workers.lengths) <= 2001 / 20 + 2 * workers.count + 6 * ROUNDS * workers.count
 
 
 def test_the_pace_follows_the_points():

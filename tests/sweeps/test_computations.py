@@ -89,12 +89,12 @@ def test_a_free_motor_takes_no_power_at_its_no_load_speed():
 
 @pytest.mark.parametrize("name", ["I-B", "II-B"])
 def test_the_spectrum_of_impact_velocities(name):
-    scene = paper(name, t_end=24.0)
+    scene = paper(name, t_end=24.12 if name == "I-B" else 24.03)
     values, arrays = computed(scene, "impact-velocity")
-    rows, marks = contact_begins(scene, 12.0)
+    rows, marks = contact_begins(scene, scene.t_end / 2)
     inside = (rows["t"] >= marks[0]) & (rows["t"] < marks[-1])
     speeds = sorted(abs(a - b) for a, b in zip(rows["v1"][inside], rows["v2"][inside], strict=True))
-    assert len(speeds) > 40
+    assert len(speeds) > 40 and not inside[-1]  # one follows on the last period
     assert values["impact_velocity_mean"] == pytest.approx(math.fsum(speeds) / len(speeds), rel=1e-14)
     spectrum = arrays["impact_velocity"]
     assert (spectrum[0], spectrum[-1]) == (speeds[0], speeds[-1]) and len(spectrum) == len(QUANTILES)

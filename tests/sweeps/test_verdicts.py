@@ -9,6 +9,8 @@ import pytest
 import vibsim
 from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
 from vibsim.analysis import judge_capture, judge_regime
+from vibsim.kernel import open_trajectory
+from vibsim.physics.modes import EVENT_KINDS
 from vibsim.results import open_result
 from vibsim.sweeps import capture_verdict, regime_label
 from vibsim.sweeps.plan import PlanError
@@ -52,6 +54,26 @@ def test_capture(name, changes, discard):
         # the run's turns are read off samples, those of the sweep are exact
         wanted = math.nan if value is None else pytest.approx(value, rel=1e-4, abs=0.02)
         assert only(result, column) == wanted or (value is None and math.isnan(only(result, column))), column
+
+
+@pytest.mark.parametrize("changes", [{}, {"stop": "none", "friction": "none"}], ids=["events", "no events"])
+@pytest.mark.parametrize("discard", ["50 %", "0"])
+def test_capture_is_shown_every_turn_and_impact_once(monkeypatch, changes, discard):
+    """What was run twice, from the last event in the transient to its end, counts once."""
+    told = []
+
+    def judge(turns, impacts, *rest):
+        told.append((turns, impacts))
+        return real(turns, impacts, *rest)
+
+    real = capture_verdict.capture_of_turns
+    monkeypatch.setattr(capture_verdict, "capture_of_turns", judge)
+    case = short_case("II-B", t_end="30 s", **changes)
+    swept(case, "capture", discard=discard)
+    blocks = list(open_trajectory(case.scene(), section=True).blocks())
+    begun = [block.events["t"][block.events["kind"] == EVENT_KINDS["contact_begin"]] for block in blocks]
+    np.testing.assert_array_equal(told[0][0], np.concatenate([block.section["time"] for block in blocks]))
+    np.testing.assert_array_equal(told[0][1], np.concatenate(begun))
 
 
 @pytest.mark.parametrize("name", ["I-A", "I-C", "II-B", "II-C"])
