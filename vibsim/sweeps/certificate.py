@@ -1,4 +1,4 @@
-"""Whether every search for an event was certified: no root overlooked."""
+"""Whether it is proved that no event of the run was missed."""
 
 from typing import Any
 
@@ -7,10 +7,10 @@ from vibsim.physics.scene import Scene
 from vibsim.sweeps.columns import Column
 from vibsim.sweeps.measured_run import MeasuredRun
 
-TITLE = "searches for events that could not be certified"
+TITLE = "stretches without proof that no event was missed"
 COLUMNS = {
     "uncertified": Column(
-        "1", "steps of the whole run whose search for events could not be certified; 0: no event was missed"
+        "1", "stretches of the whole run without proof that no event was missed; 0: all are certified"
     )
 }
 
