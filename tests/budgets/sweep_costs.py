@@ -172,9 +172,9 @@ def sending_the_recipe():
 
 
 if __name__ == "__main__":
-    computing()
-    sending_the_recipe()
+    large(100_000, 0)  # first, so that the peak of memory is theirs
+    large(1_000_000, 0)
     keeping(10_000, 100)
     keeping(100_000, 0)
-    large(100_000, 0)
-    large(1_000_000, 0)
+    sending_the_recipe()
+    computing()
