@@ -12,7 +12,10 @@ NUDGE = mpmath.mpf(10) ** -30
 
 
 def exact_responses(a, b, omega, t):
-    """C [-], S [s], I [s^2] and H [s^2, complex] of y'' + 2 a y' + b y at time t, load frequency omega."""
+    """C [-], S [s], I [s^2], H [s^2, complex] and its rate H' [s] at time t.
+
+    Of y'' + 2 a y' + b y, under a load of the frequency omega.
+    """
     with mpmath.workdps(DIGITS):
         a, b, omega, t = (mpmath.mpf(value) for value in (a, b, omega, t))
         root = mpmath.sqrt(mpmath.mpc(a * a - b))
@@ -24,7 +27,7 @@ def exact_responses(a, b, omega, t):
         C = (roots[0] * mpmath.exp(roots[1] * t) - roots[1] * mpmath.exp(roots[0] * t)) / (
             roots[0] - roots[1]
         )
-        return C.real, S.real, steady.real, H
+        return C.real, S.real, steady.real, H, S.real + mpmath.mpc(0, omega) * H
 
 
 def divided_difference(points, t):
@@ -41,7 +44,7 @@ def sensitivity(a, b, omega, t):
     """What one relative unit of change in a, b, omega and t moves C, S, I, H by, added up [units of each]."""
     with mpmath.workdps(DIGITS):
         here = exact_responses(a, b, omega, t)
-        total = [mpmath.mpf(0)] * 4
+        total = [mpmath.mpf(0)] * 5
         for which in range(4):
             arguments = [mpmath.mpf(value) for value in (a, b, omega, t)]
             arguments[which] *= 1 + NUDGE

@@ -103,7 +103,7 @@ class PolynomialSearch:
             ahead = self.kit.exact(t0 + (tau + step))
             if ahead <= t:
                 if slope < 0:
-                    return t, True
+                    return self.kit.exact(t0 + (tau - value / slope)), True
                 self.certificate.doubt(t0)
                 ahead = t + (self.kit.next_after(t, inf) - t) * stall
                 stall = stall * 2

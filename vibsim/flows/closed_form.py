@@ -98,8 +98,7 @@ class ClosedForm:
             if angle > 3:  # below, the product is as good as its reduction
                 angle = kit.turn_angle(self.scene.cycles, self.scene.cycles_lo, tau)
             cosine, sine = kit.cos(angle), kit.sin(angle)
-            hc, hs = osc.harmonic_response(tau, release, impulse, cosine, sine)
-            dc, ds = impulse - self.omega * hs, self.omega * hc
+            hc, hs, dc, ds = osc.harmonic_response(tau, release, impulse, cosine, sine)
             y = y + (self.load_sine * hc + self.load_cosine * hs)
             u = u + (self.load_sine * dc + self.load_cosine * ds)
             self.hc, self.hs, self.dc, self.ds = hc, hs, dc, ds

@@ -77,16 +77,25 @@ class Oscillator:
         return t * t * horner(self.steady_series, self.rate * t)
 
     def harmonic_response(self, t, release, impulse, cosine, sine):
-        """Re H(t), Im H(t) [s^2], given C, S and cos, sin of omega t."""
+        """Re H(t), Im H(t) [s^2] and their rates [s], given C, S and cos, sin of omega t.
+
+        From H' = S + i omega H, but for a fast load, where that difference would cancel.
+        """
         square, detuning = t * t, self.wd - self.omega
         resonant = self.oscillates and (self.a * self.a + detuning * detuning) * square < RESONANT
         if self.beating * (square * square) >= QUARTER * QUARTER and not resonant:
             nr = cosine - release
             ni = sine - self.omega * impulse
-            return nr * self.inverse_r + ni * self.inverse_i, ni * self.inverse_r - nr * self.inverse_i
-        if self.wd * t >= 0.5:
-            return self._confluent(t, cosine, sine)
-        return self.series_response(t)
+            vr = self.b * impulse - self.omega * sine
+            vi = self.omega * (cosine - (release - 2 * self.a * impulse))
+            return (
+                nr * self.inverse_r + ni * self.inverse_i,
+                ni * self.inverse_r - nr * self.inverse_i,
+                vr * self.inverse_r + vi * self.inverse_i,
+                vi * self.inverse_r - vr * self.inverse_i,
+            )
+        hc, hs = self._confluent(t, cosine, sine) if self.wd * t >= 0.5 else self.series_response(t)
+        return hc, hs, impulse - self.omega * hs, self.omega * hc
 
     def series_response(self, t):
         """Re H, Im H [s^2] by power series, for spreads |r t|, |omega t| below 2."""

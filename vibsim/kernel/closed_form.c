@@ -106,9 +106,7 @@ void closed_form_evaluate(Run *r, double tau)
             angle = turn_angle(r->scene.cycles, r->scene.cycles_lo, tau);
         cosine = cos(angle);
         sine = sin(angle);
-        harmonic_response(o, tau, release, impulse, cosine, sine, &hc, &hs);
-        dc = impulse - f->omega * hs;
-        ds = f->omega * hc;
+        harmonic_response(o, tau, release, impulse, cosine, sine, &hc, &hs, &dc, &ds);
         y = y + (f->load_sine * hc + f->load_cosine * hs);
         u = u + (f->load_sine * dc + f->load_cosine * ds);
         f->hc = hc;

@@ -131,7 +131,7 @@ void oscillator_set(Oscillator *o, double a, double b, double omega);
 void release_and_impulse(const Oscillator *o, double t, double *release, double *impulse);
 double constant_response(const Oscillator *o, double t, double release);
 void harmonic_response(const Oscillator *o, double t, double release, double impulse, double cosine, double sine,
-                       double *hc, double *hs);
+                       double *hc, double *hs, double *dc, double *ds);
 void free_harmonic_response(const Oscillator *point, double t, double cosine, double sine, double *hc, double *hs);
 
 /* regime.c */

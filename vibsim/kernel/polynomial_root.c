@@ -62,7 +62,7 @@ static int march(Run *r, const double *series, int count, double error, double b
         ahead = t0 + (tau + step);
         if (ahead <= t) {
             if (slope < 0) {
-                *end = t;
+                *end = t0 + (tau - value / slope);
                 return ZERO;
             }
             doubt(&r->certificate, t0);

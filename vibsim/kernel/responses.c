@@ -142,21 +142,26 @@ static void confluent(const Oscillator *o, double t, double cosine, double sine,
 }
 
 void harmonic_response(const Oscillator *o, double t, double release, double impulse, double cosine, double sine,
-                       double *hc, double *hs)
+                       double *hc, double *hs, double *dc, double *ds)
 {
     double square = t * t, detuning = o->wd - o->omega;
     int resonant = o->oscillates && (o->a * o->a + detuning * detuning) * square < RESONANT;
     if (o->beating * (square * square) >= QUARTER * QUARTER && !resonant) {
-        double nr = cosine - release, ni = sine - o->omega * impulse;
+        double nr = cosine - release, ni = sine - o->omega * impulse, vr, vi;
         *hc = nr * o->inverse_r + ni * o->inverse_i;
         *hs = ni * o->inverse_r - nr * o->inverse_i;
+        vr = o->b * impulse - o->omega * sine;
+        vi = o->omega * (cosine - (release - 2 * o->a * impulse));
+        *dc = vr * o->inverse_r + vi * o->inverse_i;
+        *ds = vi * o->inverse_r - vr * o->inverse_i;
         return;
     }
-    if (o->wd * t >= 0.5) {
+    if (o->wd * t >= 0.5)
         confluent(o, t, cosine, sine, hc, hs);
-        return;
-    }
-    series_response(o, t, hc, hs);
+    else
+        series_response(o, t, hc, hs);
+    *dc = impulse - o->omega * *hs;
+    *ds = o->omega * *hc;
 }
 
 void free_harmonic_response(const Oscillator *point, double t, double cosine, double sine, double *hc, double *hs)
