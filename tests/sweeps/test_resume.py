@@ -222,3 +222,20 @@ def test_journal_lines_are_plain_json(tmp_path):
         lines = journal_path(tmp_path / "sweep.h5").read_text().splitlines()
     assert json.loads(lines[0]) == {"fingerprint": plan.fingerprint}
     assert json.loads(lines[1])["index"] == [1, 0]
+
+
+def test_a_bug_at_one_point_does_not_stop_the_others(monkeypatch):
+    from vibsim.sweeps import point
+
+    class Faulty(point.Statistics):
+        def update(self, block):
+            if abs(self.scene.Omega0 / 2 / np.pi - 4) < 1e-9:
+                raise ZeroDivisionError("by nothing")
+            super().update(block)
+
+    monkeypatch.setattr(point, "Statistics", Faulty)
+    result, _ = run_stored(Store(short_plan({OMEGA0: "3, 4, 5 Hz"})), 2)
+    assert result["status"].ravel().tolist() == [DONE, FAILED, DONE]
+    assert result["error"][1, 0].startswith(
+        "a bug in vibsim, please report it: ZeroDivisionError: by nothing (test_"
+    )

@@ -2,8 +2,10 @@
 
 import math
 import time
+import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -93,10 +95,19 @@ def compute_point(
         return Point(index, FAILED, case.sha256, str(error))
     except GivenUpError:
         return None
+    except Exception as error:  # a bug that shows at one point must not cost all the others
+        return Point(index, FAILED, case.sha256, _bug(error))
     if recipe.carry and "end_x1" not in values:
         return Point(index, FAILED, case.sha256, NOTHING_TO_CARRY)
     values["wall_time"] = time.perf_counter() - began
     return Point(index, DONE, case.sha256, "", values, arrays)
+
+
+def _bug(error: Exception) -> str:
+    """What went wrong and where, in one line."""
+    frame = traceback.extract_tb(error.__traceback__)[-1]
+    place = f"{Path(frame.filename).name}:{frame.lineno}"
+    return f"a bug in vibsim, please report it: {type(error).__name__}: {error} ({place})"
 
 
 def measure(scene: Scene, recipe: Recipe, engine: str, go_on: Callable[[], bool] | None) -> Measured:
