@@ -19,7 +19,7 @@ import numpy as np
 from vibsim.cases import load_case
 from vibsim.sweeps.backlog import Backlog
 from vibsim.sweeps.columns import DONE
-from vibsim.sweeps.computations import COMPUTATIONS
+from vibsim.sweeps.computations.registry import COMPUTATIONS
 from vibsim.sweeps.measured_run import MeasuredRun
 from vibsim.sweeps.plan import Plan
 from vibsim.sweeps.point import Point, compute_point

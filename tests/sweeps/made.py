@@ -3,9 +3,10 @@
 import numpy as np
 
 from vibsim.cases import load_case
-from vibsim.sweeps.columns import NOT_REPRODUCIBLE
+from vibsim.sweeps.columns import DONE, NOT_REPRODUCIBLE
 from vibsim.sweeps.plan import DIRECTIONS
-from vibsim.sweeps.sweeping import make_plan
+from vibsim.sweeps.store import FileStore, Store
+from vibsim.sweeps.sweeping import make_plan, run_stored
 
 OMEGA0 = "excitation.Omega0"
 
@@ -32,4 +33,18 @@ def assert_same_points(got, expected):
         np.testing.assert_array_equal(getattr(got, name), getattr(expected, name), err_msg=name)
 
 
-__all__ = ["DIRECTIONS", "OMEGA0", "assert_same_points", "short_case", "short_plan"]
+def complete(plan, path, **options):
+    """Run what is missing in a file; the indices computed by this call."""
+    store = FileStore(plan, path, **options)
+    before = store.table.status.copy()
+    result, finished = run_stored(store, 2)
+    assert finished
+    return result, [tuple(index) for index in np.argwhere(before != DONE).tolist()]
+
+
+def in_memory(plan):
+    """All points of a plan, nothing on file."""
+    return run_stored(Store(plan), 2)[0].table
+
+
+__all__ = ["DIRECTIONS", "OMEGA0", "assert_same_points", "complete", "in_memory", "short_case", "short_plan"]

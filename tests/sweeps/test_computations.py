@@ -12,9 +12,9 @@ from vibsim.kernel import open_trajectory
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.results import open_result
 from vibsim.sweeps import measured_run
-from vibsim.sweeps.computations import COMPUTATIONS, read_computations
+from vibsim.sweeps.computations.impact_velocity import QUANTILES
+from vibsim.sweeps.computations.registry import COMPUTATIONS, read_computations
 from vibsim.sweeps.discard import parse_discard
-from vibsim.sweeps.impact_velocity import QUANTILES
 from vibsim.sweeps.plan import PlanError
 from vibsim.sweeps.point import measure
 from vibsim.sweeps.recipe import Recipe

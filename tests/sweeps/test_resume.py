@@ -10,32 +10,19 @@ import h5py
 import numpy as np
 import pytest
 
-from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
+from tests.sweeps.made import OMEGA0, assert_same_points, complete, in_memory, short_case, short_plan
 from vibsim.results import ResultFileError, open_result
-from vibsim.sweeps.columns import DONE, FAILED, MISSING
+from vibsim.sweeps.columns import DONE, MISSING
 from vibsim.sweeps.journal import Journal, journal_path
-from vibsim.sweeps.store import FileStore, Store
+from vibsim.sweeps.store import FileStore
 from vibsim.sweeps.sweeping import run_stored
 
 CARRIED = {"carry_state": True, "direction": "both"}
 
 
-def complete(plan, path, **options):
-    """Run what is missing in a file; the indices computed by this call."""
-    store = FileStore(plan, path, **options)
-    before = store.table.status.copy()
-    result, finished = run_stored(store, 2)
-    assert finished
-    return result, [tuple(index) for index in np.argwhere(before != DONE).tolist()]
-
-
 def interrupted(plan, path, points):
     """Run a file until so many points are there."""
     run_stored(FileStore(plan, path), 2, watch=lambda table: table.count(DONE) < points)
-
-
-def in_memory(plan):
-    return run_stored(Store(plan), 2)[0].table
 
 
 @pytest.mark.parametrize("settings", [{}, CARRIED], ids=["fresh", "carried"])
@@ -185,36 +172,6 @@ def test_a_second_process_is_refused(tmp_path):
     Journal(path).close(remove=True)
 
 
-def test_a_failed_point_is_kept_with_its_reason_and_tried_again(tmp_path, monkeypatch):
-    from vibsim.kernel import KernelError, open_trajectory
-    from vibsim.physics.state import State
-    from vibsim.sweeps import measured_run
-
-    def failing(scene, *arguments, **options):
-        if abs(scene.Omega0 / 2 / np.pi - 4) < 1e-9:
-            raise KernelError("diverged", State(*[1.5] * 8))
-        return open_trajectory(scene, *arguments, **options)
-
-    plan, path = short_plan({OMEGA0: "3, 4, 5 Hz"}, carry_state=True), tmp_path / "sweep.h5"
-    monkeypatch.setattr(measured_run, "open_trajectory", failing)
-    result, _ = complete(plan, path)
-    assert result["status"].ravel().tolist() == [DONE, FAILED, DONE]
-    assert "t = 1.5 s: the state is no longer finite" in result["error"][1, 0]
-    assert np.isnan(result["mean_speed"][1, 0]) and result.complete
-    assert result.case_at((2, 0)).number("initial.x1") == result["end_x1"][0, 0]  # passes over the failed one
-    monkeypatch.undo()
-    again, _ = complete(plan, path)
-    assert_same_points(again.table, in_memory(plan))
-
-
-def test_a_point_whose_case_is_not_allowed_fails_alone():
-    """Each value alone is allowed; together t_end and every make too many samples."""
-    plan = short_plan({"t_end": "1, 100 s", "every": "1e-9, 1 s"}, short_case(run__every="1 s"))
-    result, _ = run_stored(Store(plan), 1)
-    assert result["status"][:, :, 0].tolist() == [[DONE, DONE], [FAILED, DONE]]
-    assert "samples" in result["error"][1, 0, 0]
-
-
 def test_journal_lines_are_plain_json(tmp_path):
     plan = short_plan({OMEGA0: "3, 4 Hz"})
     with FileStore(plan, tmp_path / "sweep.h5") as store:
@@ -222,20 +179,3 @@ def test_journal_lines_are_plain_json(tmp_path):
         lines = journal_path(tmp_path / "sweep.h5").read_text().splitlines()
     assert json.loads(lines[0]) == {"fingerprint": plan.fingerprint}
     assert json.loads(lines[1])["index"] == [1, 0]
-
-
-def test_a_bug_at_one_point_does_not_stop_the_others(monkeypatch):
-    from vibsim.sweeps import point
-
-    class Faulty(point.Statistics):
-        def update(self, block):
-            if abs(self.scene.Omega0 / 2 / np.pi - 4) < 1e-9:
-                raise ZeroDivisionError("by nothing")
-            super().update(block)
-
-    monkeypatch.setattr(point, "Statistics", Faulty)
-    result, _ = run_stored(Store(short_plan({OMEGA0: "3, 4, 5 Hz"})), 2)
-    assert result["status"].ravel().tolist() == [DONE, FAILED, DONE]
-    assert result["error"][1, 0].startswith(
-        "a bug in vibsim, please report it: ZeroDivisionError: by nothing (test_"
-    )

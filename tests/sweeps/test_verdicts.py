@@ -12,7 +12,7 @@ from vibsim.analysis import judge_capture, judge_regime
 from vibsim.kernel import open_trajectory
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.results import open_result
-from vibsim.sweeps import capture_verdict, regime_label
+from vibsim.sweeps.computations import capture_verdict, regime_label
 from vibsim.sweeps.plan import PlanError
 from vibsim.sweeps.store import FileStore, Store
 from vibsim.sweeps.sweeping import run_stored

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from vibsim.cases.quantities import Quantity
 from vibsim.sweeps.axis import Axis
 from vibsim.sweeps.columns import ALWAYS, Column, columns_of
-from vibsim.sweeps.computations import COMPUTATIONS, length_of
+from vibsim.sweeps.computations.registry import COMPUTATIONS, length_of
 from vibsim.sweeps.discard import HALF, Discard
 from vibsim.sweeps.members import Members
 from vibsim.sweeps.recipe import Recipe, Start
@@ -49,7 +49,7 @@ class Plan:
     discard : transient left out of the statistics
     section : number of stroboscopic points kept per point, the last ones
     every : output interval that the statistics are taken from [s]; None: what suits each point's motion
-    compute : names of what is computed besides, see `vibsim.sweeps.computations`, in their order there
+    compute : names of what is computed besides, in the order of `vibsim.sweeps.computations.registry`
     """
 
     case: "Case"

@@ -14,7 +14,7 @@ from vibsim.cases import CaseError
 from vibsim.kernel import Block, KernelError
 from vibsim.physics.scene import Scene
 from vibsim.sweeps.columns import DONE, FAILED
-from vibsim.sweeps.computations import COMPUTATIONS, Computation
+from vibsim.sweeps.computations.registry import COMPUTATIONS, Computation
 from vibsim.sweeps.measured_run import GivenUpError, MeasuredRun
 from vibsim.sweeps.plan import Index
 from vibsim.sweeps.recipe import Recipe, Start

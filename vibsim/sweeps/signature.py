@@ -11,7 +11,7 @@ from vibsim import __version__
 from vibsim.cases import load_case
 from vibsim.kernel import engine_name
 from vibsim.sweeps.columns import NOT_REPRODUCIBLE, columns_of
-from vibsim.sweeps.computations import COMPUTATIONS
+from vibsim.sweeps.computations.registry import COMPUTATIONS
 from vibsim.sweeps.discard import HALF
 from vibsim.sweeps.plan import STATISTICS
 from vibsim.sweeps.point import compute_point

@@ -12,7 +12,7 @@ from vibsim.results.errors import ResultFileError
 from vibsim.results.output_file import output_file
 from vibsim.results.trajectory_file import damage_named, open_hdf5, read_attrs
 from vibsim.sweeps.columns import STATUS_FLAGS, Column
-from vibsim.sweeps.impact_velocity import QUANTILES
+from vibsim.sweeps.computations.impact_velocity import QUANTILES
 from vibsim.sweeps.members import Members
 from vibsim.sweeps.plan import DIRECTION_FLAGS, Plan
 from vibsim.sweeps.table import Table

@@ -8,7 +8,7 @@ from pathlib import Path
 from vibsim.cases import Case, load_case
 from vibsim.cases.quantities import parse_quantity
 from vibsim.sweeps.axis import read_axis
-from vibsim.sweeps.computations import read_computations
+from vibsim.sweeps.computations.registry import read_computations
 from vibsim.sweeps.discard import parse_discard
 from vibsim.sweeps.members import Members, read_members
 from vibsim.sweeps.plan import DIRECTIONS, Plan, PlanError
@@ -50,7 +50,7 @@ def sweep(
     discard : transient left out of the statistics, a time ("100 s") or a share of t_end ("50 %")
     section : stroboscopic points kept per point, the last ones
     every : output interval for the statistics, such as "1 ms"; by default what suits the motion
-    compute : names of what is computed besides, see `vibsim.sweeps.computations`, or "all"
+    compute : names of what is computed besides, see `vibsim.sweeps.computations.registry`, or "all"
     ensemble : members of an ensemble that is run at every point; 0: none
     seed : of the members' draws; member 7 of a seed is the same in an ensemble of any size
     spread : key -> what varies over the ensemble and by how much, e.g. {"x1": "1 mm", "v1": "normal 2 mm/s",

@@ -10,7 +10,7 @@ import numpy as np
 from vibsim.kernel import Block
 from vibsim.physics.scene import Scene
 from vibsim.sweeps.columns import Column
-from vibsim.sweeps.contacts import Contacts
+from vibsim.sweeps.computations.contacts import Contacts
 from vibsim.sweeps.measured_run import MeasuredRun
 
 TITLE = "spectrum of impact velocities"

@@ -11,7 +11,8 @@ from vibsim.cases.problems import did_you_mean
 from vibsim.kernel import Block
 from vibsim.physics.disturbance import dimension as exponents
 from vibsim.physics.scene import Scene
-from vibsim.sweeps import (
+from vibsim.sweeps.columns import Column
+from vibsim.sweeps.computations import (
     capture_verdict,
     certificate,
     contact_section,
@@ -21,7 +22,6 @@ from vibsim.sweeps import (
     power,
     regime_label,
 )
-from vibsim.sweeps.columns import Column
 from vibsim.sweeps.measured_run import MeasuredRun
 
 Window = tuple[float, float]  # of the whole periods [s]; of everything after the transient without periods

@@ -5,7 +5,7 @@ from typing import Any
 from vibsim.kernel import Block
 from vibsim.physics.scene import Scene
 from vibsim.sweeps.columns import Column
-from vibsim.sweeps.contacts import Contacts
+from vibsim.sweeps.computations.contacts import Contacts
 from vibsim.sweeps.measured_run import MeasuredRun
 
 TITLE = "Poincare section at the beginning of contact"

@@ -8,7 +8,7 @@ from vibsim.analysis.streaming import StreamedVerdicts
 from vibsim.kernel import Block
 from vibsim.physics.scene import Scene
 from vibsim.sweeps.columns import Column
-from vibsim.sweeps.lyapunov import HALF_WIDTH, LARGEST
+from vibsim.sweeps.computations.lyapunov import HALF_WIDTH, LARGEST
 from vibsim.sweeps.measured_run import MeasuredRun
 
 TITLE = "kind of motion: periodic, quasi-periodic, chaotic, ..."
