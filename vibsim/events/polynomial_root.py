@@ -88,8 +88,8 @@ class PolynomialSearch:
             value, slope = self._value_and_slope(series, tau)
             if value <= error and not near:
                 if crosses(slope, bound, 2 * error):
-                    root = tau - value / slope
-                    return (self.kit.exact(t0 + root), True) if root <= h else (None, False)
+                    zero = self._newton(tau, value, slope)
+                    return (self.kit.exact(t0 + zero), True) if zero <= h else (None, False)
                 near = True
                 self.certificate.doubt(t0)
             if near:
@@ -103,7 +103,7 @@ class PolynomialSearch:
             ahead = self.kit.exact(t0 + (tau + step))
             if ahead <= t:
                 if slope < 0:
-                    return self.kit.exact(t0 + (tau - value / slope)), True
+                    return self.kit.exact(t0 + self._newton(tau, value, slope)), True
                 self.certificate.doubt(t0)
                 ahead = t + (self.kit.next_after(t, inf) - t) * stall
                 stall = stall * 2
@@ -111,6 +111,12 @@ class PolynomialSearch:
                 stall = self.kit.number(1)
             t = ahead
         return t, False
+
+    @staticmethod
+    def _newton(tau, value, slope):
+        """The zero that a Newton step from tau leads to, not before the start of the step."""
+        zero = tau - value / slope
+        return zero if zero > 0 else 0 * tau
 
     def _noise(self, series, tau):
         """Rounding bound of the value at tau."""

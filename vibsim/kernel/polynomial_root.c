@@ -30,6 +30,13 @@ static double noise_at(const double *series, int count, double tau)
     return 4 * EPS * total;
 }
 
+/* The zero that a Newton step from tau leads to, not before the start of the step. */
+static double newton(double tau, double value, double slope)
+{
+    double zero = tau - value / slope;
+    return zero > 0 ? zero : 0 * tau;
+}
+
 /* March by safe steps from t0; `error` proves a stretch, the rounding of its value blurs the place of a zero. */
 static int march(Run *r, const double *series, int count, double error, double bound, double t0, double h, double *end)
 {
@@ -42,7 +49,7 @@ static int march(Run *r, const double *series, int count, double error, double b
         value_and_slope(series, count, tau, &value, &slope);
         if (value <= error && !near) {
             if (crosses(slope, bound, 2 * error)) {
-                double zero = tau - value / slope;
+                double zero = newton(tau, value, slope);
                 *end = t0 + zero;
                 return zero <= h ? ZERO : POSITIVE;
             }
@@ -62,7 +69,7 @@ static int march(Run *r, const double *series, int count, double error, double b
         ahead = t0 + (tau + step);
         if (ahead <= t) {
             if (slope < 0) {
-                *end = t0 + (tau - value / slope);
+                *end = t0 + newton(tau, value, slope);
                 return ZERO;
             }
             doubt(&r->certificate, t0);
