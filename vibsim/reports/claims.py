@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from vibsim.reports.claim import Claim, Finding, Numbers
 from vibsim.reports.claims_of_capture import capture_claims
+from vibsim.reports.claims_of_escape import escape_claims
 from vibsim.reports.claims_of_models import models_claims
 from vibsim.reports.claims_of_motion import motion_claims
 
 
 def paper_claims() -> list[Claim]:
     """Every claim, in the order of the report."""
-    return [*models_claims(), *motion_claims(), *capture_claims()]
+    return [*models_claims(), *motion_claims(), *capture_claims(), *escape_claims()]
 
 
 def judge_claims(numbers: Numbers) -> list[tuple[Claim, Finding]]:

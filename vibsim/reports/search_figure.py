@@ -14,7 +14,8 @@ from matplotlib.patches import Patch
 from vibsim.plots.sheet import sheet
 from vibsim.plots.style import BLUE, GREEN, ORANGE, SKY
 from vibsim.plots.view import View
-from vibsim.reports.claims_of_capture import ABOUT_100
+from vibsim.reports.claims_of_capture import RESONANT_HZ
+from vibsim.reports.claims_of_escape import ABOUT_100
 from vibsim.reports.measurements import Numbers
 from vibsim.reports.parameter_search import TOGETHER
 
@@ -27,7 +28,6 @@ CLASSES = {
     CAPTURED: ("captured to the end", BLUE),
 }
 BRIEF_FROM = 30.0  # [s]
-RESONANT_HZ = 4.5  # a hold below this is one near half the bilinear frequency
 
 
 def draw_search(rows: Sequence[Numbers], names: Sequence[str], readings: Numbers) -> Figure:
