@@ -14,9 +14,7 @@ from vibsim.results.windows import Window, rows_within
 
 Numbers = dict[str, Any]
 
-SMOOTHED = (
-    5.0  # [s] displacement is averaged over, many periods of every source, before its peak is looked for
-)
+SMOOTHED = 5.0  # [s] many periods of every source: what a displacement is averaged over to find its peak
 STATES = ("x1", "x2", "v1", "v2")
 
 

@@ -24,10 +24,7 @@ if TYPE_CHECKING:
 
 Tell = Callable[[str, int, int], bool]  # given what is done, how much of it, and of how much; False to stop
 
-LONG = {
-    "run.t_end": "3000 s",
-    "run.every": "10 ms",
-}  # ten times the paper's span: to where the motion settles
+LONG = {"run.t_end": "3000 s", "run.every": "10 ms"}  # ten times the paper's span: where motions settle
 SEARCHED = ("II-B", "II-C")
 CHANGED_KEYS = ("coupling.c", "excitation.m3")
 
@@ -43,7 +40,8 @@ def measure_paper(results: Mapping[str, Result], file: NumbersFile, tell: Tell) 
         return lambda done, total: tell(step, done, total)
 
     file.section("facts", prints, lambda: measure_facts(cases))
-    file.section("runs", prints, lambda: measure_runs(results, told("measuring")))
+    files = {name: [prints[name], result.attrs["date_created"]] for name, result in results.items()}
+    file.section("runs", files, lambda: measure_runs(results, told("measuring")))
     file.section("long_runs", [prints, LONG], lambda: measure_long_runs(cases, told("following for longer")))
     for name in (*SEARCHED, *READINGS):
         measure = partial(measure_ensemble, cases[name], told(f"perturbing {name}"))
