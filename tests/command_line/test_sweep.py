@@ -170,3 +170,12 @@ def test_an_ensemble_with_what_is_computed_besides():
 def test_the_help_lists_everything_that_can_be_computed():
     said = " ".join(call("sweep", "--help").stdout.split())
     assert all(f" {name}" in said for name in COMPUTATIONS)
+
+
+def test_what_can_be_computed_is_listed(own_folder):
+    done = call("sweep", "--list")
+    lines = done.stdout.splitlines()
+    assert done.exit_code == 0 and [line.split()[0] for line in lines] == list(COMPUTATIONS)
+    assert lines[3] == "grazing            grazing margin after the transient: grazing_margin_late"
+    listed = json.loads(call("sweep", "--list", "--json").stdout)
+    assert listed["capture"]["columns"][0] == "capture" and list(own_folder.iterdir()) == []

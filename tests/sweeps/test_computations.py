@@ -157,10 +157,12 @@ def test_the_certificate_counts_uncertified_searches(monkeypatch):
 
 
 def test_names():
-    assert read_computations(["grazing", "power", "power"]) == ("power", "grazing")
-    assert read_computations(["all"]) == tuple(COMPUTATIONS)
+    motor, harmonic_force = paper("II-B"), paper("I-B")
+    assert read_computations(["grazing", "power", "power"], motor) == ("power", "grazing")
+    assert read_computations(["all"], motor) == tuple(COMPUTATIONS)
+    assert set(read_computations(["all"], harmonic_force)) == set(COMPUTATIONS) - {"capture"}
     with pytest.raises(ValueError, match=r"'powr' \(did you mean power\?\); allowed: power, impact-velocity"):
-        read_computations(["powr"])
+        read_computations(["powr"], motor)
     with pytest.raises(PlanError, match="impact-velocity needs a stop, which bare has not got"):
         text = "blocks: {m1: 1 kg, m2: fixed}\ncoupling: {k1: 9 N/m}"
         short_plan({"k1": "1, 2"}, load_case_text(text, name="bare"), compute=["impact-velocity"])

@@ -85,8 +85,9 @@ class KeyRange(click.ParamType):
     "--compute", "computed", metavar="NAME,...", default="",
     help="What to compute of each point besides: power, impact-velocity, contact-section, grazing, "
     "certificate, capture, lyapunov (one more run), lyapunov-spectrum (one more, three times as long), "
-    "regime; or all.",
+    "regime; or all. See --list.",
 )  # fmt: skip
+@click.option("--list", "list_computations", is_flag=True, help="List what --compute takes, and stop.")
 @set_option
 @click.option("--t-end", metavar="TIME", help="End of every run, such as 100s.")
 @click.option(
@@ -109,16 +110,18 @@ class KeyRange(click.ParamType):
 @click.option("--force", is_flag=True, help="Replace an output file that holds something else.")
 @click.pass_context
 def command(
-    ctx, source, omega0, omega, params, ensemble, seed, spreads, computed, changes, t_end, method, engine,
-    jobs, scheduler, shard, output, force, **settings
+    ctx, source, omega0, omega, params, ensemble, seed, spreads, computed, list_computations, changes, t_end,
+    method, engine, jobs, scheduler, shard, output, force, **settings
 ):  # fmt: skip
     """Run CASE at every point of a grid and store statistics of each run.
 
     CASE is a YAML file, the name of a shipped case, - for standard input, or an HDF5 file of `vibsim run`.
     """
     from vibsim.command_line.run_plan import check_engine
-    from vibsim.command_line.sweep_jobs import read_plan, run_sweep, sharded, workers_for
+    from vibsim.command_line.sweep_jobs import computations_listed, read_plan, run_sweep, sharded, workers_for
 
+    if list_computations:
+        return computations_listed(ctx.obj)
     check_engine(engine)
     if source is None:
         source = DEFAULT_CASE

@@ -15,6 +15,7 @@ from vibsim.command_line.run_plan import read_case
 from vibsim.command_line.settings import Settings
 from vibsim.command_line.summary import print_json, print_lines, size
 from vibsim.sweeps.columns import FAILED, MISSING
+from vibsim.sweeps.computations.registry import COMPUTATIONS
 from vibsim.sweeps.description import facts, sweep_lines
 from vibsim.sweeps.plan import UP, Plan, PlanError
 from vibsim.sweeps.shard import read_shard, shard
@@ -56,6 +57,17 @@ def read_plan(
             "every point starts fresh, so the direction makes no difference; see --carry-state", err=True
         )
     return plan
+
+
+def computations_listed(settings: Settings) -> None:
+    """Print what --compute takes, and what each stores."""
+    if settings.json:
+        kinds = COMPUTATIONS.items()
+        print_json({name: {"title": kind.title, "columns": list(kind.columns)} for name, kind in kinds})
+        return
+    width = max(map(len, COMPUTATIONS))
+    for name, kind in COMPUTATIONS.items():
+        click.echo(f"{name:<{width}}  {kind.title}: {', '.join(kind.columns)}")
 
 
 def sharded(plan: Plan, text: str | None, output: str | None) -> tuple[Plan, str]:

@@ -10,8 +10,8 @@ from functools import cache
 from vibsim import __version__
 from vibsim.cases import load_case
 from vibsim.kernel import engine_name
-from vibsim.sweeps.columns import NOT_REPRODUCIBLE, columns_of
-from vibsim.sweeps.computations.registry import COMPUTATIONS
+from vibsim.sweeps.columns import NOT_REPRODUCIBLE
+from vibsim.sweeps.computations.registry import fitting
 from vibsim.sweeps.discard import HALF
 from vibsim.sweeps.plan import STATISTICS
 from vibsim.sweeps.point import compute_point
@@ -40,8 +40,7 @@ def signature(engine: str, compute: tuple[str, ...]) -> dict[str, str]:
 def _bits(name: str, engine: str, compute: tuple[str, ...]) -> str:
     """All numbers of a short run of a shipped case."""
     case = load_case(name, {"run.t_end": LENGTH})
-    fitting = [key for key in compute if columns_of(case.scene(), COMPUTATIONS[key].columns)]
-    recipe = Recipe(case, False, HALF, 10, None, tuple(fitting))
+    recipe = Recipe(case, False, HALF, 10, None, fitting(compute, case.scene()))
     point = compute_point(recipe, (), {}, None, engine)
     assert point is not None  # nobody gave it up
     values = {key: value for key, value in point.values.items() if key not in NOT_REPRODUCIBLE}

@@ -11,7 +11,7 @@ from vibsim.sweeps.columns import Column
 from vibsim.sweeps.computations.lyapunov import HALF_WIDTH, LARGEST
 from vibsim.sweeps.measured_run import MeasuredRun
 
-TITLE = "kind of motion: periodic, quasi-periodic, chaotic, ..."
+TITLE = "kind of motion (periodic, quasi-periodic, chaotic)"
 VERDICTS = {"undecided": 0, "periodic": 1, "transient": 2, "quasi-periodic": 3, "chaotic": 4}
 COLUMNS = {
     "regime": Column("1", "kind of motion after the transient", "source", flags=VERDICTS),

@@ -11,7 +11,7 @@ from vibsim.cases.problems import did_you_mean
 from vibsim.kernel import Block
 from vibsim.physics.disturbance import dimension as exponents
 from vibsim.physics.scene import Scene
-from vibsim.sweeps.columns import Column
+from vibsim.sweeps.columns import Column, columns_of
 from vibsim.sweeps.computations import (
     capture_verdict,
     certificate,
@@ -81,20 +81,25 @@ COMPUTATIONS = {
 }
 
 
-def read_computations(names: Iterable[str]) -> tuple[str, ...]:
-    """The computations of these names, each once, in the order of `COMPUTATIONS`; "all" stands for all.
+def read_computations(names: Iterable[str], scene: Scene) -> tuple[str, ...]:
+    """The computations of these names, each once, in the order of `COMPUTATIONS`.
 
-    Raises ValueError for a name that there is not.
+    "all" stands for all that the scene has use for. Raises ValueError for a name that there is not.
     """
     wanted = set(names)
     if "all" in wanted:
-        return tuple(COMPUTATIONS)
+        return fitting(COMPUTATIONS, scene)
     for name in sorted(wanted - set(COMPUTATIONS)):
         allowed = ", ".join([*COMPUTATIONS, "all"])
         raise ValueError(
             f"nothing to compute is called {name!r}{did_you_mean(name, COMPUTATIONS)}; allowed: {allowed}"
         )
     return tuple(name for name in COMPUTATIONS if name in wanted)
+
+
+def fitting(names: Iterable[str], scene: Scene) -> tuple[str, ...]:
+    """Those of the computations that the scene has use for."""
+    return tuple(name for name in names if columns_of(scene, COMPUTATIONS[name].columns))
 
 
 def length_of(dimension: str, scene: Scene, section: int) -> int:
