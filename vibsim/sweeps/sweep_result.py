@@ -153,7 +153,7 @@ class SweepResult:
         return target
 
     def __repr__(self) -> str:
-        axes = " x ".join(f"{len(axis)} {axis}" for axis in self.axes)
+        axes = " x ".join(str(a) if isinstance(a, Members) else f"{len(a)} {a}" for a in self.axes)
         done, count = self.attrs["points_done"], self.attrs["points"]
         names = ", ".join(self.plan.columns)
         return f"<SweepResult {self.case.name}: {axes}, {done} of {count} points; {names}>"
