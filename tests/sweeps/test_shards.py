@@ -100,7 +100,7 @@ def test_the_command(tmp_path, monkeypatch):
 
 
 def test_a_long_axis_is_stored_in_short(tmp_path):
-    """An attribute of an HDF5 file holds 64 kB; 20,001 values written out are 200 kB."""
+    """20,001 values written out would be 200 kB of attribute."""
     plan = short_plan({OMEGA0: "3:5:0.0001 Hz"}, CASE, section=0)
     with FileStore(plan, tmp_path / "long.h5"):
         pass

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from vibsim.cases import Case
 
 MOST_TRIED = 1000  # values of an axis; trying one takes 0.1 ms
-MOST_LISTED = 1000  # values in an attribute of the file, which holds 64 kB; more must be evenly spaced
+MOST_LISTED = 1000  # values written out in an attribute of the file; even steps are told in short
 SCALE_NAMES = {"excitation.Omega0": "omega0", "rest_distance.value": "rest_distance"}
 
 
