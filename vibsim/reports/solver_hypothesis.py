@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
-from functools import partial
+from concurrent.futures import ProcessPoolExecutor, wait
 from multiprocessing import get_context
 from typing import TYPE_CHECKING, Any
 
@@ -36,20 +35,26 @@ SOLVERS: dict[str, tuple[str, float]] = {
 ATOL = 1e-6  # default of solve_ivp
 SAMPLED = 0.1  # [s]
 PATIENCE = 120.0  # [s] of one run, after which it is given up
+HEARING = 0.2  # [s] between two looks at whether to go on
+
+_stop: Any = None  # of a worker: set when its work is given up
 
 
 def measure_solvers(cases: Sequence[Case], advance: Advance) -> list[Numbers]:
-    """A row for each solver: the outcome of every case by name. Raises Interrupted."""
+    """A row for each solver: the outcome of every case by name. Raises Interrupted when told to stop."""
     jobs = [(solver, case) for solver in SOLVERS for case in cases]
-    found = []
-    pool_of = partial(ProcessPoolExecutor, mp_context=get_context("spawn"), initializer=_leave_interrupts)
-    with pool_of(available_cores()) as pool:
-        for outcome in pool.map(solved, *zip(*jobs, strict=True)):
-            found.append(outcome)
-            if not advance(len(found), len(jobs)):
-                pool.shutdown(wait=False, cancel_futures=True)
+    context = get_context("spawn")
+    stop = context.Event()
+    with ProcessPoolExecutor(available_cores(), context, _prepare, (stop,)) as pool:
+        waiting = [pool.submit(solved, *job) for job in jobs]
+        unfinished = set(waiting)
+        while unfinished:
+            _, unfinished = wait(unfinished, HEARING)
+            if not advance(len(jobs) - len(unfinished), len(jobs)):
+                stop.set()
+                pool.shutdown(cancel_futures=True)
                 raise Interrupted
-    outcomes = iter(found)
+    outcomes = iter([future.result() for future in waiting])
     return [{"solver": solver, **{case.name: next(outcomes) for case in cases}} for solver in SOLVERS]
 
 
@@ -60,7 +65,7 @@ def solved(solver: str, case: Case) -> Numbers:
     scene = case.scene()
     times = np.arange(round(scene.t_end / SAMPLED) + 1) * SAMPLED
     try:
-        attempt = _made(solver, scene).run(times, TimeLimit(PATIENCE))
+        attempt = _made(solver, scene).run(times, TimeLimit(PATIENCE, lambda: not _told_to_stop()))
     except ArithmeticError as error:
         return {"failed": str(error)}
     if attempt.stopped:
@@ -69,8 +74,15 @@ def solved(solver: str, case: Case) -> Numbers:
     return {**found, "steps": attempt.steps, "drifted": float(attempt.states[-1, 2])}
 
 
-def _leave_interrupts() -> None:
-    """Ctrl-C reaches every process of a terminal; here it is the parent's to answer."""
+def _told_to_stop() -> bool:
+    """Whether the process that waits for this one has given it up."""
+    return _stop is not None and _stop.is_set()
+
+
+def _prepare(stop: Any) -> None:
+    """In a process of its own: listen to `stop`, and leave Ctrl-C to the parent."""
+    global _stop
+    _stop = stop
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
