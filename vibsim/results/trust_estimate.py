@@ -1,7 +1,7 @@
 """The error of a run at every sample, estimated from the distance to its companion.
 
     distance = the larger of |dx1| and |dx2|, at least one ulp of the largest displacement so far
-    estimate = (1 + decades / 6) x distance, held for about two periods
+    estimate = (1 + decades / 4) x distance, held for about two periods
 
 The distance swings with the motion, so the largest of the last periods counts: a value fades by the
 factor e in two periods. Where errors die out, as in a damped motion under a steady force, the estimate
@@ -10,7 +10,7 @@ follows them down.
 Two rounding errors of one size start in different directions, and what counts is their share in the
 direction that grows; by bad luck the distance is small where the error is not. Where nothing grows this
 averages out; where errors grow it stays. So the distance is multiplied by a factor that rises with the
-decades by which it has grown beyond rounding: 1 at the start, 2.7 when 1e-16 m has become 1e-6 m. When
+decades by which it has grown beyond rounding: 1 at the start, 3.5 when 1e-16 m has become 1e-6 m. When
 the two runs have nothing to do with each other any more, the estimate says how far apart such runs are:
 it saturates at the size of the motion.
 """
@@ -22,7 +22,7 @@ import numpy as np
 from vibsim.physics.scene import Scene
 
 ULP = 2.0**-52
-DECADES = 6.0  # of growth for which the distance counts once more
+DECADES = 4.0  # of growth for which the distance counts once more
 PERIODS_HELD = 2.0
 BITS_DROPPED = 43  # of 52: three digits are more than an estimate has, and zeros take no room on file
 
