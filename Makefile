@@ -7,7 +7,7 @@ STAMP := $(VENV)/installed
 KERNEL := $(wildcard vibsim/kernel/*.c vibsim/kernel/*.h)
 PAPER := I-A I-B I-C I-A-eq211 I-B-eq211 I-C-eq211 II-A II-B II-C
 
-.PHONY: help env run paper test verify lint figures sweep bench budgets truths clean
+.PHONY: help env run paper test verify lint figures sweep sommerfeld bench budgets truths clean
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -53,6 +53,17 @@ sweep: $(STAMP) ## sweep the motor constant of II-B and draw the Sommerfeld diag
 	mkdir -p results
 	$(BIN)/vibsim sweep --omega0 3:7:0.05 -o results/sommerfeld.h5
 	$(BIN)/vibsim plot results/sommerfeld.h5 -o results/sommerfeld.png --force
+
+sommerfeld: $(STAMP) ## the showcase (ten minutes; goes on where it was stopped): docs/sommerfeld.png, docs/capture-map.png
+	mkdir -p results
+	$(BIN)/vibsim sweep II-B --omega0 3:7:0.05 --param c=0.001,0.01,0.03,0.05 --direction both --carry-state \
+	  --compute power -o results/up-down.h5
+	$(BIN)/vibsim sweep II-B --omega0 3:7:0.04 --param c=0.001:0.1/100 --compute capture,regime --section 0 \
+	  -o results/capture-map.h5
+	$(BIN)/vibsim plot results/up-down.h5 --kind sommerfeld --width page -o docs/sommerfeld.png --force
+	$(BIN)/vibsim plot results/up-down.h5 --kind power --width page -o results/power-flow.png --force
+	$(BIN)/vibsim plot results/capture-map.h5 --kind capture --width page -o docs/capture-map.png --force
+	$(BIN)/vibsim plot results/capture-map.h5 --kind regime -o results/regime-map.png --force
 
 bench: $(STAMP) ## measure speed against error beside other solvers, and draw README's picture of it
 	mkdir -p results

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from vibsim.cases import load_case
-from vibsim.plots.natural_frequencies import natural_frequencies, shortest_period, source_period
+from vibsim.plots.natural_frequencies import fractions, natural_frequencies, shortest_period, source_period
 
 
 def named(case):
@@ -28,6 +28,13 @@ def test_motor_counts_m3_to_block_1():
 
 def test_without_stop_there_is_no_bilinear_frequency(subject):
     assert set(named(subject("bare").case)) == {"held", "free-free"}
+
+
+def test_fractions_are_those_of_a_motion_with_impacts(subject):
+    found = {frequency.name: frequency.hz for frequency in fractions(load_case("II-B").scene())}
+    assert found["⅔ bilinear"] == pytest.approx(2 / 3 * 7.37, abs=4e-3)
+    assert found["½ free-free"] == pytest.approx(4.149 / 2, abs=3e-4)
+    assert fractions(subject("bare").scene) == []
 
 
 def test_fixed_block(subject):

@@ -47,6 +47,15 @@ def test_svg_is_well_formed(runs, here):
     assert float(root.get("width").removesuffix("pt")) == pytest.approx(8.6 / 2.54 * 72, abs=0.01)
 
 
+def test_png_is_opaque_and_says_who_drew_it(runs, here):
+    from PIL import Image
+
+    draw_files([runs["ideal"]], ["relative"], View(), "x.png")
+    with Image.open(here / "x.png") as picture:
+        assert (picture.mode, picture.info["Software"]) == ("RGB", "vibsim")
+        assert picture.info["dpi"] == pytest.approx((300, 300), abs=0.01)
+
+
 @pytest.mark.parametrize("suffix", ["png", "pdf", "svg"])
 def test_the_same_picture_is_the_same_file(runs, here, suffix):
     for name in ("a", "b"):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.plots.artists import clipped_texts, colliding_legends
+from vibsim.cases import load_case
 from vibsim.plots.errors import PlotError
 from vibsim.plots.picture import draw_files
 from vibsim.plots.registry import choose, fitting, kind_named
@@ -18,6 +19,7 @@ KINDS = ("sommerfeld", "amplitude", "orbit")
 SWEEPS = {
     "motor": ({"Omega0": "3:4:0.25 Hz"}, {}),
     "carried": ({"Omega0": "3:4:0.5 Hz"}, {"carry_state": True, "direction": "both"}),
+    "family": ({"Omega0": "3, 4 Hz", "c": "0.01:0.03/3"}, {"carry_state": True, "direction": "both"}),
     "grid": ({"c": "0.01:0.08/8", "Omega0": "3, 4 Hz"}, {}),
     "damping": ({"c": "0.01, 0.02"}, {"section": 0}),
     "ideal": ({"omega": "20, 25 rad/s"}, {}),
@@ -27,8 +29,6 @@ SWEEPS = {
 @pytest.fixture(scope="module")
 def paths(tmp_path_factory):
     folder = tmp_path_factory.mktemp("sweeps")
-    from vibsim.cases import load_case
-
     for name, (axes, settings) in SWEEPS.items():
         case = load_case("I-B" if name == "ideal" else "II-B", {"run.t_end": "4 s"})
         sweep(case, axes, out=folder / f"{name}.h5", **settings)
@@ -46,6 +46,7 @@ def lines(axes, gid):
 FITTING = {
     "motor": set(KINDS),
     "carried": set(KINDS),
+    "family": set(KINDS),
     "grid": set(KINDS),
     "damping": {"amplitude"},
     "ideal": {"amplitude", "orbit"},
@@ -58,8 +59,9 @@ def test_what_fits_is_drawn_and_fit_to_print(paths, name):
     assert {kind.name for kind in fitting([subject])} == FITTING[name]
     for kind in FITTING[name]:
         figure = drawn(kind, paths[name])
+        assert UNIT.search(figure.axes[0].get_ylabel())
         for axes in figure.axes:
-            assert UNIT.search(axes.get_ylabel()), axes.get_ylabel()
+            assert not axes.get_ylabel() or UNIT.search(axes.get_ylabel()), axes.get_ylabel()
             assert not axes.get_xlabel() or UNIT.search(axes.get_xlabel()), axes.get_xlabel()
         figure.draw_without_rendering()
         assert clipped_texts(figure) == [] and colliding_legends(figure) == []
@@ -91,6 +93,13 @@ def test_sommerfeld_draws_the_speeds(paths):
     assert 3.68 in levels  # half bilinear: 7.37 / 2, physics.md section 4
 
 
+def test_sommerfeld_has_fractions_of_the_bilinear_frequency(tmp_path):
+    sweep(load_case("II-B", {"run.t_end": "4 s"}), {"Omega0": "3, 7 Hz"}, out=tmp_path / "x.h5")
+    axes = drawn("sommerfeld", str(tmp_path / "x.h5")).axes[0]
+    levels = {round(float(line.get_ydata()[0]), 2) for line in lines(axes, "level")}
+    assert {4.91, 5.53} <= levels  # 2/3 and 3/4 of 7.37
+
+
 def test_up_and_down_are_told_apart(paths):
     result = open_subject(paths["carried"]).result
     figure = drawn("sommerfeld", paths["carried"])
@@ -98,7 +107,29 @@ def test_up_and_down_are_told_apart(paths):
     assert (up.get_label(), down.get_label()) == ("up", "down")
     np.testing.assert_array_equal(down.get_ydata(), result["mean_speed"][:, 1])
     assert up.get_color() != down.get_color() and up.get_markerfacecolor() != down.get_markerfacecolor()
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["up", "down"]
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["up", "down", "hysteresis"]
+
+
+def test_hysteresis_is_shaded_between_up_and_down(paths):
+    result = open_subject(paths["carried"]).result
+    (shade,) = drawn("sommerfeld", paths["carried"]).axes[0].collections
+    corners = {(x, y) for x, y in shade.get_paths()[0].vertices.tolist()}
+    speeds = result["mean_speed"]
+    assert corners == {(x, y) for i, x in enumerate(result["omega0"]) for y in speeds[i]}
+
+
+@pytest.mark.parametrize("width", ["column", "page"])
+def test_up_and_down_of_several_have_panels_of_their_own(paths, width):
+    result = open_subject(paths["family"]).result
+    figure = kind_named("sommerfeld").draw([open_subject(paths["family"])], View(width=width))
+    assert [axes.get_title(loc="left") for axes in figure.axes] == [
+        "c = 0.01 N s/m", "c = 0.02 N s/m", "c = 0.03 N s/m",
+    ]  # fmt: skip
+    for i, axes in enumerate(figure.axes):
+        for d, line in enumerate(lines(axes, "mean")):
+            np.testing.assert_array_equal(line.get_ydata(), result["mean_speed"][:, i, d])
+    figure.draw_without_rendering()
+    assert clipped_texts(figure) == []
 
 
 def test_a_grid_has_a_curve_per_other_value(paths):

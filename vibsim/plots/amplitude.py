@@ -12,16 +12,8 @@ from vibsim.plots.frequency_marks import mark_frequencies
 from vibsim.plots.quantities import scale_for
 from vibsim.plots.sheet import sheet
 from vibsim.plots.subject import Subject
-from vibsim.plots.sweep_curves import (
-    SPEEDS,
-    Curve,
-    along,
-    axis_label,
-    curves,
-    frequencies,
-    legend_below,
-    limit,
-)
+from vibsim.plots.sweep_axes import SPEEDS, along, axis_label
+from vibsim.plots.sweep_curves import Curve, curves, frequencies, limit, name_curves
 from vibsim.plots.view import View
 
 PANEL_CM = 3.1
@@ -42,7 +34,7 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
         mark_frequencies(list(panels), frequencies(subjects), (view.width_cm - 1.6) * 28)
     figure.supylabel("Amplitude", fontsize=8)
     panels[-1].set_xlabel(axis_label(subjects))
-    legend_below(figure, panels[0])
+    name_curves(figure, panels[0])
     return figure
 
 

@@ -24,10 +24,11 @@ class Level:
     look: dict[str, Any]
 
 
-def draw_levels(axes: Axes, levels: Sequence[Level], height_pt: float) -> None:
+def draw_levels(axes: Axes, levels: Sequence[Level], height_pt: float, named: bool = True) -> None:
     """Draw the levels within the y limits, their names in the margin, moved apart where they would collide.
 
     height_pt : height of the axes [pt], as far as it is known before layout
+    named : whether to write their names
     """
     low, high = axes.get_ylim()
     inside = sorted((level for level in levels if low <= level.value <= high), key=lambda level: level.value)
@@ -37,6 +38,8 @@ def draw_levels(axes: Axes, levels: Sequence[Level], height_pt: float) -> None:
         axes.axhline(
             level.value, **{"color": GREY, "linewidth": 0.5, "zorder": 2.95, "gid": "level", **level.look}
         )
+        if not named:
+            continue
         axes.annotate(
             level.label, (1.0, height), (8, place),
             xycoords="axes fraction", textcoords=("offset points", "axes fraction"),

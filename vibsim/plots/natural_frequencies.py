@@ -43,6 +43,20 @@ def natural_frequencies(scene: Any) -> list[Frequency]:
     return found
 
 
+def fractions(scene: Any) -> list[Frequency]:
+    """Fractions of the frequencies at which a motion with impacts may resonate too.
+
+    q/p of the bilinear frequency: p impacts in q turns of the source. Half of it is in `natural_frequencies`.
+    """
+    found = {frequency.name: frequency for frequency in natural_frequencies(scene)}
+    if "bilinear" not in found:
+        return []
+    own = found.get("free-free") or found.get("with motor") or found["held"]
+    parts = [("⅓ ", 1 / 3, found["bilinear"]), ("⅔ ", 2 / 3, found["bilinear"])]
+    parts += [("¾ ", 3 / 4, found["bilinear"]), ("½ ", 1 / 2, own), ("⅓ ", 1 / 3, own)]
+    return [Frequency(sign + whole.name, sign + whole.label, part * whole.hz) for sign, part, whole in parts]
+
+
 def reduced_mass(scene: Any) -> float:
     """Mass of the relative motion [kg]: m1 (with m3) against m2, or alone where block 2 is fixed."""
     mass = scene.m1 + (scene.m3 if scene.has_motor else 0.0)

@@ -70,6 +70,10 @@ KINDS = (
         "orbit diagram: stroboscopic points against what was swept",
         ("excitation", "section"),
     ),
+    Kind("lyapunov", "sweep", "Lyapunov exponents against what was swept", ("exponents",)),
+    Kind("power", "sweep", "power of the source, and where it goes, against what was swept", ("power",)),
+    Kind("regime", "sweep", "map of two ranges: periodic, quasi-periodic or chaotic", ("regime", "ranges")),
+    Kind("capture", "sweep", "where the motor is captured: a map, or a probability", ("motor", "capture")),
     Kind("work-precision", "bench", "error against computing time of every method", width="page"),
 )
 
@@ -80,6 +84,17 @@ NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
     "Omega0": (
         "a sweep over Omega0",
         lambda subject: any(axis.key == "excitation.Omega0" for axis in subject.result.axes),
+    ),
+    "ranges": ("a second range (sweep with --param KEY=RANGE)", lambda subject: _ranges(subject) == 2),
+    "exponents": (
+        "Lyapunov exponents (sweep with --compute lyapunov)",
+        lambda subject: _has(subject, "lyapunov") or _has(subject, "lyapunov_spectrum"),
+    ),
+    "power": ("powers (sweep with --compute power)", lambda subject: _has(subject, "power_source")),
+    "regime": ("regimes (sweep with --compute regime)", lambda subject: _has(subject, "regime")),
+    "capture": (
+        "verdicts on capture (sweep with --compute capture)",
+        lambda subject: _has(subject, "capture"),
     ),
     "section": ("stroboscopic points", lambda subject: subject.result.plan.section > 0),
 }
@@ -94,6 +109,16 @@ DEFAULTS = {
 
 def _is_periodic(scene: Any) -> bool:
     return scene.has_motor or (scene.source == "harmonic" and scene.omega != 0)
+
+
+def _has(subject: Subject, column: str) -> bool:
+    return column in subject.result.plan.columns
+
+
+def _ranges(subject: Subject) -> int:
+    """Number of axes with more than one value, members of an ensemble left out."""
+    result = subject.result
+    return sum(len(axis) > 1 for axis in result.axes if axis is not result.members)
 
 
 def misfit(kind: Kind, subject: Subject) -> str | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -54,6 +55,14 @@ def legend_above(axes: Axes, **options: Any) -> None:
     for line in legend.get_lines():
         line.set_linewidth(1.2)
         line.set_alpha(1.0)
+
+
+def legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[str], **options: Any) -> None:
+    """The legend under the picture, in one row if it fits, else in as many columns as do."""
+    room = figure.get_figwidth() * CHARACTERS_PER_INCH
+    needed = [len(label) + HANDLE_CHARACTERS for label in labels]
+    columns = len(labels) if sum(needed) <= room else max(1, int(room / max(needed)))
+    figure.legend(handles, labels, loc="outside lower center", ncols=columns, **options)
 
 
 def note(axes: Axes, text: str) -> None:

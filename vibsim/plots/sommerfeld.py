@@ -10,52 +10,81 @@ from matplotlib.figure import Figure
 
 from vibsim.plots.margin_labels import Level, draw_levels
 from vibsim.plots.sheet import note, sheet
-from vibsim.plots.style import GREY
+from vibsim.plots.style import GREY, ORANGE
 from vibsim.plots.subject import Subject
-from vibsim.plots.sweep_curves import Curve, axis_label, curves, frequencies, legend_below, limit
+from vibsim.plots.sweep_axes import axis_label
+from vibsim.plots.sweep_curves import Curve, alone, curves, families, frequencies, limit, name_curves
+from vibsim.plots.sweep_panels import finish, in_columns
 from vibsim.plots.view import View
 
 HEIGHT_CM = 7.0
-BANDS_UP_TO = 2  # curves; more bands hide each other
+PANEL_CM = 4.8
+PANELS_UP_TO = 8  # families of up and down; more are laid over each other
 DASHED = (0, (4, 2))
+SPEED = r"Steady motor speed $\langle\dot\varphi\rangle/2\pi$ (Hz)"
+SHORT = r"Steady speed $\langle\dot\varphi\rangle/2\pi$ (Hz)"  # beside a low panel
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
-    """Mean speed [Hz] against Omega0 [Hz], least to greatest as a band; natural frequencies as levels.
+    """Mean speed [Hz] against Omega0 [Hz]; natural frequencies and fractions of them as levels.
 
     Points on the thin line turn at the no-load speed; a plateau below it is a capture: the power of the motor
-    goes into vibration.
+    goes into vibration. One curve has its least to greatest speed as a band; up and down have the hysteresis
+    between them shaded, and a panel for each value of what else was swept.
     """
-    figure = sheet(view, HEIGHT_CM)
-    axes = figure.subplots()
     drawn = curves(subjects)
-    for curve in drawn:
-        _draw_curve(axes, curve, band=len(drawn) <= BANDS_UP_TO)
-    limit(axes, drawn, view)
-    span = np.array(axes.get_xlim())
-    axes.set_ylim(*_limits(drawn, span))
-    axes.plot(span, span, color=GREY, linewidth=0.5, scalex=False, scaley=False, zorder=1, gid="no-load")
-    levels = [Level(f.hz, f"{f.label}  {f.hz:.2f}", {"linestyle": DASHED}) for f in frequencies(subjects)]
-    draw_levels(axes, levels, (HEIGHT_CM - 1.6) * 28)
-    axes.set_xlabel(axis_label(subjects))
-    axes.set_ylabel(r"Steady motor speed $\langle\dot\varphi\rangle/2\pi$ (Hz)")
-    note(axes, "band: least to greatest" if len(drawn) <= BANDS_UP_TO else "")
-    legend_below(figure, axes)
+    groups = [drawn]
+    if len(subjects) == 1 and subjects[0].result.plan.carry and len(families(drawn)) <= PANELS_UP_TO:
+        groups = [[alone(curve) for curve in group] for group in families(drawn)]
+    columns = in_columns(len(groups), view)
+    rows = -(-len(groups) // columns)
+    height_cm = HEIGHT_CM if len(groups) == 1 else PANEL_CM * rows + 1.6
+    figure = sheet(view, height_cm)
+    grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
+    limit(grid[0, 0], drawn, view)
+    grid[0, 0].set_ylim(*_limits(drawn, np.array(grid[0, 0].get_xlim()), any(map(_is_banded, groups))))
+    levels = [
+        Level(f.hz, f"{f.label}  {f.hz:.2f}", {"linestyle": DASHED})
+        for f in frequencies(subjects, parts=True)
+    ]
+    for i, (axes, group) in enumerate(zip(grid.flat, groups, strict=False)):
+        _panel(axes, group, len(groups) > 1)
+        last = (i + 1) % columns == 0 or i + 1 == len(groups)
+        draw_levels(axes, levels, (height_cm - 1.6) / rows * 28, named=last)
+    finish(grid, len(groups), axis_label(subjects), SPEED if len(groups) == 1 else SHORT)
+    name_curves(figure, grid[0, 0])
     return figure
 
 
-def _draw_curve(axes: Axes, curve: Curve, band: bool) -> None:
-    if band:
+def _panel(axes: Axes, drawn: Sequence[Curve], titled: bool) -> None:
+    """The curves of one panel."""
+    span = np.array(axes.get_xlim())
+    axes.plot(span, span, color=GREY, linewidth=0.5, scalex=False, scaley=False, zorder=1, gid="no-load")
+    if _is_banded(drawn):
+        (curve,) = drawn
         axes.fill_between(
             curve.x, curve.values("min_speed"), curve.values("max_speed"),
             color=curve.colour, alpha=0.2, linewidth=0, gid="band",
         )  # fmt: skip
-    axes.plot(curve.x, curve.values("mean_speed"), label=curve.label, gid="mean", zorder=3, **curve.look)
+        note(axes, "band: least to greatest")
+    for curve in drawn:
+        axes.plot(curve.x, curve.values("mean_speed"), label=curve.label, gid="mean", zorder=3, **curve.look)
+    if len(drawn) == 2 and drawn[0].family == drawn[1].family:
+        up, down = (curve.values("mean_speed") for curve in drawn)
+        axes.fill_between(
+            drawn[0].x, up, down, color=ORANGE, alpha=0.3, linewidth=0, gid="hysteresis", label="hysteresis"
+        )
+    if titled:
+        axes.set_title(drawn[0].title, loc="left", pad=3)
 
 
-def _limits(drawn: Sequence[Curve], span: np.ndarray) -> tuple[float, float]:
+def _is_banded(drawn: Sequence[Curve]) -> bool:
+    return len(drawn) == 1
+
+
+def _limits(drawn: Sequence[Curve], span: np.ndarray, banded: bool) -> tuple[float, float]:
     """Room for speeds, bands where they are drawn, and the line of the no-load speed."""
-    names = ("min_speed", "max_speed") if len(drawn) <= BANDS_UP_TO else ("mean_speed",)
+    names = ("min_speed", "max_speed") if banded else ("mean_speed",)
     shown = [
         curve.values(name)[(curve.x >= span[0]) & (curve.x <= span[1])] for curve in drawn for name in names
     ]

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import product
+from dataclasses import dataclass, replace
+from itertools import groupby, product
 from typing import Any
 
 import matplotlib
@@ -13,17 +12,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vibsim.cases.units import UNITS
-from vibsim.plots.errors import PlotError
-from vibsim.plots.natural_frequencies import Frequency, natural_frequencies
+from vibsim.plots.natural_frequencies import Frequency, fractions, natural_frequencies
+from vibsim.plots.sheet import legend_below
 from vibsim.plots.style import BLUE, VERMILLION, overlay
 from vibsim.plots.subject import Subject
+from vibsim.plots.sweep_axes import along, numbers
 from vibsim.plots.view import View
 
-SPEEDS = {
-    "excitation.Omega0": r"No-load speed $\Omega_0/2\pi$ (Hz)",
-    "excitation.omega": r"Excitation frequency $\omega/2\pi$ (Hz)",
-}
 TUNING = {
     "blocks.m1",
     "blocks.m2",
@@ -33,7 +28,8 @@ TUNING = {
 }  # what natural frequencies depend on
 NAMED_AT_MOST = 12  # curves in a legend
 COLOURS = 7  # curves told apart by the colours of the style; more take those of a colour map
-DOWN = -1
+UP, DOWN = 1, -1
+DIRECTION_NAMES = {UP: "up", DOWN: "down"}
 
 
 @dataclass(frozen=True)
@@ -43,13 +39,17 @@ class Curve:
     Attributes
     ----------
     subject : the sweep that it belongs to
-    label : what sets it apart, for the legend
+    family : number of its family, the curves that differ in direction alone
+    title : what sets its family apart
+    label : what sets the curve apart, for the legend
     x : values of the axis drawn along (n), Hz for a speed
     colour : its colour
     down : whether it was swept downwards
     """
 
     subject: Subject
+    family: int
+    title: str
     label: str
     x: np.ndarray
     colour: Any
@@ -70,34 +70,21 @@ class Curve:
         }  # fmt: skip
 
 
-def along(result: Any) -> int:
-    """Position of the axis that a sweep is drawn along: that of the source's speed, or the first."""
-    return next((i for i, axis in enumerate(result.axes) if axis.key in SPEEDS), 0)
-
-
-def axis_label(subjects: Sequence[Subject]) -> str:
-    """Label of the axis drawn along; PlotError where the sweeps are along different ones."""
-    axes = [subject.result.axes[along(subject.result)] for subject in subjects]
-    if len({axis.key for axis in axes}) > 1:
-        listed = ", ".join(f"{s.path} over {axis.key}" for s, axis in zip(subjects, axes, strict=True))
-        raise PlotError(f"sweeps over different things do not go into one picture: {listed}")
-    axis = axes[0]
-    return SPEEDS.get(axis.key) or (f"{axis.name} ({axis.unit})" if axis.unit else axis.name)
-
-
 def curves(subjects: Sequence[Subject]) -> list[Curve]:
     """All curves of the subjects."""
-    families = [(subject, others) for subject in subjects for others in _others(subject.result)]
+    every = [(subject, others) for subject in subjects for others in _others(subject.result)]
     found = []
-    for i, (subject, others) in enumerate(families):
+    for i, (subject, others) in enumerate(every):
         result = subject.result
         directions = result.directions if result.plan.carry else result.directions[:1]
         for d, direction in enumerate(directions):
-            label = _label(subject, others, direction, len(subjects) > 1)
-            colour = _colour(i, len(families), direction)
+            title = _title(subject, others, len(subjects) > 1)
+            label = ", ".join(filter(None, [title, DIRECTION_NAMES[direction] if result.plan.carry else ""]))
+            colour = _colour(i, len(every), direction)
             at: list[Any] = list(others)
             at.insert(along(result), slice(None))
-            found.append(Curve(subject, label, _numbers(result), colour, direction == DOWN, (*at, d)))
+            x = numbers(result.axes[along(result)])
+            found.append(Curve(subject, i, title, label, x, colour, direction == DOWN, (*at, d)))
     return found
 
 
@@ -107,13 +94,24 @@ def _others(result: Any) -> Iterator[tuple[int, ...]]:
     return product(*map(range, lengths))
 
 
-def _label(subject: Subject, others: tuple[int, ...], direction: int, named: bool) -> str:
+def families(drawn: Sequence[Curve]) -> list[list[Curve]]:
+    """The curves, those of a family together."""
+    return [list(members) for _, members in groupby(drawn, key=lambda curve: curve.family)]
+
+
+def _title(subject: Subject, others: tuple[int, ...], named: bool) -> str:
     axes = list(subject.result.axes)
     del axes[along(subject.result)]
     parts = [subject.name] if named else []
-    parts += [f"{axis.name} = {axis.text(i)}" for axis, i in zip(axes, others, strict=True)]
-    parts += [("down" if direction == DOWN else "up")] if subject.result.plan.carry else []
-    return ", ".join(parts)
+    return ", ".join(
+        [*parts, *(f"{axis.name} = {axis.text(i)}" for axis, i in zip(axes, others, strict=True))]
+    )
+
+
+def alone(curve: Curve) -> Curve:
+    """The curve as it looks in a panel of its family."""
+    direction = DOWN if curve.down else UP
+    return replace(curve, colour=_colour(0, 1, direction), label=DIRECTION_NAMES[direction])
 
 
 def _colour(index: int, count: int, direction: int) -> Any:
@@ -124,26 +122,20 @@ def _colour(index: int, count: int, direction: int) -> Any:
     return matplotlib.colormaps["viridis"](0.9 * index / (count - 1))
 
 
-def _numbers(result: Any) -> np.ndarray:
-    """Values of the axis drawn along; a speed in Hz."""
-    axis = result.axes[along(result)]
-    numbers = axis.numbers()
-    if axis.key not in SPEEDS:
-        return numbers
-    unit = UNITS[axis.unit]
-    return numbers * float(unit.factor) / (1.0 if unit.per_turn else 2 * math.pi)
+def frequencies(subjects: Sequence[Subject], parts: bool = False) -> list[Frequency]:
+    """Natural frequencies that hold for every point of every subject, equal ones once.
 
-
-def frequencies(subjects: Sequence[Subject]) -> list[Frequency]:
-    """Natural frequencies that hold for every point of every subject, equal ones once."""
+    parts : whether to add fractions of them
+    """
     found: dict[tuple[str, float], Frequency] = {}
     for subject in subjects:
         if not TUNING & {axis.key for axis in subject.result.axes}:
-            found |= {(f.label, round(f.hz, 6)): f for f in natural_frequencies(subject.scene)}
+            own = [*natural_frequencies(subject.scene), *(fractions(subject.scene) if parts else [])]
+            found |= {(f.label, round(f.hz, 6)): f for f in own}
     return list(found.values())
 
 
-def legend_below(figure: Figure, axes: Axes) -> None:
+def name_curves(figure: Figure, axes: Axes) -> None:
     """The legend under the picture, as far as there is something to tell apart."""
     handles, labels = axes.get_legend_handles_labels()
     named = [(handle, label) for handle, label in zip(handles, labels, strict=True) if label]
@@ -151,8 +143,7 @@ def legend_below(figure: Figure, axes: Axes) -> None:
         return
     if len(named) > NAMED_AT_MOST:
         named = [named[0], named[len(named) // 2], named[-1]]  # of a colour map
-    columns = max(1, int(figure.get_figwidth() * 14 / (max(len(label) for _, label in named) + 7)))
-    figure.legend(*zip(*named, strict=True), loc="outside lower center", ncols=min(columns, len(named)))
+    legend_below(figure, *zip(*named, strict=True))
 
 
 def limit(axes: Axes, drawn: Sequence[Curve], view: View) -> None:

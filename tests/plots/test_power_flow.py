@@ -1,0 +1,75 @@
+"""Power flow and Lyapunov diagram: what is drawn is what the sweep stored."""
+
+import numpy as np
+import pytest
+
+from tests.plots.artists import clipped_texts
+from vibsim.cases import load_case
+from vibsim.plots.errors import PlotError
+from vibsim.plots.registry import kind_named
+from vibsim.plots.subject import open_subject
+from vibsim.plots.view import View
+from vibsim.sweeps import sweep
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    out = tmp_path_factory.mktemp("power") / "power.h5"
+    case = load_case("II-B", {"run.t_end": "10 s"})
+    computed = ["power", "lyapunov", "lyapunov-spectrum"]
+    sweep(case, {"Omega0": "3:5:1 Hz", "c": "0.01, 0.02"}, out=out, compute=computed)
+    return str(out)
+
+
+def draw(kind, path, width="column"):
+    figure = kind_named(kind).draw([open_subject(path)], View(width=width))
+    figure.draw_without_rendering()
+    assert clipped_texts(figure) == []
+    return figure
+
+
+def heights(axes, gid, x):
+    """Ordinates of the corners of an area at x."""
+    (area,) = [area for area in axes.collections if area.get_gid() == gid]
+    corners = area.get_paths()[0].vertices
+    return corners[corners[:, 0] == x][:, 1]
+
+
+@pytest.mark.parametrize("width", ["column", "page"])
+def test_areas_add_up_to_the_power_of_the_source(path, width):
+    result = open_subject(path).result
+    panels = draw("power", path, width).axes
+    factor = {"W": 1, "mW": 1e3, "µW": 1e6}[panels[0].get_ylabel().rpartition("(")[2][:-1]]
+    for j, axes in enumerate(panels):
+        (line,) = [line for line in axes.get_lines() if line.get_gid() == "power_source"]
+        np.testing.assert_allclose(line.get_ydata(), factor * result["power_source"][:, j, 0])
+        for i, x in enumerate(result["omega0"]):
+            damper, friction = (factor * result[f"power_{name}"][i, j, 0] for name in ("damper", "friction"))
+            assert heights(axes, "power_damper", x).max() == pytest.approx(damper)
+            assert heights(axes, "power_friction", x).max() == pytest.approx(damper + friction)
+            top = heights(axes, "power_stored", x)
+            assert np.abs(top - line.get_ydata()[i]).min() == pytest.approx(0, abs=1e-9)  # first law
+
+
+def test_too_many_curves_of_power(tmp_path):
+    case = load_case("II-B", {"run.t_end": "1 s"})
+    axes = {"Omega0": "3, 4 Hz", "c": "0.01:0.13/13"}
+    sweep(case, axes, out=tmp_path / "many.h5", compute=["power"])
+    with pytest.raises(PlotError, match="13 curves of power do not fit into one picture; at most 12"):
+        draw("power", str(tmp_path / "many.h5"))
+
+
+@pytest.mark.parametrize("kind", ["lyapunov", "orbit"])
+def test_exponents_with_their_intervals(path, kind):
+    result = open_subject(path).result
+    figure = draw(kind, path)
+    axes = figure.axes[-1]
+    lines = [line for line in axes.get_lines() if line.get_gid() == "exponent"]
+    for j, line in enumerate(lines):
+        np.testing.assert_array_equal(line.get_xdata(), result["omega0"])
+        np.testing.assert_array_equal(line.get_ydata(), result["lyapunov"][:, j, 0])
+    further = [line for line in axes.get_lines() if line.get_gid() == "further exponent"]
+    np.testing.assert_array_equal(further[0].get_ydata(), result["lyapunov_spectrum"][:, 0, 0, 1])
+    assert len(further) == 2 * (result["lyapunov_spectrum"].shape[-1] - 1)
+    assert axes.get_ylabel().endswith("(1/s)")
+    assert len(figure.axes) == (3 if kind == "orbit" else 1)

@@ -1,0 +1,128 @@
+"""Maps of sweeps over two ranges: every cell shows its point, and what has no value stays blank."""
+
+import shutil
+
+import h5py
+import numpy as np
+import pytest
+
+from tests.plots.artists import clipped_texts
+from vibsim.cases import load_case
+from vibsim.plots.errors import PlotError
+from vibsim.plots.registry import choose, kind_named
+from vibsim.plots.subject import open_subject
+from vibsim.plots.view import View
+from vibsim.sweeps import sweep
+
+NOT_MET, PASSED, ESCAPED, CAPTURED = 1, 2, 3, 4
+VERDICTS = np.array([[NOT_MET, PASSED], [CAPTURED, ESCAPED], [CAPTURED, CAPTURED]], float)  # Omega0, c
+SPEEDS = np.array([[np.nan, 3.5], [3.6, 3.7], [3.8, 3.9]])
+PERIODIC, TRANSIENT, CHAOTIC = 1, 2, 4
+REGIMES = np.array([[PERIODIC, PERIODIC], [PERIODIC, CHAOTIC], [TRANSIENT, PERIODIC]], float)
+PERIODS = np.array([[1, 2], [7, np.nan], [np.nan, 4]])
+
+
+@pytest.fixture(scope="module")
+def grid(tmp_path_factory):
+    """Omega0 by c, with verdicts that differ from cell to cell."""
+    path = tmp_path_factory.mktemp("maps") / "grid.h5"
+    case = load_case("II-B", {"run.t_end": "2 s"})
+    sweep(case, {"Omega0": "3, 4, 6 Hz", "c": "0.01, 0.02"}, out=path, compute=["capture", "regime"])
+    values = {"capture": VERDICTS, "capture_speed": SPEEDS, "regime": REGIMES, "regime_period": PERIODS}
+    with h5py.File(path, "r+") as file:
+        for name, plane in values.items():
+            file[name][..., 0] = plane
+    return str(path)
+
+
+def draw(kind, path, width="page"):
+    figure = kind_named(kind).draw([open_subject(path)], View(width=width))
+    figure.draw_without_rendering()
+    assert clipped_texts(figure) == []
+    return figure
+
+
+def mesh(axes, gid):
+    (found,) = [artist for artist in axes.collections if artist.get_gid() == gid]
+    return found
+
+
+def legend(figure):
+    return [text.get_text() for text in figure.legends[0].get_texts()]
+
+
+@pytest.mark.parametrize("width", ["column", "page"])
+def test_verdicts_on_capture(grid, width):
+    figure = draw("capture", grid, width)
+    classes = mesh(figure.axes[0], "capture")
+    np.testing.assert_array_equal(classes.get_array(), VERDICTS.T)
+    assert legend(figure) == ["not met (1)", "passed (1)", "escaped (1)", "captured (3)"]
+
+
+def test_cells_lie_about_their_points(grid):
+    axes = draw("capture", grid).axes[0]
+    corners = mesh(axes, "capture").get_coordinates()
+    np.testing.assert_allclose(corners[0, :, 0], [2.5, 3.5, 5, 7])  # between and beyond 3, 4, 6 Hz
+    np.testing.assert_allclose(corners[:, 0, 1], [0.005, 0.015, 0.025])
+    assert (axes.get_xlim(), axes.get_ylim()) == ((2.5, 7), pytest.approx((0.005, 0.025)))
+    assert "Omega_0" in axes.get_xlabel() and axes.get_ylabel() == "Damping $c$ (N s/m)"
+
+
+def test_speed_only_where_the_motor_was_held(grid):
+    speeds = mesh(draw("capture", grid).axes[1], "capture_speed").get_array()
+    held = np.isin(VERDICTS, [CAPTURED, ESCAPED]).T
+    np.testing.assert_array_equal(~np.ma.getmaskarray(speeds), held)
+    np.testing.assert_array_equal(speeds[held], SPEEDS.T[held])
+
+
+def test_regimes_by_their_period(grid):
+    figure = draw("regime", grid, "column")
+    classes = mesh(figure.axes[0], "regime").get_array()
+    names = ["period 1", "period 2", "period 3", "period 4", "longer period", "quasi-periodic", "chaotic"]
+    shown = [[[*names, "transient"][int(code)] for code in row] for row in classes]
+    assert shown == [["period 1", "longer period", "transient"], ["period 2", "chaotic", "period 4"]]
+
+
+def test_what_is_missing_stays_blank_and_is_said(grid, tmp_path):
+    path = tmp_path / "part.h5"
+    shutil.copy(grid, path)
+    with h5py.File(path, "r+") as file:
+        file["status"][0, 0, 0], file["status"][2, 1, 0] = 0, 2
+        for name in ("capture", "capture_speed"):
+            file[name][0, 0, 0] = file[name][2, 1, 0] = np.nan
+    figure = draw("capture", str(path))
+    blank = np.ma.getmaskarray(mesh(figure.axes[0], "capture").get_array())
+    np.testing.assert_array_equal(blank, [[True, False, False], [False, False, True]])
+    assert figure.axes[1].get_title(loc="right") == "1 not computed yet, 1 failed"
+
+
+def test_maps_say_what_to_sweep_with(grid, tmp_path):
+    case = load_case("II-B", {"run.t_end": "2 s"})
+    sweep(case, {"Omega0": "3, 4 Hz"}, out=tmp_path / "line.h5", compute=["regime"])
+    line = open_subject(str(tmp_path / "line.h5"))
+    with pytest.raises(PlotError, match=r"needs verdicts on capture \(sweep with --compute capture\)"):
+        choose(["capture"], [line])
+    with pytest.raises(PlotError, match=r"it needs a second range \(sweep with --param KEY=RANGE\)"):
+        choose(["regime"], [line])
+    with pytest.raises(PlotError, match=r"it needs powers \(sweep with --compute power\)"):
+        choose(["power"], [open_subject(grid)])
+    with pytest.raises(PlotError, match=r"Lyapunov exponents \(sweep with --compute lyapunov\)"):
+        choose(["lyapunov"], [open_subject(grid)])
+
+
+def test_a_map_shows_one_sweep(grid):
+    for kind in ("capture", "regime"):
+        with pytest.raises(PlotError, match="one sweep at a time"):
+            kind_named(kind).draw([open_subject(grid)] * 2, View())
+
+
+def test_up_and_down_have_a_map_each(tmp_path):
+    case = load_case("II-B", {"run.t_end": "2 s"})
+    axes = {"Omega0": "3, 4 Hz", "c": "0.01, 0.02, 0.03"}
+    settings = {"compute": ["regime"], "direction": "both", "carry_state": True}
+    sweep(case, axes, out=tmp_path / "both.h5", **settings)
+    with h5py.File(tmp_path / "both.h5", "r+") as file:
+        file["regime"][..., 0], file["regime"][..., 1] = CHAOTIC, TRANSIENT
+    up, down = draw("regime", str(tmp_path / "both.h5")).axes
+    assert (up.get_title(loc="left"), down.get_title(loc="left")) == ("up", "down")
+    assert set(mesh(up, "regime").get_array().ravel()) != set(mesh(down, "regime").get_array().ravel())

@@ -1,0 +1,32 @@
+"""Capture of the motor: a map over two ranges, or how probable it is over an ensemble of starts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from matplotlib.figure import Figure
+
+from vibsim.plots.capture_map import draw_map, draw_probability_map
+from vibsim.plots.capture_starts import draw_probability, draw_starts
+from vibsim.plots.errors import PlotError
+from vibsim.plots.subject import Subject
+from vibsim.plots.view import View
+
+
+def draw(subjects: Sequence[Subject], view: View) -> Figure:
+    """What suits the sweep.
+
+    Two ranges: verdict and speed of capture of every point, as colours; with an ensemble at every point, the
+    share of its members that are captured. One range and an ensemble: that share against the range. An
+    ensemble alone: its starts, coloured by the verdict. Raises PlotError for other sweeps and for several.
+    """
+    if len(subjects) > 1:
+        raise PlotError(f"kind capture shows one sweep at a time, not {len(subjects)}")
+    (subject,) = subjects
+    result = subject.result
+    ranges = sum(len(axis) > 1 for axis in result.axes if axis is not result.members)
+    if result.members is None:
+        return draw_map(subject, view)
+    if ranges == 0:
+        return draw_starts(subject, view)
+    return draw_probability(subject, view) if ranges == 1 else draw_probability_map(subject, view)

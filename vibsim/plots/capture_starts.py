@@ -1,0 +1,85 @@
+"""Capture over an ensemble of starts: how probable it is, and which starts lead to it."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from vibsim.plots.capture_map import SHADES
+from vibsim.plots.errors import PlotError
+from vibsim.plots.frequency_marks import mark_frequencies
+from vibsim.plots.sheet import note, sheet
+from vibsim.plots.style import BLUE, VERMILLION
+from vibsim.plots.subject import Subject
+from vibsim.plots.sweep_axes import SPEEDS, label_of, numbers
+from vibsim.plots.sweep_curves import DIRECTION_NAMES, frequencies
+from vibsim.plots.sweep_plane import missing_note
+from vibsim.plots.verdict_colours import legend_of
+from vibsim.plots.view import View
+from vibsim.sweeps.capture_verdict import VERDICTS
+
+HEIGHT_CM = 6.8
+CAPTURED = VERDICTS["captured"]
+
+
+def draw_probability(subject: Subject, view: View) -> Figure:
+    """Share of the members that are captured against what was swept, with Wilson's interval of 95 %."""
+    result = subject.result
+    axis = next(axis for axis in result.axes if len(axis) > 1 and axis is not result.members)
+    figure = sheet(view, HEIGHT_CM)
+    axes = figure.subplots()
+    share = result.probability(result["capture"] == CAPTURED)
+    directions = result.directions if result.plan.carry else result.directions[:1]
+    for d, direction in enumerate(directions):
+        x, colour = numbers(axis), (BLUE, VERMILLION)[d]
+        estimate, low, high = (values[..., d].ravel() for values in (share.estimate, share.low, share.high))
+        axes.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0, gid="interval")
+        name = DIRECTION_NAMES[direction] if len(directions) > 1 else ""
+        axes.plot(x, estimate, color=colour, marker="o", markersize=2, label=name, gid="probability")
+    axes.set_ylim(-0.03, 1.03)
+    axes.set_xlabel(label_of(axis))
+    axes.set_ylabel("Probability of capture")
+    note(axes, f"{len(result.members)} starts each; band: 95 %")
+    if axis.key in SPEEDS:
+        mark_frequencies([axes], frequencies([subject]), (view.width_cm - 1.6) * 28)
+    if len(directions) > 1:
+        figure.legend(loc="outside lower center", ncols=2)
+    return figure
+
+
+def draw_starts(subject: Subject, view: View) -> Figure:
+    """Start values of the members, coloured by the verdict: two of them, or one and the last speed."""
+    result = subject.result
+    spreads, verdicts = result.members.spreads, result["capture"].ravel()
+    if len(spreads) > 2:
+        listed = ", ".join(spread.key for spread in spreads)
+        raise PlotError(f"a picture shows one or two start values, and {subject.path} spreads {listed}")
+    drawn = [result.members.drawn[spread.key] for spread in spreads]
+    if len(spreads) == 1:
+        drawn.append(result["final_speed"].ravel())
+    figure = sheet(view, HEIGHT_CM)
+    axes = figure.subplots()
+    _scatter(axes, drawn[0], drawn[1], verdicts)
+    axes.set_xlabel(label_of(spreads[0]))
+    axes.set_ylabel(label_of(spreads[1]) if len(spreads) == 2 else r"Last speed $\dot\varphi/2\pi$ (Hz)")
+    share = result.probability(result["capture"] == CAPTURED)
+    estimate, low, high = (
+        float(100 * np.ravel(values)[0]) for values in (share.estimate, share.low, share.high)
+    )
+    left_out = missing_note(subject)
+    note(
+        axes, f"captured: {estimate:.3g} % ({low:.3g} to {high:.3g})" + (f"; {left_out}" if left_out else "")
+    )
+    legend_of(figure, SHADES, verdicts)
+    return figure
+
+
+def _scatter(axes: Axes, x: np.ndarray, y: np.ndarray, verdicts: np.ndarray) -> None:
+    for code, shade in enumerate(SHADES):
+        of = verdicts == code
+        axes.plot(
+            x[of], y[of], linestyle="none", marker="o", markersize=3, color=shade.colour,
+            markeredgecolor="0.3", markeredgewidth=0.3, gid=shade.name,
+        )  # fmt: skip
+    axes.margins(x=0.03, y=0.06)

@@ -1,0 +1,59 @@
+"""The axes of a sweep as axes of a picture: their numbers and what is written beside them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from vibsim.cases.units import UNITS
+from vibsim.plots.errors import PlotError
+from vibsim.plots.subject import Subject
+
+SPEEDS = {
+    "excitation.Omega0": r"No-load speed $\Omega_0/2\pi$ (Hz)",
+    "excitation.omega": r"Excitation frequency $\omega/2\pi$ (Hz)",
+}
+WORDS = {
+    "blocks.m1": "Mass $m_1$",
+    "blocks.m2": "Mass $m_2$",
+    "coupling.k1": "Stiffness $k_1$",
+    "coupling.c": "Damping $c$",
+    "stop.k2": "Stiffness $k_2$ of the stop",
+    "stop.G": "Gap $G$",
+    "friction.mu": r"Coefficient of friction $\mu$",
+    "excitation.M0": "Starting torque $M_0$",
+    "initial.phi": r"Rotor angle at the start $\varphi(0)$",
+    "initial.phidot": r"Motor speed at the start $\dot\varphi(0)$",
+}
+
+
+def along(result: Any) -> int:
+    """Position of the axis that a sweep is drawn along: that of the source's speed, or the first."""
+    return next((i for i, axis in enumerate(result.axes) if axis.key in SPEEDS), 0)
+
+
+def label_of(axis: Any) -> str:
+    """Label of one axis, or of the spread of an ensemble, with its unit."""
+    words = WORDS.get(axis.key, axis.name)
+    return SPEEDS.get(axis.key) or (f"{words} ({axis.unit})" if axis.unit else words)
+
+
+def axis_label(subjects: Sequence[Subject]) -> str:
+    """Label of the axis drawn along; PlotError where the sweeps are along different ones."""
+    axes = [subject.result.axes[along(subject.result)] for subject in subjects]
+    if len({axis.key for axis in axes}) > 1:
+        listed = ", ".join(f"{s.path} over {axis.key}" for s, axis in zip(subjects, axes, strict=True))
+        raise PlotError(f"sweeps over different things do not go into one picture: {listed}")
+    return label_of(axes[0])
+
+
+def numbers(axis: Any) -> np.ndarray:
+    """Values of one axis (n), a speed of the source in Hz, everything else in its unit."""
+    values = axis.numbers()
+    if axis.key not in SPEEDS:
+        return values
+    unit = UNITS[axis.unit]
+    return values * float(unit.factor) / (1.0 if unit.per_turn else 2 * math.pi)
