@@ -11,7 +11,7 @@ from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_plane import plane_of
 from vibsim.plots.verdict_colours import Shade, lay_classes, legend_of
 from vibsim.plots.view import View
-from vibsim.sweeps.capture_verdict import VERDICTS
+from vibsim.sweeps.computations.capture_verdict import VERDICTS
 
 COLOURS = {
     "undecided": YELLOW, "not met": "0.87", "passed": SKY, "escaped": ORANGE, "captured": BLUE,

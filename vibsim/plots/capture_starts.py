@@ -17,7 +17,7 @@ from vibsim.plots.sweep_curves import DIRECTION_NAMES, frequencies
 from vibsim.plots.sweep_plane import missing_note
 from vibsim.plots.verdict_colours import legend_of
 from vibsim.plots.view import View
-from vibsim.sweeps.capture_verdict import VERDICTS
+from vibsim.sweeps.computations.capture_verdict import VERDICTS
 
 HEIGHT_CM = 6.8
 CAPTURED = VERDICTS["captured"]

@@ -14,7 +14,7 @@ from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_plane import plane_of
 from vibsim.plots.verdict_colours import Shade, lay_classes, legend_of
 from vibsim.plots.view import View
-from vibsim.sweeps.regime_label import VERDICTS
+from vibsim.sweeps.computations.regime_label import VERDICTS
 
 PERIODS = 4  # told apart; longer ones share a colour
 SHADES = [
