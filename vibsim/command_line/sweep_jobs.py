@@ -136,19 +136,19 @@ class PointsProgress:
 
     def __init__(self, table: Table, wanted: bool):
         self._wanted = wanted and sys.stderr.isatty()
-        self._began = time.monotonic()
+        self._began = time.time()
         self._had = self._done(table)
         self._bar: Any = None
 
     def show(self, table: Table) -> None:
         """Say how far the table is filled."""
-        if not self._wanted or time.monotonic() - self._began < PATIENCE:
+        if not self._wanted or time.time() - self._began < PATIENCE:
             return
         if self._bar is None:
             self._bar = click.progressbar(
                 length=table.status.size - self._had, label="points", file=sys.stderr, show_pos=True
             )
-            self._bar.start = self._began  # the time still to wait counts from the start of the sweep
+            self._bar.start = self._began  # on the clock of click; it counts what came before the bar
             self._bar.render_progress()
         self._bar.update(self._done(table) - self._had - self._bar.pos)
 
