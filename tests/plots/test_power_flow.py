@@ -68,6 +68,10 @@ def test_exponents_with_their_intervals(path, kind):
     for j, line in enumerate(lines):
         np.testing.assert_array_equal(line.get_xdata(), result["omega0"])
         np.testing.assert_array_equal(line.get_ydata(), result["lyapunov"][:, j, 0])
+    bars = [bar for bar in axes.collections if bar.get_gid() == "interval"]
+    ends = np.array([segment[:, 1] for segment in bars[1].get_segments()])
+    np.testing.assert_allclose(ends.mean(axis=1), result["lyapunov"][:, 1, 0])
+    np.testing.assert_allclose(np.diff(ends)[:, 0] / 2, result["lyapunov_half_width"][:, 1, 0])
     further = [line for line in axes.get_lines() if line.get_gid() == "further exponent"]
     np.testing.assert_array_equal(further[0].get_ydata(), result["lyapunov_spectrum"][:, 0, 0, 1])
     assert len(further) == 2 * (result["lyapunov_spectrum"].shape[-1] - 1)

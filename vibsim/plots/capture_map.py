@@ -32,6 +32,8 @@ def draw_map(subject: Subject, view: View) -> Figure:
         held = plane.lay(
             grid[2 * d + 1], plane.grid(speeds, d), cmap="viridis", gid="capture_speed", **_range(speeds)
         )
+        if np.isnan(speeds).all():
+            continue
         figure.colorbar(held, ax=grid[2 * d + 1], label="Mean speed while held (Hz)", pad=0.02, aspect=30)
     legend_of(figure, SHADES, verdicts[..., : len(directions)])
     return figure

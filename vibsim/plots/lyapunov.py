@@ -41,8 +41,14 @@ def exponent_panel(axes: Axes, drawn: Sequence[Curve]) -> None:
     axes.axhline(0, color=GREY, linewidth=0.5, zorder=1, gid="zero")
     for curve in drawn:
         values, half = _largest(curve)
-        axes.fill_between(
-            curve.x, values - half, values + half, color=curve.colour, alpha=0.25, linewidth=0, gid="interval"
+        axes.vlines(
+            curve.x,
+            values - half,
+            values + half,
+            color=curve.colour,
+            alpha=0.5,
+            linewidth=1.0,
+            gid="interval",
         )
         look = {**curve.look, "markersize": 1.6}
         axes.plot(curve.x, values, label=curve.label, gid="exponent", zorder=3, **look)
@@ -54,7 +60,7 @@ def exponent_panel(axes: Axes, drawn: Sequence[Curve]) -> None:
     spectrum = any(SPECTRUM in curve.subject.result.plan.columns for curve in drawn)
     axes.set_ylabel(r"Exponents $\lambda_i$ (1/s)" if spectrum else r"Exponent $\lambda_1$ (1/s)")
     axes.margins(y=0.06)
-    note(axes, "band: 95 %")
+    note(axes, "bars: 95 %")
 
 
 def _largest(curve: Curve) -> tuple[np.ndarray, np.ndarray]:

@@ -44,7 +44,7 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     panels[-1].set_xlabel(axis_label(subjects))
     count = max(subject.result.plan.section for subject in subjects)
     note(panels[0], f"the last {count} stroboscopic points of each run")
-    name_curves(figure, panels[0])
+    name_curves(figure, panels[0], markerscale=6)
     return figure
 
 

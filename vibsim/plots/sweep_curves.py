@@ -135,15 +135,15 @@ def frequencies(subjects: Sequence[Subject], parts: bool = False) -> list[Freque
     return list(found.values())
 
 
-def name_curves(figure: Figure, axes: Axes) -> None:
-    """The legend under the picture, as far as there is something to tell apart."""
+def name_curves(figure: Figure, axes: Axes, **options: Any) -> None:
+    """The legend under the picture, as far as there is something to tell apart; `options` of a legend."""
     handles, labels = axes.get_legend_handles_labels()
     named = [(handle, label) for handle, label in zip(handles, labels, strict=True) if label]
     if len(named) < 2:
         return
     if len(named) > NAMED_AT_MOST:
         named = [named[0], named[len(named) // 2], named[-1]]  # of a colour map
-    legend_below(figure, *zip(*named, strict=True))
+    legend_below(figure, *zip(*named, strict=True), **options)
 
 
 def limit(axes: Axes, drawn: Sequence[Curve], view: View) -> None:
