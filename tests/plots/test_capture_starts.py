@@ -75,6 +75,12 @@ def test_one_start_value_against_the_last_speed(ensemble):
     np.testing.assert_array_equal(points.get_ydata(), open_subject(path).result["final_speed"].ravel())
 
 
+def test_a_direction_makes_no_difference(ensemble):
+    path = ensemble({}, np.full(4, CAPTURED), direction="both")
+    (points,) = [line for line in draw(path).axes[0].get_lines() if line.get_gid() == "captured"]
+    assert len(points.get_xdata()) == 4
+
+
 def test_three_start_values_are_too_many(ensemble):
     path = ensemble({}, np.full(4, CAPTURED), spread={"phi": "0:1 turn", "x1": "1 mm", "x2": "1 mm"})
     with pytest.raises(PlotError, match=r"one or two start values, and .* spreads initial\.phi, initial\.x1"):

@@ -110,6 +110,14 @@ def test_maps_say_what_to_sweep_with(grid, tmp_path):
         choose(["lyapunov"], [open_subject(grid)])
 
 
+def test_a_window_in_the_unit_of_the_axis(grid):
+    for kind in ("capture", "regime"):
+        figure = kind_named(kind).draw([open_subject(grid)], View(window=(3.5, 5)))
+        assert figure.axes[0].get_xlim() == (3.5, 5)
+        with pytest.raises(PlotError, match=r"the window 8:9 lies outside the sweep, 2\.5 to 7"):
+            kind_named(kind).draw([open_subject(grid)], View(window=(8, 9)))
+
+
 def test_a_map_shows_one_sweep(grid):
     for kind in ("capture", "regime"):
         with pytest.raises(PlotError, match="one sweep at a time"):

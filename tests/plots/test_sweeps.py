@@ -162,6 +162,12 @@ def test_sweeps_over_different_things_do_not_go_together(paths):
         drawn("amplitude", paths["motor"], paths["ideal"])
 
 
+def test_a_window_outside_the_sweep(paths):
+    for kind in KINDS:
+        with pytest.raises(PlotError, match="the window 1:2 lies outside the sweep"):
+            kind_named(kind).draw([open_subject(paths["motor"])], View(window=(1, 2)))
+
+
 def test_two_sweeps_in_one_picture(paths, tmp_path):
     out = tmp_path / "two.pdf"
     assert draw_files([paths["motor"], paths["carried"]], None, View(), str(out)) == [str(out)]

@@ -51,6 +51,8 @@ EXAMPLES = examples(
     "vibsim plot II-B.h5 --kind displacement --window 20:60 --detail 30:31",
     "vibsim plot II-B.h5 --kind all -o II-B.pdf",
     "vibsim plot II-A II-B II-C --kind motor",
+    "vibsim plot hysteresis.h5 --kind sommerfeld,power --window 4:6",
+    "vibsim plot map.h5 --kind capture,regime --width page",
 )
 
 
@@ -59,7 +61,12 @@ EXAMPLES = examples(
 @click.option(
     "--kind", "kinds", type=KindNames(), metavar="KIND[,KIND..]|all", help="What to draw (see --list)."
 )
-@click.option("--window", type=SpanOfTime(), metavar="A:B", help="Show only this span, in seconds.")
+@click.option(
+    "--window",
+    type=SpanOfTime(),
+    metavar="A:B",
+    help="Show only this span, in seconds; of a sweep, in the unit of its axis.",
+)
 @click.option(
     "--detail", type=SpanOfTime(), metavar="A:B", help="Span to enlarge in time histories, in seconds."
 )

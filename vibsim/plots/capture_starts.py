@@ -12,7 +12,7 @@ from vibsim.plots.frequency_marks import mark_frequencies
 from vibsim.plots.sheet import note, sheet
 from vibsim.plots.style import BLUE, VERMILLION
 from vibsim.plots.subject import Subject
-from vibsim.plots.sweep_axes import SPEEDS, label_of, numbers
+from vibsim.plots.sweep_axes import SPEEDS, label_of, numbers, shown
 from vibsim.plots.sweep_curves import DIRECTION_NAMES, frequencies
 from vibsim.plots.sweep_plane import missing_note
 from vibsim.plots.verdict_colours import legend_of
@@ -38,9 +38,10 @@ def draw_probability(subject: Subject, view: View) -> Figure:
         name = DIRECTION_NAMES[direction] if len(directions) > 1 else ""
         axes.plot(x, estimate, color=colour, marker="o", markersize=2, label=name, gid="probability")
     axes.set_ylim(-0.03, 1.03)
+    axes.set_xlim(*shown(x[0], x[-1], view))
     axes.set_xlabel(label_of(axis))
     axes.set_ylabel("Probability of capture")
-    note(axes, f"{len(result.members)} starts each; band: 95 %")
+    _say(axes, f"{len(result.members)} starts each; band: 95 %", subject)
     if axis.key in SPEEDS:
         mark_frequencies([axes], frequencies([subject]), (view.width_cm - 1.6) * 28)
     if len(directions) > 1:
@@ -51,31 +52,33 @@ def draw_probability(subject: Subject, view: View) -> Figure:
 def draw_starts(subject: Subject, view: View) -> Figure:
     """Start values of the members, coloured by the verdict: two of them, or one and the last speed."""
     result = subject.result
-    spreads, verdicts = result.members.spreads, result["capture"].ravel()
+    spreads, verdicts = result.members.spreads, result["capture"][..., 0].ravel()
     if len(spreads) > 2:
         listed = ", ".join(spread.key for spread in spreads)
         raise PlotError(f"a picture shows one or two start values, and {subject.path} spreads {listed}")
     drawn = [result.members.drawn[spread.key] for spread in spreads]
     if len(spreads) == 1:
-        drawn.append(result["final_speed"].ravel())
+        drawn.append(result["final_speed"][..., 0].ravel())
     figure = sheet(view, HEIGHT_CM)
     axes = figure.subplots()
-    _scatter(axes, drawn[0], drawn[1], verdicts)
+    _scatter(axes, drawn[0], drawn[1], verdicts, view)
     axes.set_xlabel(label_of(spreads[0]))
     axes.set_ylabel(label_of(spreads[1]) if len(spreads) == 2 else r"Last speed $\dot\varphi/2\pi$ (Hz)")
     share = result.probability(result["capture"] == CAPTURED)
     estimate, low, high = (
         float(100 * np.ravel(values)[0]) for values in (share.estimate, share.low, share.high)
     )
-    left_out = missing_note(subject)
-    note(
-        axes, f"captured: {estimate:.3g} % ({low:.3g} to {high:.3g})" + (f"; {left_out}" if left_out else "")
-    )
+    _say(axes, f"captured: {estimate:.3g} % ({low:.3g} to {high:.3g})", subject)
     legend_of(figure, SHADES, verdicts)
     return figure
 
 
-def _scatter(axes: Axes, x: np.ndarray, y: np.ndarray, verdicts: np.ndarray) -> None:
+def _say(axes: Axes, words: str, subject: Subject) -> None:
+    """A note above the axes, and what of the sweep is missing."""
+    note(axes, "; ".join(filter(None, [words, missing_note(subject)])))
+
+
+def _scatter(axes: Axes, x: np.ndarray, y: np.ndarray, verdicts: np.ndarray, view: View) -> None:
     for code, shade in enumerate(SHADES):
         of = verdicts == code
         axes.plot(
@@ -83,3 +86,4 @@ def _scatter(axes: Axes, x: np.ndarray, y: np.ndarray, verdicts: np.ndarray) -> 
             markeredgecolor="0.3", markeredgewidth=0.3, gid=shade.name,
         )  # fmt: skip
     axes.margins(x=0.03, y=0.06)
+    axes.set_xlim(*shown(*axes.get_xlim(), view))

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from vibsim.plots.frequency_marks import mark_frequencies
 from vibsim.plots.sheet import note, sheet
-from vibsim.plots.sweep_axes import SPEEDS
+from vibsim.plots.sweep_axes import SPEEDS, shown
 from vibsim.plots.sweep_curves import DIRECTION_NAMES, frequencies
 from vibsim.plots.sweep_panels import finish, in_columns
 from vibsim.plots.sweep_plane import Plane, missing_note
@@ -26,7 +26,7 @@ def map_sheet(plane: Plane, each: int, view: View) -> tuple[Figure, np.ndarray]:
     figure = sheet(view, PANEL_CM * rows + NAMES_CM)
     grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
     x, y = plane.edges()
-    grid[0, 0].set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
+    grid[0, 0].set(xlim=shown(x[0], x[-1], view), ylim=(y[0], y[-1]))
     finish(grid, count, *plane.labels())
     panels = grid.ravel()[:count]
     for i, axes in enumerate(panels):

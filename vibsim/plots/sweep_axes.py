@@ -11,6 +11,7 @@ import numpy as np
 from vibsim.cases.units import UNITS
 from vibsim.plots.errors import PlotError
 from vibsim.plots.subject import Subject
+from vibsim.plots.view import Span, View
 
 SPEEDS = {
     "excitation.Omega0": r"No-load speed $\Omega_0/2\pi$ (Hz)",
@@ -57,3 +58,17 @@ def numbers(axis: Any) -> np.ndarray:
         return values
     unit = UNITS[axis.unit]
     return values * float(unit.factor) / (1.0 if unit.per_turn else 2 * math.pi)
+
+
+def shown(low: float, high: float, view: View) -> Span:
+    """The part of a range that the view's window shows, in the unit of its axis; everything without one.
+
+    Raises PlotError for a window that lies outside.
+    """
+    if view.window is None:
+        return low, high
+    first, last = max(low, view.window[0]), min(high, view.window[1])
+    if not first < last:
+        asked = ":".join(f"{end:g}" for end in view.window)
+        raise PlotError(f"the window {asked} lies outside the sweep, {low:.6g} to {high:.6g}")
+    return first, last

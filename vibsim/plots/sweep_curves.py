@@ -16,7 +16,7 @@ from vibsim.plots.natural_frequencies import Frequency, fractions, natural_frequ
 from vibsim.plots.sheet import legend_below
 from vibsim.plots.style import BLUE, VERMILLION, overlay
 from vibsim.plots.subject import Subject
-from vibsim.plots.sweep_axes import along, numbers
+from vibsim.plots.sweep_axes import along, numbers, shown
 from vibsim.plots.view import View
 
 TUNING = {
@@ -150,7 +150,4 @@ def limit(axes: Axes, drawn: Sequence[Curve], view: View) -> None:
     """The span of the parameter: the view's window in its unit, or everything."""
     low, high = min(curve.x.min() for curve in drawn), max(curve.x.max() for curve in drawn)
     margin = 0.02 * (high - low) or 0.05 * abs(high) or 1.0
-    low, high = low - margin, high + margin
-    if view.window is not None:
-        low, high = max(low, view.window[0]), min(high, view.window[1])
-    axes.set_xlim(low, high)
+    axes.set_xlim(*shown(low - margin, high + margin, view))
