@@ -7,7 +7,7 @@ import pytest
 from tests.plots.artists import clipped_texts
 from vibsim.cases import load_case
 from vibsim.plots.errors import PlotError
-from vibsim.plots.registry import kind_named
+from vibsim.plots.registry import choose, fitting, kind_named
 from vibsim.plots.subject import open_subject
 from vibsim.plots.view import View
 from vibsim.sweeps import sweep
@@ -83,5 +83,6 @@ def test_a_direction_makes_no_difference(ensemble):
 
 def test_three_start_values_are_too_many(ensemble):
     path = ensemble({}, np.full(4, CAPTURED), spread={"phi": "0:1 turn", "x1": "1 mm", "x2": "1 mm"})
-    with pytest.raises(PlotError, match=r"one or two start values, and .* spreads initial\.phi, initial\.x1"):
-        draw(path)
+    assert "capture" not in {kind.name for kind in fitting([open_subject(path)])}
+    with pytest.raises(PlotError, match="an ensemble of at most two start values"):
+        choose(["capture"], [open_subject(path)])

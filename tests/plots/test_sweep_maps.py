@@ -102,8 +102,11 @@ def test_maps_say_what_to_sweep_with(grid, tmp_path):
     line = open_subject(str(tmp_path / "line.h5"))
     with pytest.raises(PlotError, match=r"needs verdicts on capture \(sweep with --compute capture\)"):
         choose(["capture"], [line])
-    with pytest.raises(PlotError, match=r"it needs a second range \(sweep with --param KEY=RANGE\)"):
+    with pytest.raises(PlotError, match=r"it needs two ranges without .* \(sweep with --param KEY=RANGE\)"):
         choose(["regime"], [line])
+    sweep(case, {"Omega0": "3, 4 Hz"}, out=tmp_path / "captured.h5", compute=["capture"])
+    with pytest.raises(PlotError, match="it needs two ranges, or an ensemble of at most two start values"):
+        choose(["capture"], [open_subject(str(tmp_path / "captured.h5"))])
     with pytest.raises(PlotError, match=r"it needs powers \(sweep with --compute power\)"):
         choose(["power"], [open_subject(grid)])
     with pytest.raises(PlotError, match=r"Lyapunov exponents \(sweep with --compute lyapunov\)"):
@@ -120,8 +123,11 @@ def test_a_window_in_the_unit_of_the_axis(grid):
 
 def test_a_map_shows_one_sweep(grid):
     for kind in ("capture", "regime"):
-        with pytest.raises(PlotError, match="one sweep at a time"):
-            kind_named(kind).draw([open_subject(grid)] * 2, View())
+        with pytest.raises(PlotError, match=f"kind {kind}: it shows one file at a time; kinds that fit: som"):
+            choose([kind], [open_subject(grid)] * 2)
+    assert {kind.name for kind in choose(["all"], [open_subject(grid)] * 2)} == {
+        "sommerfeld", "amplitude", "orbit",
+    }  # fmt: skip
 
 
 def test_up_and_down_have_a_map_each(tmp_path):

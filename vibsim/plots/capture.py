@@ -8,7 +8,6 @@ from matplotlib.figure import Figure
 
 from vibsim.plots.capture_map import draw_map, draw_probability_map
 from vibsim.plots.capture_starts import draw_probability, draw_starts
-from vibsim.plots.errors import PlotError
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
 
@@ -18,10 +17,8 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
 
     Two ranges: verdict and speed of capture of every point, as colours; with an ensemble at every point, the
     share of its members that are captured. One range and an ensemble: that share against the range. An
-    ensemble alone: its starts, coloured by the verdict. Raises PlotError for other sweeps and for several.
+    ensemble alone: its starts, coloured by the verdict.
     """
-    if len(subjects) > 1:
-        raise PlotError(f"kind capture shows one sweep at a time, not {len(subjects)}")
     (subject,) = subjects
     result = subject.result
     ranges = sum(len(axis) > 1 for axis in result.axes if axis is not result.members)

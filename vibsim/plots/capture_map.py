@@ -22,7 +22,7 @@ HELD = [VERDICTS["captured"], VERDICTS["escaped"]]
 
 def draw_map(subject: Subject, view: View) -> Figure:
     """Verdict of every point; beside it the speed of those that were captured, for good or for a while."""
-    plane = plane_of([subject])
+    plane = plane_of(subject)
     result, directions = subject.result, plane.directions
     figure, grid = map_sheet(plane, 2, view)
     verdicts = result["capture"]
@@ -41,7 +41,7 @@ def draw_map(subject: Subject, view: View) -> Figure:
 
 def draw_probability_map(subject: Subject, view: View) -> Figure:
     """Share of the members that are captured, at every point of two ranges."""
-    plane = plane_of([subject])
+    plane = plane_of(subject)
     result = subject.result
     shares = result.probability(result["capture"] == VERDICTS["captured"]).estimate
     figure, grid = map_sheet(plane, 1, view)

@@ -7,7 +7,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vibsim.plots.capture_map import SHADES
-from vibsim.plots.errors import PlotError
 from vibsim.plots.frequency_marks import mark_frequencies
 from vibsim.plots.sheet import note, sheet
 from vibsim.plots.style import BLUE, VERMILLION
@@ -53,9 +52,6 @@ def draw_starts(subject: Subject, view: View) -> Figure:
     """Start values of the members, coloured by the verdict: two of them, or one and the last speed."""
     result = subject.result
     spreads, verdicts = result.members.spreads, result["capture"][..., 0].ravel()
-    if len(spreads) > 2:
-        listed = ", ".join(spread.key for spread in spreads)
-        raise PlotError(f"a picture shows one or two start values, and {subject.path} spreads {listed}")
     drawn = [result.members.drawn[spread.key] for spread in spreads]
     if len(spreads) == 1:
         drawn.append(result["final_speed"][..., 0].ravel())

@@ -9,10 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vibsim.plots.errors import PlotError
 from vibsim.plots.frequency_marks import mark_frequencies
 from vibsim.plots.quantities import Scale, scale_for
-from vibsim.plots.sheet import sheet
+from vibsim.plots.sheet import note, sheet
 from vibsim.plots.style import BLACK, GREY, ORANGE, PINK, SKY
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_axes import SPEEDS, along, axis_label
@@ -30,11 +29,11 @@ WORDS = {"stored": "stored (beyond the line: released)"}
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
     """Mean power of the source [W] as a line; what damper and friction take and what is stored as areas.
 
-    The areas add up to the line (first law). One panel for each curve of the sweep; PlotError for too many.
+    The areas add up to the line (first law). One panel for each curve of the sweep, or
+    for some of them, evenly spread, where they are too many.
     """
-    drawn = curves(subjects)
-    if len(drawn) > PANELS_UP_TO:
-        raise PlotError(f"{len(drawn)} curves of power do not fit into one picture; at most {PANELS_UP_TO}")
+    every = curves(subjects)
+    drawn = [every[i] for i in np.unique(np.linspace(0, len(every) - 1, PANELS_UP_TO).astype(int))]
     columns = in_columns(len(drawn), view)
     rows = -(-len(drawn) // columns)
     figure = sheet(view, PANEL_CM * rows + 2.0)
@@ -47,6 +46,7 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     for axes, curve in zip(grid.flat, drawn, strict=False):
         _panel(axes, curve, scale)
     finish(grid, len(drawn), axis_label(subjects), scale.label("Mean power"))
+    note(grid[0, -1], f"{len(drawn)} of {len(every)} curves" if len(drawn) < len(every) else "")
     if all(subject.result.axes[along(subject.result)].key in SPEEDS for subject in subjects):
         for panels in grid.T:
             mark_frequencies(list(panels), frequencies(subjects), (view.width_cm / columns - 1.6) * 28)

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from vibsim.plots.errors import PlotError
 from vibsim.plots.map_sheet import map_sheet
 from vibsim.plots.style import BLACK, BLUE, GREEN, ORANGE, PINK, SKY, VERMILLION, YELLOW
 from vibsim.plots.subject import Subject
@@ -26,14 +25,9 @@ CLASSES = {shade.name: code for code, shade in enumerate(SHADES)}
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
-    """Regime of every point as a colour, periodic motion by its period in turns of the source.
-
-    Raises PlotError for several sweeps, an ensemble, and another number of ranges than two.
-    """
-    plane = plane_of(subjects)
-    result = plane.subject.result
-    if result.members is not None:
-        raise PlotError(f"a map of regimes has one run at a point, and {plane.subject.path} an ensemble")
+    """Regime of every point as a colour, periodic motion by its period in turns of the source."""
+    (subject,) = subjects
+    plane, result = plane_of(subject), subject.result
     classes = classes_of(result["regime"], result["regime_period"])
     figure, panels = map_sheet(plane, 1, view)
     for d, axes in enumerate(panels):

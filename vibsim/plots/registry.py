@@ -29,6 +29,7 @@ class Kind:
     summary : one line for `--list`
     needs : keys of NEEDS; what the subject must have
     width : "column" or "page", the width unless the user says otherwise
+    alone : whether it shows one file at a time
     """
 
     name: str
@@ -36,6 +37,7 @@ class Kind:
     summary: str
     needs: tuple[str, ...] = ()
     width: str = "column"
+    alone: bool = False
 
     @property
     def draw(self) -> Callable[..., Any]:
@@ -72,8 +74,20 @@ KINDS = (
     ),
     Kind("lyapunov", "sweep", "Lyapunov exponents against what was swept", ("exponents",)),
     Kind("power", "sweep", "power of the source, and where it goes, against what was swept", ("power",)),
-    Kind("regime", "sweep", "map of two ranges: periodic, quasi-periodic or chaotic", ("regime", "ranges")),
-    Kind("capture", "sweep", "where the motor is captured: a map, or a probability", ("motor", "capture")),
+    Kind(
+        "regime",
+        "sweep",
+        "map of two ranges: periodic, quasi-periodic or chaotic",
+        ("regime", "map"),
+        alone=True,
+    ),
+    Kind(
+        "capture",
+        "sweep",
+        "where the motor is captured: a map, or a probability",
+        ("motor", "capture", "map or starts"),
+        alone=True,
+    ),
     Kind("work-precision", "bench", "error against computing time of every method", width="page"),
 )
 
@@ -85,7 +99,14 @@ NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
         "a sweep over Omega0",
         lambda subject: any(axis.key == "excitation.Omega0" for axis in subject.result.axes),
     ),
-    "ranges": ("a second range (sweep with --param KEY=RANGE)", lambda subject: _ranges(subject) == 2),
+    "map": (
+        "two ranges without an ensemble (sweep with --param KEY=RANGE)",
+        lambda subject: _is_map(subject),
+    ),
+    "map or starts": (
+        "two ranges, or an ensemble of at most two start values (sweep with --param KEY=RANGE, --ensemble N)",
+        lambda subject: _is_map(subject) or _has_starts(subject),
+    ),
     "exponents": (
         "Lyapunov exponents (sweep with --compute lyapunov)",
         lambda subject: _has(subject, "lyapunov") or _has(subject, "lyapunov_spectrum"),
@@ -121,6 +142,18 @@ def _ranges(subject: Subject) -> int:
     return sum(len(axis) > 1 for axis in result.axes if axis is not result.members)
 
 
+def _is_map(subject: Subject) -> bool:
+    return _ranges(subject) == 2 and subject.result.members is None
+
+
+def _has_starts(subject: Subject) -> bool:
+    """Whether there is an ensemble: at the points of up to two ranges, or of up to two start values."""
+    members = subject.result.members
+    if members is None:
+        return False
+    return len(members.spreads) <= 2 if _ranges(subject) == 0 else _ranges(subject) <= 2
+
+
 def misfit(kind: Kind, subject: Subject) -> str | None:
     """Why `kind` cannot show `subject`, or None when it can."""
     if kind.reads not in ("case", subject.reads):
@@ -136,7 +169,8 @@ def misfit(kind: Kind, subject: Subject) -> str | None:
 
 def fitting(subjects: Sequence[Subject]) -> list[Kind]:
     """The kinds that can show all the subjects together, in the order of the table."""
-    return [kind for kind in KINDS if not any(misfit(kind, subject) for subject in subjects)]
+    kinds = [kind for kind in KINDS if not any(misfit(kind, subject) for subject in subjects)]
+    return [kind for kind in kinds if not kind.alone or len(subjects) == 1]
 
 
 def kind_named(name: str) -> Kind:
@@ -165,6 +199,8 @@ def choose(names: Sequence[str] | None, subjects: Sequence[Subject]) -> list[Kin
         return fit
     chosen = [kind_named(name) for name in dict.fromkeys(names)]
     for kind in chosen:
+        if kind.alone and len(subjects) > 1:
+            raise PlotError(f"kind {kind.name}: it shows one file at a time; {_those_that_fit(fit)}")
         for subject in subjects:
             reason = misfit(kind, subject)
             if reason:

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
-from vibsim.plots.errors import PlotError
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_axes import along, label_of, numbers
-from vibsim.sweeps.columns import DONE, MISSING
+from vibsim.sweeps.columns import FAILED, MISSING
 
 
 @dataclass(frozen=True)
@@ -57,38 +55,20 @@ class Plane:
         return across, up
 
 
-def plane_of(subjects: Sequence[Subject]) -> Plane:
-    """The plane of the one sweep; members of an ensemble do not count as an axis.
-
-    Raises PlotError for several sweeps, and for one of another number of ranges than two.
-    """
-    (subject,) = _alone(subjects)
+def plane_of(subject: Subject) -> Plane:
+    """The plane of a sweep over two ranges; members of an ensemble do not count as one."""
     result = subject.result
-    ranges = [i for i, axis in enumerate(result.axes) if axis is not result.members]
-    long = [i for i in ranges if len(result.axes[i]) > 1]
-    if len(long) != 2:
-        listed = ", ".join(result.axes[i].name for i in long) or "nothing"
-        raise PlotError(
-            f"a map shows a sweep over two ranges, and {subject.path} is over {listed}; add --param KEY=RANGE"
-        )
-    across = along(result) if along(result) in long else long[0]
-    (up,) = (i for i in long if i != across)
+    ranges = [i for i, axis in enumerate(result.axes) if axis is not result.members and len(axis) > 1]
+    across = along(result) if along(result) in ranges else ranges[0]
+    (up,) = (i for i in ranges if i != across)
     return Plane(subject, across, up)
-
-
-def _alone(subjects: Sequence[Subject]) -> Sequence[Subject]:
-    if len(subjects) > 1:
-        raise PlotError(f"a map shows one sweep at a time, not {len(subjects)}")
-    return subjects
 
 
 def missing_note(subject: Subject) -> str:
     """How many points are left blank, and why; empty for none."""
     status = subject.result["status"]
-    missing, failed = int((status == MISSING).sum()), int((status != DONE).sum())
-    failed -= missing
-    parts = [f"{missing} not computed yet"] * bool(missing) + [f"{failed} failed"] * bool(failed)
-    return ", ".join(parts)
+    counts = {"not computed yet": (status == MISSING).sum(), "failed": (status == FAILED).sum()}
+    return ", ".join(f"{count} {words}" for words, count in counts.items() if count)
 
 
 def _edges(centres: np.ndarray) -> np.ndarray:
