@@ -24,7 +24,8 @@ def test_digits_said_to_be_right_are(name, digits):
     result = vibsim.simulate(case(name, "6 s"), digits=digits)
     _, end = true_end(name, "6 s", digits + 20)
     found = agreement({key: Decimal(str(column[-1])) for key, column in result.digits.events.items()}, end)
-    assert result.attrs["digits_right"] - 1 <= found <= result.attrs["digits_right"] + 4
+    # a run carries guard bits beyond its digits: it may be right to a few digits more than it says
+    assert result.attrs["digits_right"] - 1 <= found <= result.attrs["digits_right"] + 6
     assert result.attrs["digits_right_from"] == "agreement with a run in doubles"
 
 
@@ -55,11 +56,11 @@ def test_too_few_digits_are_raised():
     plan.coarse_digits, plan.digits = DOUBLE_DIGITS, 20
     _, end = true_end("I-B-eq211", "45 s", 60)
     plan.coarse = {key: value * 2 for key, value in end.items()}  # a run that shares nothing with it
-    assert plan.verdict(end)["digits_right"] == 0
+    assert plan.verdict(end, {})["digits_right"] == 0
     assert not plan.enough and plan.digits > 20 and plan.coarse is end
 
 
 def test_fixed_digits_of_a_chaotic_case_are_estimated():
     result = vibsim.simulate(chaos(), digits=60)
-    assert result.attrs["digits_right_from"] == "growth of a small kick, estimated"
+    assert result.attrs["digits_right_from"] == "growth of small kicks, estimated"
     assert 0 < result.attrs["digits_right"] < 60

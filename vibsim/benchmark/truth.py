@@ -50,7 +50,7 @@ def compute_truth(plan: Plan, watch: Callable[[float], bool] | None = None) -> T
         recording.into(sink, watch)
         if not recording.complete:
             return None
-        verdict = DigitsPlan(plan.case, digits).verdict(recording.end_state)
+        verdict = DigitsPlan(plan.case, digits).verdict(recording.end_state, recording.events())
         right = verdict.get("digits_right", 0)
         if right >= RIGHT:
             break

@@ -23,10 +23,13 @@ LARGEST = 1e-4  # a difference up to here, relative to the motion, still grows i
 Table = Mapping[str, np.ndarray]
 
 
-def error_growth(scene: Scene, engine: str = "auto") -> float:
-    """Logarithm (base 10) of the factor by which errors have grown at the end of the run of `scene`."""
+def error_growth(scene: Scene, engine: str = "auto", along: Table | None = None) -> float:
+    """Logarithm (base 10) of the factor by which errors have grown at the end of the run of `scene`.
+
+    along: event table of the motion to follow, where it is not that in doubles: chaos takes the two apart.
+    """
     scene = replace(scene, stop_on_violation=False)
-    table = last_states(scene, engine)
+    table = last_states(scene, engine) if along is None else along
     scale = {name: float(np.abs(table[name]).max()) for name in EVENT_STATE if name in table}
     if scale["v1"] == 0.0:
         return 0.0

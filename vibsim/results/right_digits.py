@@ -12,6 +12,8 @@ from decimal import Context, Decimal
 from math import ceil, floor, log10
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from vibsim.kernel import KernelError
 from vibsim.kernel.block import EVENT_STATE
 from vibsim.kernel.error_growth import error_growth, last_states
@@ -77,10 +79,11 @@ class DigitsPlan:
             )
         return ceil(digits)
 
-    def verdict(self, end: EndState | None) -> dict[str, Any]:
+    def verdict(self, end: EndState | None, events: Mapping[str, np.ndarray]) -> dict[str, Any]:
         """What is known of the digits of a run with the state `end` at its end, as attributes of its file.
 
-        end is None where the run did not reach it. Sets `enough`, and `digits` for another attempt.
+        end is None where the run did not reach it; events: its event table in doubles. Sets `enough`, and
+        `digits` for another attempt.
         """
         if end is None:
             self.enough = True
@@ -91,9 +94,8 @@ class DigitsPlan:
             return self._judged(max(right, 0), self._source(), end)
         if self.automatic:
             return self._judged(0, "", end)
-        return self._judged(
-            max(floor(self.digits - self.growth - 1), 0), "growth of a small kick, estimated", end
-        )
+        growth = error_growth(self.scene, along=events)
+        return self._judged(max(floor(self.digits - growth - 1), 0), "growth of small kicks, estimated", end)
 
     def _source(self) -> str:
         coarse = (

@@ -49,6 +49,7 @@ class TruthRecording:
             del self.start["taylor_tolerance"]  # that of doubles; here the working precision is the tolerance
         self.t_reached, self.complete = 0.0, False
         self.end_state: EndState | None = None
+        self._events: list[Rows] = []
         self._rest = RestDistance(self.scene)
 
     def into(self, sink: TruthSink, watch: Watch | None = None) -> None:
@@ -57,11 +58,16 @@ class TruthRecording:
             sink.append_digits(block.sample_digits, block.event_digits)
             sink.append(block.samples, block.events)
             self._rest.update(block.samples, block.events)
+            self._events.append(block.events)
             self.t_reached = max(block.t_reached, *block.samples["time"][-1:].tolist(), self.t_reached)
             last = end_of(block.event_digits)
             if watch is not None and not watch(self.t_reached):
                 return
         self.complete, self.end_state = True, last
+
+    def events(self) -> Rows:
+        """The event table so far, in doubles."""
+        return {name: np.concatenate([part[name] for part in self._events]) for name in self._events[0]}
 
     def end(self) -> dict[str, Any]:
         """Attributes of what came of the run so far."""
@@ -135,7 +141,7 @@ def _run(case: "Case", digits: int | str, open_sink: Callable[..., Any], watch: 
         sink = open_sink(recording)
         try:
             recording.into(sink, watch)
-            verdict = plan.verdict(recording.end_state)
+            verdict = plan.verdict(recording.end_state, recording.events())
         except BaseException:
             _keep(sink, recording)
             raise
