@@ -184,6 +184,29 @@ def test_run_imports_no_more_than_it_needs(tmp_path):
     }
 
 
+THREADS = """
+import gc, os, sys
+from vibsim.command_line.main import main
+sys.argv[1:] = ["run", "I-A", "--t-end", "1s", "--no-trust", "-q"]
+try:
+    main()
+finally:
+    threads, setting = len(os.listdir("/proc/self/task")), os.environ.get("OPENBLAS_NUM_THREADS")
+    print(threads, setting, gc.get_freeze_count() > 0)
+"""
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="counts threads as Linux shows them")
+@pytest.mark.parametrize("asked", [None, "2"])
+def test_a_run_starts_no_threads_for_matrices_unless_asked_to(tmp_path, asked):
+    inherited = {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
+    environment = inherited | ({"OPENBLAS_NUM_THREADS": asked} if asked else {})
+    told = subprocess.check_output([sys.executable, "-c", THREADS], text=True, cwd=tmp_path, env=environment)
+    threads, setting, frozen = told.split()
+    assert asked or threads == "1"
+    assert setting == (asked or "1") and frozen == "True"
+
+
 def test_importing_vibsim_imports_nothing_else():
     code = "import sys, vibsim; print({'numpy', 'h5py', 'pydantic', 'click'} & set(sys.modules))"
     assert (

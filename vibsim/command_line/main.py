@@ -35,6 +35,10 @@ COMPLETION = (
     "(zsh_source for zsh, fish_source for fish)."
 )
 
+# What libraries start unless told otherwise: numpy threads for large matrices, which vibsim has not got; they
+# spin while they wait (30 ms of a core). pydantic a search of all installed packages for its plugins.
+NOT_NEEDED = {"OPENBLAS_NUM_THREADS": "1", "PYDANTIC_DISABLE_PLUGINS": "__all__"}
+
 
 class LazyGroup(click.Group):
     """Commands by name; exceptions become messages and exit codes here."""
@@ -105,11 +109,17 @@ click.version_option(__version__, message="vibsim %(version)s")(group)
 def main() -> None:
     """Entry point of the command; ends the process with the exit code."""
     import gc
+    import os
     import signal
 
+    for name, value in NOT_NEEDED.items():
+        os.environ.setdefault(name, value)
     gc.set_threshold(100_000)  # starting up makes many objects and no garbage; looking for it takes 30 ms
     signal.signal(signal.SIGTERM, _terminate)
-    group.main(prog_name="vibsim")
+    try:
+        group.main(prog_name="vibsim")
+    finally:
+        gc.freeze()  # the system takes all memory back at once; sorting it before the end takes 30 ms
 
 
 def _terminate(signum, frame):
