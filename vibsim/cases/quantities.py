@@ -10,7 +10,7 @@ from vibsim.cases.units import UNITS, Unit, find_unit, si_unit, unit_names
 
 NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
 _NUMBER_AND_UNIT = re.compile(rf"(?P<number>{NUMBER}(?:\s*/\s*\d+)?)\s*(?P<unit>.*)", re.ASCII | re.DOTALL)
-_NOT_FINITE = re.compile(r"[+-]?\.?(inf|infinity|nan)\b", re.IGNORECASE)
+_NOT_FINITE = r"[+-]?\.?(inf|infinity|nan)\b"
 LONGEST_NUMBER = 200  # characters; keeps every fraction small
 LARGEST_EXPONENT = 1000  # so that 1e999999999 is refused before it is multiplied out
 LARGEST = Fraction(2**1024 - 2**970) / 8  # an eighth of the largest double: 2 pi times it still fits
@@ -100,7 +100,7 @@ def allowed_units(dimension: str, alternative: str = "") -> str:
 
 def _not_a_number(text: str, dimension: str, alternative: str) -> str:
     word = text.strip()
-    if _NOT_FINITE.match(word):
+    if re.match(_NOT_FINITE, word, re.IGNORECASE):
         return f"must be finite, got {shown(word)}"
     if word.startswith("\u2212"):
         return f"write the minus sign as -, got {shown(word)}"

@@ -17,7 +17,7 @@ from vibsim.cases.quantities import NUMBER, QuantityError, decimal_text, exact_n
 from vibsim.cases.units import UNITS, find_unit
 
 MOST_VALUES = 1_000_000
-_PART = re.compile(rf"\s*(?P<number>{NUMBER})(?P<over>/\d+)?(?P<unit>.*)", re.ASCII | re.DOTALL)
+_PART = rf"\s*(?P<number>{NUMBER})(?P<over>/\d+)?(?P<unit>.*)"
 
 
 class RangeError(ValueError):
@@ -76,7 +76,7 @@ class _Part:
 
 
 def _part(piece: str, text: str) -> _Part:
-    match = _PART.fullmatch(piece)
+    match = re.fullmatch(_PART, piece, re.ASCII | re.DOTALL)
     if match is None:
         raise _not_a_range(text)
     try:

@@ -88,5 +88,5 @@ def canonical_spelling(text: str) -> str:
 @lru_cache(maxsize=256)
 def find_unit(text: str) -> Unit | None:
     """The unit that `text` names in any accepted spelling, or None."""
-    name = canonical_spelling(text)
+    name = text if text in UNITS else canonical_spelling(text)
     return UNITS.get(name) if name else None

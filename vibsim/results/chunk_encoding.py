@@ -13,6 +13,8 @@ import numpy as np
 ZLIB_HEADER = b"\x78\x01"  # deflate, 32 kB window, fastest
 LAST_BLOCK = b"\x03\x00"  # an empty one that ends a deflate stream
 SAMPLED = 8  # every eighth byte is looked at to tell noise
+ROW = 512  # words that a checksum sums at a time: eight times as fast as word by word
+COLUMN = np.arange(ROW, dtype="u8")
 NOISE = 0.94  # noise takes this part of the 256 values or more: 2048 random bytes take 0.9997 of them
 
 
@@ -44,10 +46,13 @@ def _is_noise(plane: np.ndarray) -> bool:
 
 def fletcher32(data: bytes) -> int:
     """Fletcher's checksum over big-endian 16-bit words as HDF5 has it: sums modulo 65535, in 1 to 65535."""
-    words = np.frombuffer(data + b"\0" * (len(data) % 2), ">u2").astype("u8")
-    sum1 = int(words.sum())
-    sum2 = int(np.dot(words, np.arange(len(words), 0, -1, dtype="u8")))
-    return _folded(sum2) << 16 | _folded(sum1)
+    count = (len(data) + 1) // 2
+    rows = np.frombuffer(data + bytes(-len(data) % (2 * ROW)), ">u2").reshape(-1, ROW)
+    by_row, by_column = rows.sum(axis=1, dtype="u8"), rows.sum(axis=0, dtype="u8")
+    sum1 = int(by_row.sum())
+    # word i, in row r and column c, counts count - i times; i = ROW r + c
+    places = ROW * int(by_row @ np.arange(len(rows), dtype="u8")) + int(by_column @ COLUMN)
+    return _folded(count * sum1 - places) << 16 | _folded(sum1)
 
 
 def _folded(total: int) -> int:

@@ -1,7 +1,8 @@
-"""A trajectory file opened for reading: attributes at once, columns when they are asked for."""
+"""A trajectory file opened for reading: attributes and columns when they are asked for."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -26,10 +27,15 @@ class TrajectoryFile:
         self.path = Path(path)
         with damage_named(self.path):
             self._file = open_hdf5(self.path)
-            self.attrs = read_attrs(self._file)
             self.samples = FileColumns(self.path, self._file)
             self.events = FileColumns(self.path, self._file["events"])
             self.digits = self._digits(self._file.get("digits"))
+
+    @cached_property
+    def attrs(self) -> dict[str, Any]:
+        """Root attributes, read when they are asked for: who has just written the file knows them."""
+        with damage_named(self.path):
+            return read_attrs(self._file)
 
     def _digits(self, group: h5py.Group | None) -> Digits | None:
         if group is None:
