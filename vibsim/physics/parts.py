@@ -1,0 +1,148 @@
+"""A scene made of parts: bodies on one line, what ties, stops, rubs and drives them.
+
+All numbers are SI and rad/s. Bodies are numbered 0, 1, ... in the order of the scene; an end of a part is
+the number of a body, GROUND (at rest at 0) or BASE (moves as `Scene.base` says). For a part between P and Q
+the relative displacement is x_P - x_Q and the relative velocity v_P - v_Q. Numbers are floats for the two
+engines; runs of many digits put other number types in.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+Number = Any  # float, flint.arb or mpmath.mpf: the engines are duck-typed
+
+GROUND, BASE = -1, -2
+EXTENSION, COMPRESSION = 1, -1  # sense of a stop: it acts where x_Q - x_P, or x_P - x_Q, exceeds its gap
+AT_GAP, AT_FORCE = "gap", "force"  # where an elastic stop lets go: at zero depth, or at zero force
+
+
+@dataclass(frozen=True)
+class Body:
+    """A rigid body: mass m > 0 [kg], displacement x [m] and velocity v [m/s] at t = 0."""
+
+    name: str
+    m: Number
+    x: Number
+    v: Number
+
+
+@dataclass(frozen=True)
+class Link:
+    """Spring k [N/m] and damper c [N s/m] between P and Q: force -k (x_P - x_Q) - c (v_P - v_Q) on P."""
+
+    name: str
+    P: int
+    Q: int
+    k: Number
+    c: Number
+
+
+@dataclass(frozen=True)
+class Stop:
+    """Elastic stop between P and Q: depth g = sense (x_Q - x_P) - gap [m], force k g + c g' in contact [N].
+
+    `release` AT_GAP: contact while g >= 0; AT_FORCE: the force is max(0, k g + c g') while g > 0.
+    """
+
+    name: str
+    P: int
+    Q: int
+    gap: Number
+    sense: int
+    k: Number
+    c: Number
+    release: str = AT_GAP
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Coulomb friction of P on Q, v_rel = v_P - v_Q - belt: force -forward (v_rel > 0) or +backward
+    (v_rel < 0) on P [N], up to these while sticking.
+    """
+
+    name: str
+    P: int
+    Q: int
+    forward: Number
+    backward: Number
+    belt: Number
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """amplitude sin(omega t + phase); omega / (2 pi) = cycles + cycles_lo [Hz], a double-double."""
+
+    amplitude: Number
+    omega: Number
+    cycles: Number
+    cycles_lo: Number
+    phase: Number
+
+
+@dataclass(frozen=True)
+class Force:
+    """Force on a body: constant + sum of harmonics [N]."""
+
+    name: str
+    on: int
+    constant: Number
+    terms: tuple[Harmonic, ...]
+
+
+@dataclass(frozen=True)
+class Motor:
+    """DC motor of limited power with an unbalanced rotor on a body, Eqs. (2.8)-(2.10) of the paper.
+
+    Unbalanced mass m3 [kg], eccentricity e [m], rotor inertia J [kg m^2], stall torque M0 [N m], no-load
+    speed Omega0 [rad/s]; rotor angle phi [rad] and speed phidot [rad/s] at t = 0.
+    """
+
+    on: int
+    m3: Number
+    e: Number
+    J: Number
+    M0: Number
+    Omega0: Number
+    phi: Number
+    phidot: Number
+
+
+@dataclass(frozen=True)
+class Clearance:
+    """A limit that is watched and exerts no force: x_P - x_Q <= distance [m]."""
+
+    name: str
+    P: int
+    Q: int
+    distance: Number
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Parts and run settings of one simulation.
+
+    Attributes
+    ----------
+    bodies, links, stops, frictions, forces, clearances : the parts, in the order of the case
+    base : harmonics of the displacement X(t) [m] of BASE
+    motor : the motor, or None
+    stop_on_violation : whether the run ends where a clearance is violated
+    t_end : end of the run [s]; samples at i * every_num / every_den [s], i = 0, 1, ...
+    method : "auto", "closed_form" or "taylor"; order and tol of the Taylor flow
+    """
+
+    bodies: tuple[Body, ...]
+    links: tuple[Link, ...] = ()
+    stops: tuple[Stop, ...] = ()
+    frictions: tuple[Friction, ...] = ()
+    forces: tuple[Force, ...] = ()
+    base: tuple[Harmonic, ...] = ()
+    motor: Motor | None = None
+    clearances: tuple[Clearance, ...] = ()
+    stop_on_violation: bool = False
+    t_end: Number = 0.0
+    every_num: int = 1
+    every_den: int = 200
+    method: str = "auto"
+    order: int = 20
+    tol: Number = 2.0**-53
