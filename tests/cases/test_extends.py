@@ -1,5 +1,6 @@
 """extends: child over parent, key by key."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -106,3 +107,25 @@ def test_the_text_of_the_case_is_the_childs(folder):
 def test_a_childs_override_hides_a_mistake_of_the_parent(folder):
     (folder / "parent.yaml").write_text(PARENT.replace("200 N/m", "200 furlongs"))
     assert child(folder, "extends: parent.yaml\ncoupling: {k1: 100 N/m}\n").number("k1") == 100.0
+
+
+@pytest.mark.parametrize(
+    ("target", "told"),
+    [
+        ("x" * 300, "extends: xxxx"),
+        ("a/" + "x" * 300 + ".yaml", "extends: "),
+        ("a\\e[2Jb", "extends: a\\x1b[2Jb: is no shipped case"),
+        ("a/\\0\\e[2J.yaml", "extends: "),
+        ("waiting.yaml", "waiting.yaml: is no regular file"),
+        ("/dev/zero", "/dev/zero: is no regular file"),
+    ],
+)
+def test_what_cannot_be_extended_is_said_in_one_line(tmp_path, target, told):
+    os.mkfifo(tmp_path / "waiting.yaml")
+    child = tmp_path / "child.yaml"
+    child.write_text(f'extends: "{target}"\n', encoding="utf-8")
+    with pytest.raises(CaseError) as caught:
+        load_case(child)
+    [line] = str(caught.value).splitlines()
+    assert line.startswith(f"{child}:1:10: ") and told in line and line.isprintable()
+    assert len(line) < len(str(child)) + 500

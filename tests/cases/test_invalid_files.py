@@ -88,7 +88,7 @@ def test_a_strange_key_stays_on_one_line(tmp_path):
     path = tmp_path / "trial.yaml"
     path.write_text('blocks: {m1: 1 kg, m2: 1 kg, "a\\nb\\e' + "c" * 200 + '": 1}\ncoupling: {k1: 1 N/m}\n')
     [line] = problems_of(path)
-    assert line.startswith(f"{path}:1:30: blocks.a b?ccc")
+    assert line.startswith(f"{path}:1:30: blocks.a b\\x1bccc")
     assert line.endswith("...: unknown key; allowed: m1, m2")
 
 

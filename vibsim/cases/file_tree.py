@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Any
 
-from vibsim.cases.problems import CaseError, Problem
+from vibsim.cases.problems import CaseError, Problem, shown
 from vibsim.cases.sources import SourceText, find_source
 from vibsim.cases.yaml_nodes import Broken, Mapping, Node, Place, Text, read_yaml
 
@@ -91,7 +91,9 @@ def _parent(extends: Text, source: SourceText, chain: list[str], tree: Tree) -> 
         return None
     if parent.identity in chain:
         tree.problems.append(
-            extends.place.problem("extends", f"goes round in a circle, back to {parent.shown}")
+            extends.place.problem(
+                "extends", f"goes round in a circle, back to {shown(parent.shown, limit=200)}"
+            )
         )
         return None
     if len(chain) >= LONGEST_CHAIN:
@@ -106,7 +108,7 @@ def _blamed(problem: Problem, place: Place) -> Problem:
     """A problem of a parent that cannot be read at all, told at the line that asks for it."""
     if problem.line is not None:
         return problem
-    return place.problem("extends", f"{problem.file}: {problem.message}")
+    return place.problem("extends", f"{shown(problem.file, limit=200)}: {problem.message}")
 
 
 def _over(parent: Mapping, child: Mapping, key: str = "") -> Mapping:

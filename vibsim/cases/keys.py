@@ -7,8 +7,8 @@ from typing import Annotated, Any, get_args, get_origin
 from pydantic import Tag
 
 from vibsim.cases.measured import Measured
-from vibsim.cases.problems import did_you_mean, nearest
 from vibsim.cases.schema import CaseFile, Section
+from vibsim.cases.spelling import did_you_mean, nearest
 
 
 class UnknownKeyError(KeyError):

@@ -6,7 +6,8 @@ from pydantic import ValidationError
 
 from vibsim.cases.file_tree import BROKEN, SWITCHABLE, Tree
 from vibsim.cases.keys import is_tag, section_at, sections_with
-from vibsim.cases.problems import Problem, did_you_mean, nearest, shown
+from vibsim.cases.problems import Problem, shown
+from vibsim.cases.spelling import did_you_mean, nearest
 
 
 def model_problems(error: ValidationError, tree: Tree) -> list[Problem]:

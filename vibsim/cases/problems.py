@@ -2,7 +2,8 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from difflib import get_close_matches
+
+from vibsim.cases.plain_text import one_line, plain_text
 
 
 @dataclass(frozen=True)
@@ -25,9 +26,10 @@ class Problem:
 
     def __str__(self) -> str:
         key = shown(self.key, limit=100) if self.key else ""
+        file = plain_text(self.file)
         if self.line is None:
-            return f"{f'{self.file} {key}'.strip()}: {self.message}"
-        return f"{self.file}:{self.line}:{self.column}: {f'{key}: ' if key else ''}{self.message}"
+            return f"{f'{file} {key}'.strip()}: {self.message}"
+        return f"{file}:{self.line}:{self.column}: {f'{key}: ' if key else ''}{self.message}"
 
 
 class CaseError(Exception):
@@ -43,25 +45,7 @@ class CaseError(Exception):
 
 def shown(text: object, limit: int = 60) -> str:
     """A user's text on one line, shortened, for use inside a message."""
-    line = " ".join(str(text).split())
-    printable = "".join(ch if ch.isprintable() else "?" for ch in line)
-    if not printable:
+    line = one_line(text)
+    if not line:
         return "nothing"
-    return printable if len(printable) <= limit else printable[: limit - 3] + "..."
-
-
-def nearest(word: str, allowed: Iterable[str]) -> str | None:
-    """The allowed word that `word` most likely stands for, or None; letter case is forgiven first."""
-    names = list(allowed)
-    for name in names:
-        if name.casefold() == word.casefold():
-            return name
-    folded = {name.casefold(): name for name in reversed(names)}
-    matches = get_close_matches(word.casefold()[:60], folded, n=1, cutoff=0.6)
-    return folded[matches[0]] if matches else None
-
-
-def did_you_mean(word: str, allowed: Iterable[str]) -> str:
-    """ " (did you mean X?)", or an empty text where nothing allowed is near."""
-    match = nearest(word, allowed)
-    return f" (did you mean {match}?)" if match else ""
+    return line if len(line) <= limit else line[: limit - 3] + "..."

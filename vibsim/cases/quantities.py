@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from vibsim.cases.pi import radians_to_turns, times_two_pi
-from vibsim.cases.problems import nearest, shown
+from vibsim.cases.problems import shown
+from vibsim.cases.spelling import nearest
 from vibsim.cases.units import UNITS, Unit, find_unit, si_unit, unit_names
 
 NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"

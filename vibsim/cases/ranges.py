@@ -12,8 +12,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from vibsim.cases.problems import nearest, shown
+from vibsim.cases.problems import shown
 from vibsim.cases.quantities import NUMBER, QuantityError, decimal_text, exact_number
+from vibsim.cases.spelling import nearest
 from vibsim.cases.units import UNITS, find_unit
 
 MOST_VALUES = 1_000_000

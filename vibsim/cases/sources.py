@@ -4,10 +4,11 @@ import re
 import sys
 from dataclasses import dataclass
 from importlib import resources
-from os.path import normpath
+from os.path import exists, isdir, isfile, normpath
 from pathlib import Path
 
-from vibsim.cases.problems import CaseError, Problem, did_you_mean
+from vibsim.cases.problems import CaseError, Problem
+from vibsim.cases.spelling import did_you_mean
 
 LARGEST_FILE = 1_000_000  # bytes
 HDF5_SIGNATURE = b"\x89HDF"
@@ -62,8 +63,9 @@ def is_path(source: str) -> bool:
 def find_source(source: str, folder: Path | None = None) -> SourceText:
     """Read the case file that `source` names: a path, a shipped name, or "-" for standard input.
 
-    Relative paths count from `folder` (default: the current one). Raises CaseError where there is no such
-    file, or where it is too large or no UTF-8 text.
+    Relative paths count from `folder`: that of the file which names the source (default: the current one, for
+    what the user names). Raises CaseError where there is no such file, or where it is too large or no UTF-8
+    text; a file may only name regular files, because opening another kind can wait for ever.
     """
     if source == "-":
         text = decoded(sys.stdin.buffer.read(LARGEST_FILE + 1), "stdin")
@@ -73,7 +75,11 @@ def find_source(source: str, folder: Path | None = None) -> SourceText:
         path = shipped_folder() / f"{source}.yaml"
         return _file(path, str(path))
     if is_path(source):
-        path = Path(normpath(folder / path)) if folder and not path.is_absolute() else path
+        if folder is None:
+            return _file(path, str(path))
+        path = path if path.is_absolute() else Path(normpath(folder / path))
+        if exists(path) and not isfile(path) and not isdir(path):
+            raise CaseError([Problem(str(path), None, None, "", "is no regular file")])
         return _file(path, str(path))
     if source in shipped_case_names():
         path = shipped_folder() / f"{source}.yaml"
@@ -84,7 +90,7 @@ def find_source(source: str, folder: Path | None = None) -> SourceText:
 def _no_such_case(source: str) -> str:
     names = shipped_case_names()
     hint = did_you_mean(source, names)
-    if Path(source).is_file():
+    if isfile(source):  # False too for what no file can be called
         hint = f"; for the file write ./{source}"
     return f"is no shipped case{hint}; shipped are {', '.join(names)}; a file name ends in .yaml"
 

@@ -1,6 +1,7 @@
 """Open a result file, whatever kind of result it holds."""
 
 from importlib import import_module
+from os.path import isfile
 from pathlib import Path
 from typing import Any
 
@@ -35,9 +36,11 @@ def kind_of(path: str | Path) -> str:
 
 
 def is_result_file(path: str | Path) -> bool:
-    """Whether `path` is a file that begins as an HDF5 file does."""
+    """Whether `path` is a regular file that begins as an HDF5 file does; of a pipe nothing is read."""
     from vibsim.results.trajectory_file import check_signature
 
+    if not isfile(path):
+        return False
     try:
         check_signature(Path(path))
     except ResultFileError:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
-from vibsim.cases.problems import did_you_mean
+from vibsim.cases.spelling import did_you_mean
 from vibsim.verification.check import Check
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from vibsim.cases.problems import did_you_mean
+from vibsim.cases.spelling import did_you_mean
 from vibsim.kernel import Block
 from vibsim.physics.disturbance import dimension as exponents
 from vibsim.physics.scene import Scene

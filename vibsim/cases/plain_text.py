@@ -1,0 +1,23 @@
+"""User text as text: what a terminal would obey and no font can show is written out, such as \\x1b."""
+
+from unicodedata import category
+
+
+def plain_text(text: object, kept: str = "") -> str:
+    """A text with every character that is not printed as an escape of ASCII characters.
+
+    Control and format characters (colours, cursor, direction of writing), line breaks, lone surrogates and
+    code points without a character become \\x1b, \\n, \\u202e ...; those in `kept` stay as they are.
+    """
+    return "".join(
+        ch if ch.isprintable() or ch in kept or category(ch) == "Zs" else _escape(ch) for ch in str(text)
+    )
+
+
+def one_line(text: object) -> str:
+    """A plain text on one line, runs of white space as one blank."""
+    return plain_text(" ".join(str(text).split()))
+
+
+def _escape(character: str) -> str:
+    return character.encode("unicode_escape").decode("ascii")
