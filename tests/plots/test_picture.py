@@ -65,7 +65,7 @@ def test_the_same_picture_is_the_same_file(runs, here, suffix):
 
 def test_default_names(runs, here):
     written = draw_files([runs["motor"], runs["ideal"]], ["phase", "relative"], View())
-    assert written == ["II-B+I-C-phase.png", "II-B+I-C-relative.png"]
+    assert written == ["motor+ideal-phase.png", "motor+ideal-relative.png"]
     assert sorted(path.name for path in here.iterdir()) == sorted(written)
 
 

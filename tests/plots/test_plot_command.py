@@ -19,8 +19,8 @@ def plot(tmp_path, monkeypatch):
 
 def test_overview_is_the_default(plot, runs, tmp_path):
     outcome = plot(runs["motor"])
-    assert (outcome.exit_code, outcome.stdout) == (0, "II-B-overview.png\n")
-    assert (tmp_path / "II-B-overview.png").exists()
+    assert (outcome.exit_code, outcome.stdout) == (0, "motor-overview.png\n")
+    assert (tmp_path / "motor-overview.png").exists()
 
 
 def test_kinds_window_detail_and_width(plot, runs):
@@ -41,7 +41,7 @@ def test_kinds_window_detail_and_width(plot, runs):
 
 def test_json_and_quiet(plot, runs):
     assert json.loads(plot(runs["ideal"], "--kind", "phase", "--json").stdout) == {
-        "written": ["I-C-phase.png"]
+        "written": ["ideal-phase.png"]
     }
     assert plot(runs["ideal"], "--kind", "phase", "--force", "-q").stdout == ""
 

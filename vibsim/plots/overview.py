@@ -69,5 +69,5 @@ def _history(axes: Axes, subjects: Sequence[Subject], span: Span, quantity: Quan
 def _heading(subjects: Sequence[Subject]) -> str:
     if len(subjects) > 1:
         return ", ".join(subject.name for subject in subjects)
-    title = subjects[0].case.title
+    title = subjects[0].title
     return f"{subjects[0].name}: {title}" if title else subjects[0].name

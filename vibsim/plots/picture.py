@@ -30,7 +30,7 @@ def draw_files(
     ----------
     paths : result files, or cases where the kinds need no more; several are laid over each other
     names : names of kinds, ["all"], or None for what suits the files
-    out : the picture; None for `<case>-<kind>.png` here. Several kinds become the pages of a PDF, or
+    out : the picture; None for `<file>-<kind>.png` here. Several kinds become the pages of a PDF, or
     `<out>-<kind>` files
     force : replace existing pictures
 
@@ -72,7 +72,7 @@ def check_targets(targets: Sequence[str], force: bool) -> None:
 
 
 def _stem(subjects: Sequence[Subject]) -> str:
-    names = [re.sub(r"[^\w.+-]+", "_", subject.name) for subject in subjects]
+    names = [re.sub(r"[^\w.+-]+", "_", subject.stem) for subject in subjects]
     more = len(names) - NAMED_AT_MOST
     return "+".join(names[:NAMED_AT_MOST]) + (f"+{more}-more" if more > 0 else "")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -68,7 +69,8 @@ SETTINGS: Any = {
 @contextmanager
 def applied() -> Iterator[None]:
     """Draw and save under these settings, whatever the user's matplotlibrc says."""
-    with matplotlib.rc_context():
+    with matplotlib.rc_context(), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from font")  # a title in such signs shows boxes
         matplotlib.rcdefaults()
         matplotlib.rcParams.update(SETTINGS)
         yield

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from vibsim.physics.scene import Scene
+from vibsim.plots.user_text import as_text
 
 RESULT_SUFFIXES = (".h5", ".hdf5", ".partial")
 
@@ -20,7 +21,7 @@ class Subject:
     Attributes
     ----------
     path : as the user gave it
-    name : its name in legends and in default file names
+    name : its name in legends, safe to draw as it is (see `user_text`)
     reads : "trajectory", "sweep", "bench" or "case", see `registry.Kind.reads`
     case : the Case, as far as it is known
     result : the open result file (None for a case)
@@ -31,6 +32,16 @@ class Subject:
     reads: str
     case: Any
     result: Any = None
+
+    @property
+    def title(self) -> str:
+        """Title of its case, safe to draw as it is."""
+        return as_text(self.case.title)
+
+    @property
+    def stem(self) -> str:
+        """What its pictures are called after: the file's name without suffix, or that of the case."""
+        return self.case.name if self.reads == "case" else file_stem(self.path)
 
     @cached_property
     def scene(self) -> Scene:
@@ -49,18 +60,27 @@ def open_subject(path: str) -> Subject:
         result = open_result(path)
         kind = str(result.attrs.get("vibsim_kind", "trajectory"))
         case = result.case
-        return Subject(path, case.name, kind, case, result)
+        return Subject(path, as_text(case.name), kind, case, result)
     from vibsim.cases import load_case
 
     case = load_case(path)
-    return Subject(path, case.name, "case", case)
+    return Subject(path, as_text(case.name), "case", case)
 
 
 def open_subjects(paths: Sequence[str]) -> list[Subject]:
-    """Subjects of several paths; where case names repeat, they go by their file's name instead."""
+    """Subjects of several paths; where case names repeat they go by their file names, or by their paths."""
     subjects = [open_subject(path) for path in paths]
-    names = [subject.name for subject in subjects]
-    return [
-        replace(subject, name=Path(subject.path).stem) if names.count(subject.name) > 1 else subject
-        for subject in subjects
-    ]
+    for finer_name in (file_stem, str):
+        names = [subject.name for subject in subjects]
+        subjects = [
+            replace(subject, name=as_text(finer_name(subject.path)))
+            if names.count(subject.name) > 1
+            else subject
+            for subject in subjects
+        ]
+    return subjects
+
+
+def file_stem(path: str) -> str:
+    """The name of a file without folder and suffix; II-B of runs/II-B.h5 and of II-B.h5.partial."""
+    return Path(Path(path).name.removesuffix(".partial")).stem

@@ -20,6 +20,7 @@ from vibsim.plots.errors import PlotError
 from vibsim.plots.sheet import note, sheet
 from vibsim.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, PINK, SKY, VERMILLION
 from vibsim.plots.subject import Subject
+from vibsim.plots.user_text import as_text
 from vibsim.plots.view import View
 
 HEIGHT_CM = 8.5
@@ -73,7 +74,7 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     _draw_curves(axes, drawn)
     axes.set_xlabel("Computing time per second of motion (s)")
     axes.set_ylabel(f"Largest error of the displacements until {bench.telling_time:g} s (m)")
-    note(axes, f"{bench.attrs['case_name']}; dashed: events not located")
+    note(axes, f"{as_text(bench.attrs['case_name'])}; dashed: events not located")
     note(beside, f"error within {FAITHFUL * 1e3:g} mm")
     _draw_faithful(beside, drawn, float(bench["time"][-1]))
     write_names(axes, [*_leads(axes, bench, drawn), *_names(drawn)])

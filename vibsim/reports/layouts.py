@@ -106,4 +106,4 @@ def _centred(sheet: Figure) -> Axes:
 
 
 def _title(sheet: Figure | SubFigure, subject: Subject) -> None:
-    sheet.suptitle(f"{subject.name}: {subject.case.title}", x=0.01, ha="left", fontsize=8)
+    sheet.suptitle(f"{subject.name}: {subject.title}", x=0.01, ha="left", fontsize=8)
