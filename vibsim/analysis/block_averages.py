@@ -14,11 +14,13 @@ import numpy as np
 
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.scene import Scene
+from vibsim.physics.sums import dot, mean
 from vibsim.results.result import Result
 from vibsim.results.windows import rows_within
 
 MOST_BLOCKS, FEWEST_BLOCKS = 20, 8
 PERIODS = 5  # in a block, at least
+FEWEST_SAMPLES = 20  # in a block, four to a period, for statistics of samples
 FEWEST_INDEPENDENT = 3.0  # even of blocks that all drift one way: Student's distribution of 2 degrees
 UNITS = {"amplitude": "m", "drift rate": "m/s", "motor speed": "Hz", "impact rate": "1/s"}
 
@@ -52,11 +54,13 @@ def period_of(scene: Scene) -> float:
 
 
 def block_values(result: Result, blocks: list[Span]) -> dict[str, np.ndarray]:
-    """Statistics of every block by name, those that the scene has: see UNITS."""
+    """Statistics of every block by name, those that the scene has and that its samples are enough for."""
     time, event_time = result.time, result.events["t"]
+    rows = [rows_within(time, block) for block in blocks]
+    enough = min(part.stop - part.start for part in rows) >= FEWEST_SAMPLES
     found = [
-        {**_of_samples(result, rows_within(time, block), time), **_of_events(result, event_time, block)}
-        for block in blocks
+        (_of_samples(result, part, time) if enough else {}) | _of_events(result, event_time, block)
+        for part, block in zip(rows, blocks, strict=True)
     ]
     return {name: np.array([values[name] for values in found]) for name in found[0]}
 
@@ -73,24 +77,27 @@ def average(blocks: np.ndarray, doubt: float) -> Average:
     """
     from scipy.special import stdtrit
 
-    count, mean = len(blocks), float(blocks.mean())
-    apart = blocks - mean
-    variance = float(apart @ apart) / (count - 1)
-    neighbours = float(apart[1:] @ apart[:-1]) / float(apart @ apart) if variance else 0.0
+    count, middle = len(blocks), float(mean(blocks))
+    apart = blocks - middle
+    squares = float(dot(apart, apart))
+    variance = squares / (count - 1)
+    neighbours = float(dot(apart[1:], apart[:-1])) / squares if squares else 0.0
     correlation = max(neighbours, 0.0)
     independent = max(FEWEST_INDEPENDENT, count * (1 - correlation) / (1 + correlation))
-    return Average(mean, float(stdtrit(independent - 1, 1 - doubt / 2)) * sqrt(variance / independent))
+    return Average(middle, float(stdtrit(independent - 1, 1 - doubt / 2)) * sqrt(variance / independent))
 
 
 def _of_samples(result: Result, rows: slice, time: np.ndarray) -> dict[str, float]:
     """Amplitude (sqrt(2) rms of x1 - x2 about its mean), drift rate of block 2, motor speed."""
     x1 = result.column("x1")[rows]
     x2 = result.column("x2")[rows] if "x2" in result else np.zeros_like(x1)
-    found = {"amplitude": float(np.std(x1 - x2)) * sqrt(2)}
+    y = x1 - x2
+    apart = y - mean(y)
+    found = {"amplitude": sqrt(2 * float(mean(apart * apart)))}
     if "x2" in result:
         found["drift rate"] = float(x2[-1] - x2[0]) / float(time[rows.stop - 1] - time[rows.start])
     if "phidot" in result:
-        found["motor speed"] = float(result.column("phidot")[rows].mean()) / (2 * pi)
+        found["motor speed"] = float(mean(result.column("phidot")[rows])) / (2 * pi)
     return found
 
 

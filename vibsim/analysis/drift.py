@@ -15,6 +15,8 @@ import numpy as np
 from vibsim.analysis.block_averages import FEWEST_BLOCKS, MOST_BLOCKS, average, period_of
 from vibsim.analysis.cycles import cycle_ends
 from vibsim.analysis.span import Span, steady_span
+from vibsim.physics.sines import sine_cosine
+from vibsim.physics.sums import mean
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
 
@@ -68,8 +70,8 @@ def measure_drift(result: Result, window: Window | None = None, of: str = "x2") 
         return Drift("undecided", "too few samples to a block", span, of)
     blocks = [slice(a, b) for a, b in pairwise(places)]
     begin = float(displacement(result, slice(places[0], places[0] + 1), of)[0])
-    means = np.array([(displacement(result, rows, of) - begin).mean() for rows in blocks])
-    return drift_of_blocks(means, np.array([result.time[rows].mean() for rows in blocks]), span, of)
+    means = np.array([mean(displacement(result, rows, of) - begin) for rows in blocks])
+    return drift_of_blocks(means, np.array([mean(result.time[rows]) for rows in blocks]), span, of)
 
 
 def drift_of_blocks(means: np.ndarray, middles: np.ndarray, span: Span, of: str = "x2") -> Drift:
@@ -101,6 +103,7 @@ def displacement(result: Result, rows: slice, of: str) -> np.ndarray:
     x1 = np.asarray(result.column("x1")[rows])
     moment, mass = scene.m1 * x1 + scene.m2 * x2, scene.m1 + scene.m2
     if scene.has_motor:
-        moment = moment + scene.m3 * (x1 + scene.e * np.cos(np.asarray(result.column("phi")[rows])))
+        cosine = sine_cosine(np.asarray(result.column("phi")[rows]))[1]
+        moment = moment + scene.m3 * (x1 + scene.e * cosine)
         mass += scene.m3
     return moment / mass

@@ -10,7 +10,7 @@ ones approach 0 like log(t) / t.
 """
 
 from dataclasses import dataclass
-from math import nan
+from math import hypot, nan
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -140,7 +140,7 @@ def _trend(times: np.ndarray, growth: np.ndarray):
     if halves[0] is None or halves[1] is None:
         return
     apart = abs(halves[1].value - halves[0].value)
-    by_chance = float(np.hypot(halves[0].half_width, halves[1].half_width))
+    by_chance = hypot(halves[0].half_width, halves[1].half_width)
     if apart > max(CLEARLY * by_chance, 2 * SETTLED / (times[-1] - times[0])):
         yield (
             f"the largest exponent is {halves[0].value:.3g} 1/s before {times[middle]:.4g} s and"

@@ -13,6 +13,7 @@ import numpy as np
 
 from vibsim.analysis.cycles import TURN
 from vibsim.physics.scene import Scene
+from vibsim.physics.sums import mean
 
 TURNS = 12  # to average over: a multiple of the periods 1, 2, 3, 4 and 6 that the motion may have
 BAND = 0.03  # half width of the band, relative; beside a resonance the mean speed beats by about 2 %
@@ -81,7 +82,7 @@ def _hold(times: np.ndarray, speeds: np.ndarray, first: int, last: int, scene: S
     if last <= first:
         return None
     length = float(times[last] - times[first])
-    speed = float(speeds[first : last + 1].mean())
+    speed = float(mean(speeds[first : last + 1]))
     if speed * length < LEAST_TURNS:
         return None
     no_load = scene.Omega0 / TURN

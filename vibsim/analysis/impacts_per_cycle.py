@@ -10,6 +10,7 @@ from vibsim.analysis.cycles import cycle_ends
 from vibsim.analysis.event_rows import events_within
 from vibsim.analysis.span import Span, steady_span
 from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.sums import mean
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
 
@@ -108,4 +109,4 @@ def speeds(result: Result, span: Span) -> Spread | None:
 def spread(values: np.ndarray, unit: str) -> Spread:
     """The distribution of at least one value."""
     least, median, greatest = (float(value) for value in np.quantile(values, [0, 0.5, 1]))
-    return Spread(len(values), float(values.mean()), least, median, greatest, unit)
+    return Spread(len(values), float(mean(values)), least, median, greatest, unit)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.analysis import count_impacts, find_frequencies, judge_capture, measure_drift
+from vibsim.physics.sums import mean
 from vibsim.results import Result
 from vibsim.results.windows import Window, rows_within
 
@@ -56,7 +57,7 @@ def steady_amplitudes(result: Result) -> Numbers:
     rows = rows_within(result.time, (result.t_reached / 2, result.t_reached))
     y = result["x1"][rows] - result["x2"][rows]
     return {
-        "relative": greatest(y - y.mean()),
+        "relative": greatest(y - mean(y)),
         "v1": greatest(result["v1"][rows]),
         "v2": greatest(result["v2"][rows]),
     }
@@ -77,9 +78,11 @@ def reach_at_end(result: Result, hold: Window) -> Numbers:
 def displacement_peak(time: np.ndarray, x: np.ndarray) -> Numbers:
     """When x [m], averaged over SMOOTHED, is greatest; how high it is then, and at the end."""
     width = max(1, round(SMOOTHED / float(time[1] - time[0])))
-    mean = np.convolve(x, np.full(width, 1 / width), "valid")
-    at = int(np.argmax(mean))
-    return {"time": float(time[at : at + width].mean()), "height": float(mean[at]), "end": float(mean[-1])}
+    sums = np.cumsum(np.concatenate([[0.0], x]))  # one after the other, whatever the processor
+    smooth = (sums[width:] - sums[:-width]) / width
+    at = int(np.argmax(smooth))
+    middle = float(mean(time[at : at + width]))
+    return {"time": middle, "height": float(smooth[at]), "end": float(smooth[-1])}
 
 
 def plain(value: Any) -> Any:

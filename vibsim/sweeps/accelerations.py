@@ -6,6 +6,7 @@ import numpy as np
 
 from vibsim.physics.forces import motor_accelerations, source_force, transmitted_force
 from vibsim.physics.scene import Scene
+from vibsim.physics.sines import sine_cosine
 
 
 def accelerations(
@@ -28,10 +29,8 @@ def accelerations(
         force = np.where(contact == 1, transmitted_force(scene, y, u, True), force)
     found: dict[str, np.ndarray] = {}
     if scene.has_motor:
-        phi = rows["phi"]
-        found["v1"], found["phidot"] = motor_accelerations(
-            scene, force, np.sin(phi), np.cos(phi), rows["phidot"]
-        )
+        sine, cosine = sine_cosine(rows["phi"])
+        found["v1"], found["phidot"] = motor_accelerations(scene, force, sine, cosine, rows["phidot"])
     else:
         found["v1"] = (source_force(scene, _sine(scene, rows["time"])) - force) / scene.m1
     if scene.has_block2:
@@ -44,7 +43,7 @@ def _sine(scene: Scene, time: np.ndarray) -> np.ndarray | float:
     if scene.source != "harmonic":
         return 0.0
     turns = time * scene.cycles + time * scene.cycles_lo
-    return np.sin(2 * np.pi * (turns - np.floor(turns)))
+    return sine_cosine(2 * np.pi * (turns - np.floor(turns)))[0]
 
 
 def _block2(scene: Scene, force: np.ndarray, friction: np.ndarray) -> np.ndarray:

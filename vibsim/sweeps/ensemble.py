@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vibsim.physics.sums import total
+
 CONFIDENT = 1.959963984540054  # standard deviations either side that hold 95 % of a normal distribution
 
 
@@ -48,13 +50,18 @@ def summary(values: np.ndarray, dimension: int) -> Summary:
     known = ~np.isnan(values)
     count = known.sum(axis=dimension)
     with np.errstate(invalid="ignore", divide="ignore"):
-        mean = np.where(known, values, 0.0).sum(axis=dimension) / count
+        mean = _along(np.where(known, values, 0.0), dimension) / count
         apart = np.where(known, values - np.expand_dims(mean, dimension), 0.0)
-        deviation = np.sqrt((apart * apart).sum(axis=dimension) / np.where(count > 1, count - 1, np.nan))
+        deviation = np.sqrt(_along(apart * apart, dimension) / np.where(count > 1, count - 1, np.nan))
     ordered = np.sort(values, axis=dimension)  # NaN last
     return Summary(
         count, mean, deviation, *(_quantile(ordered, count, dimension, q) for q in (0.0, 0.5, 1.0))
     )
+
+
+def _along(values: np.ndarray, dimension: int) -> np.ndarray:
+    """Sum along a dimension."""
+    return total(np.moveaxis(values, dimension, -1))
 
 
 def _quantile(ordered: np.ndarray, count: np.ndarray, dimension: int, q: float) -> np.ndarray:

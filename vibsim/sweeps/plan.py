@@ -23,7 +23,7 @@ from vibsim.sweeps.recipe import Recipe, Start
 if TYPE_CHECKING:
     from vibsim.cases import Case
 
-STATISTICS = 1  # raised when a statistic is computed differently: points of two versions do not mix
+STATISTICS = 2  # raised when a statistic is computed differently: points of two versions do not mix
 UP, DOWN = 1, -1
 DIRECTIONS = {"up": (UP,), "down": (DOWN,), "both": (UP, DOWN)}
 DIRECTION_FLAGS = {"up": UP, "down": DOWN}

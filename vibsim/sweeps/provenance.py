@@ -3,6 +3,7 @@
 import json
 import platform
 from datetime import datetime, timezone
+from math import fsum, isnan
 from typing import Any
 
 import numpy as np
@@ -45,10 +46,11 @@ def origin(plan: Plan, engine: str) -> dict[str, Any]:
 
 def outcome(table: Table) -> dict[str, Any]:
     """Attributes of what came of the sweep so far; wall_time_s adds up the points."""
+    times = table.numbers["wall_time"].ravel().tolist()
     return {
         "complete": int(table.complete),
         "points": table.status.size,
         "points_done": table.count(DONE),
         "points_failed": table.count(FAILED),
-        "wall_time_s": float(np.nansum(table.numbers["wall_time"])),
+        "wall_time_s": fsum(value for value in times if not isnan(value)),
     }

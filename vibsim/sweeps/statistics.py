@@ -13,6 +13,7 @@ import numpy as np
 from vibsim.kernel import Block
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.scene import Scene
+from vibsim.physics.sums import dot, mean
 from vibsim.sweeps.extremes import displacement_extremes, displacements, rates, speed_extremes
 from vibsim.sweeps.periods import PeriodExtremes
 from vibsim.sweeps.rows import Merger, Rows
@@ -105,7 +106,7 @@ class Statistics:
     def _amplitudes(self) -> dict[str, float]:
         names = ("x1", "x2", "relative") if self.scene.has_block2 else ("x1",)
         half = self._extremes.peak_to_peak() / 2
-        found = {f"amplitude_{name}": float(row.mean()) for name, row in zip(names, half, strict=True)}
+        found = {f"amplitude_{name}": float(row) for name, row in zip(names, mean(half), strict=True)}
         found |= {f"amplitude_{name}_max": float(row.max()) for name, row in zip(names, half, strict=True)}
         return found | {
             "relative_min": float(self._extremes.low[-1]),
@@ -125,10 +126,10 @@ class Statistics:
         """Slope of the line of least squares through x2 at the stroboscopic points [m/s]."""
         if not self.scene.has_block2:
             return {}
-        t = points["time"] - points["time"].mean()
-        square = float(t @ t)
+        t = points["time"] - mean(points["time"])
+        square = float(dot(t, t))
         x = points["x2"] - points["x2"][0]
-        return {"drift_rate": float(t @ (x - x.mean())) / square if square else math.nan}
+        return {"drift_rate": float(dot(t, x - mean(x))) / square if square else math.nan}
 
     def _speeds(self, points: dict[str, np.ndarray]) -> dict[str, float]:
         """Mean speed over the whole periods, extremes over everything [Hz]."""

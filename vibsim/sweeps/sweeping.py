@@ -27,7 +27,7 @@ def sweep(
     discard: str = "50 %",
     section: int = 100,
     every: str | None = None,
-    compute: Iterable[str] = (),
+    compute: str | Iterable[str] = (),
     ensemble: int = 0,
     seed: int = 0,
     spread: Mapping[str, str] | None = None,
@@ -90,7 +90,7 @@ def make_plan(
     discard: str = "50 %",
     section: int = 100,
     every: str | None = None,
-    compute: Iterable[str] = (),
+    compute: str | Iterable[str] = (),
     ensemble: tuple[Members, ...] = (),
 ) -> Plan:
     """The plan of `sweep`, everything checked; axes: key, range, and the unit of a range without one."""

@@ -7,6 +7,8 @@ relative to the error of guessing.
 
 import numpy as np
 
+from vibsim.physics.sums import total
+
 APART = 5  # points between neighbours, at least: those next to each other in time say nothing
 MOST = 2000  # points looked at, the last ones
 PIECE = 500  # points whose distances are worked out at a time
@@ -23,16 +25,21 @@ def prediction_error(points: np.ndarray) -> float:
         return float("nan")
     following = points[1:]
     neighbours = np.concatenate([_nearest(points[:-1], start) for start in range(0, count, PIECE)])
-    errors = np.linalg.norm(following - following[neighbours], axis=1)
+    errors = _lengths(following - following[neighbours])
     shuffled = np.roll(following, count // 2, axis=0)
-    guess = float(np.median(np.linalg.norm(following - shuffled, axis=1)))
+    guess = float(np.median(_lengths(following - shuffled)))
     return float(np.median(errors)) / guess if guess else float("nan")
+
+
+def _lengths(vectors: np.ndarray) -> np.ndarray:
+    """Euclidean lengths of vectors (n, d)."""
+    return np.sqrt(total(vectors * vectors))
 
 
 def _nearest(points: np.ndarray, start: int) -> np.ndarray:
     """Positions of the nearest neighbours of a piece of the points."""
     piece = points[start : start + PIECE]
-    squares = np.sum((piece[:, np.newaxis, :] - points[np.newaxis, :, :]) ** 2, axis=2)
+    squares = sum(np.subtract.outer(piece[:, i], points[:, i]) ** 2 for i in range(points.shape[1]))
     places = np.arange(start, start + len(piece))
     squares[np.abs(places[:, np.newaxis] - np.arange(len(points))[np.newaxis, :]) < APART] = np.inf
     return np.argmin(squares, axis=1)

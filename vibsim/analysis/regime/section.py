@@ -13,6 +13,7 @@ import numpy as np
 from vibsim.analysis.cycles import ROWS, TURN, cycle_ends
 from vibsim.analysis.event_rows import events_within
 from vibsim.analysis.span import Span
+from vibsim.physics.sums import mean
 from vibsim.results.restart import states_at
 from vibsim.results.result import Result
 from vibsim.results.windows import pieces, rows_within
@@ -45,7 +46,7 @@ def scaled(states: Mapping[str, np.ndarray], length: float, speed: float) -> np.
     """Points (n, d) of the states by name, each (n), at the amplitudes of y [m] and u [m/s]."""
     columns = [relative(states, "x") / (length or 1.0), relative(states, "v") / (speed or 1.0)]
     columns += [states["v2"] / (speed or 1.0)] if "v2" in states else []
-    columns += [states["phidot"] / (states["phidot"].mean() or 1.0)] if "phidot" in states else []
+    columns += [states["phidot"] / (mean(states["phidot"]) or 1.0)] if "phidot" in states else []
     return np.stack(columns, axis=1)
 
 

@@ -6,6 +6,9 @@ Gottwald and Melbourne, "On the implementation of the 0-1 test for chaos", SIAM 
 
 import numpy as np
 
+from vibsim.physics.sines import sine_cosine
+from vibsim.physics.sums import dot, mean
+
 FREQUENCIES = 100
 LOWEST, HIGHEST = np.pi / 5, 4 * np.pi / 5  # of c; nearer to 0 and pi lie resonances of every series
 SHARE = 10  # displacements over up to 1/10 of the series
@@ -26,9 +29,10 @@ def zero_one(series: np.ndarray) -> float:
     series = (series - series.min()) / spread
     steps = np.arange(1, max(2, len(series) // SHARE) + 1)
     c = frequencies()[:, np.newaxis]
-    path = np.cumsum(series * np.exp(1j * c * np.arange(1, len(series) + 1)), axis=1)
-    oscillating = series.mean() ** 2 * (1 - np.cos(steps * c)) / (1 - np.cos(c))
-    return float(np.median(correlations(steps, square_displacements(path, steps) - oscillating)))
+    sine, cosine = sine_cosine(c * np.arange(1, len(series) + 1))
+    p, q = np.cumsum(series * cosine, axis=1), np.cumsum(series * sine, axis=1)
+    oscillating = mean(series) ** 2 * (1 - cosine[:, steps - 1]) / (1 - cosine[:, :1])
+    return float(np.median(correlations(steps, square_displacements(p, q, steps) - oscillating)))
 
 
 def frequencies() -> np.ndarray:
@@ -37,25 +41,36 @@ def frequencies() -> np.ndarray:
     return LOWEST + (HIGHEST - LOWEST) * places
 
 
-def square_displacements(path: np.ndarray, steps: np.ndarray) -> np.ndarray:
-    """Mean of |path[j + n] - path[j]|^2 over the first j, for the n of `steps` (m); the same j for all.
+def square_displacements(p: np.ndarray, q: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """Mean of (p[j + n] - p[j])^2 + (q[j + n] - q[j])^2 over the first j, for the n of `steps` (m).
 
-    path (k, count), complex; result (k, m). |b - a|^2 = |b|^2 + |a|^2 - 2 Re(a* b): sums, and a Fourier
-    transform for the products.
+    p, q (k, count); result (k, m), the same j for all n. (b - a)^2 = b^2 + a^2 - 2 a b: sums, and Fourier
+    transforms for the products.
     """
-    count = path.shape[1]
+    count = p.shape[1]
     kept = count - int(steps[-1])
-    length = 2 ** (count + kept).bit_length()
-    first, whole = np.fft.fft(path[:, :kept], length), np.fft.fft(path, length)
-    products = np.fft.ifft(np.conj(first) * whole)[:, steps].real
-    sums = np.cumsum(np.abs(path) ** 2, axis=1)
+    products = _lagged_products(p, kept, steps) + _lagged_products(q, kept, steps)
+    sums = np.cumsum(p * p + q * q, axis=1)
     later = sums[:, steps + kept - 1] - sums[:, steps - 1]
     return (later + sums[:, kept - 1 : kept] - 2 * products) / kept
 
 
+def _lagged_products(x: np.ndarray, kept: int, steps: np.ndarray) -> np.ndarray:
+    """Sums of x[j] x[j + n] over the first `kept` j, for the n of `steps`: (k, m).
+
+    Complex numbers are multiplied in parts: numpy's own products round differently on processors with FMA.
+    """
+    length = 2 ** (x.shape[1] + kept).bit_length()
+    first, whole = np.fft.rfft(x[:, :kept], length), np.fft.rfft(x, length)
+    spectrum = np.empty_like(whole)
+    spectrum.real = first.real * whole.real + first.imag * whole.imag
+    spectrum.imag = first.real * whole.imag - first.imag * whole.real
+    return np.fft.irfft(spectrum, length)[:, steps]
+
+
 def correlations(steps: np.ndarray, displacements: np.ndarray) -> np.ndarray:
     """Correlation coefficient with the steps (m) of each row (k, m); 0 where nothing moves."""
-    a = steps - steps.mean()
-    b = displacements - displacements.mean(axis=1, keepdims=True)
-    size = np.sqrt((a @ a) * np.sum(b * b, axis=1))
-    return np.divide(b @ a, size, out=np.zeros(len(b)), where=size > 0)
+    a = steps - mean(steps)
+    b = displacements - mean(displacements)[:, np.newaxis]
+    size = np.sqrt(dot(a, a) * dot(b, b))
+    return np.divide(dot(b, a), size, out=np.zeros(len(b)), where=size > 0)

@@ -9,6 +9,7 @@ import numpy as np
 
 from vibsim.kernel import Block
 from vibsim.physics.scene import Scene
+from vibsim.physics.sums import mean
 from vibsim.sweeps.columns import Column
 from vibsim.sweeps.computations.contacts import Contacts
 from vibsim.sweeps.measured_run import MeasuredRun
@@ -40,4 +41,4 @@ class ImpactVelocity:
         if not len(speeds):
             return {}
         spectrum = np.quantile(speeds, QUANTILES)
-        return {"impact_velocity_mean": float(speeds.mean()), "impact_velocity": spectrum}
+        return {"impact_velocity_mean": float(mean(speeds)), "impact_velocity": spectrum}

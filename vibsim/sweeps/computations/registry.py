@@ -81,12 +81,12 @@ COMPUTATIONS = {
 }
 
 
-def read_computations(names: Iterable[str], scene: Scene) -> tuple[str, ...]:
-    """The computations of these names, each once, in the order of `COMPUTATIONS`.
+def read_computations(names: str | Iterable[str], scene: Scene) -> tuple[str, ...]:
+    """The computations of these names (one, or several), each once, in the order of `COMPUTATIONS`.
 
     "all" stands for all that the scene has use for. Raises ValueError for a name that there is not.
     """
-    wanted = set(names)
+    wanted = {names} if isinstance(names, str) else set(names)
     if "all" in wanted:
         return fitting(COMPUTATIONS, scene)
     for name in sorted(wanted - set(COMPUTATIONS)):
