@@ -42,6 +42,58 @@ def test_orders_of_the_source():
     assert order_of(5.5, None, 0.03) is None
 
 
+SPANS = [*np.arange(0.5, 12, 0.25).tolist(), 15.3, 20.0, 47.7, 99.9, 150.0, 300.0]  # periods
+UNTIL = 4.0  # periods that the main lobe of the window is wide
+
+
+@pytest.mark.parametrize("periods", SPANS)
+def test_one_line_is_found_right_or_not_at_all_whatever_the_span(periods):
+    """Half the main lobe of the window is 4/T: of fewer than four periods nothing can be told from a drift.
+
+    A parabola through the logarithm of the main lobe, sampled four to its 1/T, misses its top by 1e-4 of
+    4/T; the mirror image at -f, 2f away, adds less where 2f is more than 8/T.
+    """
+    draws = np.random.default_rng(round(100 * periods))
+    for per_period in (4.6, 17.3, 40.0):
+        count = max(64, round(periods * per_period))
+        t = np.arange(count) * (periods / 5 / count)
+        x = 1e-3 * np.sin(2 * np.pi * 5 * t + draws.uniform(0, 7)) + draws.choice([0.0, 0.3, -1.0])
+        x = x + draws.choice([0.0, 1e-3, 0.1]) * t
+        lines, resolution = lines_of(x, float(t[1]))
+        assert resolution == pytest.approx(4 * 5 / periods)
+        assert len(lines) == (periods > UNTIL + 0.5) or (len(lines) < 2 and periods > UNTIL - 0.1)
+        for line in lines:
+            assert line.hz == pytest.approx(5.0, abs=5e-4 * resolution)
+            assert line.amplitude == pytest.approx(1e-3, rel=1e-3)
+
+
+@pytest.mark.parametrize("periods", [6.0, 12.5, 40.0, 300.0])
+def test_three_lines_on_a_curved_drift(periods):
+    """A run-up that dies out leaves slow motion of any shape; it is no line, and shifts none by its lobes."""
+    t = np.arange(round(60 * periods)) * (1 / 300)
+    x = np.exp(-3 * t / t[-1]) * 4e-3 + 2e-3 * np.cos(2 * np.pi * 5 * t + 1)
+    x = x + 5e-4 * np.sin(2 * np.pi * 10 * t) + 1e-4 * np.sin(2 * np.pi * 20 * t + 2)
+    lines, resolution = lines_of(x, 1 / 300)
+    assert [line.hz for line in lines] == pytest.approx([5, 10, 20], abs=5e-3 * resolution)
+    assert [line.amplitude for line in lines] == pytest.approx([2e-3, 5e-4, 1e-4], rel=0.03)
+
+
+@pytest.mark.parametrize("t_end", ["1 s", "2 s", "3 s", "4 s", "15 s"])
+def test_short_runs_have_no_lines_beyond_what_moves(t_end):
+    run = short_run("II-B", t_end)
+    found = find_frequencies(run)
+    half_range = np.ptp(run["x1"] - run["x2"]) / 2
+    assert all(line.amplitude <= half_range and line.hz > 0.99 * found.resolution_hz for line in found.lines)
+    assert found.verdict == ("lines" if found.lines else "undecided")
+
+
+def test_where_the_span_holds_no_four_periods_it_says_so():
+    changes = {"excitation": "none", "friction": "none", "stop": "none", "initial__x1": "1 mm"}
+    found = find_frequencies(short_run("I-A", "60 s", **changes), (50.0, 50.7))  # 3 periods
+    assert (found.verdict, found.lines) == ("undecided", ())
+    assert "no vibration above 5.67 Hz, of which 0.7 s hold four periods" in found.reason
+
+
 def test_nothing_vibrates():
     assert lines_of(0.3 * T, 5e-3)[0] == ()
     assert lines_of(np.zeros(1000), 5e-3)[0] == ()

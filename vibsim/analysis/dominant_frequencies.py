@@ -2,12 +2,14 @@
 
 Fourier transform of the samples under a window of Blackman and Harris (four terms: side lobes below -92 dB,
 main lobe 4/T to each side), zero-padded to four times the length; each maximum is refined by a parabola
-through the logarithm of three values. Two frequencies closer than the resolution 4/T are not told apart;
-the frequency of a lone line is far better known than that.
+through the logarithm of three values. Two frequencies closer than the resolution 4/T are not told apart, nor
+is one below it from a drift; so a line is a vibration of which the span holds four periods. The frequency of
+a lone line is far better known than that.
 """
 
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from math import ceil, exp, log
 
 import numpy as np
 
@@ -15,6 +17,8 @@ from vibsim.analysis.cycles import cycle_ends
 from vibsim.analysis.resonances import resonances
 from vibsim.analysis.span import Span, steady_span
 from vibsim.physics.scene import Scene
+from vibsim.physics.sines import sine_cosine
+from vibsim.physics.sums import dot, mean
 from vibsim.results.result import Result
 from vibsim.results.windows import Window, rows_within
 
@@ -22,7 +26,8 @@ OF = ("relative", "x1", "x2")
 TERMS = (0.35875, -0.48829, 0.14128, -0.01168)  # of the window (Harris 1978)
 PADDING = 4
 FLOOR = 0.01  # amplitude of the weakest line, relative to the strongest
-ROUNDING = 1e-13  # amplitude, relative to the greatest displacement, below which nothing is a line
+LEAK = 1e-3  # the same, relative to all of the motion: side lobes of what is slow and curved reach 1.2e-4
+ROUNDING = 1e-13  # amplitude, relative to the greatest displacement, below which nothing vibrates
 PER_PERIOD = 4  # samples to a period of what vibrates fastest, at least: others would stand for it
 MOST = 8  # lines
 FEWEST, GREATEST = 64, 1 << 20  # samples; of a longer span the last ones, 87 min at 5 ms
@@ -87,9 +92,14 @@ def find_frequencies(
     if every * fastest(scene, source) > 1 / PER_PERIOD:
         reason = f"samples {every:g} s apart miss vibrations at {fastest(scene, source):.3g} Hz"
         return DominantFrequencies("undecided", reason, span, of, source_hz=source)
-    lines, resolution = lines_of(displacement(result, rows, of), every, source)
-    verdict = "lines" if lines else "still"
-    reason = f"{rows.stop - rows.start} samples, resolution {resolution:.2g} Hz"
+    x = displacement(result, rows, of)
+    lines, resolution = lines_of(x, every, source)
+    verdict, reason = "lines", f"{rows.stop - rows.start} samples, resolution {resolution:.2g} Hz"
+    if not lines and is_still(x):
+        verdict = "still"
+    elif not lines:
+        verdict = "undecided"
+        reason = f"no vibration above {resolution:.3g} Hz, of which {span.length:.4g} s hold four periods"
     return DominantFrequencies(verdict, reason, span, of, lines, resolution, source)
 
 
@@ -103,52 +113,70 @@ def lines_of(x: np.ndarray, every: float, source: float | None = None) -> tuple[
 
     every : [s] between two of them; source : frequency [Hz] that lines are identified with
     """
+    resolution = 4 / (len(x) * every)
+    apart = without_line(x)
+    if is_still(x):
+        return (), resolution
+    spectrum, step = spectrum_of(apart, every)
+    peaks = _peaks(spectrum, resolution / step, LEAK * np.abs(apart).max())
+    return tuple(_refined(spectrum, peak, step, source, resolution) for peak in peaks), resolution
+
+
+def spectrum_of(x: np.ndarray, every: float) -> tuple[np.ndarray, float]:
+    """Amplitudes of x [m] at multiples of a frequency step [Hz], and that step."""
     from scipy.fft import next_fast_len, rfft
 
     count = len(x)
-    resolution = 4 / (count * every)
-    phase = 2 * np.pi * (np.arange(count) + 0.5) / count
-    window = np.sum([term * np.cos(i * phase) for i, term in enumerate(TERMS)], axis=0)
     length = next_fast_len(PADDING * count, real=True)
-    spectrum = np.abs(rfft(without_line(x) * window, length)) * (2 / window.sum())
-    lobe = int(np.ceil(resolution * length * every))
-    spectrum[:lobe] = 0.0  # what is left of the line
-    step = 1 / (length * every)
-    spectrum[spectrum < ROUNDING * np.abs(x).max()] = 0.0
-    found = [_refined(spectrum, peak, step, source, resolution) for peak in _peaks(spectrum, lobe)]
-    return tuple(found), resolution
+    transform = rfft(x * _window(count), length)
+    sizes = np.sqrt(transform.real * transform.real + transform.imag * transform.imag)
+    return sizes * (2 / (count * TERMS[0])), 1 / (length * every)
+
+
+def _window(count: int) -> np.ndarray:
+    """The window of `count` values, whose mean is its first term."""
+    cosine = sine_cosine(2 * np.pi * (np.arange(count) + 0.5) / count)[1]
+    twice = 2 * cosine * cosine - 1  # cosines of the double and the triple angle
+    return TERMS[0] + TERMS[1] * cosine + TERMS[2] * twice + TERMS[3] * cosine * (2 * twice - 1)
+
+
+def is_still(x: np.ndarray) -> bool:
+    """Whether displacements lie on a line but for rounding."""
+    return bool(np.abs(without_line(x)).max() <= ROUNDING * np.abs(x).max())
 
 
 def without_line(x: np.ndarray) -> np.ndarray:
     """x less its line of least squares."""
     place = np.linspace(-1.0, 1.0, len(x))
-    apart = x - x.mean()
-    return apart - place * (float(place @ apart) / float(place @ place))
+    apart = x - mean(x)
+    return apart - place * (dot(place, apart) / dot(place, place))
 
 
-def _peaks(spectrum: np.ndarray, lobe: int) -> list[int]:
-    """Positions of the lines: maxima, the strongest first, none within the main lobe of a stronger one."""
-    inner = spectrum[1:-1]
-    maxima = np.flatnonzero((inner > spectrum[:-2]) & (inner >= spectrum[2:]) & (inner > 0)) + 1
-    strongest = maxima[np.argsort(-spectrum[maxima], kind="stable")]
-    found: list[int] = []
-    for peak in strongest.tolist():
-        if len(found) == MOST or spectrum[peak] < FLOOR * spectrum[strongest[0]]:
-            break
-        if all(abs(peak - other) > lobe for other in found):
-            found.append(peak)
-    return found
+def _peaks(spectrum: np.ndarray, lobe: float, least: float) -> list[int]:
+    """Positions of the lines, the strongest first, of amplitudes from `least` [m] on.
+
+    lobe : half width of a main lobe, in positions
+
+    Maxima that no stronger one has in its main lobe, and that lie more than a lobe from both ends of the
+    spectrum: nearer to them lie what a drift leaves, and the mirror images of lines.
+    """
+    from scipy.signal import find_peaks
+
+    maxima, _ = find_peaks(spectrum, distance=ceil(lobe) + 1)
+    maxima = maxima[(maxima > lobe) & (maxima < len(spectrum) - 1 - lobe)]
+    sizes = spectrum[maxima]
+    least = max(least, FLOOR * sizes.max(initial=0.0))
+    strongest = maxima[np.argsort(-sizes, kind="stable")]
+    return [peak for peak in strongest.tolist() if spectrum[peak] >= least][:MOST]
 
 
 def _refined(spectrum: np.ndarray, peak: int, step: float, source: float | None, resolution: float) -> Line:
     """The line at a maximum: top of the parabola through the logarithms of three values."""
-    tiny = np.finfo(float).tiny
-    left, middle, right = np.log(np.maximum(spectrum[peak - 1 : peak + 2], tiny)).tolist()
+    left, middle, right = (log(size) for size in spectrum[peak - 1 : peak + 2].tolist())
     curvature = left - 2 * middle + right
     shift = 0.5 * (left - right) / curvature if curvature else 0.0
-    hz = (peak + shift) * step
-    amplitude = float(np.exp(middle - 0.25 * (left - right) * shift))
-    return Line(hz, amplitude, order_of(hz, source, resolution))
+    hz = float((peak + shift) * step)
+    return Line(hz, exp(middle - 0.25 * (left - right) * shift), order_of(hz, source, resolution))
 
 
 def order_of(hz: float, source: float | None, resolution: float) -> str | None:
