@@ -91,6 +91,19 @@ def test_chaotic_runs_of_one_case_agree_in_statistics():
     assert found.statistics_from == pytest.approx((found.agree_until + 200) / 2)
 
 
+def test_runs_part_between_samples_that_are_far_apart():
+    """Both of one minute's samples agree, and the runs part at 80 s."""
+    dense, sparse = (
+        [short_run("II-B", "119 s", run__every=every, run__order=order) for order in ("20", "24")]
+        for every in ("5 ms", "60 s")
+    )
+    expected, found = compare(*dense, TOLERANCE), compare(*sparse, TOLERANCE)
+    assert 70 < expected.agree_until < 100
+    assert found.agree_until == pytest.approx(expected.agree_until, abs=0.05)
+    assert found.verdict == expected.verdict
+    assert "amplitude" not in [statistic.name for statistic in found.statistics]  # no samples to take it from
+
+
 def test_other_cases_differ_and_it_is_said_in_what():
     found = compare(short_run("I-A", "60 s"), short_run("II-B", "60 s"), TOLERANCE)
     assert found.verdict == "differ"

@@ -10,6 +10,8 @@ import vibsim
 from tests.command_line.made import call
 from tests.results.made import short_case
 from vibsim.results import simulate, simulate_to_file
+from vibsim.results.cadence import Thinning, instants_per_sample, sampled_finer
+from vibsim.results.trust_estimate import longest_period
 from vibsim.sweeps import sweep
 
 
@@ -62,6 +64,36 @@ def test_truncation_is_seen():
 def test_sparse_samples_are_judged_as_dense_ones():
     dense, sparse = simulate(chaotic()), simulate(short_case("II-B", "60 s", run__every="1 s"))
     np.testing.assert_array_less(sparse.error_estimate, 2 * dense.error_estimate[::200] + 1e-300)
+
+
+@pytest.mark.parametrize("every", ["0.3 s", "60 s", "500 s"])
+def test_the_horizon_belongs_to_the_run_whatever_its_samples(every):
+    """II-B parts from the truth by 1e-6 m at 80.4 s; one sample a minute shows nothing of it."""
+    dense, sparse = simulate(short_case("II-B", "119 s")), short_case("II-B", "119 s", run__every=every)
+    found = simulate(sparse)
+    assert 79 < found.trust_horizon < 81
+    assert found.trust_horizon == pytest.approx(dense.trust_horizon, abs=0.05)
+    plain = simulate(sparse, trust=False)
+    assert all(found[name].tobytes() == plain[name].tobytes() for name in plain)
+    assert all(found.events[name].tobytes() == plain.events[name].tobytes() for name in plain.events)
+
+
+@pytest.mark.parametrize("every", ["5 ms", "0.1 s", "1/3 s", "7 s", "1e9 s", "123456789/1000003 s"])
+def test_judged_instants_lie_at_every_sample_and_close_together(every):
+    scene = short_case("I-B", "100 s", run__every=every).scene()
+    count = instants_per_sample(scene)
+    finer = sampled_finer(scene, count)
+    assert finer.every_num / finer.every_den <= longest_period(scene) / 8 * (1 + 1e-15)
+    assert [finer.sample_time(i * count) for i in range(20)] == [scene.sample_time(i) for i in range(20)]
+    assert count == 1 or count < scene.every_num / scene.every_den * 8 / longest_period(scene) + 1
+
+
+def test_every_so_many_rows_are_picked_across_blocks():
+    rows = np.arange(100)
+    thinning = Thinning(7)
+    parts = np.split(rows, [1, 1, 6, 7, 9, 30, 31, 90])
+    picked = [thinning.thinned({"time": part})["time"] for part in parts]
+    np.testing.assert_array_equal(np.concatenate(picked), rows[::7])
 
 
 def test_a_scene_without_block_2():

@@ -9,14 +9,15 @@
 Chaotic runs part, however well they are computed: their statistics are what can be right to the end.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from math import hypot
 from typing import Any
 
 import numpy as np
 
 from vibsim.analysis.block_averages import UNITS, Average, averages, block_values, blocks_of, period_of
+from vibsim.results.cadence import instants_per_sample, sampled_finer
 from vibsim.results.result import Result
 from vibsim.results.windows import pieces
 
@@ -24,6 +25,7 @@ DOUBT = 0.01  # probability that runs of the same statistics are told apart by a
 RESOLUTION = 1e-9  # relative difference of two means that rounding can make
 TRANSIENT = 0.5  # share of what lies beyond the agreement that is left out of the statistics, as in sweeps
 ROWS = 1 << 20  # compared at a time
+RESTARTED = 1 << 12  # the same, of instants that are not stored
 WORDS = {
     "identical": "identical",
     "agree": "agree",
@@ -31,6 +33,9 @@ WORDS = {
     "agree_in_statistics": "agree in statistics",
     "differ": "differ",
 }
+
+Table = Mapping[str, np.ndarray]
+Distances = tuple[np.ndarray, np.ndarray]  # times [s] and distances [m]
 
 
 @dataclass(frozen=True)
@@ -66,7 +71,8 @@ class Comparison:
     ----------
     verdict : one of WORDS
     tolerance : within which displacements agree [m]
-    agree_until : last common sample within it [s]; None where the first is not
+    agree_until : last instant looked at within it [s], a common sample or one between samples that are far
+        apart; None where the first is not
     span : end of what both runs have [s]
     differences : of case, engine and method
     statistics : of the later half of what lies beyond agree_until; empty where that is too short, or nothing
@@ -160,19 +166,39 @@ def agreement(a: Result, b: Result, tolerance: float) -> tuple[float | None, boo
     return last, False
 
 
-def _distances(a: Result, b: Result) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Common instants [s] and the larger of |dx1| and |dx2| there [m], in pieces."""
+def _distances(a: Result, b: Result) -> Iterator[Distances]:
+    """Common instants [s] and the larger of |dx1| and |dx2| there [m], in pieces.
+
+    They are the samples of the run that has fewer; where those are too far apart to judge by, others between.
+    """
     names = [name for name in ("x1", "x2") if name in a or name in b]
     coarse, fine = (a, b) if len(a) <= len(b) else (b, a)
     times = coarse.time[coarse.time <= fine.t_reached]
+    count = instants_per_sample(coarse.case.scene()) if len(times) else 1
+    if count > 1:
+        yield from _between_samples(coarse, fine, names, count)
+        return
     found = np.searchsorted(fine.time, times)
     stored = np.array_equal(fine.time[np.minimum(found, len(fine) - 1)], times)
     for rows in pieces(slice(0, len(times)), ROWS):
         ours = {name: coarse.column(name)[rows] for name in names if name in coarse}
         theirs = _picked(fine, names, found[rows]) if stored else fine.at(times[rows])
-        still = np.zeros(len(times[rows]))  # a block that does not move
-        apart = [np.abs(ours.get(name, still) - theirs.get(name, still)) for name in names]
-        yield times[rows], np.max(apart, axis=0)
+        yield times[rows], _apart(ours, theirs, names)
+
+
+def _between_samples(a: Result, b: Result, names: list[str], count: int) -> Iterator[Distances]:
+    """The same at `count` instants to each sample of `a`, both runs restarted from their events."""
+    scene = replace(sampled_finer(a.case.scene(), count), t_end=min(a.t_reached, b.t_reached))
+    total = scene.sample_count
+    for first in range(0, total, RESTARTED):
+        times = np.array([scene.sample_time(i) for i in range(first, min(first + RESTARTED, total))])
+        yield times, _apart(a.at(times), b.at(times), names)
+
+
+def _apart(ours: Table, theirs: Table, names: list[str]) -> np.ndarray:
+    """The larger of |dx1| and |dx2| [m]; a block that does not move is at 0."""
+    still = np.zeros(len(next(iter(ours.values()))))
+    return np.max([np.abs(ours.get(name, still) - theirs.get(name, still)) for name in names], axis=0)
 
 
 def _picked(result: Result, names: list[str], rows: np.ndarray) -> dict[str, np.ndarray]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from vibsim.physics.scene import Scene
+from vibsim.results.cadence import Thinning, instants_per_sample, sampled_finer
 from vibsim.results.columns import COLUMNS, event_columns
 from vibsim.results.exponent_attributes import exponent_attributes
 from vibsim.results.provenance import origin, outcome
@@ -40,23 +41,27 @@ class Recording:
 
         self.scene: Scene = case.scene()
         self.began = time.perf_counter()
+        instants = instants_per_sample(self.scene) if trust else 1
+        judged = sampled_finer(self.scene, instants)
+        self._thinning = Thinning(instants)
         self.trajectory = open_trajectory(
-            self.scene, engine=engine, ledger=True, tangent=tangent[0], tangent_from=tangent[1]
+            judged, engine=engine, ledger=True, tangent=tangent[0], tangent_from=tangent[1]
         )
         self.start = origin(case, self.scene, self.trajectory.engine, self.trajectory.method)
         self.t_reached = 0.0
         self.complete = False
         self._rest = RestDistance(self.scene)
         method, engine = self.trajectory.method, self.trajectory.engine
-        self._trust = Trust(case, self.scene, method, engine) if trust else NoTrust()
+        self._trust = Trust(case, judged, method, engine) if trust else NoTrust()
         self.columns = (*self.scene.columns(), *self._trust.columns)
 
     def into(self, sink: Sink, watch: Watch | None = None) -> None:
         """Run to the end, or until `watch` says stop; raises KernelError when the run fails."""
         with self._trust:
             for block in self.trajectory.blocks():
-                sink.append(self._trust.judged(block.samples), block.events)
-                self._rest.update(block.samples, block.events)
+                samples = self._thinning.thinned(self._trust.judged(block.samples))
+                sink.append(samples, block.events)
+                self._rest.update(samples, block.events)
                 times = block.samples["time"][-1:].tolist()
                 self.t_reached = max(float(block.t_reached), *times, self.t_reached)
                 if watch is not None and not watch(self.t_reached):

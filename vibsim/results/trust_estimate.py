@@ -4,8 +4,8 @@
     estimate = (1 + decades / 4) x distance, held for about two periods
 
 The distance swings with the motion, so the largest of the last periods counts: a value fades by the
-factor e in two periods. Where errors die out, as in a damped motion under a steady force, the estimate
-follows them down.
+factor e in two periods, along straight lines from one power of two to the next. Where errors die out, as in a
+damped motion under a steady force, the estimate follows them down.
 
 Two rounding errors of one size start in different directions, and what counts is their share in the
 direction that grows; by bad luck the distance is small where the error is not. Where nothing grows this
@@ -15,7 +15,7 @@ the two runs have nothing to do with each other any more, the estimate says how 
 it saturates at the size of the motion.
 """
 
-from math import exp, inf, pi, sqrt
+from math import inf, log, log10, pi, sqrt
 
 import numpy as np
 
@@ -24,6 +24,8 @@ from vibsim.physics.scene import Scene
 ULP = 2.0**-52
 DECADES = 4.0  # of growth for which the distance counts once more
 PERIODS_HELD = 2.0
+BITS_BELOW = 12  # of a double, left out of its logarithm: room for sums
+UNIT = 2.0 ** (52 - BITS_BELOW)  # of the logarithm: so many to a power of two
 BITS_DROPPED = 43  # of 52: three digits are more than an estimate has, and zeros take no room on file
 
 
@@ -59,8 +61,8 @@ class ErrorEstimate:
         size = np.maximum.accumulate(np.maximum(np.abs(ours).max(axis=0), self._size))
         apart = np.abs(ours - theirs).max(axis=0)
         apart = np.where(np.isnan(apart), size, apart)
-        apart[0] = max(apart[0], self._distance * exp(-self._fading * (time[0] - self._time)))
-        distance = held(time, apart, self._fading)
+        times, apart = np.append(self._time, time), np.append(self._distance, apart)
+        distance = held(times, apart, self._fading)[1:]
         estimate = rounded_up(widened(distance, ULP * size))
         self._time, self._distance, self._size = time[-1], distance[-1], size[-1]
         self._note(time, estimate)
@@ -82,17 +84,25 @@ class ErrorEstimate:
 
 
 def held(time: np.ndarray, values: np.ndarray, fading: float) -> np.ndarray:
-    """At each time [s] the largest of the values up to then, each faded by exp(-fading x its age)."""
-    age = fading * (time - time[0])
-    with np.errstate(divide="ignore"):  # the logarithm of 0 is -inf, which is right
-        return np.exp(np.maximum.accumulate(np.log(values) + age) - age)
+    """At each time [s] the largest of the values up to then, each faded by e in 1/fading [s] of its age."""
+    age = np.rint((time - time[0]) * (fading * UNIT / log(2))).astype("i8")
+    faded = np.maximum.accumulate(logarithm(values) + age) - age
+    return (faded << BITS_BELOW).view("f8")
+
+
+def logarithm(values: np.ndarray) -> np.ndarray:
+    """Logarithms of doubles from 0 up, UNIT to a power of two, linear between these: their very bits.
+
+    Whole numbers, so the same everywhere, which numpy's logarithms are not; rounded up.
+    """
+    return (values.view("i8") + (1 << BITS_BELOW) - 1) >> BITS_BELOW
 
 
 def widened(distance: np.ndarray, rounding: np.ndarray) -> np.ndarray:
     """Estimate [m] from the distance and the rounding of the states, both [m]."""
     grown = np.maximum(distance, rounding)
-    ratio = np.divide(grown, rounding, out=np.ones_like(grown), where=rounding > 0)
-    return grown * (1 + np.log10(ratio) / DECADES)
+    growth = np.where(rounding > 0, logarithm(grown) - logarithm(rounding), 0)  # to 0.09 of a power of two
+    return grown * (1 + growth * (log10(2) / UNIT / DECADES))
 
 
 def rounded_up(values: np.ndarray) -> np.ndarray:
