@@ -53,7 +53,8 @@ def analyse(
     discard : transient at its begin that only the verdict on capture takes in [s]; None: half the run without
         a window, nothing with one
     what : names out of WHAT
-    exponent : whether the largest Lyapunov exponent helps to judge the regime; costs one more run
+    exponent : whether the largest Lyapunov exponent helps to judge a regime that is not periodic; costs one
+        more run
 
     Raises ValueError for other names, a window outside the run, and a transient that leaves nothing.
     """
@@ -70,8 +71,15 @@ def analyse(
     if "impacts" in what and scene.has_stop:
         found["impacts"] = count_impacts(result, steady)
     if "regime" in what:
-        known = largest_exponent(result, steady) if exponent else None
-        found["regime"] = judge_regime(result, steady, known)
+        found["regime"] = _regime(result, steady, exponent)
     if "frequencies" in what:
         found["frequencies"] = find_frequencies(result, steady)
     return Analysis(result.attrs["case_name"], span, span_of(result, steady), **found)
+
+
+def _regime(result: Result, steady: Window, exponent: bool) -> Regime:
+    """The regime; of a periodic motion without exponent: one return gives it better than any estimate."""
+    found = judge_regime(result, steady)
+    if not exponent or found.verdict in ("periodic", "at rest"):
+        return found
+    return judge_regime(result, steady, largest_exponent(result, steady))

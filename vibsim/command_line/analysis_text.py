@@ -87,7 +87,7 @@ def regime_lines(found: Regime) -> list[Line]:
     elif found.verdict == "transient" and found.period is not None:
         text += f" towards period {found.period}"
     lines = [("regime", f"{text}: {found.reason}")]
-    if found.exponent:
+    if found.exponent and found.verdict != "periodic":
         value, half_width = found.exponent.value, found.exponent.half_width
         lines.append(("", f"largest Lyapunov exponent {value:.3g} +- {short(half_width)} 1/s"))
     return lines

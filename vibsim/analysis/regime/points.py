@@ -6,8 +6,9 @@
     chaotic          each follows from the one before, and the 0-1 test finds them chaotic
     undecided        with the reason
 
-A largest Lyapunov exponent, where it is given, decides where the 0-1 test does not, and must not contradict
-it. What is judged is a deterministic motion: noise is told apart only where it hides how points follow.
+A largest Lyapunov exponent, where it is given, has its say: a positive one where the 0-1 test finds no chaos
+is evidence against evidence, and so is another where it does. What is judged is a deterministic motion: noise
+is told apart only where it hides how points follow.
 """
 
 from dataclasses import dataclass
@@ -106,7 +107,7 @@ def _weighed(k: float, prediction: float, count: int, sign: int | None) -> tuple
             "undecided",
             f"points do not follow from neighbours (error {prediction:.2f}): noise, or too few",
         )
-    if (sign == 1 and k > REGULAR) or (k >= CHAOTIC and sign is None):
+    if k >= CHAOTIC and sign in (1, None):
         return "chaotic", test + known
     if sign == -1 and k < CHAOTIC:
         return "transient", f"exponent negative, so it settles; no period up to {LONGEST} is near yet"
@@ -114,4 +115,6 @@ def _weighed(k: float, prediction: float, count: int, sign: int | None) -> tuple
         if prediction * min(count, MOST) <= CURVE:
             return "quasi-periodic", f"{test}, points on a curve" + known
         return "undecided", f"{test}, but the points lie on no curve"
+    if k >= CHAOTIC or (sign == 1 and abs(k) <= REGULAR):
+        return "undecided", f"{test}{known}: the one speaks against the other"
     return "undecided", f"{test}{known}: between regular and chaotic"
