@@ -116,13 +116,10 @@ def test_without_events(copy):
     assert refusal(copy).startswith("damaged")
 
 
-@pytest.mark.parametrize("value", ["one", [1, 2], -1.5e300])
+@pytest.mark.parametrize("value", ["one", [1, 2], -1.5e300, 0])
 def test_a_format_that_is_no_number(copy, value):
     change(copy, vibsim_format=value)
-    if value == -1.5e300:
-        assert vibsim.open_result(copy) is not None
-    else:
-        assert refusal(copy).startswith("damaged")
+    assert refusal(copy) == "damaged: the attribute vibsim_format is not a whole number from 1 on"
 
 
 def test_kinds_and_signatures(saved, tmp_path):

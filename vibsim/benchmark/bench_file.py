@@ -14,7 +14,6 @@ from vibsim.benchmark.row import STATUS_FLAGS, Row
 from vibsim.benchmark.truth import Truth
 from vibsim.peers.attempt import EVERY_KIND
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.results.attributes import read_attrs
 from vibsim.results.columns import COLUMNS
 from vibsim.results.output_file import output_file
 
@@ -111,9 +110,8 @@ def _describe_flags(dataset: h5py.Dataset, flags: Mapping[str, int]) -> None:
     dataset.attrs["flag_meanings"] = " ".join(flags)
 
 
-def read_truth(file: h5py.File) -> Truth:
-    """The truth in an open bench file."""
-    attrs = read_attrs(file)
+def read_truth(file: h5py.File, attrs: Mapping[str, Any]) -> Truth:
+    """The truth in an open bench file of these attributes."""
     group = file["truth"]
     samples = {name: item[...] for name, item in group.items() if isinstance(item, h5py.Dataset)}
     events = {name: group["events"][name][...] for name in ("t", "kind")}

@@ -1,5 +1,6 @@
 """A bench as users meet it: rows, truth, and columns by name."""
 
+import json
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -8,12 +9,15 @@ from typing import Any
 import numpy as np
 
 from vibsim.benchmark.bench_file import read_rows, read_truth
+from vibsim.benchmark.bench_structure import ATTRIBUTES, LENGTHS, datasets_of
 from vibsim.benchmark.row import Row
 from vibsim.benchmark.truth import Truth
 from vibsim.cases import Case
 from vibsim.results.attributes import read_attrs
 from vibsim.results.errors import ResultFileError
-from vibsim.results.trajectory_file import damage_named, open_hdf5
+from vibsim.results.hdf5_file import damage_named, open_hdf5
+from vibsim.results.stored_case import stored_case
+from vibsim.results.structure import check_datasets, check_values, checked_attributes, damaged
 
 TRUSTED = 1e-6  # m: an error beyond this is the chaos of the case rather than the work of the method
 
@@ -74,8 +78,29 @@ class BenchResult:
 
 def open_bench(path: str | Path) -> BenchResult:
     """The BenchResult in an HDF5 file. Raises ResultFileError where it holds none."""
-    with damage_named(Path(path)), open_hdf5(Path(path)) as file:
+    path = Path(path)
+    with damage_named(path), open_hdf5(path) as file:
         kind = file.attrs.get("vibsim_kind")
         if kind != "bench":
             raise ResultFileError(f"{path}: holds a {kind or 'trajectory'}, not a bench")
-        return BenchResult(read_attrs(file), read_truth(file), read_rows(file))
+        attrs = checked_attributes(path, read_attrs(file), ATTRIBUTES)
+        check_lists(path, attrs)
+        declared = datasets_of(stored_case(path, attrs).scene())
+        check_datasets(path, file, declared, LENGTHS)
+        for dataset in declared:
+            if dataset.dtype != "text":
+                check_values(path, dataset, file[dataset.name][...])
+        return BenchResult(attrs, read_truth(file, attrs), read_rows(file))
+
+
+def check_lists(path: Path, attrs: dict[str, Any]) -> None:
+    """Raise ResultFileError unless lists of names are such, and there is an instant to compare at."""
+    for name in ("methods", "not_installed"):
+        try:
+            names = json.loads(attrs[name])
+        except (ValueError, RecursionError):
+            names = None
+        if not isinstance(names, list) or not all(isinstance(each, str) for each in names):
+            raise damaged(path, f"the attribute {name} is not a list of names")
+    if not len(attrs["check_times_s"]):
+        raise damaged(path, "the attribute check_times_s is empty")

@@ -1,7 +1,6 @@
 """Open a result file, whatever kind of result it holds."""
 
 from importlib import import_module
-from os.path import isfile
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +28,7 @@ def open_result(path: str | Path) -> Any:
 
 def kind_of(path: str | Path) -> str:
     """What a result file holds: "trajectory", "sweep" or "bench"; raises as `open_result`."""
-    from vibsim.results.trajectory_file import damage_named, open_hdf5
+    from vibsim.results.hdf5_file import damage_named, open_hdf5
 
     with damage_named(Path(path)), open_hdf5(Path(path)) as file:
         return str(file.attrs.get("vibsim_kind", "trajectory"))
@@ -37,10 +36,8 @@ def kind_of(path: str | Path) -> str:
 
 def is_result_file(path: str | Path) -> bool:
     """Whether `path` is a regular file that begins as an HDF5 file does; of a pipe nothing is read."""
-    from vibsim.results.trajectory_file import check_signature
+    from vibsim.results.hdf5_file import check_signature
 
-    if not isfile(path):
-        return False
     try:
         check_signature(Path(path))
     except ResultFileError:
@@ -54,4 +51,4 @@ def open_trajectory_file(path: str | Path):
     from vibsim.results.trajectory_file import TrajectoryFile
 
     file = TrajectoryFile(path)
-    return Result(file.attrs, file.samples, file.events, digits=file.digits)
+    return Result(file.attrs, file.samples, file.events, case=file.case, digits=file.digits)

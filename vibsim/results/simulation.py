@@ -72,5 +72,5 @@ def simulate_to_file(
         raise
     end = recording.end()
     target = writer.finish(end)
-    file = TrajectoryFile(target)
+    file = TrajectoryFile(target, recording.columns)
     return Result({**recording.start, **end}, file.samples, file.events, case=case)

@@ -1,59 +1,97 @@
-"""A trajectory file opened for reading: attributes and columns when they are asked for."""
+"""A trajectory file opened for reading: checked once, its columns read when they are asked for."""
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from functools import cached_property
+from collections.abc import Iterable, Iterator, Mapping
+from math import inf
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
 
-from vibsim import __version__
 from vibsim.results.attributes import read_attrs
-from vibsim.results.columns import in_file_order
 from vibsim.results.digits import Digits
-from vibsim.results.errors import ResultFileError
-from vibsim.results.output_file import reason
-from vibsim.results.provenance import FORMAT
+from vibsim.results.hdf5_file import damage_named, open_hdf5
+from vibsim.results.structure import Dataset, check_datasets, check_values, checked_attributes
+from vibsim.results.trajectory_structure import (
+    ATTRIBUTES,
+    digit_datasets,
+    event_datasets,
+    sample_datasets,
+)
+from vibsim.results.trust import COLUMN as ERROR_ESTIMATE
 
-SIGNATURE = b"\x89HDF\r\n\x1a\n"
+if TYPE_CHECKING:
+    from vibsim.cases import Case
 
 
 class TrajectoryFile:
-    """An HDF5 file of one trajectory; raises ResultFileError for everything that is not one."""
+    """An HDF5 file of one trajectory.
 
-    def __init__(self, path: str | Path):
+    columns : the sampled columns of a file that this process has just written, which is not checked again;
+    None: everything is checked, and `attrs` and `case` are read. Raises ResultFileError for a file that is
+    no trajectory, or damaged.
+    """
+
+    def __init__(self, path: str | Path, columns: tuple[str, ...] | None = None):
         self.path = Path(path)
-        with damage_named(self.path):
-            self._file = open_hdf5(self.path)
-            self.samples = FileColumns(self.path, self._file)
-            self.events = FileColumns(self.path, self._file["events"])
-            self.digits = self._digits(self._file.get("digits"))
+        self.attrs: dict[str, Any] = {}
+        self.case: Case | None = None
+        self._file = open_hdf5(self.path)
+        try:
+            with damage_named(self.path):
+                self._open_tables(columns)
+        except BaseException:
+            self.close()
+            raise
 
-    @cached_property
-    def attrs(self) -> dict[str, Any]:
-        """Root attributes, read when they are asked for: who has just written the file knows them."""
-        with damage_named(self.path):
-            return read_attrs(self._file)
+    def _open_tables(self, columns: tuple[str, ...] | None) -> None:
+        t_end = inf
+        if columns is None:
+            columns, t_end = self._promised()
+        samples, events = sample_datasets(columns, t_end), event_datasets(columns, t_end)
+        digits = digit_datasets(columns) if "digits" in self._file else []
+        if self.case is not None:
+            check_datasets(self.path, self._file, [*samples, *events, *digits])
+        self.samples = FileColumns(self.path, self._file, samples)
+        self.events = FileColumns(self.path, self._file, events)
+        self.digits = self._digits(digits)
 
-    def _digits(self, group: h5py.Group | None) -> Digits | None:
-        if group is None:
+    def _promised(self) -> tuple[tuple[str, ...], float]:
+        """Columns and end [s] that the case and the attributes promise, both checked."""
+        from vibsim.results.stored_case import stored_case
+
+        self.attrs = checked_attributes(self.path, read_attrs(self._file), ATTRIBUTES)
+        self.case = stored_case(self.path, self.attrs)
+        scene = self.case.scene()
+        known = ERROR_ESTIMATE in self._file or "trust_horizon_s" in self.attrs
+        judged = (ERROR_ESTIMATE,) if known else ()
+        return (*scene.columns(), *judged), scene.t_end
+
+    def _digits(self, datasets: list[Dataset]) -> Digits | None:
+        if not datasets:
             return None
-        return Digits(FileColumns(self.path, group), FileColumns(self.path, group["events"]))
+        samples, events = (
+            FileColumns(self.path, self._file, [each for each in datasets if of_events(each) == wanted])
+            for wanted in (False, True)
+        )
+        return Digits(samples, events)
 
     def close(self) -> None:
         """Let go of the file; columns not read so far can then not be read."""
         self._file.close()
 
 
-class FileColumns(Mapping[str, np.ndarray]):
-    """The columns of one HDF5 group, read whole on first access and kept; `column` reads slices instead."""
+def of_events(dataset: Dataset) -> bool:
+    """Whether a dataset of digits belongs to the table of events."""
+    return "/events/" in dataset.name
 
-    def __init__(self, path: Path, group: h5py.Group):
-        self._path = path
-        self._group = group
-        self._names = in_file_order(name for name, item in group.items() if isinstance(item, h5py.Dataset))
+
+class FileColumns(Mapping[str, np.ndarray]):
+    """Columns of one table on file, read whole on first access and kept; `column` reads slices instead."""
+
+    def __init__(self, path: Path, file: h5py.File, datasets: Iterable[Dataset]):
+        self._path, self._file = path, file
+        self._datasets = {dataset.name.rpartition("/")[2]: dataset for dataset in datasets}
         self._kept: dict[str, np.ndarray] = {}
 
     def __getitem__(self, name: str) -> np.ndarray:
@@ -63,81 +101,35 @@ class FileColumns(Mapping[str, np.ndarray]):
 
     def column(self, name: str) -> "FileColumn":
         """One column, not read yet; KeyError when there is none of this name."""
-        if name not in self._names:
-            raise KeyError(name)
-        return FileColumn(self._path, self._group, name)
+        return FileColumn(self._path, self._file, self._datasets[name])
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._datasets
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
+        return iter(self._datasets)
 
     def __len__(self) -> int:
-        return len(self._names)
+        return len(self._datasets)
 
 
 class FileColumn:
-    """One column on file: `column[a:b]` and `column[i]` read that much, `len` reads nothing."""
+    """One column on file: `column[a:b]` and `column[i]` read that much, `len` reads nothing.
 
-    def __init__(self, path: Path, group: h5py.Group, name: str):
-        self._path = path
+    Raises ResultFileError for numbers that cannot be right.
+    """
+
+    def __init__(self, path: Path, file: h5py.File, declared: Dataset):
+        self._path, self._declared = path, declared
         with damage_named(path):
-            self._dataset = group[name]
+            self._dataset = file[declared.name]
         self.dtype = self._dataset.dtype
 
     def __len__(self) -> int:
         return int(self._dataset.shape[0])
 
     def __getitem__(self, rows: Any) -> Any:
-        try:
-            return self._dataset[rows]
-        except (OSError, RuntimeError) as error:
-            raise ResultFileError(f"{self._path}: damaged: {reason(error)}") from error
-
-
-def open_hdf5(path: Path) -> h5py.File:
-    """Open an HDF5 file that vibsim wrote, of a format that this version reads, or raise ResultFileError."""
-    check_signature(path)
-    try:
-        file = h5py.File(path, "r")
-    except OSError as error:
-        raise ResultFileError(f"{path}: {_open_failure(error)}") from error
-    written = file.attrs.get("vibsim_format")
-    if written is None:
-        file.close()
-        raise ResultFileError(f"{path}: is an HDF5 file, but not one that vibsim wrote")
-    if int(written) > FORMAT:
-        version = file.attrs.get("vibsim_version", "a newer version")
-        file.close()
-        found = f"has format {int(written)}, written by vibsim {version}"
-        raise ResultFileError(f"{path}: {found}; this is vibsim {__version__}, which reads up to {FORMAT}")
-    return file
-
-
-def check_signature(path: Path) -> None:
-    """Raise ResultFileError unless `path` is a readable file that begins as an HDF5 file does."""
-    try:
-        with open(path, "rb") as file:
-            start = file.read(len(SIGNATURE))
-    except OSError as error:
-        raise ResultFileError(f"{path}: {reason(error)}") from error
-    if not start:
-        raise ResultFileError(f"{path}: is empty")
-    if start != SIGNATURE:
-        raise ResultFileError(f"{path}: is not an HDF5 file")
-
-
-@contextmanager
-def damage_named(path: Path) -> Iterator[None]:
-    """Turn whatever HDF5 raises over a damaged file into a ResultFileError."""
-    try:
-        yield
-    except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
-        raise ResultFileError(f"{path}: damaged: {reason(error)}") from error
-
-
-def _open_failure(error: OSError) -> str:
-    text = str(error)
-    if "truncated" in text:
-        return "is truncated: it ends before the end that it names"
-    if "lock" in text:
-        return "is being written by another run"
-    return f"damaged: {reason(error)}"
+        with damage_named(self._path):
+            values = self._dataset[rows]
+        check_values(self._path, self._declared, values)
+        return values

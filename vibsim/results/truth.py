@@ -123,7 +123,7 @@ def truth_to_file(
         return TruthWriter(path, recording.scene.columns(), recording.start, recording.start["digits"], force)
 
     recording, sink, attrs = _run(case, digits, writer, watch)
-    file = TrajectoryFile(sink.finish(attrs))
+    file = TrajectoryFile(sink.finish(attrs), recording.scene.columns())
     return Result({**recording.start, **attrs}, file.samples, file.events, case=case, digits=file.digits)
 
 

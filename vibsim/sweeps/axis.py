@@ -10,7 +10,7 @@ import numpy as np
 
 from vibsim.cases.keys import all_keys, full_key
 from vibsim.cases.problems import CaseError
-from vibsim.cases.quantities import decimal_text
+from vibsim.cases.quantities import decimal_text, exact_number
 from vibsim.cases.ranges import RangeError, RangeValue, parse_range
 from vibsim.cases.units import UNITS, si_unit
 
@@ -75,8 +75,8 @@ class Axis:
     def from_plain(data: Mapping[str, Any]) -> "Axis":
         """The axis that `plain` wrote down."""
         if "values" in data:
-            return Axis(data["key"], data["unit"], tuple(map(Fraction, data["values"])))
-        first, step = Fraction(data["from"]), Fraction(data["step"])
+            return Axis(data["key"], data["unit"], tuple(map(exact_number, data["values"])))
+        first, step = exact_number(data["from"]), exact_number(data["step"])
         return Axis(data["key"], data["unit"], tuple(first + i * step for i in range(data["count"])))
 
     def part(self, begin: int, end: int) -> "Axis":

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.cases.keys import UnknownKeyError, all_keys, full_key
-from vibsim.cases.quantities import Quantity, QuantityError, decimal_text, parse_quantity
+from vibsim.cases.quantities import Quantity, QuantityError, decimal_text, exact_number, parse_quantity
 from vibsim.cases.units import UNITS
 from vibsim.sweeps.axis import read_axis
 
@@ -77,7 +77,7 @@ class Spread:
     @staticmethod
     def from_plain(data: Mapping[str, Any]) -> "Spread":
         """The spread that `plain` wrote down."""
-        numbers = Fraction(data["centre"]), Fraction(data["width"])
+        numbers = exact_number(data["centre"]), exact_number(data["width"])
         return Spread(data["key"], data["unit"], data["shape"], *numbers)
 
     def __str__(self) -> str:

@@ -14,7 +14,8 @@ from vibsim.sweeps.journal import Journal
 from vibsim.sweeps.plan import Plan
 from vibsim.sweeps.point import Point
 from vibsim.sweeps.provenance import origin, outcome
-from vibsim.sweeps.sweep_file import read_column, read_sweep_attrs, write_sweep
+from vibsim.sweeps.stored_plan import read_sweep
+from vibsim.sweeps.sweep_file import read_column, write_sweep
 from vibsim.sweeps.table import Table
 
 LEAST_PAUSE = 10.0  # seconds between two writings of the HDF5 file while points come in
@@ -71,7 +72,7 @@ class FileStore(Store):
     def _go_on(self) -> None:
         """Take over what the file and the journal hold; they must be of this sweep."""
         if self.path.exists():
-            attrs = read_sweep_attrs(self.path)
+            attrs, _ = read_sweep(self.path)
             self._refuse(differences(self.plan, attrs))
             self.table.fill(partial(read_column, self.path, self.plan))
             self.attrs["date_created"] = attrs["date_created"]

@@ -9,12 +9,14 @@ import h5py
 import numpy as np
 
 from vibsim.results.errors import ResultFileError
+from vibsim.results.hdf5_file import damage_named, open_hdf5
 from vibsim.results.output_file import output_file
-from vibsim.results.trajectory_file import damage_named, open_hdf5, read_attrs
+from vibsim.results.structure import check_values
 from vibsim.sweeps.columns import STATUS_FLAGS, Column
 from vibsim.sweeps.computations.impact_velocity import QUANTILES
 from vibsim.sweeps.members import Members
 from vibsim.sweeps.plan import DIRECTION_FLAGS, Plan
+from vibsim.sweeps.sweep_structure import datasets_of
 from vibsim.sweeps.table import Table
 
 LIBVER = ("earliest", "v110")  # opens in every HDF5 since 1.10, h5netcdf and netCDF4
@@ -137,15 +139,14 @@ def opened(path: Path):
         yield file
 
 
-def read_sweep_attrs(path: Path) -> dict[str, Any]:
-    """The root attributes of a sweep file."""
-    with opened(path) as file:
-        return read_attrs(file)
-
-
 def read_column(path: Path, plan: Plan, name: str) -> np.ndarray:
-    """One column of the file of a sweep, or its status, sha256 or error; NaN where the file has it not."""
+    """One column of the checked file of a sweep, or its status, sha256 or error; NaN where it has no room."""
     with opened(path) as file:
         if name in ("sha256", "error"):
             return file[name].asstr()[...]
-        return file[name][...] if name in file or name == "status" else np.full(plan.shape_of(name), np.nan)
+        declared = next((each for each in datasets_of(plan) if each.name == name), None)
+        if declared is None:
+            return np.full(plan.shape_of(name), np.nan)
+        values = file[name][...]
+        check_values(path, declared, values)
+        return values

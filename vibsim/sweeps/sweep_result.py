@@ -1,9 +1,6 @@
 """A sweep as users meet it: arrays by name over its axes, and the case of each point."""
 
-import json
 from collections.abc import Callable, Iterator
-from dataclasses import replace
-from fractions import Fraction
 from functools import cache, cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -14,12 +11,12 @@ from vibsim.cases import Case
 from vibsim.results.output_file import check_output
 from vibsim.sweeps.axis import Axis
 from vibsim.sweeps.columns import DONE, MISSING, Column
-from vibsim.sweeps.discard import parse_discard
 from vibsim.sweeps.ensemble import Share, Summary, share, summary
-from vibsim.sweeps.members import Members, axis_from_plain
-from vibsim.sweeps.plan import DIRECTION_FLAGS, Index, Plan
+from vibsim.sweeps.members import Members
+from vibsim.sweeps.plan import Index, Plan
 from vibsim.sweeps.recipe import Start
-from vibsim.sweeps.sweep_file import read_column, read_sweep_attrs, write_sweep
+from vibsim.sweeps.stored_plan import read_sweep
+from vibsim.sweeps.sweep_file import read_column, write_sweep
 from vibsim.sweeps.table import TEXTS_AND_STATUS, Table
 
 
@@ -161,22 +158,5 @@ class SweepResult:
 
 def open_sweep(path: str | Path) -> SweepResult:
     """The SweepResult in an HDF5 file. Raises ResultFileError where it holds none."""
-    attrs = read_sweep_attrs(Path(path))
-    plan = plan_from(attrs)
+    attrs, plan = read_sweep(Path(path))
     return SweepResult(attrs, plan, partial(read_column, Path(path), plan))
-
-
-def plan_from(attrs: dict[str, Any]) -> Plan:
-    """The plan that a file's attributes describe."""
-    settings = json.loads(attrs["sweep_settings_json"])
-    every = settings["every"]
-    return Plan(
-        case=replace(Case.from_resolved_json(attrs["case_resolved_json"]), text=attrs["case_yaml"]),
-        axes=tuple(map(axis_from_plain, settings["axes"])),
-        directions=tuple(DIRECTION_FLAGS[name] for name in settings["direction"]),
-        carry=settings["carry_state"],
-        discard=parse_discard(settings["discard"]),
-        section=settings["section"],
-        every=None if every == "auto" else Fraction(every.removesuffix(" s")),
-        compute=tuple(settings.get("compute", ())),
-    )

@@ -1,0 +1,173 @@
+"""A file of every kind with any part of its structure damaged: one line that names the part, no traceback."""
+
+import json
+import shutil
+
+import h5py
+import numpy as np
+import pytest
+
+import vibsim
+from tests.results.damages import OF_ATTRIBUTES, OF_DATASETS, damage_attribute, datasets
+from tests.results.made import short_case
+from vibsim.benchmark.bench_structure import ATTRIBUTES as OF_BENCH
+from vibsim.results import ResultFileError
+from vibsim.results.trajectory_structure import ATTRIBUTES as OF_TRAJECTORY
+from vibsim.sweeps import sweep
+from vibsim.sweeps.sweep_structure import ATTRIBUTES as OF_SWEEP
+
+ATTRIBUTES = {"run": OF_TRAJECTORY, "digits": OF_TRAJECTORY, "sweep": OF_SWEEP, "bench": OF_BENCH}
+NOT_READ = {"digits": {"digits/events/event"}, "bench": {"row", "time", "kind"}, "sweep": {"section"}}
+
+SHARE = 4  # of the names each damage is done to one; `make fuzz` draws from all
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A file of every kind."""
+    folder = tmp_path_factory.mktemp("whole")
+    vibsim.simulate(short_case("II-B", "1 s")).save(folder / "run.h5")
+    vibsim.simulate(short_case("I-A", "0.1 s"), digits=20).save(folder / "digits.h5")
+    sweep(short_case("II-B", "1 s"), {"Omega0": "3, 4, 5 Hz"}, section=3, jobs=1, out=folder / "sweep.h5")
+    from vibsim.command_line.main import group
+
+    group.main(
+        ["-q", "bench", "I-A", "--t-end", "0.5s", "--methods", "taylor", "-o", str(folder / "bench.h5")],
+        standalone_mode=False,
+    )
+    return {name: folder / f"{name}.h5" for name in ATTRIBUTES}
+
+
+def read(path):
+    """Everything that is in a file."""
+    result = vibsim.open_result(path)
+    for name in result.keys():  # noqa: SIM118 - a bench has keys and is no mapping
+        result[name]
+    for name in getattr(result, "events", ()):
+        result.events[name]
+    if getattr(result, "digits", None):
+        for table in (result.digits, result.digits.events):
+            for name in table:
+                table[name]
+    return result
+
+
+def refusal(path):
+    with pytest.raises(ResultFileError) as caught:
+        read(path)
+    line = str(caught.value)
+    assert line.startswith(f"{path}: damaged: ") and "\n" not in line
+    return line.removeprefix(f"{path}: damaged: ")
+
+
+@pytest.mark.parametrize("kind", ATTRIBUTES)
+@pytest.mark.parametrize("damage", OF_DATASETS, ids=lambda damage: damage.__name__)
+def test_damaged_datasets(whole, tmp_path, kind, damage):
+    names = [name for name in datasets(whole[kind]) if name not in NOT_READ.get(kind, ())]
+    for name in names[OF_DATASETS.index(damage) % SHARE :: SHARE]:
+        path = shutil.copy(whole[kind], tmp_path / "copy.h5")
+        with h5py.File(path, "r+") as file:
+            same = damage.__name__ == "text" and h5py.check_string_dtype(file[name].dtype)
+            if not same:
+                damage(file, name)
+        if not same:
+            assert name.rpartition("/")[2] in refusal(path) or damage.__name__ == "one_too_few", name
+
+
+@pytest.mark.parametrize("kind", ATTRIBUTES)
+@pytest.mark.parametrize("damage", OF_ATTRIBUTES)
+def test_damaged_attributes(whole, tmp_path, kind, damage):
+    with h5py.File(whole[kind]) as file:
+        needed = [each.name for each in ATTRIBUTES[kind] if not each.optional]
+        there = [each.name for each in ATTRIBUTES[kind] if each.name in file.attrs]
+    names = needed if damage == "gone" else there
+    for name in names[list(OF_ATTRIBUTES).index(damage) % SHARE :: SHARE]:
+        path = shutil.copy(whole[kind], tmp_path / "copy.h5")
+        with h5py.File(path, "r+") as file:
+            damage_attribute(file, name, OF_ATTRIBUTES[damage])
+        assert name in refusal(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("x1", np.nan, "x1 has the value nan"),
+        ("v2", np.inf, "v2 has the value inf"),
+        ("time", 0.5, None),
+        ("time", -1.0, "time has the value -1"),
+        ("contact", 100, "contact has the value 100; allowed: 0, 1"),
+        ("friction", -128, "friction has the value -128; allowed: -1, 0, 1"),
+        ("events/t", -1e300, "events/t has the value -1e+300"),
+        ("events/t", 2.0, "events/t has the value 2"),
+        ("events/kind", 99, "events/kind has the value 99; allowed: 0, 1, 2, 3, 4, 5, 6, 7, 8"),
+        ("events/contact", 100, "events/contact has the value 100; allowed: 0, 1"),
+        ("events/phase", np.nan, "events/phase has the value nan"),
+    ],
+)
+def test_numbers_that_cannot_be_right(whole, tmp_path, name, value, said):
+    path = shutil.copy(whole["run"], tmp_path / "copy.h5")
+    with h5py.File(path, "r+") as file:
+        file[name][:] = value
+    if said is None:
+        read(path)
+    else:
+        assert refusal(path) == said
+
+
+def test_times_that_go_back(whole, tmp_path):
+    path = shutil.copy(whole["run"], tmp_path / "copy.h5")
+    with h5py.File(path, "r+") as file:
+        file["time"][:] = file["time"][:][::-1]
+    assert refusal(path) == "time does not ascend"
+
+
+def test_digits_that_are_none(whole, tmp_path):
+    path = shutil.copy(whole["digits"], tmp_path / "copy.h5")
+    with h5py.File(path, "r+") as file:
+        file["digits/x1"][0] = "\u00e9".encode()
+    assert refusal(path) == "digits/x1 has a text that is no number"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"axes": []},
+        {"axes": [{"key": "excitation.Omega0", "unit": "Hz", "from": "3", "step": "1", "count": 10**15}]},
+        {"axes": [{"key": "nothing", "unit": "Hz", "values": ["3", "4", "5"]}]},
+        {"axes": [{"key": "excitation.Omega0", "unit": "mm", "values": ["3", "4", "5"]}]},
+        {"axes": [{"key": "excitation.Omega0", "unit": "Hz", "values": ["3", "4", "1e999999999"]}]},
+        {"axes": [{"key": "excitation.Omega0", "unit": "Hz", "values": ["3", "4", "6"]}]},
+        {"axes": {"key": "excitation.Omega0"}},
+        {"section": 10**15},
+        {"section": -1},
+        {"direction": ["sideways"]},
+        {"every": "soon"},
+        {"compute": ["nothing"]},
+        {"discard": 7},
+    ],
+)
+def test_a_sweep_whose_settings_are_damaged(whole, tmp_path, change):
+    path = shutil.copy(whole["sweep"], tmp_path / "copy.h5")
+    with h5py.File(path, "r+") as file:
+        settings = json.loads(file.attrs["sweep_settings_json"])
+        file.attrs["sweep_settings_json"] = json.dumps(settings | change)
+    assert refusal(path)
+
+
+@pytest.mark.parametrize("kind", ATTRIBUTES)
+@pytest.mark.parametrize("value", ["", "{}", "[" * 100_000, '{"vibsim_case": 1, "blocks": 3}'])
+def test_a_case_that_is_none(whole, tmp_path, kind, value):
+    if len(value) > 60_000:
+        value = value[:60_000]  # attributes hold no more
+    path = shutil.copy(whole[kind], tmp_path / "copy.h5")
+    with h5py.File(path, "r+") as file:
+        file.attrs["case_resolved_json"] = value
+    assert refusal(path).startswith("the attribute case_resolved_json")
+
+
+def test_a_pipe_is_no_result_file(tmp_path):
+    import os
+
+    os.mkfifo(tmp_path / "pipe.h5")
+    with pytest.raises(ResultFileError, match="is not a regular file"):
+        vibsim.open_result(tmp_path / "pipe.h5")

@@ -1,0 +1,75 @@
+"""What a trajectory file must hold, told from the columns of its scene."""
+
+from collections.abc import Iterable
+from math import inf
+
+from vibsim.results.columns import COLUMNS, STATES, TIMES, event_columns
+from vibsim.results.structure import EXTENDED, LIST, NUMBER, ROWS, TEXT, WHOLE, Attribute, Dataset
+
+ORIGIN = ("title", "vibsim_version", "case_name", "case_yaml", "case_resolved_json", "case_sha256")
+MACHINE = ("date_created", "platform", "python_version", "numpy_version")
+COUNTS = ("impacts", "sticks", "reversals", "steps", "evaluations")
+NUMBERS = ("rest_distance_needed", "wall_time_s", "taylor_tolerance", "lyapunov_volume_residual")
+
+PROVENANCE = [Attribute(name, TEXT) for name in (*ORIGIN, *MACHINE)]
+ATTRIBUTES = [
+    *PROVENANCE,
+    Attribute("method", TEXT),
+    Attribute("engine", TEXT),
+    Attribute("t_end_s", NUMBER),
+    Attribute("complete", WHOLE, allowed=(0, 1)),
+    Attribute("t_reached_s", NUMBER, optional=True, where="complete"),
+    Attribute("events", WHOLE, optional=True),
+    *(Attribute(name, WHOLE, optional=True, where="events") for name in COUNTS),
+    Attribute("certified", WHOLE, optional=True, allowed=(0, 1)),
+    Attribute("uncertified", WHOLE, optional=True, where="certified"),
+    Attribute("first_uncertified_time", NUMBER, optional=True, where="uncertified"),
+    Attribute("violations", WHOLE, optional=True),
+    Attribute("first_violation_time", NUMBER, optional=True, where="violations"),
+    Attribute("grazing_margin", NUMBER, optional=True, where="grazing_time"),
+    Attribute("grazing_time", NUMBER, optional=True, where="grazing_margin"),
+    Attribute("energy_residual", NUMBER, optional=True),
+    Attribute("energy_residual_relative", NUMBER, optional=True, where="energy_residual"),
+    Attribute("trust_horizon_s", NUMBER, optional=True),
+    Attribute("trust_tolerance_m", NUMBER, optional=True, where="trust_horizon_s"),
+    Attribute("error_estimate_max", NUMBER, optional=True, where="trust_horizon_s"),
+    Attribute("taylor_order", WHOLE, optional=True),
+    Attribute("digits", WHOLE, optional=True),
+    Attribute("number_type", TEXT, optional=True, where="digits"),
+    Attribute("digits_right", WHOLE, optional=True),
+    Attribute("digits_right_from", TEXT, optional=True, where="digits_right"),
+    Attribute("lyapunov_growth", ROWS, optional=True),
+    Attribute("lyapunov_exponents", LIST, optional=True, where="lyapunov_growth"),
+    Attribute("lyapunov_rank_losses", WHOLE, optional=True, where="lyapunov_growth"),
+    Attribute("lyapunov_pieces", WHOLE, optional=True, where="lyapunov_growth"),
+    Attribute("lyapunov_tangencies", WHOLE, optional=True, where="lyapunov_growth"),
+    Attribute("lyapunov_closest_tangency", EXTENDED, optional=True, where="lyapunov_growth"),
+    Attribute("lyapunov_closest_tangency_time", NUMBER, optional=True),
+    *(Attribute(name, NUMBER, optional=True) for name in NUMBERS),
+]
+ROUNDED = 1 + 4 * 2.0**-52  # the last sample and the end are rounded apart
+SAMPLE, EVENT = "sample", "event"
+
+
+def sample_datasets(columns: Iterable[str], t_end: float = inf) -> list[Dataset]:
+    """The datasets of the sampled columns, `time` first, of a run that ends at `t_end` [s] or before."""
+    return [_column("", name, SAMPLE, t_end) for name in columns]
+
+
+def event_datasets(columns: tuple[str, ...], t_end: float = inf) -> list[Dataset]:
+    """The datasets of the table of events."""
+    return [_column("events/", name, EVENT, t_end) for name in event_columns(columns)]
+
+
+def digit_datasets(columns: tuple[str, ...]) -> list[Dataset]:
+    """The texts of sampled states, and those of the table of events."""
+    states = [name for name in columns if name in STATES]
+    samples = [Dataset(f"digits/{name}", "S", (SAMPLE,)) for name in states]
+    return [*samples, *(Dataset(f"digits/events/{name}", "S", (EVENT,)) for name in ("t", *states))]
+
+
+def _column(group: str, name: str, dimension: str, t_end: float) -> Dataset:
+    column = COLUMNS[name]
+    if name in TIMES:
+        return Dataset(group + name, column.dtype, (dimension,), ascending=True, span=(0.0, t_end * ROUNDED))
+    return Dataset(group + name, column.dtype, (dimension,), frozenset(column.flags.values()))

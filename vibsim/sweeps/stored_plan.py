@@ -1,0 +1,106 @@
+"""The plan in a sweep file, and the check of the file against it."""
+
+import json
+from collections.abc import Mapping
+from math import prod
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import h5py
+import numpy as np
+
+from vibsim.cases.keys import all_keys
+from vibsim.cases.problems import CaseError
+from vibsim.cases.quantities import parse_quantity
+from vibsim.results.attributes import read_attrs
+from vibsim.results.stored_case import stored_case
+from vibsim.results.structure import check_datasets, checked_attributes, damaged
+from vibsim.sweeps.discard import parse_discard
+from vibsim.sweeps.members import axis_from_plain
+from vibsim.sweeps.plan import DIRECTION_FLAGS, Plan
+from vibsim.sweeps.sweep_file import opened
+from vibsim.sweeps.sweep_structure import ATTRIBUTES, COUNTS, datasets_of, dimensions, lengths_of, scales_of
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+SETTINGS = "the attribute sweep_settings_json"
+WRONG = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError, CaseError)
+
+
+def read_sweep(path: Path) -> tuple[dict[str, Any], Plan]:
+    """Root attributes and plan of a sweep file, the file checked. Raises ResultFileError."""
+    with opened(path) as file:
+        attrs = checked_attributes(path, read_attrs(file), ATTRIBUTES)
+        settings = _settings(path, attrs)
+        _check_count(path, file, settings["axes"])
+        case = stored_case(path, attrs)
+        try:
+            plan = _plan(case, settings)
+            _check_axes(case, plan)
+        except WRONG as error:
+            raise damaged(path, f"{SETTINGS} describes no sweep of its case") from error
+        check_datasets(path, file, [*scales_of(plan), *datasets_of(plan)], lengths_of(plan))
+        _check_scales(path, file, plan)
+    if attrs["points"] != plan.count or not all(0 <= attrs[name] <= plan.count for name in COUNTS):
+        raise damaged(path, f"the attribute points is {attrs['points']}, and its axes have {plan.count}")
+    return attrs, plan
+
+
+def _settings(path: Path, attrs: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The settings as plain data, with a list of axes."""
+    try:
+        settings = json.loads(attrs["sweep_settings_json"])
+        for axis in settings["axes"]:
+            _length(axis)
+    except WRONG as error:
+        raise damaged(path, f"{SETTINGS} is not that of a sweep") from error
+    return settings
+
+
+def _length(axis: Mapping[str, Any]) -> int:
+    return len(axis["values"]) if "values" in axis else int(axis["count"])
+
+
+def _check_count(path: Path, file: h5py.File, axes: list[Mapping[str, Any]]) -> None:
+    """A number of points that the file does not have must not be made: it may be any number."""
+    status = file.get("status")
+    there = status.size if isinstance(status, h5py.Dataset) and status.size is not None else 0
+    wanted = prod(map(_length, axes))
+    if not 0 < wanted <= there:
+        raise damaged(path, f"{SETTINGS} names {wanted} points, and status has {there}")
+
+
+def _plan(case: "Case", settings: Mapping[str, Any]) -> Plan:
+    """The plan that a file describes."""
+    every, section = settings["every"], settings["section"]
+    if not isinstance(section, int) or section < 0:
+        raise ValueError("section")
+    return Plan(
+        case=case,
+        axes=tuple(map(axis_from_plain, settings["axes"])),
+        directions=tuple(DIRECTION_FLAGS[name] for name in settings["direction"]),
+        carry=bool(settings["carry_state"]),
+        discard=parse_discard(settings["discard"]),
+        section=section,
+        every=None if every == "auto" else parse_quantity(every, "time").value,
+        compute=tuple(settings.get("compute", ())),
+    )
+
+
+def _check_axes(case: "Case", plan: Plan) -> None:
+    """Raise one of WRONG unless the axes vary numbers of the case, in units of theirs."""
+    for axis in plan.axes:
+        for key, text in axis.changes(0).items():
+            measured = all_keys()[key]
+            if measured is None or case.values[key] is None:
+                raise ValueError(key)
+            parse_quantity(text, measured.dimension)
+
+
+def _check_scales(path: Path, file: h5py.File, plan: Plan) -> None:
+    """The scales must say what the settings say."""
+    values = [*(axis.numbers() for axis in plan.axes), np.array(plan.directions)]
+    for name, wanted in zip(dimensions(plan), values, strict=True):
+        if not np.array_equal(file[name][...], wanted):
+            raise damaged(path, f"{name} and {SETTINGS} name different values")
