@@ -14,7 +14,7 @@ class EngineClock:
 
     def __enter__(self):
         self.seconds = 0.0
-        names = ("run_size", "tally", "state_at")
+        names = ("tally", "state_at")
         timed = {name: self._timed(getattr(_kernel, name)) for name in ("start", "advance")}
         kernel = SimpleNamespace(**timed, **{name: getattr(_kernel, name) for name in names})
         self._patch = patch.object(c_engine, "_kernel", kernel)

@@ -1,10 +1,10 @@
-"""The C engine's functions, on memory that the caller owns; see module.c."""
+"""The C engine's functions; see module.c. A run is a capsule: `start` makes it."""
 
 from typing import Any
 
-def run_size() -> int: ...
+Run = Any
+
 def start(
-    run: bytearray,
     scene: Any,
     resume: Any,
     samples: Any,
@@ -12,12 +12,12 @@ def start(
     events: Any,
     event_codes: Any,
     section: Any,
-) -> tuple[int, int]: ...
+) -> tuple[Run, int, int]: ...
 def advance(
-    run: bytearray, samples: Any, sample_modes: Any, events: Any, event_codes: Any, section: Any
+    run: Run, samples: Any, sample_modes: Any, events: Any, event_codes: Any, section: Any
 ) -> tuple[int, int, int, int, int]: ...
-def state_at(run: bytearray, t: float) -> tuple[float, ...]: ...
-def tally(run: bytearray) -> dict[str, Any]: ...
+def state_at(run: Run, t: float) -> tuple[float, ...] | None: ...
+def tally(run: Run) -> dict[str, Any]: ...
 def growth(
-    run: bytearray,
+    run: Run,
 ) -> tuple[int, int, tuple[float, ...], float, float, float, tuple[float, float, float, float]]: ...

@@ -13,12 +13,15 @@ class Block:
     motor only] and modes.
 
     section: time [s] and states at the ends of the excitation periods, empty unless asked for.
+    t_reached: time up to which the motion is known [s]; worked_to: time up to which all that goes with it is
+    worked out, the energy ledger say [s]. Within a long stretch without events that is further.
     """
 
     samples: dict[str, np.ndarray]
     events: dict[str, np.ndarray]
     section: dict[str, np.ndarray]
     t_reached: float
+    worked_to: float
 
 
 def event_columns(scene):
@@ -34,11 +37,12 @@ def section_columns(scene):
     return tuple(name for name in scene.columns() if name not in ("contact", "friction"))
 
 
-def select(scene, samples, events, section, t_reached):
+def select(scene, samples, events, section, t_reached, worked_to):
     """The block of those columns that the scene has."""
     return Block(
         {name: samples[name] for name in scene.columns()},
         {name: events[name] for name in event_columns(scene)},
         {name: section[name] for name in section_columns(scene)},
         float(t_reached),
+        float(worked_to),
     )

@@ -47,15 +47,16 @@ class CTrajectory:
 
     def __init__(self, scene, method, resume=None, section=False, ledger=False, tangent=(0, 0.0)):
         self.scene, self.method, self.ledger, self.tangent = scene, method, ledger, tangent
-        self.memory = bytearray(_kernel.run_size())
         self.samples = np.empty((len(SAMPLE_ROWS), SAMPLE_ROOM))
         self.sample_modes = np.empty((2, SAMPLE_ROOM), dtype="i1")
         self.events = np.empty((len(EVENT_ROWS), EVENT_ROOM))
         self.event_codes = np.empty((3, EVENT_ROOM), dtype="i1")
         wanted = section and scene.source != "none"
         self.section = np.empty((len(SAMPLE_ROWS), SECTION_ROOM if wanted else 0))
-        row = b"" if resume is None else pack_resume(scene, resume)
-        self.filled = _kernel.start(self.memory, pack(scene, method, ledger, tangent), row, *self._buffers())
+        row = None if resume is None else pack_resume(scene, resume)
+        packed = pack(scene, method, ledger, tangent)
+        self.run, count, happened = _kernel.start(packed, row, *self._buffers())
+        self.filled = count, happened
 
     def _buffers(self):
         return self.samples, self.sample_modes, self.events, self.event_codes, self.section
@@ -65,10 +66,10 @@ class CTrajectory:
         finished, status = 0, 0
         yield self._block(*self.filled, 0)
         while not finished:
-            *filled, finished, status = _kernel.advance(self.memory, *self._buffers())
+            *filled, finished, status = _kernel.advance(self.run, *self._buffers())
             yield self._block(*filled)
             if status:
-                raise KernelError(REASONS[status], State(*_kernel.tally(self.memory)["state"]))
+                raise KernelError(REASONS[status], State(*_kernel.tally(self.run)["state"]))
 
     def _block(self, count, happened, passed):
         samples = {name: self.samples[i, :count].copy() for i, name in enumerate(SAMPLE_ROWS)}
@@ -78,12 +79,13 @@ class CTrajectory:
         for i, name in enumerate(("contact", "friction")):
             samples[name] = self.sample_modes[i, :count].copy()
             events[name] = self.event_codes[i + 1, :happened].copy()
-        return select(self.scene, samples, events, section, _kernel.tally(self.memory)["state"][0])
+        tally = _kernel.tally(self.run)
+        return select(self.scene, samples, events, section, tally["state"][0], tally["worked_to"])
 
     @property
     def totals(self):
         """Counts and margins so far."""
-        tally = _kernel.tally(self.memory)
+        tally = _kernel.tally(self.run)
         return totals_of(
             tally["counts"],
             (int(tally["steps"]), int(tally["evaluations"])),
@@ -94,15 +96,20 @@ class CTrajectory:
         )
 
     def _tangent_totals(self, margin, margin_time):
-        return tangent_totals(self.scene, _kernel.growth(self.memory), margin, margin_time)
+        return tangent_totals(self.scene, _kernel.growth(self.run), margin, margin_time)
 
     def state_at(self, times):
         """States at ascending times before the next event, as columns."""
-        rows = np.array([_kernel.state_at(self.memory, t) for t in times]).reshape(-1, 8)
+        rows = np.array([self._state_at(t) for t in times]).reshape(-1, 8)
         t, x1, v1, x2, v2, phase, turns, w = rows.T
         columns = {"time": t, "x1": x1, "v1": v1, "x2": x2, "v2": v2, "phidot": w}
         columns["phi"] = phase + turns * TWO_PI
-        mode = _kernel.tally(self.memory)["mode"]
+        mode = _kernel.tally(self.run)["mode"]
         for i, name in enumerate(("contact", "friction")):
             columns[name] = np.full(len(rows), mode[i], dtype="i1")
         return {name: columns[name] for name in self.scene.columns()}
+
+    def _state_at(self, t):
+        while (state := _kernel.state_at(self.run, t)) is None:
+            pass  # here a signal is heard
+        return state

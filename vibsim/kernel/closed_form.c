@@ -91,6 +91,7 @@ void closed_form_evaluate(Run *r, double tau)
     if (tau == f->tau)
         return;
     r->evaluations += 1;
+    r->spent += 1;
     release_and_impulse(o, tau, &release, &impulse);
     steady = constant_response(o, tau, release);
     rate = release - 2 * o->a * impulse;

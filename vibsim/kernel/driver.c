@@ -5,7 +5,6 @@
 #include "numbers.h"
 
 #define EVENTS_AT_ONE_INSTANT 64
-#define STEPS_AT_ONCE 100000 /* bounds the work between two blocks where nothing happens */
 
 void flow_enter(Run *r, const State *state, Mode mode)
 {
@@ -184,11 +183,12 @@ static int take_event(Run *r, Buffers *b, State *state, int function)
 }
 
 /* Samples in [now, end), or up to and including the end of the run; 0 when the buffer is full before that. */
-static int sample_until(Run *r, Buffers *b, double end, int last)
+static int sample(Run *r, Buffers *b)
 {
     double t = sample_time(&r->scene, r->next_sample);
+    int last = r->end >= r->scene.t_end;
     State state;
-    while (t < end || (last && t <= end)) {
+    while (t < r->end || (last && t <= r->end)) {
         if (b->sample_count >= b->sample_room)
             return 0;
         flow_state(r, t, &state);
@@ -199,58 +199,95 @@ static int sample_until(Run *r, Buffers *b, double end, int last)
     return 1;
 }
 
-void run_advance(Run *r, Buffers *b, long steps)
+/* State at the end of the stretch; 0 where it is not finite. */
+static int arrive(Run *r)
 {
-    State state;
-    double enough = r->steps + STEPS_AT_ONCE;
-    while (!r->finished && r->status == OK && steps-- > 0 && r->steps < enough) {
-        double t_end = r->scene.t_end;
-        if (b->event_count + 3 >= b->event_room)
-            return;
-        if (!r->pending) {
-            r->pending_end = flow_advance(r, t_end, &r->pending_function);
-            r->pending = 1;
+    State *state = &r->arrival;
+    flow_state(r, r->end, state);
+    if (isfinite(state->x1 + state->v1 + state->x2 + state->v2 + state->w))
+        return 1;
+    r->status = DIVERGED;
+    return 0;
+}
+
+/* Where no event ended the stretch: the Taylor flow needs a new expansion, the closed form holds. */
+static void carry_on(Run *r, const State *state)
+{
+    Known none = {{0, 0, 0, 0, 0}};
+    r->state = *state;
+    if (r->end >= r->scene.t_end || r->scene.closed_form != 0)
+        return;
+    r->known = none;
+    flow_enter(r, &r->state, r->mode);
+}
+
+static void open_stretch(Run *r)
+{
+    r->end = flow_advance(r, r->scene.t_end, &r->function);
+    r->carried = r->state.t;
+    ledger_open(r);
+}
+
+/* The stretch from `state` to the next event, or as far as the flow advances at once: stage by stage. Returns 0 when the
+ * room or the work of this call is spent, or the run fails: the next call goes on in the same stage.
+ */
+static int stretch(Run *r, Buffers *b)
+{
+    for (; r->stage < STAGES; r->stage++) {
+        int done = 1;
+        switch (r->stage) {
+        case ADVANCE: open_stretch(r); break;
+        case SAMPLE: done = sample(r, b); break;
+        case SECTION: done = section_gather(r, b, r->end); break;
+        case ARRIVE: done = arrive(r); break;
+        case LEDGER: done = ledger_gather(r); break;
+        case TANGENT: done = tangent_gather(r); break;
         }
-        if (!sample_until(r, b, r->pending_end, r->pending_end >= t_end))
+        if (!done)
+            return 0;
+    }
+    r->stage = ADVANCE;
+    return 1;
+}
+
+void run_advance(Run *r, Buffers *b)
+{
+    r->spent = 0;
+    while (!r->finished && r->status == OK && r->spent < WORK_AT_ONCE && b->event_count + 3 < b->event_room) {
+        if (!stretch(r, b))
             return;
-        if (!section_gather(r, b, r->pending_end))
-            return;
-        r->pending = 0;
-        flow_state(r, r->pending_end, &state);
-        if (!isfinite(state.x1 + state.v1 + state.x2 + state.v2 + state.w)) {
-            r->status = DIVERGED;
-            return;
-        }
-        ledger_gather(r, r->pending_end, &state);
-        tangent_gather(r, r->pending_end, &state);
-        if (r->pending_function != NOTHING) {
-            r->status = take_event(r, b, &state, r->pending_function);
-        } else {
-            r->state = state;
-            if (r->pending_end < t_end && r->scene.closed_form == 0) {
-                Known none = {{0, 0, 0, 0, 0}};
-                r->known = none;
-                flow_enter(r, &r->state, r->mode);
-            }
-        }
-        if (!r->finished && r->status == OK && r->pending_end >= t_end)
+        r->spent += 1;
+        if (r->function != NOTHING)
+            r->status = take_event(r, b, &r->arrival, r->function);
+        else
+            carry_on(r, &r->arrival);
+        if (!r->finished && r->status == OK && r->end >= r->scene.t_end)
             finish(r, b);
     }
 }
 
-void run_state_at(Run *r, double t, State *out)
+/* Time that the run has been worked out to [s]: within a long stretch ahead of its state. */
+double run_worked_to(const Run *r)
 {
+    if (r->stage == LEDGER)
+        return flow_anchor(r) + r->open.tau;
+    return r->stage == TANGENT ? r->carried : r->state.t;
+}
+
+int run_state_at(Run *r, double t, State *out)
+{
+    r->spent = 0;
     while (!r->finished && r->status == OK) {
-        int function;
-        double end = flow_advance(r, r->scene.t_end, &function);
-        if (function != NOTHING || end >= t || end >= r->scene.t_end)
+        r->end = flow_advance(r, r->scene.t_end, &r->function);
+        if (r->function != NOTHING || r->end >= t || r->end >= r->scene.t_end)
             break;
-        if (r->scene.closed_form == 0) {
-            Known none = {{0, 0, 0, 0, 0}};
-            flow_state(r, end, &r->state);
-            r->known = none;
-            flow_enter(r, &r->state, r->mode);
-        }
+        if (!arrive(r))
+            break;
+        carry_on(r, &r->arrival);
+        r->spent += 1;
+        if (r->spent > WORK_AT_ONCE)
+            return 0;
     }
     flow_state(r, t, out);
+    return 1;
 }

@@ -5,6 +5,9 @@ A flow offers `enter(state, mode, known)`, `advance(limit) -> (time, event funct
 trajectory: samples are read off the flow, states are not restarted there.
 """
 
+import time
+from math import inf
+
 from vibsim.events.automaton import initial_mode, transition
 from vibsim.events.watch import NOTHING
 from vibsim.kernel.errors import KernelError
@@ -15,6 +18,7 @@ from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.state import State
 
 EVENTS_AT_ONE_INSTANT = 64
+SAMPLES_AT_ONCE = 256
 
 
 class Driver:
@@ -44,6 +48,8 @@ class Driver:
         if self.mode.violated:
             self._note_violation()
         flow.enter(self.state, self.mode, known)
+        self.worked_to = self.state.t
+        self._course = self._stretches()
 
     def _start_state(self):
         scene, kit = self.scene, self.kit
@@ -55,28 +61,39 @@ class Driver:
         x2, v2 = (scene.x2, scene.v2) if scene.has_block2 else (zero, zero)
         return kit.settle(State(zero, scene.x1, scene.v1, x2, v2, phase, turns, w))
 
-    def run(self, sample_room, event_room, steps):
-        """Advance until a buffer of so many samples or events is full, `steps` stretches are done, or the
-        run ends.
+    def run(self, sample_room, event_room, steps, seconds=inf):
+        """Advance until a buffer of so many samples or events is full, `steps` pieces of work or so many
+        `seconds` on the clock are spent, or the run ends.
         """
+        late = time.monotonic() + seconds
         for _ in range(steps):
             if self.finished or len(self.samples) >= sample_room or len(self.events) + 2 >= event_room:
                 return
             try:
-                self._stretch()
+                next(self._course)
             except (ArithmeticError, ValueError) as error:  # where C's arithmetic goes on with inf and NaN
                 raise KernelError("diverged", self.state) from error
+            if time.monotonic() > late:
+                return
+
+    def _stretches(self):
+        """The run, stretch by stretch; a generator, which yields wherever it may be left for a while."""
+        while not self.finished:
+            yield from self._stretch()
+            self.worked_to = self.state.t
+            yield
 
     def _stretch(self):
         """One stretch of the flow: its samples, then its event."""
         end, function = self.flow.advance(self.scene.t_end)
-        self._sample_until(end, last=end >= self.scene.t_end)
-        self.section.gather(self.state, end)
+        yield from self._sample_until(end, last=end >= self.scene.t_end)
+        yield from self.section.gather(self.state, end)
         state = self.kit.settle(self.flow.state_at(end))
         if not self.kit.finite(state.x1 + state.v1 + state.x2 + state.v2 + state.w):
             raise KernelError("diverged", self.state)
-        self.ledger.gather(self.state, end, state, self.mode)
-        self.tangent.gather(self.state, end, state)
+        for worked_to in self._gathered(end, state):
+            self.worked_to = worked_to
+            yield
         if function != NOTHING:
             self._switch(state, function)
         else:
@@ -86,6 +103,10 @@ class Driver:
         if not self.finished and end >= self.scene.t_end:
             self._finish()
 
+    def _gathered(self, end, state):
+        yield from self.ledger.gather(self.state, end, state, self.mode)
+        yield from self.tangent.gather(self.state, end, state)
+
     def _sample_until(self, end, last):
         """Samples in [now, end), or up to and including the end of the run."""
         t = self.scene.sample_time(self.next_sample)
@@ -93,6 +114,8 @@ class Driver:
             self.samples.append((self.flow.state_at(t), self.mode))
             self.next_sample += 1
             t = self.scene.sample_time(self.next_sample)
+            if self.next_sample % SAMPLES_AT_ONCE == 0:
+                yield
 
     def _switch(self, state, function):
         """Take the event: new mode, record, new segment."""

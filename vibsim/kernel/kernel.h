@@ -19,12 +19,14 @@
 #define SERIES (MAX_ORDER + 2)
 #define SERIES_TERMS 26
 #define SPANS 100 /* that the growth of disturbances is recorded in */
+#define WORK_AT_ONCE 1e5 /* evaluations of the motion that one call may spend: some 20 ms, so that Ctrl-C is soon heard */
 #define EPS 1.1102230246251565e-16 /* 2^-53, unit round-off */
 
 enum { NOTHING = -1, GAP = 0, SLIDE = 1, HOLD_PLUS = 2, HOLD_MINUS = 3, CLEARANCE = 4, FUNCTIONS = 5 };
 enum { START, CONTACT_BEGIN, CONTACT_END, REVERSAL, STICK_BEGIN, STICK_END, VIOLATION_BEGIN, VIOLATION_END, END, KINDS };
 enum { X1, X2, PHI, V1, V2, W, STATES }; /* columns of a table of Taylor coefficients */
 enum { DY, DV1, DV2, DPHI, DW, DISTURBANCE }; /* components of a disturbance, y = x1 - x2 */
+enum { ADVANCE, SAMPLE, SECTION, ARRIVE, LEDGER, TANGENT, STAGES }; /* of one stretch, in this order */
 enum { OK = 0, ACCUMULATION = 1, DIVERGED = 2 };
 
 /* Numbers of a scene, in the order in which vibsim.kernel.c_engine packs them. */
@@ -105,7 +107,12 @@ typedef struct {
     Tangencies tangencies;
 } Tangent;
 
-/* A run: everything between two calls. Plain memory, kept by the caller. */
+/* The integrals of a stretch as far as the ledger has taken them: tau from the anchor [s], energies [J]. */
+typedef struct {
+    double tau, work, viscous;
+} OpenStretch;
+
+/* A run: everything between two calls. */
 typedef struct {
     Scene scene;
     State state;
@@ -114,13 +121,15 @@ typedef struct {
     int functions[FUNCTIONS], function_count;
     double known_since, first_violation;
     Certificate certificate;
-    double work, viscous, friction_loss, energy_start, stored; /* the energy ledger [J] */
+    double work, viscous, friction_loss, energy_start, stored; /* the energy ledger [J], of the stretches that are done */
     double evaluations, steps, counts[KINDS];
     double period; /* of the ideal source, whose end is the next section point */
     long long next_sample;
     int crowd, finished, status, violated_once;
-    int pending, pending_function; /* a stretch whose samples are being written */
-    double pending_end;
+    int stage, function; /* of the stretch in hand, which may take many calls; the event function that ends it */
+    double end, carried, spent; /* of that stretch; tangents are carried to here [s]; work of this call */
+    State arrival;
+    OpenStretch open;
     ClosedForm closed;
     Taylor taylor;
     Tangent tangent;
@@ -182,9 +191,10 @@ double flow_anchor(const Run *r);
 double flow_advance(Run *r, double limit, int *function);
 double flow_longest_piece(const Run *r, double tau);
 
-/* ledger.c */
+/* ledger.c; gather returns 0 when the work of one call is spent before the stretch is done */
 double ledger_energy(const Run *r, const State *state, Mode mode);
-void ledger_gather(Run *r, double end, const State *state);
+void ledger_open(Run *r);
+int ledger_gather(Run *r);
 
 /* closed_form_tangent.c, taylor_tangent.c; a move returns the logarithm of the growth of a volume */
 double closed_form_tangent_piece_end(const Run *r, double t, double end, double mark);
@@ -202,12 +212,12 @@ void tangencies_forget(Tangencies *t);
 void tangencies_pass_by(Tangencies *t, const State *state);
 void tangencies_judge(Run *r, int kind, const State *state, Mode before);
 
-/* tangent_bundle.c */
+/* tangent_bundle.c; gather as in ledger.c */
 void tangent_start(Run *r);
-void tangent_gather(Run *r, double end, const State *state);
+int tangent_gather(Run *r);
 void tangent_cross(Run *r, int kind, const State *state, Mode before);
 
-/* driver.c */
+/* driver.c; every call returns after bounded work, run_state_at with 0 when it has to be called again */
 typedef struct {
     double *samples;            /* 7 columns of sample_room: time x1 v1 x2 v2 phi phidot */
     signed char *sample_modes;  /* 2 columns of sample_room: contact friction */
@@ -219,8 +229,9 @@ typedef struct {
 
 void write_state(double *row, long room, const State *s);
 void run_start(Run *r, const Scene *scene, const State *resume, const Mode *mode, const Known *known, Buffers *b);
-void run_advance(Run *r, Buffers *b, long steps);
-void run_state_at(Run *r, double t, State *out);
+void run_advance(Run *r, Buffers *b);
+double run_worked_to(const Run *r);
+int run_state_at(Run *r, double t, State *out);
 
 /* stroboscopic.c; section_gather returns 0 when the buffer is full before the stretch is done */
 void section_start(Run *r);

@@ -35,34 +35,47 @@ static double power(const Run *r, const State *state, double tau)
     return (s->A * sin(angle) + s->F0) * state->v1;
 }
 
-static void integrate(Run *r, double tau, double length)
+static void integrate(Run *r, OpenStretch *open, double length)
 {
     double work = 0, viscous = 0;
     int i;
     for (i = 0; i < NODE_COUNT; i++) {
-        double offset = tau + NODES[i] * length, u;
+        double offset = open->tau + NODES[i] * length, u;
         State state;
         flow_state_after(r, offset, &state);
         u = state.v1 - state.v2;
         viscous = viscous + WEIGHTS[i] * (u * u);
         work = work + WEIGHTS[i] * power(r, &state, offset);
     }
-    r->work = r->work + length * work;
-    r->viscous = r->viscous + length * (r->scene.c * viscous);
+    open->work = open->work + length * work;
+    open->viscous = open->viscous + length * (r->scene.c * viscous);
 }
 
-void ledger_gather(Run *r, double end, const State *state)
+void ledger_open(Run *r)
 {
-    double tau = r->state.t - flow_anchor(r), last = end - flow_anchor(r);
+    r->open.tau = r->state.t - flow_anchor(r);
+    r->open.work = r->work;
+    r->open.viscous = r->viscous;
+}
+
+int ledger_gather(Run *r)
+{
+    OpenStretch *open = &r->open;
+    double last = r->end - flow_anchor(r);
     if (r->scene.ledger == 0)
-        return;
-    while (tau < last) {
-        double piece = flow_longest_piece(r, tau);
-        double ahead = piece < last - tau ? tau + piece : last;
-        integrate(r, tau, ahead - tau);
-        tau = ahead;
+        return 1;
+    while (open->tau < last) {
+        double piece = flow_longest_piece(r, open->tau);
+        double ahead = piece < last - open->tau ? open->tau + piece : last;
+        if (r->spent > WORK_AT_ONCE)
+            return 0;
+        integrate(r, open, ahead - open->tau);
+        open->tau = ahead;
     }
+    r->work = open->work;
+    r->viscous = open->viscous;
     if (r->scene.has_friction != 0 && r->mode.friction != 0)
-        r->friction_loss = r->friction_loss + r->scene.N * (r->mode.friction * (state->x2 - r->state.x2));
-    r->stored = ledger_energy(r, state, r->mode);
+        r->friction_loss = r->friction_loss + r->scene.N * (r->mode.friction * (r->arrival.x2 - r->state.x2));
+    r->stored = ledger_energy(r, &r->arrival, r->mode);
+    return 1;
 }

@@ -48,23 +48,29 @@ class EnergyLedger:
         return energy
 
     def gather(self, start, end, state, mode):
-        """Add the stretch from the state `start` to `state` at the time `end`."""
+        """Add the stretch from the state `start` to `state` at the time `end`.
+
+        A generator, which yields how far it is [s] after every piece; the sums change when all are done.
+        """
         if not self.wanted:
             return
         tau, last = start.t - self.flow.t0, end - self.flow.t0
+        sums = self.work, self.viscous
         while tau < last:
             piece = self.flow.longest_piece(tau)
             ahead = tau + piece if piece < last - tau else last
-            self._integrate(tau, ahead - tau)
+            sums = self._integrated(sums, tau, ahead - tau)
             tau = ahead
+            yield self.flow.t0 + tau
+        self.work, self.viscous = sums
         if self.scene.has_friction and mode.friction != 0:
             loss = self.scene.N * (mode.friction * (state.x2 - start.x2))
             self.friction = self.friction + loss
         self.stored = self.energy(state, mode)
 
-    def _integrate(self, tau, length):
-        """Work and viscous loss of one piece. The nodes lie where they should, not on the time grid, whose
-        rounding would show in the sums.
+    def _integrated(self, sums, tau, length):
+        """The sums of work and viscous loss with those of one piece. The nodes lie where they should, not on
+        the time grid, whose rounding would show in the sums.
         """
         scene = self.scene
         work = viscous = self.kit.number(0)
@@ -74,8 +80,7 @@ class EnergyLedger:
             u = state.v1 - state.v2
             viscous = viscous + weight * (u * u)
             work = work + weight * self._power(state, offset)
-        self.work = self.work + length * work
-        self.viscous = self.viscous + length * (scene.c * viscous)
+        return sums[0] + length * work, sums[1] + length * (scene.c * viscous)
 
     def _power(self, state, tau):
         """Power of the source [W]."""

@@ -1,206 +1,286 @@
-/* The Python face of the C engine: functions on caller-owned memory; the GIL is released while it computes. */
+/* The Python face of the C engine: a run is a capsule, its output goes into arrays of the caller. Every index, size, type and
+ * layout that comes from outside is checked here; the GIL is released while the engine computes.
+ */
 #define PY_SSIZE_T_CLEAN
 #include <Python.h>
+#include <stdint.h>
 #include <string.h>
 
+#include "checks.h"
 #include "kernel.h"
 
-enum { SAMPLE_COLUMNS = 7, EVENT_COLUMNS = 8, STEP_SLICE = 20000 };
+#define CAPSULE "vibsim.run"
 
-static int read_doubles(const Py_buffer *view, void *target, size_t size)
+enum { SAMPLE_COLUMNS = 7, EVENT_COLUMNS = 8, OUTPUTS = 5 };
+enum { SCENE_NUMBERS = sizeof(Scene) / sizeof(double), RESUME_NUMBERS = 8 + 3 + FUNCTIONS };
+
+/* Memory of a capsule. */
+typedef struct {
+    Run run;
+    int busy; /* an engine call is under way without the GIL */
+} Box;
+
+static void drop(PyObject *capsule)
 {
-    if ((size_t)view->len != size) {
-        PyErr_Format(PyExc_ValueError, "expected %zu bytes, got %zd", size, view->len);
-        return -1;
-    }
-    memcpy(target, view->buf, size);
-    return 0;
+    PyMem_Free(PyCapsule_GetPointer(capsule, CAPSULE));
 }
 
-static Run *run_of(const Py_buffer *view)
+static Box *box_of(PyObject *capsule)
 {
-    if ((size_t)view->len != sizeof(Run)) {
-        PyErr_SetString(PyExc_ValueError, "not the memory of a run");
+    Box *box = PyCapsule_GetPointer(capsule, CAPSULE);
+    if (box && box->busy) {
+        PyErr_SetString(PyExc_RuntimeError, "a run serves one caller at a time");
         return NULL;
     }
-    return (Run *)view->buf;
+    return box;
 }
 
-static int buffers_of(Py_buffer *views, Buffers *b)
+static int wrong(const char *name, const char *must_be)
 {
-    memset(b, 0, sizeof *b);
-    b->samples = views[0].buf;
-    b->sample_modes = views[1].buf;
-    b->events = views[2].buf;
-    b->event_codes = views[3].buf;
-    b->sample_room = (long)(views[0].len / (Py_ssize_t)(SAMPLE_COLUMNS * sizeof(double)));
-    b->event_room = (long)(views[2].len / (Py_ssize_t)(EVENT_COLUMNS * sizeof(double)));
-    b->section = views[4].buf;
-    b->section_room = (long)(views[4].len / (Py_ssize_t)(SAMPLE_COLUMNS * sizeof(double)));
-    if (b->sample_room < 1 || b->event_room < 8 || b->section_room == 1 || views[1].len != 2 * b->sample_room || views[3].len != 3 * b->event_room) {
-        PyErr_SetString(PyExc_ValueError, "buffers do not fit together");
-        return -1;
-    }
-    return 0;
+    PyErr_Format(PyExc_ValueError, "%s must be %s", name, must_be);
+    return -1;
 }
 
-static void release(Py_buffer *views, int count)
+/* The numbers of a one-dimensional array of doubles. */
+static int read_doubles(PyObject *array, const char *name, double *numbers, Py_ssize_t count)
+{
+    Py_buffer view;
+    int fits;
+    if (PyObject_GetBuffer(array, &view, PyBUF_CONTIG_RO | PyBUF_FORMAT) < 0)
+        return -1;
+    fits = view.ndim == 1 && view.shape[0] == count && view.format && strcmp(view.format, "d") == 0;
+    if (fits)
+        memcpy(numbers, view.buf, (size_t)count * sizeof(double));
+    PyBuffer_Release(&view);
+    return fits ? 0 : wrong(name, "a row of doubles of the engine's length");
+}
+
+/* A contiguous table of `rows` rows to write into. */
+static int open_table(PyObject *array, const char *name, const char *format, Py_ssize_t rows, Py_buffer *view)
+{
+    size_t size = *format == 'd' ? sizeof(double) : 1;
+    if (PyObject_GetBuffer(array, view, PyBUF_CONTIG | PyBUF_FORMAT) < 0)
+        return -1;
+    if (view->ndim == 2 && view->shape[0] == rows && view->format && strcmp(view->format, format) == 0 &&
+        (uintptr_t)view->buf % size == 0)
+        return 0;
+    PyBuffer_Release(view);
+    return wrong(name, "a writable, contiguous table of the engine's type and number of rows");
+}
+
+static void close_tables(Py_buffer *views, int count)
 {
     int i;
     for (i = 0; i < count; i++)
         PyBuffer_Release(&views[i]);
 }
 
-static PyObject *run_size(PyObject *self, PyObject *args)
+/* samples, sample_modes, events, event_codes, section, as `Buffers` has them. */
+static int open_tables(PyObject *const *arrays, Py_buffer *views, Buffers *b)
 {
-    return PyLong_FromSize_t(sizeof(Run));
+    static const char *const names[OUTPUTS] = {"samples", "sample_modes", "events", "event_codes", "section"};
+    static const char *const formats[OUTPUTS] = {"d", "b", "d", "b", "d"};
+    static const int rows[OUTPUTS] = {SAMPLE_COLUMNS, 2, EVENT_COLUMNS, 3, SAMPLE_COLUMNS};
+    Py_ssize_t room[OUTPUTS];
+    int i;
+    for (i = 0; i < OUTPUTS; i++) {
+        if (open_table(arrays[i], names[i], formats[i], rows[i], &views[i]) < 0) {
+            close_tables(views, i);
+            return -1;
+        }
+        room[i] = views[i].shape[1];
+    }
+    if (room[0] < 1 || room[1] != room[0] || room[2] < 8 || room[3] != room[2] || room[4] == 1 || room[0] > LONG_MAX / 16 ||
+        room[2] > LONG_MAX / 16 || room[4] > LONG_MAX / 16) {
+        close_tables(views, OUTPUTS);
+        PyErr_SetString(PyExc_ValueError, "the tables of the output do not fit together");
+        return -1;
+    }
+    memset(b, 0, sizeof *b);
+    b->samples = views[0].buf;
+    b->sample_modes = views[1].buf;
+    b->events = views[2].buf;
+    b->event_codes = views[3].buf;
+    b->section = views[4].buf;
+    b->sample_room = (long)room[0];
+    b->event_room = (long)room[2];
+    b->section_room = (long)room[4];
+    return 0;
 }
 
-PyDoc_STRVAR(start_doc, "start(run, scene, resume, samples, sample_modes, events, event_codes, section) -> (samples, events)\n\n"
-                        "Set the memory `run` to the start of `scene` (packed doubles), or to the packed `resume` row: state (8), mode (3),\n"
-                        "known zeros (5), as doubles; empty for a fresh start.");
-
-static PyObject *start(PyObject *self, PyObject *args)
+/* The point to go on from, out of a packed row: state (8), mode (3), known zeros (5). */
+static int read_resume(PyObject *row, const Scene *scene, State *state, Mode *mode, Known *known)
 {
-    Py_buffer v[8];
+    double n[RESUME_NUMBERS];
+    const char *problem;
+    int i;
+    if (read_doubles(row, "resume", n, RESUME_NUMBERS) < 0)
+        return -1;
+    problem = resume_problem(scene, n);
+    if (problem) {
+        PyErr_Format(PyExc_ValueError, "resume: %s", problem);
+        return -1;
+    }
+    memcpy(state, n, sizeof *state);
+    mode->contact = (int)n[8];
+    mode->friction = (int)n[9];
+    mode->violated = (int)n[10];
+    for (i = 0; i < FUNCTIONS; i++)
+        known->order[i] = (int)n[11 + i];
+    return 0;
+}
+
+PyDoc_STRVAR(start_doc, "start(scene, resume, samples, sample_modes, events, event_codes, section) -> (run, samples, events)\n\n"
+                        "A run at the start of `scene` (packed doubles), or at the packed `resume` row: state (8), mode (3), known\n"
+                        "zeros (5), as doubles; None for a fresh start. Raises ValueError for what no run can be made of.");
+
+static PyObject *start(PyObject *Py_UNUSED(self), PyObject *args)
+{
+    PyObject *packed, *row, *arrays[OUTPUTS], *capsule = NULL;
+    Py_buffer views[OUTPUTS];
     Buffers b;
     Scene scene;
-    double row[8 + 3 + FUNCTIONS];
-    Run *run;
-    PyObject *result = NULL;
-    if (!PyArg_ParseTuple(args, "w*y*y*w*w*w*w*w*", &v[0], &v[1], &v[2], &v[3], &v[4], &v[5], &v[6], &v[7]))
+    State state;
+    Mode mode;
+    Known known;
+    Box *box;
+    const char *problem;
+    if (!PyArg_ParseTuple(args, "OOOOOOO", &packed, &row, &arrays[0], &arrays[1], &arrays[2], &arrays[3], &arrays[4]) ||
+        read_doubles(packed, "scene", (double *)&scene, SCENE_NUMBERS) < 0)
         return NULL;
-    run = run_of(&v[0]);
-    if (run && read_doubles(&v[1], &scene, sizeof scene) == 0 && buffers_of(v + 3, &b) == 0) {
-        if (v[2].len == 0) {
-            run_start(run, &scene, NULL, NULL, NULL, &b);
-            result = Py_BuildValue("ll", b.sample_count, b.event_count);
-        } else if (read_doubles(&v[2], row, sizeof row) == 0) {
-            State state = {row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7]};
-            Mode mode = {(int)row[8], (int)row[9], (int)row[10]};
-            Known known;
-            int i;
-            for (i = 0; i < FUNCTIONS; i++)
-                known.order[i] = (int)row[11 + i];
-            run_start(run, &scene, &state, &mode, &known, &b);
-            result = Py_BuildValue("ll", b.sample_count, b.event_count);
-        }
+    problem = scene_problem(&scene);
+    if (problem) {
+        PyErr_Format(PyExc_ValueError, "scene: %s", problem);
+        return NULL;
     }
-    release(v, 8);
-    return result;
+    if ((row != Py_None && read_resume(row, &scene, &state, &mode, &known) < 0) || open_tables(arrays, views, &b) < 0)
+        return NULL;
+    box = PyMem_Calloc(1, sizeof *box);
+    if (!box)
+        PyErr_NoMemory();
+    else if (!(capsule = PyCapsule_New(box, CAPSULE, drop)))
+        PyMem_Free(box);
+    if (capsule) {
+        Py_BEGIN_ALLOW_THREADS
+        if (row == Py_None)
+            run_start(&box->run, &scene, NULL, NULL, NULL, &b);
+        else
+            run_start(&box->run, &scene, &state, &mode, &known, &b);
+        Py_END_ALLOW_THREADS
+    }
+    close_tables(views, OUTPUTS);
+    return capsule ? Py_BuildValue("Nll", capsule, b.sample_count, b.event_count) : NULL;
 }
 
 PyDoc_STRVAR(advance_doc, "advance(run, samples, sample_modes, events, event_codes, section) -> (samples, events, section, finished, status)\n\n"
                           "Compute on until a buffer is full, a slice of work is done or the run ends.");
 
-static PyObject *advance(PyObject *self, PyObject *args)
+static PyObject *advance(PyObject *Py_UNUSED(self), PyObject *args)
 {
-    Py_buffer v[6];
+    PyObject *capsule, *arrays[OUTPUTS];
+    Py_buffer views[OUTPUTS];
     Buffers b;
-    Run *run;
-    PyObject *result = NULL;
-    if (!PyArg_ParseTuple(args, "w*w*w*w*w*w*", &v[0], &v[1], &v[2], &v[3], &v[4], &v[5]))
+    Box *box;
+    if (!PyArg_ParseTuple(args, "OOOOOO", &capsule, &arrays[0], &arrays[1], &arrays[2], &arrays[3], &arrays[4]))
         return NULL;
-    run = run_of(&v[0]);
-    if (run && buffers_of(v + 1, &b) == 0) {
-        Py_BEGIN_ALLOW_THREADS
-        run_advance(run, &b, STEP_SLICE);
-        Py_END_ALLOW_THREADS
-        result = Py_BuildValue("lllii", b.sample_count, b.event_count, b.section_count, run->finished, run->status);
-    }
-    release(v, 6);
-    return result;
+    box = box_of(capsule);
+    if (!box || open_tables(arrays, views, &b) < 0)
+        return NULL;
+    box->busy = 1;
+    Py_BEGIN_ALLOW_THREADS
+    run_advance(&box->run, &b);
+    Py_END_ALLOW_THREADS
+    box->busy = 0;
+    close_tables(views, OUTPUTS);
+    return Py_BuildValue("lllii", b.sample_count, b.event_count, b.section_count, box->run.finished, box->run.status);
 }
 
-PyDoc_STRVAR(state_at_doc, "state_at(run, t) -> (t, x1, v1, x2, v2, phase, turns, w)\n\nState before the next event; t ascending from call to call.");
+PyDoc_STRVAR(state_at_doc, "state_at(run, t) -> (t, x1, v1, x2, v2, phase, turns, w), or None where a slice of work is done before: call again\n\n"
+                           "State before the next event; t ascending from call to call.");
 
-static PyObject *state_at(PyObject *self, PyObject *args)
+static PyObject *state_at(PyObject *Py_UNUSED(self), PyObject *args)
 {
-    Py_buffer v;
+    PyObject *capsule;
     double t;
-    Run *run;
-    PyObject *result = NULL;
-    if (!PyArg_ParseTuple(args, "w*d", &v, &t))
+    Box *box;
+    State s;
+    int there;
+    if (!PyArg_ParseTuple(args, "Od", &capsule, &t))
         return NULL;
-    run = run_of(&v);
-    if (run) {
-        State s;
-        run_state_at(run, t, &s);
-        result = Py_BuildValue("dddddddd", s.t, s.x1, s.v1, s.x2, s.v2, s.phase, s.turns, s.w);
-    }
-    release(&v, 1);
-    return result;
+    box = box_of(capsule);
+    if (!box)
+        return NULL;
+    box->busy = 1;
+    Py_BEGIN_ALLOW_THREADS
+    there = run_state_at(&box->run, t, &s);
+    Py_END_ALLOW_THREADS
+    box->busy = 0;
+    if (!there)
+        Py_RETURN_NONE;
+    return Py_BuildValue("dddddddd", s.t, s.x1, s.v1, s.x2, s.v2, s.phase, s.turns, s.w);
 }
 
 PyDoc_STRVAR(tally_doc, "tally(run) -> dict of state, mode, counts and margins");
 
-static PyObject *tally(PyObject *self, PyObject *args)
+static PyObject *tally(PyObject *Py_UNUSED(self), PyObject *capsule)
 {
-    Py_buffer v;
-    Run *r;
-    PyObject *result = NULL, *counts;
+    const Box *box = box_of(capsule);
+    const Run *r;
+    PyObject *counts;
     int i;
-    if (!PyArg_ParseTuple(args, "y*", &v))
+    if (!box || !(counts = PyTuple_New(KINDS)))
         return NULL;
-    r = run_of(&v);
-    if (r && (counts = PyTuple_New(KINDS)) != NULL) {
-        for (i = 0; i < KINDS; i++)
-            PyTuple_SET_ITEM(counts, i, PyLong_FromDouble(r->counts[i]));
-        result = Py_BuildValue("{s(dddddddd)s(iii)sNsdsds(dddd)sisds(ddddd)}", "state", r->state.t, r->state.x1, r->state.v1,
-                               r->state.x2, r->state.v2, r->state.phase, r->state.turns, r->state.w, "mode",
-                               r->mode.contact, r->mode.friction, r->mode.violated, "counts", counts, "steps", r->steps,
-                               "evaluations", r->evaluations, "certificate", r->certificate.uncertified,
-                               r->certificate.first_doubt, r->certificate.margin, r->certificate.margin_time,
-                               "violated_once", r->violated_once, "first_violation",
-                               r->first_violation, "ledger", r->energy_start, r->stored, r->work, r->viscous,
-                               r->friction_loss);
-    }
-    release(&v, 1);
-    return result;
+    r = &box->run;
+    for (i = 0; i < KINDS; i++)
+        PyTuple_SET_ITEM(counts, i, PyLong_FromDouble(r->counts[i]));
+    return Py_BuildValue("{s(dddddddd)s(iii)sdsNsdsds(dddd)sisds(ddddd)}", "state", r->state.t, r->state.x1, r->state.v1,
+                         r->state.x2, r->state.v2, r->state.phase, r->state.turns, r->state.w, "mode", r->mode.contact,
+                         r->mode.friction, r->mode.violated, "worked_to", run_worked_to(r), "counts", counts, "steps",
+                         r->steps, "evaluations", r->evaluations, "certificate", r->certificate.uncertified,
+                         r->certificate.first_doubt, r->certificate.margin, r->certificate.margin_time, "violated_once",
+                         r->violated_once, "first_violation", r->first_violation, "ledger", r->energy_start, r->stored,
+                         r->work, r->viscous, r->friction_loss);
 }
 
 PyDoc_STRVAR(growth_doc, "growth(run) -> (count, complete, rows, rank losses, pieces, volume residual, (tangencies, closest, its time, largest speed))\n\n"
                          "The tangent bundle of a run, as `TangentBundle.entries()` has it; rows as one flat tuple.");
 
-static PyObject *growth(PyObject *self, PyObject *args)
+static PyObject *growth(PyObject *Py_UNUSED(self), PyObject *capsule)
 {
-    Py_buffer v;
-    Run *r;
-    PyObject *result = NULL, *rows;
-    int i, k;
-    if (!PyArg_ParseTuple(args, "y*", &v))
+    const Box *box = box_of(capsule);
+    const Tangent *b;
+    PyObject *rows;
+    int i, k, width;
+    if (!box)
         return NULL;
-    r = run_of(&v);
-    if (r) {
-        const Tangent *b = &r->tangent;
-        int width = b->count + 1;
-        rows = PyTuple_New(b->row_count * width);
-        for (i = 0; rows && i < b->row_count; i++)
-            for (k = 0; k < width; k++)
-                PyTuple_SET_ITEM(rows, i * width + k, PyFloat_FromDouble(b->rows[i][k]));
-        if (rows)
-            result = Py_BuildValue("iiNddd(dddd)", b->count, b->complete, rows, b->losses, b->pieces, b->residual,
-                                   b->tangencies.count, b->tangencies.closest, b->tangencies.time, b->tangencies.fastest);
-    }
-    release(&v, 1);
-    return result;
+    b = &box->run.tangent;
+    width = b->count + 1;
+    rows = PyTuple_New(b->row_count * width);
+    if (!rows)
+        return NULL;
+    for (i = 0; i < b->row_count; i++)
+        for (k = 0; k < width; k++)
+            PyTuple_SET_ITEM(rows, i * width + k, PyFloat_FromDouble(b->rows[i][k]));
+    return Py_BuildValue("iiNddd(dddd)", b->count, b->complete, rows, b->losses, b->pieces, b->residual, b->tangencies.count,
+                         b->tangencies.closest, b->tangencies.time, b->tangencies.fastest);
 }
 
 static PyMethodDef methods[] = {
-    {"run_size", run_size, METH_NOARGS, "run_size() -> bytes of memory that a run needs"},
     {"start", start, METH_VARARGS, start_doc},
     {"advance", advance, METH_VARARGS, advance_doc},
     {"state_at", state_at, METH_VARARGS, state_at_doc},
-    {"tally", tally, METH_VARARGS, tally_doc},
-    {"growth", growth, METH_VARARGS, growth_doc},
+    {"tally", tally, METH_O, tally_doc},
+    {"growth", growth, METH_O, growth_doc},
     {NULL, NULL, 0, NULL},
 };
 
+static PyModuleDef_Slot slots[] = {{0, NULL}};
+
 static struct PyModuleDef module = {
-    PyModuleDef_HEAD_INIT, "_kernel", "The C engine of vibsim; use vibsim.kernel.", -1, methods, NULL, NULL, NULL, NULL,
+    PyModuleDef_HEAD_INIT, "_kernel", "The C engine of vibsim; use vibsim.kernel.", 0, methods, slots, NULL, NULL, NULL,
 };
 
 PyMODINIT_FUNC PyInit__kernel(void)
 {
-    return PyModule_Create(&module);
+    return PyModuleDef_Init(&module);
 }

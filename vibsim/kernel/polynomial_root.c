@@ -44,6 +44,7 @@ static int march(Run *r, const double *series, int count, double error, double b
     int near = 0, i;
     for (i = 0; i < MARCH_LIMIT; i++) {
         double tau = t - t0, value, slope, room, step, ahead;
+        r->spent += 1;
         if (tau > h)
             return POSITIVE;
         value_and_slope(series, count, tau, &value, &slope);

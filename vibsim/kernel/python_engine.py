@@ -15,7 +15,8 @@ from vibsim.kernel.tangent_totals import tangent_totals
 from vibsim.kernel.totals import totals_of
 from vibsim.physics.numbers import Doubles
 
-SAMPLES, EVENTS, STRETCHES = 2048, 1024, 512
+SAMPLES, EVENTS, PIECES = 2048, 1024, 4096
+SECONDS = 0.1  # between two blocks: Ctrl-C is heard there
 FLOWS: dict[str, Any] = {"closed_form": ClosedForm, "taylor": Taylor}
 
 
@@ -34,7 +35,7 @@ class PythonTrajectory:
     def blocks(self):
         """Yield `Block`s until the run ends."""
         while True:
-            self.driver.run(SAMPLES, EVENTS, STRETCHES)
+            self.driver.run(SAMPLES, EVENTS, PIECES, SECONDS)
             yield self._block()
             if self.driver.finished:
                 return
@@ -46,7 +47,7 @@ class PythonTrajectory:
         table["t"], table["kind"] = table["time"], np.array([row[0] for row in events], dtype="i1")
         table["phase"] = np.array([row[1].phase for row in events], dtype="f8")
         points = sample_columns(self.kit, section, [self.driver.mode] * len(section))
-        return select(self.scene, rows, table, points, self.driver.state.t)
+        return select(self.scene, rows, table, points, self.driver.state.t, self.driver.worked_to)
 
     @property
     def totals(self):
@@ -71,7 +72,10 @@ class PythonTrajectory:
                 end, function = self.flow.advance(self.scene.t_end)
                 if function != NOTHING or end >= t or end >= self.scene.t_end:
                     break
-                self.flow.carry_on(self.flow.state_at(end))
+                state = self.flow.state_at(end)
+                if not self.kit.finite(state.x1 + state.v1 + state.x2 + state.v2 + state.w):
+                    break
+                self.flow.carry_on(state)
             states.append(self.flow.state_at(t))
         columns = sample_columns(self.kit, states, [self.driver.mode] * len(states))
         return {name: columns[name] for name in self.scene.columns()}

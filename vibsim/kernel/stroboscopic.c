@@ -3,6 +3,7 @@
 #include "numbers.h"
 
 #define ITERATIONS 60
+#define LAST_PERIOD 9007199254740992.0 /* 2^53: behind it whole numbers of periods are no doubles */
 
 static double period_end(const Scene *s, double k)
 {
@@ -50,7 +51,7 @@ void section_start(Run *r)
     if (r->scene.harmonic != 0 && r->state.t > 0) {
         r->period = floor(r->state.t * r->scene.cycles);
         r->period = r->period > 1 ? r->period : 1;
-        while (period_end(&r->scene, r->period) <= r->state.t)
+        while (period_end(&r->scene, r->period) <= r->state.t && r->period < LAST_PERIOD)
             r->period += 1;
     }
 }
@@ -73,7 +74,7 @@ int section_gather(Run *r, Buffers *b, double end)
         }
         return 1;
     }
-    for (; period_end(&r->scene, r->period) <= end; r->period += 1) {
+    for (; period_end(&r->scene, r->period) <= end && r->period < LAST_PERIOD; r->period += 1) {
         if (b->section_count >= b->section_room)
             return 0;
         keep(r, b, period_end(&r->scene, r->period));

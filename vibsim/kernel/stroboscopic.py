@@ -8,6 +8,7 @@ changes no trajectory.
 from vibsim.physics.numbers import TWO_PI, TWO_PI_LO
 
 ITERATIONS = 60
+LAST_PERIOD = 2**53  # behind it whole numbers of periods are no doubles
 
 
 class StroboscopicSection:
@@ -28,21 +29,22 @@ class StroboscopicSection:
         """Begin with the first period that ends after t."""
         if self.wanted and not self.scene.has_motor:
             self.period = max(1, int(t * self.scene.cycles))
-            while self.period_end(self.period) <= t:
+            while self.period_end(self.period) <= t and self.period < LAST_PERIOD:
                 self.period += 1
 
     def gather(self, start, end):
         """Section points within (start.t, end], on the stretch that the flow has just done from the state
-        `start`.
+        `start`; a generator, which yields now and then.
         """
         if self.wanted and self.scene.has_motor:
             self._gather_turns(start, end)
         elif self.wanted:
             t = self.period_end(self.period)
-            while t <= end:
+            while t <= end and self.period < LAST_PERIOD:
                 self.states.append(self.flow.state_at(t))
                 self.period += 1
                 t = self.period_end(self.period)
+                yield
 
     def _gather_turns(self, start, end):
         """Forward passages of phi through whole turns, by bisection safeguarded Newton steps."""

@@ -1,6 +1,8 @@
 /* The tangent bundle of a run; twin of vibsim/kernel/tangent_bundle.py. */
 #include "kernel.h"
 
+#define WORK_OF_A_PIECE 10 /* in evaluations of the motion */
+
 static double mark(const Run *r)
 {
     const Tangent *b = &r->tangent;
@@ -119,24 +121,28 @@ void tangent_start(Run *r)
     record_row(r, r->state.t);
 }
 
-void tangent_gather(Run *r, double end, const State *state)
+int tangent_gather(Run *r)
 {
     Tangent *b = &r->tangent;
     int closed = r->scene.closed_form != 0;
-    double t = r->state.t;
     if (b->count == 0)
-        return;
-    while (t < end) {
-        double ahead = closed ? closed_form_tangent_piece_end(r, t, end, mark(r)) : taylor_tangent_piece_end(r, t, end);
-        double expected = closed ? closed_form_tangent_move(r, t, ahead) : taylor_tangent_move(r, t, ahead);
-        double volume = renormalise(b);
+        return 1;
+    while (r->carried < r->end) {
+        double t = r->carried, ahead, expected, volume;
+        if (r->spent > WORK_AT_ONCE)
+            return 0;
+        ahead = closed ? closed_form_tangent_piece_end(r, t, r->end, mark(r)) : taylor_tangent_piece_end(r, t, r->end);
+        expected = closed ? closed_form_tangent_move(r, t, ahead) : taylor_tangent_move(r, t, ahead);
+        volume = renormalise(b);
         if (b->complete)
             b->residual = b->residual + (volume - expected);
         b->pieces += 1;
-        t = ahead;
-        record_row(r, t);
+        r->carried = ahead;
+        r->spent += WORK_OF_A_PIECE;
+        record_row(r, ahead);
     }
-    tangencies_pass_by(&b->tangencies, state);
+    tangencies_pass_by(&b->tangencies, &r->arrival);
+    return 1;
 }
 
 void tangent_cross(Run *r, int kind, const State *state, Mode before)

@@ -76,7 +76,10 @@ class TangentBundle:
         self._record(state.t)
 
     def gather(self, start, end, state):
-        """Carry the disturbances over the stretch from the state `start` to `state` at the time `end`."""
+        """Carry the disturbances over the stretch from the state `start` to `state` at the time `end`.
+
+        A generator, which yields how far it is [s] after every piece.
+        """
         if self.count == 0:
             return
         t = start.t
@@ -90,6 +93,7 @@ class TangentBundle:
             self.pieces += 1
             t = ahead
             self._record(t)
+            yield t
         self.tangencies.pass_by(state)
 
     def cross(self, kind, state, before):

@@ -19,14 +19,14 @@ from vibsim.kernel import flow_method
 from vibsim.kernel.block import EVENT_STATE, Block, select
 from vibsim.kernel.driver import Driver
 from vibsim.kernel.errors import KernelError
-from vibsim.kernel.python_engine import FLOWS, PythonTrajectory
+from vibsim.kernel.python_engine import FLOWS, SECONDS, PythonTrajectory
 from vibsim.kernel.totals import totals_of
 from vibsim.physics.exact_decimals import text_width
 from vibsim.physics.number_kits import number_kit
 from vibsim.physics.scene import Scene
 from vibsim.physics.state import State
 
-SAMPLES, EVENTS, STRETCHES = 512, 256, 8  # a stretch of 60 digits takes some ten milliseconds
+SAMPLES, EVENTS, PIECES = 512, 256, 8  # a stretch of 60 digits takes some ten milliseconds
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class TruthTrajectory(PythonTrajectory):
         while True:
             self.kit.activate()
             try:
-                self.driver.run(SAMPLES, EVENTS, STRETCHES)
+                self.driver.run(SAMPLES, EVENTS, PIECES, SECONDS)
             except KernelError as error:
                 values = self.kit.rounded(vars(error.state).values())
                 raise KernelError(error.reason, State(*values)) from error
@@ -77,10 +77,10 @@ class TruthTrajectory(PythonTrajectory):
         here = select(self.scene, doubles, happened, self._doubles(self._numbers([])), *self._now())
         names = digit_columns(self.scene)
         texts = self._texts(rows, names), self._texts(table, ("t", *names))
-        return TruthBlock(here.samples, here.events, here.section, here.t_reached, *texts)
+        return TruthBlock(**vars(here), sample_digits=texts[0], event_digits=texts[1])
 
     def _now(self):
-        return self.kit.rounded([self.driver.state.t])
+        return self.kit.rounded([self.driver.state.t, self.driver.worked_to])
 
     def _numbers(self, states):
         """Columns of states in the kit's numbers, under their file names."""

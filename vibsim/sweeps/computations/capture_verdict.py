@@ -1,6 +1,7 @@
 """Whether the motor was captured, and when: the verdict of `vibsim.analysis.capture` on the whole run."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -59,7 +60,8 @@ class CaptureVerdict:
 def _thinned(block: Block) -> Block:
     """What the verdict needs: the times of the turns and of the impacts."""
     begun = block.events["kind"] == EVENT_KINDS["contact_begin"]
-    return Block({}, {"time": block.events["t"][begun]}, {"time": block.section["time"]}, block.t_reached)
+    events, section = {"time": block.events["t"][begun]}, {"time": block.section["time"]}
+    return replace(block, samples={}, events=events, section=section)
 
 
 def _numbers(capture: Capture) -> dict[str, float]:
