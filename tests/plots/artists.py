@@ -8,6 +8,16 @@ def lines(figure, gid):
     return [line for axes in figure.axes for line in axes.get_lines() if line.get_gid() == gid]
 
 
+def letters(figure):
+    """The letters of the panels."""
+    return [text.get_text() for axes in figure.axes for text in axes.texts if text.get_gid() == "letter"]
+
+
+def patches(figure, gid):
+    """The areas of a figure that carry a name."""
+    return [patch for axes in figure.axes for patch in axes.patches if patch.get_gid() == gid]
+
+
 def points(line):
     """Data of a line, (x, y)."""
     return np.asarray(line.get_xdata(), dtype=float), np.asarray(line.get_ydata(), dtype=float)

@@ -2,10 +2,11 @@
 
 import re
 from dataclasses import replace
+from string import ascii_lowercase
 
 import pytest
 
-from tests.plots.artists import clipped_texts, colliding_legends
+from tests.plots.artists import clipped_texts, colliding_legends, letters
 from tests.plots.conftest import RUNS
 from tests.plots.test_registry import FITTING
 from vibsim.plots.registry import KINDS, kind_named
@@ -26,6 +27,9 @@ def assert_fit_to_print(figure):
             assert not label or label == "Count" or UNIT.search(label), label
     assert any(axes.get_xlabel() for axes in figure.axes)
     assert any(axes.get_ylabel() for axes in figure.axes)
+    panels = [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
+    expected = [f"({letter})" for letter in ascii_lowercase[: len(panels)]] if len(panels) > 1 else []
+    assert sorted(letters(figure)) == expected
     figure.draw_without_rendering()
     assert clipped_texts(figure) == []
     assert colliding_legends(figure) == []

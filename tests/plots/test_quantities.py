@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from vibsim.plots.quantities import scale_for, seconds
+from vibsim.plots.quantities import amount, rounded, scale_for, seconds, symbol
 
 
 @pytest.mark.parametrize(
@@ -37,3 +37,23 @@ def test_nan_is_no_magnitude():
 
 def test_seconds():
     assert seconds((290.0, 300.0)) == "290–300 s"
+
+
+def test_rounded_decimals_tell_values_apart():
+    assert rounded([0.001, 53 / 3500, 0.1]) == ["0.001", "0.0151", "0.1"]
+    assert rounded([1.00001, 1.00002]) == ["1.00001", "1.00002"]
+    assert rounded([2.5, 2.5]) == ["2.5", "2.5"]
+    assert rounded([12345.6]) == ["12300"]
+    assert rounded([]) == []
+
+
+def test_amounts():
+    assert amount(12600, "N/m") == "12.6 kN/m"
+    assert amount(1.00022e6, "N/m") == "1 MN/m"
+    assert amount(200, "N/m") == "200 N/m"
+    assert scale_for("m", [3e7]).unit == "km"
+
+
+def test_symbols():
+    assert symbol("x1") == "$x_{1}$"
+    assert symbol("v_drill") == r"$v_\mathrm{drill}$"

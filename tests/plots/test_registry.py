@@ -4,12 +4,13 @@ from vibsim.plots.errors import PlotError
 from vibsim.plots.registry import KINDS, NEEDS, choose, fitting, kind_named
 
 ALWAYS = {"overview", "displacement", "velocity", "phase", "relative", "stiffness"}
+PERIODIC = {"impact-velocity", "stroboscopic", "phase-drift-free"}
 FITTING = {
-    "ideal": ALWAYS | {"impact-velocity", "stroboscopic"},
+    "ideal": ALWAYS | PERIODIC,
     "motor": {kind.name for kind in KINDS if kind.reads in ("trajectory", "case")},
-    "fixed": ALWAYS | {"impact-velocity", "stroboscopic"},
+    "fixed": ALWAYS | PERIODIC,
     "bare": ALWAYS,
-    "quiet": ALWAYS | {"impact-velocity", "stroboscopic"},
+    "quiet": ALWAYS | PERIODIC,
 }
 
 

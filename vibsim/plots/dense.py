@@ -24,6 +24,7 @@ def dense(
     Every sample and every event within the span is among the rows, as stored; the instants between are
     evaluated by the engine. A span too long for that comes back as samples alone.
     """
+    names = tuple(name for name in names if name != "time")
     stored = samples(result, ("time", *names), span)
     between = _instants_between(stored["time"], span, step or _fine_step(result.case.scene()))
     if between is None:

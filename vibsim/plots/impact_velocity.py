@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,14 +13,17 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from vibsim.plots.impacts import events_of
-from vibsim.plots.quantities import Scale, scale_for
-from vibsim.plots.samples import common_window, window_of
-from vibsim.plots.sheet import legend_above, note, sheet, time_axis
-from vibsim.plots.style import BLUE, overlay
+from vibsim.plots.quantities import Scale, scale_for, seconds
+from vibsim.plots.samples import common_window, shown, window_of
+from vibsim.plots.sheet import legend_above, letter_panels, note, sheet, time_axis
+from vibsim.plots.spans import last_half
+from vibsim.plots.style import BLUE, GREY, overlay
 from vibsim.plots.subject import Subject
+from vibsim.plots.time_marks import trust_marks
 from vibsim.plots.view import Span, View
 
 BINS = 40
+HEADROOM = 1.1  # beyond the longest bar of the histogram
 CLOSING = "Closing velocity"
 
 
@@ -31,11 +35,23 @@ class Impacts:
     closing: np.ndarray
     phase: np.ndarray | None
 
+    def within(self, span: Span) -> Impacts:
+        """Those within a span [s]."""
+        inside = (self.t >= span[0]) & (self.t <= span[1])
+        return Impacts(
+            self.t[inside], self.closing[inside], self.phase[inside] if self.phase is not None else None
+        )
+
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
-    """Closing velocity of each impact: against time with a histogram, against the phase of a source."""
+    """Closing velocity of each impact against time; of a settled motion its histogram and phase.
+
+    Histogram and phases are those of the last half of the run, unless the view has a window.
+    """
     window = common_window(subjects, view.window)
     found = [impacts_of(subject, window_of(subject, window)) for subject in subjects]
+    spans = [_settled(subject, view, impacts) for subject, impacts in zip(subjects, found, strict=True)]
+    settled = [impacts.within(span) for impacts, span in zip(found, spans, strict=True)]
     scale = scale_for("m/s", *(impacts.closing for impacts in found))
     with_phase = any(impacts.phase is not None for impacts in found)
     figure = sheet(view, 8.8 if with_phase else 5.0)
@@ -43,18 +59,46 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     over_time = figure.add_subplot(grid[0, 0])
     histogram = figure.add_subplot(grid[0, 1], sharey=over_time)
     over_phase = figure.add_subplot(grid[1, :]) if with_phase else None
-    for i, (subject, impacts) in enumerate(zip(subjects, found, strict=True)):
-        colour = overlay(i)["color"] if len(subjects) > 1 else BLUE
+    colours = [overlay(i)["color"] for i in range(len(subjects))] if len(subjects) > 1 else [BLUE]
+    for subject, impacts, late, colour in zip(subjects, found, settled, colours, strict=True):
         _dots(over_time, impacts.t, scale(impacts.closing), colour, subject.name)
-        _histogram(histogram, scale(impacts.closing), colour, filled=len(subjects) == 1)
-        if over_phase is not None and impacts.phase is not None:
-            _dots(over_phase, 360 * impacts.phase, scale(impacts.closing), colour, subject.name)
+        _histogram(histogram, scale(late.closing), colour, filled=len(subjects) == 1)
+        if over_phase is not None and late.phase is not None:
+            _dots(over_phase, 360 * late.phase, scale(late.closing), colour, subject.name)
     _finish(over_time, histogram, over_phase, scale, window)
+    _say(subjects, (over_time, histogram, over_phase), (window, spans), settled, colours)
     if len(subjects) > 1:
         legend_above(over_time, markerscale=5)
-    count = sum(len(impacts.t) for impacts in found)
-    note(histogram, f"{count} impact{'' if count == 1 else 's'}")
+    letter_panels([axes for axes in (over_time, histogram, over_phase) if axes is not None])
     return figure
+
+
+def _settled(subject: Subject, view: View, impacts: Impacts) -> Span:
+    """The part of the run of which phases and frequencies are shown: the last half, or the view's window.
+
+    All of the run where the last half has no impacts.
+    """
+    span = shown(subject, view.window, last_half)
+    return span if len(impacts.within(span).t) else window_of(subject, view.window)
+
+
+def _say(
+    subjects: Sequence[Subject],
+    panels: tuple[Axes, Axes, Axes | None],
+    spans: tuple[Span, Sequence[Span]],
+    settled: Sequence[Impacts],
+    colours: Sequence[Any],
+) -> None:
+    """Marks of the trust horizons, and above each panel what it shows."""
+    over_time, histogram, over_phase = panels
+    lines = colours if len(subjects) > 1 else [GREY]
+    note(over_time, trust_marks(over_time, subjects, spans[0], lines))
+    count = sum(len(impacts.t) for impacts in settled)
+    words = f"{count} impact{'' if count == 1 else 's'}"
+    listed = "; ".join(dict.fromkeys(map(seconds, spans[1])))
+    note(over_phase or histogram, f"{words}, {listed}" if over_phase else words)
+    if over_phase:
+        note(histogram, listed)
 
 
 def impacts_of(subject: Subject, span: Span) -> Impacts:
@@ -89,7 +133,7 @@ def _finish(over_time: Axes, histogram: Axes, over_phase: Axes | None, scale: Sc
     time_axis(over_time, window)
     histogram.tick_params(labelleft=False)
     histogram.set_xlabel("Count")
-    histogram.set_xlim(left=0)
+    histogram.set_xlim(0, HEADROOM * max(histogram.get_xlim()[1], 1))
     histogram.xaxis.set_major_locator(MaxNLocator(2, integer=True))
     over_time.set_ylim(bottom=0)
     if over_phase is not None:

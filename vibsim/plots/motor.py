@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from vibsim.plots.quantities import scale_for
 from vibsim.plots.sheet import legend_above, sheet
-from vibsim.plots.style import BLUE, overlay
+from vibsim.plots.style import BLUE, nested
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
 
@@ -30,10 +30,10 @@ def motor_panel(axes: Axes, subjects: Sequence[Subject]) -> None:
     curves = [characteristic(subject.scene, fastest) for subject in subjects]
     scale = scale_for("N m", *(torque for _, torque in curves))
     for i, (subject, (speed, torque)) in enumerate(zip(subjects, curves, strict=True)):
-        look = overlay(i) if len(subjects) > 1 else {"color": BLUE}
+        look = nested(i, len(subjects), 1.0) if len(subjects) > 1 else {"color": BLUE, "linewidth": 1.0}
         no_load = subject.scene.Omega0 / (2 * math.pi)
         label = rf"{subject.name}: $\Omega_0$ = {no_load:.4g} Hz"
-        axes.plot(speed / (2 * math.pi), scale(torque), linewidth=1.0, label=label, gid="motor", **look)
+        axes.plot(speed / (2 * math.pi), scale(torque), label=label, gid="motor", **look)
         axes.plot(
             no_load, 0, "o", markersize=3, markerfacecolor="white", markeredgewidth=0.8, color=look["color"]
         )

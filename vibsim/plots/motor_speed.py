@@ -14,14 +14,13 @@ from vibsim.plots.margin_labels import Level, draw_levels
 from vibsim.plots.natural_frequencies import natural_frequencies
 from vibsim.plots.samples import POINTS_PER_COLUMN, Series, common_window, series, window_of
 from vibsim.plots.sheet import above_wider, legend_above, pixel_columns, sheet, time_axis
-from vibsim.plots.style import BLUE, SKY, overlay
+from vibsim.plots.style import BLUE, GREY, SKY, overlay
 from vibsim.plots.subject import Subject
-from vibsim.plots.time_marks import annotate_run
-from vibsim.plots.turns import turn_times
+from vibsim.plots.time_marks import annotate_runs
+from vibsim.plots.turns import TURNS, turn_times
 from vibsim.plots.view import Span, View
 
 NEAR = 0.25  # frequencies up to this part of the drawn range beyond it are drawn too
-TURNS = 12  # to average over: a multiple of the periods 1, 2, 3, 4 and 6 that the motion may have
 HEIGHT_CM = 5.6
 SPEED = r"$\dot\varphi/2\pi$"
 
@@ -51,11 +50,11 @@ def motor_speed_panel(
         low, high = min(low, hertz.min()), max(high, hertz.max())
         pale, clear = _looks(subject, i, len(subjects))
         axes.plot(t, hertz, gid="phidot", zorder=above_wider(hertz), **pale)
-        axes.plot(
-            *mean_speed(subject, span, pixel_columns(axes)), gid="mean", linewidth=0.9, zorder=2.9, **clear
-        )
-    if len(subjects) == 1:
-        annotate_run(axes, subjects[0], window, impacts=False)
+        mean = mean_speed(subject, span, pixel_columns(axes))
+        if len(mean[0]) or len(subjects) > 1:
+            axes.plot(*mean, gid="mean", linewidth=0.9, zorder=2.9, **clear)
+    colours = [overlay(i)["color"] for i in range(len(subjects))] if len(subjects) > 1 else [GREY]
+    annotate_runs(axes, subjects, window, colours, impacts=False)
     _draw_frequencies(axes, subjects, low, high, (height_cm - 1.6) * 28)
     axes.set_ylabel(f"Motor speed {SPEED} (Hz)")
     time_axis(axes, window)

@@ -14,8 +14,11 @@ from vibsim.plots.sheet import legend_above, note, sheet
 from vibsim.plots.spans import steady_span
 from vibsim.plots.style import BLUE, overlay
 from vibsim.plots.subject import Subject
+from vibsim.plots.time_marks import trust_remark
 from vibsim.plots.trace import draw_trace, trace
 from vibsim.plots.view import View
+
+BESIDE_STOP = 20  # characters of a remark that has room beside the name of the stop
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
@@ -37,7 +40,7 @@ def relative_panel(axes: Axes, subjects: Sequence[Subject], view: View) -> None:
     ]
     scales = scale_for("m", *(each.x for each in traces)), scale_for("m/s", *(each.y for each in traces))
     for i, (subject, each) in enumerate(zip(subjects, traces, strict=True)):
-        look = overlay(i, dashed=False) if len(subjects) > 1 else {"color": BLUE}
+        look = {**overlay(i), "alpha": 0.7} if len(subjects) > 1 else {"color": BLUE}
         draw_trace(axes, each, scales, label=subject.name, gid="relative", **look)
     with_stop = {(s.scene.stop_sign, s.scene.G): s.scene for s in subjects if s.scene.has_stop}
     for scene in with_stop.values():
@@ -45,4 +48,6 @@ def relative_panel(axes: Axes, subjects: Sequence[Subject], view: View) -> None:
     axes.margins(0.05)
     axes.set_xlabel(scales[0].label(f"Relative displacement {DISPLACEMENT}"))
     axes.set_ylabel(scales[1].label(f"Relative velocity {VELOCITY}"))
-    note(axes, "; ".join(dict.fromkeys(seconds(span) for span in spans)))
+    said = [*dict.fromkeys(map(seconds, spans)), trust_remark(subjects, spans)]
+    text = "; ".join(filter(None, said))
+    note(axes, text, above=1 if len(subjects) == 1 and with_stop and len(text) > BESIDE_STOP else 0)

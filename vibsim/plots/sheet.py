@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from string import ascii_lowercase
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,8 @@ CM = 1 / 2.54  # inch
 COLUMNS_PER_INCH = 600  # envelope columns: the finest print a journal asks for line art
 
 CHARACTERS_PER_INCH = 18  # of legends and notes, at 7 pt
+NOTE_LINE_PT = 9
+NOTE_SHARE = 0.9  # of the width of the axes that a line of a remark may take
 HANDLE_CHARACTERS = 7  # what a line sample and its spacing take of that
 
 
@@ -44,10 +47,10 @@ def legend_above(axes: Axes, **options: Any) -> None:
     room = int(_width(axes) * CHARACTERS_PER_INCH)
     in_a_row = max(1, room // (max(map(len, labels)) + HANDLE_CHARACTERS))
     needed = sum(len(label) + HANDLE_CHARACTERS for label in labels)
-    beside_note = needed + len(axes.get_title(loc="right")) > room and axes.get_title(loc="right")
-    raised = axes.transAxes + ScaledTranslation(
-        0, (12 if beside_note else 3) / 72, _sheet_of(axes).dpi_scale_trans
-    )
+    remark = axes.get_title(loc="right").split("\n")
+    beside_note = needed + max(map(len, remark)) > room and remark != [""]
+    raise_pt = 3 + NOTE_LINE_PT * len(remark) if beside_note else 3
+    raised = axes.transAxes + ScaledTranslation(0, raise_pt / 72, _sheet_of(axes).dpi_scale_trans)
     options = {"ncols": len(labels) if needed <= room else in_a_row, **options}
     legend = axes.legend(
         handles, labels, loc="lower left", bbox_to_anchor=(0.0, 1.0), bbox_transform=raised, **options
@@ -65,9 +68,29 @@ def legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[str], 
     figure.legend(handles, labels, loc="outside lower center", ncols=columns, **options)
 
 
-def note(axes: Axes, text: str) -> None:
-    """A short remark above the axes, at the right: the window shown, the number of impacts."""
-    axes.set_title(text, loc="right", fontsize=7, color=GREY, pad=3)
+def letter_panels(panels: Sequence[Axes]) -> None:
+    """(a), (b), ... above the upper left corners of the panels, in this order; none for a lone panel."""
+    if len(panels) < 2:
+        return
+    for axes, letter in zip(panels, ascii_lowercase, strict=False):
+        axes.annotate(
+            f"({letter})", (0.0, 1.0), (-3, 3.5), xycoords="axes fraction", textcoords="offset points",
+            ha="right", va="bottom", fontweight="bold", gid="letter",
+        )  # fmt: skip
+
+
+def note(axes: Axes, text: str, above: int = 0) -> None:
+    """A short remark above the axes, at the right: the window shown, the number of impacts.
+
+    In two lines, broken at a semicolon, where one would be wider than the axes.
+
+    above : lines to leave free between the axes and the remark
+    """
+    if len(text) > NOTE_SHARE * _width(axes) * CHARACTERS_PER_INCH and "; " in text:
+        parts = text.split("; ")
+        cut = min(range(1, len(parts)), key=lambda i: max(len("; ".join(p)) for p in (parts[:i], parts[i:])))
+        text = "\n".join("; ".join(part) for part in (parts[:cut], parts[cut:]))
+    axes.set_title(text, loc="right", fontsize=7, color=GREY, pad=3 + above * NOTE_LINE_PT)
 
 
 def above_wider(values: np.ndarray) -> float:

@@ -17,6 +17,7 @@ from vibsim.plots.view import Span, View
 
 DETAIL_PERIODS = 10
 STEADY_PERIODS = 50
+PERIODS_AT_MOST = 5000  # in the last half of a run, as far as it is shown by default
 
 
 def period_of(subject: Subject, span: Span) -> float:
@@ -39,6 +40,12 @@ def steady_span(subject: Subject, window: Span, periods: int = STEADY_PERIODS) -
     """The last `periods` of the source within the window, as a round number of seconds."""
     length = round_number(periods * period_of(subject, window))
     return max(window[0], window[1] - length), window[1]
+
+
+def last_half(subject: Subject, window: Span) -> Span:
+    """The second half of the run, at most its last 5000 periods."""
+    longest = PERIODS_AT_MOST * period_of(subject, window)
+    return max((window[0] + window[1]) / 2, window[1] - longest), window[1]
 
 
 def detail_span(subjects: Sequence[Subject], view: View) -> Span:

@@ -9,15 +9,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vibsim.plots.quantities import Scale, scale_for
+from vibsim.plots.curve_labels import Named, write_names
+from vibsim.plots.quantities import Scale, amount, scale_for
 from vibsim.plots.relative_motion import DISPLACEMENT, draw_stop, stop_position
 from vibsim.plots.sheet import legend_above, sheet
-from vibsim.plots.style import BLUE, GREY, overlay
+from vibsim.plots.style import BLUE, nested
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
 
 REACH = 2.5  # the picture reaches this many gaps beyond the rest position on the side of the stop
-NAME_BELOW = 0.07  # distance of a name from the curve, of the height of the axes
+PLACES = (0.5, 0.35, 0.65, 0.2, 0.8, 0.05)  # of a name along its part of the curve, the better first
 NO_GAP = 1e-3  # a range to show where the scene gives none [m]
 
 
@@ -34,16 +35,16 @@ def stiffness_panel(axes: Axes, subjects: Sequence[Subject]) -> None:
     curves = [characteristic(subject.scene, reach) for subject in subjects]
     scales = scale_for("m", *(y for y, _ in curves)), scale_for("N", *(force for _, force in curves))
     for i, (subject, (y, force)) in enumerate(zip(subjects, curves, strict=True)):
-        look = overlay(i) if len(subjects) > 1 else {"color": BLUE}
-        axes.plot(scales[0](y), scales[1](force), linewidth=1.0, label=subject.name, gid="stiffness", **look)
+        look = nested(i, len(subjects), 1.0) if len(subjects) > 1 else {"color": BLUE, "linewidth": 1.0}
+        axes.plot(scales[0](y), scales[1](force), label=subject.name, gid="stiffness", **look)
     axes.axhline(0, color="0.8", linewidth=0.4, zorder=0)
     axes.axvline(0, color="0.8", linewidth=0.4, zorder=0)
+    axes.set_xlabel(scales[0].label(f"Relative displacement {DISPLACEMENT}"))
+    axes.set_ylabel(scales[1].label("Spring force"))
     if len(subjects) == 1:
         _name_slopes(axes, subjects[0].scene, reach, scales)
     else:
         legend_above(axes)
-    axes.set_xlabel(scales[0].label(f"Relative displacement {DISPLACEMENT}"))
-    axes.set_ylabel(scales[1].label("Spring force"))
 
 
 def spring_force(scene: Any, y: np.ndarray) -> np.ndarray:
@@ -63,32 +64,21 @@ def characteristic(scene: Any, reach: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _name_slopes(axes: Axes, scene: Any, reach: float, scales: tuple[Scale, Scale]) -> None:
-    inward = scene.stop_sign if scene.has_stop else 1  # direction that leads away from the stop
-    _name(
-        axes,
-        scene,
-        scales,
-        inward * 0.4 * reach,
-        inward * 0.4 * reach,
-        f"slope $k_1$ = {scene.k1:g} N/m",
-        inward,
-    )
+    """The slopes in words, beside the curve and inside the frame; limits are settled before."""
+    away = scene.stop_sign if scene.has_stop else 1  # direction that leads away from the stop
+    named = [_named(f"slope $k_1$ = {amount(scene.k1, 'N/m')}", scene, scales, 0.0, away * reach)]
     if scene.has_stop:
         draw_stop(axes, scene, scales[0])
-        on_curve = (stop_position(scene) - inward * reach) / 2
-        stiff = f"slope $k_1 + k_2$ = {scene.k1 + scene.k2:g} N/m"
-        _name(axes, scene, scales, on_curve, stop_position(scene) + inward * 0.55 * reach, stiff, inward)
+        stiff = f"slope $k_1 + k_2$ = {amount(scene.k1 + scene.k2, 'N/m')}"
+        named.append(_named(stiff, scene, scales, stop_position(scene), -away * reach))
+    axes.set_xlim(axes.get_xlim())
+    axes.set_ylim(axes.get_ylim())
+    write_names(axes, named)
 
 
-def _name(
-    axes: Axes, scene: Any, scales: tuple[Scale, Scale], on_curve: float, y: float, text: str, inward: int
-) -> None:
-    """Name the curve at `on_curve` [m]; the text centred at y [m], with a leader where they part."""
-    force = float(spring_force(scene, np.array([on_curve]))[0])
-    leader = {"arrowstyle": "-", "linewidth": 0.4, "color": GREY, "shrinkA": 1, "shrinkB": 1}
-    leader["relpos"] = (0.0 if inward > 0 else 1.0, 0.5)
-    axes.annotate(
-        text, (float(scales[0](on_curve)), float(scales[1](force))),
-        (float(scales[0](y)), float(scales[1](force)) - inward * NAME_BELOW * np.ptp(axes.get_ylim())),
-        ha="center", va="center", fontsize=7, arrowprops=leader if y != on_curve else None,
-    )  # fmt: skip
+def _named(text: str, scene: Any, scales: tuple[Scale, Scale], start: float, end: float) -> Named:
+    """A name for the straight part of the curve between two displacements [m], at its middle if it fits."""
+    y = start + (end - start) * np.array(PLACES)
+    behind = {"facecolor": "white", "edgecolor": "none", "pad": 0.8}  # lines of the axes end there
+    look = {"fontsize": 7, "gid": "slope", "bbox": behind}
+    return Named(text, scales[0](y), scales[1](spring_force(scene, y)), look)

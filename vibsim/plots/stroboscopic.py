@@ -19,13 +19,13 @@ from vibsim.plots.relative_motion import (
 )
 from vibsim.plots.samples import shown
 from vibsim.plots.sheet import legend_above, note, sheet
-from vibsim.plots.spans import period_of
+from vibsim.plots.spans import PERIODS_AT_MOST, last_half
 from vibsim.plots.style import BLUE, overlay
 from vibsim.plots.subject import Subject
+from vibsim.plots.time_marks import trust_remark
 from vibsim.plots.turns import states_at, turn_times
 from vibsim.plots.view import Span, View
 
-AT_MOST = 5000  # sections by default, and the number up to which each is evaluated by the engine
 MARKERS = ("o", "s", "^", "D", "v", "x", "+")
 
 
@@ -46,28 +46,25 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     axes.margins(0.06)
     axes.set_xlabel(scales[0].label(f"Relative displacement {DISPLACEMENT}"))
     axes.set_ylabel(scales[1].label(f"Relative velocity {VELOCITY}"))
-    note(axes, f"{sum(len(y) for y, _ in drawn)} sections, " + "; ".join(dict.fromkeys(map(seconds, spans))))
+    count = sum(len(y) for y, _ in drawn)
+    said = [f"{count} point{'' if count == 1 else 's'}", *dict.fromkeys(map(seconds, spans))]
+    named = len(subjects) == 1 and subjects[0].scene.has_stop and _stop_if_near(axes, subjects[0], scales[0])
+    note(axes, "; ".join(filter(None, [*said, trust_remark(subjects, spans)])), above=1 if named else 0)
     if len(subjects) > 1:
         legend_above(axes, markerscale=2)
-    elif subjects[0].scene.has_stop:
-        _stop_if_near(axes, subjects[0], scales[0])
     return figure
-
-
-def last_half(subject: Subject, window: Span) -> Span:
-    """The second half of the run, at most its last 5000 periods."""
-    longest = AT_MOST * period_of(subject, window)
-    return max((window[0] + window[1]) / 2, window[1] - longest), window[1]
 
 
 def section(subject: Subject, span: Span) -> tuple[np.ndarray, np.ndarray]:
     """Relative displacement [m] and velocity [m/s] (n) at each turn of the source within the span."""
     times = turn_times(subject.result, span)
-    return relative(states_at(subject.result, state_names(subject.scene), times, AT_MOST + 1))
+    return relative(states_at(subject.result, state_names(subject.scene), times, PERIODS_AT_MOST + 1))
 
 
-def _stop_if_near(axes: Axes, subject: Subject, scale: Scale) -> None:
-    """The stop, unless it lies so far off that drawing it would squeeze the section."""
+def _stop_if_near(axes: Axes, subject: Subject, scale: Scale) -> bool:
+    """The stop, unless it lies so far off that drawing it would squeeze the section; whether it is drawn."""
     low, high = axes.get_xlim()
-    if low <= float(scale(stop_position(subject.scene))) <= high:
+    near = low <= float(scale(stop_position(subject.scene))) <= high
+    if near:
         draw_stop(axes, subject.scene, scale)
+    return near

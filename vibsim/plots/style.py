@@ -18,12 +18,12 @@ GREY = "0.45"
 SHADE = "0.90"
 
 BLOCK1: dict[str, Any] = {"color": BLUE}
-BLOCK2: dict[str, Any] = {"color": ORANGE, "linestyle": (0, (6, 1.2))}
+BLOCK2: dict[str, Any] = {"color": ORANGE}
 
 _COLOURS = (BLUE, ORANGE, BLACK, SKY, VERMILLION, PINK, GREEN)
-_DASHES: tuple[Any, ...] = ("-", (0, (6, 1.5)), (0, (6, 1.5, 1, 1.5)), (0, (1.5, 1)))
 
 THIN = 0.6  # line width of data [pt]
+STEP, WIDEST = 0.8, 2.6  # by how much the lines of several files differ in width, and the widest [pt]
 
 SETTINGS: Any = {
     "font.family": "sans-serif",
@@ -61,7 +61,7 @@ SETTINGS: Any = {
     "agg.path.chunksize": 20000,
     "pdf.fonttype": 42,  # TrueType, as journals ask
     "ps.fonttype": 42,
-    "svg.fonttype": "path",  # outlines: an SVG looks the same without the font
+    "svg.fonttype": "none",  # text: an editor and a search find the words
     "svg.hashsalt": "vibsim",  # the same ids in every run: pictures can be compared
 }
 
@@ -76,10 +76,15 @@ def applied() -> Iterator[None]:
         yield
 
 
-def overlay(index: int, dashed: bool = True) -> dict[str, Any]:
-    """Colour and line style of the subject number `index` in a picture of several.
+def overlay(index: int) -> dict[str, Any]:
+    """Colour of the subject number `index` in a picture of several; solid, as in the legend."""
+    return {"color": _COLOURS[index % len(_COLOURS)]}
 
-    dashed : False where the lines are too dense for dashes to be seen.
+
+def nested(index: int, count: int, narrowest: float = THIN) -> dict[str, Any]:
+    """Colour and width of one of `count` lines that may run into one another.
+
+    The first is the widest: where lines coincide, each shows as a rim of the next.
     """
-    dash = _DASHES[index % len(_DASHES)] if dashed else "-"
-    return {"color": _COLOURS[index % len(_COLOURS)], "linestyle": dash}
+    step = min(STEP, (WIDEST - narrowest) / max(count - 1, 1))
+    return {**overlay(index), "linewidth": narrowest + step * (count - 1 - index)}

@@ -68,19 +68,29 @@ def open_subject(path: str) -> Subject:
 
 
 def open_subjects(paths: Sequence[str]) -> list[Subject]:
-    """Subjects of several paths; where case names repeat they go by their file names, or by their paths."""
+    """Subjects of several paths; where case names repeat, they go by as much of their paths as differs."""
     subjects = [open_subject(path) for path in paths]
-    for finer_name in (file_stem, str):
-        names = [subject.name for subject in subjects]
-        subjects = [
-            replace(subject, name=as_text(finer_name(subject.path)))
-            if names.count(subject.name) > 1
-            else subject
-            for subject in subjects
-        ]
+    names = [subject.name for subject in subjects]
+    twins = [i for i, name in enumerate(names) if names.count(name) > 1]
+    for i, name in zip(twins, distinct_names([paths[i] for i in twins]), strict=True):
+        subjects[i] = replace(subjects[i], name=as_text(name))
     return subjects
 
 
 def file_stem(path: str) -> str:
     """The name of a file without folder and suffix; II-B of runs/II-B.h5 and of II-B.h5.partial."""
     return Path(Path(path).name.removesuffix(".partial")).stem
+
+
+def distinct_names(paths: Sequence[str]) -> list[str]:
+    """The shortest ends of the paths, without suffix, that tell them apart; numbers where a file repeats."""
+    parts = [(*Path(path).absolute().parent.parts, file_stem(path)) for path in paths]
+    names = [file_stem(path) for path in paths]
+    for length in range(1, max((len(each) for each in parts), default=0) + 1):
+        names = ["/".join(each[-length:]) for each in parts]
+        if len(set(names)) == len(set(parts)):
+            break
+    return [
+        f"{name} ({names[: i + 1].count(name)})" if names.count(name) > 1 else name
+        for i, name in enumerate(names)
+    ]

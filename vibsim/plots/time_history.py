@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -11,13 +12,21 @@ from matplotlib.figure import Figure
 
 from vibsim.plots.dense import dense, samples_are_sparse
 from vibsim.plots.impacts import contact_spans, events_of
-from vibsim.plots.quantities import Scale, scale_for
+from vibsim.plots.quantities import Scale, scale_for, symbol
 from vibsim.plots.samples import Series, common_window, series, window_of
-from vibsim.plots.sheet import above_wider, legend_above, note, pixel_columns, sheet, time_axis
+from vibsim.plots.sheet import (
+    above_wider,
+    legend_above,
+    letter_panels,
+    note,
+    pixel_columns,
+    sheet,
+    time_axis,
+)
 from vibsim.plots.spans import DETAIL_PERIODS, detail_span, period_of
-from vibsim.plots.style import BLOCK1, BLOCK2, SHADE, overlay
+from vibsim.plots.style import BLOCK1, BLOCK2, GREY, SHADE, THIN, nested
 from vibsim.plots.subject import Subject
-from vibsim.plots.time_marks import annotate_run, trust_mark
+from vibsim.plots.time_marks import annotate_runs, mark_detail, trust_marks
 from vibsim.plots.view import Span, View
 
 SINGLE_MARKS = 120  # impacts in a detail up to which each gets its own mark on the curves
@@ -34,12 +43,43 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Curve:
-    """One column of one subject, and how it looks."""
+    """One column of one subject, and how it looks.
+
+    alone : whether the picture shows this subject alone
+    """
 
     subject: Subject
     column: str
     label: str
     look: dict[str, Any]
+    alone: bool
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Axes, and what is drawn on them: curves over a span [s]."""
+
+    axes: Axes
+    curves: list[Curve]
+    span: Span
+
+    @cached_property
+    def is_short(self) -> bool:
+        """Whether single periods can be seen."""
+        return is_short(self.curves[0].subject, self.span)
+
+    @cached_property
+    def drawn(self) -> list[Series]:
+        """Instants [s] and values (SI) of each curve: smooth over a short span, else an envelope."""
+        series_of = _short_series if self.is_short else _long_series
+        return [series_of(curve, self.span, pixel_columns(self.axes)) for curve in self.curves]
+
+    @property
+    def runs(self) -> tuple[list[Subject], list[Any]]:
+        """The runs shown and their colours; one of which both blocks are shown counts once, in grey."""
+        if self.curves[0].alone:
+            return [self.curves[0].subject], [GREY]
+        return [curve.subject for curve in self.curves], [curve.look["color"] for curve in self.curves]
 
 
 def draw_history(subjects: Sequence[Subject], view: View, quantity: Quantity) -> Figure:
@@ -52,15 +92,17 @@ def draw_history(subjects: Sequence[Subject], view: View, quantity: Quantity) ->
     spans = _spans(subjects, view)
     count = len(spans) * len(groups)
     figure = sheet(view, 1.0 + count * (4.2 if len(groups) == 1 else 3.4))
-    panels = figure.subplots(count, 1, squeeze=False)[:, 0]
-    for row, (span, group) in enumerate((span, group) for span in spans for group in groups):
-        history_panel(panels[row], group, span, quantity)
+    panels = list(figure.subplots(count, 1, squeeze=False)[:, 0])
+    shown = [(span, group) for span in spans for group in groups]
+    histories([Panel(axes, group, span) for axes, (span, group) in zip(panels, shown, strict=True)], quantity)
+    for row, axes in enumerate(panels):
         if row % len(groups) < len(groups) - 1:
-            panels[row].tick_params(labelbottom=False)
-            panels[row].set_xlabel("")
+            axes.tick_params(labelbottom=False)
+            axes.set_xlabel("")
         if row < len(groups) and len(spans) == 2:
-            panels[row].axvspan(*spans[1], color=SHADE, linewidth=0, zorder=0)
+            mark_detail(axes, spans[1])
     legend_above(panels[0])
+    letter_panels(panels)
     figure.align_ylabels()
     return figure
 
@@ -82,39 +124,61 @@ def curve_groups(subjects: Sequence[Subject], quantity: Quantity) -> list[list[C
     present = [[name for name in quantity.columns if name in subject.scene.columns()] for subject in subjects]
     if len(subjects) == 1:
         looks = dict(zip(quantity.columns, (BLOCK1, BLOCK2), strict=True))
-        return [[Curve(subjects[0], name, symbol(name), looks[name]) for name in present[0]]]
+        return [[Curve(subjects[0], name, symbol(name), looks[name], True) for name in present[0]]]
+    count = len(subjects)
     return [
-        [Curve(s, name, s.name, overlay(i)) for i, s in enumerate(subjects) if name in present[i]]
+        [
+            Curve(s, name, s.name, nested(i, count), False)
+            for i, s in enumerate(subjects)
+            if name in present[i]
+        ]
         for name in quantity.columns
         if any(name in names for names in present)
     ]
 
 
-def symbol(column: str) -> str:
-    """Mathtext of a column's name: x1 becomes $x_1$."""
-    return f"${column[0]}_{column[1]}$"
+def histories(panels: Sequence[Panel], quantity: Quantity) -> None:
+    """Draw panels of one quantity, all in the same unit.
+
+    A short span is smooth, with impacts and contact marked; a long one an envelope with a tick per impact.
+    """
+    scale = scale_for(quantity.unit, *(values for panel in panels for _, values in panel.drawn))
+    for panel in panels:
+        draw = _draw_short if panel.is_short else _draw_long
+        draw(panel, scale)
+        first = panel.curves[0]
+        panel.axes.set_ylabel(scale.label(quantity.words if first.alone else symbol(first.column)))
+        time_axis(panel.axes, panel.span)
 
 
-def history_panel(axes: Axes, curves: list[Curve], span: Span, quantity: Quantity) -> None:
-    """Curves against time: smooth, with impacts and contact marked, where the span is short."""
-    draw = short_panel if is_short(curves[0].subject, span) else whole_panel
-    scale = draw(axes, curves, span, quantity.unit)
-    columns = {curve.column for curve in curves}
-    single_block = len(columns) == 1 and len({curve.label for curve in curves}) > 1
-    axes.set_ylabel(scale.label(symbol(columns.pop()) if single_block else quantity.words))
-    time_axis(axes, span)
+def _draw_long(panel: Panel, scale: Scale) -> None:
+    """Envelopes, pale where the bands of several runs may lie upon each other; impacts, trust horizons."""
+    for curve, (t, values) in zip(panel.curves, panel.drawn, strict=True):
+        alpha = 1.0 if curve.alone else 0.6
+        look = {**curve.look, "linewidth": THIN, "alpha": alpha, "zorder": above_wider(values)}
+        panel.axes.plot(t, scale(values), label=curve.label, gid=curve.column, **look)
+    subjects, colours = panel.runs
+    annotate_runs(panel.axes, subjects, panel.span, colours)
 
 
-def whole_panel(axes: Axes, curves: list[Curve], span: Span, unit: str) -> Scale:
-    """A long span: envelopes; for a single run a tick for every impact, and the trust horizon."""
-    drawn = [_long_series(curve, span, pixel_columns(axes)) for curve in curves]
-    scale = scale_for(unit, *(values for _, values in drawn))
-    for curve, (t, values) in zip(curves, drawn, strict=True):
-        look = {**curve.look, "linestyle": "-", "zorder": above_wider(values)}
-        axes.plot(t, scale(values), label=curve.label, gid=curve.column, **look)
-    if len({id(curve.subject) for curve in curves}) == 1:
-        annotate_run(axes, curves[0].subject, span)
-    return scale
+def _draw_short(panel: Panel, scale: Scale) -> None:
+    """Smooth curves, impacts marked on them; for a single run, contact shaded."""
+    axes, span = panel.axes, panel.span
+    for curve, (t, values) in zip(panel.curves, panel.drawn, strict=True):
+        axes.plot(t, scale(values), label=curve.label, gid=curve.column, **curve.look)
+        _mark_impacts(axes, curve, span, scale)
+    subject = panel.curves[0].subject
+    if panel.curves[0].alone and subject.scene.has_stop:
+        for begin, end in contact_spans(subject.result, span):
+            axes.axvspan(begin, end, color=SHADE, linewidth=0, zorder=0, gid="contact")
+    subjects, colours = panel.runs
+    note(axes, trust_marks(axes, subjects, span, colours))
+
+
+def _short_series(curve: Curve, span: Span, columns: int) -> Series:
+    """Column against time as smooth as the motion."""
+    smooth = dense(curve.subject.result, (curve.column,), window_of(curve.subject, span))
+    return smooth["time"], smooth[curve.column]
 
 
 def _long_series(curve: Curve, span: Span, columns: int) -> Series:
@@ -124,24 +188,6 @@ def _long_series(curve: Curve, span: Span, columns: int) -> Series:
         filled = dense(subject.result, (curve.column,), own, step=period_of(subject, own) / 16)
         return filled["time"], filled[curve.column]
     return series(subject.result, (curve.column,), own, columns)[curve.column]
-
-
-def short_panel(axes: Axes, curves: list[Curve], span: Span, unit: str) -> Scale:
-    """A short span: smooth curves, impacts marked on them; for a single run, contact shaded."""
-    drawn = [dense(c.subject.result, (c.column,), window_of(c.subject, span)) for c in curves]
-    scale = scale_for(unit, *(columns[c.column] for c, columns in zip(curves, drawn, strict=True)))
-    for curve, columns in zip(curves, drawn, strict=True):
-        axes.plot(
-            columns["time"], scale(columns[curve.column]), label=curve.label, gid=curve.column, **curve.look
-        )
-        _mark_impacts(axes, curve, span, scale)
-    subject = curves[0].subject
-    if subject.scene.has_stop and all(curve.subject is subject for curve in curves):
-        for begin, end in contact_spans(subject.result, span):
-            axes.axvspan(begin, end, color=SHADE, linewidth=0, zorder=0)
-    if all(curve.subject is subject for curve in curves) and (remark := trust_mark(axes, subject, span)):
-        note(axes, remark)
-    return scale
 
 
 def _mark_impacts(axes: Axes, curve: Curve, span: Span, scale: Scale) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from vibsim.plots.dense import dense
+from vibsim.plots.impacts import events_of
 from vibsim.plots.quantities import Scale
 from vibsim.plots.samples import blocks, rows, samples
 from vibsim.plots.sheet import above_wider
@@ -22,6 +23,7 @@ Plane = Callable[[Block], tuple[np.ndarray, np.ndarray]]
 SMOOTH_UP_TO = 20_000  # samples: a span up to this gets instants between its samples
 LINE_UP_TO = 200_000  # samples: up to this a line joins them; beyond, one dot per pixel
 VECTOR_UP_TO = 20_000  # points: larger ones are pixels in a PDF or SVG, at 600 dpi
+RINGS_UP_TO = 60  # impacts marked by rings; more by dots
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,13 @@ def trace(result: Any, names: tuple[str, ...], plane: Plane, span: Span) -> Trac
     )
 
 
+def impact_points(result: Any, names: tuple[str, ...], plane: Plane, span: Span) -> Trace:
+    """The states at which contact begins within the span, in the same plane."""
+    columns = tuple(name for name in names if name != "time")
+    t, *values = events_of(result, "contact_begin", span, *columns)
+    return Trace(*plane({"time": t, **dict(zip(columns, values, strict=True))}), joined=False)
+
+
 def draw_trace(axes: Axes, drawn: Trace, scales: tuple[Scale, Scale], **look: Any) -> None:
     """Draw a trace; one with many points is rasterized in vector files."""
     if not drawn.joined:
@@ -59,3 +68,13 @@ def draw_trace(axes: Axes, drawn: Trace, scales: tuple[Scale, Scale], **look: An
     x, y = scales[0](drawn.x), scales[1](drawn.y)
     look.setdefault("zorder", above_wider(x))
     axes.plot(x, y, rasterized=len(x) > VECTOR_UP_TO, **{"linewidth": 0.5, **look})
+
+
+def draw_impacts(axes: Axes, impacts: Trace, scales: tuple[Scale, Scale], colour: Any) -> None:
+    """Mark impacts on a trace: rings, or dots where they are many."""
+    few = len(impacts.x) <= RINGS_UP_TO
+    axes.plot(
+        scales[0](impacts.x), scales[1](impacts.y), linestyle="none", marker="o", zorder=3,
+        markersize=2.4 if few else 1.4, markeredgewidth=0.5 if few else 0, color=colour if few else "black",
+        markerfacecolor="white" if few else "black", gid="impacts",
+    )  # fmt: skip

@@ -14,6 +14,7 @@ from vibsim.plots.samples import blocks
 from vibsim.plots.view import Span
 
 TURN = 2 * math.pi
+TURNS = 12  # to average over: a multiple of the periods 1, 2, 3, 4 and 6 that the motion may have
 
 
 def turn_times(result: Any, span: Span) -> np.ndarray:

@@ -11,17 +11,18 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import MaxNLocator
 
 from vibsim.plots.displacement import DISPLACEMENT
-from vibsim.plots.displacement_frequency import displacement_frequency_panel
+from vibsim.plots.displacement_frequency import displacement_frequency_panels
 from vibsim.plots.motor import motor_panel
 from vibsim.plots.motor_speed import SPEED, motor_speed_panel
-from vibsim.plots.phase import phase_panel
+from vibsim.plots.phase import moving, phase_panels
 from vibsim.plots.samples import common_window
 from vibsim.plots.sheet import legend_above, time_axis
 from vibsim.plots.spans import detail_span
 from vibsim.plots.stiffness import stiffness_panel
-from vibsim.plots.style import SHADE, overlay
+from vibsim.plots.style import overlay
 from vibsim.plots.subject import Subject
-from vibsim.plots.time_history import curve_groups, history_panel
+from vibsim.plots.time_history import Panel, curve_groups, histories
+from vibsim.plots.time_marks import mark_detail
 from vibsim.plots.view import View
 
 WHOLE = View()
@@ -47,9 +48,9 @@ def draw_displacements(sheet: Figure, subjects: Sequence[Subject]) -> None:
         whole, detail = row.subplots(1, 2, gridspec_kw={"width_ratios": (1.5, 1)})
         span = detail_span([subject], WHOLE)
         curves = curve_groups([subject], DISPLACEMENT)[0]
-        history_panel(whole, curves, common_window([subject], None), DISPLACEMENT)
-        whole.axvspan(*span, color=SHADE, linewidth=0, zorder=0)
-        history_panel(detail, curves, span, DISPLACEMENT)
+        window = common_window([subject], None)
+        histories([Panel(whole, curves, window), Panel(detail, curves, span)], DISPLACEMENT)
+        mark_detail(whole, span)
         legend_above(whole)
 
 
@@ -59,8 +60,8 @@ def draw_portraits(sheet: Figure, subjects: Sequence[Subject]) -> None:
     for column, subject in zip(columns, subjects, strict=True):
         column.suptitle(subject.name, fontsize=8, fontweight="bold")
         panels: Any = column.subplots(2, 1)
-        for block, axes in zip((1, 2), panels, strict=True):
-            phase_panel(axes, [subject], WHOLE, block)
+        phase_panels(panels, [subject], WHOLE, moving([subject]))
+        for axes in panels:
             axes.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
 
 
@@ -72,8 +73,7 @@ def draw_passage(sheet: Figure, subjects: Sequence[Subject]) -> None:
     motor_speed_panel(speed, subjects, WHOLE, height_cm=7.0)
     legend_above(speed)
     panels = right.subplots(2, 1, sharex=True)
-    for axes, column in zip(panels, ("x1", "x2"), strict=True):
-        displacement_frequency_panel(axes, subjects, WHOLE, column)
+    displacement_frequency_panels(panels, subjects, WHOLE, moving(subjects))
     panels[-1].set_xlabel(f"Motor speed {SPEED} (Hz)")
     right.align_ylabels()
 

@@ -1,0 +1,134 @@
+"""What a picture of one run must not do: use a mark twice, change the unit, plot over itself."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from tests.plots.artists import lines, patches, points
+from vibsim.cases import load_case
+from vibsim.physics.modes import EVENT_KINDS
+from vibsim.plots.drift import drift_rate
+from vibsim.plots.registry import kind_named
+from vibsim.plots.subject import Subject
+from vibsim.plots.turns import turn_times
+from vibsim.plots.view import View
+
+
+def figure_of(kind, subjects, **view):
+    return kind_named(kind).draw(subjects, View(**{"width": "column", **view}))
+
+
+def unit(label):
+    return label.rpartition("(")[2].rstrip(")")
+
+
+def test_the_detail_is_framed_and_grey_means_contact(subject):
+    figure = figure_of("overview", [subject("motor")], width="page")
+    (frame,) = patches(figure, "detail")
+    assert frame.get_facecolor()[3] == 0 and frame.get_edgecolor()[3] == 1
+    low, high = figure.axes[1].get_xlim()
+    assert (frame.get_x(), frame.get_x() + frame.get_width()) == pytest.approx((low, high))
+    assert patches(figure, "contact")
+
+
+@pytest.mark.parametrize("name", ["motor", "ideal"])
+@pytest.mark.parametrize("width", ["column", "page"])
+def test_a_short_run_has_no_detail(subject, name, width):
+    figure = figure_of("overview", [subject(name)], width=width, window=(2.0, 5.0))
+    assert patches(figure, "detail") == []
+    assert len(figure.axes) == 3
+    wide = [patch.get_width() for patch in figure.axes[0].patches]
+    assert max(wide) < 0.5
+
+
+@pytest.mark.parametrize("kind", ["velocity", "displacement", "phase"])
+def test_one_unit_per_figure(subject, kind):
+    figure = figure_of(kind, [subject("motor")])
+    assert len(figure.axes) == 2
+    assert len({unit(axes.get_ylabel()) for axes in figure.axes}) == 1
+    assert kind != "phase" or len({unit(axes.get_xlabel()) for axes in figure.axes}) == 1
+
+
+def test_portraits_mark_the_impacts(subject):
+    run, span = subject("motor"), (15.0, 16.0)
+    events = run.result.events
+    of = (events["kind"] == EVENT_KINDS["contact_begin"]) & (events["t"] >= 15.0) & (events["t"] <= 16.0)
+    figure = figure_of("phase", [run], window=span)
+    for column, marks in zip(("1", "2"), lines(figure, "impacts"), strict=True):
+        x, v = points(marks)
+        np.testing.assert_allclose(x, 1000 * events[f"x{column}"][of])
+        factor = 1000 if unit(figure.axes[0].get_ylabel()) == "mm/s" else 1
+        np.testing.assert_allclose(v, factor * events[f"v{column}"][of])
+
+
+def test_drift_is_the_mean_velocity(subject):
+    run, span = subject("motor"), (14.0, 20.0)
+    for column in ("x1", "x2"):
+        ends = run.result.at(np.array(span))[column]
+        inside = (run.result.time >= span[0]) & (run.result.time <= span[1])
+        mean = (ends[1] - ends[0]) / 6.0
+        assert abs(drift_rate(run.result, column, span) - mean) < np.ptp(run.result[column][inside]) / 6.0
+    assert drift_rate(run.result, "x1", (14.0, 14.2)) == 0.0  # less than two turns
+
+
+def test_drift_of_a_uniform_motion_is_its_velocity():
+    from vibsim.results import simulate
+
+    case = load_case(
+        "I-C", {"run.t_end": "5 s", "friction.mu": "0", "excitation.A": "0 N", "coupling.c": "0 N s/m",
+                "initial.v1": "20 mm/s", "initial.v2": "20 mm/s"},
+    )  # fmt: skip
+    result = simulate(case)
+    assert drift_rate(result, "x1", (0.0, 5.0)) == pytest.approx(0.02, rel=1e-12)
+    run = Subject("uniform", "uniform", "trajectory", case, result)
+    x, v = points(lines(figure_of("phase-drift-free", [run]), "x1")[0])
+    assert np.ptp(x) < 1e-9 and np.abs(v).max() < 1e-9
+
+
+def test_many_turns_are_drawn_by_their_extremes(subject):
+    run = subject("motor")
+    figure = figure_of("displacement-frequency", [run])
+    (dots,) = [artist for artist in figure.axes[0].collections if artist.get_gid() == "extremes"]
+    times = turn_times(run.result, (0.0, 20.0))
+    x, t, n = run.result["x1"], run.result.time, len(times) - 1
+    parts = [x[(t >= a) & (t < b)] for a, b in pairwise(times)]
+    hertz, values = np.asarray(dots.get_offsets()).T
+    np.testing.assert_allclose(hertz, np.tile(1 / np.diff(times), 2))
+    np.testing.assert_allclose(values[:n], [1000 * part.min() for part in parts])
+    np.testing.assert_allclose(values[n:], [1000 * part.max() for part in parts])
+    np.testing.assert_allclose(dots.get_array()[:n], (times[:-1] + times[1:]) / 2)
+
+
+def test_few_turns_are_drawn_as_loops(subject):
+    figure = figure_of("displacement-frequency", [subject("motor")], window=(15.0, 18.0))
+    assert not any(axes.collections for axes in figure.axes)
+    assert lines(figure, "x1")[0].get_color() != "0.86"
+
+
+def test_bars_of_the_histogram_end_before_the_frame(subject):
+    histogram = figure_of("impact-velocity", [subject("motor")]).axes[1]
+    (bars,) = histogram.patches
+    assert histogram.get_xlim()[1] >= 1.05 * np.nanmax(bars.get_data().values)
+
+
+def test_stroboscopic_points_are_called_so(subject):
+    title = figure_of("stroboscopic", [subject("ideal")]).axes[0].get_title(loc="right")
+    assert title.startswith("66 points; 10–20 s")
+
+
+@pytest.mark.parametrize("k2", ["12400 N/m", "1000020 N/m", "3 N/m"])
+def test_slopes_are_named_inside_the_frame(k2):
+    case = load_case("II-B", {"stop.k2": k2})
+    figure = kind_named("stiffness").draw([Subject("c", "c", "case", case)], View())
+    figure.draw_without_rendering()
+    (axes,) = figure.axes
+    names = [text for text in axes.texts if text.get_gid() == "slope"]
+    assert len(names) == 2
+    for text in names:
+        box = text.get_window_extent()
+        assert axes.bbox.x0 < box.x0 and box.x1 < axes.bbox.x1
+        assert axes.bbox.y0 < box.y0 and box.y1 < axes.bbox.y1
+        assert "e+" not in text.get_text()
+    shown = {"12400 N/m": "12.6 kN/m", "1000020 N/m": "1 MN/m", "3 N/m": "203 N/m"}[k2]
+    assert names[1].get_text().endswith(f"= {shown}")
