@@ -85,7 +85,7 @@ def test_names_are_told_apart(runs, tmp_path):
         folder.mkdir()
         shutil.copy(runs["motor"], folder / "run.h5")
     paths = [str(folder / "run.h5") for folder in folders]
-    assert [subject.name for subject in open_subjects(paths)] == paths
+    assert [subject.name for subject in open_subjects(paths)] == ["a/run", "b/run"]
     assert [subject.stem for subject in open_subjects(paths)] == ["run", "run"]
 
 
