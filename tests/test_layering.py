@@ -11,7 +11,7 @@ import vibsim
 PACKAGE = Path(vibsim.__file__).parent
 GROUND = {"physics", "flows", "events", "kernel"}
 # each may import those before it
-MIDDLE = ["cases", "results", "analysis", "sweeps", "peers", "verification", "benchmark"]
+MIDDLE = ["cases", "results", "analysis", "sweeps", "fitting", "peers", "verification", "benchmark"]
 TOP = {"command_line", "plots", "reports"}
 LIGHT = {"numpy"}  # what the ground floor may import besides the standard library
 OPTIONAL = {"multiprecision.py": {"flint"}, "big_floats.py": {"mpmath"}}  # and who is there for it

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from vibsim.analysis import Analysis, Lyapunov, analyse, lyapunov
     from vibsim.cases import Case, CaseError, load_case
+    from vibsim.fitting import FitResult, fit
     from vibsim.results import Result, ResultFileError, open_result, simulate
     from vibsim.sweeps import SweepResult, sweep
 
@@ -35,6 +36,8 @@ _HOMES = {
     "Case": "vibsim.cases",
     "CaseError": "vibsim.cases",
     "load_case": "vibsim.cases",
+    "FitResult": "vibsim.fitting",
+    "fit": "vibsim.fitting",
     "Result": "vibsim.results",
     "ResultFileError": "vibsim.results",
     "open_result": "vibsim.results",
@@ -47,12 +50,14 @@ __all__ = [
     "Analysis",
     "Case",
     "CaseError",
+    "FitResult",
     "Lyapunov",
     "Result",
     "ResultFileError",
     "SweepResult",
     "__version__",
     "analyse",
+    "fit",
     "load_case",
     "lyapunov",
     "open_result",

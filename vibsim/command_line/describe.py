@@ -31,6 +31,11 @@ def print_description(path: str, settings: Settings) -> None:
     if kind == "bench":
         _print_bench(path, settings)
         return
+    if kind == "fit":
+        from vibsim.command_line.fit_jobs import described
+
+        described(path, settings)
+        return
     if kind != "trajectory":
         lines, facts = import_module("vibsim.sweeps").describe(path)
         if settings.json:

@@ -59,6 +59,7 @@ def exit_code_of(action: Callable[[], Any]) -> int:
 def code_for(error: Exception) -> int | None:
     """Exit code of an error that is the user's to mend; None for a bug."""
     from vibsim.cases import CaseError
+    from vibsim.fitting.errors import FitError
     from vibsim.kernel import KernelError
     from vibsim.plots.errors import PlotError
     from vibsim.results import ResultFileError
@@ -72,6 +73,7 @@ def code_for(error: Exception) -> int | None:
         ResultFileError: FILE_TROUBLE,
         ClusterError: RUN_FAILED,
         PlanError: click.UsageError.exit_code,
+        FitError: click.UsageError.exit_code,
     }
     return next((code for kind, code in codes.items() if isinstance(error, kind)), None)
 

@@ -17,6 +17,7 @@ from vibsim.command_line.settings import add_global_options, global_options
 COMMANDS = {
     "run": ("vibsim.command_line.run", "Run cases and write their trajectories."),
     "sweep": ("vibsim.command_line.sweep", "Run a case at every point of a grid."),
+    "fit": ("vibsim.command_line.fit", "Find values under which cases do what is said of them."),
     "plot": ("vibsim.command_line.plot", "Draw pictures of runs, cases and sweeps."),
     "info": ("vibsim.command_line.info", "Say what a result file holds."),
     "analyse": ("vibsim.command_line.analyse", "Judge runs: capture, drift, impacts, regime, frequencies."),

@@ -6,16 +6,17 @@ from typing import Any
 
 from vibsim.results.errors import ResultFileError
 
-# vibsim_kind -> who reads it, by name: sweeps and benches stand above results, which must not import them.
+# vibsim_kind -> who reads it, by name: they stand above results, which must not import them.
 READERS = {
     "trajectory": ("vibsim.results.opening", "open_trajectory_file"),
     "sweep": ("vibsim.sweeps", "open_sweep"),
+    "fit": ("vibsim.fitting", "open_fit"),
     "bench": ("vibsim.benchmark", "open_bench"),
 }
 
 
 def open_result(path: str | Path) -> Any:
-    """The Result (SweepResult of a sweep, BenchResult of a bench) in an HDF5 file that vibsim wrote.
+    """The Result (SweepResult, FitResult, BenchResult) in an HDF5 file that vibsim wrote.
 
     Raises ResultFileError when the file is missing, not readable, foreign, damaged or of a newer format.
     """
@@ -27,7 +28,7 @@ def open_result(path: str | Path) -> Any:
 
 
 def kind_of(path: str | Path) -> str:
-    """What a result file holds: "trajectory", "sweep" or "bench"; raises as `open_result`."""
+    """What a result file holds: "trajectory", "sweep", "fit" or "bench"; raises as `open_result`."""
     from vibsim.results.hdf5_file import damage_named, open_hdf5
 
     with damage_named(Path(path)), open_hdf5(Path(path)) as file:

@@ -26,15 +26,15 @@ SUFFIX = ".journal"
 
 
 class Journal:
-    """The journal beside the file `target`, locked until it is closed.
+    """The journal beside the file `target`, locked until it is closed; `what` is written there, for messages.
 
     Raises ResultFileError when another process holds it, or when it cannot be written.
     """
 
-    def __init__(self, target: Path):
+    def __init__(self, target: Path, what: str = "sweep"):
         self.path = journal_path(target)
         try:
-            self._descriptor = _open_locked(self.path, target)
+            self._descriptor = _open_locked(self.path, target, what)
         except OSError as error:
             raise ResultFileError(f"{self.path}: cannot write: {reason(error)}") from error
 
@@ -49,6 +49,11 @@ class Journal:
         os.ftruncate(self._descriptor, 0)
         self._append([{"fingerprint": fingerprint}])
 
+    def mend(self) -> None:
+        """Cut off a line that was not written to its end, so that more can be appended."""
+        whole = sum(len(text) for text, _ in _texts(self.path))
+        os.ftruncate(self._descriptor, whole)
+
     def add(self, points: Iterable[Point]) -> None:
         """Append points; they are kept whatever happens to this process afterwards."""
         self._append(map(_line, points))
@@ -62,8 +67,8 @@ class Journal:
             raise ResultFileError(f"{self.path}: cannot write: {reason(error)}") from error
 
     def close(self, remove: bool) -> None:
-        """Let go of the lock; with `remove`, of the file as well."""
-        if remove:
+        """Let go of the lock; with `remove`, or where it is empty, of the file as well."""
+        if remove or not os.fstat(self._descriptor).st_size:
             self.path.unlink(missing_ok=True)
         os.close(self._descriptor)
 
@@ -87,7 +92,7 @@ def journal_path(target: Path) -> Path:
     return target.with_name(target.name + SUFFIX)
 
 
-def _open_locked(path: Path, target: Path) -> int:
+def _open_locked(path: Path, target: Path, what: str) -> int:
     """Open and lock; once more when the file was removed by its last owner in between."""
     while True:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
@@ -98,12 +103,17 @@ def _open_locked(path: Path, target: Path) -> int:
                 return descriptor
         except BlockingIOError:
             os.close(descriptor)
-            raise ResultFileError(f"{target}: another sweep is writing it") from None
+            raise ResultFileError(f"{target}: another {what} is writing it") from None
         os.close(descriptor)
 
 
 def _whole_lines(path: Path) -> Iterator[dict]:
     """The lines that were written to their end."""
+    return (line for _, line in _texts(path))
+
+
+def _texts(path: Path) -> Iterator[tuple[bytes, dict]]:
+    """The same with their bytes on file."""
     with open(path, "rb") as file:
         for text in file:
             try:
@@ -112,4 +122,4 @@ def _whole_lines(path: Path) -> Iterator[dict]:
                 line = None
             if not isinstance(line, dict):
                 return
-            yield line
+            yield text, line

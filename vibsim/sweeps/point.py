@@ -96,14 +96,14 @@ def compute_point(
     except GivenUpError:
         return None
     except Exception as error:  # a bug that shows at one point must not cost all the others
-        return Point(index, FAILED, case.sha256, _bug(error))
+        return Point(index, FAILED, case.sha256, described_bug(error))
     if recipe.carry and "end_x1" not in values:
         return Point(index, FAILED, case.sha256, NOTHING_TO_CARRY)
     values["wall_time"] = time.perf_counter() - began
     return Point(index, DONE, case.sha256, "", values, arrays)
 
 
-def _bug(error: Exception) -> str:
+def described_bug(error: Exception) -> str:
     """What went wrong and where, in one line."""
     frame = traceback.extract_tb(error.__traceback__)[-1]
     place = f"{Path(frame.filename).name}:{frame.lineno}"

@@ -16,7 +16,6 @@ from typing import Any, Protocol
 from vibsim.kernel import engine_name
 from vibsim.sweeps.batch import Pieces, compute_batch
 from vibsim.sweeps.point import Point
-from vibsim.sweeps.recipe import Recipe
 
 
 class Workers(Protocol):
@@ -51,11 +50,20 @@ def available_cores() -> int:
 
 
 class LocalWorkers:
-    """A pool of `jobs` workers on this machine; what is unfinished at its end is given up."""
+    """A pool of `jobs` workers on this machine; what is unfinished at its end is given up.
+
+    recipe : what all points have in common; compute : computes a batch of pieces by it, in a worker
+    """
 
     batch_seconds = 0.1  # handing a batch out takes less than 1 ms; and as much may be lost to a kill
 
-    def __init__(self, recipe: Recipe, jobs: int, engine: str = "auto"):
+    def __init__(
+        self,
+        recipe: Any,
+        jobs: int,
+        engine: str = "auto",
+        compute: Callable[..., list[Point]] = compute_batch,
+    ):
         self.recipe, self.count, self.engine = recipe, jobs, engine_name(engine)
         self._stop: Any
         self._pool: Executor
@@ -63,16 +71,16 @@ class LocalWorkers:
         if self.engine == "c":
             self._stop = threading.Event()
             self._pool = ThreadPoolExecutor(jobs)
-            self._compute = partial(compute_batch, go_on=self._going_on)
+            self._compute = partial(compute, go_on=self._going_on)
         else:
             spawning = multiprocessing.get_context("spawn")
             self._stop = spawning.Event()
             self._pool = ProcessPoolExecutor(
                 jobs, spawning, initializer=_prepare_process, initargs=(self._stop,)
             )
-            self._compute = _compute_in_process
+            self._compute = partial(_compute_in_process, compute)
 
-    def submit(self, pieces: Pieces) -> "Future[list[Point]]":
+    def submit(self, pieces: Any) -> "Future[list[Point]]":
         """The points of a batch, some time; fewer when it was given up."""
         return self._pool.submit(self._compute, self.recipe, pieces, self.engine)
 
@@ -105,5 +113,7 @@ def _prepare_process(stop: Any) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def _compute_in_process(recipe: Recipe, pieces: Pieces, engine: str) -> list[Point]:
-    return compute_batch(recipe, pieces, engine, lambda: not _told_to_stop.is_set())
+def _compute_in_process(
+    compute: Callable[..., list[Point]], recipe: Any, pieces: Any, engine: str
+) -> list[Point]:
+    return compute(recipe, pieces, engine, lambda: not _told_to_stop.is_set())

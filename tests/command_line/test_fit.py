@@ -1,0 +1,109 @@
+"""vibsim fit: what it prints, refuses, and keeps when it is interrupted."""
+
+import json
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from tests.command_line.made import call
+
+QUICK = ["--t-end", "12s", "--every", "20ms", "--ensemble", "2", "--candidates", "8", "--fresh", "3"]
+WANTED = ["--want", "passes 3 Hz before 6 s", "--want", "settles between 5.2 and 5.6 Hz"]
+
+
+def fit(path, *more):
+    return call("fit", "II-B", *WANTED, *QUICK, "-o", path, *more)
+
+
+def test_the_ranking_is_printed_and_read_again(tmp_path):
+    path = tmp_path / "fit.h5"
+    result = fit(path, "--free", "M0=2:10mN.m", "--try", "J=0.002 kg m^2, c=0.002")
+    assert result.exit_code == 0, result.stderr
+    lines = result.stdout.splitlines()
+    assert "  statement 1     passes 3 Hz before 6 s" in lines
+    assert any(line.split()[:1] == ["best"] for line in lines)
+    assert any("J = 0.002 kg m^2, c = 0.002" in line for line in lines)
+    assert any(line.endswith("hold  price") for line in lines)
+    info = call("info", path)
+    assert info.exit_code == 0
+    assert info.stdout.splitlines()[:-1] == lines[:-1]
+
+
+def test_json_has_every_statement_of_every_candidate(tmp_path):
+    result = fit(tmp_path / "fit.h5", "--json", "--try", "J=0.002")
+    found = json.loads(result.stdout)
+    assert [each["origin"] for each in found["ranking"]] == ["as given", "reading"]
+    first = found["ranking"][0]["statements"][0]
+    assert first["text"] == "passes 3 Hz before 6 s" and first["of"] == 3
+    assert first["holds"] == (first["count"] / 3 >= 0.8)
+    assert found["complete"] == 1
+    again = json.loads(call("info", "--json", tmp_path / "fit.h5").stdout)
+    assert again["ranking"] == found["ranking"]
+
+
+def test_what_a_statement_can_be_about_is_listed():
+    result = call("fit", "--list")
+    assert result.exit_code == 0
+    assert any(line.startswith("captured until the end ") for line in result.stdout.splitlines())
+    listed = json.loads(call("--json", "fit", "--list").stdout)
+    assert listed["passes"]["takes"] == "a range of time"
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (["fit"], "give at least one CASE"),
+        (["fit", "II-B", "--free", "J=1:2g.m^2"], "give at least one statement"),
+        (["fit", "II-B", "--free", "J"], "is not KEY=FROM:TO, such as J=0.5:20g.m^2"),
+        (["fit", "II-B", "--free", "Jay=1:2", "--want", "captured"], "--free: "),
+        (["fit", "II-B", "--free", "J=1:2g.m^2", "--want", "captrued"], "did you mean captured?"),
+        (["fit", "II-B", "--leave", "J=dear", "--want", "captured"], "is not KEY=PRICE, such as J=0.05"),
+        (
+            ["fit", "II-B", "--free", "J=1:2", "--free", "J=1:3", "--want", "captured"],
+            "--free: J is given twice",
+        ),
+        (
+            ["fit", "I-A", "--try", "c=1", "--want", "captured"],
+            "capture needs a motor, which I-A has not got",
+        ),
+    ],
+)
+def test_usage_errors_say_what_is_wrong(given, message):
+    result = call(*given)
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_ends_that_a_case_does_not_allow_are_named():
+    result = call("fit", "II-B", "--free", "J=-1:2g.m^2", "--want", "captured")
+    assert result.exit_code == 3
+    assert "--free excitation.J: must be" in result.stderr
+
+
+def test_a_file_of_another_kind_is_file_trouble(tmp_path):
+    assert fit(tmp_path / "fit.h5", "--try", "J=0.002").exit_code == 0
+    other = fit(tmp_path / "fit.h5", "--try", "J=0.003")
+    assert other.exit_code == 6
+    assert "holds another fit" in other.stderr
+    assert call("run", tmp_path / "fit.h5").exit_code == 6
+
+
+def test_ctrl_c_keeps_what_was_run(tmp_path):
+    path = tmp_path / "fit.h5"
+    command = [sys.executable, "-m", "vibsim", "fit", "II-B", *WANTED, "--free", "J=0.5:5g.m^2"]
+    with subprocess.Popen(
+        [*command, "-o", path, "-j", "1"], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as running:
+        for line in running.stderr:
+            if line.startswith("screening"):
+                running.send_signal(signal.SIGINT)
+                break
+        last = running.stderr.read()
+        assert running.wait(timeout=100) == 130
+    assert "goes on from there" in last
+    facts = json.loads(call("info", "--json", path).stdout)
+    assert facts["complete"] == 0 and facts["runs"] >= 9
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["fit.h5"]

@@ -1,0 +1,137 @@
+"""A fit on file: the same again, readable by others, resumed after any end, refused where it is another."""
+
+import subprocess
+import sys
+import time
+
+import h5py
+import numpy as np
+import pytest
+
+from tests.fitting.made import done, numbers_of, small_plan
+from vibsim.fitting.fitting import run_fit
+from vibsim.fitting.run_store import FileRunStore
+from vibsim.results import ResultFileError, open_result
+from vibsim.sweeps.journal import journal_path
+
+
+def test_a_fit_comes_back_as_it_was(tmp_path):
+    path = tmp_path / "fit.h5"
+    found = done(small_plan(), path)
+    again = open_result(path)
+    assert numbers_of(again) == numbers_of(found)
+    assert again.plan.fingerprint == found.plan.fingerprint
+    assert again.best == found.best
+    assert [path.name for path in tmp_path.iterdir()] == ["fit.h5"]
+
+
+def test_a_fit_in_memory_can_be_saved(tmp_path):
+    found = done(small_plan())
+    assert numbers_of(open_result(found.save(tmp_path / "fit.h5"))) == numbers_of(found)
+    with pytest.raises(ResultFileError, match="exists"):
+        found.save(tmp_path / "fit.h5")
+
+
+def test_the_file_tells_others_what_was_found(tmp_path):
+    found = done(small_plan(), tmp_path / "fit.h5")
+    with h5py.File(tmp_path / "fit.h5") as file:
+        assert file.attrs["vibsim_kind"] == "fit"
+        ranks = file["rank"][...]
+        best = int(np.flatnonzero(ranks == 1)[0])
+        assert best == found.best.candidate.number
+        assert file["price"][best] == found.best.price
+        assert file["share"][best].tolist() == [each.share for each in found.best.found]
+        assert file["statement_text"].asstr()[0] == "passes 3 Hz between 4 and 6 s"
+        assert [dim[0].name for dim in file["value"].dims] == ["/candidate", "/statement", "/start"]
+        values = file["value"][best, 0]
+        assert np.array_equal(values, found.values(found.statements[0], found.best.candidate), equal_nan=True)
+        assert np.isnan(file["value_J"][0])  # the printed values change nothing
+
+
+def interrupted(plan, path, runs):
+    """A fit that was stopped after so many looks."""
+    looks = iter(range(runs))
+    return run_fit(plan, path, 2, watch=lambda *_: next(looks, None) is not None)
+
+
+@pytest.mark.parametrize("method", ["quasi-random", "evolution"])
+def test_an_interrupted_fit_goes_on_to_the_same_bits(tmp_path, method):
+    plan, path = small_plan(method=method), tmp_path / "fit.h5"
+    left, complete = interrupted(plan, path, 20)
+    assert not complete and left.attrs["complete"] == 0
+    half = open_result(path)
+    assert 0 < len(half.runs) == len(left.runs)
+    finished = done(plan, path)
+    assert len(half.runs) < len(finished.runs)
+    assert numbers_of(finished) == numbers_of(done(plan)) == numbers_of(open_result(path))
+
+
+def test_a_finished_fit_computes_nothing_again(tmp_path):
+    plan, path = small_plan(), tmp_path / "fit.h5"
+    done(plan, path)
+    steps = []
+    run_fit(plan, path, 1, watch=lambda step, ready, total: steps.append(ready == total) or True)
+    assert all(steps)
+
+
+def start(path, *more):
+    """The command as a process of its own."""
+    command = [
+        sys.executable, "-m", "vibsim", "-q", "fit", "II-B", "--free", "J=0.2:5g.m^2", "--want",
+        "mean speed at least 2 Hz",
+        "--candidates", "24", "--ensemble", "2", "--t-end", "8s", "-j", "2", "-o", str(path), *more,
+    ]  # fmt: skip
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def test_what_was_run_survives_kill_9(tmp_path):
+    """Killed three times: nothing is lost, and the end is that of a fit that was never killed."""
+    path, size = tmp_path / "fit.h5", 0
+    for more in (300, 3000):
+        process, journal, deadline = start(path), journal_path(path), time.monotonic() + 60
+        while process.poll() is None and time.monotonic() < deadline:
+            if journal.exists() and journal.stat().st_size > size + more:
+                break
+            time.sleep(0.001)
+        process.kill()
+        process.wait()
+        if not journal.exists():
+            break  # done before it could be killed
+        assert journal.stat().st_size >= size
+        size = journal.stat().st_size
+    with open(journal_path(path), "ab") as file:
+        file.write(b'{"index": [9, 0, 0], "sta')  # as if cut off in the middle of a line
+    assert start(path).wait(100) == 0
+    assert start(tmp_path / "whole.h5").wait(100) == 0
+    assert numbers_of(open_result(path)) == numbers_of(open_result(tmp_path / "whole.h5"))
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["fit.h5", "whole.h5"]
+
+
+def test_another_fit_is_refused(tmp_path):
+    path = tmp_path / "fit.h5"
+    done(small_plan(), path)
+    before = path.read_bytes()
+    with pytest.raises(ResultFileError, match="holds another fit"):
+        run_fit(small_plan(seed=1), path)
+    assert path.read_bytes() == before and not journal_path(path).exists()
+    done(small_plan(seed=1), path, force=True)
+    assert open_result(path).plan.search.seed == 1
+
+
+def test_a_second_process_is_refused(tmp_path):
+    path = tmp_path / "fit.h5"
+    store = FileRunStore(small_plan(), path)
+    with pytest.raises(ResultFileError, match="another fit is writing it"):
+        FileRunStore(small_plan(), path)
+    store.close(written=True)
+
+
+def test_a_trajectory_is_not_overwritten(tmp_path):
+    import vibsim
+
+    path = vibsim.simulate(vibsim.load_case("II-A", {"run.t_end": "1 s"})).save(tmp_path / "run.h5")
+    before = path.read_bytes()
+    with pytest.raises(ResultFileError, match="holds a trajectory, not a fit"):
+        run_fit(small_plan(), path)
+    assert path.read_bytes() == before
+    assert [each.name for each in tmp_path.iterdir()] == ["run.h5"]

@@ -1,0 +1,173 @@
+"""The Python call that runs a fit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from os import PathLike
+
+from vibsim.cases import Case, load_case
+from vibsim.fitting.errors import FitError, Interrupted
+from vibsim.fitting.evaluation import Evaluation, Watch
+from vibsim.fitting.fit_file import origin, write_fit
+from vibsim.fitting.fit_result import FitResult
+from vibsim.fitting.free_parameter import read_free
+from vibsim.fitting.grammar import parse_statement
+from vibsim.fitting.measuring import measure_all
+from vibsim.fitting.plan import METHODS, FitPlan, Search
+from vibsim.fitting.reading import read_reading
+from vibsim.fitting.run_store import FileRunStore, RunStore
+from vibsim.fitting.search import search
+from vibsim.sweeps.members import read_members
+from vibsim.sweeps.plan import PlanError
+from vibsim.sweeps.sweeping import read_ensemble
+from vibsim.sweeps.workers import LocalWorkers, available_cores
+
+CaseLike = Case | str | PathLike[str]
+
+
+def fit(
+    cases: CaseLike | Sequence[CaseLike],
+    free: Mapping[str, str] | None = None,
+    statements: Iterable[str] = (),
+    *,
+    readings: Iterable[str] = (),
+    leave: Mapping[str, float] | None = None,
+    ensemble: int = 8,
+    spread: Mapping[str, str] | None = None,
+    method: str = "quasi-random",
+    candidates: int = 256,
+    at_most: int | None = None,
+    screen: int = 2,
+    confirm: int = 3,
+    fresh: int = 24,
+    seed: int = 0,
+    jobs: int | None = None,
+    engine: str = "auto",
+    out: str | PathLike[str] | None = None,
+    force: bool = False,
+) -> FitResult:
+    """Search for values under which the runs of one or more cases do what statements say of them.
+
+    Parameters
+    ----------
+    cases : one case or several, each a Case, the path of a case file or the name of a shipped case; a value
+        that is changed is changed in all of them
+    free : key -> range, e.g. {"J": "0.5:20 g m^2", "c": "log 0.001:0.05"}; none: only the readings are judged
+    statements : such as "captured until the end" or "II-C: settles between 6.1 and 6.3 Hz", see docs/fit.md
+    readings : changes to judge beside what is found, e.g. "m3=62 g, c=0.00175 N s/m"
+    leave : key -> price of leaving the printed value by a factor of 10; 0.1 by default
+    ensemble : starts that are drawn, besides each case's own; 0: none
+    spread : key -> what varies over them, as of `vibsim.sweep`; with a motor by default the rotor angle
+    method : "quasi-random" or "evolution"
+    candidates : how many are tried
+    at_most : parameters changed at a time; by default all together
+    screen : starts that quasi-random candidates are judged from first; the best quarter is from all
+    confirm, fresh : so many of the best are judged again, from so many starts that the search has not seen
+    seed : of the search and of the starts
+    jobs : runs computed at a time; by default the available cores. The result is the same bit for bit
+    engine : "auto", "c" or "python"
+    out : HDF5 file; one that holds a part of this very fit is completed, any other is an error unless `force`
+
+    Raises CaseError, UnknownKeyError, FitError and ResultFileError. A run that fails counts as one that
+    fulfils no statement.
+    """
+    listed = [cases] if isinstance(cases, (Case, str, PathLike)) else list(cases)
+    read = [case if isinstance(case, Case) else load_case(case) for case in listed]
+    settings = Search(method, candidates, seed, at_most, screen, confirm, fresh)
+    plan = make_plan(read, free or {}, statements, readings, leave or {}, ensemble, spread or {}, settings)
+    found, _ = run_fit(plan, out, jobs, engine, force)
+    return found
+
+
+def make_plan(
+    cases: list[Case],
+    free: Mapping[str, str],
+    statements: Iterable[str],
+    readings: Iterable[str],
+    leave: Mapping[str, float],
+    ensemble: int,
+    spread: Mapping[str, str],
+    settings: Search,
+) -> FitPlan:
+    """The plan of `fit`, everything checked."""
+    _check(settings)
+    if not cases:
+        raise FitError("a fit needs a case")
+    prices = dict(leave)
+    read = tuple(read_free(cases, key, text, prices.pop(key, None)) for key, text in free.items())
+    if prices:
+        raise FitError(
+            f"leave {next(iter(prices))}: no free parameter is written so; they are {', '.join(free)}"
+        )
+    plan = FitPlan(
+        tuple(cases),
+        read,
+        tuple(read_reading(cases, text) for text in readings),
+        tuple(parse_statement(text, cases) for text in statements),
+        _members(cases, ensemble, settings.seed, spread),
+        settings,
+    )
+    plan.check()
+    return plan
+
+
+def _check(settings: Search) -> None:
+    if settings.method not in METHODS:
+        raise FitError(f"the method must be {' or '.join(METHODS)}, got {settings.method}")
+    least = {"candidates": 0, "seed": 0, "screen": 1, "confirm": 0, "fresh": 0}
+    for name, low in least.items():
+        if getattr(settings, name) < low:
+            raise FitError(f"{name} must be at least {low}, got {getattr(settings, name)}")
+    if settings.at_most is not None and settings.at_most < 1:
+        raise FitError(f"at least one parameter must be changed at a time, got {settings.at_most}")
+
+
+def _members(cases: list[Case], ensemble: int, seed: int, spread: Mapping[str, str]):
+    if ensemble < 0:
+        raise FitError(f"the number of starts must not be negative, got {ensemble}")
+    if not ensemble and not spread:
+        return None
+    if not spread and "initial.phi" not in cases[0].values:
+        raise FitError("say what varies over the starts, such as spread x1=1mm, or ask for none: ensemble 0")
+    try:
+        (members,) = read_ensemble(cases[0], ensemble, seed, spread)
+        for case in cases[1:]:
+            read_members(case, ensemble, seed, spread)
+    except (PlanError, ValueError) as error:
+        raise FitError(str(error)) from None
+    return members
+
+
+def run_fit(
+    plan: FitPlan,
+    out: str | PathLike[str] | None = None,
+    jobs: int | None = None,
+    engine: str = "auto",
+    force: bool = False,
+    watch: Watch | None = None,
+) -> tuple[FitResult, bool]:
+    """Run a fit, or complete it; the result, and whether the search reached its end."""
+    if jobs is not None and jobs < 1:
+        raise FitError(f"jobs must be at least 1, got {jobs}")
+    store = RunStore() if out is None else FileRunStore(plan, str(out), force)
+    written = False
+    try:
+        with LocalWorkers(plan.work, jobs or available_cores(), engine, measure_all) as workers:
+            evaluation = Evaluation(plan, store, workers, watch)
+            complete = _searched(evaluation)
+        attrs = {**origin(plan, engine), "complete": int(complete), "runs": len(store.runs)}
+        found = FitResult(attrs, plan, evaluation.candidates, store.runs)
+        if isinstance(store, FileRunStore):
+            write_fit(store.path, found)
+            written = True
+        return found, complete
+    finally:
+        store.close(written)
+
+
+def _searched(evaluation: Evaluation) -> bool:
+    try:
+        search(evaluation)
+    except Interrupted:
+        return False
+    return True

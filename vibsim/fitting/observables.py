@@ -1,0 +1,135 @@
+"""What a statement can be about: quantities of a run, each with its unit and its definition."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from vibsim.analysis.capture import FAR, NEAR
+from vibsim.analysis.drift import CYCLES
+from vibsim.analysis.holds import BAND, LEAST_TURNS, TURNS
+from vibsim.fitting import measures as by
+from vibsim.fitting.measures import CAPTURES, NONE, REGIMES, Measure
+from vibsim.physics.scene import Scene
+
+
+@dataclass(frozen=True)
+class Observable:
+    """A quantity of a run.
+
+    Attributes
+    ----------
+    definition : in words, for the documentation and every file
+    dimension : of `vibsim.cases.units`; "share" for a number that may be written in percent; "" for a verdict
+    measure : from the run, the window [s] (None: that of the definition) and the argument
+    needs : what the scene must have, of "motor", "source", "block2" and "stop"
+    windowed : whether a statement may name a span of time
+    argument : dimension of a further quantity in its phrase, such as the speed that is passed; or ""
+    words : what each verdict is called -> its code
+    instant : whether the value is itself the time at which it is decided
+    """
+
+    definition: str
+    dimension: str
+    measure: Measure
+    needs: tuple[str, ...] = ()
+    windowed: bool = False
+    argument: str = ""
+    words: Mapping[str, int] | None = None
+    instant: bool = False
+
+
+_HOLD = (
+    f"the longest stretch, of at least {LEAST_TURNS} turns, in which the mean speed over {TURNS} turns stays "
+    f"within {BAND:.0%} of its middle, {FAR:.0%} or more below the no-load speed or within {NEAR:.0%} of a "
+    "resonance"
+)
+_LATE = "in the second half unless a span is named"
+_MEAN_X2 = f"x2, averaged over {CYCLES} cycles,"
+_MOTOR, _SOURCE, _STOP, _DRIVEN = ("motor",), ("source",), ("stop",), ("block2", "source")
+
+OBSERVABLES: dict[str, Observable] = {
+    "capture": Observable(
+        "verdict on capture, as `vibsim analyse` gives it", "", by.capture_code, _MOTOR, words=CAPTURES
+    ),
+    "final speed": Observable(
+        f"mean speed over the last {TURNS} turns", "angular rate", by.final_speed, _MOTOR
+    ),
+    "mean speed": Observable(
+        f"whole cycles over their time, {_LATE}", "angular rate", by.mean_speed, _SOURCE, True
+    ),
+    "released": Observable(
+        f"end of {_HOLD}; none where it lasts to the end", "time",
+        by.of_hold(lambda hold: NONE if hold.at_end else hold.end), _MOTOR, instant=True,
+    ),
+    "held from": Observable(f"begin of {_HOLD}", "time", by.of_hold(lambda hold: hold.begin), _MOTOR),
+    "held for": Observable(
+        f"length of {_HOLD}", "time", by.of_hold(lambda hold: hold.end - hold.begin), _MOTOR
+    ),
+    "held at": Observable(
+        f"mean speed in {_HOLD}", "angular rate", by.of_hold(lambda hold: hold.speed_hz), _MOTOR
+    ),
+    "passes": Observable(
+        f"when the mean speed over {TURNS} turns last rose through the speed named", "time", by.passage,
+        _MOTOR, argument="angular rate", instant=True,
+    ),
+    "drift rate": Observable(
+        f"of block 2, {_LATE}, as `vibsim analyse` gives it", "velocity", by.drift_rate, ("block2",), True
+    ),
+    "impacts": Observable("number of impacts", "number", by.impact_count, _STOP, True),
+    "impacts per cycle": Observable(
+        f"mean number, {_LATE}", "number", by.per_cycle("impacts"), ("stop", "source"), True
+    ),
+    "sticks per cycle": Observable(
+        f"mean number, {_LATE}", "number", by.per_cycle("sticks"), _DRIVEN, True
+    ),
+    "impact velocity": Observable(
+        f"mean closing velocity, {_LATE}", "velocity", by.mean_impact_velocity, _STOP, True
+    ),
+    "regime": Observable(
+        f"verdict on the regime, {_LATE}, as `vibsim analyse` gives it", "", by.regime_code, _SOURCE, True,
+        words=REGIMES,
+    ),
+    "period": Observable(
+        f"cycles after which a periodic motion repeats itself, {_LATE}", "number", by.period_of_motion,
+        _SOURCE, True,
+    ),
+    "frequency": Observable(
+        f"strongest line of x1 - x2, {_LATE}", "angular rate", by.strongest_frequency, _SOURCE, True
+    ),
+    **{
+        f"vibration of {name}": Observable(
+            f"half the peak-to-peak of {name} in one cycle, mean over the cycles {_LATE}", "length",
+            by.vibration(name), needs, True,
+        )
+        for name, needs in (("x1", _SOURCE), ("x2", _DRIVEN), ("x1 - x2", _SOURCE))
+    },
+    "x2 peaks": Observable(
+        f"when {_MEAN_X2} is greatest", "time",
+        by.of_course(lambda times, mean: float(times[np.argmax(mean)])), _DRIVEN,
+    ),
+    "x2 falls": Observable(
+        f"how much lower {_MEAN_X2} is at the end than at its greatest, as a share of that", "share",
+        by.of_course(by.fall), _DRIVEN,
+    ),
+    "x2 ends": Observable(
+        f"{_MEAN_X2} at the end", "length", by.of_course(lambda times, mean: float(mean[-1])), _DRIVEN
+    ),
+    "rest distance": Observable(
+        "rest distance needed, max(x1 - x2)", "length", by.rest_distance, ("block2",)
+    ),
+}  # fmt: skip
+
+
+def missing_of(observable: Observable, scene: Scene) -> list[str]:
+    """What a scene has not got that an observable needs."""
+    has = {
+        "motor": scene.has_motor,
+        "source": scene.source != "none",
+        "block2": scene.has_block2,
+        "stop": scene.has_stop,
+    }
+    names = {"motor": "a motor", "source": "a source", "block2": "a moving block 2", "stop": "a stop"}
+    return [names[need] for need in observable.needs if not has[need]]

@@ -1,0 +1,79 @@
+"""The runs of a fit: in memory, and on file as they come, so that none is computed twice."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from vibsim.fitting.measuring import Index
+from vibsim.fitting.plan import FitPlan
+from vibsim.fitting.stored_fit import read_fit
+from vibsim.results.errors import ResultFileError
+from vibsim.results.output_file import check_output
+from vibsim.sweeps.journal import Journal
+from vibsim.sweeps.point import Point
+
+Runs = dict[Index, Point]
+
+
+class RunStore:
+    """Runs by index, kept in memory."""
+
+    def __init__(self) -> None:
+        self.runs: Runs = {}
+
+    def add(self, points: Iterable[Point]) -> None:
+        """Keep runs."""
+        for point in points:
+            self.runs[point.index] = point  # type: ignore[index]
+
+    def close(self, written: bool) -> None:
+        """Let go of what is held."""
+
+
+class FileRunStore(RunStore):
+    """Runs that go into the journal of a file at once; those of the file and its journal are there already.
+
+    Raises ResultFileError where the file holds another fit or anything else (unless `force`), where another
+    process writes it, or where it cannot be written.
+    """
+
+    def __init__(self, plan: FitPlan, path: str | Path, force: bool = False):
+        super().__init__()
+        self.path = check_output(path, force=True)
+        self._shown = path
+        self._journal = Journal(self.path, "fit")
+        try:
+            if not force:
+                self._go_on(plan)
+            if self.runs:
+                self._journal.mend()
+            else:
+                self._journal.restart(plan.fingerprint)
+        except BaseException:
+            self._journal.close(remove=False)
+            raise
+
+    def _go_on(self, plan: FitPlan) -> None:
+        if self.path.exists():
+            attrs, _, _, points = read_fit(self.path)
+            if attrs["fit_sha256"] != plan.fingerprint:
+                raise ResultFileError(f"{self._shown}: holds another fit; kept (--force replaces it)")
+            super().add(points)
+        fingerprint, waiting = self._journal.read()
+        if fingerprint not in ("", plan.fingerprint):
+            raise ResultFileError(
+                f"{self._journal.path}: runs of another fit are waiting in it; --force drops them"
+            )
+        if fingerprint:
+            super().add(waiting)
+        elif self.runs:
+            self._journal.restart(plan.fingerprint)
+
+    def add(self, points: Iterable[Point]) -> None:
+        found = list(points)
+        super().add(found)
+        self._journal.add(found)
+
+    def close(self, written: bool) -> None:
+        self._journal.close(remove=written)
