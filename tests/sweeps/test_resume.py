@@ -15,7 +15,7 @@ from vibsim.results import ResultFileError, open_result
 from vibsim.sweeps.columns import DONE, MISSING
 from vibsim.sweeps.journal import Journal, journal_path
 from vibsim.sweeps.store import FileStore
-from vibsim.sweeps.sweeping import run_stored
+from vibsim.sweeps.sweeping import run_stored, sweep
 
 CARRIED = {"carry_state": True, "direction": "both"}
 
@@ -172,10 +172,67 @@ def test_a_second_process_is_refused(tmp_path):
     Journal(path).close(remove=True)
 
 
+def journal_of(plan, path, count):
+    """The journal of a sweep killed after `count` points, and those points."""
+    points = in_memory(plan)
+    with FileStore(plan, path) as store:
+        store.make_room(2)
+        store.add([points.point(index) for index in next_indices(plan, count)])
+        data = journal_path(path).read_bytes()
+    open_result(path)
+    path.unlink()
+    return data, points
+
+
+def next_indices(plan, count):
+    return [index for chain in plan.chains() for index in chain][:count]
+
+
 def test_journal_lines_are_plain_json(tmp_path):
     plan = short_plan({OMEGA0: "3, 4 Hz"})
-    with FileStore(plan, tmp_path / "sweep.h5") as store:
-        store.add([in_memory(plan).point((1, 0))])
-        lines = journal_path(tmp_path / "sweep.h5").read_text().splitlines()
-    assert json.loads(lines[0]) == {"fingerprint": plan.fingerprint}
-    assert json.loads(lines[1])["index"] == [1, 0]
+    data, _ = journal_of(plan, tmp_path / "sweep.h5", 1)
+    header, record, room = data.split(b"\n")
+    assert json.loads(header.split(b" ", 2)[2]) == {"fingerprint": plan.fingerprint}
+    assert json.loads(record.split(b" ", 2)[2])["index"] == [0, 0]
+    assert len(room) > 1000 and not room.strip(b"\0")  # reserved for the points that were being computed
+
+
+DAMAGES = {
+    "a changed number": lambda lines: [lines[0], lines[1].replace(b'"events": ', b'"events": 1'), *lines[2:]],
+    "an index": lambda lines: [lines[0], lines[1].replace(b"[0, 0]", b"[-1, 0]"), *lines[2:]],
+    "hex that is none": lambda lines: [lines[0], lines[1].replace(b'": "', b'": "xyz'), *lines[2:]],
+    "another key": lambda lines: [lines[0], lines[1].replace(b"status", b"statue"), *lines[2:]],
+    "garbage in the middle": lambda lines: [lines[0], b"\xff\x00{", *lines[2:]],
+    "no header": lambda lines: [b"garbage", *lines[1:]],
+    "nothing but numbers": lambda lines: [lines[0], b"17", *lines[2:]],
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_record_is_told_left_out_and_computed_again(tmp_path, damage):
+    plan, path = short_plan({OMEGA0: "3, 4, 5 Hz"}), tmp_path / "sweep.h5"
+    data, points = journal_of(plan, path, 3)
+    lines = DAMAGES[damage](data.split(b"\n"))
+    journal_path(path).write_bytes(b"\n".join(lines))
+    store = FileStore(plan, path)
+    assert store.notes == [f"{journal_path(path)}: 1 damaged record left out; computed again"]
+    assert store.table.count(DONE) == (3 if damage == "no header" else 2)
+    result, _ = run_stored(store, 1)
+    assert_same_points(result.table, points)
+
+
+def test_python_warns_of_a_damaged_record(tmp_path):
+    plan, path = short_plan({OMEGA0: "3, 4 Hz"}), tmp_path / "sweep.h5"
+    data, points = journal_of(plan, path, 2)
+    journal_path(path).write_bytes(data.replace(b'"status": 1', b'"status": 2', 1))
+    with pytest.warns(UserWarning, match="1 damaged record left out"):
+        result = sweep(plan.case, {OMEGA0: "3, 4 Hz"}, out=path, jobs=1)
+    assert_same_points(result.table, points)
+
+
+def test_the_journal_of_another_sweep_is_refused(tmp_path):
+    plan, path = short_plan({OMEGA0: "3, 4 Hz"}), tmp_path / "sweep.h5"
+    data, _ = journal_of(plan, path, 2)
+    journal_path(path).write_bytes(data)
+    with pytest.raises(ResultFileError, match="points of another sweep are waiting"):
+        FileStore(short_plan({OMEGA0: "3, 5 Hz"}), path)

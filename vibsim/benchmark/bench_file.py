@@ -15,24 +15,22 @@ from vibsim.benchmark.truth import Truth
 from vibsim.peers.attempt import EVERY_KIND
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.results.columns import COLUMNS
-from vibsim.results.output_file import output_file
+from vibsim.results.hdf5_image import write_hdf5
 
-LIBVER = ("earliest", "v110")  # opens in every HDF5 since 1.10, h5netcdf and netCDF4
 COMPRESSED = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
 NONE = -1  # of a count that a method does not give
 
 
 def write_bench(path: Path, attrs: Mapping[str, Any], truth: Truth, rows: Sequence[Row]) -> None:
     """Write a bench to `path`, replacing what is there in one instant. Raises ResultFileError."""
-    with output_file(path, force=True) as partial:
-        try:
-            with h5py.File(partial, "w", libver=LIBVER) as file:
-                for name, value in {**attrs, "truth_sha256": truth.fingerprint, **truth.attrs}.items():
-                    file.attrs[name] = value
-                _write_truth(file.create_group("truth"), truth)
-                _write_rows(file, truth, rows)
-        except (OSError, RuntimeError) as error:
-            raise OSError(str(error)) from error
+
+    def fill(file: h5py.File) -> None:
+        for name, value in {**attrs, "truth_sha256": truth.fingerprint, **truth.attrs}.items():
+            file.attrs[name] = value
+        _write_truth(file.create_group("truth"), truth)
+        _write_rows(file, truth, rows)
+
+    write_hdf5(path, fill)
 
 
 def _write_truth(group: h5py.Group, truth: Truth) -> None:

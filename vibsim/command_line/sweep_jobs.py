@@ -96,6 +96,8 @@ def run_sweep(plan: Plan, output: str, workers: Workers, engine: str, force: boo
     began = time.perf_counter()
     with Interruption() as interruption, workers:
         store = FileStore(plan, path, engine, force)
+        for note in store.notes:
+            click.echo(f"Warning: {note}", err=True)
         had = plan.count - store.table.count(MISSING) - store.table.count(FAILED)
         progress = PointsProgress(store.table, wanted=not settings.quiet)
 

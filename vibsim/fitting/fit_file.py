@@ -17,10 +17,10 @@ from vibsim.fitting.free_parameter import FreeParameter
 from vibsim.fitting.plan import FitPlan
 from vibsim.fitting.reading import Candidate
 from vibsim.kernel import engine_name
-from vibsim.results.output_file import output_file
+from vibsim.results.hdf5_image import write_hdf5
 from vibsim.results.provenance import FORMAT
 from vibsim.sweeps.columns import MISSING, STATUS_FLAGS
-from vibsim.sweeps.sweep_file import COMPRESSED, LIBVER
+from vibsim.sweeps.sweep_file import COMPRESSED
 
 if TYPE_CHECKING:
     from vibsim.fitting.fit_result import FitResult
@@ -64,14 +64,13 @@ def origin(plan: FitPlan, engine: str) -> dict[str, Any]:
 
 def write_fit(path: Path, fit: FitResult) -> None:
     """Write a fit to `path`, replacing what is there in one instant. Raises ResultFileError."""
-    with output_file(path, force=True) as partial:
-        try:
-            with h5py.File(partial, "w", libver=LIBVER) as file:
-                for name, value in fit.attrs.items():
-                    file.attrs[name] = value
-                _Writer(file, fit).write()
-        except (OSError, RuntimeError) as error:
-            raise OSError(str(error)) from error
+
+    def fill(file: h5py.File) -> None:
+        for name, value in fit.attrs.items():
+            file.attrs[name] = value
+        _Writer(file, fit).write()
+
+    write_hdf5(path, fill)
 
 
 class _Writer:

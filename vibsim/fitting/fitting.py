@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 
@@ -150,6 +151,8 @@ def run_fit(
     if jobs is not None and jobs < 1:
         raise FitError(f"jobs must be at least 1, got {jobs}")
     store = RunStore() if out is None else FileRunStore(plan, str(out), force)
+    for note in store.notes:
+        warnings.warn(note, stacklevel=2)
     written = False
     try:
         with LocalWorkers(plan.work, jobs or available_cores(), engine, measure_all) as workers:

@@ -17,10 +17,11 @@ Runs = dict[Index, Point]
 
 
 class RunStore:
-    """Runs by index, kept in memory."""
+    """Runs by index, kept in memory; `notes` is what the user should know of what was there before."""
 
     def __init__(self) -> None:
         self.runs: Runs = {}
+        self.notes: list[str] = []
 
     def add(self, points: Iterable[Point]) -> None:
         """Keep runs."""
@@ -44,12 +45,10 @@ class FileRunStore(RunStore):
         self._shown = path
         self._journal = Journal(self.path, "fit")
         try:
-            if not force:
-                self._go_on(plan)
-            if self.runs:
-                self._journal.mend()
-            else:
+            if force:
                 self._journal.restart(plan.fingerprint)
+            else:
+                self._go_on(plan)
         except BaseException:
             self._journal.close(remove=False)
             raise
@@ -60,15 +59,10 @@ class FileRunStore(RunStore):
             if attrs["fit_sha256"] != plan.fingerprint:
                 raise ResultFileError(f"{self._shown}: holds another fit; kept (--force replaces it)")
             super().add(points)
-        fingerprint, waiting = self._journal.read()
-        if fingerprint not in ("", plan.fingerprint):
-            raise ResultFileError(
-                f"{self._journal.path}: runs of another fit are waiting in it; --force drops them"
-            )
-        if fingerprint:
-            super().add(waiting)
-        elif self.runs:
-            self._journal.restart(plan.fingerprint)
+        waiting = list(self._journal.read(plan.fingerprint))
+        super().add(waiting)
+        self.notes += self._journal.notes()
+        self._journal.go_on(plan.fingerprint, waiting)
 
     def add(self, points: Iterable[Point]) -> None:
         found = list(points)

@@ -14,10 +14,10 @@ DISK_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
 
 def reserve(path: Path, used: int, wanted: int) -> bool:
-    """Reserve `wanted` bytes and a margin behind the first `used` bytes of a file; False without room."""
+    """Reserve `wanted` bytes behind the first `used` bytes of a file; False without room."""
     try:
         with open(path, "r+b") as file:
-            _extend(file.fileno(), used, wanted + MARGIN)
+            _extend(file.fileno(), used, wanted)
     except OSError as error:
         return error.errno not in DISK_FULL
     return True

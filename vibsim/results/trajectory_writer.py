@@ -120,4 +120,4 @@ class TrajectoryWriter:
             raise ResultFileError(f"{self.shown}: disk full; it holds what was computed until then")
 
     def _reserve(self, size: int) -> bool:
-        return reserve(self.partial, self._file.id.get_filesize(), size)
+        return reserve(self.partial, self._file.id.get_filesize(), size + MARGIN)

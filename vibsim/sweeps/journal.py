@@ -1,20 +1,28 @@
 """The journal of a sweep: finished points, one per line, appended to NAME.h5.journal as they come.
 
 An HDF5 file that is changed in place may not open again after a kill; a file that is only appended to loses
-at most its last, unfinished line. The journal is merged into the HDF5 file whenever that is written anew,
-and removed at the end. It is also the lock: one process at a time holds it.
+at most its last, unfinished line. Every line begins with a checksum of itself and of the sweep, and with its
+number: what was damaged afterwards is noticed and left out, and what stands behind it is not lost. The
+journal is merged into the HDF5 file whenever that is written anew, and removed at the end. It is also the
+lock: one process at a time holds it.
+
+SQLite would need the checksums all the same: its pages have none, and a damaged one makes the database
+malformed as a whole. Its write-ahead log needs two more files, and shared memory that network disks lack.
 """
 
+import hashlib
 import json
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from vibsim.results.disk_space import reserve
 from vibsim.results.errors import ResultFileError
 from vibsim.results.output_file import reason
+from vibsim.sweeps.plan import Plan
 from vibsim.sweeps.point import Point
 
 try:
@@ -23,48 +31,108 @@ except ImportError:  # no such locks on this platform: there the user keeps two 
     fcntl = None  # type: ignore[assignment]
 
 SUFFIX = ".journal"
+CHECKSUM = 16  # hex digits
+NUMBER = 60  # bytes of a number and its name
+TEXTS = 1500  # bytes of place, fingerprint and the reason of a failure
 
 
 class Journal:
     """The journal beside the file `target`, locked until it is closed; `what` is written there, for messages.
 
-    Raises ResultFileError when another process holds it, or when it cannot be written.
+    `damaged` counts the records that `read` has left out. Raises ResultFileError when another process holds
+    the journal, or when it cannot be written.
     """
 
     def __init__(self, target: Path, what: str = "sweep"):
         self.path = journal_path(target)
+        self.damaged = 0
+        self._what = what
+        self._fingerprint = ""
+        self._records = 0  # with the header
+        self._whole = False  # whether everything on file can be gone on from
         try:
             self._descriptor = _open_locked(self.path, target, what)
         except OSError as error:
             raise ResultFileError(f"{self.path}: cannot write: {reason(error)}") from error
+        self._end = self._reserved = 0  # bytes written, and bytes that there is room for
 
-    def read(self) -> tuple[str, Iterator[Point]]:
-        """Fingerprint of the sweep and its points, up to a broken line; none of a new journal."""
-        lines = _whole_lines(self.path)
-        fingerprint = str(next(lines, {}).get("fingerprint", ""))
-        return fingerprint, map(_point, lines)
+    def read(self, fingerprint: str) -> Iterator[Point]:
+        """The points of the sweep of that fingerprint, without damaged ones and an unfinished last line.
+
+        Raises ResultFileError when there are points of another sweep.
+        """
+        header: dict[str, Any] | None = None
+        for number, line in enumerate(_whole_lines(self.path)):
+            if number == 0:
+                header = _record(line, "")
+                self.damaged += header is None
+            elif header is not None and header != {"fingerprint": fingerprint}:
+                held = f"points of another {self._what} are waiting in it"
+                raise ResultFileError(f"{self.path}: {held}; --force drops them")
+            elif (record := _record(line, fingerprint)) is None:
+                self.damaged += 1
+            else:
+                yield _point(record)
+        self._whole = not self.damaged and header == {"fingerprint": fingerprint}
+
+    def notes(self) -> list[str]:
+        """What the user should know of what `read` came upon."""
+        if not self.damaged:
+            return []
+        count = f"{self.damaged} damaged record{'s' if self.damaged > 1 else ''}"
+        return [f"{self.path}: {count} left out; computed again"]
+
+    def go_on(self, fingerprint: str, points: Sequence[Point]) -> None:
+        """Make ready for more points behind those that `read` has given; damaged records are taken out."""
+        if not self._whole:
+            self.restart(fingerprint)
+            self.add(points)
+            return
+        self._fingerprint, self._records = fingerprint, len(points) + 1
+        self._end = sum(map(len, _whole_lines(self.path)))
+        self.give_back()
 
     def restart(self, fingerprint: str) -> None:
-        """Begin anew: no points, the fingerprint on the first line."""
-        os.ftruncate(self._descriptor, 0)
-        self._append([{"fingerprint": fingerprint}])
+        """Begin anew: no points, the fingerprint on the first line; what was reserved is given back."""
+        header = _line(0, {"fingerprint": fingerprint}, "")
+        if fingerprint != self._fingerprint:
+            os.ftruncate(self._descriptor, 0)
+        self._end = self._records = 0
+        self._append([header])
+        self._fingerprint = fingerprint
+        self.give_back()
 
-    def mend(self) -> None:
-        """Cut off a line that was not written to its end, so that more can be appended."""
-        whole = sum(len(text) for text, _ in _texts(self.path))
-        os.ftruncate(self._descriptor, whole)
+    def reserve(self, size: int) -> bool:
+        """Make sure of room on disk for `size` bytes [bytes] of points to come; False where there is none."""
+        if self._end + size <= self._reserved:
+            return True
+        if not reserve(self.path, self._end, size):
+            self.give_back()
+            return False
+        self._reserved = self._end + size
+        return True
+
+    def give_back(self) -> None:
+        """Give back the room that was reserved and not used."""
+        os.ftruncate(self._descriptor, self._end)
+        self._reserved = self._end
 
     def add(self, points: Iterable[Point]) -> None:
         """Append points; they are kept whatever happens to this process afterwards."""
-        self._append(map(_line, points))
+        numbered = enumerate(points, self._records)
+        self._append([_line(number, _plain(point), self._fingerprint) for number, point in numbered])
 
-    def _append(self, lines: Iterable[dict]) -> None:
-        text = "".join(json.dumps(line) + "\n" for line in lines)
+    def _append(self, lines: list[bytes]) -> None:
+        data = b"".join(lines)
         try:
-            with os.fdopen(os.dup(self._descriptor), "ab") as file:
-                file.write(text.encode())
+            written = 0
+            os.lseek(self._descriptor, self._end, os.SEEK_SET)
+            while written < len(data):
+                written += os.write(self._descriptor, data[written:])
         except OSError as error:
             raise ResultFileError(f"{self.path}: cannot write: {reason(error)}") from error
+        self._end += len(data)
+        self._records += len(lines)
 
     def close(self, remove: bool) -> None:
         """Let go of the lock; with `remove`, or where it is empty, of the file as well."""
@@ -73,7 +141,33 @@ class Journal:
         os.close(self._descriptor)
 
 
-def _line(point: Point) -> dict[str, Any]:
+def record_bytes(plan: Plan) -> int:
+    """Room that one point takes at most, about [bytes]."""
+    further = [name for name, column in plan.columns.items() if column.dimension]
+    doubles = sum(plan.shape_of(name)[-1] for name in further)
+    return 2 * 8 * doubles + NUMBER * len(plan.columns) + TEXTS
+
+
+def _line(number: int, content: dict[str, Any], fingerprint: str) -> bytes:
+    """One line: checksum, number, content; the checksum covers the sweep as well."""
+    text = f"{number} {json.dumps(content)}"
+    return f"{_checksum(text.encode(), fingerprint)} {text}\n".encode()
+
+
+def _record(line: bytes, fingerprint: str) -> dict[str, Any] | None:
+    """What a line holds; None for a damaged one, or one of another sweep."""
+    checksum, _, text = line.rstrip(b"\n").partition(b" ")
+    if checksum != _checksum(text, fingerprint).encode():
+        return None
+    record: dict[str, Any] = json.loads(text.partition(b" ")[2])
+    return record
+
+
+def _checksum(text: bytes, fingerprint: str) -> str:
+    return hashlib.sha256(fingerprint.encode() + b" " + text).hexdigest()[:CHECKSUM]
+
+
+def _plain(point: Point) -> dict[str, Any]:
     """A point as plain data. Arrays are the hex digits of their doubles: five times as fast as decimals."""
     return {
         **vars(point),
@@ -81,10 +175,10 @@ def _line(point: Point) -> dict[str, Any]:
     }
 
 
-def _point(line: dict[str, Any]) -> Point:
-    """The point that `_line` wrote down."""
-    arrays = {name: np.frombuffer(bytes.fromhex(digits), "<f8") for name, digits in line["arrays"].items()}
-    return Point(**{**line, "index": tuple(line["index"]), "arrays": arrays})
+def _point(record: dict[str, Any]) -> Point:
+    """The point that `_plain` wrote down."""
+    arrays = {name: np.frombuffer(bytes.fromhex(digits), "<f8") for name, digits in record["arrays"].items()}
+    return Point(**{**record, "index": tuple(record["index"]), "arrays": arrays})
 
 
 def journal_path(target: Path) -> Path:
@@ -95,7 +189,7 @@ def journal_path(target: Path) -> Path:
 def _open_locked(path: Path, target: Path, what: str) -> int:
     """Open and lock; once more when the file was removed by its last owner in between."""
     while True:
-        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
         try:
             if fcntl is not None:
                 fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -107,19 +201,9 @@ def _open_locked(path: Path, target: Path, what: str) -> int:
         os.close(descriptor)
 
 
-def _whole_lines(path: Path) -> Iterator[dict]:
-    """The lines that were written to their end."""
-    return (line for _, line in _texts(path))
-
-
-def _texts(path: Path) -> Iterator[tuple[bytes, dict]]:
-    """The same with their bytes on file."""
+def _whole_lines(path: Path) -> Iterator[bytes]:
+    """The lines that were written to their end; behind them there may be room that was reserved."""
     with open(path, "rb") as file:
-        for text in file:
-            try:
-                line = json.loads(text) if text.endswith(b"\n") else None
-            except ValueError:
-                line = None
-            if not isinstance(line, dict):
-                return
-            yield text, line
+        for line in file:
+            if line.endswith(b"\n"):
+                yield line

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 
+from vibsim.results.errors import ResultFileError
 from vibsim.sweeps.backlog import Backlog, Handed
 from vibsim.sweeps.point import Point
 from vibsim.sweeps.store import Store
@@ -23,8 +24,16 @@ def run(store: Store, workers: Workers, watch: Watch | None = None) -> bool:
     """
     backlog = Backlog(store.plan, store.table, workers.batch_seconds)
     active: Active = {}
+    try:
+        return _complete(store, workers, backlog, active, watch)
+    except ResultFileError:  # of what is being computed nothing may be lost
+        _keep_finished(store, workers, active)
+        raise
+
+
+def _complete(store: Store, workers: Workers, backlog: Backlog, active: Active, watch: Watch | None) -> bool:
     while True:
-        _hand_out(backlog, workers, active)
+        _hand_out(store, backlog, workers, active)
         if watch is not None and not watch(store.table):
             _keep_finished(store, workers, active)
             return False
@@ -36,9 +45,10 @@ def run(store: Store, workers: Workers, watch: Watch | None = None) -> bool:
             backlog.take(handed, points)
 
 
-def _hand_out(backlog: Backlog, workers: Workers, active: Active) -> None:
+def _hand_out(store: Store, backlog: Backlog, workers: Workers, active: Active) -> None:
     count = workers.count
     while len(active) < AHEAD * count and (handed := backlog.batch(count)):
+        store.make_room(sum(len(piece) for each in [handed, *active.values()] for _, piece in each))
         active[workers.submit(tuple(piece for _, piece in handed))] = handed
 
 

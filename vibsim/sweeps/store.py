@@ -10,7 +10,7 @@ from vibsim.results.errors import ResultFileError
 from vibsim.results.output_file import check_output
 from vibsim.sweeps.capacity import check_memory
 from vibsim.sweeps.differences import differences
-from vibsim.sweeps.journal import Journal
+from vibsim.sweeps.journal import Journal, record_bytes
 from vibsim.sweeps.plan import Plan
 from vibsim.sweeps.point import Point
 from vibsim.sweeps.provenance import origin, outcome
@@ -30,12 +30,16 @@ class Store:
         self.plan = plan
         self.attrs: dict[str, Any] = origin(plan, engine)
         self.table = Table(plan)
+        self.notes: list[str] = []  # what the user should know of what was there before
 
     def __enter__(self) -> "Store":
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
         pass
+
+    def make_room(self, count: int) -> None:
+        """Make sure that so many more points can be kept, before they are computed."""
 
     def add(self, points: list[Point]) -> None:
         """Keep points."""
@@ -60,7 +64,9 @@ class FileStore(Store):
         super().__init__(plan, engine)
         self.path = check_output(path, force=True)
         self._shown = path
+        self._record_bytes = record_bytes(plan)
         self._journal = Journal(self.path)
+        self._next = 0.0  # when the file is written next
         self._on_file = False  # whether the file holds all that the table holds
         try:
             if not force:
@@ -77,14 +83,10 @@ class FileStore(Store):
             self.table.fill(partial(read_column, self.path, self.plan))
             self.attrs["date_created"] = attrs["date_created"]
             self._on_file = True
-        fingerprint, points = self._journal.read()
-        for point in points:
-            if fingerprint != self.plan.fingerprint:
-                raise ResultFileError(
-                    f"{self._journal.path}: points of another sweep are waiting in it; --force drops them"
-                )
+        for point in self._journal.read(self.plan.fingerprint):
             self.table.put(point)
             self._on_file = False
+        self.notes += self._journal.notes()
 
     def _refuse(self, found: list[str]) -> None:
         if found:
@@ -104,17 +106,33 @@ class FileStore(Store):
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
         published = False
         try:
+            self._journal.give_back()
             self._publish()
             published = True
+        except ResultFileError as failure:
+            kept = f"{failure}; what was computed is kept in {self._journal.path.name}"
+            raise ResultFileError(f"{kept}, and the same command goes on from there") from failure
         finally:
             self._journal.close(remove=published)
 
+    def make_room(self, count: int) -> None:
+        """As above. Raises ResultFileError when the disk is full."""
+        if not self._journal.reserve(count * self._record_bytes):
+            held = "it holds what was computed until then"
+            raise ResultFileError(
+                f"{self._shown}: disk full; {held}, and the same command goes on from there"
+            )
+
     def add(self, points: list[Point]) -> None:
+        """Keep points. The journal has them even where there is no room for the file beside its old self."""
         super().add(points)
         self._on_file = False
         self._journal.add(points)
         if time.monotonic() >= self._next:
-            self._publish()
+            try:
+                self._publish()
+            except ResultFileError:
+                self._next = time.monotonic() + LEAST_PAUSE
 
     def _publish(self) -> None:
         """Write the file anew if need be; then the journal, whose points are in it, begins anew."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from vibsim.results.errors import ResultFileError
 from vibsim.results.hdf5_file import damage_named, open_hdf5
-from vibsim.results.output_file import output_file
+from vibsim.results.hdf5_image import write_hdf5
 from vibsim.results.structure import check_values
 from vibsim.sweeps.columns import STATUS_FLAGS, Column
 from vibsim.sweeps.computations.impact_velocity import QUANTILES
@@ -19,7 +19,6 @@ from vibsim.sweeps.plan import DIRECTION_FLAGS, Plan
 from vibsim.sweeps.sweep_structure import datasets_of
 from vibsim.sweeps.table import Table
 
-LIBVER = ("earliest", "v110")  # opens in every HDF5 since 1.10, h5netcdf and netCDF4
 COMPRESSED = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
 DIRECTION_SCALE = "direction"
 FURTHER_SCALES = {
@@ -32,14 +31,13 @@ FURTHER_SCALES = {
 
 def write_sweep(path: Path, plan: Plan, table: Table, attrs: Mapping[str, Any]) -> None:
     """Write a sweep to `path`, replacing what is there in one instant. Raises ResultFileError."""
-    with output_file(path, force=True) as partial:
-        try:
-            with h5py.File(partial, "w", libver=LIBVER) as file:
-                for name, value in attrs.items():
-                    file.attrs[name] = value
-                _write_datasets(file, plan, table)
-        except (OSError, RuntimeError) as error:
-            raise OSError(str(error)) from error
+
+    def fill(file: h5py.File) -> None:
+        for name, value in attrs.items():
+            file.attrs[name] = value
+        _write_datasets(file, plan, table)
+
+    write_hdf5(path, fill)
 
 
 def _write_datasets(file: h5py.File, plan: Plan, table: Table) -> None:

@@ -1,5 +1,6 @@
 """The Python call that runs a sweep."""
 
+import warnings
 from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from os import PathLike
@@ -79,6 +80,8 @@ def sweep(
     )
     with open_workers(plan, jobs, scheduler, engine) as workers:
         store = Store(plan, engine) if out is None else FileStore(plan, Path(out), engine, force)
+        for note in store.notes:
+            warnings.warn(note, stacklevel=2)
         return complete(store, workers)[0]
 
 
