@@ -88,7 +88,7 @@ def test_a_worker_that_computes_other_bits_is_refused(cluster, monkeypatch):
     plan = short_plan({OMEGA0: "3, 4 Hz"})
     for key, value, message in [
         ("vibsim", "9.9", "has vibsim .*, and 9.9 asks"),
-        ("statistics", "99", "has version 1 of the statistics, and 99 asks"),
+        ("statistics", "99", "has version 2 of the statistics, and 99 asks"),
         ("bits", "0", "computes other last digits than this machine"),
     ]:
         workers = ClusterWorkers(plan.recipe, cluster.address)

@@ -153,7 +153,7 @@ def test_another_sweep_is_refused_with_the_difference(tmp_path):
 def test_the_spelling_of_the_same_sweep_makes_no_difference(tmp_path):
     path = tmp_path / "sweep.h5"
     complete(short_plan({OMEGA0: "3, 4 Hz"}), path)
-    same = short_plan({"Omega0": "4.0,3.0 Hz"}, short_case(excitation__Omega0="3 Hz", coupling__c="1e-3"))
+    same = short_plan({"Omega0": "3.0,4.0 Hz"}, short_case(excitation__Omega0="3 Hz", coupling__c="1e-3"))
     assert complete(same, path)[1] == []
 
 

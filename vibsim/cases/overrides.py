@@ -18,7 +18,10 @@ def apply_overrides(tree: Tree, overrides: Mapping[str, object]) -> None:
         try:
             if "." not in key and present is None:
                 present = _leaf_keys(tree.values)
-            named[full_key(key.strip(), present or ())] = value
+            full = full_key(key.strip(), present or ())
+            if full in named:
+                tree.problems.append(Place(FILE).problem(full, "is given twice"))
+            named[full] = value
         except UnknownKeyError as error:
             tree.problems.append(Place(FILE).problem(key.strip(), str(error)))
     _replace_kind(tree.values, named)

@@ -11,6 +11,7 @@ import click
 from vibsim import __version__
 from vibsim.command_line.errors import TERMINATED, broken_pipe_named, exit_code_of
 from vibsim.command_line.examples import examples
+from vibsim.command_line.repeated_options import refuse_repeated
 from vibsim.command_line.settings import add_global_options, global_options
 
 # name -> (module, one line for the list of commands); the list is printed without importing any of them
@@ -52,6 +53,7 @@ class LazyGroup(click.Group):
             return None
         command = import_module(COMMANDS[cmd_name][0]).command
         add_global_options(command)
+        refuse_repeated(command)
         return command
 
     def resolve_command(self, ctx, args):
@@ -105,6 +107,7 @@ group = LazyGroup(
     ),
 )
 click.version_option(__version__, message="vibsim %(version)s")(group)
+refuse_repeated(group)
 
 
 def main() -> None:

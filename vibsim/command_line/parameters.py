@@ -102,6 +102,32 @@ ASSIGNMENT = Assignment()
 WINDOW = Window()
 FILE = click.Path(path_type=str)
 
+
+def once_each(ctx, param, pairs):
+    """KEY=... pairs, each key once: of two values one would be ignored."""
+    keys = [key for key, _ in pairs]
+    for key in keys:
+        if keys.count(key) > 1:
+            raise click.BadParameter(f"{key} is given twice", ctx, param)
+    return pairs
+
+
+def joined(pairs, options):
+    """Values by key: those of --set, and of options (key -> value or None) that stand for a key.
+
+    Raises UsageError where one key has both.
+    """
+    values = dict(pairs)
+    for key, value in options.items():
+        name = key.rpartition(".")[2]
+        if value is not None and (key in values or name in values):
+            option = "--" + name.replace("_", "-")
+            raise click.UsageError(
+                f"{option} and --set {key if key in values else name} say the same; choose one"
+            )
+    return values | {key: value for key, value in options.items() if value is not None}
+
+
 set_option = click.option(
     "-s",
     "--set",
@@ -109,5 +135,6 @@ set_option = click.option(
     metavar="KEY=VALUE",
     multiple=True,
     type=ASSIGNMENT,
+    callback=once_each,
     help="Change a value; repeatable.",
 )

@@ -3,7 +3,7 @@
 import click
 
 from vibsim.command_line.examples import examples
-from vibsim.command_line.parameters import CASE, DIGITS, EXPONENTS, FILE, set_option
+from vibsim.command_line.parameters import CASE, DIGITS, EXPONENTS, FILE, joined, set_option
 
 METHODS = ["auto", "closed_form", "taylor"]
 ENGINES = ["auto", "c", "python"]
@@ -96,7 +96,7 @@ def command(
     check_digits(digits, engine)
     check_picture(picture, len(sources), force)
     given = {"run.t_end": t_end, "run.every": every, "run.method": method}
-    values = dict(changes) | {key: value for key, value in given.items() if value is not None}
+    values = joined(changes, given)
     jobs = with_exponents(plan(sources, values, output, force), lyapunov, discard, digits)
     if dry_run:
         print_plan(jobs, ctx.obj)

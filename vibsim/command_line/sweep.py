@@ -3,7 +3,7 @@
 import click
 
 from vibsim.command_line.examples import examples
-from vibsim.command_line.parameters import CASE, FILE, set_option
+from vibsim.command_line.parameters import CASE, FILE, joined, once_each, set_option
 
 DEFAULT_CASE = "II-B"
 
@@ -38,6 +38,7 @@ class KeyRange(click.ParamType):
         "vibsim sweep II-B --omega0 3:7:0.001 --scheduler tcp://10.0.0.1:8786",
         "vibsim plot II-B-omega0.h5",
         before="Ranges: FROM:TO:STEP (both ends included), FROM:TO/COUNT, or A,B,C; with a unit at the end. "
+        "Their order counts: 7:3:0.05 runs down. "
         "An interrupted sweep goes on when the same command is given again.",
     ),
 )
@@ -61,13 +62,14 @@ class KeyRange(click.ParamType):
     help="Of the members' draws; member 7 of a seed is the same in an ensemble of any size.",
 )  # fmt: skip
 @click.option(
-    "--spread", "spreads", metavar="KEY=HOW", multiple=True, type=KeyRange("KEY=HOW, such as x1=1mm"),
+    "--spread", "spreads", metavar="KEY=HOW", multiple=True, callback=once_each,
+    type=KeyRange("KEY=HOW, such as x1=1mm"),
     help="What varies over the ensemble: WIDTH (uniform, either side of the case's value), FROM:TO, or "
     "'normal DEVIATION'; repeatable. [default: the motor's phi, over the full turn]",
 )  # fmt: skip
 @click.option(
-    "--direction", type=click.Choice(["up", "down", "both"]), default="up", help="Along the first axis.",
-    show_default=True,
+    "--direction", type=click.Choice(["up", "down", "both"]),
+    help="Along the first axis. [default: as its values are written]",
 )  # fmt: skip
 @click.option(
     "--carry-state/--fresh", "carry",
@@ -128,7 +130,7 @@ def command(
         if not ctx.obj.quiet:
             click.echo(f"no case given: sweeping {source}", err=True)
     given = {"run.t_end": t_end, "run.method": method}
-    values = dict(changes) | {key: value for key, value in given.items() if value is not None}
+    values = joined(changes, given)
     axes = [("excitation.Omega0", omega0, "Hz"), ("excitation.omega", omega, "Hz")]
     axes = [axis for axis in axes if axis[1] is not None] + [(key, text, "") for key, text in params]
     settings["compute"] = [name.strip() for name in computed.split(",") if name.strip()]

@@ -17,7 +17,7 @@ from vibsim.command_line.summary import print_json, print_lines, size
 from vibsim.sweeps.columns import FAILED, MISSING
 from vibsim.sweeps.computations.registry import COMPUTATIONS
 from vibsim.sweeps.description import facts, sweep_lines
-from vibsim.sweeps.plan import UP, Plan, PlanError
+from vibsim.sweeps.plan import Plan, PlanError
 from vibsim.sweeps.shard import read_shard, shard
 from vibsim.sweeps.store import FileStore
 from vibsim.sweeps.sweeping import complete, make_plan, open_workers, read_ensemble
@@ -52,7 +52,7 @@ def read_plan(
         raise click.UsageError(f"--param: {error}") from None
     except (RangeError, PlanError) as error:
         raise click.UsageError(str(error)) from None
-    if plan.directions != (UP,) and not plan.carry:
+    if settings["direction"] is not None and not plan.carry:
         click.echo(
             "every point starts fresh, so the direction makes no difference; see --carry-state", err=True
         )

@@ -11,7 +11,7 @@ from vibsim.plots.frequency_marks import mark_frequencies
 from vibsim.plots.sheet import note, sheet
 from vibsim.plots.style import BLUE, VERMILLION
 from vibsim.plots.subject import Subject
-from vibsim.plots.sweep_axes import SPEEDS, label_of, numbers, shown
+from vibsim.plots.sweep_axes import SPEEDS, ascending, label_of, numbers, shown
 from vibsim.plots.sweep_curves import DIRECTION_NAMES, frequencies
 from vibsim.plots.sweep_plane import missing_note
 from vibsim.plots.verdict_colours import legend_of
@@ -31,8 +31,11 @@ def draw_probability(subject: Subject, view: View) -> Figure:
     share = result.probability(result["capture"] == CAPTURED)
     directions = result.directions if result.plan.carry else result.directions[:1]
     for d, direction in enumerate(directions):
-        x, colour = numbers(axis), (BLUE, VERMILLION)[d]
-        estimate, low, high = (values[..., d].ravel() for values in (share.estimate, share.low, share.high))
+        order = ascending(axis)
+        x, colour = numbers(axis)[order], (BLUE, VERMILLION)[d]
+        estimate, low, high = (
+            values[..., d].ravel()[order] for values in (share.estimate, share.low, share.high)
+        )
         axes.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0, gid="interval")
         name = DIRECTION_NAMES[direction] if len(directions) > 1 else ""
         axes.plot(x, estimate, color=colour, marker="o", markersize=2, label=name, gid="probability")

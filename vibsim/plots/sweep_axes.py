@@ -60,6 +60,11 @@ def numbers(axis: Any) -> np.ndarray:
     return values * float(unit.factor) / (1.0 if unit.per_turn else 2 * math.pi)
 
 
+def ascending(axis: Any) -> np.ndarray:
+    """Positions of the values of an axis from the least to the greatest, however they are written."""
+    return np.argsort(axis.numbers(), kind="stable")
+
+
 def shown(low: float, high: float, view: View) -> Span:
     """The part of a range that the view's window shows, in the unit of its axis; everything without one.
 

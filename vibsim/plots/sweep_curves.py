@@ -16,7 +16,7 @@ from vibsim.plots.natural_frequencies import Frequency, fractions, natural_frequ
 from vibsim.plots.sheet import legend_below
 from vibsim.plots.style import BLUE, VERMILLION, overlay
 from vibsim.plots.subject import Subject
-from vibsim.plots.sweep_axes import along, numbers, shown
+from vibsim.plots.sweep_axes import along, ascending, numbers, shown
 from vibsim.plots.view import View
 
 TUNING = {
@@ -82,8 +82,9 @@ def curves(subjects: Sequence[Subject]) -> list[Curve]:
             label = ", ".join(filter(None, [title, DIRECTION_NAMES[direction] if result.plan.carry else ""]))
             colour = _colour(i, len(every), direction)
             at: list[Any] = list(others)
-            at.insert(along(result), slice(None))
-            x = numbers(result.axes[along(result)])
+            axis = result.axes[along(result)]
+            at.insert(along(result), ascending(axis))
+            x = numbers(axis)[ascending(axis)]
             found.append(Curve(subject, i, title, label, x, colour, direction == DOWN, (*at, d)))
     return found
 

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from vibsim.plots.subject import Subject
-from vibsim.plots.sweep_axes import along, label_of, numbers
+from vibsim.plots.sweep_axes import along, ascending, label_of, numbers
 from vibsim.sweeps.columns import FAILED, MISSING
 
 
@@ -30,7 +30,8 @@ class Plane:
     def grid(self, values: np.ndarray, direction: int = 0) -> np.ndarray:
         """Values of the shape of the sweep, without members, as rows of the picture (n_up, n_across)."""
         plane = np.moveaxis(values[..., direction], (self.up, self.across), (0, 1))
-        return plane.reshape(plane.shape[:2])
+        axes = self.subject.result.axes
+        return plane.reshape(plane.shape[:2])[np.ix_(ascending(axes[self.up]), ascending(axes[self.across]))]
 
     @property
     def directions(self) -> tuple[int, ...]:
@@ -46,7 +47,7 @@ class Plane:
 
     def edges(self) -> tuple[np.ndarray, np.ndarray]:
         """Edges of the cells across (n_across + 1) and up (n_up + 1)."""
-        across, up = (_edges(numbers(self.subject.result.axes[i])) for i in (self.across, self.up))
+        across, up = (_edges(np.sort(numbers(self.subject.result.axes[i]))) for i in (self.across, self.up))
         return across, up
 
     def labels(self) -> tuple[str, str]:

@@ -1,4 +1,4 @@
-"""One axis of a sweep: a key of the case and the exact values it takes, ascending."""
+"""One axis of a sweep: a key of the case and the exact values it takes, in the order they are written."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -30,7 +30,7 @@ class Axis:
     ----------
     key : dotted key of the case, such as "excitation.Omega0"
     unit : unit of the values, as the range has it; empty for a plain number
-    values : exact values in that unit, ascending, none twice
+    values : exact values in that unit, in the order of the range or list, none twice
     """
 
     key: str
@@ -41,6 +41,13 @@ class Axis:
     def name(self) -> str:
         """Name of its dimension scale: the last part of the key, omega0 for the motor constant."""
         return SCALE_NAMES.get(self.key, self.key.rpartition(".")[2])
+
+    @property
+    def way(self) -> int:
+        """Which way the values run: 1 ascending (one value too), -1 descending, 0 neither."""
+        if all(low < high for low, high in pairwise(self.values)):
+            return 1
+        return -1 if all(high > low for high, low in pairwise(self.values)) else 0
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -84,8 +91,9 @@ class Axis:
         return replace(self, values=self.values[begin:end])
 
     def __str__(self) -> str:
-        ends = [decimal_text(value) for value in (self.values[0], self.values[-1])]
-        return f"{self.name} {' to '.join(dict.fromkeys(ends))} {self.unit}".strip()
+        ends = (self.values[0], self.values[-1]) if self.way else (min(self.values), max(self.values))
+        span = " to ".join(dict.fromkeys(map(decimal_text, ends)))
+        return f"{self.name} {span} {self.unit}".strip()
 
 
 def read_axis(case: "Case", key: str, text: str, bare_unit: str = "", option: str = "--param") -> Axis:
@@ -103,8 +111,8 @@ def read_axis(case: "Case", key: str, text: str, bare_unit: str = "", option: st
     case.quantity(key)  # a number of this case, or UnknownKeyError
     full = full_key(key, case.values)
     values = _in_one_unit(parse_range(text, bare_unit or _bare_unit(full)))
-    exact = sorted(value.value for value in values)
-    for low, high in pairwise(exact):
+    exact = [value.value for value in values]
+    for low, high in pairwise(sorted(exact)):
         if low == high:
             raise RangeError(f"{text} has the value {decimal_text(low)} twice")
     axis = Axis(full, values[0].unit, tuple(exact))

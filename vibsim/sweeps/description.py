@@ -8,7 +8,7 @@ from typing import Any
 from vibsim.cases.quantities import decimal_text
 from vibsim.sweeps.axis import Axis
 from vibsim.sweeps.members import Members
-from vibsim.sweeps.plan import DIRECTION_FLAGS
+from vibsim.sweeps.plan import DIRECTION_NAMES
 from vibsim.sweeps.sweep_result import SweepResult, open_sweep
 
 Lines = list[tuple[str, str]]
@@ -60,10 +60,10 @@ def axis_text(axis: Axis | Members) -> str:
     if isinstance(axis, Members):
         return str(axis)
     values, count = axis.values, f"{len(axis)} value{'' if len(axis) == 1 else 's'}"
-    steps = {high - low for low, high in pairwise(values)}
+    steps = {after - before for before, after in pairwise(values)}
     if len(values) > 2 and len(steps) == 1:
         span = f"{decimal_text(values[0])} to {decimal_text(values[-1])} {axis.unit}".strip()
-        return f"{span} in steps of {decimal_text(steps.pop())}, {count}"
+        return f"{span} in steps of {decimal_text(abs(steps.pop()))}, {count}"
     shown = [decimal_text(value) for value in values]
     listed = shown if len(shown) <= 6 else [*shown[:3], "...", shown[-1]]
     return f"{', '.join(listed)} {axis.unit}".strip() + f", {count}"
@@ -81,18 +81,20 @@ def points_text(attrs: dict[str, Any]) -> str:
 def start_text(result: SweepResult) -> str:
     """How the points begin."""
     plan = result.plan
-    names = {code: name for name, code in DIRECTION_FLAGS.items()}
     if not plan.carry:
         return "every point from the state of its case"
-    way = " and back ".join(names[code] for code in plan.directions)
-    return f"every point from the end of the one before, {plan.axes[0].name} {way}"
+    axis = plan.axes[0]
+    if axis.way:
+        way = " and back ".join(DIRECTION_NAMES[code] for code in plan.directions)
+    else:
+        way = "as listed" + (" and back" if len(plan.directions) > 1 else "")
+    return f"every point from the end of the one before, {axis.name} {way}"
 
 
 def place_text(result: SweepResult, index: tuple[int, ...]) -> str:
     """Where a point is: omega0 = 3.05 Hz, down."""
     places = [f"{axis.name} = {axis.text(i)}" for axis, i in zip(result.axes, index, strict=False)]
-    names = {code: name for name, code in DIRECTION_FLAGS.items()}
-    direction = [names[result.directions[index[-1]]]] if result.plan.carry else []
+    direction = [DIRECTION_NAMES[result.directions[index[-1]]]] if result.plan.carry else []
     return ", ".join([*places, *direction])
 
 

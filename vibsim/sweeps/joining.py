@@ -29,7 +29,7 @@ def join(paths: Iterable[str | PathLike[str]]) -> SweepResult:
         raise ResultFileError("nothing to join: no files are given")
     parts = [open_sweep(path) for path in files]
     along = _dimension(files, parts)
-    order = sorted(range(len(parts)), key=lambda i: parts[i].axes[along].numbers()[0])
+    order = _order([part.axes[along] for part in parts])
     files, parts = [files[i] for i in order], [parts[i] for i in order]
     plan = _whole(files, parts, along)
 
@@ -68,10 +68,28 @@ def _whole(files: Sequence[Path], parts: Sequence[SweepResult], along: int) -> P
     return wholes[0]
 
 
+def _way(axes: Sequence[AnyAxis]) -> int:
+    """Which way the values of all parts run: 1 up, -1 down, 0 neither."""
+    ways = {axis.way for axis in axes if len(axis) > 1} or {1}
+    return ways.pop() if len(ways) == 1 else 0
+
+
+def _order(axes: Sequence[AnyAxis]) -> list[int]:
+    """Positions of the parts the way that their values run; as they are given where they run neither way."""
+    way = _way(axes)
+    return sorted(range(len(axes)), key=lambda i: way * axes[i].numbers()[0])
+
+
+def _overlap(axis: AnyAxis, follower: AnyAxis, way: int) -> bool:
+    """Whether a part does not follow on another."""
+    values, later = axis.numbers(), follower.numbers()
+    return bool(set(values.tolist()) & set(later.tolist()) or way * values[-1] > way * later[0])
+
+
 def _joined(files: Sequence[Path], axes: Sequence[AnyAxis]) -> AnyAxis:
     """The axes one after another."""
     for (one, axis), (other, follower) in pairwise(zip(files, axes, strict=True)):
-        if not axis.numbers()[-1] < follower.numbers()[0]:
+        if _overlap(axis, follower, _way(axes)):
             raise ResultFileError(f"{one} and {other} overlap in {axis.name}")
     first = axes[0]
     if isinstance(first, Members):

@@ -40,6 +40,11 @@ class Members:
         return self.count
 
     @property
+    def way(self) -> int:
+        """Members are numbered upwards."""
+        return 1
+
+    @property
     def keys(self) -> tuple[str, ...]:
         """The keys of the case that the axis sets."""
         return tuple(spread.key for spread in self.spreads)

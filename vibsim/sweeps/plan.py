@@ -25,8 +25,9 @@ if TYPE_CHECKING:
 
 STATISTICS = 2  # raised when a statistic is computed differently: points of two versions do not mix
 UP, DOWN = 1, -1
-DIRECTIONS = {"up": (UP,), "down": (DOWN,), "both": (UP, DOWN)}
+DIRECTIONS = ("up", "down", "both")
 DIRECTION_FLAGS = {"up": UP, "down": DOWN}
+DIRECTION_NAMES = {code: name for name, code in DIRECTION_FLAGS.items()}
 
 Index = tuple[int, ...]  # position on every axis, then the position of the direction
 
@@ -43,9 +44,10 @@ class Plan:
     ----------
     case : the case that the axes vary
     axes : one or more; the first is the one along which a state is carried, an ensemble's members the last
-    directions : of the first axis, in the order computed: UP (ascending), DOWN, or both
-    carry : start each point from the end of the one before, `both` going up and then back down; otherwise
-        every point starts as its case says, and the direction makes no difference
+    directions : of the first axis, in the order computed: UP (ascending), DOWN, or both; of a list that is
+        neither, UP is its own order
+    carry : start each point from the end of the one before, `both` going there and back; otherwise every
+        point starts as its case says, and the direction makes no difference
     discard : transient left out of the statistics
     section : number of stroboscopic points kept per point, the last ones
     every : output interval that the statistics are taken from [s]; None: what suits each point's motion
@@ -118,7 +120,7 @@ class Plan:
 
     def _along_first(self, direction: int) -> range:
         count = len(self.axes[0])
-        return range(count) if direction == UP else range(count - 1, -1, -1)
+        return range(count) if direction == own_way(self.axes[0]) else range(count - 1, -1, -1)
 
     def changes(self, index: Index) -> dict[str, str]:
         """The values of the case that the point at `index` replaces: dotted key -> text."""
@@ -158,7 +160,7 @@ class Plan:
         return {
             **computed,
             "axes": [axis.plain() for axis in self.axes],
-            "direction": [name for name, code in DIRECTION_FLAGS.items() if code in self.directions],
+            "direction": [DIRECTION_NAMES[code] for code in self.directions],
             "carry_state": self.carry,
             "discard": str(self.discard),
             "section": self.section,
@@ -177,6 +179,31 @@ class Plan:
         """SHA-256 of what the numbers depend on: two sweeps of one fingerprint have the same points."""
         text = json.dumps({"case": self.fixed_values, **self.settings}, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
+
+
+def own_way(axis: Axis | Members) -> int:
+    """The direction in which the values of an axis are written: UP or DOWN; UP for a list that is neither."""
+    return DOWN if axis.way < 0 else UP
+
+
+def read_directions(word: str | None, axis: Axis | Members, carry: bool) -> tuple[int, ...]:
+    """The directions that `word` ("up", "down", "both", None: as it is written) means along an axis.
+
+    carry : whether a state is carried along it; otherwise points have no order
+    Raises PlanError for another word, and where a list that runs neither up nor down is to run so.
+    """
+    own = own_way(axis)
+    if word is None:
+        return (own if carry else UP,)
+    if word not in DIRECTIONS:
+        raise PlanError(f"direction must be up, down or both, got {word}")
+    if word == "both":
+        return own, -own
+    if not axis.way:
+        raise PlanError(
+            f"the values of {axis.name} run neither up nor down: leave the direction out, or both"
+        )
+    return (DIRECTION_FLAGS[word],)
 
 
 def _exact(value: Any) -> str:

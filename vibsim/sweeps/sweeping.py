@@ -8,11 +8,11 @@ from pathlib import Path
 
 from vibsim.cases import Case, load_case
 from vibsim.cases.quantities import parse_quantity
-from vibsim.sweeps.axis import read_axis
+from vibsim.sweeps.axis import Axis, read_axis
 from vibsim.sweeps.computations.registry import read_computations
 from vibsim.sweeps.discard import parse_discard
 from vibsim.sweeps.members import Members, read_members
-from vibsim.sweeps.plan import DIRECTIONS, Plan, PlanError
+from vibsim.sweeps.plan import Plan, PlanError, read_directions
 from vibsim.sweeps.runner import Watch, run
 from vibsim.sweeps.store import FileStore, Store
 from vibsim.sweeps.sweep_result import SweepResult
@@ -23,7 +23,7 @@ def sweep(
     case: Case | str | PathLike[str],
     axes: Mapping[str, str] | None = None,
     *,
-    direction: str = "up",
+    direction: str | None = None,
     carry_state: bool = False,
     discard: str = "50 %",
     section: int = 100,
@@ -45,9 +45,10 @@ def sweep(
     case : a Case, the path of a case file or the name of a shipped case
     axes : key -> range, e.g. {"excitation.Omega0": "3:7:0.05 Hz", "c": "0.01:0.05/9"}; one or more make a
         grid
-    direction : "up", "down" or "both" along the first axis
-    carry_state : start each point from the end of the one before along the first axis; "both" goes up and
-        back down
+    direction : "up", "down" or "both" along the first axis; by default in the order in which its values are
+        written: "7:3:1 Hz" runs down, and "4, 3, 5 Hz" in this order
+    carry_state : start each point from the end of the one before along the first axis; "both" goes there and
+        back
     discard : transient left out of the statistics, a time ("100 s") or a share of t_end ("50 %")
     section : stroboscopic points kept per point, the last ones
     every : output interval for the statistics, such as "1 ms"; by default what suits the motion
@@ -88,7 +89,7 @@ def sweep(
 def make_plan(
     case: Case,
     axes: Iterable[tuple[str, str, str]],
-    direction: str = "up",
+    direction: str | None = None,
     carry_state: bool = False,
     discard: str = "50 %",
     section: int = 100,
@@ -97,15 +98,16 @@ def make_plan(
     ensemble: tuple[Members, ...] = (),
 ) -> Plan:
     """The plan of `sweep`, everything checked; axes: key, range, and the unit of a range without one."""
-    if direction not in DIRECTIONS:
-        raise PlanError(f"direction must be up, down or both, got {direction}")
     if section < 0:
         raise PlanError(f"the number of stroboscopic points must not be negative, got {section}")
     try:
+        every_axis: tuple[Axis | Members, ...] = (*(read_axis(case, *axis) for axis in axes), *ensemble)
+        if not every_axis:
+            raise PlanError("a sweep needs something to vary")
         return Plan(
             case=case,
-            axes=(*(read_axis(case, *axis) for axis in axes), *ensemble),
-            directions=DIRECTIONS[direction],
+            axes=every_axis,
+            directions=read_directions(direction, every_axis[0], carry_state),
             carry=carry_state,
             discard=parse_discard(discard),
             section=section,
