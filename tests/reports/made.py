@@ -9,6 +9,8 @@ FORCE = {"A": 1.596, "B": 3.941, "C": 5.504}  # N, m3 e omega^2
 PRINTED = {"A": 0.0725, "B": 0.1140, "C": 0.1350}
 M3_E_OMEGA = {"A": 0.0726, "B": 0.1140, "C": 0.1348}
 HERTZ = {"A": 3.5, "B": 5.5, "C": 6.5}
+IDEAL, MOTORS = ("I-A", "I-B", "I-C"), ("II-A", "II-B", "II-C")
+EQUAL = tuple(f"{name}-eq211" for name in IDEAL)
 HALF = {"name": "half bilinear", "hz": 3.68}
 
 
@@ -27,8 +29,18 @@ def regime(verdict="periodic", period=1, end=300.0):
     }
 
 
+def cycles(verdict="every cycle", counts=None):
+    return {
+        "verdict": verdict,
+        "reason": "impacts in 9 of 9 cycles",
+        "impacts": 1.0,
+        "impact_counts": counts or {"1": 9},
+    }
+
+
 def run(rate=0.0, vibration=0.01, **more):
     return {
+        "overall": rate,
         "t_end": 300.0,
         "trust_horizon": 300.0,
         "impacts": 1000,
@@ -36,7 +48,7 @@ def run(rate=0.0, vibration=0.01, **more):
         "rest_distance_needed": 0.01,
         "steady": {"relative": vibration, "v1": 10 * vibration, "v2": vibration},
         "drift": drift(rate),
-        "cycles": {"verdict": "every cycle", "reason": "impacts in 9 of 9 cycles", "impacts": 1.0},
+        "cycles": cycles(),
         "frequencies": {"lines": [{"hz": 6.5, "amplitude": vibration}]},
         "peak": {"time": 65.0, "height": 0.02, "end": -0.04},
         "regime": regime(),
@@ -63,13 +75,26 @@ def held(speed, last=0.18, before=0.16):
 
 def outcome(verdict="passed", since=None, until=None, speed=None, final=5.43, rate=0.0, peak=65.0):
     return {
+        **motion(rate),
         "verdict": verdict,
         "since": since,
         "until": until,
         "speed_hz": speed,
         "final_hz": final,
-        "drift": rate,
         "peak": {"time": peak, "height": 0.08, "end": 0.05},
+    }
+
+
+def motion(rate=0.0, impacts=1000, vibration=0.01, kind="periodic", period=1, single=False):
+    return {
+        "drift": rate,
+        "overall": rate,
+        "impacts": impacts,
+        "cycles": "every cycle",
+        "one_per_cycle": single,
+        "steady": {"relative": vibration, "v1": 10 * vibration, "v2": vibration},
+        "regime": kind,
+        "period": period,
     }
 
 
@@ -88,6 +113,7 @@ def numbers():
             "free_hz_II": 4.149,
             "bilinear_hz_I": 7.70,
             "bilinear_hz_II": 7.37,
+            "least_hold_s": {"0.001": 13.2, "0.01": 100.0},
             "amplitudes": [
                 {
                     "omega_hz": HERTZ[x],
@@ -100,12 +126,13 @@ def numbers():
         },
         "runs": runs(),
         "long_runs": {name: {"regime": regime(end=3000.0)} for name in runs()},
-        "ensembles": {
-            "II-B": {"outcomes": [outcome(rate=rate) for rate in (1e-3, -1e-4, 2e-4, 3e-5)]},
-            "II-C": {"outcomes": [outcome(rate=rate) for rate in (-3e-4, 8e-4, 1e-4, -1e-3)]},
-            "II-B-captured": {"outcomes": 11 * [CAPTURED] + [PASSED]},
-            "II-C-escape": {"outcomes": 11 * [ESCAPED] + [PASSED]},
-        },
+        "ensembles": ensembles(),
+        "without_stop": {name: without_stop(name) for name in (*IDEAL, *EQUAL, *MOTORS)},
+        "nearby": [
+            {"law": "Table 1", "c": 0.001, "hz": 3.5, "regime": "periodic", "period": 5},
+            {"law": "Table 1", "c": 0.001, "hz": 3.8, "regime": "chaotic", "period": None},
+            {"law": "Eq. (2.11)", "c": 0.0, "hz": 6.3, "regime": "quasi-periodic", "period": None},
+        ],
         "search": {
             "alone": [
                 {"at": {"coupling.c": 0.03}, "II-B": CAPTURED, "II-C": PASSED},
@@ -122,15 +149,57 @@ def numbers():
     })  # fmt: skip
 
 
+def ensembles():
+    """Perturbed starts by case."""
+    ideal = {
+        "I-A": [motion(1.7e-5, 600, 0.001, period=5)] * 4,
+        "I-B": [motion(7e-5, 1466, 0.003, period=period) for period in (1, 6, 6, 18)],
+        "I-C": [motion(2.9e-4, 1950, 0.004, "transient", single=True)] * 4,
+        "I-A-eq211": [motion(3e-4, 2100, 0.018)] * 4,
+        "I-B-eq211": [motion(1e-3, 2000, 0.036, "chaotic", None)] * 4,
+        "I-C-eq211": [motion(2.5e-3, 2200, 0.070, "chaotic", None)] * 4,
+    }
+    motors = {
+        "II-A": [{**outcome("not met", final=3.48, rate=8e-5), "impacts": 2056}] * 4,
+        "II-B": [_lingering(rate, "undecided") for rate in (1e-3, -1e-5, 2e-4, 3e-5)],
+        "II-C": [_lingering(rate, "periodic", 8) for rate in (-3e-4, 8e-4, 1e-4, -1e-3)],
+        "II-B-captured": 11 * [CAPTURED] + [PASSED],
+        "II-C-escape": 11 * [ESCAPED] + [PASSED],
+    }
+    return {name: {"outcomes": outcomes} for name, outcomes in {**ideal, **motors}.items()}
+
+
+def _lingering(rate, kind, period=None):
+    late = 6.3 if period else 5.43
+    return {
+        **outcome("passed", 11.0, 23.0, 3.69, late, rate),
+        "impacts": 2100,
+        "regime": kind,
+        "period": period,
+        "steady": {"relative": 0.03, "v1": 0.3, "v2": 0.03},
+    }
+
+
+def without_stop(name):
+    """A case without its stop: still, periodic; with equal forces thrown further by the start."""
+    return {
+        "drift": drift(0.0),
+        "overall": 5e-3 if name in EQUAL else 1e-6,
+        "impacts": 0,
+        "regime": regime(end=10000.0),
+        "capture": capture("captured", 10.0, None, 4.02, 4.02) if name in MOTORS else None,
+    }
+
+
 def runs():
     """The runs by name."""
     return {
-        "I-A": run(1.7e-5, 0.001),
-        "I-B": run(-7.6e-5, 0.003),
-        "I-C": run(-2.9e-4, 0.004, regime=regime("transient", 1)),
-        "I-A-eq211": run(-1e-4, 0.018, drift=drift(-1e-4, 2e-4)),
-        "I-B-eq211": run(-1e-4, 0.036, drift=drift(-1e-4, 7e-4)),
-        "I-C-eq211": run(1e-4, 0.070, drift=drift(1e-4, 1e-4), trust_horizon=40.0),
+        "I-A": run(1.7e-5, 0.001, impacts=630, regime=regime("periodic", 5)),
+        "I-B": run(-7.6e-5, 0.003, impacts=1466, regime=regime("periodic", 18)),
+        "I-C": run(-2.9e-4, 0.004, impacts=1948, regime=regime("transient", 1)),
+        "I-A-eq211": run(3e-4, 0.018, drift=drift(-1e-4, 2e-4)),
+        "I-B-eq211": run(1e-3, 0.036, drift=drift(-1e-4, 7e-4), regime=regime("chaotic", None)),
+        "I-C-eq211": run(2.5e-3, 0.070, drift=drift(1e-4, 1e-4), trust_horizon=40.0),
         "II-A": run(-8e-5, 0.008, capture=capture("not met", final=3.48, no_load=3.5)),
         "II-B": run(2.2e-3, 0.026, capture=capture(since=10.9, until=23.1, speed=3.69), held=held(3.69),
                     trust_horizon=80.0, rest_distance_needed=0.0703),

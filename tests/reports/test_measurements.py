@@ -7,11 +7,20 @@ import pytest
 
 from vibsim.analysis import Capture, Span
 from vibsim.cases import load_case
-from vibsim.reports.ensembles import starts
+from vibsim.reports.ensembles import member_outcome, starts
 from vibsim.reports.layouts import reach_by_second
-from vibsim.reports.measurements import displacement_peak, measure_run, plain, reach_at_end, steady_amplitudes
-from vibsim.reports.paper_numbers import changes_of, measure_facts
+from vibsim.reports.measurements import (
+    displacement_peak,
+    measure_run,
+    overall_rate,
+    plain,
+    reach_at_end,
+    steady_amplitudes,
+)
+from vibsim.reports.paper_numbers import changes_of, least_hold, measure_facts
 from vibsim.reports.paper_runs import PAPER_RUNS
+from vibsim.reports.regimes_nearby import LAWS, at_point
+from vibsim.reports.without_stop import measure_without_stop
 
 TIME = np.linspace(0, 300, 6001)
 
@@ -102,6 +111,41 @@ def test_what_the_readings_change():
             "c": ["0.00175 N s/m", "0.001 N s/m"],
             "m3": ["0.062 kg", "0.03 kg"],
         }
+
+
+def test_the_least_hold_that_counts():
+    """15 T ln((Omega0 - w1)/(Omega0 - w2)), T = Omega0 (J + m3 e^2)/M0, about 3.69 Hz: worked out by hand."""
+    case = load_case("II-C")
+    assert least_hold(case, 0.001) == pytest.approx(15 * 11.133 * np.log(2.9207 / 2.6993), rel=1e-3)
+    assert least_hold(case, 0.010) / least_hold(case, 0.001) == pytest.approx(10.363 / 1.363, rel=1e-9)
+
+
+def test_the_overall_rate_counts_from_the_start():
+    assert overall_rate(Run(x2=0.01 + 1e-4 * TIME)) == pytest.approx(1e-4)
+
+
+def test_a_member_of_an_ensemble_is_measured():
+    """I-C for 40 s from rest: an impact in each cycle, drifting backward; II-A is also judged as a motor."""
+    found = member_outcome(load_case("I-C", {"run.t_end": "40 s"}))
+    assert found["cycles"] == "every cycle" and found["overall"] < 0
+    assert "verdict" not in found
+    assert member_outcome(load_case("II-A", {"run.t_end": "40 s"}))["verdict"] == "not met"
+
+
+def test_without_the_stop_nothing_drifts():
+    """Linear but for friction: no impacts, no drift, and period 1 once the free vibration has died out."""
+    found = measure_without_stop([load_case("I-A")], lambda *done: True)["I-A"]
+    assert found["impacts"] == 0
+    assert found["drift"]["verdict"] == "none"
+    assert (found["regime"]["verdict"], found["regime"]["period"]) == ("periodic", 1)
+
+
+def test_neighbours_follow_the_law_of_the_amplitude():
+    """m3 e omega as Table 1 has it, m3 e omega^2 as Eq. (2.11) has it."""
+    table, equation = (at_point(load_case("I-B"), 0.0033, law, 5.5, 0.0) for law in LAWS)
+    assert table.number("A") == pytest.approx(0.11404, abs=1e-5)
+    assert equation.number("A") == pytest.approx(3.941, abs=1e-3)
+    assert table.number("coupling.c") == 0.0
 
 
 def test_starts_are_on_both_sides_of_rest():

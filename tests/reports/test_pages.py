@@ -20,6 +20,7 @@ from vibsim.reports.text_page import WIDTH, render_text
 PIXEL = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
 )
+AUDIT = ("search", "growth", "regimes", "drift", "capture")
 VOID = {"meta", "img", "br", "hr", "link", "input"}
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 
@@ -86,20 +87,23 @@ def picture(tmp_path):
 
 @pytest.fixture
 def document(picture, tmp_path):
-    for name in ("search", "growth"):
-        (tmp_path / f"{name}.png").write_bytes(PIXEL)
-    audit = {
-        name: Picture(tmp_path / f"{name}.png", name, f"Of the {name}.", f"The {name}, in words.")
-        for name in ("search", "growth")
+    return paper_document(numbers(), [picture], audit_pictures(tmp_path))
+
+
+def audit_pictures(folder):
+    for name in AUDIT:
+        (folder / f"{name}.png").write_bytes(PIXEL)
+    return {
+        name: Picture(folder / f"{name}.png", name, f"Of the {name}.", f"The {name}, in words.")
+        for name in AUDIT
     }
-    return paper_document(numbers(), [picture], audit)
 
 
 def test_the_page_stands_alone(document):
     reader = read(render_html(document))
     assert_stands_alone(reader)
     assert_accessible(reader)
-    assert len(reader.all("img")) == 3
+    assert len(reader.all("img")) == 1 + len(AUDIT)
 
 
 def test_the_page_suits_dark_screens_and_paper(document):
@@ -128,23 +132,50 @@ def test_both_pages_tell_every_claim(document, render):
     page = render(document)
     told = re.sub(r"\s+", " ", read(page).text if render is render_html else page)
     for claim, finding in judge_claims(numbers()):
-        for text in (claim.statement, claim.criterion, finding.condition, finding.remark, *finding.measured):
+        words = (claim.statement, claim.criterion, claim.whose, finding.condition, finding.remark)
+        quoted = [text for quote in claim.quotes for text in (quote.text, quote.place)]
+        for text in (*words, *quoted, *finding.measured):
             assert text in told
         assert finding.verdict in told.lower()
 
 
-def test_a_wrong_number_is_told_otherwise(document, picture):
+def test_assumptions_come_first(document):
+    """Duration, start, g and solver are named before any verdict."""
+    first = document.sections[0]
+    assert first.key == "assumptions"
+    rows = {row[0]: row[2] for row in first.blocks[0].rows}
+    assert (rows["Duration"], rows["Gravity"]) == ("300 s", "9.81 m/s²")
+    assert {"Start", "Solver, step, tolerance"} <= set(rows)
+
+
+def test_a_deciding_picture_stands_with_its_claim(document):
+    """Once, with the first claim that it decides; the others point to it."""
+    page = render_html(document)
+    article = page.partition('<article id="impacts-differ">')[2].partition("</article>")[0]
+    assert '<figure id="drift">' in article
+    later = page.partition('<article id="rates-higher">')[2].partition("</article>")[0]
+    assert '<a href="#drift">' in later and "<figure" not in later
+    assert page.count('<figure id="drift">') == 1
+
+
+def test_a_wrong_number_is_told_otherwise(document, picture, tmp_path):
     table = numbers()
     table["runs"]["I-C"]["cycles"]["verdict"] = "some cycles"
-    wrong = paper_document(table, [picture], {"search": picture, "growth": picture})
+    wrong = paper_document(table, [picture], audit_pictures(tmp_path))
     key = '<article id="impacts">'
-    assert HOLDS in render_html(document).partition(key)[2].partition("</p>")[0]
-    assert FAILS in render_html(wrong).partition(key)[2].partition("</p>")[0]
+    assert HOLDS in finding_in(render_html(document), key)
+    assert FAILS in finding_in(render_html(wrong), key)
+
+
+def finding_in(page, key):
+    """The verdict on a claim, as the page shows it."""
+    return page.partition(key)[2].partition('<p class="finding">')[2].partition("</p>")[0]
 
 
 def test_the_text_fits_its_width(document):
     lines = render_text(document).splitlines()
-    wide = [line for line in lines if len(line) > WIDTH and "  " not in line.strip()]
+    tabled = re.compile(r"\S  +\S|^ {20}")  # columns stand two spaces apart
+    wide = [line for line in lines if len(line) > WIDTH and not tabled.search(line)]
     assert wide == []  # only tables may be wider
     assert all(line == line.rstrip() for line in lines)
 

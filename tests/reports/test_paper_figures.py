@@ -7,10 +7,12 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.image import imread, imsave
 
-from tests.reports.made import CAPTURED, ESCAPED, PASSED, outcome
+from tests.reports.made import CAPTURED, ESCAPED, PASSED, numbers, outcome
+from vibsim.analysis import judge_capture
 from vibsim.plots.style import BLUE, ORANGE
 from vibsim.reports import figure_files
 from vibsim.reports.document import Picture
+from vibsim.reports.evidence_figures import draw_capture, draw_drift, draw_regimes
 from vibsim.reports.figure_files import write_figures, write_page
 from vibsim.reports.paper_figures import PAGE_ROWS, growth_figure, paper_figures
 from vibsim.reports.paper_runs import Interrupted
@@ -86,8 +88,44 @@ def test_details_mark_impacts(subjects):
 
 def test_portraits_set_the_ideal_source_beside_the_motor(subjects):
     figure = FIGURES["fig-12"].figure(subjects)
-    assert len(lines(figure, "x1")) == len(lines(figure, "x2")) == 3
-    assert [sub.get_suptitle() for sub in figure.subfigs] == ["I-B", "I-B-eq211", "II-B"]
+    assert len(lines(figure, "x1")) == len(lines(figure, "x2")) == len(lines(figure, "relative")) == 3
+    titles = [sub.get_suptitle().split(":")[0] for sub in figure.subfigs]
+    assert titles == ["(a) I-B", "(a) I-B-eq211", "(b) II-B"]
+
+
+def test_portraits_of_relative_motion_are_free_of_drift(subjects):
+    """x1 - x2 of the samples (between them the curve rises a little higher): no drift of both is in it."""
+    figure = FIGURES["fig-12"].figure(subjects)
+    run = subjects["I-B"].result
+    drawn = lines(figure, "relative")[0].get_xdata()
+    y = 1e3 * (run["x1"] - run["x2"])
+    assert (drawn.min(), drawn.max()) == pytest.approx((y.min(), y.max()), rel=0.01)
+
+
+def test_motors_have_their_operating_points_on_their_lines(subjects):
+    """Fig. 4: mean torque is M0 (1 - w/Omega0) at the mean speed, as the paper's Eq. (2.8) has it."""
+    figure = FIGURES["fig-04"].figure(subjects)
+    points = lines(figure, "final")
+    known = [judge_capture(subjects[name].result).final_speed_hz for name in SHOWN["fig-04"]]
+    assert [point.get_xdata()[0] for point in points] == [speed for speed in known if speed is not None]
+    assert points
+    for point, no_load in zip(points, (3.5, 5.5, 6.5), strict=False):
+        (speed,), (torque,) = point.get_xdata(), point.get_ydata()
+        assert torque == pytest.approx(5 * (1 - speed / no_load), abs=1e-9)
+
+
+def test_pictures_of_the_evidence_show_every_start():
+    """The clouds have a point for each start, the regimes a cell for each frequency."""
+    table = numbers()
+    drift = draw_drift(table)
+    assert [len(line.get_ydata()) for line in lines(drift, "II-B")] == [4, 4]
+    assert sorted(lines(drift, "II-B")[0].get_ydata()) == pytest.approx([0.01, 0.03, 0.2, 1.0])
+    capture = draw_capture(table)
+    held, ends = lines(capture, "II-C-escape")
+    assert len(held.get_ydata()) == len(ends.get_xdata()) == 11
+    assert set(ends.get_xdata()) == {134.0}
+    (mesh,) = draw_regimes(table).axes[0].collections
+    assert np.sum(~np.isnan(mesh.get_array().astype(float).filled(np.nan))) == len(table["nearby"])
 
 
 def test_passages_show_speed_and_displacement(subjects):

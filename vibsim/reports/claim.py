@@ -6,8 +6,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from vibsim.reports.quotes import Quote
+
 HOLDS, ONLY_IF, FAILS, OPEN = "holds", "holds only if", "does not hold", "undecided"
 VERDICTS = (HOLDS, ONLY_IF, FAILS, OPEN)
+
+# whose a criterion is
+PAPERS = "the paper's own"
+OURS = "ours: the paper gives none"
+OUR_MARGIN = "the paper's numbers, our tolerance"
 
 Numbers = dict[str, Any]
 
@@ -23,6 +30,7 @@ class Finding:
     runs : names of the runs that they are from
     condition : what a claim that "holds only if" needs
     remark : what a reader should know besides
+    basis : what it rests on besides the runs, or instead
     """
 
     verdict: str
@@ -30,6 +38,7 @@ class Finding:
     runs: tuple[str, ...] = ()
     condition: str = ""
     remark: str = ""
+    basis: str = ""
 
 
 @dataclass(frozen=True)
@@ -38,18 +47,24 @@ class Claim:
 
     Attributes
     ----------
-    key : a short name, such as "capture-II-B"
-    statement : what the paper says
-    where : where it says so: section, table or figure
+    key : a short name, such as "II-B-captured"
+    statement : what it is about, in our words
+    quotes : the paper's words, with their places
     criterion : what would make it true, in words
+    whose : whose that criterion is: PAPERS, OURS or OUR_MARGIN
     judge : from the table of numbers to the finding
+    figures : keys of the figures that show it, such as "fig-16"
+    pictures : names of the audit's own pictures that decide it, such as "drift"
     """
 
     key: str
     statement: str
-    where: str
+    quotes: tuple[Quote, ...]
     criterion: str
+    whose: str
     judge: Callable[[Numbers], Finding]
+    figures: tuple[str, ...] = ()
+    pictures: tuple[str, ...] = ()
 
 
 def only_if(printed: bool, otherwise: bool) -> str:
@@ -57,6 +72,11 @@ def only_if(printed: bool, otherwise: bool) -> str:
     return HOLDS if printed else ONLY_IF if otherwise else FAILS
 
 
-def all_or_none(truths: list[bool]) -> str:
-    """The verdict on a claim about several cases, without conditions."""
-    return HOLDS if all(truths) else FAILS
+def either(first: bool, second: bool) -> str:
+    """The verdict on a claim about two situations: under a condition where it is true of one of them."""
+    return HOLDS if first and second else ONLY_IF if first or second else FAILS
+
+
+def one_of(first: bool, second: bool, if_first: str, if_second: str) -> str:
+    """The condition under which a claim holds that is true of one of two situations."""
+    return "" if first == second else if_first if first else if_second

@@ -2,9 +2,22 @@
 
 from __future__ import annotations
 
-from vibsim.reports.claim import FAILS, HOLDS, OPEN, Claim, Finding, Numbers, only_if
-from vibsim.reports.evidence import capture_line, in_reading, mostly
-from vibsim.reports.parameter_search import NO_CONTACT
+from itertools import pairwise
+
+from vibsim.reports.claim import (
+    FAILS,
+    HOLDS,
+    OPEN,
+    OUR_MARGIN,
+    OURS,
+    Claim,
+    Finding,
+    Numbers,
+    only_if,
+)
+from vibsim.reports.evidence import capture_line, count_of, in_reading, mostly
+from vibsim.reports.paper_runs import MOTORS
+from vibsim.reports.quotes import said
 from vibsim.reports.wording import hz
 
 NEARLY = 0.02  # of Omega0
@@ -12,6 +25,7 @@ NATURAL_HZ = 4.1
 NEAR_HZ = 0.1
 RESONANT_HZ = 4.5  # a hold below this is one near half the bilinear frequency
 TWICE = 0.02  # relative
+DISTINCT = 0.03  # relative difference of two operating points
 
 PRINTED, READINGS = ("II-B", "II-C"), ("II-B-captured", "II-C-escape")
 
@@ -27,28 +41,102 @@ def capture_claims() -> list[Claim]:
     """In the order of the paper."""
     return [
         Claim(
+            "equilibria",
+            "The motor reaches equilibrium, at another speed for each characteristic.",
+            said("equilibrium"),
+            "Each of II-A, II-B and II-C settles: the mean speed over 12 turns stays within 3 % up to the "
+            "end, from "
+            "four of five perturbed starts; their speeds differ by more than 3 %.",
+            OURS,
+            equilibria,
+            figures=("fig-04",),
+        ),
+        Claim(
             "II-A-speed",
             "II-A reaches nearly its no-load speed of 3.5 Hz.",
-            "Fig. 14",
+            said("steady state"),
             "The mean speed over the last turns is within 2 % of 3.5 Hz.",
+            OURS,
             speed_of_a,
+            figures=("fig-14",),
+        ),
+        Claim(
+            "sommerfeld",
+            "II-B and II-C show the Sommerfeld effect.",
+            said("Sommerfeld"),
+            "The weakest form of it: each motor lingers well below its no-load speed, at least 3 times as "
+            "long as it "
+            "would take to run up freely through ±3 %, from rest and from four of five perturbed starts.",
+            OURS,
+            sommerfeld,
+            figures=("fig-15", "fig-16"),
         ),
         Claim(
             "II-B-captured",
             "The motor of II-B is captured for good.",
-            "Fig. 15",
-            "The hold lasts to the end of the 300 s, well below the no-load speed: from rest, and from "
+            said("cannot escape", "cannot exceed"),
+            "The hold lasts to the end of the run, well below the no-load speed: from rest, and from "
             "four of five perturbed starts.",
+            OURS,
             b_captured,
+            figures=("fig-15", "fig-15-reading"),
+            pictures=("capture",),
         ),
         Claim(
             "capture-frequency",
-            "The motors are captured at the natural frequency, 4.1 Hz.",
-            "Figs. 15 and 16",
+            "The motors are captured at 4.1 Hz.",
+            said("cannot escape", "initially captured"),
             "The mean speed during the hold of II-B and of II-C is within 0.1 Hz of 4.1 Hz.",
+            OUR_MARGIN,
             capture_frequency,
+            figures=("fig-15", "fig-16"),
+            pictures=("capture",),
         ),
     ]
+
+
+def equilibria(numbers: Numbers) -> Finding:
+    """Final speeds of Case II."""
+    finals = [numbers["runs"][name]["capture"]["final_speed_hz"] for name in MOTORS]
+    lines = tuple(
+        f"{name}: {hz(final)}; perturbed starts: settled in {count_of(numbers, name, is_settled)}"
+        for name, final in zip(MOTORS, finals, strict=True)
+    )
+    distinct = all(above > below * (1 + DISTINCT) for below, above in pairwise(finals))
+    settled = all(mostly(numbers, name, is_settled) for name in MOTORS)
+    return Finding(HOLDS if distinct and settled else FAILS, lines, MOTORS)
+
+
+def is_settled(outcome: Numbers) -> bool:
+    """Whether the mean speed stays within the band up to the end."""
+    return outcome.get("verdict") not in (None, "undecided")
+
+
+def sommerfeld(numbers: Numbers) -> Finding:
+    """Holds of any strength in II-B and II-C, and in the readings."""
+    printed, reading = (all(_lingers(numbers, name) for name in pair) for pair in (PRINTED, READINGS))
+    names = (*PRINTED, *READINGS)
+    lines = tuple(
+        f"{name}: {_lingering(numbers, name)}; perturbed starts: lingers in "
+        f"{count_of(numbers, name, is_held)}"
+        for name in names
+    )
+    changed = in_reading(numbers, READINGS[0]) if reading and not printed else ""
+    return Finding(only_if(printed, reading), lines, names, condition=changed)
+
+
+def is_held(outcome: Numbers) -> bool:
+    """Whether the motor lingers below its no-load speed for a while."""
+    return outcome.get("since") is not None
+
+
+def _lingers(numbers: Numbers, name: str) -> bool:
+    return is_held(numbers["runs"][name]["capture"]) and mostly(numbers, name, is_held)
+
+
+def _lingering(numbers: Numbers, name: str) -> str:
+    capture = numbers["runs"][name]["capture"]
+    return f"from rest {capture['verdict']}, {'' if is_held(capture) else 'not '}held on the way"
 
 
 def speed_of_a(numbers: Numbers) -> Finding:
@@ -67,27 +155,13 @@ def b_captured(numbers: Numbers) -> Finding:
         only_if(printed, reading),
         tuple(capture_line(numbers, name, "captured") for name in names),
         names,
-        condition=in_reading(numbers, READINGS[0]) + _alone(numbers) if reading and not printed else "",
+        condition=in_reading(numbers, READINGS[0]) if reading and not printed else "",
     )
 
 
 def _is_captured(numbers: Numbers, name: str) -> bool:
     captured = numbers["runs"][name]["capture"]["verdict"] == "captured"
     return captured and mostly(numbers, name, lambda outcome: outcome.get("verdict") == "captured")
-
-
-def _alone(numbers: Numbers) -> str:
-    """Which single parameters capture II-B for good, near a resonance."""
-    found: dict[str, list[float]] = {}
-    for row in numbers["search"]["alone"]:
-        (key, value), outcome = next(iter(row["at"].items())), row["II-B"]
-        if outcome.get("verdict") == "captured" and outcome["speed_hz"] < RESONANT_HZ:
-            found.setdefault(key.split(".")[-1], []).append(value)
-    words = [
-        f"{key} = {' to '.join(dict.fromkeys((f'{min(values):g}', f'{max(values):g}')))}"
-        for key, values in found.items()
-    ]
-    return "; or, of single values tried (SI): " + ", ".join(words) if words else ""
 
 
 def capture_frequency(numbers: Numbers) -> Finding:
@@ -99,7 +173,7 @@ def capture_frequency(numbers: Numbers) -> Finding:
     lines = [_frequency_line(numbers, name) for name in held]
     return Finding(
         only_if(printed, reading) if held else OPEN,
-        (*lines, *_without_stop(numbers)),
+        (*lines, _without_stop(numbers)),
         names,
         condition=in_reading(numbers, READINGS[0]) if reading and not printed else "",
         remark=EXPLANATION if held and all(_is_twice(numbers, name) for name in held) else "",
@@ -133,11 +207,9 @@ def _is_twice(numbers: Numbers, name: str) -> bool:
     return ratio is not None and abs(ratio / 2 - 1) <= TWICE
 
 
-def _without_stop(numbers: Numbers) -> list[str]:
-    """At which speed the motors are captured where the blocks never touch."""
-    rows = [row for row in numbers["search"]["alone"] if row["at"].get("stop.G") == NO_CONTACT]
-    return [
-        "without the stop: "
-        + ", ".join(f"{name} {row[name]['verdict']} at {hz(row[name]['speed_hz'])}" for name in PRINTED)
-        for row in rows
-    ]
+def _without_stop(numbers: Numbers) -> str:
+    """What becomes of the motors where the blocks never touch."""
+    captures = {name: numbers["without_stop"][name]["capture"] for name in PRINTED}
+    return "without the stop: " + ", ".join(
+        f"{name} {capture['verdict']} at {hz(capture['speed_hz'])}" for name, capture in captures.items()
+    )

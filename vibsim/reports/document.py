@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from vibsim.reports.claim import Claim, Finding
+from vibsim.reports.quotes import Quote
 
 
 @dataclass(frozen=True)
@@ -29,16 +30,6 @@ class Table:
 
 
 @dataclass(frozen=True)
-class Judged:
-    """A claim with its finding, and until when its evidence is right."""
-
-    number: int
-    claim: Claim
-    finding: Finding
-    trust: str
-
-
-@dataclass(frozen=True)
 class Picture:
     """A figure on file."""
 
@@ -48,7 +39,30 @@ class Picture:
     alt: str
 
 
-Block = Paragraph | Table | Judged | Picture
+@dataclass(frozen=True)
+class Judged:
+    """A claim with its finding, until when its evidence is right, and what shows it.
+
+    figures : key and heading of each figure elsewhere in the report; pictures : shown with the claim
+    """
+
+    number: int
+    claim: Claim
+    finding: Finding
+    trust: str
+    figures: tuple[tuple[str, str], ...] = ()
+    pictures: tuple[Picture, ...] = ()
+
+
+@dataclass(frozen=True)
+class Said:
+    """Words of the paper that are not judged, and why."""
+
+    quotes: tuple[Quote, ...]
+    remark: str
+
+
+Block = Paragraph | Table | Judged | Said | Picture
 
 
 @dataclass(frozen=True)

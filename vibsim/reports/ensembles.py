@@ -6,10 +6,14 @@ common is a property of the system all the same; what they do not is chance.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
-from vibsim.reports.measurements import Numbers
-from vibsim.reports.outcomes import Advance, outcomes_of
+from vibsim.analysis import count_impacts, judge_regime, measure_drift
+from vibsim.kernel import KernelError
+from vibsim.reports.measurements import Numbers, overall_rate, steady_amplitudes
+from vibsim.reports.outcomes import EVERY, Advance, outcome_of, run_all
+from vibsim.results import Result, simulate
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -24,6 +28,34 @@ def starts() -> list[float]:
 
 
 def measure_ensemble(case: Case, advance: Advance) -> Numbers:
-    """Outcomes of a motor case from each start."""
+    """What comes of a case from each start; raises Interrupted when `advance` returns False."""
     members = [case.with_values({"initial.x1": f"{start:.4g} m"}) for start in starts()]
-    return {"starts": starts(), "outcomes": outcomes_of(members, advance)}
+    return {
+        "starts": starts(),
+        "outcomes": run_all([partial(member_outcome, each) for each in members], advance),
+    }
+
+
+def member_outcome(case: Case) -> Numbers:
+    """The motion of a member and, with a motor, what becomes of it; {"failed": why} where it breaks down."""
+    try:
+        result = simulate(case.with_values({"run.every": EVERY}), trust=False)
+    except KernelError as error:
+        return {"failed": str(error)}
+    motor = outcome_of(result) if case.scene().has_motor else {}
+    return {**motor, **motion_of(result)}
+
+
+def motion_of(result: Result) -> Numbers:
+    """Drift rates [m/s], impacts over the whole run, impacts in each cycle, vibration and regime."""
+    cycles, regime = count_impacts(result), judge_regime(result)
+    return {
+        "drift": measure_drift(result).rate,
+        "overall": overall_rate(result),
+        "impacts": int(result.attrs["impacts"]),
+        "cycles": cycles.verdict,
+        "one_per_cycle": set(cycles.impact_counts or ()) == {1},
+        "steady": steady_amplitudes(result),
+        "regime": regime.verdict,
+        "period": regime.period,
+    }

@@ -1,39 +1,57 @@
-"""What the claims on the motors rest on, from the table of numbers: holds, ensembles, readings, in words."""
+"""What the claims rest on, from the table of numbers: holds, ensembles, readings, in words."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import product
+from statistics import median
 
 from vibsim.reports.claim import Numbers
 from vibsim.reports.wording import hz, mm, of_all, seconds
 
-MOST = 0.8  # share of an ensemble that makes a property of the system
-SOME = 0.1  # share up from which something is among what chance may bring
+MOST = 0.8  # share of an ensemble that makes a property of the system: four in five
 
 True_of = Callable[[Numbers], bool]
 
 
+def members(numbers: Numbers, name: str) -> list[Numbers]:
+    """What came of the perturbed starts of a case."""
+    outcomes: list[Numbers] = numbers["ensembles"][name]["outcomes"]
+    return outcomes
+
+
 def how_many(numbers: Numbers, name: str, true_of: True_of) -> tuple[int, int]:
     """For how many members of an ensemble something is true, and of how many."""
-    outcomes = numbers["ensembles"][name]["outcomes"]
+    outcomes = members(numbers, name)
     return sum(true_of(outcome) for outcome in outcomes), len(outcomes)
 
 
 def mostly(numbers: Numbers, name: str, true_of: True_of) -> bool:
-    """Whether it is true of most members."""
+    """Whether it is true of four members in five."""
     count, total = how_many(numbers, name, true_of)
     return count >= MOST * total
-
-
-def at_times(numbers: Numbers, name: str, true_of: True_of) -> bool:
-    """Whether it is true of some members: what a single run may well show."""
-    count, total = how_many(numbers, name, true_of)
-    return count >= SOME * total
 
 
 def count_of(numbers: Numbers, name: str, true_of: True_of) -> str:
     """The count in words."""
     return of_all(*how_many(numbers, name, true_of))
+
+
+def magnitudes(numbers: Numbers, name: str, key: str) -> list[float]:
+    """Magnitudes of a number of every member that has it."""
+    return [abs(each[key]) for each in members(numbers, name) if each.get(key) is not None]
+
+
+def middle(numbers: Numbers, name: str, key: str) -> float:
+    """Median of those magnitudes; 0 without any."""
+    found = magnitudes(numbers, name, key)
+    return median(found) if found else 0.0
+
+
+def share_above(numbers: Numbers, one: str, other: str, key: str) -> float:
+    """Share of the pairs of starts, one of each case, in which the first has the greater magnitude."""
+    pairs = list(product(*(magnitudes(numbers, name, key) for name in (one, other))))
+    return sum(ours > theirs for ours, theirs in pairs) / len(pairs) if pairs else 0.0
 
 
 def capture_line(numbers: Numbers, name: str, wanted: str) -> str:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from base64 import b64encode
+from collections.abc import Sequence
 from html import escape
 
 from vibsim.reports.claim import VERDICTS
-from vibsim.reports.document import Block, Document, Judged, Paragraph, Picture, Section, Table
+from vibsim.reports.document import Block, Document, Judged, Paragraph, Picture, Said, Section, Table
 from vibsim.reports.page_style import STYLE
+from vibsim.reports.quotes import Quote
 
+MANY = 3  # columns; wider tables scroll on a narrow screen instead of being squeezed
 MEDIA = {".png": "image/png", ".svg": "image/svg+xml"}
 
 
@@ -55,11 +58,14 @@ def _block(block: Block) -> str:
         return f"<p>{escape(block.text)}</p>\n"
     if isinstance(block, Table):
         return _table(block)
+    if isinstance(block, Said):
+        return f'<div class="said">{_quotes(block.quotes)}<p>{escape(block.remark)}</p></div>\n'
     return _judged(block) if isinstance(block, Judged) else _picture(block)
 
 
 def _table(table: Table) -> str:
     head = "".join(f'<th scope="col">{escape(column)}</th>' for column in table.columns)
+    many = ' class="many"' if len(table.columns) > MANY else ""
     rows = "".join(
         f'<tr><th scope="row">{escape(row[0])}</th>'
         + "".join(_cell(cell, number == table.verdict) for number, cell in enumerate(row[1:], start=1))
@@ -67,7 +73,7 @@ def _table(table: Table) -> str:
         for row in table.rows
     )
     return (
-        f'<div class="wide" tabindex="0" role="region" aria-label="{escape(table.caption)}"><table>'
+        f'<div class="wide" tabindex="0" role="region" aria-label="{escape(table.caption)}"><table{many}>'
         f"<caption>{escape(table.caption)}</caption>\n<thead><tr>{head}</tr></thead>\n<tbody>{rows}</tbody>"
         "</table></div>\n"
     )
@@ -89,13 +95,26 @@ def _judged(block: Judged) -> str:
     measured = "".join(f"<li>{escape(line)}</li>" for line in finding.measured)
     remark = f"<dt>Remark</dt><dd>{escape(finding.remark)}</dd>" if finding.remark else ""
     return f"""<article id="{claim.key}">
-<h3>{block.number}. {escape(claim.statement)} <small>{escape(claim.where)}</small></h3>
-<p class="finding">{_badge(finding.verdict)}{condition}</p>
-<dl><dt>Criterion</dt><dd>{escape(claim.criterion)}</dd>
+<h3>{block.number}. {escape(claim.statement)}</h3>
+{_quotes(claim.quotes)}<p class="finding">{_badge(finding.verdict)}{condition}</p>
+<dl><dt>Criterion</dt><dd>{escape(claim.criterion)} <em>({escape(claim.whose)})</em></dd>
 <dt>Measured</dt><dd><ul>{measured}</ul></dd>
-{remark}<dt>Trust</dt><dd>{escape(block.trust)}</dd></dl>
-</article>
+<dt>Runs</dt><dd>{escape(block.trust)}</dd>
+{remark}{_figures(block)}</dl>
+{"".join(_picture(picture) for picture in block.pictures)}</article>
 """
+
+
+def _quotes(quotes: Sequence[Quote]) -> str:
+    return "".join(
+        f"<blockquote><p><q>{escape(quote.text)}</q> <cite>{escape(quote.place)}</cite></p></blockquote>\n"
+        for quote in quotes
+    )
+
+
+def _figures(block: Judged) -> str:
+    links = ", ".join(f'<a href="#{key}">{escape(heading)}</a>' for key, heading in block.figures)
+    return f"<dt>See</dt><dd>{links}</dd>" if links else ""
 
 
 def _picture(block: Picture) -> str:

@@ -10,13 +10,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import MaxNLocator
 
+from vibsim.analysis import judge_capture
 from vibsim.plots.displacement import DISPLACEMENT
 from vibsim.plots.displacement_frequency import displacement_frequency_panels
 from vibsim.plots.motor import motor_panel
 from vibsim.plots.motor_speed import SPEED, motor_speed_panel
 from vibsim.plots.phase import moving, phase_panels
+from vibsim.plots.relative import relative_panel
 from vibsim.plots.samples import common_window
-from vibsim.plots.sheet import legend_above, time_axis
+from vibsim.plots.sheet import legend_above, letter_panels, time_axis
 from vibsim.plots.spans import detail_span
 from vibsim.plots.stiffness import stiffness_panel
 from vibsim.plots.style import overlay
@@ -36,8 +38,25 @@ def draw_stiffness(sheet: Figure, subjects: Sequence[Subject]) -> None:
 
 
 def draw_motors(sheet: Figure, subjects: Sequence[Subject]) -> None:
-    """Torque against speed of several motors."""
-    motor_panel(_centred(sheet), subjects)
+    """Torque against speed of several motors, and where each of them runs: in the end, and while held."""
+    axes = _centred(sheet)
+    motor_panel(axes, subjects)
+    for i, subject in enumerate(subjects):
+        capture, colour = judge_capture(subject.result), overlay(i)["color"]
+        if capture.final_speed_hz is not None:
+            place = _point(subject, capture.final_speed_hz)
+            axes.plot(*place, "o", color=colour, markersize=4.5, gid="final")
+        if capture.until is not None and capture.speed_hz is not None:
+            axes.plot(
+                *_point(subject, capture.speed_hz), "s", color=colour, markersize=4, markerfacecolor="white",
+                gid="held",
+            )  # fmt: skip
+
+
+def _point(subject: Subject, speed_hz: float) -> tuple[float, float]:
+    """Mean speed [Hz] and torque [mN m]: the torque is linear in the speed, and so are their means."""
+    scene = subject.scene
+    return speed_hz, 1e3 * scene.M0 * (1 - 2 * np.pi * speed_hz / scene.Omega0)
 
 
 def draw_displacements(sheet: Figure, subjects: Sequence[Subject]) -> None:
@@ -52,15 +71,20 @@ def draw_displacements(sheet: Figure, subjects: Sequence[Subject]) -> None:
         histories([Panel(whole, curves, window), Panel(detail, curves, span)], DISPLACEMENT)
         mark_detail(whole, span)
         legend_above(whole)
+        letter_panels([whole, detail])
 
 
 def draw_portraits(sheet: Figure, subjects: Sequence[Subject]) -> None:
-    """A column for each run: phase portrait of block 1 above that of block 2."""
-    columns = sheet.subfigures(1, len(subjects), squeeze=False)[0]
-    for column, subject in zip(columns, subjects, strict=True):
-        column.suptitle(subject.name, fontsize=8, fontweight="bold")
-        panels: Any = column.subplots(2, 1)
-        phase_panels(panels, [subject], WHOLE, moving([subject]))
+    """A row for each run: portraits of blocks 1 and 2, and of their relative motion, free of drift."""
+    rows = sheet.subfigures(len(subjects), 1, squeeze=False)[:, 0]
+    for row, subject in zip(rows, subjects, strict=True):
+        mark = "(b)" if subject.scene.has_motor else "(a)"
+        row.suptitle(f"{mark} {subject.name}: {subject.case.title}", x=0.01, ha="left", fontsize=8)
+        panels: Any = row.subplots(1, 3)
+        phase_panels(panels[:2], [subject], WHOLE, moving([subject]))
+        relative_panel(panels[2], [subject], WHOLE)
+        panels[2].set_xlabel(panels[2].get_xlabel().removeprefix("Relative displacement "))
+        panels[2].set_ylabel(panels[2].get_ylabel().removeprefix("Relative velocity "))
         for axes in panels:
             axes.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
 
@@ -75,6 +99,7 @@ def draw_passage(sheet: Figure, subjects: Sequence[Subject]) -> None:
     panels = right.subplots(2, 1, sharex=True)
     displacement_frequency_panels(panels, subjects, WHOLE, moving(subjects))
     panels[-1].set_xlabel(f"Motor speed {SPEED} (Hz)")
+    letter_panels([speed, panels[0]])
     right.align_ylabels()
 
 

@@ -34,6 +34,7 @@ def measure_run(result: Result) -> Numbers:
         "greatest": {name: greatest(result[name]) for name in STATES},
         "steady": steady_amplitudes(result),
         "drift": plain(measure_drift(result)),
+        "overall": overall_rate(result),
         "cycles": plain(count_impacts(result)),
         "frequencies": plain(find_frequencies(result)),
         "peak": displacement_peak(result.time, result["x2"]),
@@ -61,6 +62,11 @@ def steady_amplitudes(result: Result) -> Numbers:
         "v1": greatest(result["v1"][rows]),
         "v2": greatest(result["v2"][rows]),
     }
+
+
+def overall_rate(result: Result) -> float:
+    """Displacement of block 2 at the end over the whole time [m/s], start included."""
+    return float(result["x2"][-1] - result["x2"][0]) / result.t_reached
 
 
 def reach_at_end(result: Result, hold: Window) -> Numbers:

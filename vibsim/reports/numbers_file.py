@@ -17,6 +17,8 @@ from vibsim.results.output_file import output_file
 
 Numbers = dict[str, Any]
 
+MEASURES = 2  # goes up when what is measured of the same runs changes
+
 
 class NumbersFile:
     """Sections by name in a JSON file, written whenever one is added.
@@ -48,8 +50,8 @@ class NumbersFile:
 
 
 def fingerprint(made_of: object) -> str:
-    """Of anything that JSON can hold, and of this version of vibsim."""
-    text = json.dumps([__version__, made_of], sort_keys=True, default=str)
+    """Of anything that JSON can hold, and of this version of vibsim and of what it measures."""
+    text = json.dumps([__version__, MEASURES, made_of], sort_keys=True, default=str)
     return sha256(text.encode()).hexdigest()
 
 

@@ -32,6 +32,14 @@ article {
   border: 1px solid var(--line); border-radius: 6px;
   break-inside: avoid;
 }
+blockquote { margin: 0 0 .5rem; padding-left: .8rem; border-left: 3px solid var(--line); }
+blockquote p { margin: 0; max-width: none; font-style: italic; }
+q { quotes: "\\201C" "\\201D"; }
+cite { font-style: normal; color: var(--soft); font-size: .9rem; white-space: nowrap; }
+cite::before { content: "· "; }
+.said { margin: 1.2rem 0; }
+.said > p { margin: 0; }
+article figure { margin: 1.2rem 0 0; }
 .finding { margin: .3rem 0 .8rem; max-width: none; }
 .verdict { font-weight: 600; white-space: nowrap; border-bottom: 2px solid currentColor; }
 .v0 { color: var(--yes); } .v1 { color: var(--if); } .v2 { color: var(--no); }
@@ -57,6 +65,7 @@ figcaption { margin-top: .5rem; font-size: .92rem; color: var(--soft); max-width
 figcaption b { color: var(--ink); }
 footer { margin-top: 3.5rem; padding-top: 1rem; border-top: 1px solid var(--line); color: var(--soft); }
 @media (max-width: 40rem) {
+  table.many { min-width: 42rem; }
   article dl, footer dl { grid-template-columns: 1fr; gap: .1rem; }
   dd { margin-bottom: .5rem; }
 }

@@ -19,7 +19,7 @@ from vibsim.plots.subject import Subject
 from vibsim.reports.claim import Claim, Finding, Numbers
 from vibsim.reports.claims import judge_claims
 from vibsim.reports.document import Picture
-from vibsim.reports.figure_files import FORMATS, write_figures, write_page, write_search
+from vibsim.reports.figure_files import FORMATS, write_evidence, write_figures, write_page, write_search
 from vibsim.reports.html_page import render_html
 from vibsim.reports.numbers_file import NumbersFile
 from vibsim.reports.paper_document import paper_document
@@ -109,4 +109,5 @@ def draw_pictures(
             [*paper_figures(), growth_figure()], subjects, folder, formats, tell
         )
         write_page(pictures, folder, formats)
-        return pictures, {"growth": growth, "search": write_search(numbers, folder, formats)}
+        evidence = write_evidence(numbers, folder, formats)
+        return pictures, {"growth": growth, "search": write_search(numbers, folder, formats), **evidence}

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from vibsim import __version__
+from vibsim.reports.assumptions import assumption_blocks, unjudged_blocks
 from vibsim.reports.claim import ONLY_IF, VERDICTS, Numbers
 from vibsim.reports.claims import judge_claims, trust_of
 from vibsim.reports.document import Block, Document, Judged, Paragraph, Picture, Section, Table
@@ -14,13 +15,21 @@ from vibsim.reports.run_tables import facts_table, regime_table
 from vibsim.reports.search_tables import capturing_solvers, ensemble_table, search_table, solver_table
 
 PAPER = (
-    "Moraes, Pontes, Silveira, Balthazar, Brasil: Influence of ideal and non-ideal excitation sources on the "
-    "dynamics of a nonlinear vibro-impact system (2013)."
+    "Fernando H. Moraes, Bento R. Pontes Jr, Marcos Silveira, José M. Balthazar, Reyolando M. L. R. F. "
+    "Brasil: "
+    "Influence of ideal and non-ideal excitation sources on the dynamics of a nonlinear vibro-impact system "
+    "(received 31 October 2012, accepted 4 February 2013)."
 )
-SUBTITLE = "Every figure drawn again from its cases, every claim held against what was measured."
+SUBTITLE = (
+    "Every figure drawn again from its cases, every statement quoted and held against what was measured. "
+    "Words in "
+    "quotation marks are the paper's; all others are ours."
+)
 
 FIGURES = (
-    "Laid out as in the paper; Figs. 1 and 3 are sketches of the models. Case I is shown with both "
+    "Panels (a) and (b) as the captions of the paper have them; these give neither windows nor ranges, so "
+    "those here "
+    "are ours. Figs. 1 and 3 are sketches of the models and not drawn again. Case I is shown with both "
     "amplitudes, that of Table 1 and that of Eq. (2.11). Beyond a trust horizon (hatched) the motion is "
     "one of many that the model allows. Figures marked as readings use an m3 and c under which the paper's "
     "account of them holds."
@@ -39,22 +48,23 @@ STARTS = (
 )
 SOLVERS = (
     "Could it have come from the solver? The same equations with sgn(v2), no events and the printed "
-    "parameters, by methods in common use. What a method loses by its own errors acts like damping."
+    "parameters, by methods in common use. What a method loses by its own errors acts like damping; how "
+    "much that is hangs on its step control, so that another implementation of the same method may end "
+    "elsewhere."
 )
 
 
 def paper_document(numbers: Numbers, pictures: Sequence[Picture], audit: Mapping[str, Picture]) -> Document:
     """The document.
 
-    pictures : the figures of the paper; audit : those of the audit, "search" and "growth"
+    pictures : the figures of the paper; audit : those of the audit by name
     """
-    judged = [
-        Judged(number, claim, finding, trust_of(numbers, finding))
-        for number, (claim, finding) in enumerate(judge_claims(numbers), start=1)
-    ]
+    judged = _judged(numbers, pictures, audit)
     sections = (
+        Section("assumptions", "Assumptions first", assumption_blocks(numbers)),
         Section("summary", "At a glance", _summary(judged)),
         Section("claims", "Claim by claim", tuple(judged)),
+        Section("unjudged", "Words that are not judged", unjudged_blocks(numbers)),
         Section("why", "What makes the account of the motors hold", _search(numbers, judged, audit)),
         Section("runs", "The runs", (regime_table(numbers), facts_table(numbers))),
         Section("figures", "The figures", (Paragraph(FIGURES), *pictures)),
@@ -63,25 +73,53 @@ def paper_document(numbers: Numbers, pictures: Sequence[Picture], audit: Mapping
     return Document("The paper, reproduced and audited", f"{PAPER} {SUBTITLE}", sections, provenance)
 
 
+def _judged(
+    numbers: Numbers, pictures: Sequence[Picture], audit: Mapping[str, Picture]
+) -> list[Judged]:
+    """Every claim with its finding and what shows it; a picture stands with the first claim it decides."""
+    headings = {picture.path.stem: picture.heading for picture in (*pictures, *audit.values())}
+    shown: set[str] = set()
+    judged = []
+    for number, (claim, finding) in enumerate(judge_claims(numbers), start=1):
+        here = tuple(name for name in claim.pictures if name in audit and name not in shown)
+        elsewhere = [key for key in (*claim.figures, *claim.pictures) if key in headings and key not in here]
+        links = tuple((key, headings[key]) for key in elsewhere)
+        own = tuple(audit[name] for name in here)
+        judged.append(Judged(number, claim, finding, trust_of(numbers, finding), links, own))
+        shown.update(here)
+    return judged
+
+
 def _summary(judged: Sequence[Judged]) -> tuple[Block, ...]:
     count = Counter(each.finding.verdict for each in judged)
     words = ", ".join(f"{count[verdict]} × {verdict}" for verdict in VERDICTS if count[verdict])
-    rows = tuple((f"{each.number}. {each.claim.statement}", each.finding.verdict) for each in judged)
+    rows = tuple(
+        (
+            f"{each.number}. {each.claim.statement}",
+            each.claim.quotes[0].place.replace("Section ", "§ "),
+            each.finding.verdict,
+        )
+        for each in judged
+    )
     basis = "Each verdict follows from the numbers in numbers.json, by the criterion given with it."
     return (
         Paragraph(f"{len(judged)} claims: {words}. {basis}"),
-        Table("Claims and verdicts", ("Claim", "Verdict"), rows, verdict=1),
+        Table("Claims, in our words, and verdicts", ("Claim", "Paper", "Verdict"), rows, verdict=2),
     )
 
 
 def _search(numbers: Numbers, judged: Sequence[Judged], audit: Mapping[str, Picture]) -> tuple[Block, ...]:
     outcomes = {name: numbers["runs"][name]["capture"]["verdict"] for name in ("II-B", "II-C")}
-    printed = " and ".join(f"the motor of {name} is judged “{verdict}”" for name, verdict in outcomes.items())
+    printed = ", ".join(f"{name}: {verdict}" for name, verdict in outcomes.items())
     verdicts = {each.claim.key: each.finding.verdict for each in judged}
     conditional = all(verdicts[key] == ONLY_IF for key in ("II-B-captured", "II-C-escapes"))
     why = (Paragraph(MECHANISM),) if conditional else ()
     return (
-        Paragraph(f"As printed, {printed}. Each parameter was varied alone, and both cases run for 300 s."),
+        Paragraph(
+            f"Verdicts on the motors as printed: {printed}. Each parameter was varied alone, and both cases "
+            "run for "
+            "300 s."
+        ),
         search_table(numbers["search"]["alone"]),
         *why,
         audit["search"],

@@ -114,8 +114,12 @@ def _motors() -> PaperFigure:
     return PaperFigure(
         "fig-04",
         "Fig. 4",
-        "Characteristics of the motor: torque against speed, for the three motor constants.",
-        "Three straight lines that fall from 5 mN m at standstill to zero at 3.5, 5.5 and 6.5 Hz.",
+        "Characteristics of the motor: torque against speed, for the three motor constants. Filled points: "
+        "where "
+        "each motor runs in the end; square: where it is held on the way; open circles: no load.",
+        "Three straight lines that fall from 5 mN m at standstill to zero at 3.5, 5.5 and 6.5 Hz, each with "
+        "an "
+        "operating point near its lower end; the line of 5.5 Hz has a square at 3.7 Hz as well.",
         ("II-A", "II-B", "II-C"),
         6.0,
         draw_motors,
@@ -127,7 +131,8 @@ def _displacements_ideal(letter: str) -> PaperFigure:
     return PaperFigure(
         f"fig-{number:02}",
         f"Fig. {number}",
-        f"Case I-{letter}, ideal source at {HERTZ[letter]} Hz: displacements over 300 s, and a detail with "
+        f"Case I-{letter}, ideal source at {HERTZ[letter]} Hz: (a) displacements over 300 s, (b) a detail "
+        "with "
         "impacts (contact shaded); above with the amplitude of Table 1, below with that of Eq. (2.11).",
         "Four panels. Left: x1 and x2 against time over 300 s, x1 a band that vibrates about the drifting "
         f"x2; right: about ten periods with each impact marked. Ideal source, {HERTZ[letter]} Hz.",
@@ -142,7 +147,8 @@ def _displacements_motor(letter: str) -> PaperFigure:
     return PaperFigure(
         f"fig-{number:02}",
         f"Fig. {number}",
-        f"Case II-{letter}, motor constant {HERTZ[letter]} Hz: displacements over 300 s, and a detail with "
+        f"Case II-{letter}, motor constant {HERTZ[letter]} Hz: (a) displacements over 300 s, (b) a detail "
+        "with "
         "impacts.",
         "Two panels: x1 and x2 against time over 300 s, and about ten turns of the motor with each impact "
         f"marked. Motor constant {HERTZ[letter]} Hz, printed parameters.",
@@ -171,12 +177,15 @@ def _portraits(letter: str) -> PaperFigure:
     return PaperFigure(
         f"fig-{number}",
         f"Fig. {number}",
-        f"Phase portraits at {HERTZ[letter]} Hz, the last periods: ideal source with the amplitude of Table "
-        "1 and with that of Eq. (2.11), beside the motor. Above block 1, below block 2.",
-        "Six panels of velocity against displacement: columns for I as printed, I with equal force, and II; "
-        "rows for blocks 1 and 2.",
+        f"Phase portraits at {HERTZ[letter]} Hz, the last periods: (a) ideal source, with the amplitude of "
+        "Table 1 "
+        "and with that of Eq. (2.11); (b) motor. Blocks 1 and 2, and at the right their relative motion, "
+        "which "
+        "no drift smears.",
+        "Nine panels of velocity against displacement: rows for I as printed, I with equal force, and II; "
+        "columns for blocks 1 and 2 and for x1 − x2.",
         (f"I-{letter}", f"I-{letter}-eq211", f"II-{letter}"),
-        10.5,
+        14.5,
         draw_portraits,
     )
 
@@ -186,7 +195,7 @@ def _passage(letter: str) -> PaperFigure:
     return PaperFigure(
         f"fig-{number}",
         f"Fig. {number}",
-        f"Case II-{letter}: motor speed against time, and displacements against motor frequency.",
+        f"Case II-{letter}: (a) motor speed against time, (b) displacements against motor frequency.",
         "Left: motor speed over 300 s with the levels of the natural frequencies; right: x1 and x2 against "
         f"the speed of the motor. Motor constant {HERTZ[letter]} Hz, printed parameters.",
         (f"II-{letter}",),

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from math import pi
+from math import log, pi
 from typing import TYPE_CHECKING, Any
 
 from vibsim.analysis import judge_regime, largest_exponent
+from vibsim.analysis.capture import CAPTURE
+from vibsim.analysis.holds import BAND, run_up_time
 from vibsim.cases import load_case
 from vibsim.cases.derived_facts import derived_facts
 from vibsim.reports.ensembles import measure_ensemble, starts
@@ -16,7 +18,9 @@ from vibsim.reports.numbers_file import NumbersFile
 from vibsim.reports.outcomes import Advance, run_all
 from vibsim.reports.paper_runs import EQUAL_FORCE, MOTORS, PRINTED, READINGS
 from vibsim.reports.parameter_search import ALONE, TOGETHER, search_alone, search_together
+from vibsim.reports.regimes_nearby import DAMPINGS, FREQUENCIES, LAWS, measure_nearby
 from vibsim.reports.solver_hypothesis import SOLVERS, measure_solvers
+from vibsim.reports.without_stop import measure_without_stop
 from vibsim.results import Result, simulate
 
 if TYPE_CHECKING:
@@ -26,7 +30,8 @@ Tell = Callable[[str, int, int], bool]  # given what is done, how much of it, an
 
 LONG = {"run.t_end": "3000 s", "run.every": "10 ms"}  # ten times the paper's span: where motions settle
 SEARCHED = ("II-B", "II-C")
-CHANGED_KEYS = ("coupling.c", "excitation.m3")
+INERTIAS = (0.001, 0.006, 0.010)  # [kg m^2] as printed, and larger
+HELD_HZ = 3.69
 
 
 def measure_paper(results: Mapping[str, Result], file: NumbersFile, tell: Tell) -> Numbers:
@@ -43,9 +48,14 @@ def measure_paper(results: Mapping[str, Result], file: NumbersFile, tell: Tell) 
     files = {name: [prints[name], result.attrs["date_created"]] for name, result in results.items()}
     file.section("runs", files, lambda: measure_runs(results, told("measuring")))
     file.section("long_runs", [prints, LONG], lambda: measure_long_runs(cases, told("following for longer")))
-    for name in (*SEARCHED, *READINGS):
+    for name in cases:
         measure = partial(measure_ensemble, cases[name], told(f"perturbing {name}"))
         file.section(f"ensemble {name}", [prints[name], starts()], measure)
+    shown = [case for name, case in cases.items() if name not in READINGS]
+    file.section("without_stop", prints, lambda: measure_without_stop(shown, told("taking the stop away")))
+    ideal, m3e = cases[PRINTED[1]], unbalance(cases)
+    beside = [ideal.sha256, m3e, FREQUENCIES, DAMPINGS, LAWS]
+    file.section("nearby", beside, lambda: measure_nearby(ideal, m3e, told("looking beside")))
     file.section("alone", [keys, ALONE], lambda: search_alone(motors, told("varying one parameter")))
     file.section(
         "together", [keys, TOGETHER], lambda: search_together(motors, told("varying two parameters"))
@@ -60,7 +70,8 @@ def table_of(sections: Mapping[str, Any]) -> Numbers:
         name.split(" ", 1)[1]: value for name, value in sections.items() if name.startswith("ensemble ")
     }
     search = {name: sections[name] for name in ("alone", "together")}
-    whole = {name: sections[name] for name in ("facts", "runs", "long_runs", "solvers")}
+    names = ("facts", "runs", "long_runs", "without_stop", "nearby", "solvers")
+    whole = {name: sections[name] for name in names}
     return {**whole, "ensembles": ensembles, "search": search}
 
 
@@ -72,10 +83,25 @@ def measure_facts(cases: Mapping[str, Case]) -> Numbers:
         "held_hz": facts["I"]["block 1 on its spring"],
         **{f"free_hz_{kind}": facts[kind]["free"] for kind in facts},
         **{f"bilinear_hz_{kind}": facts[kind]["bilinear"] for kind in facts},
+        "least_hold_s": {f"{J:g}": least_hold(cases[MOTORS[2]], J) for J in INERTIAS},
         "amplitudes": [
             _amplitudes(*names, cases) for names in zip(PRINTED, EQUAL_FORCE, MOTORS, strict=True)
         ],
     }
+
+
+def least_hold(case: Case, inertia: float) -> float:
+    """Shortest hold near half the bilinear frequency that counts as capture [s], at an inertia [kg m^2]."""
+    scene = case.with_values({"excitation.J": inertia}).scene()
+    no_load = scene.Omega0 / (2 * pi)
+    slow, fast = (HELD_HZ * (1 + sign * BAND) for sign in (-1, 1))
+    return CAPTURE * run_up_time(scene) * log((no_load - slow) / (no_load - fast))
+
+
+def unbalance(cases: Mapping[str, Case]) -> float:
+    """m3 e of the motor as printed [kg m]."""
+    scene = cases[MOTORS[0]].scene()
+    return float(scene.m3 * scene.e)
 
 
 def _amplitudes(printed: str, equal: str, motor: str, cases: Mapping[str, Case]) -> Numbers:
@@ -103,7 +129,7 @@ def _measured(result: Result) -> Numbers:
 def changes_of(case: Case) -> dict[str, list[str]]:
     """What a reading changes against the case that it is a reading of: key -> [now, as printed]."""
     printed = load_case(case.name[:4])
-    changed = [key for key in CHANGED_KEYS if case.quantity(key) != printed.quantity(key)]
+    changed = [key for key in case.numeric_keys() if case.quantity(key) != printed.quantity(key)]
     return {key.split(".")[-1]: [str(each.quantity(key)) for each in (case, printed)] for key in changed}
 
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from textwrap import wrap
 
-from vibsim.reports.document import Document, Judged, Paragraph, Picture, Section, Table
+from vibsim.reports.document import Document, Judged, Paragraph, Picture, Said, Section, Table
+from vibsim.reports.quotes import Quote
 
 WIDTH = 100
 WIDEST_CELL = 46
@@ -29,22 +30,34 @@ def _section(section: Section) -> Iterator[str]:
             yield from _table(block)
         elif isinstance(block, Judged):
             yield from _judged(block)
+        elif isinstance(block, Said):
+            yield from _quotes(block.quotes, "")
+            yield from wrap(block.remark, WIDTH, initial_indent="   ", subsequent_indent="   ")
         else:
             yield from _picture(block)
 
 
 def _judged(block: Judged) -> Iterator[str]:
     claim, finding = block.claim, block.finding
-    yield from wrap(f"{block.number}. {claim.statement} [{claim.where}]", WIDTH, subsequent_indent="   ")
+    yield from wrap(f"{block.number}. {claim.statement}", WIDTH, subsequent_indent="   ")
+    yield from _quotes(claim.quotes, "   ")
     verdict = f"{finding.verdict} {finding.condition}".strip()
     parts = [
         ("verdict", verdict.upper() if not finding.condition else verdict),
-        ("criterion", claim.criterion),
+        ("criterion", f"{claim.criterion} ({claim.whose})"),
     ]
     parts += [("measured" if i == 0 else "", line) for i, line in enumerate(finding.measured)]
+    parts += [("runs", block.trust)]
     parts += [("remark", finding.remark)] if finding.remark else []
-    for label, text in [*parts, ("trust", block.trust)]:
+    see = [heading for _, heading in block.figures] + [picture.path.name for picture in block.pictures]
+    for label, text in [*parts, *([("see", ", ".join(see))] if see else [])]:
         yield from wrap(text, WIDTH, initial_indent=f"   {label:10} ", subsequent_indent=" " * 14)
+
+
+def _quotes(quotes: Sequence[Quote], indent: str) -> Iterator[str]:
+    for quote in quotes:
+        text = f"“{quote.text}” [{quote.place}]"
+        yield from wrap(text, WIDTH, initial_indent=indent, subsequent_indent=indent)
 
 
 def _picture(block: Picture) -> Iterator[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 
@@ -42,3 +42,13 @@ def between(least: float, greatest: float, unit: str) -> str:
 def of_all(count: int, total: int) -> str:
     """How many of how many."""
     return f"{count} of {total}"
+
+
+def percent(share: float) -> str:
+    """A share in whole percent."""
+    return f"{100 * share:.0f} %"
+
+
+def words_of(names: Sequence[str], last: str = "and") -> str:
+    """A list in words: "a", "a and b", "a, b and c"."""
+    return f" {last} ".join(part for part in (", ".join(names[:-1]), *names[-1:]) if part)

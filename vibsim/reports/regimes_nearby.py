@@ -1,0 +1,67 @@
+"""Which regimes the ideal source causes beside the three frequencies of Table 1.
+
+The frequency is varied finely, the damping in a few steps, with the amplitude of Table 1's rule (m3 e omega)
+and with that of Eq. (2.11) (m3 e omega^2); each run starts at rest and lasts as long as the shipped case.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from functools import partial
+from math import pi
+from typing import TYPE_CHECKING
+
+from vibsim.analysis import judge_regime, largest_exponent
+from vibsim.kernel import KernelError
+from vibsim.reports.measurements import Numbers
+from vibsim.reports.outcomes import Advance, run_all
+from vibsim.results import simulate
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+FREQUENCIES = tuple(round(3 + 0.1 * i, 1) for i in range(41))  # [Hz] 3 to 7
+DAMPINGS = (0.0, 0.001)  # [N s/m]
+LAWS = {"Table 1": 1, "Eq. (2.11)": 2}  # law of the amplitude -> power of omega behind m3 e
+
+
+def measure_nearby(case: Case, unbalance: float, advance: Advance) -> list[Numbers]:
+    """A row for each point: law, frequency [Hz], damping [N s/m], regime and period.
+
+    case : one with an ideal source; unbalance : m3 e [kg m]
+    """
+    points = [(law, hz, c) for law in LAWS for c in DAMPINGS for hz in FREQUENCIES]
+    cases = [at_point(case, unbalance, *point) for point in points]
+    found = run_all([partial(_regime, each) for each in cases], advance)
+    keys = ("law", "hz", "c")
+    return [{**dict(zip(keys, point, strict=True)), **row} for point, row in zip(points, found, strict=True)]
+
+
+def at_point(case: Case, unbalance: float, law: str, hz: float, c: float) -> Case:
+    """The case at another frequency and damping, its amplitude by one of LAWS."""
+    amplitude = unbalance * (2 * pi * hz) ** LAWS[law]
+    return case.with_values({
+        "excitation.omega": f"{hz:g} Hz",
+        "excitation.A": f"{amplitude:.6g} N",
+        "coupling.c": f"{c:g} N s/m",
+    })  # fmt: skip
+
+
+def _regime(case: Case) -> Numbers:
+    try:
+        result = simulate(case.with_values({"run.every": "50 ms"}), trust=False)
+    except KernelError as error:
+        return {"regime": "failed", "period": None, "why": str(error)}
+    judged = judge_regime(result, exponent=largest_exponent(result))
+    return {"regime": judged.verdict, "period": judged.period}
+
+
+def counts_by_regime(rows: Sequence[Numbers], law: str, c: float) -> dict[str, int]:
+    """How many frequencies have each regime, the commonest first."""
+    return dict(Counter(row["regime"] for row in rows if (row["law"], row["c"]) == (law, c)).most_common())
+
+
+def frequencies_of(rows: Sequence[Numbers], regime: str, law: str, c: float) -> list[float]:
+    """Where a regime is found [Hz]."""
+    return [row["hz"] for row in rows if (row["regime"], row["law"], row["c"]) == (regime, law, c)]
