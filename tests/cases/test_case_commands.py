@@ -3,11 +3,13 @@
 import json
 from pathlib import Path
 
+import click
 import pytest
 import yaml
 from click.testing import CliRunner
 
-from vibsim.cases import shipped_case_names
+from vibsim.cases import CaseError, shipped_case_names
+from vibsim.cases.forms import LONG, SHORT
 from vibsim.cases.keys import all_keys
 from vibsim.command_line.main import group
 
@@ -34,6 +36,29 @@ def test_cases_prints_a_case_to_start_from():
     assert code == 0
     assert yaml.safe_load(out)["excitation"]["Omega0"] == "5.5 Hz"
     assert vibsim("check", "-", stdin=out)[0] == 0
+
+
+def test_cases_prints_the_long_form():
+    code, out = vibsim("cases", "II-B", "--resolved")
+    assert code == 0
+    assert yaml.safe_load(out)["motor"]["Omega0"] == "5.5 Hz"
+    assert vibsim("check", "-", stdin=out) == (0, "-: ok (II-B: motor 5.5 Hz, 300 s every 5 ms)\n")
+    with pytest.raises(click.UsageError, match="give the NAME of one"):
+        CliRunner().invoke(group, ["cases", "--resolved"], standalone_mode=False, catch_exceptions=False)
+
+
+@pytest.mark.parametrize(
+    "command", [("run",), ("sweep", "--param", "ram=1:2/3 kg"), ("bench",), ("plot",), ("analyse",)]
+)
+def test_commands_that_run_say_what_a_scene_of_parts_can_do(command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("hammer.yaml").write_text("bodies: {ram: 2 kg}\n")
+    name, *options = command
+    with pytest.raises(CaseError, match="a scene of named parts cannot be run yet"):
+        CliRunner().invoke(
+            group, [name, "hammer.yaml", *options], standalone_mode=False, catch_exceptions=False
+        )
+    assert [path.name for path in tmp_path.iterdir()] == ["hammer.yaml"]
 
 
 def test_cases_as_json():
@@ -85,10 +110,16 @@ def test_help_ends_with_examples(name):
     assert f"vibsim {name}" in out.partition("Examples:")[2]
 
 
+NAMED = ("additionalProperties", "items")  # parts by name, harmonics by number
+
+
 def keys_in(schema, section, prefix=""):
     """Dotted keys of a JSON Schema section, references followed."""
     for name, inner in section.get("properties", {}).items():
         variants = [inner, *inner.get("anyOf", []), *inner.get("oneOf", [])]
+        named = next((v[word] for v in variants for word in NAMED if v.get(word)), None)
+        if named is not None and name != "between":
+            name, variants = f"{name}.*", [named, *named.get("anyOf", [])]
         referred = [schema["$defs"][v["$ref"].rpartition("/")[2]] for v in variants if "$ref" in v]
         for below in referred:
             yield from keys_in(schema, below, f"{prefix}{name}.")
@@ -100,14 +131,17 @@ def test_schema_knows_every_key():
     code, out = vibsim("schema")
     schema = json.loads(out)
     assert code == 0
-    for branch in ("then", "else"):
-        assert set(all_keys()) <= set(keys_in(schema, schema[branch]))
+    whole, partial = schema["else"], schema["then"]["anyOf"]
+    for form, branches in ((SHORT, (whole["else"], partial[0])), (LONG, (whole["then"], partial[1]))):
+        for branch in branches:
+            assert set(all_keys(form)) <= set(keys_in(schema, branch))
 
 
 def test_schema_requires_what_a_case_needs_and_nothing_of_a_child():
     schema = json.loads(vibsim("schema")[1])
-    assert schema["else"]["required"] == ["blocks", "coupling"]
-    assert "required" not in schema["then"]
+    assert schema["else"]["else"]["required"] == ["blocks", "coupling"]
+    assert schema["else"]["then"]["required"] == ["bodies"]
+    assert not any("required" in form for form in schema["then"]["anyOf"])
     assert schema["$defs"]["Motor"]["required"] == ["kind", "m3", "e", "J", "M0", "Omega0"]
     assert "required" not in schema["$defs"]["MotorPart"]
 

@@ -45,7 +45,7 @@ def test_the_text_of_the_error_is_one_line_per_problem():
 @pytest.mark.parametrize(
     ("content", "expected"),
     [
-        (b"", "{file}:1:1: is empty; a case needs at least blocks and coupling"),
+        (b"", "{file}:1:1: is empty; a case needs at least blocks and coupling, or bodies"),
         (b"name: caf\xe9\n", "{file}:1:10: is not UTF-8 text (byte 0xe9); save the file as UTF-8"),
         (
             "name: trial\n".encode("utf-16"),
@@ -54,7 +54,7 @@ def test_the_text_of_the_error_is_one_line_per_problem():
         (b"name: a\nb\x00c", "{file}:2:2: holds the control character 0x00; is it a binary file?"),
         (b"\x89HDF\r\n\x1a\n" + bytes(100), "{file}: is an HDF5 file, not a YAML case file"),
         (b"#" * 1_000_001, "{file}: is larger than 1 MB; a case file has about 2 kB"),
-        (b"a: {b: 1}\n" + b"b: 1\n" * 2001, None),
+        (b"a: {b: 1}\n" + b"b: 1\n" * 10001, None),
     ],
     ids=["empty", "latin-1", "utf-16", "null byte", "hdf5", "large", "many values"],
 )
@@ -63,7 +63,7 @@ def test_files_that_are_no_case_files(content, expected, tmp_path):
     path.write_bytes(content)
     found = problems_of(path)
     if expected is None:
-        assert f"{path}:1999:4: more than 2000 values; a case needs about 40" in found
+        assert f"{path}:9999:4: more than 10000 values; a case needs about 40" in found
     else:
         assert found == [expected.format(file=path)]
 

@@ -87,7 +87,7 @@ def make_plan(
     case = case.with_values({"run.t_end": t_end})
     span, every = case.quantity("run.t_end").value, case.quantity("run.every").value
     changes = {"run.every": f"{decimal_text(every * max(ceil(span / every / INSTANTS), 1))} s"}
-    if case.model.rest_distance:
+    if "rest_distance.value" in case.values:
         changes["rest_distance.on_violation"] = "warn"  # the peers know of none
     plan = Plan(case.with_values(changes), families, limit)
     if len(plan.times) < FEWEST:

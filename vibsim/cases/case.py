@@ -7,14 +7,20 @@ from functools import cached_property
 from typing import Any
 
 from vibsim.cases.file_tree import Tree
-from vibsim.cases.keys import UnknownKeyError, full_key
+from vibsim.cases.forms import form_of
+from vibsim.cases.keys import UnknownKeyError, full_key, keys_of
 from vibsim.cases.overrides import apply_overrides
+from vibsim.cases.parts.building import build_parts
+from vibsim.cases.parts.short_form import long_values
+from vibsim.cases.parts.text import long_text
+from vibsim.cases.problems import CaseError, Problem
 from vibsim.cases.quantities import Quantity
 from vibsim.cases.resolved import fingerprint, flat_values, nested_values, resolved_text, resolved_values
 from vibsim.cases.scene_building import DOUBLES, amplitude_value, build_scene, exact_numbers
-from vibsim.cases.schema import CaseFile, Harmonic, Motor
+from vibsim.cases.schema import CaseFile, CaseHead, Harmonic
 from vibsim.cases.validation import validated
 from vibsim.cases.yaml_nodes import Place
+from vibsim.physics.parts import Scene as PartsScene
 from vibsim.physics.scene import Scene
 
 
@@ -24,12 +30,12 @@ class Case:
 
     Attributes
     ----------
-    model : the validated sections; every number an exact Quantity
+    model : the validated sections, of the short form or of the long one; every number an exact Quantity
     text : the YAML text as given, without overrides
     source : the file that it came from, for messages
     """
 
-    model: CaseFile
+    model: CaseHead
     text: str
     source: str
 
@@ -41,9 +47,17 @@ class Case:
     def title(self) -> str:
         return self.model.title
 
+    @property
+    def is_long(self) -> bool:
+        """True for a case in the long form, a scene of named parts."""
+        return not isinstance(self.model, CaseFile)
+
     def scene(self) -> Scene:
-        """The numbers of the case in SI and rad/s, each the double nearest to the exact value."""
-        return build_scene(self.model, DOUBLES)
+        """The numbers of the case in SI and rad/s, each the double nearest to the exact value.
+
+        Raises CaseError for a case in the long form: those are `parts()`.
+        """
+        return build_scene(self._two_blocks(), DOUBLES)
 
     def exact_scene(self, number: Callable[[Fraction], Any], pi: Any = None) -> Scene:
         """The scene in another number type, such as flint.arb or mpmath.mpf.
@@ -54,9 +68,34 @@ class Case:
         pi : pi in that type; without it, a fraction right to 1100 digits is converted
 
         A frequency given per turn stays an exact Fraction in `cycles`; one given in rad/s is divided by 2 pi
-        in the number type. `cycles_lo` is 0.
+        in the number type. `cycles_lo` is 0. Raises CaseError for a case in the long form.
         """
-        return build_scene(self.model, exact_numbers(number, pi))
+        return build_scene(self._two_blocks(), exact_numbers(number, pi))
+
+    def parts(self) -> PartsScene:
+        """The scene as a list of parts, for both forms of case: SI and rad/s, each number rounded once."""
+        return build_parts(self.long_values(), DOUBLES)
+
+    def exact_parts(self, number: Callable[[Fraction], Any], pi: Any = None) -> PartsScene:
+        """The same in another number type; arguments as of `exact_scene`."""
+        return build_parts(self.long_values(), exact_numbers(number, pi))
+
+    def long_values(self) -> dict[str, Any]:
+        """Nested values of the case in the long form, defaults filled in."""
+        return long_values(self.model) if isinstance(self.model, CaseFile) else self._nested
+
+    def long_text(self) -> str:
+        """The case as YAML text in the long form, defaults filled in."""
+        return long_text(self.long_values())
+
+    def _two_blocks(self) -> CaseFile:
+        if isinstance(self.model, CaseFile):
+            return self.model
+        what = (
+            "a scene of named parts cannot be run yet, only checked (vibsim check) and printed (vibsim cases "
+            "NAME --resolved); what runs has blocks and coupling"
+        )
+        raise CaseError([Problem(self.source, None, None, "bodies", what)])
 
     @cached_property
     def values(self) -> dict[str, Any]:
@@ -71,9 +110,13 @@ class Case:
         """Dotted keys of the quantities that this case has, in file order: what can be swept."""
         return [key for key, value in self.values.items() if isinstance(value, Quantity)]
 
+    def full_key(self, key: str) -> str:
+        """The dotted key that a dotted or short key stands for in this case. Raises UnknownKeyError."""
+        return full_key(key, self.values, keys_of(form_of(self._nested), self._nested))
+
     def quantity(self, key: str) -> Quantity:
         """The exact quantity behind a dotted or short key. Raises UnknownKeyError (a KeyError)."""
-        found = self.values.get(full_key(key, self.values))
+        found = self.values.get(self.full_key(key))
         if not isinstance(found, Quantity):
             listed = ", ".join(self.numeric_keys())
             raise UnknownKeyError(f"{key} is no number of case {self.name}; its numbers are {listed}")
@@ -84,17 +127,29 @@ class Case:
 
         Raises UnknownKeyError (a KeyError) for keys that are no number of this case.
         """
-        source = self.model.excitation
-        if key in ("A", "excitation.A") and isinstance(source, Harmonic):
-            return DOUBLES.convert(*amplitude_value(source))
+        if key in ("A", "excitation.A") and isinstance(self.model, CaseFile):
+            source = self.model.excitation
+            if isinstance(source, Harmonic):
+                return DOUBLES.convert(*amplitude_value(source))
         return self.quantity(key).number()
 
+    @property
+    def source_kind(self) -> str:
+        """What drives the bodies: motor, harmonic (forces), base or none."""
+        values = self.long_values()
+        if "motor" in values or "base" in values:
+            return "motor" if "motor" in values else "base"
+        return "harmonic" if values.get("forces") else "none"
+
     def frequency(self) -> Quantity | None:
-        """Frequency of the source: omega (harmonic) or Omega0 (motor); None without excitation."""
-        source = self.model.excitation
-        if isinstance(source, Harmonic):
-            return source.omega
-        return source.Omega0 if isinstance(source, Motor) else None
+        """Omega0 of the motor, or omega of all forces and the base where they share one; else None."""
+        values = self.long_values()
+        if "motor" in values:
+            return values["motor"]["Omega0"]
+        sources = [*values.get("forces", {}).values(), *([values["base"]] if "base" in values else [])]
+        terms = [term for source in sources for term in [source, *source.get("terms", {}).values()]]
+        rates = {term["omega"].value: term["omega"] for term in terms if "omega" in term}
+        return next(iter(rates.values())) if len(rates) == 1 else None
 
     def with_values(self, changes: Mapping[str, object]) -> "Case":
         """This case with some values replaced, e.g. {"excitation.Omega0": "6.5 Hz"}.

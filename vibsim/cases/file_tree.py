@@ -3,13 +3,12 @@
 from dataclasses import dataclass, field
 from typing import Any
 
+from vibsim.cases.alternatives import superseded
 from vibsim.cases.problems import CaseError, Problem, shown
 from vibsim.cases.sources import SourceText, find_source
 from vibsim.cases.yaml_nodes import Broken, Mapping, Node, Place, Text, read_yaml
 
 LONGEST_CHAIN = 8  # files that extend one another
-SWITCHED_OFF = "none"
-SWITCHABLE = ("stop", "friction", "excitation", "initial", "rest_distance", "run")
 OWN_KEYS = ("name", "title", "extends")  # not inherited: they speak of one file
 BROKEN = object()  # a value that has been reported already
 
@@ -112,22 +111,25 @@ def _blamed(problem: Problem, place: Place) -> Problem:
 
 
 def _over(parent: Mapping, child: Mapping, key: str = "") -> Mapping:
-    """Child over parent, key by key; an excitation of another kind replaces the whole section."""
-    values, places = dict(parent.values), dict(parent.key_places)
+    """Child over parent, key by key; lists, and an excitation of another kind, replace what was there."""
+    replaced = superseded(key, child.values.keys())
+    values = {name: value for name, value in parent.values.items() if name not in replaced}
+    places = {name: parent.key_places[name] for name in values}
     for name, value in child.values.items():
         below = values.get(name)
-        if isinstance(below, Mapping) and isinstance(value, Mapping) and not _other_kind(below, value):
-            value = _over(below, value, f"{key}.{name}")
+        if isinstance(below, Mapping) and isinstance(value, Mapping) and not _replaces(below, value):
+            value = _over(below, value, f"{key}.{name}" if key else name)
         values[name] = value
         places[name] = child.key_places[name]
     return Mapping(child.place, values, places)
 
 
-def _other_kind(parent: Mapping, child: Mapping) -> bool:
+def _replaces(parent: Mapping, child: Mapping) -> bool:
     old, new = parent.values.get("kind"), child.values.get("kind")
-    return new is not None and (
+    other_kind = new is not None and (
         not isinstance(old, Text) or not isinstance(new, Text) or old.text != new.text
     )
+    return child.is_list or other_kind
 
 
 def _plain(mapping: Mapping, prefix: str, values: dict[str, Any], tree: Tree) -> None:

@@ -2,10 +2,10 @@
 
 from typing import Any
 
-from vibsim.cases.file_tree import SWITCHABLE, SWITCHED_OFF
-from vibsim.cases.schema import CaseFile
+from vibsim.cases.forms import LONG, SHORT, SWITCHED_OFF, Form
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
+NULL = {"type": "null"}
 REFERENCE = "#/$defs/"
 PART = "Part"  # ending of the sections of a file that extends another: nothing in them is required
 
@@ -13,32 +13,73 @@ PART = "Part"  # ending of the sections of a file that extends another: nothing 
 def case_schema() -> dict[str, Any]:
     """JSON Schema (draft 2020-12) of a case file: keys, units, ranges, defaults, examples.
 
-    A file that extends another may leave out any key; one that does not needs the required ones.
+    A case with bodies has the long form, any other the short one. A file that extends another may leave out
+    any key; one that does not needs the required ones.
     """
-    whole = _without_titles(CaseFile.model_json_schema())
-    sections = whole.pop("$defs")
-    extends = CaseFile.model_fields["extends"]
-    whole["properties"]["extends"] = {"type": "string", "description": extends.description}
-    for name in SWITCHABLE:
-        whole["properties"][name] = _switchable(whole["properties"][name])
+    short, long = (_form_schema(form) for form in (SHORT, LONG))
+    sections = short.pop("$defs") | long.pop("$defs")
     return {
         "$schema": DIALECT,
         "title": "vibsim case",
-        "description": whole.pop("description"),
+        "description": "A vibro-impact system and one run of it.",
         "if": {"required": ["extends"]},
-        "then": _part(whole),
-        "else": whole,
+        "then": {"anyOf": [_part(short), _part(long)]},
+        "else": {"if": {"required": ["bodies"]}, "then": long, "else": short},
         "$defs": sections | {name + PART: _part(section) for name, section in sections.items()},
     }
 
 
+def _form_schema(form: Form) -> dict[str, Any]:
+    """JSON Schema of one form of case."""
+    whole = _lists_of_terms(_without_nulls(_without_titles(form.model.model_json_schema())))
+    properties = whole["properties"]
+    properties["extends"] = {"type": "string", "description": form.model.model_fields["extends"].description}
+    for name in form.named:
+        properties[name].pop("default", None)
+        properties[name]["additionalProperties"] = _switchable(properties[name]["additionalProperties"])
+    for name in form.switchable:
+        properties[name] = _switchable(properties[name])
+    return whole
+
+
+def _without_nulls(schema: Any) -> Any:
+    """Drop the null that pydantic allows for a key that may be left out: in a file that is an error."""
+    if isinstance(schema, list):
+        return [*map(_without_nulls, schema)]
+    if not isinstance(schema, dict):
+        return schema
+    schema = {key: _without_nulls(value) for key, value in schema.items()}
+    choices = schema.get("anyOf")
+    if isinstance(choices, list) and NULL in choices:
+        del schema["anyOf"], schema["default"]
+        choices = [choice for choice in choices if choice != NULL]
+        schema |= choices[0] if len(choices) == 1 else {"anyOf": choices}
+    return schema
+
+
+def _lists_of_terms(schema: Any) -> Any:
+    """The harmonics of a source are a list in the file; inside they go by their numbers."""
+    if isinstance(schema, list):
+        return [*map(_lists_of_terms, schema)]
+    if not isinstance(schema, dict):
+        return schema
+    schema = {key: _lists_of_terms(value) for key, value in schema.items()}
+    terms = schema.get("terms")
+    if isinstance(terms, dict) and "additionalProperties" in terms:
+        items, description = terms["additionalProperties"], terms["description"]
+        schema["terms"] = {"type": "array", "items": items, "minItems": 1, "description": description}
+    return schema
+
+
 def _switchable(section: dict[str, Any]) -> dict[str, Any]:
-    """A section that may also be the word none; in a file that word stands where pydantic says null."""
-    choices = section.pop("anyOf", None) or section.pop("oneOf", None) or [{"$ref": section.pop("$ref")}]
+    """A section that may also be the word none; which takes out what it inherits."""
+    section = dict(section)
+    choices = section.pop("anyOf", None) or section.pop("oneOf", None)
+    if choices is None:
+        names = ("$ref", "type", "additionalProperties")
+        choices = [{name: section.pop(name) for name in names if name in section}]
     section.pop("default", None)
-    return {
-        "anyOf": [choice for choice in choices if choice != {"type": "null"}] + [{"const": SWITCHED_OFF}]
-    } | section
+    return {"anyOf": [*choices, {"const": SWITCHED_OFF}]} | section
 
 
 def _without_titles(schema: Any) -> Any:

@@ -1,13 +1,14 @@
 """The keys that the schema knows: those of a section, all of them, and what a short key stands for."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Annotated, Any, get_args, get_origin
 
 from pydantic import Tag
 
+from vibsim.cases.forms import LONG, NAME, SHORT, Form
 from vibsim.cases.measured import Measured
-from vibsim.cases.schema import CaseFile, Section
+from vibsim.cases.schema import Section
 from vibsim.cases.spelling import did_you_mean, nearest
 
 
@@ -34,21 +35,29 @@ def section_models(annotation: Any, tag: str = "") -> Iterator[tuple[str, type[S
         yield from section_models(argument, tag)
 
 
-def section_at(location: tuple[Any, ...]) -> type[Section] | None:
+def holds_names(annotation: Any) -> bool:
+    """True for a field of parts by name, or of terms by number."""
+    return get_origin(annotation) is dict or any(map(holds_names, get_args(annotation)))
+
+
+def section_at(location: tuple[Any, ...], form: Form = SHORT) -> type[Section] | None:
     """The section at a pydantic location such as ("excitation", "(motor)"); None for a single value."""
-    models: dict[str, type[Section]] = {"": CaseFile}
-    for part in location:
+    models: dict[str, type[Section]] = {"": form.model}
+    parts = iter(location)
+    for part in parts:
         if is_tag(part):
             models = {"": models[part]} if part in models else {}
-        else:
-            fields = models[""].model_fields if "" in models else {}
-            models = dict(section_models(fields[part].annotation)) if part in fields else {}
+            continue
+        fields = models[""].model_fields if "" in models else {}
+        models = dict(section_models(fields[part].annotation)) if part in fields else {}
+        if part in fields and holds_names(fields[part].annotation) and next(parts, None) is None:
+            return None
     return models.get("")
 
 
 def _leaves(model: type[Section], prefix: str) -> Iterator[tuple[str, Measured | None]]:
     for name, field in model.model_fields.items():
-        key = f"{prefix}{name}"
+        key = f"{prefix}{name}.{NAME}" if holds_names(field.annotation) else f"{prefix}{name}"
         inner = list(section_models(field.annotation))
         for _, section in inner:
             yield from _leaves(section, f"{key}.")
@@ -73,58 +82,90 @@ def _measured_inside(annotation: Any) -> Measured | None:
 
 
 @cache
-def all_keys() -> dict[str, Measured | None]:
-    """Every dotted key of a value, with what is measured there (None for words and whole numbers)."""
+def all_keys(form: Form = SHORT) -> dict[str, Measured | None]:
+    """Every dotted key of a value, with what is measured there (None for words and whole numbers).
+
+    In the long form with "*" for the names of bodies and parts: stops.*.k.
+    """
     table: dict[str, Measured | None] = {}
-    for key, measured in _leaves(CaseFile, ""):
+    for key, measured in _leaves(form.model, ""):
         table[key] = table.get(key) or measured
     return table
 
 
-@cache
-def section_names() -> tuple[str, ...]:
-    """Names of the sections of a case file, in file order."""
-    return tuple(
-        name for name, field in CaseFile.model_fields.items() if any(section_models(field.annotation))
-    )
+def measured_at(key: str) -> Measured | None:
+    """What is measured at the dotted key of a number, in either form of case."""
+    if key in all_keys():
+        return all_keys()[key]
+    return all_keys(LONG).get(LONG.pattern(key))
 
 
 @cache
-def sections_with(name: str) -> tuple[str, ...]:
+def sections_with(name: str, form: Form = SHORT) -> tuple[str, ...]:
     """The sections that have a key of this name: ("excitation (kind motor)",) for Omega0."""
-    return tuple(_sections_with(name, CaseFile, "", ""))
+    return tuple(dict.fromkeys(_sections_with(name, form.model, "", "")))
 
 
 def _sections_with(name: str, model: type[Section], path: str, kind: str) -> Iterator[str]:
     if path and name in model.model_fields:
         yield path[1:] + kind
     for key, field in model.model_fields.items():
+        inner = f"{path}.{key}.NAME" if holds_names(field.annotation) else f"{path}.{key}"
         for tag, section in section_models(field.annotation):
             variant = kind if tag in ("", "(rule)") else f" (kind {tag[1:-1]})"
-            yield from _sections_with(name, section, f"{path}.{key}", variant)
+            yield from _sections_with(name, section, inner, variant)
 
 
-def full_key(key: str, present: Iterable[str] = ()) -> str:
+def keys_of(form: Form, values: Mapping[str, Any]) -> tuple[str, ...]:
+    """Every dotted key that may be set in a case of these (nested) values, sections and parts included."""
+    if form is SHORT:
+        return *all_keys(), *form.sections
+    keys = [key for pattern in all_keys(form) for key in _with_names(pattern.split("."), values)]
+    parts = [f"{section}.{name}" for section in form.named for name in _names(values.get(section))]
+    return tuple(dict.fromkeys((*keys, *parts, *form.sections)))
+
+
+def _with_names(pattern: list[str], values: Any, done: str = "") -> Iterator[str]:
+    """The keys that a pattern stands for: one for each name that the values have in its place."""
+    if not pattern:
+        yield done[1:]
+        return
+    first, *rest = pattern
+    names = _names(values) if first == NAME else (first,)
+    for name in names:
+        inner = values.get(name) if isinstance(values, Mapping) else None
+        yield from _with_names(rest, inner, f"{done}.{name}")
+
+
+def _names(section: Any) -> tuple[str, ...]:
+    return tuple(section) if isinstance(section, Mapping) else ()
+
+
+def full_key(key: str, present: Iterable[str] = (), allowed: Iterable[str] | None = None) -> str:
     """The dotted key that `key` stands for: itself, or the only one that ends in it (Omega0).
 
-    Keys that are `present` in a case win over those that it has not got. Raises UnknownKeyError.
+    Keys that are `present` in a case win over those that it has not got. allowed : all keys that may be
+    set; by default those of the short form. Raises UnknownKeyError.
     """
-    if key in all_keys() or key in section_names():
+    allowed = keys_of(SHORT, {}) if allowed is None else tuple(allowed)
+    if key in allowed:
         return key
-    for candidates in (present, all_keys()):
-        found = [name for name in candidates if name.endswith(f".{key}")]
-        if len(found) == 1:
-            return found[0]
-        if found:
-            raise UnknownKeyError(f"is short for several keys: {', '.join(found)}")
-    raise UnknownKeyError(f"unknown key{_hint(key)}; a key is written like excitation.Omega0 or run.t_end")
+    for candidates in (present, allowed):
+        matching = [name for name in candidates if name.endswith(f".{key}")]
+        if len(matching) == 1:
+            return matching[0]
+        if matching:
+            raise UnknownKeyError(f"is short for several keys: {', '.join(matching)}")
+    example = "excitation.Omega0" if "excitation.Omega0" in allowed else "stops.wall.k"
+    raise UnknownKeyError(f"unknown key{_hint(key, allowed)}; a key is written like {example} or run.t_end")
 
 
-def _hint(key: str) -> str:
+def _hint(key: str, allowed: tuple[str, ...]) -> str:
     """The nearest dotted key, or the dotted key whose last name is nearest."""
-    short = {name.rpartition(".")[2]: name for name in reversed(all_keys())}
-    match = nearest(key, [*all_keys(), *section_names()]) or short.get(nearest(key, short) or "")
+    dotted = [name for name in allowed if "." in name]
+    short = {name.rpartition(".")[2]: name for name in reversed(dotted)}
+    match = nearest(key, allowed) or short.get(nearest(key, short) or "")
     if not match and "." in key:
         last = nearest(key.rpartition(".")[2], short)
         match = short.get(last) if last else None
-    return f" (did you mean {match}?)" if match else did_you_mean(key, section_names())
+    return f" (did you mean {match}?)" if match else did_you_mean(key, allowed)

@@ -1,33 +1,66 @@
 """Overrides such as excitation.Omega0=6.5 Hz, set into a tree as if the file said so."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
+from vibsim.cases.alternatives import superseded
 from vibsim.cases.file_tree import Tree
-from vibsim.cases.keys import UnknownKeyError, full_key
+from vibsim.cases.forms import form_of
+from vibsim.cases.keys import UnknownKeyError, full_key, keys_of
 from vibsim.cases.yaml_nodes import Place
 
 FILE = "--set"
+PLACED = ("between", "on")  # an override that gives one of these makes a new part
 
 
 def apply_overrides(tree: Tree, overrides: Mapping[str, object]) -> None:
     """Set each override in the tree; unknown keys are added to its problems."""
-    present = None
+    if not overrides:
+        return
+    given = [(key.strip(), value) for key, value in overrides.items()]
+    present = _leaf_keys(tree.values)
+    allowed = keys_of(form_of(tree.values), _with_new_parts(tree.values, [key for key, _ in given]))
     named: dict[str, object] = {}
-    for key, value in overrides.items():
+    for key, value in given:
         try:
-            if "." not in key and present is None:
-                present = _leaf_keys(tree.values)
-            full = full_key(key.strip(), present or ())
+            full = full_key(key, present, allowed)
             if full in named:
                 tree.problems.append(Place(FILE).problem(full, "is given twice"))
             named[full] = value
         except UnknownKeyError as error:
-            tree.problems.append(Place(FILE).problem(key.strip(), str(error)))
+            tree.problems.append(Place(FILE).problem(key, str(error)))
     _replace_kind(tree.values, named)
+    _supersede(tree, named)
     for key, value in named.items():
         tree.values = _with(tree.values, key.split("."), value)
         tree.places[key] = tree.key_places[key] = Place(FILE)
+
+
+def _with_new_parts(values: dict[str, Any], given: Iterable[str]) -> dict[str, Any]:
+    """The values with the parts that overrides may add: those whose ends or body they give, and states."""
+    form = form_of(values)
+    for key in given:
+        section, *names = key.split(".")
+        if section in form.named and len(names) > 1 and (names[1] in PLACED or section == "initial"):
+            parts = values.get(section)
+            if names[0] not in (parts if isinstance(parts, dict) else {}):
+                values = _with(values, [section, names[0], names[1]], "")
+    return values
+
+
+def _supersede(tree: Tree, named: Mapping[str, object]) -> None:
+    """Take out what the overrides put something else in place of."""
+    split = [key.split(".") for key in named]
+    parts = [".".join(path[:depth]) for path in split for depth in range(1, len(path))]
+    for part in dict.fromkeys(parts):
+        names = [key[len(part) + 1 :].partition(".")[0] for key in named if key.startswith(f"{part}.")]
+        replaced = superseded(part, names)
+        section: Any = tree.values
+        for name in part.split("."):
+            section = section.get(name) if isinstance(section, dict) else None
+        if replaced and isinstance(section, dict):
+            kept = {name: value for name, value in section.items() if name not in replaced}
+            tree.values = _with(tree.values, part.split("."), kept)
 
 
 def _leaf_keys(values: dict[str, Any], prefix: str = "") -> list[str]:
@@ -51,7 +84,7 @@ def _with(values: dict[str, Any], path: list[str], value: object) -> dict[str, A
     if rest:
         inner = values.get(name)
         return values | {name: _with(inner if isinstance(inner, dict) else {}, rest, value)}
-    return values | {name: value if isinstance(value, str) else _text(value)}
+    return values | {name: value if isinstance(value, str | dict) else _text(value)}
 
 
 def _text(value: object) -> str:

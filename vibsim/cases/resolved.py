@@ -7,31 +7,35 @@ from typing import Any
 
 from vibsim.cases.problems import CaseError, Problem
 from vibsim.cases.quantities import Quantity
-from vibsim.cases.schema import CaseFile, Motor, Section
+from vibsim.cases.schema import CaseFile, CaseHead, Motor, Section
 
 RESOLVED_FORMAT = 1  # of the JSON text
 NOT_PHYSICS = ("name", "title", "run.trust_tolerance")
 
 
-def nested_values(case: CaseFile) -> dict[str, Any]:
+def nested_values(case: CaseHead) -> dict[str, Any]:
     """Sections as dicts of quantities, words and whole numbers; what the case has not got is left out."""
     values = _section_values(case)
+    if not isinstance(case, CaseFile):
+        from vibsim.cases.parts.defaults import with_defaults
+
+        return with_defaults(values)
     for name in _absent_states(case):
         del values["initial"][name]
     return values
 
 
-def flat_values(case: CaseFile) -> dict[str, Any]:
+def flat_values(case: CaseHead) -> dict[str, Any]:
     """The same under dotted keys, e.g. "excitation.Omega0"."""
     return dict(_leaves(nested_values(case), ""))
 
 
-def every_value(case: CaseFile) -> dict[str, Any]:
+def every_value(case: CaseHead) -> dict[str, Any]:
     """Flat values, with the initial states that the case has no use for."""
     return dict(_leaves(_section_values(case), ""))
 
 
-def resolved_text(case: CaseFile) -> str:
+def resolved_text(case: CaseHead) -> str:
     """Canonical JSON: every value, numbers as the texts that read back to the same exact quantity."""
     return json.dumps({"vibsim_case": RESOLVED_FORMAT} | _texts(nested_values(case)), ensure_ascii=False)
 
@@ -60,11 +64,13 @@ def fingerprint(flat: dict[str, Any]) -> str:
     return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
 
 
-def _section_values(section: Section) -> dict[str, Any]:
+def _section_values(section: Section | dict[str, Any]) -> dict[str, Any]:
+    """The keys of a section, or its parts by name; empty sections of parts are left out."""
+    inner = section if isinstance(section, dict) else section.__dict__
     return {
-        name: _section_values(value) if isinstance(value, Section) else value
-        for name, value in section.__dict__.items()
-        if value is not None
+        name: _section_values(value) if isinstance(value, Section | dict) else value
+        for name, value in inner.items()
+        if value is not None and value != {}
     }
 
 
@@ -84,7 +90,7 @@ def _leaves(values: dict[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
 def _texts(value: Any) -> Any:
     if isinstance(value, dict):
         return {name: _texts(inner) for name, inner in value.items()}
-    return value.text if isinstance(value, Quantity) else value
+    return value if isinstance(value, str | int) else str(value)
 
 
 def _exact_text(value: Any) -> str:

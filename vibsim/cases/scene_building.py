@@ -1,6 +1,6 @@
 """The one seam between case and kernel: exact quantities become the numbers of a Scene, each rounded once."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -57,8 +57,12 @@ def amplitude_value(source: Harmonic) -> tuple[Fraction, int]:
     """Amplitude A [N] of the ideal source as (value, power), value * (2 pi)**power; the rule: Eq. (2.11)."""
     if not isinstance(source.A, AmplitudeRule):
         return source.A.value, 0
-    omega = source.omega
-    return source.A.m3.value * source.A.e.value * omega.value**2, 2 * _turns(omega)
+    return rule_value(source.A.__dict__, source.omega)
+
+
+def rule_value(rule: Mapping[str, Any], omega: Quantity) -> tuple[Fraction, int]:
+    """m3 e omega^2 [N], Eq. (2.11), as (value, power), value * (2 pi)**power."""
+    return rule["m3"].value * rule["e"].value * omega.value**2, 2 * _turns(omega)
 
 
 def build_scene(case: CaseFile, numbers: NumberType = DOUBLES) -> Scene:

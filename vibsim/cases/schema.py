@@ -3,7 +3,7 @@
 `vibsim schema` prints it as JSON Schema. What concerns several keys at once stands in contradictions.py.
 """
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
 from pydantic_core import PydanticCustomError
@@ -51,6 +51,7 @@ class Section(BaseModel):
         arbitrary_types_allowed=True,
         defer_build=True,  # only CaseFile is built, with all sections in it
     )
+    later: ClassVar[dict[str, str]] = {}  # keys that are planned: what to say of them
 
 
 class Blocks(Section):
@@ -205,10 +206,8 @@ class Run(Section):
     )
 
 
-class CaseFile(Section):
-    """A vibro-impact system and one run of it."""
-
-    model_config = ConfigDict(title="vibsim case", defer_build=False)
+class CaseHead(Section):
+    """What every case file has: what it extends, its name and its title."""
 
     extends: str | None = Field(
         default=None, description="another case file, or a shipped case, that this one starts from"
@@ -217,6 +216,13 @@ class CaseFile(Section):
         default="", max_length=80, pattern=f"^({NAME_PATTERN})?$", description="default: the file's name"
     )
     title: str = Field(default="", max_length=300, description="one line on what the case shows")
+
+
+class CaseFile(CaseHead):
+    """A vibro-impact system of the paper's two blocks and one run of it: the short form of a case."""
+
+    model_config = ConfigDict(title="vibsim case", defer_build=False)
+
     blocks: Blocks
     coupling: Coupling
     stop: Stop | None = Field(default=None, description="left out or none: no stop")

@@ -28,7 +28,7 @@ FACTORS: dict[str, dict[str, str]] = {
     "velocity": {"m/s": "1", "mm/s": "1e-3", "cm/s": "1e-2", "m/min": "1/60"},
     "acceleration": {"m/s^2": "1", "mm/s^2": "1e-3", "cm/s^2": "1e-2"},
     "force": {"N": "1", "mN": "1e-3", "kN": "1e3"},
-    "stiffness": {"N/m": "1", "N/mm": "1e3", "kN/m": "1e3", "kN/mm": "1e6", "N/cm": "1e2"},
+    "stiffness": {"N/m": "1", "N/mm": "1e3", "kN/m": "1e3", "kN/mm": "1e6", "MN/m": "1e6", "N/cm": "1e2"},
     "damping": {"N s/m": "1", "N s/mm": "1e3", "kN s/m": "1e3", "kg/s": "1"},
     "inertia": {"kg m^2": "1", "g m^2": "1e-3", "kg cm^2": "1e-4", "g cm^2": "1e-7", "kg mm^2": "1e-6"},
     "torque": {"N m": "1", "mN m": "1e-3", "kN m": "1e3", "N cm": "1e-2", "N mm": "1e-3"},

@@ -1,4 +1,4 @@
-"""A tree of texts to a validated CaseFile, or all that is wrong with it, each at its place."""
+"""A tree of texts to a validated case file, or all that is wrong with it, each at its place."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -6,47 +6,60 @@ from typing import Any
 from pydantic import ValidationError
 
 from vibsim.cases.contradictions import contradictions
-from vibsim.cases.file_tree import SWITCHABLE, SWITCHED_OFF, Tree
+from vibsim.cases.file_tree import Tree
+from vibsim.cases.forms import LONG, Form, form_of, mixed_problems, of_one_form
 from vibsim.cases.keys import all_keys
 from vibsim.cases.model_problems import model_problems
 from vibsim.cases.problems import CaseError, Problem
 from vibsim.cases.quantities import QuantityError
 from vibsim.cases.resolved import every_value
-from vibsim.cases.schema import CaseFile
+from vibsim.cases.schema import CaseHead
 from vibsim.cases.yaml_nodes import Place
 
 
-def validated(tree: Tree) -> CaseFile:
+def validated(tree: Tree) -> CaseHead:
     """The case file of a tree. Raises CaseError with all problems found, in file order."""
-    values = {name: value for name, value in tree.values.items() if not _switched_off(name, value)}
-    problems = list(tree.problems)
-    if values or not problems:
-        model, found = _checked(values, tree)
-        if model is not None and not (found or problems):
+    form = form_of(tree.values)
+    problems = [*tree.problems, *mixed_problems(tree.values, tree.key_place)]
+    values = form.without_switched_off(of_one_form(tree.values))
+    if tree.values or not problems:
+        model, further = _checked(values, tree, form)
+        if model is not None and not (further or problems):
             return model
         reported = {problem.key for problem in problems if problem.key}
-        problems += [problem for problem in found if not _around(problem.key) & reported]
+        problems += [problem for problem in further if not _around(problem.key) & reported]
     raise CaseError(sorted(dict.fromkeys(problems), key=_file_order(tree)))
 
 
-def _switched_off(name: str, value: object) -> bool:
-    return value == SWITCHED_OFF and name in SWITCHABLE
-
-
-def _checked(values: dict[str, Any], tree: Tree) -> tuple[CaseFile | None, list[Problem]]:
+def _checked(values: dict[str, Any], tree: Tree, form: Form) -> tuple[CaseHead | None, list[Problem]]:
     """The model where every value is right by itself, and all problems, also those between keys."""
     model, problems = None, []
     try:
-        model = CaseFile.model_validate(values)
+        model = form.model.model_validate(values)
         flat = every_value(model)
     except ValidationError as error:
-        problems = model_problems(error, tree)
-        flat = dict(_readable(values, ""))
+        problems = model_problems(error, tree, form)
+        flat = dict(_readable(values, "", form))
     for keys, message in contradictions(flat):
         key = min(keys, key=lambda key: _layer(tree, tree.key_place(key)))
-        place = tree.key_place(key) if key in SWITCHABLE else tree.place(key)
+        place = tree.key_place(key) if key in form.switchable else tree.place(key)
         problems.append(place.problem(key, message))
+    if form is LONG:
+        problems += _problems_of_parts(values, tree)
     return model, problems
+
+
+def _problems_of_parts(values: dict[str, Any], tree: Tree) -> list[Problem]:
+    """What the rules of the long form find; not what is the fault of a file that could not be read."""
+    from vibsim.cases.parts.rules import findings
+
+    if not tree.complete:
+        return []
+    problems = []
+    for finding in findings(dict(_readable(values, "", LONG)), values):
+        place = tree.key_place if finding.of_the_name else tree.place
+        problems.append(place(finding.key).problem(finding.key, finding.message))
+    return problems
 
 
 def _layer(tree: Tree, place: Place) -> int:
@@ -56,14 +69,14 @@ def _layer(tree: Tree, place: Place) -> int:
     return 1 if place.file == tree.root.file else 2
 
 
-def _readable(values: dict[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
+def _readable(values: dict[str, Any], prefix: str, form: Form) -> Iterator[tuple[str, Any]]:
     """Those values of an invalid case that can be read by themselves."""
     for name, value in values.items():
         key = f"{prefix}{name}"
         if isinstance(value, dict):
-            yield from _readable(value, f"{key}.")
+            yield from _readable(value, f"{key}.", form)
             continue
-        measured = all_keys().get(key)
+        measured = all_keys(form).get(form.pattern(key))
         try:
             yield key, measured.read(value) if measured else value
         except QuantityError:

@@ -2,7 +2,7 @@
 
 Built from the parser's events, not from loaded objects: values stay the text that the user wrote (3:7:0.05,
 1e-8, 010, no). What a case file has no use for (repeated keys, nulls, tags, anchors, aliases, merge keys,
-lists) is reported and left out.
+lists other than those of LISTS) is reported and left out.
 """
 
 from collections.abc import Iterator
@@ -24,9 +24,11 @@ from yaml.events import (
 )
 
 from vibsim.cases.problems import Problem, shown
+from vibsim.cases.spelling import did_you_mean
 
-DEEPEST = 8  # nesting; a case needs 3
-MOST_VALUES = 2000  # a case needs about 40
+DEEPEST = 8  # nesting; a case needs 5
+MOST_VALUES = 10_000  # a case needs about 40, a chain of a hundred bodies 2,000
+LISTS = ("between", "terms")  # keys whose value is a list: the two ends of a part, the harmonics of a force
 NULLS = ("", "~", "null", "Null", "NULL")
 
 
@@ -59,11 +61,12 @@ class Broken:
 
 @dataclass(frozen=True, slots=True)
 class Mapping:
-    """Keys, their places and their values, in file order."""
+    """Keys, their places and their values, in file order; a list has the keys "1", "2", ..."""
 
     place: Place
     values: dict[str, "Node"] = field(default_factory=dict)
     key_places: dict[str, Place] = field(default_factory=dict)
+    is_list: bool = False
 
     def put(self, key: str, place: Place, value: "Node") -> None:
         self.values[key] = value
@@ -113,7 +116,9 @@ class _Reader:
                 got = shown(getattr(event, "value", "a list"))
                 self.stop(self.place(event), f"must be a mapping of sections, got {got}")
         if root is None:
-            self.report(Place(self.file, 1, 1), "", "is empty; a case needs at least blocks and coupling")
+            self.report(
+                Place(self.file, 1, 1), "", "is empty; a case needs at least blocks and coupling, or bodies"
+            )
         return root if isinstance(root, Mapping) else None
 
     def node(self, event: Event, events: Iterator[Event], key: str, key_place: Place, depth: int) -> Node:
@@ -124,12 +129,16 @@ class _Reader:
             mapping = self.mapping(event, events, key, depth)
             return Broken(place) if broken else mapping
         if isinstance(event, SequenceStartEvent):
+            if key.rpartition(".")[2] in LISTS:
+                listed = self.items(event, events, key, depth)
+                return Broken(place) if broken else listed
             self.skip(events, depth=1)
         if broken:
             return Broken(place)
         if not isinstance(event, ScalarEvent):
             wanted = "a single value" if "." in key else "a mapping"
-            return self.report(place, key, f"lists are not used in case files; write {wanted}")
+            hint = did_you_mean(key.rpartition(".")[2], LISTS)
+            return self.report(place, key, f"lists are not used here{hint}; write {wanted}")
         if event.style is None and event.value in NULLS:
             return self.report(key_place, key, _null_message(key, event.value))
         return Text(event.value, place)
@@ -151,6 +160,17 @@ class _Reader:
                 self.report(place, key, f"is given twice; first on line {first}")
                 continue
             mapping.put(name, place, value)
+        return mapping
+
+    def items(self, start: Event, events: Iterator[Event], prefix: str, depth: int) -> Mapping:
+        """A list, as a mapping with the keys "1", "2", ..."""
+        mapping = Mapping(self.place(start), is_list=True)
+        for event in events:
+            if isinstance(event, CollectionEndEvent):
+                break
+            name = str(len(mapping.values) + 1)
+            place = self.place(event)
+            mapping.put(name, place, self.node(event, events, f"{prefix}.{name}", place, depth + 1))
         return mapping
 
     def key(self, event: Event, events: Iterator[Event], prefix: str) -> str | None:
@@ -179,7 +199,7 @@ class _Reader:
         """Stop at what would take long and is no case: the parser's time grows with depth and count."""
         self.count += isinstance(event, NodeEvent)
         if depth > DEEPEST:
-            self.stop(self.place(event), f"nested more than {DEEPEST} deep; a case needs 3")
+            self.stop(self.place(event), f"nested more than {DEEPEST} deep; a case needs 5")
         if self.count > MOST_VALUES:
             self.stop(self.place(event), f"more than {MOST_VALUES} values; a case needs about 40")
 

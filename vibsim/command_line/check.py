@@ -58,10 +58,10 @@ def _print(report, settings) -> None:
 
 
 def _summary(case) -> str:
-    frequency, kind = case.frequency(), case.model.excitation.kind
-    run = case.model.run
-    source = f"{kind} {frequency}" if frequency else "no excitation"
-    return f"{source}, {run.t_end} every {run.every}"
+    frequency, kind = case.frequency(), case.source_kind
+    t_end, every = case.quantity("run.t_end"), case.quantity("run.every")
+    source = "no excitation" if kind == "none" else f"{kind} {frequency or ''}".strip()
+    return f"{source}, {t_end} every {every}"
 
 
 def _print_facts(case) -> None:
@@ -72,7 +72,7 @@ def _print_facts(case) -> None:
 def _facts(case):
     from vibsim.cases.derived_facts import derived_facts
 
-    return derived_facts(case.scene())
+    return [] if case.is_long else derived_facts(case.scene())
 
 
 def _described(report) -> dict:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from math import log10
 from typing import TYPE_CHECKING
 
-from vibsim.cases.keys import UnknownKeyError, full_key
+from vibsim.cases.keys import UnknownKeyError
 from vibsim.cases.problems import CaseError
 from vibsim.cases.quantities import Quantity
 from vibsim.fitting.errors import FitError
@@ -54,7 +54,7 @@ def read_reading(cases: list[Case], text: str) -> dict[str, str]:
                 f"reading {text!r}: {part.strip()!r} is not KEY=VALUE, such as J=0.006 kg m^2, c=0.005 N s/m"
             )
         try:
-            full = full_key(key, cases[0].values)
+            full = cases[0].full_key(key)
             for case in cases:
                 case.quantity(full)
                 case.with_values({full: value})

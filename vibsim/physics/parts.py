@@ -16,6 +16,12 @@ EXTENSION, COMPRESSION = 1, -1  # sense of a stop: it acts where x_Q - x_P, or x
 AT_GAP, AT_FORCE = "gap", "force"  # where an elastic stop lets go: at zero depth, or at zero force
 
 
+def columns_of(body: str) -> tuple[str, str]:
+    """Names of the columns of a body: x_ram and v_ram; x1 and v1 for a body called by the number 1."""
+    separator = "" if body.isdigit() else "_"
+    return f"x{separator}{body}", f"v{separator}{body}"
+
+
 @dataclass(frozen=True)
 class Body:
     """A rigid body: mass m > 0 [kg], displacement x [m] and velocity v [m/s] at t = 0."""

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.cases.keys import all_keys, full_key
+from vibsim.cases.forms import LONG
+from vibsim.cases.keys import measured_at
 from vibsim.cases.problems import CaseError
 from vibsim.cases.quantities import decimal_text, exact_number
 from vibsim.cases.ranges import RangeError, RangeValue, parse_range
@@ -39,8 +40,14 @@ class Axis:
 
     @property
     def name(self) -> str:
-        """Name of its dimension scale: the last part of the key, omega0 for the motor constant."""
-        return SCALE_NAMES.get(self.key, self.key.rpartition(".")[2])
+        """Name of its dimension scale: the last part of the key, omega0 for the motor constant.
+
+        In the long form of a case with the name of the part: wall_k for stops.wall.k, m_ram for bodies.ram.
+        """
+        section, *names = self.key.split(".")
+        if section in LONG.named and len(names) > 1:
+            return "_".join(names)
+        return f"m_{names[0]}" if section == "bodies" else SCALE_NAMES.get(self.key, names[-1])
 
     @property
     def way(self) -> int:
@@ -109,7 +116,7 @@ def read_axis(case: "Case", key: str, text: str, bare_unit: str = "", option: st
     Raises UnknownKeyError, RangeError, and CaseError where the case does not allow a value.
     """
     case.quantity(key)  # a number of this case, or UnknownKeyError
-    full = full_key(key, case.values)
+    full = case.full_key(key)
     values = _in_one_unit(parse_range(text, bare_unit or _bare_unit(full)))
     exact = [value.value for value in values]
     for low, high in pairwise(sorted(exact)):
@@ -122,7 +129,7 @@ def read_axis(case: "Case", key: str, text: str, bare_unit: str = "", option: st
 
 def _bare_unit(key: str) -> str:
     """The SI unit; none for an angular rate, which must have one."""
-    measured = all_keys()[key]
+    measured = measured_at(key)
     return si_unit(measured.dimension).name if measured and measured.dimension != "angular rate" else ""
 
 

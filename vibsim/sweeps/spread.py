@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.cases.keys import UnknownKeyError, all_keys, full_key
+from vibsim.cases.keys import UnknownKeyError, measured_at
 from vibsim.cases.quantities import Quantity, QuantityError, decimal_text, exact_number, parse_quantity
 from vibsim.cases.units import UNITS
 from vibsim.sweeps.axis import read_axis
@@ -98,7 +98,7 @@ def read_spread(case: "Case", key: str, text: str) -> Spread:
         usual = case.quantity(key)
     except UnknownKeyError as error:
         raise SpreadError(f"spread of {key}: {error}") from None
-    full, words = full_key(key, case.values), text.split()
+    full, words = case.full_key(key), text.split()
     normal = words[:1] == [NORMAL]
     amount = text.strip().removeprefix(NORMAL if normal else "")
     if ":" in amount and not normal:
@@ -116,7 +116,7 @@ def read_spread(case: "Case", key: str, text: str) -> Spread:
 
 
 def _width(key: str, amount: str, text: str) -> Quantity:
-    measured = all_keys()[key]
+    measured = measured_at(key)
     assert measured is not None  # it is a number of the case
     try:
         width = parse_quantity(amount, measured.dimension)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
-from vibsim.cases.keys import all_keys
+from vibsim.cases.keys import measured_at
 from vibsim.cases.problems import CaseError
 from vibsim.cases.quantities import parse_quantity
 from vibsim.results.attributes import read_attrs
@@ -92,7 +92,7 @@ def _check_axes(case: "Case", plan: Plan) -> None:
     """Raise one of WRONG unless the axes vary numbers of the case, in units of theirs."""
     for axis in plan.axes:
         for key, text in axis.changes(0).items():
-            measured = all_keys()[key]
+            measured = measured_at(key)
             if measured is None or case.values[key] is None:
                 raise ValueError(key)
             parse_quantity(text, measured.dimension)

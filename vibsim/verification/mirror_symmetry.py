@@ -43,8 +43,9 @@ def mirrored(case: Case) -> Case:
         if isinstance(value, Quantity):
             text = value.text
             changes[key] = text[1:] if text.startswith("-") else f"-{text}"
-    if case.model.stop:
-        changes["stop.acts"] = "compression" if case.model.stop.acts == "extension" else "extension"
+    acts = case.values.get("stop.acts")
+    if acts is not None:
+        changes["stop.acts"] = "compression" if acts == "extension" else "extension"
     return case.with_values(changes)
 
 

@@ -1,0 +1,220 @@
+"""Cases in the long form give the scene of parts that they describe; the short form gives its own."""
+
+from dataclasses import replace
+from fractions import Fraction
+from math import pi
+from pathlib import Path
+
+import pytest
+
+from vibsim.cases import CaseError, hard_case_names, load_case, shipped_case_names
+from vibsim.physics.parts import (
+    AT_FORCE,
+    AT_GAP,
+    BASE,
+    COMPRESSION,
+    EXTENSION,
+    GROUND,
+    Body,
+    Clearance,
+    Force,
+    Friction,
+    Harmonic,
+    Link,
+    Motor,
+    Scene,
+    Stop,
+    columns_of,
+)
+from vibsim.sweeps.axis import read_axis
+
+VALID = Path(__file__).parent / "valid"
+HAMMER = VALID / "hammer.yaml"
+RPM = 2 * pi * 3.5  # 210 rpm
+
+
+def test_every_part_of_the_long_form():
+    assert load_case(HAMMER).parts() == Scene(
+        bodies=(Body("ram", 2.0, 0.001, 0.0), Body("tool", 0.5, 0.0, -0.002)),
+        links=(Link("spring", 0, GROUND, 4000.0, 2.0), Link("strut", 0, 1, 0.0, 1.0)),
+        stops=(
+            Stop("anvil", 0, 1, 0.002, COMPRESSION, 1e6, 0.0, AT_GAP),
+            Stop("wall", 1, BASE, -0.001, EXTENSION, 1e6, 20.0, AT_FORCE),
+        ),
+        frictions=(
+            Friction("guide", 1, GROUND, 0.6, 0.6, 0.0),
+            Friction("weight", 0, 1, 1.962, 1.962, 0.0),
+            Friction("moon", 0, BASE, 0.5508, 1.0368, -0.2),
+        ),
+        forces=(
+            Force("drive", 0, -2.0, (Harmonic(10.0, 50 * pi, 25.0, 0.0, pi / 2),)),
+            Force("push", 1, 1.0, ()),
+            Force("rule", 1, 0.0, (Harmonic(0.03 * 0.11 * 22**2, 22.0, *rate(22), 0.0),)),
+            Force(
+                "chord",
+                1,
+                0.0,
+                (Harmonic(1.0, 6 * pi, 3.0, 0.0, 0.0), Harmonic(2.0, RPM, 3.5, 0.0, pi / 2)),
+            ),
+        ),
+        base=(Harmonic(1e-4, 314.1592653589793, 50.0, 0.0, 0.5235987755982989),),
+        motor=Motor(1, 0.03, 0.11, 0.001, 0.005, 34.55751918948773, 0.0, 2 * pi),
+        clearances=(Clearance("room", 0, 1, 0.08),),
+        stop_on_violation=True,
+        t_end=10.0,
+        every_num=1,
+        every_den=60,
+    )
+
+
+def rate(per_second):
+    """Cycles of a rate in rad/s as a double-double, from 60 digits."""
+    import mpmath
+
+    with mpmath.workdps(60):
+        cycles = per_second / (2 * mpmath.pi)
+        return float(cycles), float(cycles - float(cycles))
+
+
+def test_a_child_replaces_what_it_names_and_what_stands_in_its_place():
+    scene = load_case(VALID / "child.yaml").parts()
+    assert [stop.name for stop in scene.stops] == ["anvil"]
+    assert scene.motor is None
+    guide, weight, moon = scene.frictions
+    assert (guide.forward, guide.backward) == (0.05, 0.15)
+    assert (moon.forward, moon.backward, weight.forward) == (2.0, 2.0, 1.962)
+    drive, _, _, chord = scene.forces
+    assert (drive.constant, [term.amplitude for term in drive.terms]) == (-2.0, [1.0])
+    assert [term.amplitude for term in chord.terms] == [7.0]
+    assert [term.amplitude for term in scene.base] == [0.001]
+
+
+def two_blocks(scene):
+    """The paper's two blocks as parts, written here once more from the numbers of the short form."""
+    other = 1 if scene.has_block2 else GROUND
+    bodies = [Body("1", scene.m1, scene.x1, scene.v1)]
+    bodies += [Body("2", scene.m2, scene.x2, scene.v2)] if scene.has_block2 else []
+    parts = Scene(tuple(bodies), (Link("coupling", 0, other, scene.k1, scene.c),))
+    if scene.has_stop:
+        sense = EXTENSION if scene.stop_sign == 1 else COMPRESSION
+        parts = replace(parts, stops=(Stop("stop", 0, other, scene.G, sense, scene.k2, 0.0),))
+    if scene.has_friction:
+        parts = replace(parts, frictions=(Friction("friction", 1, GROUND, scene.N, scene.N, 0.0),))
+    if scene.source == "harmonic":
+        term = Harmonic(scene.A, scene.omega, scene.cycles, scene.cycles_lo, 0.0)
+        parts = replace(parts, forces=(Force("excitation", 0, scene.F0, (term,)),))
+    if scene.has_motor:
+        constants = (scene.m3, scene.e, scene.J, scene.M0, scene.Omega0, scene.phi, scene.phidot)
+        parts = replace(parts, motor=Motor(0, *constants))
+    if scene.rest_distance is not None:
+        parts = replace(parts, clearances=(Clearance("rest_distance", 0, other, scene.rest_distance),))
+    run = ("stop_on_violation", "t_end", "every_num", "every_den", "method", "order", "tol")
+    return replace(parts, **{name: getattr(scene, name) for name in run})
+
+
+OTHERS = [
+    {"rest_distance.value": "80 mm", "on_violation": "stop"},
+    {"m2": "fixed", "friction": "none", "rest_distance.value": "80 mm"},
+    {"stop": "none", "excitation": "none", "x1": "1 mm"},
+    {"acts": "compression", "mu": "0", "phi": "90 deg"},
+]
+
+
+@pytest.mark.parametrize("name", [*shipped_case_names(), *hard_case_names()])
+def test_the_short_form_gives_the_same_numbers_as_ever(name):
+    case = load_case(name)
+    assert case.parts() == two_blocks(case.scene())
+
+
+@pytest.mark.parametrize("changes", OTHERS)
+def test_the_short_form_with_other_sections(changes):
+    case = load_case("II-B", changes)
+    assert case.parts() == two_blocks(case.scene())
+
+
+def test_exact_scenes_round_to_the_same_scene():
+    for source in (HAMMER, "II-B", "I-A-eq211"):
+        case = load_case(source)
+        exact, rounded = case.exact_parts(Fraction), case.parts()
+        assert [float(body.m) for body in exact.bodies] == [body.m for body in rounded.bodies]
+        pairs = zip(exact.frictions, rounded.frictions, strict=True)
+        assert all(float(a.forward) == b.forward and float(a.backward) == b.backward for a, b in pairs)
+        terms = [term for force in exact.forces for term in force.terms]
+        doubles = [term for force in rounded.forces for term in force.terms]
+        assert [(float(t.amplitude), float(t.omega)) for t in terms] == [
+            (t.amplitude, t.omega) for t in doubles
+        ]
+
+
+def test_names_of_columns():
+    assert columns_of("ram") == ("x_ram", "v_ram")
+    assert columns_of("2") == ("x2", "v2")
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "number"),
+    [
+        ({"stops.wall.k": "2 MN/m"}, "stops.wall.k", 2e6),
+        ({"wall.k": "2 MN/m"}, "stops.wall.k", 2e6),
+        ({"bodies.ram": "3 kg"}, "bodies.ram", 3.0),
+        ({"forces.chord.terms.2.A": 5}, "forces.chord.terms.2.A", 5.0),
+        ({"forces.rule.A.e": "1 m"}, "forces.rule.A.e", 1.0),
+        ({"base.a": "1 mm"}, "base.a", 0.001),
+        ({"Omega0": "6 Hz"}, "motor.Omega0", 12 * pi),
+        ({"initial.tool.x": "1 mm"}, "initial.tool.x", 0.001),
+        ({"friction.guide.g": "1 m/s^2"}, "friction.guide.g", 1.0),
+        ({"friction.weight.N": "7 N"}, "friction.weight.N", 7.0),
+        ({"friction.weight.plus.mu": "0.3", "friction.weight.minus.mu": "0.4"}, "weight.minus.mu", 0.4),
+        ({"distance": "9 mm"}, "clearances.room.distance", 0.009),
+    ],
+)
+def test_a_path_reaches_each_number(changes, key, number):
+    case = load_case(HAMMER, changes)
+    assert case.number(key) == number
+    assert load_case(HAMMER).with_values(changes).parts() == case.parts() != load_case(HAMMER).parts()
+
+
+def test_parts_are_taken_out_and_added():
+    case = load_case(HAMMER, {"stops.wall": "none", "friction": "none", "motor": "none", "base": "none",
+                              "initial.motor": "none"})  # fmt: skip
+    assert ([stop.name for stop in case.parts().stops], case.parts().frictions) == (["anvil"], ())
+    added = load_case(HAMMER, {"links.tie.between": "[tool, ground]", "links.tie.k": "1 N/m"})
+    assert added.parts().links[-1] == Link("tie", 1, GROUND, 1.0, 0.0)
+
+
+def test_what_can_be_swept():
+    keys = load_case(HAMMER).numeric_keys()
+    assert {
+        "bodies.ram", "stops.wall.gap", "friction.moon.plus.mu", "friction.weight.g", "base.phase", "motor.J",
+        "forces.chord.terms.1.omega", "initial.motor.phi", "clearances.room.distance",
+    } <= set(keys)  # fmt: skip
+
+
+def test_sources_and_frequencies():
+    assert [load_case(name).source_kind for name in ("II-B", "I-A", HAMMER)] == ["motor", "harmonic", "motor"]
+    base = load_case(VALID / "base_by_terms.yaml")
+    assert (base.source_kind, base.frequency()) == ("base", None)
+    assert str(base.with_values({"base.terms.2.omega": "1 Hz"}).frequency()) == "1 Hz"
+    assert (load_case(VALID / "one_body.yaml").source_kind, load_case("I-A").frequency().text) == (
+        "none",
+        "3.5 Hz",
+    )
+
+
+def test_the_engine_of_two_blocks_refuses_a_scene_of_parts():
+    for make in ("scene", "exact_scene"):
+        with pytest.raises(CaseError, match="bodies: a scene of named parts cannot be run yet"):
+            getattr(load_case(HAMMER), make)(*([Fraction] if make == "exact_scene" else []))
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "name"),
+    [
+        ("stops.wall.k", "1:2/3 MN/m", "wall_k"),
+        ("ram", "1:2/3", "m_ram"),
+        ("forces.chord.terms.2.omega", "1:2/3 Hz", "chord_terms_2_omega"),
+        ("motor.Omega0", "1:2/3 Hz", "Omega0"),
+    ],
+)
+def test_axes_of_a_sweep_are_named_after_their_part(key, text, name):
+    assert read_axis(load_case(HAMMER), key, text).name == name

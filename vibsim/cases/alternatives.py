@@ -1,0 +1,26 @@
+"""Keys that stand in place of one another: the one that a child or an override gives drops the other."""
+
+from collections.abc import Collection
+
+ALTERNATIVES: dict[str, tuple[tuple[frozenset[str], frozenset[str]], ...]] = {
+    "friction": (
+        (frozenset({"N"}), frozenset({"g"})),
+        (frozenset({"mu"}), frozenset({"plus", "minus"})),
+    ),
+    "forces": ((frozenset({"terms"}), frozenset({"A", "omega", "phase"})),),
+    "base": ((frozenset({"terms"}), frozenset({"a", "omega", "phase"})),),
+}
+DEPTH = {"friction": 2, "forces": 2, "base": 1}  # of the dotted key of the part that has them
+
+
+def superseded(part: str, given: Collection[str]) -> set[str]:
+    """Keys of a part, such as "friction.guide", that give way when those `given` are set over it."""
+    section, *names = part.split(".")
+    out: set[str] = set()
+    if DEPTH.get(section) != len(names) + 1:
+        return out
+    for one, other in ALTERNATIVES[section]:
+        for new, old in ((one, other), (other, one)):
+            if new & set(given) and not old & set(given):
+                out |= old
+    return out

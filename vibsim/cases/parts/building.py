@@ -1,0 +1,119 @@
+"""From the values of the long form to a scene of parts: exact quantities to numbers, each rounded once."""
+
+from typing import Any
+
+from vibsim.cases.parts.ends import BASE as BASE_END
+from vibsim.cases.parts.ends import GROUND as GROUND_END
+from vibsim.cases.quantities import Quantity
+from vibsim.cases.scene_building import DOUBLES, NumberType, rule_value
+from vibsim.physics.parts import (
+    BASE,
+    COMPRESSION,
+    EXTENSION,
+    GROUND,
+    Body,
+    Clearance,
+    Force,
+    Friction,
+    Harmonic,
+    Link,
+    Motor,
+    Number,
+    Scene,
+    Stop,
+)
+
+Values = dict[str, Any]
+SENSES = {"extension": EXTENSION, "compression": COMPRESSION}
+
+
+def build_parts(values: Values, numbers: NumberType = DOUBLES) -> Scene:
+    """The scene [SI, rad/s] of the nested values of a case in the long form, defaults filled in."""
+    return _SceneBuilder(values, numbers).scene()
+
+
+class _SceneBuilder:
+    """The values of one case, the numbers they become and the bodies they speak of."""
+
+    def __init__(self, values: Values, numbers: NumberType):
+        self.values, self.numbers = values, numbers
+        self.index = {name: i for i, name in enumerate(values["bodies"])}
+        self.index |= {GROUND_END: GROUND, BASE_END: BASE}
+
+    def scene(self) -> Scene:
+        run = self.values["run"]
+        every = run["every"].value
+        return Scene(
+            bodies=tuple(self.body(name, mass) for name, mass in self.values["bodies"].items()),
+            links=self.made("links", self.link),
+            stops=self.made("stops", self.stop),
+            frictions=tuple(part for part in self.made("friction", self.friction) if part is not None),
+            forces=self.made("forces", self.force),
+            base=self.harmonics(self.values.get("base", {}), "a"),
+            motor=self.motor(self.values["motor"]) if "motor" in self.values else None,
+            clearances=self.made("clearances", self.clearance),
+            stop_on_violation=run["on_violation"] == "stop",
+            t_end=self.numbers.of(run["t_end"]),
+            every_num=every.numerator,
+            every_den=every.denominator,
+            method=run["method"],
+            order=run["order"],
+            tol=self.numbers.of(run["tol"]),
+        )
+
+    def made(self, section: str, make: Any) -> tuple[Any, ...]:
+        return tuple(make(name, part) for name, part in self.values.get(section, {}).items())
+
+    def ends(self, part: Values) -> tuple[int, int]:
+        return self.index[part["between"].P], self.index[part["between"].Q]
+
+    def several(self, part: Values, *keys: str) -> list[Number]:
+        return [self.numbers.of(part[key]) for key in keys]
+
+    def body(self, name: str, mass: Quantity) -> Body:
+        return Body(name, self.numbers.of(mass), *self.several(self.values["initial"][name], "x", "v"))
+
+    def link(self, name: str, part: Values) -> Link:
+        return Link(name, *self.ends(part), *self.several(part, "k", "c"))
+
+    def stop(self, name: str, part: Values) -> Stop:
+        gap, k, c = self.several(part, "gap", "k", "c")
+        return Stop(name, *self.ends(part), gap, SENSES[part["acts"]], k, c, part["release"])
+
+    def friction(self, name: str, part: Values) -> Friction | None:
+        """Limit forces mu N or mu m g, multiplied exactly and rounded once; None where both are 0."""
+        load = part["N"].value if "N" in part else self.weight(part)
+        both = part.get("mu")
+        plus, minus = (both or part[side]["mu"] for side in ("plus", "minus"))
+        if not (load and (plus.value or minus.value)):
+            return None
+        forward, backward = (self.numbers.convert(mu.value * load, 0) for mu in (plus, minus))
+        return Friction(name, *self.ends(part), forward, backward, self.numbers.of(part["belt"]))
+
+    def weight(self, part: Values) -> Any:
+        """m g [N] of the first-named end, as an exact fraction."""
+        return self.values["bodies"][part["between"].P].value * part["g"].value
+
+    def force(self, name: str, part: Values) -> Force:
+        on = self.index[part["on"]]
+        return Force(name, on, self.numbers.of(part["F0"]), self.harmonics(part, "A"))
+
+    def harmonics(self, part: Values, amplitude: str) -> tuple[Harmonic, ...]:
+        """The harmonics of a force (amplitude "A") or of the base ("a")."""
+        terms = part["terms"].values() if "terms" in part else [part] if amplitude in part else []
+        return tuple(self.harmonic(term, term[amplitude]) for term in terms)
+
+    def harmonic(self, term: Values, amplitude: Any) -> Harmonic:
+        omega = term["omega"]
+        value = rule_value(amplitude, omega) if isinstance(amplitude, dict) else (amplitude.value, 0)
+        cycles, cycles_lo = self.numbers.cycles(omega)
+        size, phase = self.numbers.convert(*value), self.numbers.of(term["phase"])
+        return Harmonic(size, self.numbers.of(omega), cycles, cycles_lo, phase)
+
+    def motor(self, part: Values) -> Motor:
+        constants = self.several(part, "m3", "e", "J", "M0", "Omega0")
+        start = self.several(self.values["initial"]["motor"], "phi", "phidot")
+        return Motor(self.index[part["on"]], *constants, *start)
+
+    def clearance(self, name: str, part: Values) -> Clearance:
+        return Clearance(name, *self.ends(part), self.numbers.of(part["distance"]))

@@ -1,0 +1,123 @@
+"""Rules for what a part needs, and for keys that stand in place of one another."""
+
+from collections.abc import Iterator
+from math import prod
+from typing import Any
+
+from vibsim.cases.parts.draft import Draft, Finding
+from vibsim.cases.parts.ends import NO_BODIES, Ends
+from vibsim.cases.quantities import LARGEST, SMALLEST, Quantity
+
+
+def there_is_a_body(draft: Draft) -> Iterator[Finding]:
+    if draft.values.get("bodies") == {}:
+        yield Finding("bodies", "a scene needs at least one body, such as {ram: 2 kg}", of_the_name=True)
+
+
+def links_do_something(draft: Draft) -> Iterator[Finding]:
+    for key, part in draft.parts("links"):
+        if "k" not in part and "c" not in part:
+            yield Finding(key, "a link needs k, c or both", of_the_name=True)
+
+
+def friction_has_a_coefficient(draft: Draft) -> Iterator[Finding]:
+    """mu for both directions, or plus and minus for one each."""
+    for key, part in draft.parts("friction"):
+        sides = [name for name in ("plus", "minus") if name in part]
+        if part.get("law", "coulomb") != "coulomb":
+            continue
+        if "mu" in part and sides:
+            message = f"mu holds for both directions, so {' and '.join(sides)} must be left out"
+            yield Finding(f"{key}.{sides[0]}", message, of_the_name=True)
+        elif not sides and "mu" not in part and not set(part) & LATER_COEFFICIENTS:
+            yield Finding(key, "needs mu, or plus: {mu: ...} and minus: {mu: ...}", of_the_name=True)
+        elif len(sides) == 1:
+            other = "minus" if sides == ["plus"] else "plus"
+            message = f"{other} is missing; a friction needs both directions, or mu for both"
+            yield Finding(f"{key}.{sides[0]}", message, of_the_name=True)
+
+
+LATER_COEFFICIENTS = {"mu_s", "mu_d"}  # told by the schema
+
+
+def friction_has_a_load(draft: Draft) -> Iterator[Finding]:
+    """N, or the weight m g of the first end."""
+    for key, part in draft.parts("friction"):
+        ends = Ends.read(part.get("between"))
+        if "N" in part and "g" in part:
+            yield Finding(f"{key}.g", "the load is N, so g must be left out", of_the_name=True)
+        elif "N" not in part and ends is not None and ends.P in NO_BODIES and ends.Q not in NO_BODIES:
+            message = (
+                f"the load m g is that of the first end, and {ends.P} is no body; give N, or write "
+                f"{ends.Q} first"
+            )
+            yield Finding(f"{key}.between", message)
+
+
+def sources_are_harmonic(draft: Draft) -> Iterator[Finding]:
+    """A and omega (a and omega of base), or terms; a force may be F0 alone."""
+    for key, part in draft.parts("forces"):
+        yield from _harmonic(key, part, "A", bool("F0" in part))
+    if isinstance(draft.values.get("base"), dict):
+        yield from _harmonic("base", draft.section("base"), "a", False)
+
+
+def _harmonic(key: str, part: dict[str, Any], amplitude: str, constant: bool) -> Iterator[Finding]:
+    single = [name for name in (amplitude, "omega", "phase") if name in part]
+    if "terms" in part:
+        if single:
+            message = f"terms has the harmonics, so {' and '.join(single)} must be left out"
+            yield Finding(f"{key}.{single[0]}", message, of_the_name=True)
+        if isinstance(part["terms"], dict) and list(part["terms"]) != _numbers(part["terms"]):
+            example = f"[{{{amplitude}: ..., omega: ...}}]"
+            message = f"must be a list of harmonics, such as {example}"
+            yield Finding(f"{key}.terms", message, of_the_name=True)
+    elif not single and not constant:
+        wanted = f"{amplitude} and omega, or terms" + (", or F0" if amplitude == "A" else "")
+        yield Finding(key, f"needs {wanted}", of_the_name=True)
+    elif single:
+        for name in (amplitude, "omega"):
+            if name not in part:
+                yield Finding(key, f"{single[0]} is given and {name} is missing", of_the_name=True)
+
+
+def _numbers(terms: dict[str, Any]) -> list[str]:
+    return [str(i + 1) for i in range(max(1, len(terms)))]
+
+
+def closed_form_is_there(draft: Draft) -> Iterator[Finding]:
+    if draft.flat.get("run.method") == "closed_form" and "motor" in draft.values:
+        what = "a motor has no closed form; with one, run.method must be auto or taylor, got closed_form"
+        yield Finding("run.method", what)
+
+
+def products_fit(draft: Draft) -> Iterator[Finding]:
+    """What is computed from several values must fit a double as they do."""
+    for key, name, factors in _products(draft):
+        numbers = [factor.number() for factor in factors if factor is not None]
+        if len(numbers) == len(factors) and all(numbers) and not SMALLEST <= abs(prod(numbers)) <= LARGEST:
+            yield Finding(
+                key, f"{name} does not fit double precision (2.3e-308 to 2.2e307)", of_the_name=True
+            )
+
+
+def _products(draft: Draft) -> Iterator[tuple[str, str, list[Quantity | None]]]:
+    for key, part in draft.parts("friction"):
+        ends = Ends.read(part.get("between"))
+        load = [draft.quantity(f"{key}.N")]
+        if "N" not in part:
+            mass = draft.quantity(f"bodies.{ends.P}") if ends else None
+            load = [mass, *([draft.quantity(f"{key}.g")] if "g" in part else [])]
+        for mu in ("mu", "plus.mu", "minus.mu"):
+            yield key, "the limit force mu N", [draft.quantity(f"{key}.{mu}"), *load]
+    for key, part in draft.parts("forces"):
+        for term in [key, *(f"{key}.terms.{number}" for number in _dict(part.get("terms")))]:
+            omega = draft.quantity(f"{term}.omega")
+            rule = [draft.quantity(f"{term}.A.{name}") for name in ("m3", "e")]
+            yield f"{term}.A", "m3 e omega^2", [*rule, omega, omega]
+    motor = [draft.quantity(f"motor.{name}") for name in ("m3", "e", "e")]
+    yield "motor", "m3 e^2", motor
+
+
+def _dict(value: object) -> dict[str, Any]:
+    return value if isinstance(value, dict) else {}

@@ -1,0 +1,65 @@
+"""The two ends of a part, as written: `between: [ram, ground]`."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import PydanticCustomError, core_schema
+
+from vibsim.cases.problems import shown
+
+GROUND, BASE = "ground", "base"
+NO_BODIES = (GROUND, BASE)  # ends that are no bodies
+
+
+@dataclass(frozen=True, slots=True)
+class Ends:
+    """Names of the ends P and Q of a part: a body, ground or base."""
+
+    P: str
+    Q: str
+
+    def __str__(self) -> str:
+        return f"[{self.P}, {self.Q}]"
+
+    @staticmethod
+    def read(value: object) -> "Ends | None":
+        """The ends behind a list, a tree's {"1": P, "2": Q} or a text such as "[P, Q]"; None for others."""
+        if isinstance(value, Ends):
+            return value
+        if isinstance(value, str):
+            value = value.strip().removeprefix("[").removesuffix("]").split(",")
+        names = [*value.values()] if isinstance(value, dict) else value
+        if not isinstance(names, list | tuple) or len(names) != 2:
+            return None
+        if not all(isinstance(name, str) and name.strip() for name in names):
+            return None
+        return Ends(names[0].strip(), names[1].strip())
+
+    @classmethod
+    def __get_pydantic_core_schema__(
+        cls, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(_ends)
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """A list of two names."""
+        name = {"type": ["string", "integer"]}  # a body may be called 1
+        return {"type": "array", "items": name, "minItems": 2, "maxItems": 2}
+
+
+def _ends(value: object) -> Ends:
+    ends = Ends.read(value)
+    if ends is None:
+        got = _shown_list(value) if isinstance(value, dict) else shown(value)
+        what = f"must be two ends such as [ram, ground]: bodies, ground or base; got {got}"
+        raise PydanticCustomError("ends", "{what}", {"what": what})
+    return ends
+
+
+def _shown_list(value: dict[str, object]) -> str:
+    """What stands in place of the two ends, with what has been reported already left out."""
+    return shown(f"[{', '.join(item if isinstance(item, str) else '...' for item in value.values())}]")

@@ -1,0 +1,57 @@
+"""Rules for the names of bodies and parts: they become columns of a file and words of a command."""
+
+import re
+from collections.abc import Iterator
+
+from vibsim.cases.parts.draft import CALLED, PARTS, Draft, Finding
+from vibsim.cases.parts.ends import NO_BODIES
+from vibsim.cases.problems import shown
+from vibsim.physics.parts import columns_of
+
+LONGEST = 24  # characters: x_NAME stays a variable name in MATLAB
+WORDS = (*NO_BODIES, "motor", "none")  # with a meaning of their own
+COLUMNS = ("time", "t", "kind", "part", "phi", "phidot", "contact", "error_estimate")  # of every file
+_BODY = re.compile(r"[A-Za-z0-9][A-Za-z0-9_]*", re.ASCII)
+_PART = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
+
+
+def names_are_names(draft: Draft) -> Iterator[Finding]:
+    """Letters, digits and _; a body may be called by a number."""
+    for section in CALLED:
+        pattern, first = (_BODY, "letter or digit") if section == "bodies" else (_PART, "letter")
+        for name in draft.section(section):
+            key = f"{section}.{name}"
+            if not pattern.fullmatch(name) or len(name) > LONGEST:
+                message = (
+                    f"the name of a {CALLED[section]} may hold letters, digits and _, begins with a {first} "
+                    f"and has at most {LONGEST} characters; got {shown(name)}"
+                )
+                yield Finding(key, message, of_the_name=True)
+            elif name in WORDS or (section != "bodies" and name in COLUMNS):
+                reserved = ", ".join(WORDS if name in WORDS else COLUMNS)
+                message = f"the name is reserved, as are {reserved}; choose another"
+                yield Finding(key, message, of_the_name=True)
+
+
+def names_are_different(draft: Draft) -> Iterator[Finding]:
+    """A part is found by its name alone, so no two bodies or parts share one."""
+    first: dict[str, str] = {}
+    for section in CALLED:
+        for name in draft.section(section):
+            if name in first:
+                owner = CALLED[first[name]]
+                message = (
+                    f"{shown(name)} is the name of a {owner} already ({first[name]}.{name}); choose another"
+                )
+                yield Finding(f"{section}.{name}", message, of_the_name=True)
+            first.setdefault(name, section)
+
+
+def names_are_no_columns(draft: Draft) -> Iterator[Finding]:
+    """A part named x_ram would share its column with the displacement of the body ram."""
+    taken = {column: body for body in draft.bodies for column in columns_of(body)}
+    for section in PARTS:
+        for name in draft.section(section):
+            if name in taken:
+                message = f"{name} is a column of body {taken[name]}; choose another name"
+                yield Finding(f"{section}.{name}", message, of_the_name=True)

@@ -1,0 +1,219 @@
+"""The schema of the long form: named parts with their keys, units, ranges and defaults, as pydantic models.
+
+What concerns several keys at once stands in the modules of rules beside this one.
+"""
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import BeforeValidator, ConfigDict, Field
+from pydantic_core import PydanticCustomError
+
+from vibsim.cases.measured import Measured
+from vibsim.cases.parts.ends import Ends
+from vibsim.cases.quantities import Quantity
+from vibsim.cases.schema import (
+    Amplitude,
+    Angle,
+    CaseHead,
+    Eccentricity,
+    Force,
+    Length,
+    Mass,
+    PositiveRate,
+    Rate,
+    Run,
+    Section,
+    Velocity,
+    optional,
+)
+
+Stiffness = Annotated[Quantity, Measured("stiffness", least="0")]
+Damping = Annotated[Quantity, Measured("damping", least="0")]
+FrictionCoefficient = Annotated[Quantity, Measured("number", least="0")]
+
+BETWEEN = Field(description="the two ends: bodies, ground or base", examples=["[ram, ground]"])
+ON = Field(description="the body that it acts on", examples=["ram"])
+RIGID = "rigid stops are not in this version yet"
+FALLING = "friction that depends on speed, or with static > kinetic, is not in this version yet"
+
+
+def _later(law: str, message: str) -> BeforeValidator:
+    """Refuse the laws that are planned, `law` excepted, with a message of their own."""
+    planned = ("rigid", "static", "stribeck hyperbolic", "stribeck exponential")
+
+    def check(value: object) -> object:
+        if value in planned:
+            what = f"{message}; allowed: {law}; got {value}"
+            raise PydanticCustomError("later", "{what}", {"what": what})
+        return value
+
+    return BeforeValidator(check)
+
+
+class Link(Section):
+    """Spring and damper between two ends: force -k (x_P - x_Q) - c (v_P - v_Q) on P."""
+
+    between: Ends = BETWEEN
+    k: Stiffness = optional("0 N/m", "stiffness", "4 kN/m")
+    c: Damping = optional("0 N s/m", "damping", "2 N s/m")
+
+
+class ElasticStop(Section):
+    """A stop that pushes its ends back with k g + c g' while they are in contact, g the depth."""
+
+    later: ClassVar[dict[str, str]] = {"e": RIGID}
+
+    between: Ends = BETWEEN
+    gap: Length = Field(
+        description="free distance, 0 or negative too; measured from all displacements 0", examples=["1 mm"]
+    )
+    acts: Literal["extension", "compression"] = Field(
+        description="extension: contact while x_Q - x_P >= gap; compression: while x_P - x_Q >= gap",
+        examples=["compression"],
+    )
+    law: Annotated[Literal["elastic"], _later("elastic", RIGID)] = Field(
+        default="elastic", description="law of contact"
+    )
+    k: Annotated[Quantity, Measured("stiffness", above="0")] = Field(
+        description="stiffness in contact", examples=["1 MN/m"]
+    )
+    c: Damping = optional("0 N s/m", "damping in contact", "20 N s/m")
+    release: Literal["gap", "force"] = Field(
+        default="gap",
+        description="gap: in contact while the depth g >= 0; force: pushes max(0, k g + c g') while g > 0",
+    )
+
+
+class OneWay(Section):
+    """Friction in one direction of slip."""
+
+    later: ClassVar[dict[str, str]] = {"static": FALLING}
+
+    mu: FrictionCoefficient = Field(description="friction coefficient", examples=["0.17"])
+
+
+class DryFriction(Section):
+    """Coulomb friction of P on Q; v_rel = v_P - v_Q - belt."""
+
+    later: ClassVar[dict[str, str]] = dict.fromkeys(("static", "mu_s", "mu_d", "d", "v0"), FALLING)
+
+    between: Ends = BETWEEN
+    law: Annotated[Literal["coulomb"], _later("coulomb", FALLING)] = Field(
+        default="coulomb", description="law of friction"
+    )
+    mu: FrictionCoefficient | None = Field(
+        default=None, description="friction coefficient, the same in both directions", examples=["0.2"]
+    )
+    plus: OneWay | None = Field(default=None, description="where v_rel > 0; with minus, in place of mu")
+    minus: OneWay | None = Field(default=None, description="where v_rel < 0; with plus, in place of mu")
+    N: Annotated[Quantity, Measured("force", least="0")] | None = Field(
+        default=None, description="normal load; left out: m g of the first end", examples=["3 N"]
+    )
+    g: Annotated[Quantity, Measured("acceleration", above="0")] | None = Field(
+        default=None,
+        description="gravity, where N is left out; 9.81 m/s^2 by default",
+        examples=["9.81 m/s^2"],
+    )
+    belt: Velocity = optional("0 m/s", "velocity of the surface of Q against Q", "0.2 m/s")
+
+
+class ForceTerm(Section):
+    """A sin(omega t + phase)."""
+
+    A: Amplitude = Field(description="amplitude", examples=["10 N"])
+    omega: PositiveRate = Field(description="frequency", examples=["25 Hz"])
+    phase: Angle = optional("0 rad", "phase at t = 0; 90 deg: a cosine", "90 deg")
+
+
+class BodyForce(Section):
+    """Force F0 + sum of A sin(omega t + phase) on a body."""
+
+    on: str = ON
+    A: Amplitude | None = Field(default=None, description="amplitude", examples=["10 N"])
+    omega: PositiveRate | None = Field(default=None, description="frequency", examples=["25 Hz"])
+    phase: Angle | None = Field(
+        default=None, description="phase at t = 0, 0 by default; 90 deg: a cosine", examples=["90 deg"]
+    )
+    terms: dict[str, ForceTerm] | None = Field(
+        default=None, description="several harmonics, in place of A, omega and phase"
+    )
+    F0: Force = optional("0 N", "constant part", "-2 N")
+
+
+class BaseTerm(Section):
+    """a sin(omega t + phase)."""
+
+    a: Length = Field(description="amplitude", examples=["0.1 mm"])
+    omega: PositiveRate = Field(description="frequency", examples=["50 Hz"])
+    phase: Angle = optional("0 rad", "phase at t = 0", "90 deg")
+
+
+class BaseMotion(Section):
+    """Displacement of base: sum of a sin(omega t + phase)."""
+
+    a: Length | None = Field(default=None, description="amplitude", examples=["0.1 mm"])
+    omega: PositiveRate | None = Field(default=None, description="frequency", examples=["50 Hz"])
+    phase: Angle | None = Field(default=None, description="phase at t = 0, 0 by default", examples=["90 deg"])
+    terms: dict[str, BaseTerm] | None = Field(
+        default=None, description="several harmonics, in place of a, omega and phase"
+    )
+
+
+class BodyMotor(Section):
+    """Motor of limited power with an unbalanced rotor on a body, Eqs. (2.8) to (2.10)."""
+
+    on: str = ON
+    m3: Mass = Field(description="unbalanced mass", examples=["0.03 kg"])
+    e: Eccentricity = Field(description="eccentricity; negative: mirrored", examples=["0.11 m"])
+    J: Annotated[Quantity, Measured("inertia", least="0")] = Field(
+        description="moment of inertia of the rotor without m3", examples=["0.001 kg m^2"]
+    )
+    M0: Annotated[Quantity, Measured("torque", least="0")] = Field(
+        description="torque at standstill", examples=["0.005 N m"]
+    )
+    Omega0: PositiveRate = Field(description="speed at which the torque vanishes", examples=["5.5 Hz"])
+
+
+class StartState(Section):
+    """State of a body, or of the rotor under the name motor, at t = 0; 0 unless given."""
+
+    x: Length | None = Field(default=None, description="displacement of a body", examples=["1 mm"])
+    v: Velocity | None = Field(default=None, description="velocity of a body", examples=["0 m/s"])
+    phi: Angle | None = Field(default=None, description="rotor angle (motor only)", examples=["90 deg"])
+    phidot: Rate | None = Field(default=None, description="rotor speed (motor only)", examples=["0 Hz"])
+
+
+class Clearance(Section):
+    """A limit that is watched and exerts no force: x_P - x_Q <= distance."""
+
+    between: Ends = BETWEEN
+    distance: Annotated[Quantity, Measured("length", above="0")] = Field(
+        description="distance of the ends at rest", examples=["80 mm"]
+    )
+
+
+class PartsRun(Run):
+    """How long, how often and how."""
+
+    on_violation: Literal["warn", "stop"] = Field(
+        default="warn", description="of a clearance: count and warn, or end the run"
+    )
+
+
+class PartsFile(CaseHead):
+    """A scene of bodies on a line, made of named parts, and one run of it."""
+
+    model_config = ConfigDict(title="vibsim case of parts", defer_build=False)
+
+    bodies: dict[str, Mass] = Field(description="name and mass of each body", examples=["{ram: 2 kg}"])
+    links: dict[str, Link] = Field(default={}, description="springs and dampers, by name")
+    stops: dict[str, ElasticStop] = Field(default={}, description="stops, by name")
+    friction: dict[str, DryFriction] = Field(default={}, description="dry frictions, by name")
+    forces: dict[str, BodyForce] = Field(default={}, description="forces on bodies, by name")
+    base: BaseMotion | None = Field(default=None, description="motion of base; left out: there is none")
+    motor: BodyMotor | None = Field(default=None, description="the motor; left out: there is none")
+    initial: dict[str, StartState] = Field(
+        default={}, description="state at t = 0 by body, and of the rotor as motor; left out: at rest"
+    )
+    clearances: dict[str, Clearance] = Field(default={}, description="limits that are watched, by name")
+    run: PartsRun = Field(default_factory=PartsRun, description="left out: 300 s, every 5 ms")
