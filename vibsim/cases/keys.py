@@ -161,11 +161,11 @@ def full_key(key: str, present: Iterable[str] = (), allowed: Iterable[str] | Non
 
 
 def _hint(key: str, allowed: tuple[str, ...]) -> str:
-    """The nearest dotted key, or the dotted key whose last name is nearest."""
-    dotted = [name for name in allowed if "." in name]
-    short = {name.rpartition(".")[2]: name for name in reversed(dotted)}
-    match = nearest(key, allowed) or short.get(nearest(key, short) or "")
-    if not match and "." in key:
-        last = nearest(key.rpartition(".")[2], short)
-        match = short.get(last) if last else None
-    return f" (did you mean {match}?)" if match else did_you_mean(key, allowed)
+    """The key whose end is nearest to what was typed, or the one whose last name is."""
+    for typed in (key, key.rpartition(".")[2]):
+        depth = typed.count(".") + 1
+        ends = {".".join(name.split(".")[-depth:]): name for name in reversed(allowed)}
+        match = nearest(typed, ends)
+        if match:
+            return f" (did you mean {ends[match]}?)"
+    return did_you_mean(key, allowed)
