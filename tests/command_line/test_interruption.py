@@ -2,15 +2,19 @@
 
 import os
 import pty
+import re
 import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import vibsim
+from vibsim.command_line.interruption import Interruption
+from vibsim.command_line.slow_run import SlowRun
 
 ENDLESS = [sys.executable, "-m", "vibsim", "run", "II-B", "--t-end", "1000000s"]
 
@@ -99,8 +103,6 @@ def test_no_progress_without_a_terminal_and_none_when_quiet(tmp_path):
 
 
 def test_a_second_signal_interrupts_at_once():
-    from vibsim.command_line.interruption import Interruption
-
     with Interruption() as interruption:
         assert interruption.exit_code == 0
         signal.raise_signal(signal.SIGTERM)
@@ -108,3 +110,100 @@ def test_a_second_signal_interrupts_at_once():
         with pytest.raises(KeyboardInterrupt):
             signal.raise_signal(signal.SIGINT)
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+SLOW_SOURCE = """
+name: slow
+blocks: {m1: 1 kg, m2: fixed}
+coupling: {k1: 1 N/m}
+excitation: {kind: harmonic, A: 1 N, omega: 1e9 Hz}
+initial: {x1: 1 mm}
+run: {t_end: 100 s, every: 1 s}
+"""
+OVERDAMPED = """
+name: slow
+blocks: {m1: 1 g, m2: fixed}
+coupling: {k1: 1 N/m, c: 1e6 N s/m}
+initial: {x1: 1 mm}
+run: {t_end: 100 s}
+"""
+ENDLESS_WORK = {
+    "ledger": (SLOW_SOURCE, "run"),
+    "companion": (SLOW_SOURCE, "run -s excitation.omega=1000Hz --t-end 1000000s"),
+    "tangent": (OVERDAMPED, "run --no-trust --lyapunov all"),
+    "sweep": (OVERDAMPED, "sweep --param k1=1,2 --compute lyapunov"),
+    "analysis": (SLOW_SOURCE, "analyse"),
+    "digits": (SLOW_SOURCE, "run --digits 1000 --t-end 1000000s"),
+}
+
+
+def worked(child):
+    """Seconds of a processor that a process has used: so much only once it computes."""
+    user, system = Path(f"/proc/{child.pid}/stat").read_text().rpartition(")")[2].split()[11:13]
+    return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="needs /proc")
+@pytest.mark.parametrize("work", ENDLESS_WORK)
+def test_no_work_keeps_a_command_from_hearing_ctrl_c(tmp_path, work):
+    case, words = ENDLESS_WORK[work]
+    (tmp_path / "slow.yaml").write_text(case)
+    command = [sys.executable, "-m", "vibsim", *words.split()]
+    command.insert(4, "slow.yaml")
+    with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as child:
+        while worked(child) < 1.5:
+            time.sleep(0.05)
+        assert child.poll() is None
+        child.send_signal(signal.SIGINT)
+        _, errors = child.communicate(timeout=10)  # 0.1 to 1.6 s on a machine that does nothing else
+    assert child.returncode == 130
+    assert b"interrupted" in errors and b"Traceback" not in errors
+
+
+def test_a_slow_run_is_told_with_its_rate_and_an_estimate(tmp_path):
+    (tmp_path / "slow.yaml").write_text(SLOW_SOURCE)
+    command = [sys.executable, "-m", "vibsim", "run", "slow.yaml"]
+    with subprocess.Popen(
+        command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+    ) as child:
+        line = child.stderr.readline()
+        child.send_signal(signal.SIGINT)
+        child.communicate(timeout=10)
+    assert re.fullmatch(
+        r"slow: slow: [\d.e-]+ s of the motion per second, about .* more; Ctrl-C ends it\n", line
+    )
+
+
+def noted(marks, t_end, capsys):
+    """What is said of a run worked out to t [s] at so many seconds on the clock: marks (clock, t)."""
+    clock = iter([0.0, *(seconds for seconds, _ in marks)])
+    slow = SlowRun("case", t_end, clock=lambda: next(clock))
+    for _, t in marks:
+        slow.note(t)
+    return capsys.readouterr().err
+
+
+def test_what_is_said_of_a_slow_run(capsys):
+    assert noted([(0.5, 0.1), (2.0, 4.0), (4.0, 8.0)], 3604.0, capsys) == (
+        "case: slow: 2 s of the motion per second, about 30 minutes more; Ctrl-C ends it\n"
+    )
+    assert "no further than t = 3 s" in noted([(1.5, 3.0), (3.0, 3.0)], 50.0, capsys)
+    assert noted([(2.0, 3.0), (3.5, 6.0)], 50.0, capsys) == ""  # over in half a minute
+    assert noted([(2.0, 3e4), (3.5, 6e4)], 1e9, capsys) == ""  # as fast as its span suggests
+    # first it stands, then it is fast
+    assert noted([(2.0, 500.0), (3.5, 505.0)], 1e9, capsys).startswith("case: slow: 3.3 s of")
+
+
+def test_work_that_does_not_ask_is_interrupted_after_a_while(monkeypatch):
+    monkeypatch.setattr("vibsim.command_line.interruption.PATIENCE", 0.2)
+    with pytest.raises(KeyboardInterrupt), Interruption():
+        signal.raise_signal(signal.SIGINT)
+        time.sleep(5)
+    with pytest.raises(SystemExit) as ended, Interruption():
+        signal.raise_signal(signal.SIGTERM)
+        time.sleep(5)
+    assert ended.value.code == 143
+    with Interruption() as interruption:
+        signal.raise_signal(signal.SIGINT)
+        assert interruption.signum == signal.SIGINT
+        time.sleep(0.4)  # told, so it may end in peace

@@ -56,6 +56,15 @@ def test_unknown_engine():
         engine_name("fortran")
 
 
+def test_the_c_engine_is_there_before_any_thread_can_ask_for_it(monkeypatch):
+    """A module of C stands among the modules before its specification does: who looked it up then failed."""
+    monkeypatch.setattr(sys.modules["vibsim.kernel._kernel"], "__spec__", None)
+    assert engine_name("auto") == "c"
+    program = "import sys, vibsim.kernel; print(sys.modules['vibsim.kernel._kernel'].__spec__.name)"
+    done = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True)
+    assert done.stdout == "vibsim.kernel._kernel\n"
+
+
 def test_methods():
     assert flow_method(paper("I-A")) == "closed_form"
     assert flow_method(paper("II-A")) == "taylor"

@@ -9,6 +9,7 @@ from vibsim.command_line.interruption import Interruption
 from vibsim.command_line.progress import Progress
 from vibsim.command_line.run_plan import Job
 from vibsim.command_line.settings import Settings
+from vibsim.command_line.slow_run import SlowRun
 from vibsim.command_line.summary import (
     heading,
     print_json,
@@ -55,10 +56,13 @@ def _run_one(
     digits: int | str | None,
 ) -> None:
     began = time.perf_counter()
-    progress = Progress(job.case.name, job.case.scene().t_end, wanted=not settings.quiet)
+    t_end = job.case.scene().t_end
+    progress = Progress(job.case.name, t_end, wanted=not settings.quiet)
+    slow = SlowRun(job.case.name, t_end, wanted=not settings.quiet)
 
     def watch(t: float) -> bool:
         progress.show(t)
+        slow.note(t)
         return interruption.signum is None
 
     try:

@@ -6,7 +6,7 @@ trajectory.totals
 """
 
 import sys
-from importlib.util import find_spec
+from types import ModuleType
 
 from vibsim.kernel.block import EVENT_STATE, Block, event_columns, section_columns
 from vibsim.kernel.errors import KernelError
@@ -27,9 +27,20 @@ __all__ = [
 _noticed = False
 
 
+def _built() -> ModuleType | None:
+    try:
+        from vibsim.kernel import _kernel
+    except ImportError:
+        return None
+    return _kernel
+
+
+_c_engine = _built()  # once, with this package: threads that ask for it later never meet a half-made module
+
+
 def compiled() -> bool:
     """Whether the C engine was built with this installation."""
-    return find_spec("vibsim.kernel._kernel") is not None
+    return _c_engine is not None
 
 
 def engine_name(engine="auto"):

@@ -4,6 +4,7 @@ found = lyapunov_exponents(scene, count=1)
 found.exponents, found.growth, found.rank_losses
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from math import nan
 from typing import Any
@@ -48,12 +49,17 @@ class LyapunovExponents:
 
 
 def lyapunov_exponents(
-    scene: Scene, count: int | None = None, discard: float | None = None, engine: str = "auto"
+    scene: Scene,
+    count: int | None = None,
+    discard: float | None = None,
+    engine: str = "auto",
+    between: Callable[[], None] = lambda: None,
 ) -> LyapunovExponents:
     """The largest `count` Lyapunov exponents of the motion from the start of `scene`; None: all of them.
 
     discard : time [s] after which they are taken, for the motion to settle and the disturbances to turn into
     their directions; None: half of the run.
+    between : called after every few milliseconds of work; what it raises ends the run
 
     Two exponents that are 0 by construction are left out: see `vibsim.physics.disturbance`. Raises ValueError
     for a count that the scene has not got, KernelError when the run fails.
@@ -64,7 +70,7 @@ def lyapunov_exponents(
     sparse = replace(scene, every_num=max(numerator, 1), every_den=denominator)
     trajectory = open_trajectory(sparse, engine, tangent=count, tangent_from=begin)
     for _ in trajectory.blocks():
-        pass
+        between()
     return exponents_of(trajectory.totals)
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from vibsim.cases import Case
 
 Rows = Mapping[str, np.ndarray]
-Watch = Callable[[float], bool]  # given the time reached [s]; False stops the run there
+Watch = Callable[[float], bool]  # given how far the run is worked out [s]; False stops it there
 
 
 class Sink(Protocol):
@@ -48,7 +48,7 @@ class Recording:
             judged, engine=engine, ledger=True, tangent=tangent[0], tangent_from=tangent[1]
         )
         self.start = origin(case, self.scene, self.trajectory.engine, self.trajectory.method)
-        self.t_reached = 0.0
+        self.t_reached = self._known_to = self._worked_to = 0.0
         self.complete = False
         self._rest = RestDistance(self.scene)
         method, engine = self.trajectory.method, self.trajectory.engine
@@ -57,16 +57,29 @@ class Recording:
 
     def into(self, sink: Sink, watch: Watch | None = None) -> None:
         """Run to the end, or until `watch` says stop; raises KernelError when the run fails."""
+
+        def go_on() -> bool:
+            return watch is None or watch(self.progress)
+
         with self._trust:
             for block in self.trajectory.blocks():
-                samples = self._thinning.thinned(self._trust.judged(block.samples))
+                times = block.samples["time"][-1:].tolist()
+                self._known_to = max(float(block.t_reached), *times, self._known_to)
+                self._worked_to = block.worked_to
+                samples = self._thinning.thinned(self._trust.judged(block.samples, go_on))
                 sink.append(samples, block.events)
                 self._rest.update(samples, block.events)
-                times = block.samples["time"][-1:].tolist()
-                self.t_reached = max(float(block.t_reached), *times, self.t_reached)
-                if watch is not None and not watch(self.t_reached):
+                self.t_reached = self._known_to
+                if not go_on():
                     return
         self.complete = True
+
+    @property
+    def progress(self) -> float:
+        """How far the run is worked out [s]: half is the motion, half what goes with it, such as the energy
+        ledger, which a long stretch without events gets after its samples; and no further than the companion.
+        """
+        return min((self._known_to + self._worked_to) / 2, self._trust.t_reached)
 
     def end(self) -> dict[str, Any]:
         """Attributes of what came of the run so far."""

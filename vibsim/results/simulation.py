@@ -49,9 +49,9 @@ def simulate_to_file(
 ) -> Result:
     """Run a case straight into an HDF5 file, in memory that does not grow with the length of the run.
 
-    `watch` is called with the time reached [s] every few to tens of milliseconds; when it returns False
-    the file is finished as it is, with the attribute `complete` = 0. `tangent` : number of Lyapunov exponents
-    to take along, and the time [s] from which they count; a run with digits takes none.
+    `watch` is called with how far the run is worked out [s] every few to a hundred milliseconds; when it
+    returns False the file is finished as it is, with the attribute `complete` = 0. `tangent` : number of
+    Lyapunov exponents to take along, and the time [s] from which they count; a run with digits takes none.
 
     Raises KernelError when the run fails and ResultFileError when the file cannot be written. Either way what
     was written before is kept beside `path`, in NAME.partial.

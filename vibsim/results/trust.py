@@ -1,6 +1,7 @@
 """Until when a run is right: its error at every sample, and the trust horizon."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,12 +14,14 @@ if TYPE_CHECKING:
     from vibsim.cases import Case
 
 COLUMN = "error_estimate"
+GoOn = Callable[[], bool]
 
 
 class NoTrust:
     """What takes the place of `Trust` in a run that is not judged."""
 
     columns: tuple[str, ...] = ()
+    t_reached = inf  # of what judges [s]
 
     def __enter__(self) -> "NoTrust":
         return self
@@ -26,7 +29,7 @@ class NoTrust:
     def __exit__(self, *failure: object) -> None:
         pass
 
-    def judged(self, samples: Mapping[str, np.ndarray]) -> Mapping[str, np.ndarray]:
+    def judged(self, samples: Mapping[str, np.ndarray], go_on: GoOn) -> Mapping[str, np.ndarray]:
         """The samples as they are."""
         return samples
 
@@ -58,10 +61,15 @@ class Trust(NoTrust):
     def __exit__(self, *failure: object) -> None:
         self._companion.close()
 
-    def judged(self, samples: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """The next block of samples with the column `error_estimate` [m]."""
+    @property
+    def t_reached(self) -> float:  # type: ignore[override]
+        """Time that the companion has reached [s]; infinite once it has ended."""
+        return self._companion.t_reached
+
+    def judged(self, samples: Mapping[str, np.ndarray], go_on: GoOn) -> dict[str, np.ndarray]:
+        """The next block of samples with the column `error_estimate` [m]; `go_on` as in `Companion.take`."""
         ours = np.stack([samples[name] for name in self._names])
-        theirs = self._companion.take(ours.shape[1])
+        theirs = self._companion.take(ours.shape[1], go_on)
         return {**samples, COLUMN: self._estimate.update(samples["time"], ours, theirs)}
 
     def attrs(self, t_reached: float) -> dict[str, Any]:

@@ -10,10 +10,11 @@ be missed: after 10,000 s it is 70 times the distance of two runs from equal dat
 
 import threading
 from collections import deque
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from math import inf, nextafter
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,6 +30,7 @@ SOURCE = ("A", "F0", "omega", "m3", "e", "J", "M0", "Omega0")
 DATA = (*BLOCKS, *SOURCE, "x1", "v1", "x2", "v2", "phi", "phidot")
 USUAL_ORDER, OTHER_ORDER = 20, 25  # of the Taylor flow; both cost the same
 TOLERANCE = 2.0**-53
+PATIENCE = 0.1  # seconds between two questions whether to wait on
 BLOCKS_AHEAD = 8  # bounds the memory of a companion that is faster than the run
 
 
@@ -80,6 +82,7 @@ class Companion:
         self._queue: SimpleQueue[np.ndarray | BaseException | None] = SimpleQueue()
         self._room = threading.Semaphore(BLOCKS_AHEAD)
         self._closed = self._ended = False
+        self.t_reached = 0.0  # [s]; infinite once it has ended
         self._waiting: deque[np.ndarray] = deque()
         self._thread = threading.Thread(target=self._run, name="vibsim companion", daemon=True)
 
@@ -87,15 +90,16 @@ class Companion:
         """Set off."""
         self._thread.start()
 
-    def take(self, count: int) -> np.ndarray:
+    def take(self, count: int, go_on: Callable[[], bool] = lambda: True) -> np.ndarray:
         """Displacements [m] at the next `count` samples, shape (blocks that move, count).
 
-        NaN from where the companion has failed.
+        NaN from where the companion has failed, or where `go_on` says no: it is asked while they are waited
+        for, since the companion may be far slower than the run.
         """
         rows = len(self._names)
         parts = [np.empty((rows, 0))]
         while count:
-            piece = self._next()
+            piece = self._next(go_on)
             if piece is None:
                 piece = np.full((rows, count), np.nan)
             if piece.shape[1] > count:
@@ -110,16 +114,26 @@ class Companion:
         self._room.release()
         self._thread.join()
 
-    def _next(self) -> np.ndarray | None:
-        """The next samples; None after the last."""
+    def _next(self, go_on: Callable[[], bool]) -> np.ndarray | None:
+        """The next samples; None after the last, or when not to go on."""
         if self._waiting:
             return self._waiting.popleft()
-        found = None if self._ended else self._queue.get()
+        found = None if self._ended else self._awaited(go_on)
         if isinstance(found, BaseException):
             raise found
         self._ended = found is None
         self._room.release()
         return found
+
+    def _awaited(self, go_on: Callable[[], bool]) -> np.ndarray | BaseException | None:
+        """The next block, or what ended it; None when not to go on, which is asked whenever it waits."""
+        while True:
+            if self._queue.empty() and not go_on():
+                return None
+            try:
+                return self._queue.get(timeout=PATIENCE)
+            except Empty:
+                continue
 
     def _run(self) -> None:
         from vibsim.kernel import KernelError
@@ -131,8 +145,10 @@ class Companion:
                 if self._closed:
                     return
                 self._queue.put(np.stack([block.samples[name] for name in self._names]))
+                self.t_reached = max(block.t_reached, *block.samples["time"][-1:].tolist(), self.t_reached)
         except KernelError:
             pass  # the run went on where its companion failed: nothing more to compare with
         except BaseException as error:  # raised where the samples are asked for
             last = error
+        self.t_reached = inf
         self._queue.put(last)

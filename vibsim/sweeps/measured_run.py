@@ -71,10 +71,14 @@ class MeasuredRun:
         self._add(trajectory.totals)
         return row
 
+    def ask(self) -> None:
+        """Raise GivenUpError where nobody wants the run any more; for those who run more of it themselves."""
+        if self._go_on is not None and not self._go_on():
+            raise GivenUpError
+
     def _asked(self, trajectory: Any) -> Iterator[Block]:
         for block in trajectory.blocks():
-            if self._go_on is not None and not self._go_on():
-                raise GivenUpError
+            self.ask()
             self.t_reached = block.t_reached
             yield block
 

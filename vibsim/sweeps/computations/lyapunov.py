@@ -42,7 +42,8 @@ class Lyapunov:
     def values(self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]) -> dict[str, Any]:
         """The exponents and how well they are known."""
         count = dimension(self._scene) if self._everything else 1
-        known = judged(lyapunov_exponents(self._scene, count, self._begin, run.engine), self._scene.tol)
+        computed = lyapunov_exponents(self._scene, count, self._begin, run.engine, run.ask)
+        known = judged(computed, self._scene.tol)
         if not self._everything:
             return {
                 LARGEST: float(known.exponents[0]),

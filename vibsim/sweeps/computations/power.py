@@ -66,7 +66,7 @@ class Power:
         quiet = replace(self._scene, t_end=t_end, every_num=2 * math.ceil(self._scene.t_end), every_den=1)
         trajectory = open_trajectory(quiet, run.engine, resume=row, ledger=True)
         for _ in trajectory.blocks():
-            pass
+            run.ask()
         return _entries(trajectory.totals)
 
 
