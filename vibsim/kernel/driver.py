@@ -108,9 +108,12 @@ class Driver:
         yield from self.tangent.gather(self.state, end, state)
 
     def _sample_until(self, end, last):
-        """Samples in [now, end), or up to and including the end of the run."""
+        """Samples in [now, end), or up to and including the end of the run.
+
+        They are doubles in every number type: the last one may be the double nearest to the end.
+        """
         t = self.scene.sample_time(self.next_sample)
-        while t < end or (last and t <= end):
+        while t < end or (last and t <= float(end)):
             self.samples.append((self.flow.state_at(t), self.mode))
             self.next_sample += 1
             t = self.scene.sample_time(self.next_sample)

@@ -133,5 +133,4 @@ def open_truth(exact_scene: Callable[..., Scene], digits: int) -> TruthTrajector
     """
     kit = number_kit(digits)
     scene = exact_scene(kit.number, kit.pi)
-    last = kit.rounded([scene.t_end])[0]  # the instant at which runs in doubles end
-    return TruthTrajectory(replace(scene, t_end=kit.number(last)), kit, flow_method(scene))
+    return TruthTrajectory(replace(scene, t_end=kit.exact(scene.t_end)), kit, flow_method(scene))
