@@ -39,7 +39,7 @@ def judge_all(
             found = analyse(result, window, left_out, what, exponent)
         except ValueError as error:
             raise click.UsageError(f"{source}: {error}") from error
-        _print(source, result, found, settings)
+        _print(source, changes, result, found, settings)
 
 
 def _transient(text: str | None):
@@ -66,9 +66,17 @@ def _opened(source: str, changes: dict[str, str]):
     return open_result(source)
 
 
-def _print(source: str, result: Result, found: Analysis, settings: Settings) -> None:
+def _print(source: str, changes: dict[str, str], result: Result, found: Analysis, settings: Settings) -> None:
     if settings.json:
-        print_json({"file": source, **asdict(found)})
+        print_json({"file": source, **({"changes": changes} if changes else {}), **asdict(found)})
     elif not settings.quiet:
         click.echo(heading(result.case.name, result.case.title))
-        print_lines(analysis_lines(source, result, found, settings.verbose))
+        print_lines(analysis_lines(_judged(source, changes), result, found, settings.verbose))
+
+
+def _judged(source: str, changes: dict[str, str]) -> str:
+    """What was judged, in words: a file, a case, or what came of either with changes."""
+    if not changes:
+        return source
+    changed = ", ".join(f"{key}={value}" for key, value in changes.items())
+    return f"{source} run with {changed}, not saved"

@@ -3,7 +3,7 @@
 import click
 
 from vibsim.command_line.examples import examples
-from vibsim.command_line.parameters import CASE, FILE, set_option
+from vibsim.command_line.parameters import CASE, FILE, FiniteRange, set_option
 
 DEFAULT_CASE = "II-B"
 LIMIT = 20.0
@@ -56,7 +56,7 @@ class Methods(click.ParamType):
     "rk4. [default: all]",
 )  # fmt: skip
 @click.option(
-    "--limit", type=click.FloatRange(min=0, min_open=True), default=LIMIT, metavar="SECONDS",
+    "--limit", type=FiniteRange(min=0, min_open=True), default=LIMIT, metavar="SECONDS",
     show_default=True, help="A run is stopped after so long.",
 )  # fmt: skip
 @click.option("--truth", type=FILE, metavar="FILE", help="Take the truth from this bench.")

@@ -54,9 +54,7 @@ def _described(case) -> dict:
 
 def _print_table(cases) -> None:
     rows = [("name", "source", "frequency", "title")]
-    rows += [
-        (case.name, case.source_kind, str(case.frequency() or "-"), case.title) for case in cases
-    ]
+    rows += [(case.name, case.source_kind, str(case.frequency() or "-"), case.title) for case in cases]
     widths = [max(len(row[column]) for row in rows) for column in range(3)]
     for row in rows:
         cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=False)]

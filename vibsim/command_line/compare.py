@@ -5,7 +5,7 @@ from dataclasses import asdict
 import click
 
 from vibsim.command_line.examples import examples
-from vibsim.command_line.parameters import FILE
+from vibsim.command_line.parameters import FILE, FiniteRange
 
 
 @click.command(
@@ -23,7 +23,7 @@ from vibsim.command_line.parameters import FILE
 @click.argument("b", metavar="B", type=FILE)
 @click.option(
     "--tolerance",
-    type=click.FloatRange(min=0),
+    type=FiniteRange(min=0),
     metavar="M",
     help="Displacements agree within it [m]. [default: trust tolerance of the cases]",
 )

@@ -42,9 +42,25 @@ def command(ctx, file, output, events, window, force):
     result = open_result(file)
     if result.attrs["vibsim_kind"] != "trajectory":
         raise ResultFileError(f"{file}: holds no trajectory")
+    _check(result, window, file, events)
     if suffix == ".mat":
         write_mat(result, output, window, force)
     else:
         write_csv(result, output, window, force, events)
     if not ctx.obj.quiet:
         click.echo(f"{output} written", err=True)
+
+
+def _check(result, window, file, events):
+    """Usage error for a window with nothing of the run in it; beside samples, events may be missing."""
+    from vibsim.results.windows import rows_within
+
+    time = result.column("time")
+    times = [time, result.event_column("t")] if events else [time]
+    within = [rows_within(column, window) for column in times]
+    if all(rows.start == rows.stop for rows in within):
+        last = float(time[-1]) if len(time) else 0.0
+        shown = ":".join(f"{end:g}" for end in window)
+        raise click.UsageError(
+            f"--window {shown}: nothing of {file} lies in it; its samples end at {last:g} s"
+        )

@@ -1,5 +1,7 @@
 """Kinds of command-line values that several commands share."""
 
+from math import isfinite
+
 import click
 from click.shell_completion import CompletionItem
 
@@ -41,6 +43,16 @@ class Assignment(click.ParamType):
         if not key.strip() or not equals:
             self.fail(f"{value!r} is not KEY=VALUE, such as excitation.Omega0='6.5 Hz'", param, ctx)
         return key.strip(), text.strip()
+
+
+class FiniteRange(click.FloatRange):
+    """A number in a range; nan, which no comparison keeps out, and inf are none."""
+
+    def convert(self, value, param, ctx):
+        number = super().convert(value, param, ctx)
+        if not isfinite(number):
+            self.fail(f"{value} is no finite number", param, ctx)
+        return number
 
 
 class Window(click.ParamType):

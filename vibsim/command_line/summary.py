@@ -12,6 +12,7 @@ from vibsim.physics.scene import Scene
 from vibsim.results import Result
 
 PREFIXES = ((1.0, "m"), (1e-3, "mm"), (1e-6, "um"), (1e-9, "nm"))
+DURATIONS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns"))
 SIZES = ((1e9, "GB"), (1e6, "MB"), (1e3, "kB"))
 LABEL_WIDTH = 16
 NO_JSON = ("case_yaml", "lyapunov_growth")  # as long as a file of its own
@@ -27,7 +28,7 @@ def case_lines(scene: Scene) -> list[tuple[str, str]]:
     every = seconds(scene.every_num / scene.every_den)
     return [
         ("source", source_text(scene)),
-        ("span", f"{seconds(scene.t_end)}, a sample every {every}: {scene.sample_count} samples"),
+        ("span", f"{seconds(scene.t_end)}, a sample every {every}: {counted(scene.sample_count, 'sample')}"),
     ]
 
 
@@ -187,14 +188,15 @@ def counted(number: int, word: str) -> str:
 
 
 def metres(x: float) -> str:
-    """A length to four digits with the prefix that suits it."""
+    """A length to four digits with the prefix that suits it; 0 has no sign."""
     factor, unit = next(((f, u) for f, u in PREFIXES if abs(x) >= f), PREFIXES[-1]) if x else PREFIXES[0]
-    return f"{x / factor:.4g} {unit}"
+    return f"{x / factor + 0.0:.4g} {unit}"
 
 
 def seconds(t: float) -> str:
-    """A duration, below a second in ms."""
-    return f"{t:g} s" if t >= 1 or t == 0 else f"{1000 * t:g} ms"
+    """A duration with the prefix that suits it: s, ms, us or ns, and below that s again."""
+    factor, unit = next(((f, u) for f, u in DURATIONS if t >= f), (1.0, "s"))
+    return f"{t / factor:g} {unit}"
 
 
 def size(path: str | Path) -> str:

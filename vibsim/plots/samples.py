@@ -10,10 +10,12 @@ import numpy as np
 
 from vibsim.plots.envelope import Envelope
 from vibsim.plots.errors import PlotError
+from vibsim.plots.natural_frequencies import shortest_period
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span
 
 BLOCK = 1 << 18  # rows: 2 MB per column
+SHORTEST = 10  # windows without samples to the shortest period, at most
 POINTS_PER_COLUMN = 4  # what an envelope keeps; a series shorter than that is drawn as it is
 
 Series = tuple[np.ndarray, np.ndarray]
@@ -36,7 +38,16 @@ def window_of(subject: Subject, wanted: Span | None) -> Span:
     if not window[0] < window[1]:
         covered = f"{subject.path}, which covers {first:g} to {last:g} s"
         raise PlotError(f"window {wanted[0]:g}:{wanted[1]:g} lies outside {covered}")
+    _check_length(subject, window)
     return window
+
+
+def _check_length(subject: Subject, window: Span) -> None:
+    """PlotError for a window of fewer than two samples in which hardly anything moves: an empty picture."""
+    within, period = rows(subject.result, window), shortest_period(subject.scene)
+    if within.stop - within.start < 2 and (period is None or window[1] - window[0] < period / SHORTEST):
+        shown = f"{window[0]:.9g}:{window[1]:.9g}"
+        raise PlotError(f"window {shown} is too short: {subject.path} has nothing to draw in it")
 
 
 def shown(subject: Subject, wanted: Span | None, fallback: Callable[[Subject, Span], Span]) -> Span:

@@ -73,9 +73,7 @@ def paper_document(numbers: Numbers, pictures: Sequence[Picture], audit: Mapping
     return Document("The paper, reproduced and audited", f"{PAPER} {SUBTITLE}", sections, provenance)
 
 
-def _judged(
-    numbers: Numbers, pictures: Sequence[Picture], audit: Mapping[str, Picture]
-) -> list[Judged]:
+def _judged(numbers: Numbers, pictures: Sequence[Picture], audit: Mapping[str, Picture]) -> list[Judged]:
     """Every claim with its finding and what shows it; a picture stands with the first claim it decides."""
     headings = {picture.path.stem: picture.heading for picture in (*pictures, *audit.values())}
     shown: set[str] = set()
