@@ -29,6 +29,10 @@ def regime(verdict="periodic", period=1, end=300.0):
     }
 
 
+def nearby(law, c, hz, kind, later):
+    return {"law": law, "c": c, "hz": hz, "regime": kind, "period": None, "later": later}
+
+
 def cycles(verdict="every cycle", counts=None):
     return {
         "verdict": verdict,
@@ -130,8 +134,8 @@ def numbers():
         "without_stop": {name: without_stop(name) for name in (*IDEAL, *EQUAL, *MOTORS)},
         "nearby": [
             {"law": "Table 1", "c": 0.001, "hz": 3.5, "regime": "periodic", "period": 5},
-            {"law": "Table 1", "c": 0.001, "hz": 3.8, "regime": "chaotic", "period": None},
-            {"law": "Eq. (2.11)", "c": 0.0, "hz": 6.3, "regime": "quasi-periodic", "period": None},
+            nearby("Table 1", 0.001, 3.8, "chaotic", {"regime": "chaotic", "period": None}),
+            nearby("Eq. (2.11)", 0.0, 6.3, "quasi-periodic", {"regime": "periodic", "period": 10}),
         ],
         "search": {
             "alone": [

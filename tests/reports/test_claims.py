@@ -181,6 +181,9 @@ def test_missing_regimes_are_placed():
     remark = findings(numbers())["three-regimes"].remark
     assert "chaotic motion: with the amplitude by Table 1 and c = 0.001 N s/m at 3.8 Hz" in remark
     assert "quasi-periodic motion: with the amplitude by Eq. (2.11) and c = 0 N s/m at 6.3 Hz" in remark
+    assert "6.3 Hz (followed to 3000 s: 6.3 Hz periodic with period 10)" in remark
+    assert "None of those that were followed lasts" in remark
+    assert "at 3.8 Hz (followed to 3000 s: 3.8 Hz chaotic)." in remark
     assert "All three strike from rest." in remark
 
 

@@ -19,7 +19,7 @@ from vibsim.reports.measurements import (
 )
 from vibsim.reports.paper_numbers import changes_of, least_hold, measure_facts
 from vibsim.reports.paper_runs import PAPER_RUNS
-from vibsim.reports.regimes_nearby import LAWS, at_point
+from vibsim.reports.regimes_nearby import LAWS, at_point, followed
 from vibsim.reports.without_stop import measure_without_stop
 
 TIME = np.linspace(0, 300, 6001)
@@ -146,6 +146,13 @@ def test_neighbours_follow_the_law_of_the_amplitude():
     assert table.number("A") == pytest.approx(0.11404, abs=1e-5)
     assert equation.number("A") == pytest.approx(3.941, abs=1e-3)
     assert table.number("coupling.c") == 0.0
+
+
+def test_the_first_irregular_neighbours_are_followed():
+    """Two of each regime, law and damping: 300 s can be a transient."""
+    kinds = ["chaotic", "periodic", "chaotic", "chaotic", "quasi-periodic"]
+    rows = [{"law": "Table 1", "c": 0.0, "regime": kind} for kind in kinds]
+    assert followed([*rows, {"law": "Eq. (2.11)", "c": 0.0, "regime": "chaotic"}]) == [0, 2, 4, 5]
 
 
 def test_starts_are_on_both_sides_of_rest():

@@ -10,7 +10,7 @@ from vibsim.reports.claim import FAILS, HOLDS, OPEN, OURS, Claim, Finding, Numbe
 from vibsim.reports.evidence import MOST, count_of, how_many, members, mostly
 from vibsim.reports.paper_runs import EQUAL_FORCE, MOTORS, PRINTED
 from vibsim.reports.quotes import said
-from vibsim.reports.regimes_nearby import DAMPINGS, LAWS, counts_by_regime, frequencies_of
+from vibsim.reports.regimes_nearby import DAMPINGS, IRREGULAR, LAWS, counts_by_regime, rows_of
 from vibsim.reports.wording import of_all, words_of
 
 NAMED = ("periodic", "quasi-periodic", "chaotic")
@@ -100,17 +100,20 @@ def _neighbours(rows: Sequence[Numbers], law: str, c: float) -> str:
     counts = counts_by_regime(rows, law, c)
     words = ", ".join(f"{count} {regime}" for regime, count in counts.items())
     where = [
-        f"{regime} at {_listed(frequencies_of(rows, regime, law, c))}"
-        for regime in ("quasi-periodic", "chaotic")
+        f"{regime} at {_listed(rows_of(rows, regime, law, c))}"
+        for regime in IRREGULAR
         if regime in counts
     ]
     of = f"amplitude by {law}, c = {c:g} N s/m, {sum(counts.values())} frequencies from 3 to 7 Hz: {words}"
     return "; ".join([of, *where])
 
 
-def _listed(frequencies: Sequence[float]) -> str:
-    few = [f"{each:g}" for each in frequencies[:6]]
-    return ", ".join(few) + (" Hz and more" if len(frequencies) > len(few) else " Hz")
+def _listed(rows: Sequence[Numbers]) -> str:
+    """Frequencies, and what becomes of the first ones when they are followed."""
+    few = [f"{row['hz']:g}" for row in rows[:6]]
+    later = [f"{row['hz']:g} Hz {_kind(row['later'])}" for row in rows if "later" in row]
+    longer = f" (followed to 3000 s: {words_of(later)})" if later else ""
+    return ", ".join(few) + (" Hz and more" if len(rows) > len(few) else " Hz") + longer
 
 
 def three_regimes(numbers: Numbers) -> Finding:
@@ -145,25 +148,28 @@ def _regimes_of(numbers: Numbers, name: str) -> set[str]:
 def _regime_line(numbers: Numbers, name: str) -> str:
     run, later = (numbers[which][name]["regime"] for which in ("runs", "long_runs"))
     kinds = Counter(_kind(each) for each in members(numbers, name) if "regime" in each).most_common(4)
-    starts = ", ".join(f"{kind} {count}" for kind, count in kinds)
+    starts = ", ".join(f"{count} {kind}" for kind, count in kinds)
     return f"{name}: {_kind(run)}, followed to 3000 s {_kind(later)}; perturbed starts: {starts}"
 
 
 def _kind(regime: Numbers) -> str:
     verdict = regime.get("verdict") or regime.get("regime")
     period = regime["period"]
-    toward = " towards" if verdict == "transient" else ""
-    return f"{verdict}{toward} period {period}" if period else str(verdict)
+    toward = "towards" if verdict == "transient" else "with"
+    return f"{verdict} {toward} period {period}" if period else str(verdict)
 
 
 def _where_found(rows: Sequence[Numbers], regime: str) -> str:
     places = [
-        f"with the amplitude by {law} and c = {c:g} N s/m at {_listed(frequencies_of(rows, regime, law, c))}"
+        f"with the amplitude by {law} and c = {c:g} N s/m at {_listed(rows_of(rows, regime, law, c))}"
         for law in LAWS
         for c in DAMPINGS
-        if frequencies_of(rows, regime, law, c)
+        if rows_of(rows, regime, law, c)
     ]
-    return f"Nearest {regime} motion: {'; '.join(places) or 'none found'}."
+    found = [row for row in rows if row["regime"] == regime and "later" in row]
+    lasts = any(row["later"]["regime"] == regime for row in found)
+    passing = " None of those that were followed lasts." if found and not lasts else ""
+    return f"Nearest {regime} motion: {'; '.join(places) or 'none found'}.{passing}"
 
 
 def more_regular(numbers: Numbers) -> Finding:

@@ -18,7 +18,7 @@ from vibsim.reports.numbers_file import NumbersFile
 from vibsim.reports.outcomes import Advance, run_all
 from vibsim.reports.paper_runs import EQUAL_FORCE, MOTORS, PRINTED, READINGS
 from vibsim.reports.parameter_search import ALONE, TOGETHER, search_alone, search_together
-from vibsim.reports.regimes_nearby import DAMPINGS, FREQUENCIES, LAWS, measure_nearby
+from vibsim.reports.regimes_nearby import DAMPINGS, FOLLOWED, FREQUENCIES, LAWS, LONGER, measure_nearby
 from vibsim.reports.solver_hypothesis import SOLVERS, measure_solvers
 from vibsim.reports.without_stop import measure_without_stop
 from vibsim.results import Result, simulate
@@ -54,7 +54,7 @@ def measure_paper(results: Mapping[str, Result], file: NumbersFile, tell: Tell) 
     shown = [case for name, case in cases.items() if name not in READINGS]
     file.section("without_stop", prints, lambda: measure_without_stop(shown, told("taking the stop away")))
     ideal, m3e = cases[PRINTED[1]], unbalance(cases)
-    beside = [ideal.sha256, m3e, FREQUENCIES, DAMPINGS, LAWS]
+    beside = [ideal.sha256, m3e, FREQUENCIES, DAMPINGS, LAWS, FOLLOWED, LONGER]
     file.section("nearby", beside, lambda: measure_nearby(ideal, m3e, told("looking beside")))
     file.section("alone", [keys, ALONE], lambda: search_alone(motors, told("varying one parameter")))
     file.section(
