@@ -55,26 +55,34 @@ def test_some_of_too_many_curves(tmp_path):
     axes = {"Omega0": "3, 4 Hz", "c": "0.01:0.13/13"}
     sweep(case, axes, out=tmp_path / "many.h5", compute=["power"])
     panels = draw("power", str(tmp_path / "many.h5"), "page").axes
-    names = [next(text.get_text() for text in axes.texts if text.get_gid() == "curve") for axes in panels]
-    assert (len(names), names[0], names[-1]) == (12, "c = 0.01 N s/m", "c = 0.13 N s/m")
-    assert panels[1].get_title(loc="right") == "12 of 13 curves"
+    names = [axes.get_title(loc="left") for axes in panels]
+    assert (len(names), names[0], names[-1]) == (12, "$c$ = 0.01 N s/m", "$c$ = 0.13 N s/m")
+    assert panels[2].get_title(loc="right").strip() == "12 of 13 curves"
+    assert not any(text.get_bbox_patch() for axes in panels for text in axes.texts)  # nothing over the data
+    column = draw("power", str(tmp_path / "many.h5"))
+    assert column.get_figheight() * 2.54 <= 24 and len(column.axes) == 4
 
 
 @pytest.mark.parametrize("kind", ["lyapunov", "orbit"])
 def test_exponents_with_their_intervals(path, kind):
     result = open_subject(path).result
     figure = draw(kind, path)
-    axes = figure.axes[-1]
-    lines = [line for line in axes.get_lines() if line.get_gid() == "exponent"]
-    for j, line in enumerate(lines):
+    panels = figure.axes[2::3] if kind == "orbit" else figure.axes
+    assert len(figure.axes) == (6 if kind == "orbit" else 2)
+    for j, axes in enumerate(panels):
+        (line,) = [line for line in axes.get_lines() if line.get_gid() == "exponent"]
         np.testing.assert_array_equal(line.get_xdata(), result["omega0"])
         np.testing.assert_array_equal(line.get_ydata(), result["lyapunov"][:, j, 0])
-    bars = [bar for bar in axes.collections if bar.get_gid() == "interval"]
-    ends = np.array([segment[:, 1] for segment in bars[1].get_segments()])
-    np.testing.assert_allclose(ends.mean(axis=1), result["lyapunov"][:, 1, 0])
-    np.testing.assert_allclose(np.diff(ends)[:, 0] / 2, result["lyapunov_half_width"][:, 1, 0])
-    further = [line for line in axes.get_lines() if line.get_gid() == "further exponent"]
-    np.testing.assert_array_equal(further[0].get_ydata(), result["lyapunov_spectrum"][:, 0, 0, 1])
-    assert len(further) == 2 * (result["lyapunov_spectrum"].shape[-1] - 1)
-    assert axes.get_ylabel().endswith("(1/s)")
-    assert len(figure.axes) == (3 if kind == "orbit" else 1)
+        (bars,) = [bar for bar in axes.collections if bar.get_gid() == "interval"]
+        ends = np.array([segment[:, 1] for segment in bars.get_segments()])
+        np.testing.assert_allclose(ends.mean(axis=1), result["lyapunov"][:, j, 0])
+        np.testing.assert_allclose(np.diff(ends)[:, 0] / 2, result["lyapunov_half_width"][:, j, 0])
+        further = [line for line in axes.get_lines() if line.get_gid() == "further exponent"]
+        for i, other in enumerate(further):
+            np.testing.assert_array_equal(other.get_ydata(), result["lyapunov_spectrum"][:, j, 0, i + 1])
+        assert len(further) == result["lyapunov_spectrum"].shape[-1] - 1
+        looks = {(other.get_color(), other.get_marker()) for other in (line, *further)}
+        assert len(looks) == len(further) + 1  # told apart
+        assert axes.get_ylabel().endswith("(1/s)")
+    names = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert names[:2] == [r"$\lambda_1$", r"$\lambda_{2}$"] and len(names) == len(further) + 1

@@ -123,7 +123,7 @@ def test_up_and_down_of_several_have_panels_of_their_own(paths, width):
     result = open_subject(paths["family"]).result
     figure = kind_named("sommerfeld").draw([open_subject(paths["family"])], View(width=width))
     assert [axes.get_title(loc="left") for axes in figure.axes] == [
-        "c = 0.01 N s/m", "c = 0.02 N s/m", "c = 0.03 N s/m",
+        "$c$ = 0.01 N s/m", "$c$ = 0.02 N s/m", "$c$ = 0.03 N s/m",
     ]  # fmt: skip
     for i, axes in enumerate(figure.axes):
         for d, line in enumerate(lines(axes, "mean")):
@@ -135,7 +135,7 @@ def test_up_and_down_of_several_have_panels_of_their_own(paths, width):
 def test_a_grid_has_a_curve_per_other_value(paths):
     result = open_subject(paths["grid"]).result
     means = lines(drawn("sommerfeld", paths["grid"]).axes[0], "mean")
-    assert [line.get_label() for line in means][:2] == ["c = 0.01 N s/m", "c = 0.02 N s/m"]
+    assert [line.get_label() for line in means][:2] == ["$c$ = 0.01 N s/m", "$c$ = 0.02 N s/m"]
     for i, line in enumerate(means):
         np.testing.assert_array_equal(line.get_ydata(), result["mean_speed"][i, :, 0])
 

@@ -9,11 +9,19 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vibsim.plots.frequency_marks import mark_frequencies
-from vibsim.plots.quantities import scale_for
-from vibsim.plots.sheet import sheet
+from vibsim.plots.quantities import Scale, scale_for
+from vibsim.plots.sheet import letter_panels, note, sheet
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_axes import SPEEDS, along, axis_label
-from vibsim.plots.sweep_curves import Curve, curves, frequencies, limit, name_curves
+from vibsim.plots.sweep_curves import (
+    Curve,
+    curves,
+    draw_bands,
+    ensemble_note,
+    frequencies,
+    limit,
+    name_curves,
+)
 from vibsim.plots.view import View
 
 PANEL_CM = 3.1
@@ -27,23 +35,36 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     names = [name for name in NAMES if any(f"amplitude_{name}" in subject.result for subject in subjects)]
     figure = sheet(view, 2.4 + PANEL_CM * len(names))
     panels = figure.subplots(len(names), 1, squeeze=False, sharex=True)[:, 0]
+    scale = _common_scale(drawn, names)
     for axes, name in zip(panels, names, strict=True):
-        _panel(axes, [curve for curve in drawn if f"amplitude_{name}" in curve.subject.result], name)
+        _panel(axes, [curve for curve in drawn if f"amplitude_{name}" in curve.subject.result], name, scale)
     limit(panels[0], drawn, view)
+    remark = ensemble_note(drawn) or ("band: up to the greatest" if len(drawn) <= BANDS_UP_TO else "")
+    note(panels[0], remark)
     if all(subject.result.axes[along(subject.result)].key in SPEEDS for subject in subjects):
         mark_frequencies(list(panels), frequencies(subjects), (view.width_cm - 1.6) * 28)
     figure.supylabel("Amplitude", fontsize=8)
     panels[-1].set_xlabel(axis_label(subjects))
-    name_curves(figure, panels[0])
+    name_curves(figure, list(panels), drawn)
+    letter_panels(list(panels))
     return figure
 
 
-def _panel(axes: Axes, drawn: Sequence[Curve], name: str) -> None:
+def _common_scale(drawn: Sequence[Curve], names: Sequence[str]) -> Scale:
+    """One unit for all panels."""
+    ends = "_max" if len(drawn) <= BANDS_UP_TO else ""
+    return scale_for("m", *(
+        curve.every(f"amplitude_{name}{ends}")
+        for curve in drawn for name in names if f"amplitude_{name}" in curve.subject.result
+    ))  # fmt: skip
+
+
+def _panel(axes: Axes, drawn: Sequence[Curve], name: str, scale: Scale) -> None:
     means = [curve.values(f"amplitude_{name}") for curve in drawn]
-    greatest = [curve.values(f"amplitude_{name}_max") for curve in drawn]
-    scale = scale_for("m", *(greatest if len(drawn) <= BANDS_UP_TO else means))
-    for curve, mean, most in zip(drawn, means, greatest, strict=True):
-        if len(drawn) <= BANDS_UP_TO:
+    for curve, mean in zip(drawn, means, strict=True):
+        draw_bands(axes, curve, f"amplitude_{name}", scale)
+        if len(drawn) <= BANDS_UP_TO and curve.members is None and curve.joined:
+            most = curve.values(f"amplitude_{name}_max")
             axes.fill_between(
                 curve.x, scale(mean), scale(most), color=curve.colour, alpha=0.2, linewidth=0, gid="band"
             )

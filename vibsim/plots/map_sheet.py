@@ -6,10 +6,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from vibsim.plots.frequency_marks import mark_frequencies
-from vibsim.plots.sheet import note, sheet
+from vibsim.plots.sheet import letter_panels, note, sheet
 from vibsim.plots.sweep_axes import SPEEDS, shown
 from vibsim.plots.sweep_curves import DIRECTION_NAMES, frequencies
-from vibsim.plots.sweep_panels import finish, in_columns
+from vibsim.plots.sweep_panels import PAGE_CM, finish, in_columns
 from vibsim.plots.sweep_plane import Plane, missing_note
 from vibsim.plots.view import View
 
@@ -23,7 +23,7 @@ def map_sheet(plane: Plane, each: int, view: View) -> tuple[Figure, np.ndarray]:
     count = each * len(ways)
     columns = in_columns(count, view)
     rows = -(-count // columns)
-    figure = sheet(view, PANEL_CM * rows + NAMES_CM)
+    figure = sheet(view, min(PANEL_CM, (PAGE_CM - NAMES_CM) / rows) * rows + NAMES_CM)
     grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
     x, y = plane.edges()
     grid[0, 0].set(xlim=shown(x[0], x[-1], view), ylim=(y[0], y[-1]))
@@ -36,4 +36,5 @@ def map_sheet(plane: Plane, each: int, view: View) -> tuple[Figure, np.ndarray]:
         for column in range(columns):
             width_pt = (view.width_cm / columns - 2.5) * 28
             mark_frequencies(list(panels[column::columns]), frequencies([plane.subject]), width_pt)
+    letter_panels(list(panels))
     return figure, panels

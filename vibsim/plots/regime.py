@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from vibsim.plots.map_sheet import map_sheet
-from vibsim.plots.style import BLACK, BLUE, GREEN, ORANGE, PINK, SKY, VERMILLION, YELLOW
+from vibsim.plots.style import BLUE, GREEN, ORANGE, PINK, SKY, VERMILLION, YELLOW
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_plane import plane_of
 from vibsim.plots.verdict_colours import Shade, lay_classes, legend_of
@@ -17,9 +17,9 @@ from vibsim.sweeps.computations.regime_label import VERDICTS
 
 PERIODS = 4  # told apart; longer ones share a colour
 SHADES = [
-    Shade("period 1", "0.87"), Shade("period 2", SKY), Shade("period 3", BLUE), Shade("period 4", GREEN),
+    Shade("period 1", BLUE), Shade("period 2", SKY), Shade("period 3", GREEN), Shade("period 4", YELLOW),
     Shade("longer period", PINK), Shade("quasi-periodic", ORANGE), Shade("chaotic", VERMILLION),
-    Shade("transient", BLACK), Shade("undecided", YELLOW),
+    Shade("transient", "0.78"), Shade("undecided", "0.92"),
 ]  # fmt: skip
 CLASSES = {shade.name: code for code, shade in enumerate(SHADES)}
 

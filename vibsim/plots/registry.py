@@ -98,7 +98,7 @@ NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
     "excitation": ("a periodic source", lambda subject: _is_periodic(subject.scene)),
     "Omega0": (
         "a sweep over Omega0",
-        lambda subject: any(axis.key == "excitation.Omega0" for axis in subject.result.axes),
+        lambda subject: _is_along_speed(subject),
     ),
     "map": (
         "two ranges without an ensemble (sweep with --param KEY=RANGE)",
@@ -127,6 +127,13 @@ DEFAULTS = {
     "sweep": ("sommerfeld",),
     "bench": ("work-precision",),
 }
+
+
+def _is_along_speed(subject: Subject) -> bool:
+    """Whether the sweep is drawn along the motor constant."""
+    from vibsim.plots.sweep_axes import along
+
+    return subject.result.axes[along(subject.result)].key == "excitation.Omega0"
 
 
 def _is_periodic(scene: Any) -> bool:

@@ -90,6 +90,9 @@ def note(axes: Axes, text: str, above: int = 0) -> None:
         parts = text.split("; ")
         cut = min(range(1, len(parts)), key=lambda i: max(len("; ".join(p)) for p in (parts[:i], parts[i:])))
         text = "\n".join("; ".join(part) for part in (parts[:cut], parts[cut:]))
+    beside = axes.get_title(loc="left")
+    if beside and len(beside) + max(map(len, text.split("\n"))) > _width(axes) * CHARACTERS_PER_INCH:
+        text += "\n "  # a line higher than the title
     axes.set_title(text, loc="right", fontsize=7, color=GREY, pad=3 + above * NOTE_LINE_PT)
 
 

@@ -9,17 +9,26 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vibsim.plots.margin_labels import Level, draw_levels
-from vibsim.plots.sheet import note, sheet
+from vibsim.plots.sheet import letter_panels, note, sheet
 from vibsim.plots.style import GREY, ORANGE
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_axes import axis_label
-from vibsim.plots.sweep_curves import Curve, alone, curves, families, frequencies, limit, name_curves
-from vibsim.plots.sweep_panels import finish, in_columns
+from vibsim.plots.sweep_curves import (
+    Curve,
+    alone,
+    curves,
+    draw_bands,
+    ensemble_note,
+    families,
+    frequencies,
+    limit,
+    name_curves,
+)
+from vibsim.plots.sweep_panels import PAGE_CM, finish, in_columns, spread_over
 from vibsim.plots.view import View
 
 HEIGHT_CM = 7.0
 PANEL_CM = 4.8
-PANELS_UP_TO = 8  # families of up and down; more are laid over each other
 DASHED = (0, (4, 2))
 SPEED = r"Steady motor speed $\langle\dot\varphi\rangle/2\pi$ (Hz)"
 SHORT = r"Steady speed $\langle\dot\varphi\rangle/2\pi$ (Hz)"  # beside a low panel
@@ -34,8 +43,11 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     """
     drawn = curves(subjects)
     groups = [drawn]
-    if len(subjects) == 1 and subjects[0].result.plan.carry and len(families(drawn)) <= PANELS_UP_TO:
-        groups = [[alone(curve) for curve in group] for group in families(drawn)]
+    omitted = ""
+    if len(subjects) == 1 and subjects[0].result.plan.carry:
+        every = [[alone(curve) for curve in group] for group in families(drawn)]
+        groups = spread_over(every, in_columns(len(every), view) * int((PAGE_CM - 1.6) / PANEL_CM))
+        omitted = f"{len(groups)} of {len(every)} values" if len(groups) < len(every) else ""
     columns = in_columns(len(groups), view)
     rows = -(-len(groups) // columns)
     height_cm = HEIGHT_CM if len(groups) == 1 else PANEL_CM * rows + 1.6
@@ -52,7 +64,13 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
         last = (i + 1) % columns == 0 or i + 1 == len(groups)
         draw_levels(axes, levels, (height_cm - 1.6) / rows * 28, named=last)
     finish(grid, len(groups), axis_label(subjects), SPEED if len(groups) == 1 else SHORT)
-    name_curves(figure, grid[0, 0])
+    panels = list(grid.ravel()[: len(groups)])
+    remarks = [panels[0].get_title(loc="right") if len(panels) == 1 else "", omitted, ensemble_note(drawn)]
+    note(panels[columns - 1], "; ".join(filter(None, remarks)))
+    name_curves(
+        figure, panels, [curve for group in groups for curve in group] if len(groups) == 1 else groups[0]
+    )
+    letter_panels(panels)
     return figure
 
 
@@ -68,6 +86,7 @@ def _panel(axes: Axes, drawn: Sequence[Curve], titled: bool) -> None:
         )  # fmt: skip
         note(axes, "band: least to greatest")
     for curve in drawn:
+        draw_bands(axes, curve, "mean_speed", np.asarray)
         axes.plot(curve.x, curve.values("mean_speed"), label=curve.label, gid="mean", zorder=3, **curve.look)
     if len(drawn) == 2 and drawn[0].family == drawn[1].family:
         up, down = (curve.values("mean_speed") for curve in drawn)
@@ -79,7 +98,7 @@ def _panel(axes: Axes, drawn: Sequence[Curve], titled: bool) -> None:
 
 
 def _is_banded(drawn: Sequence[Curve]) -> bool:
-    return len(drawn) == 1
+    return len(drawn) == 1 and drawn[0].members is None
 
 
 def _limits(drawn: Sequence[Curve], span: np.ndarray, banded: bool) -> tuple[float, float]:

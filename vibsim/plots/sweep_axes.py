@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from vibsim.cases.units import UNITS
 from vibsim.plots.errors import PlotError
+from vibsim.plots.quantities import rounded
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span, View
 
@@ -32,8 +34,17 @@ WORDS = {
 
 
 def along(result: Any) -> int:
-    """Position of the axis that a sweep is drawn along: that of the source's speed, or the first."""
-    return next((i for i, axis in enumerate(result.axes) if axis.key in SPEEDS), 0)
+    """Position of the axis that a sweep is drawn along.
+
+    That of the source's speed, or the first; one with several values before one with a single value, an
+    ensemble only where there is no other.
+    """
+
+    def rank(i: int) -> tuple[bool, bool, bool]:
+        axis = result.axes[i]
+        return axis is result.members, len(axis) == 1, axis.key not in SPEEDS
+
+    return min(range(len(result.axes)), key=rank)
 
 
 def label_of(axis: Any) -> str:
@@ -44,11 +55,31 @@ def label_of(axis: Any) -> str:
 
 def axis_label(subjects: Sequence[Subject]) -> str:
     """Label of the axis drawn along; PlotError where the sweeps are along different ones."""
-    axes = [subject.result.axes[along(subject.result)] for subject in subjects]
+    axes = [_drawn_along(subject.result) for subject in subjects]
     if len({axis.key for axis in axes}) > 1:
         listed = ", ".join(f"{s.path} over {axis.key}" for s, axis in zip(subjects, axes, strict=True))
         raise PlotError(f"sweeps over different things do not go into one picture: {listed}")
     return label_of(axes[0])
+
+
+def _drawn_along(result: Any) -> Any:
+    """The axis drawn along; of an ensemble alone, what is spread first."""
+    axis = result.axes[along(result)]
+    return axis.spreads[0] if axis is result.members else axis
+
+
+def positions(result: Any) -> np.ndarray:
+    """Values of the axis drawn along (n), see `numbers`; of an ensemble alone, its first start values."""
+    axis = result.axes[along(result)]
+    return axis.drawn[axis.spreads[0].key] if axis is result.members else numbers(axis)
+
+
+def value_texts(axis: Any) -> list[str]:
+    """Every value of an axis with its symbol and unit, such as `$c$ = 0.0151 N s/m`, in rounded decimals."""
+    unit = "Hz" if axis.key in SPEEDS else axis.unit
+    symbol = re.search(r"\$.*?\$", label_of(axis))
+    name = symbol.group() if symbol else axis.name
+    return [f"{name} = {text} {unit}".strip() for text in rounded(numbers(axis).tolist())]
 
 
 def numbers(axis: Any) -> np.ndarray:

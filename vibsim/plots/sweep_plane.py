@@ -73,6 +73,10 @@ def missing_note(subject: Subject) -> str:
 
 
 def _edges(centres: np.ndarray) -> np.ndarray:
-    """Edges (n + 1) of cells about ascending points (n): half way between, and as far beyond the ends."""
+    """Edges (n + 1) of cells about ascending points (n): half way between, and as far beyond the ends.
+
+    Cells of what is nowhere negative begin at 0 at the least: no damping below none.
+    """
     middle = (centres[:-1] + centres[1:]) / 2
-    return np.concatenate([[2 * centres[0] - middle[0]], middle, [2 * centres[-1] - middle[-1]]])
+    first, last = 2 * centres[0] - middle[0], 2 * centres[-1] - middle[-1]
+    return np.concatenate([[max(first, 0.0) if centres[0] >= 0 else first], middle, [last]])

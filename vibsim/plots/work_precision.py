@@ -17,7 +17,7 @@ from vibsim.benchmark.scoring import FAITHFUL
 from vibsim.benchmark.verdicts import error_at, faster, most_accurate
 from vibsim.plots.curve_labels import Named, write_names
 from vibsim.plots.errors import PlotError
-from vibsim.plots.sheet import note, sheet
+from vibsim.plots.sheet import letter_panels, note, sheet
 from vibsim.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, PINK, SKY, VERMILLION
 from vibsim.plots.subject import Subject
 from vibsim.plots.user_text import as_text
@@ -77,6 +77,7 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     note(axes, f"{as_text(bench.attrs['case_name'])}; dashed: events not located")
     note(beside, f"error within {FAITHFUL * 1e3:g} mm")
     _draw_faithful(beside, drawn, float(bench["time"][-1]))
+    letter_panels([axes, beside])
     write_names(axes, [*_leads(axes, bench, drawn), *_names(drawn)])
     return figure
 

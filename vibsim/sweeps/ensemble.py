@@ -59,6 +59,12 @@ def summary(values: np.ndarray, dimension: int) -> Summary:
     )
 
 
+def quantile(values: np.ndarray, dimension: int, q: float) -> np.ndarray:
+    """The q-quantile of `values` along a dimension, linear between members; NaN does not count."""
+    count = (~np.isnan(values)).sum(axis=dimension)
+    return _quantile(np.sort(values, axis=dimension), count, dimension, q)
+
+
 def _along(values: np.ndarray, dimension: int) -> np.ndarray:
     """Sum along a dimension."""
     return total(np.moveaxis(values, dimension, -1))

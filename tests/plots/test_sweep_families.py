@@ -1,0 +1,96 @@
+"""Families of curves: rounded names, a colour bar for many values, panels that do not hide each other."""
+
+import numpy as np
+import pytest
+
+from tests.plots.artists import clipped_texts, letters, lines
+from vibsim.cases import load_case
+from vibsim.plots.capture_map import speed_classes
+from vibsim.plots.registry import fitting, kind_named
+from vibsim.plots.subject import open_subject
+from vibsim.plots.sweep_axes import along, value_texts
+from vibsim.plots.sweep_plane import plane_of
+from vibsim.plots.view import View
+from vibsim.sweeps import sweep
+
+SWEEPS = {
+    "fractions": ({"Omega0": "3, 4 Hz", "c": "0.001:0.1/8"}, {}),
+    "both": ({"Omega0": "3, 4 Hz"}, {"carry_state": True, "direction": "both"}),
+    "families": ({"Omega0": "3, 4 Hz", "c": "0.01:0.09/9"}, {"carry_state": True, "direction": "both"}),
+    "one": ({"Omega0": "5 Hz", "c": "0.01, 0.02, 0.03"}, {}),
+}
+
+
+@pytest.fixture(scope="module")
+def paths(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("families")
+    for name, (axes, settings) in SWEEPS.items():
+        sweep(load_case("II-B", {"run.t_end": "2 s"}), axes, out=folder / f"{name}.h5", **settings)
+    return {name: str(folder / f"{name}.h5") for name in SWEEPS}
+
+
+def draw(kind, path, width="column"):
+    figure = kind_named(kind).draw([open_subject(path)], View(width=width))
+    figure.draw_without_rendering()
+    assert clipped_texts(figure) == []
+    return figure
+
+
+def test_values_are_rounded_decimals(paths):
+    axis = open_subject(paths["fractions"]).result.axes[1]
+    assert value_texts(axis)[:3] == ["$c$ = 0.001 N s/m", "$c$ = 0.0151 N s/m", "$c$ = 0.0293 N s/m"]
+    assert not any("/7000" in text or "/3500" in text for text in value_texts(axis))
+
+
+@pytest.mark.parametrize("kind", ["sommerfeld", "amplitude"])
+def test_many_values_have_a_colour_bar(paths, kind):
+    figure = draw(kind, paths["fractions"])
+    (bar,) = [axes for axes in figure.axes if axes.get_label() == "<colorbar>"]
+    assert bar.get_xlabel() == "Damping $c$ (N s/m)"
+    assert bar.get_xlim() == pytest.approx((0.001, 0.1))
+    assert not figure.legends
+    drawn = lines(figure, "mean" if kind == "sommerfeld" else "x1")
+    assert len({tuple(line.get_color()) for line in drawn}) == 8
+
+
+def test_up_and_down_have_orbits_of_their_own(paths):
+    result = open_subject(paths["both"]).result
+    figure = draw("orbit", paths["both"])
+    up, down = lines(figure, "section_speed")
+    assert up.axes is not down.axes and up.axes.get_ylim() == down.axes.get_ylim()
+    for d, line in enumerate((up, down)):
+        np.testing.assert_array_equal(line.get_ydata(), result["section_speed"][:, d].ravel())
+    assert letters(figure) == ["(a)", "(b)", "(c)", "(d)"]
+    assert up.get_markersize() >= 1.5  # points: few columns have room for dots that are seen
+
+
+@pytest.mark.parametrize("kind", ["sommerfeld", "orbit"])
+def test_no_picture_is_taller_than_a_page(paths, kind):
+    figure = draw(kind, paths["families"])
+    assert figure.get_figheight() * 2.54 < 25
+    assert any(" of " in axes.get_title(loc="right") for axes in figure.axes)
+    titles = [axes.get_title(loc="left") for axes in figure.axes if axes.get_title(loc="left")]
+    assert len(titles) == len(set(titles))
+
+
+def test_a_single_motor_constant_is_not_drawn_along(paths):
+    subject = open_subject(paths["one"])
+    assert subject.result.axes[along(subject.result)].key == "coupling.c"
+    assert "sommerfeld" not in {kind.name for kind in fitting([subject])}
+    (line,) = lines(draw("amplitude", paths["one"]), "x1")
+    np.testing.assert_array_equal(line.get_xdata(), [0.01, 0.02, 0.03])
+
+
+def test_cells_do_not_reach_below_zero(paths):
+    _, up = plane_of(open_subject(paths["fractions"])).edges()
+    assert up[0] == 0.0 and (np.diff(up) > 0).all()
+
+
+def test_classes_of_speeds_share_the_points_and_part_at_gaps():
+    near = np.linspace(3.60, 3.68, 161)
+    edges = speed_classes(np.concatenate([near, [4.9, 5.5]]))
+    counts, _ = np.histogram(near, edges)
+    assert (counts > 0).sum() >= 8 and counts.max() <= 161 / 8 + 4  # on a linear scale: one class
+    assert any(3.7 < edge < 4.9 for edge in edges)
+    assert len(speed_classes(np.array([3.6, 3.6]))) == 2
+    assert len(speed_classes(np.empty(0))) == 2
