@@ -16,7 +16,8 @@ resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))  # no file grows beyon
 if "no-fallocate" in sys.argv:
     del os.posix_fallocate
 from vibsim.command_line.main import main
-sys.argv[1:] = ["run", "II-B", "--every", "1ms", "--t-end", "300s"]
+words = [word for word in sys.argv[2:] if word.startswith("--")]
+sys.argv[1:] = ["run", "II-B", *(words or ["--every=1ms", "--t-end=300s"])]
 main()
 """
 
@@ -52,6 +53,28 @@ def test_no_room_at_all(tmp_path):
     done = run(tmp_path, 100_000)
     assert (done.returncode, done.stderr) == (6, "Error: II-B.h5: disk full\n")
     assert os.listdir(tmp_path) == []
+
+
+def test_a_run_asks_for_about_the_room_that_its_result_needs(tmp_path):
+    """Some 3.5 kB for each of 21 columns, and the rows."""
+    words = ["--t-end=2s"]
+    assert run(tmp_path, 10_000_000, *words).returncode == 0
+    size = os.path.getsize(tmp_path / "II-B.h5")
+    os.remove(tmp_path / "II-B.h5")
+    done = run(tmp_path, int(1.5 * size), *words)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert os.path.getsize(tmp_path / "II-B.h5") < 150_000
+
+
+@pytest.mark.parametrize("limit", [130_000, 200_000, 500_000, 1_000_000, 2_000_000, 2_500_000])
+def test_whatever_room_there_is_the_file_opens(tmp_path, limit):
+    done = run(tmp_path, limit, "--every=1ms", "--t-end=60s")
+    assert done.returncode == 6 and "disk full" in done.stderr and done.stderr.count("\n") == 1
+    for name in os.listdir(tmp_path):
+        result = vibsim.open_result(tmp_path / name)
+        assert not result.complete
+        assert all(len(result[each]) == len(result) for each in result)
+        assert os.path.getsize(tmp_path / name) <= limit
 
 
 BROKEN_DEVICE = """

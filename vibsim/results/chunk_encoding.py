@@ -17,6 +17,8 @@ ROW = 512  # words that a checksum sums at a time: eight times as fast as word b
 COLUMN = np.arange(ROW, dtype="u8")
 NOISE = 0.94  # noise takes this part of the 256 values or more: 2048 random bytes take 0.9997 of them
 
+LEAST_NOISE = int(NOISE * 256 * SAMPLED)  # values in a chunk, below which none of it can be taken for noise
+
 
 def encoded(values: np.ndarray) -> bytes:
     """Bytes of a whole chunk (1-D array, little endian) after the three filters."""

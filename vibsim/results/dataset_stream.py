@@ -6,13 +6,14 @@ earlier flush made readable stays so. h5py's low-level interface makes twenty co
 """
 
 from collections.abc import Mapping, Sequence
+from math import ceil
 from typing import Any
 
 import numpy as np
 from h5py import h5d, h5ds, h5p, h5s, h5t
 
 from vibsim.results.attributes import write_attrs
-from vibsim.results.chunk_encoding import encoded
+from vibsim.results.chunk_encoding import LEAST_NOISE, encoded
 from vibsim.results.columns import COLUMNS, Column
 
 FILE_TYPES = {"f8": ("<f8", h5t.IEEE_F64LE), "i1": ("i1", h5t.STD_I8LE)}
@@ -41,9 +42,13 @@ class DatasetStream:
         self._parts.append(rows)
         self.waiting += len(next(iter(rows.values())))
 
-    def waiting_bytes(self) -> int:
-        """Size of what waits in memory [bytes]."""
-        return self.waiting * self._row_bytes
+    def waiting_bytes(self, more: int = 0) -> int:
+        """Room on file that the rows in memory, and so many `more`, take at most [bytes].
+
+        Up to some 2000 rows the unused end of a chunk is compressed away; beyond, it may be stored as it is.
+        """
+        rows = self.waiting + more
+        return self._row_bytes * (rows if rows < LEAST_NOISE else self.chunk * ceil(rows / self.chunk))
 
     def write(self, everything: bool = False) -> None:
         """Write the whole chunks that wait; with `everything` (only at the end) the rest as well."""

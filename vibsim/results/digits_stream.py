@@ -39,9 +39,9 @@ class DigitsStream:
         self._parts.append(rows)
         self.waiting += len(next(iter(rows.values())))
 
-    def waiting_bytes(self) -> int:
-        """Size of what waits in memory [bytes]."""
-        return self.waiting * self.width * len(self._datasets)
+    def waiting_bytes(self, more: int = 0) -> int:
+        """Room on file that the rows in memory, and so many `more`, take at most [bytes]."""
+        return (self.waiting + more) * self.width * len(self._datasets)
 
     def write(self, everything: bool = False) -> None:
         """Write the whole batches that wait; with `everything` (only at the end) the rest as well."""

@@ -9,7 +9,6 @@ import os
 import tempfile
 from pathlib import Path
 
-MARGIN = 4 << 20  # bytes kept for what is written besides a batch: indices, attributes, the last rows of all
 DISK_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
 

@@ -5,10 +5,11 @@ what the last flush held) and gets its name when it is whole. Memory does not gr
 """
 
 import errno
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
+from itertools import repeat
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import h5py
 import numpy as np
@@ -16,13 +17,16 @@ import numpy as np
 from vibsim.results.attributes import write_attrs
 from vibsim.results.columns import event_columns
 from vibsim.results.dataset_stream import DatasetStream
-from vibsim.results.disk_space import MARGIN, detach, release, reserve
+from vibsim.results.disk_space import detach, release, reserve
 from vibsim.results.errors import ResultFileError
 from vibsim.results.output_file import check_output, is_locked, partial_path, publish, reason
 
 SAMPLE_CHUNK = 16384  # rows: 128 kB per column, 82 s at 5 ms; a window reads few chunks, a run writes few
 EVENT_CHUNK = 2048
 FLUSH_BYTES = 4 << 20  # flushed at a time, so at most some 5 MB of samples are lost with a killed run
+FOR_COLUMN = 4 << 10  # bytes that a column takes besides its rows: header, attributes, index; 3.5 kB measured
+FOR_INDEX = 2200  # bytes of a node in the index of a column's chunks
+FOR_FILE = 16 << 10  # bytes that the root takes besides long attributes
 
 # 'earliest' keeps the file readable after a kill: the newer formats mark an open file and refuse it later.
 LIBVER = ("earliest", "v110")
@@ -46,28 +50,39 @@ class TrajectoryWriter:
         self.shown = f"{path}.partial"
         self.force = force
         self._unflushed = 0
+        self._reserved = 0  # size [bytes] up to which there is room
+        self._besides = FOR_FILE + _size_of(attrs) + FOR_COLUMN * (len(columns) + len(event_columns(columns)))
+        self.streams: list[Any] = []
         if is_locked(self.partial):  # HDF5 would empty the file before it finds that out
             raise ResultFileError(f"{self.shown}: another run is writing it")
         try:
             self._file = h5py.File(self.partial, "w", libver=LIBVER)
         except OSError as error:
             raise ResultFileError(f"{self.shown}: cannot write: {reason(error)}") from error
-        if not self._reserve(0):
+        if not self._make_room():
             self._file.close()
             self.partial.unlink()
             raise ResultFileError(f"{path}: disk full")
         self.update(attrs)
         self.samples = DatasetStream(self._file.id, columns, SAMPLE_CHUNK)
         self.events = DatasetStream(self._file.create_group("events").id, event_columns(columns), EVENT_CHUNK)
-        self.streams: list[Any] = [self.samples, self.events]
+        self.streams += [self.samples, self.events]
+        self._besides -= (FOR_COLUMN - FOR_INDEX) * (len(columns) + len(event_columns(columns)))
         self._file.flush()
 
     def append(self, samples: Mapping[str, np.ndarray], events: Mapping[str, np.ndarray]) -> None:
         """Take one block of samples and events (name -> 1-D array)."""
-        self.samples.append(samples)
-        self.events.append(events)
+        rows = [len(samples["time"]), len(events["t"])] * (len(self.streams) // 2)
+        ahead = [2 * count for count in rows]  # room for the next block too, where there is that much
+        if not (self._make_room(ahead) or self._make_room(rows)):
+            self._write_last()
+        self._take(samples, events)
         if self.samples.waiting >= SAMPLE_CHUNK or self.events.waiting >= EVENT_CHUNK:
             self._write()
+
+    def _take(self, samples: Mapping[str, np.ndarray], events: Mapping[str, np.ndarray]) -> None:
+        self.samples.append(samples)
+        self.events.append(events)
 
     def update(self, attrs: Mapping[str, Any]) -> None:
         """Set root attributes; one that is None is left out."""
@@ -82,6 +97,9 @@ class TrajectoryWriter:
     def keep(self, attrs: Mapping[str, Any]) -> None:
         """Write what waits and the last attributes, and close the file, leaving it under its partial name."""
         if self._file:
+            self._besides += _size_of(attrs)
+            if not self._make_room():
+                self._write_last()
             self._write(everything=True)
             self.update(attrs)
             self.close()
@@ -99,25 +117,51 @@ class TrajectoryWriter:
             raise ResultFileError(f"{self.shown}: cannot write: {reason(error)}") from error
 
     def _write(self, everything: bool = False) -> None:
-        size = sum(stream.waiting_bytes() for stream in self.streams)
-        full = not self._reserve(size)
+        if not self.samples.rows and not self.events.rows:
+            self._besides *= 2  # from now on an index may have to be split, which takes two nodes
         try:
-            if full and size > MARGIN // 2:
-                raise OSError(errno.ENOSPC, "no room for what waits")
             for stream in self.streams:
-                stream.write(everything or full)
-            self._unflushed += size
+                self._unflushed += stream.waiting_bytes()
+                stream.write(everything)
             if self._unflushed >= FLUSH_BYTES:
                 self._file.flush()
                 self._unflushed = 0
         except (OSError, RuntimeError) as error:
-            detach(self._file.id.get_vfd_handle())
-            with suppress(ResultFileError):
-                self.close()
-            raise ResultFileError(f"{self.shown}: cannot write: {reason(error)}") from error
-        if full:
-            self.close()
-            raise ResultFileError(f"{self.shown}: disk full; it holds what was computed until then")
+            raise self._lost(error) from error
 
-    def _reserve(self, size: int) -> bool:
-        return reserve(self.partial, self._file.id.get_filesize(), size + MARGIN)
+    def _write_last(self) -> NoReturn:
+        """The disk is full: write what waits, as far as there is room for it, and end."""
+        if self._needed() > self._reserved:
+            raise self._lost(OSError(errno.ENOSPC, "no room for what waits"))
+        self._write(everything=True)
+        self.close()
+        raise ResultFileError(f"{self.shown}: disk full; it holds what was computed until then")
+
+    def _lost(self, error: Exception) -> ResultFileError:
+        """Close the file as the last flush left it, after a write that has failed; what to raise."""
+        detach(self._file.id.get_vfd_handle())
+        with suppress(ResultFileError):
+            self.close()
+        return ResultFileError(f"{self.shown}: cannot write: {reason(error)}")
+
+    def _needed(self, more: Iterable[int] = repeat(0)) -> int:
+        """Size of the file [bytes] with what waits, `more` rows per stream, and what is written besides."""
+        rows = sum(stream.waiting_bytes(extra) for stream, extra in zip(self.streams, more, strict=False))
+        return int(self._file.id.get_filesize()) + rows + self._besides
+
+    def _make_room(self, more: Iterable[int] = repeat(0)) -> bool:
+        """Reserve what is needed; False where there is no room for it."""
+        needed = self._needed(more)
+        if needed > self._reserved:
+            used = self._file.id.get_filesize()
+            if not reserve(self.partial, used, needed - used):
+                return False
+            self._reserved = needed
+        return True
+
+
+def _size_of(attrs: Mapping[str, Any]) -> int:
+    """Bytes that attributes take on file, about."""
+    return sum(
+        2 * len(value) if isinstance(value, str) else getattr(value, "nbytes", 0) for value in attrs.values()
+    )

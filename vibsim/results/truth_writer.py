@@ -9,7 +9,7 @@ import numpy as np
 from vibsim.physics.exact_decimals import text_width
 from vibsim.results.columns import STATES
 from vibsim.results.digits_stream import DigitsStream
-from vibsim.results.trajectory_writer import EVENT_CHUNK, SAMPLE_CHUNK, TrajectoryWriter
+from vibsim.results.trajectory_writer import EVENT_CHUNK, FOR_COLUMN, SAMPLE_CHUNK, TrajectoryWriter
 
 
 class TruthWriter(TrajectoryWriter):
@@ -31,9 +31,14 @@ class TruthWriter(TrajectoryWriter):
         self.sample_digits = DigitsStream(group, names, width, SAMPLE_CHUNK, time)
         self.event_digits = DigitsStream(group.create_group("events"), ["t", *names], width, EVENT_CHUNK)
         self.streams += [self.sample_digits, self.event_digits]
+        self._besides += FOR_COLUMN * (2 * len(names) + 2)
         self._file.flush()
 
     def append_digits(self, samples: Mapping[str, np.ndarray], events: Mapping[str, np.ndarray]) -> None:
         """Take the digits of one block, before its samples and events."""
-        self.sample_digits.append(samples)
-        self.event_digits.append(events)
+        self._digits = samples, events
+
+    def _take(self, samples: Mapping[str, np.ndarray], events: Mapping[str, np.ndarray]) -> None:
+        super()._take(samples, events)
+        self.sample_digits.append(self._digits[0])
+        self.event_digits.append(self._digits[1])
