@@ -7,7 +7,7 @@ STAMP := $(VENV)/installed
 KERNEL := $(wildcard vibsim/kernel/*.c vibsim/kernel/*.h)
 PAPER := I-A I-B I-C I-A-eq211 I-B-eq211 I-C-eq211 II-A II-B II-C
 
-.PHONY: help env run paper test verify lint figures sweep sommerfeld bench budgets truths clean
+.PHONY: help env run paper test fuzz verify lint figures sweep sommerfeld bench budgets truths clean
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -30,6 +30,9 @@ paper: $(STAMP) ## reproduce and audit the paper: results/paper/report.html
 
 test: $(STAMP) ## run the test suite in parallel
 	$(BIN)/python -m pytest -n auto -q
+
+fuzz: $(STAMP) ## throw three thousand mutants of cases, command lines and files at vibsim (COUNT=, SEED=)
+	$(BIN)/python -m tests.fuzz --count $(or $(COUNT),3000) --seed $(or $(SEED),1)
 
 verify: $(STAMP) ## verify against known cases, then run the slow tests
 	$(BIN)/vibsim verify

@@ -210,3 +210,25 @@ def test_work_that_does_not_ask_is_interrupted_after_a_while(monkeypatch):
         signal.raise_signal(signal.SIGINT)
         assert interruption.signum == signal.SIGINT
         time.sleep(0.4)  # told, so it may end in peace
+
+
+FOR_EVER = """
+import sys
+from vibsim.results import hdf5_file
+def deaf(path):
+    print("opening", flush=True)
+    import ctypes
+    ctypes.PyDLL(None).sleep(60)  # holds the GIL, as HDF5 does
+hdf5_file.open_hdf5 = deaf
+sys.argv = ["vibsim", "info", "run.h5"]
+from vibsim.command_line.main import main
+main()
+"""
+
+
+def test_a_file_that_hdf5_does_not_come_back_from(tmp_path):
+    command = [sys.executable, "-c", FOR_EVER]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, cwd=tmp_path) as process:
+        assert process.stdout.readline() == b"opening\n"
+        process.send_signal(signal.SIGINT)
+        assert process.wait(20) == -signal.SIGINT

@@ -116,10 +116,13 @@ def main() -> None:
     import os
     import signal
 
+    from vibsim.results import signals
+
     for name, value in NOT_NEEDED.items():
         os.environ.setdefault(name, value)
     gc.set_threshold(100_000)  # starting up makes many objects and no garbage; looking for it takes 30 ms
     signal.signal(signal.SIGTERM, _terminate)
+    signals.of_the_command = True
     try:
         group.main(prog_name="vibsim")
     finally:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from vibsim.results.errors import ResultFileError
+from vibsim.results.signals import ended_at_once
 
 # vibsim_kind -> who reads it, by name: they stand above results, which must not import them.
 READERS = {
@@ -15,6 +16,7 @@ READERS = {
 }
 
 
+@ended_at_once()
 def open_result(path: str | Path) -> Any:
     """The Result (SweepResult, FitResult, BenchResult) in an HDF5 file that vibsim wrote.
 
@@ -27,6 +29,7 @@ def open_result(path: str | Path) -> Any:
     return getattr(import_module(module), function)(path)
 
 
+@ended_at_once()
 def kind_of(path: str | Path) -> str:
     """What a result file holds: "trajectory", "sweep", "fit" or "bench"; raises as `open_result`."""
     from vibsim.results.hdf5_file import damage_named, open_hdf5

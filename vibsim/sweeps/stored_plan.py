@@ -13,6 +13,7 @@ from vibsim.cases.keys import measured_at
 from vibsim.cases.problems import CaseError
 from vibsim.cases.quantities import parse_quantity
 from vibsim.results.attributes import read_attrs
+from vibsim.results.signals import ended_at_once
 from vibsim.results.stored_case import stored_case
 from vibsim.results.structure import check_datasets, checked_attributes, damaged
 from vibsim.sweeps.discard import parse_discard
@@ -28,6 +29,7 @@ SETTINGS = "the attribute sweep_settings_json"
 WRONG = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError, CaseError)
 
 
+@ended_at_once()
 def read_sweep(path: Path) -> tuple[dict[str, Any], Plan]:
     """Root attributes and plan of a sweep file, the file checked. Raises ResultFileError."""
     with opened(path) as file:
