@@ -38,10 +38,10 @@ def test_the_paper_s_and_the_readings():
 @pytest.mark.parametrize(("name", "printed"), READINGS.items())
 def test_a_reading_changes_two_numbers_and_says_why(name, printed):
     reading, as_printed = load_case(name), load_case(printed)
-    changed = {**vars(as_printed.scene()), "c": 0.00175, "m3": 0.062}
+    changed = {**vars(as_printed.scene()), "c": 0.0035, "J": 0.0085}
     assert vars(reading.scene()) == changed
     assert "Why these two" in reading.text
-    assert "(printed: 30 g)" in reading.text and "(printed: 0.001)" in reading.text
+    assert "(printed: 0.001)" in reading.text and "(printed: 0.001)" in reading.text
 
 
 @pytest.mark.parametrize("name", sorted(set(shipped_case_names()) - set(READINGS)))

@@ -18,7 +18,7 @@ FITTING = {
 def test_every_kind_can_be_drawn_and_its_needs_are_known(kind):
     assert callable(kind.draw)
     assert set(kind.needs) <= set(NEEDS)
-    assert kind.reads in ("trajectory", "case", "sweep", "bench")
+    assert kind.reads in ("trajectory", "case", "sweep", "fit", "bench")
 
 
 @pytest.mark.parametrize("name", FITTING)

@@ -2,7 +2,7 @@
 
 from copy import deepcopy
 
-from vibsim.reports.parameter_search import NO_CONTACT
+from vibsim.reports.parameter_search import POINTS, STATEMENTS
 
 LETTERS = "ABC"
 FORCE = {"A": 1.596, "B": 3.941, "C": 5.504}  # N, m3 e omega^2
@@ -105,7 +105,7 @@ def motion(rate=0.0, impacts=1000, vibration=0.01, kind="periodic", period=1, si
 PASSED = outcome()
 CAPTURED = outcome("captured", 14.0, None, 3.64, 3.64, rate=1e-4)
 ESCAPED = outcome("escaped", 13.0, 134.0, 3.64, 6.17, rate=-2e-4, peak=170.0)
-CHANGES = {"c": ["0.00175 N s/m", "0.001 N s/m"], "m3": ["0.062 kg", "0.03 kg"]}
+CHANGES = {"c": ["0.0035 N s/m", "0.001 N s/m"], "J": ["0.0085 kg m^2", "0.001 kg m^2"]}
 
 
 def numbers():
@@ -138,13 +138,16 @@ def numbers():
             nearby("Eq. (2.11)", 0.0, 6.3, "quasi-periodic", {"regime": "periodic", "period": 10}),
         ],
         "search": {
-            "alone": [
-                {"at": {"coupling.c": 0.03}, "II-B": CAPTURED, "II-C": PASSED},
-                {"at": {"excitation.m3": 0.054}, "II-B": CAPTURED, "II-C": ESCAPED},
-                {"at": {"stop.G": NO_CONTACT}, "II-B": CAPTURED, "II-C": CAPTURED},
-                {"at": {"excitation.M0": 0.01}, "II-B": PASSED, "II-C": PASSED},
-            ],
-            "together": [],
+            "readings": {
+                "ranking": [
+                    reading({"excitation.J": "0.0085 kg m^2", "coupling.c": "0.0035 N s/m"}, 25, 0.3),
+                    reading({"coupling.c": "0.03 N s/m"}, 25, 0.6),
+                    reading({"stop.G": "1000 m"}, 25, 0.7, 4.02),
+                    reading({}, 0, 0.65),
+                    reading({"excitation.m3": "54 g"}, 3, 0.9),
+                ]
+            },
+            "plane": {"ranking": plane()},
         },
         "solvers": [
             {"solver": "coarse", "II-B": {**CAPTURED, "drifted": 0.3}, "II-C": {**PASSED, "drifted": 0.1}},
@@ -214,3 +217,27 @@ def runs():
                            held=held(3.64), changes=CHANGES, trust_horizon=138.0,
                            peak={"time": 168.0, "height": 0.083, "end": 0.057}),
     }  # fmt: skip
+
+
+def reading(changes, count, price, held_at=3.67):
+    """A reading that II-B is captured under from so many of 25 starts, and nothing else is true of."""
+    medians = [4.0, 40.0, 100.0, 6.2, 160.0, 0.2, held_at]
+    counts = [count, *[0] * (len(STATEMENTS) - 1)]
+    return {
+        "changes": changes,
+        "price": price,
+        "explained": int(count >= 20),
+        "statements": [
+            {"text": said.text, "holds": number >= 20, "count": number, "of": 25, "median": median}
+            for said, number, median in zip(STATEMENTS, counts, medians, strict=True)
+        ],
+    }
+
+
+def plane():
+    """Points over J and c; II-B is captured where J is large."""
+    places = [(0.5 + 19.5 * i / POINTS, 0.001 * (1 + i % 7)) for i in range(POINTS)]
+    return [
+        reading({"excitation.J": f"{J} g m^2", "coupling.c": f"{c} N s/m"}, 25 if J > 5 else 0, 0.5)
+        for J, c in places
+    ] + [reading({}, 0, 0.6)]

@@ -108,8 +108,8 @@ def test_the_facts_are_those_of_the_paper():
 def test_what_the_readings_change():
     for name in ("II-B-captured", "II-C-escape"):
         assert changes_of(load_case(name)) == {
-            "c": ["0.00175 N s/m", "0.001 N s/m"],
-            "m3": ["0.062 kg", "0.03 kg"],
+            "c": ["0.0035 N s/m", "0.001 N s/m"],
+            "J": ["0.0085 kg m^2", "0.001 kg m^2"],
         }
 
 

@@ -11,7 +11,6 @@ from vibsim.kernel.errors import REASONS
 from vibsim.reports import outcomes
 from vibsim.reports.outcomes import outcome, outcomes_of, run_all
 from vibsim.reports.paper_runs import Interrupted
-from vibsim.reports.parameter_search import ALONE, TOGETHER
 from vibsim.results import simulate
 
 
@@ -51,12 +50,3 @@ def test_work_stops_when_told():
     with pytest.raises(Interrupted):
         run_all([lambda: {}] * 9, advance)
     assert seen == [(1, 9), (2, 9)]
-
-
-def test_every_value_to_be_tried_makes_a_case():
-    for name in ("II-B", "II-C"):
-        case = load_case(name)
-        for sought in (*ALONE, *TOGETHER):
-            for value in sought.values:
-                assert case.with_values({sought.key: value}).number(sought.key) == pytest.approx(value)
-        assert [case.number(sought.key) in sought.values for sought in TOGETHER] == [True, True]

@@ -4,31 +4,17 @@ import re
 
 import numpy as np
 import pytest
-from matplotlib.colors import to_hex
 from matplotlib.image import imread, imsave
 
-from tests.reports.made import CAPTURED, ESCAPED, PASSED, numbers, outcome
+from tests.reports.made import numbers
 from vibsim.analysis import judge_capture
-from vibsim.plots.style import BLUE, ORANGE
+from vibsim.plots.style import BLUE
 from vibsim.reports import figure_files
 from vibsim.reports.document import Picture
 from vibsim.reports.evidence_figures import draw_capture, draw_drift, draw_regimes
 from vibsim.reports.figure_files import write_figures, write_page
 from vibsim.reports.paper_figures import PAGE_ROWS, growth_figure, paper_figures
 from vibsim.reports.paper_runs import Interrupted
-from vibsim.reports.parameter_search import TOGETHER
-from vibsim.reports.search_figure import (
-    ABOUT,
-    BRIEF,
-    CLASSES,
-    LONG,
-    class_of,
-    draw_search,
-    edges,
-    geometric_edges,
-)
-from vibsim.reports.search_figure import CAPTURED as STAYS
-from vibsim.reports.search_figure import PASSED as PASSES
 
 pytestmark = pytest.mark.usefixtures("house_style")
 
@@ -134,46 +120,6 @@ def test_passages_show_speed_and_displacement(subjects):
     greatest = subjects["II-C"].result["phidot"].max() / (2 * np.pi)
     assert np.max(speed.get_ydata()) == pytest.approx(greatest, rel=1e-6)
     assert len(lines(figure, "x1")) == len(lines(figure, "x2")) == 1
-
-
-CLASSED = [
-    (PASSED, PASSES),
-    (CAPTURED, STAYS),
-    (ESCAPED, ABOUT),
-    (outcome("escaped", 10.0, 50.0, 3.7), BRIEF),
-    (outcome("escaped", 10.0, 290.0, 3.7), LONG),
-    (outcome("escaped", 10.0, 30.0, 3.7), PASSES),
-    (outcome("captured", 50.0, None, 5.0), PASSES),
-    (outcome("undecided", 50.0, None, 3.7), PASSES),
-    (outcome("passed", 10.0, 290.0, 3.7), PASSES),
-    ({"failed": "why"}, PASSES),
-]
-
-
-@pytest.mark.parametrize(("given", "expected"), CLASSED)
-def test_the_class_of_an_outcome(given, expected):
-    assert class_of(given) == expected
-
-
-def test_the_map_has_every_outcome_in_its_place():
-    first, second = TOGETHER
-    rows = [
-        {"at": {first.key: a, second.key: b}, "II-B": CAPTURED if a > 0.05 and b < 0.01 else PASSED}
-        for a in first.values
-        for b in second.values
-    ]
-    figure = draw_search(rows, ["II-B"], {"printed": (30.0, 1e-3), "reading": (62.0, 1.75e-3)})
-    (mesh,) = figure.axes[0].collections
-    expected = [[STAYS if a > 0.05 and b < 0.01 else PASSES for a in first.values] for b in second.values]
-    assert mesh.get_array().tolist() == expected
-    figure.canvas.draw()
-    assert to_hex(mesh.to_rgba(np.array([STAYS]))[0]).upper() == CLASSES[STAYS][1]
-    assert to_hex(mesh.to_rgba(np.array([ABOUT]))[0]).upper() == ORANGE
-
-
-def test_borders_lie_between_the_values():
-    assert edges(np.array([1.0, 2.0, 4.0])).tolist() == [0.5, 1.5, 3.0, 5.0]
-    assert geometric_edges(np.array([1.0, 4.0])).tolist() == pytest.approx([0.5, 2.0, 8.0])
 
 
 def test_figures_are_written_one_by_one(subjects, tmp_path, monkeypatch):

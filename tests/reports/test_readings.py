@@ -24,26 +24,27 @@ def test_ii_b_is_captured_for_good_and_rightly_so():
     found = judge_capture(result)
     assert found.verdict == "captured"
     assert result.trust_horizon == 300.0
-    assert found.speed_hz == pytest.approx(3.64, abs=0.01)
+    assert found.speed_hz == pytest.approx(3.67, abs=0.01)
 
 
-def test_ii_c_is_captured_and_escapes_within_its_trust_horizon(escape):
-    """The paper: captured, away after about 100 s."""
+def test_ii_c_is_held_and_let_go_within_its_trust_horizon(escape):
+    """The paper: captured, away after approximately 100 s, at approximately 6.2 Hz in the end."""
     found = judge_capture(escape)
-    assert found.verdict == "escaped"
-    assert 67 <= found.until - found.since <= 150
+    assert is_brief_hold({"verdict": found.verdict, "since": found.since, "until": found.until})
+    assert found.until == pytest.approx(100, abs=3)
     assert found.until < escape.trust_horizon
+    assert found.final_speed_hz == pytest.approx(6.2, abs=0.05)
 
 
-def test_most_escapes_end_near_6_2_hz():
-    """What follows the escape is chaotic: of eight starts most are captured, let go, and run up."""
+def test_most_starts_end_near_6_2_hz():
+    """What follows is chaotic: of eight starts most are held, let go, and run up."""
     case = load_case("II-C-escape")
     found = outcomes_of(
-        [case.with_values({"initial.x1": f"{k} um"}) for k in range(1, 9)], lambda *done: True
+        [case.with_values({"initial.x1": f"{100 * k} um"}) for k in range(1, 9)], lambda *done: True
     )
     held = [each for each in found if is_brief_hold(each)]
     assert len(held) >= 5
-    assert median(each["final_hz"] for each in held) == pytest.approx(6.2, abs=0.2)
+    assert median(each["final_hz"] for each in held) == pytest.approx(6.2, abs=0.1)
 
 
 @pytest.mark.parametrize("name", ["II-B", "II-C"])

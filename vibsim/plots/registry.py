@@ -25,7 +25,7 @@ class Kind:
     Attributes
     ----------
     name : as on the command line
-    reads : "trajectory", "sweep" or "bench" (a result file of that kind), or "case" (any file of one case)
+    reads : "trajectory", "sweep", "fit" or "bench" (a result file of that kind), or "case" (any of one case)
     summary : one line for `--list`
     needs : keys of NEEDS; what the subject must have
     width : "column" or "page", the width unless the user says otherwise
@@ -89,6 +89,9 @@ KINDS = (
         ("motor", "capture", "map or starts"),
         alone=True,
     ),
+    Kind(
+        "fit", "fit", "price of the candidates over the free parameters", ("free parameters",), alone=True
+    ),
     Kind("work-precision", "bench", "error against computing time of every method", width="page"),
 )
 
@@ -118,6 +121,7 @@ NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
         "verdicts on capture (sweep with --compute capture)",
         lambda subject: _has(subject, "capture"),
     ),
+    "free parameters": ("free parameters", lambda subject: bool(subject.result.plan.free)),
     "section": ("stroboscopic points", lambda subject: subject.result.plan.section > 0),
 }
 
@@ -126,6 +130,7 @@ DEFAULTS = {
     "case": ("stiffness", "motor"),
     "sweep": ("sommerfeld",),
     "bench": ("work-precision",),
+    "fit": ("fit",),
 }
 
 

@@ -17,7 +17,7 @@ from vibsim.reports.measurements import Numbers, measure_run, plain
 from vibsim.reports.numbers_file import NumbersFile
 from vibsim.reports.outcomes import Advance, run_all
 from vibsim.reports.paper_runs import EQUAL_FORCE, MOTORS, PRINTED, READINGS
-from vibsim.reports.parameter_search import ALONE, TOGETHER, search_alone, search_together
+from vibsim.reports.parameter_search import made_of, search_plane, search_readings
 from vibsim.reports.regimes_nearby import DAMPINGS, FOLLOWED, FREQUENCIES, LAWS, LONGER, measure_nearby
 from vibsim.reports.solver_hypothesis import SOLVERS, measure_solvers
 from vibsim.reports.without_stop import measure_without_stop
@@ -56,10 +56,9 @@ def measure_paper(results: Mapping[str, Result], file: NumbersFile, tell: Tell) 
     ideal, m3e = cases[PRINTED[1]], unbalance(cases)
     beside = [ideal.sha256, m3e, FREQUENCIES, DAMPINGS, LAWS, FOLLOWED, LONGER]
     file.section("nearby", beside, lambda: measure_nearby(ideal, m3e, told("looking beside")))
-    file.section("alone", [keys, ALONE], lambda: search_alone(motors, told("varying one parameter")))
-    file.section(
-        "together", [keys, TOGETHER], lambda: search_together(motors, told("varying two parameters"))
-    )
+    sought = [keys, made_of()]
+    file.section("readings", sought, lambda: search_readings(motors, told("judging readings")))
+    file.section("plane", sought, lambda: search_plane(motors, told("searching over J and c")))
     file.section("solvers", [keys, SOLVERS], lambda: measure_solvers(motors, told("trying other solvers")))
     return table_of(file.sections)
 
@@ -69,7 +68,7 @@ def table_of(sections: Mapping[str, Any]) -> Numbers:
     ensembles = {
         name.split(" ", 1)[1]: value for name, value in sections.items() if name.startswith("ensemble ")
     }
-    search = {name: sections[name] for name in ("alone", "together")}
+    search = {name: sections[name] for name in ("readings", "plane")}
     names = ("facts", "runs", "long_runs", "without_stop", "nearby", "solvers")
     whole = {name: sections[name] for name in names}
     return {**whole, "ensembles": ensembles, "search": search}

@@ -1,4 +1,4 @@
-"""Tables of the search: parameters one at a time, ensembles of starts, solvers."""
+"""Tables of the search: readings ranked, ensembles of starts, solvers."""
 
 from __future__ import annotations
 
@@ -7,33 +7,37 @@ from typing import Any
 
 from vibsim.reports.claim import Numbers
 from vibsim.reports.document import Table
-from vibsim.reports.parameter_search import ALONE, NO_CONTACT, Sought
-from vibsim.reports.search_figure import ABOUT, CAPTURED, LONG, class_of
+from vibsim.reports.parameter_search import STATEMENTS, keeps_table_1
 from vibsim.reports.wording import between, hz, of_all, seconds
 
+RESONANT_HZ = 4.5  # a hold below this is one near half the bilinear frequency
 KINDS = ("captured", "escaped", "passed")
 
 
-def search_table(rows: Sequence[Numbers]) -> Table:
-    """For each parameter: where II-B is captured, and where II-C is held for about 100 s and escapes."""
-    found = []
-    for sought in ALONE:
-        mine = [row for row in rows if sought.key in row["at"]]
-        captured = [row["at"][sought.key] for row in mine if class_of(row["II-B"]) == CAPTURED]
-        held = [row["at"][sought.key] for row in mine if class_of(row["II-C"]) in (ABOUT, LONG)]
-        both = [value for value in captured if value in held]
-        found.append((_tried(sought), *(_values(values) for values in (captured, held, both))))
-    columns = ("Varied", "II-B captured for good", "II-C held for 67 s or longer, then escapes", "Both")
-    return Table("One parameter at a time, the others as printed", columns, tuple(found))
+def readings_table(ranking: Sequence[Numbers]) -> Table:
+    """Every reading: what it changes, from how many starts each statement then holds, and its price."""
+    heads = ("Changed", "Table 1", *(said.head for said in STATEMENTS), "Hold", "Price")
+    return Table(
+        "Readings of the printed numbers, the cheapest first",
+        heads,
+        tuple(_reading(row) for row in ranking),
+    )
 
 
-def _tried(sought: Sought) -> str:
-    values = [value for value in sought.values if value != NO_CONTACT]
-    return f"{sought.symbol}, {between(min(values), max(values), sought.unit)}"
+def _reading(row: Numbers) -> tuple[str, ...]:
+    changes = row["changes"]
+    named = ", ".join(f"{key.rpartition('.')[2]} = {text}" for key, text in changes.items())
+    counts = (f"{found['count']}/{found['of']}" for found in row["statements"])
+    explained = of_all(row["explained"], len(row["statements"]))
+    kept = "kept" if keeps_table_1(changes) else "contradicted"
+    return named or "nothing, as printed", kept, *counts, explained, f"{row['price']:.2f}"
 
 
-def _values(values: Sequence[float]) -> str:
-    return ", ".join("no contact" if value == NO_CONTACT else f"{value:g}" for value in values) or "never"
+def captured_by(ranking: Sequence[Numbers]) -> str:
+    """Which changes of a single number capture II-B for good, in a sentence."""
+    alone = [row for row in ranking if len(row["changes"]) == 1 and row["statements"][0]["holds"]]
+    named = [f"{key.rpartition('.')[2]} = {text}" for row in alone for key, text in row["changes"].items()]
+    return f"Of single numbers, {', '.join(sorted(named)) or 'none tried'} capture II-B for good."
 
 
 def ensemble_table(ensembles: Mapping[str, Any]) -> Table:
@@ -68,9 +72,14 @@ def capturing_solvers(rows: Sequence[Numbers]) -> str:
     """Which solvers capture which motor, in a sentence each."""
     sentences = []
     for name in ("II-B", "II-C"):
-        names = [row["solver"] for row in rows if class_of(row[name]) == CAPTURED]
+        names = [row["solver"] for row in rows if is_captured(row[name])]
         sentences.append(f"{name} is captured for good by {' and '.join(names) or 'none of them'}.")
     return " ".join(sentences)
+
+
+def is_captured(outcome: Numbers) -> bool:
+    """Whether a run ends captured near half the bilinear frequency."""
+    return outcome.get("verdict") == "captured" and outcome["speed_hz"] < RESONANT_HZ
 
 
 def _solved(outcome: Numbers) -> str:
