@@ -1,5 +1,7 @@
 """The work-precision diagram: what is drawn is what the file holds, and nothing is clipped or covered."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -42,8 +44,11 @@ def rows():
 def path(tmp_path_factory):
     """A bench file with rows made up."""
     file = tmp_path_factory.mktemp("bench") / "II-B-bench.h5"
-    attrs = {**origin(make_plan("II-B", "10 s")), "complete": 1}
-    write_bench(file, attrs, planted(TIMES, 0 * TIMES), list(rows()))
+    truth = {"truth_sha256": "0" * 64, "truth_library": "none", "truth_digits": 40, "truth_digits_right": 30}
+    attrs = {**origin(make_plan("II-B", "10 s")), **truth, "truth_wall_time_s": 1.0, "complete": 1}
+    rest = dict.fromkeys(("v1", "v2", "phi", "phidot"), 0 * TIMES)
+    planned = planted(TIMES, 0 * TIMES)
+    write_bench(file, attrs, replace(planned, samples={**planned.samples, **rest}), list(rows()))
     return str(file)
 
 
