@@ -160,3 +160,15 @@ def test_number_and_numeric_keys():
         with pytest.raises(UnknownKeyError) as caught:
             case.number(key)
         assert str(caught.value).startswith(message)
+
+
+def test_an_empty_name_is_no_name():
+    with pytest.raises(CaseError, match=r"--set name: may hold letters, digits"):
+        load_case("II-B", {"name": ""})
+
+
+def test_a_very_long_run_is_told_by_its_samples():
+    with pytest.raises(
+        CaseError, match=r"--set run.t_end: 1e15 s every 5 ms makes 2e\+17 samples; at most 1e10"
+    ):
+        load_case("II-B", {"run.t_end": "1e15s"})

@@ -59,7 +59,14 @@ def test_a_bare_unit_is_for_ranges_without_a_unit():
     assert texts("1:2:1", bare_unit="Hz") == ["1 Hz", "2 Hz"]
     assert texts("1,2", bare_unit="Hz") == ["1 Hz", "2 Hz"]
     assert texts("60:120:60 rpm", bare_unit="Hz") == ["60 rpm", "120 rpm"]
-    assert texts("1 rpm, 2", bare_unit="Hz") == ["1 rpm", "2 Hz"]
+    assert texts("1, 2 rpm", bare_unit="Hz") == ["1 rpm", "2 rpm"]
+
+
+def test_one_unit_may_stand_anywhere_in_a_range():
+    assert texts("0:2mm/5") == texts("0mm:2/5") == ["0 mm", "0.5 mm", "1 mm", "1.5 mm", "2 mm"]
+    assert texts("0:2 mm / 5") == texts("0:2/5 mm") == texts("0:2 mm:0.5")
+    assert texts("3 Hz:4:1") == ["3 Hz", "4 Hz"]
+    assert texts("0:1 N/m/2") == texts("0:1/2 N/m") == ["0 N/m", "1 N/m"]
 
 
 @pytest.mark.parametrize(
@@ -88,7 +95,8 @@ def test_a_bare_unit_is_for_ranges_without_a_unit():
         ("0:1:1e-999999999", "does not fit double precision (2.3e-308 to 2.2e307), got 1e-999999999"),
         ("1:2:0.1 herz", "unknown unit herz in the range 1:2:0.1 herz (did you mean Hz?)"),
         ("1 mm:2 cm:1 mm", "1 mm:2 cm:1 mm: write one unit, at the end, such as 3:7:0.05 Hz"),
-        ("1 mm:2 mm:1", "1 mm:2 mm:1: write one unit, at the end, such as 3:7:0.05 Hz"),
+        ("1 mm, 2", "1 mm, 2: write one unit for all values, or one behind each"),
+        ("1 mm, 2, 3 cm", "1 mm, 2, 3 cm: write one unit for all values, or one behind each"),
         ("nan", "nan is no range; write FROM:TO:STEP, FROM:TO/COUNT or A,B,C, with a unit at the end"),
     ],
 )

@@ -67,8 +67,10 @@ def _output_interval(flat: Flat) -> Iterator[Contradiction]:
     if every is None:
         return
     span = every + (t_end or 0)
-    if max(Fraction(every.numerator), span * every.denominator) >= LARGEST_WHOLE:
-        what = "has too many digits; in seconds it must be a fraction p/q with q run.t_end below 2^53"
+    held = max(Fraction(every.numerator), span * every.denominator) < LARGEST_WHOLE
+    if not held and span / every <= MOST_SAMPLES:
+        every_text = f"as p/q seconds, {flat['run.every']} has too many digits"
+        what = f"{every_text}: p, and q times run.t_end, must be below 2^53"
         yield ("run.every", "run.t_end"), what
     elif span / every > MOST_SAMPLES:
         count = f"{float(span / every):.3g}"

@@ -4,7 +4,8 @@
     a:b/n    n values, evenly spaced, both ends included
     a,b,c    a list
 
-A unit at the end holds for all values ("3:7:0.05 Hz"), or each value has its own ("1 mm, 2 mm").
+One unit, wherever it stands, holds for all values ("3:7:0.05 Hz", "0:2mm/20"), or each value of a list has
+its own ("1 mm, 2 mm").
 """
 
 import re
@@ -18,7 +19,7 @@ from vibsim.cases.spelling import nearest
 from vibsim.cases.units import UNITS, find_unit
 
 MOST_VALUES = 1_000_000
-_PART = rf"\s*(?P<number>{NUMBER})(?P<over>/\d+)?(?P<unit>.*)"
+_PART = rf"\s*(?P<number>{NUMBER})(?P<over>/\d+)?(?P<unit>.*?)(?P<behind>\s*/\s*\d+)?\s*"
 
 
 class RangeError(ValueError):
@@ -82,7 +83,8 @@ def _part(piece: str, text: str) -> _Part:
         raise _not_a_range(text)
     try:
         number = exact_number(match["number"])
-        over = int(exact_number(match["over"][1:])) if match["over"] else None
+        divisor = match["over"] or match["behind"]
+        over = int(exact_number(divisor.strip().removeprefix("/").strip())) if divisor else None
     except QuantityError as error:
         raise RangeError(str(error)) from None
     return _Part(number, over, _unit(match["unit"].strip(), text))
@@ -100,11 +102,11 @@ def _unit(name: str, text: str) -> str:
 
 
 def _common_unit(units: list[str], text: str) -> str:
-    """The one unit of a range: the last part's for all, or every part's own where they agree."""
+    """The one unit that is named in a range, or an empty text."""
     named = {unit for unit in units if unit}
-    if len(named) > 1 or (named and not units[-1]):
+    if len(named) > 1:
         raise RangeError(f"{shown(text)}: write one unit, at the end, such as 3:7:0.05 Hz")
-    return units[-1]
+    return next(iter(named), "")
 
 
 def _listed(text: str, bare_unit: str) -> list[RangeValue]:
@@ -113,10 +115,13 @@ def _listed(text: str, bare_unit: str) -> list[RangeValue]:
         raise RangeError(f"an empty item in the list {shown(text)}" if text.strip() else "the range is empty")
     _limit(len(items), text)
     parts = [_part(item, text) for item in items]
-    last = parts[-1].unit or bare_unit
+    named = dict.fromkeys(part.unit for part in parts if part.unit)
+    if named and not (parts[-1].unit if len(named) == 1 else all(part.unit for part in parts)):
+        raise RangeError(f"{shown(text)}: write one unit for all values, or one behind each")
+    unit = next(iter(named), bare_unit)
     if any(part.over == 0 for part in parts):
         raise RangeError(f"division by zero in {shown(text)}")
-    return [_value(part.number / (part.over or 1), part.unit or last) for part in parts]
+    return [_value(part.number / (part.over or 1), part.unit or unit) for part in parts]
 
 
 def _stepped(start: Fraction, end: Fraction, step: Fraction, text: str) -> Iterator[Fraction]:

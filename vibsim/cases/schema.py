@@ -213,7 +213,7 @@ class CaseHead(Section):
         default=None, description="another case file, or a shipped case, that this one starts from"
     )
     name: str = Field(
-        default="", max_length=80, pattern=f"^({NAME_PATTERN})?$", description="default: the file's name"
+        default="case", max_length=80, pattern=f"^{NAME_PATTERN}$", description="default: the file's name"
     )
     title: str = Field(default="", max_length=300, description="one line on what the case shows")
 
