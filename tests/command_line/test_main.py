@@ -67,7 +67,7 @@ def test_an_unknown_command_gets_a_hint(word, hint):
 def test_an_unknown_option_gets_a_hint(words):
     done = call(*words)
     assert done.exit_code == 2
-    assert "Did you mean" in done.stderr
+    assert "did you mean --" in done.stderr
 
 
 def test_no_command_prints_help():

@@ -2,7 +2,8 @@
 
 from collections.abc import Collection
 from dataclasses import dataclass
-from typing import Any
+from os import PathLike
+from typing import TYPE_CHECKING, Any
 
 from vibsim.analysis.capture import Capture, judge_capture
 from vibsim.analysis.dominant_frequencies import DominantFrequencies, find_frequencies
@@ -11,8 +12,12 @@ from vibsim.analysis.impacts_per_cycle import ImpactsPerCycle, count_impacts
 from vibsim.analysis.regime.largest_exponent import largest_exponent
 from vibsim.analysis.regime.verdict import Regime, judge_regime
 from vibsim.analysis.span import Span, later_part, span_of
+from vibsim.results.any_run import as_result
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
 
 WHAT = ("capture", "drift", "impacts", "regime", "frequencies")
 
@@ -39,7 +44,7 @@ class Analysis:
 
 
 def analyse(
-    result: Result,
+    result: "Result | Case | str | PathLike[str]",
     window: Window | None = None,
     discard: float | None = None,
     what: Collection[str] = WHAT,
@@ -49,6 +54,7 @@ def analyse(
 
     Parameters
     ----------
+    result : a Result, its file, or a case (a Case, its file or its shipped name), which is run first
     window : span to look at [s]; None: all of the run
     discard : transient at its begin that only the verdict on capture takes in [s]; None: half the run without
         a window, nothing with one
@@ -61,6 +67,7 @@ def analyse(
     unknown = [name for name in what if name not in WHAT]
     if unknown:
         raise ValueError(f"{unknown[0]!r} is not one of {', '.join(WHAT)}")
+    result = as_result(result)
     span, steady = span_of(result, window), later_part(result, window, discard)
     scene = result.case.scene()
     found: dict[str, Any] = {}

@@ -11,6 +11,7 @@ ones approach 0 like log(t) / t.
 
 from dataclasses import dataclass
 from math import hypot, nan
+from os import PathLike
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -57,7 +58,10 @@ class Lyapunov:
 
 
 def lyapunov(
-    case: "Case", count: int | None = None, discard: float | None = None, engine: str = "auto"
+    case: "Case | str | PathLike[str]",
+    count: int | None = None,
+    discard: float | None = None,
+    engine: str = "auto",
 ) -> Lyapunov:
     """The largest `count` Lyapunov exponents of a case, by default all of them.
 
@@ -66,7 +70,9 @@ def lyapunov(
     Raises ValueError for a count that the case has not got and for a transient that leaves nothing,
     KernelError (in `vibsim.kernel`) when the run fails.
     """
-    scene = case.scene()
+    from vibsim.cases.loading import as_case
+
+    scene = as_case(case).scene()
     if discard is not None and not 0 <= discard < scene.t_end:
         raise ValueError(f"a transient of {discard:g} s leaves nothing of {scene.t_end:g} s")
     return judged(lyapunov_exponents(scene, count, discard, engine), scene.tol)

@@ -6,12 +6,12 @@ its completion read this table.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
 from vibsim.benchmark.errors import BenchError
+from vibsim.cases.spelling import nearest
 from vibsim.peers.tolerances import SHARE, TIGHTEST
 from vibsim.physics.scene import Scene
 
@@ -148,8 +148,8 @@ def families_named(names: Sequence[str]) -> list[Family]:
     known = [family.name for family in FAMILIES]
     for name in names:
         if name not in known:
-            near = get_close_matches(name.lower().replace("_", "-"), known, 1)
-            hint = f"did you mean {near[0]}? " if near else ""
+            near = nearest(name, known)
+            hint = f"did you mean {near}? " if near else ""
             raise BenchError(f"unknown method {name!r}: {hint}The methods are {', '.join(known)}")
     return [family for family in FAMILIES if not names or family.name in names]
 

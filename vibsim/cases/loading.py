@@ -25,6 +25,17 @@ def load_case(source: str | PathLike[str], overrides: Mapping[str, object] | Non
     return _case(find_source(fspath(source)), overrides or {})
 
 
+def as_case(source: object) -> Case:
+    """A case as it is, or the one that a path or a shipped name names. Raises CaseError, TypeError."""
+    if isinstance(source, Case):
+        return source
+    if isinstance(source, str | PathLike):
+        return load_case(source)
+    raise TypeError(
+        f"a case must be a Case, the path of a case file or the name of a shipped case, got {source!r:.60}"
+    )
+
+
 def load_case_text(text: str, overrides: Mapping[str, object] | None = None, name: str = "case") -> Case:
     """The same from YAML text; `name` stands for the file in messages, and is the case's name by default."""
     return _case(

@@ -11,6 +11,7 @@ its own ("1 mm, 2 mm").
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
 
 from vibsim.cases.problems import shown
@@ -144,7 +145,8 @@ def _spaced(start: Fraction, end: Fraction, count: int, text: str) -> Iterator[F
 
 def _limit(count: int, text: str) -> None:
     if count > MOST_VALUES:
-        raise RangeError(f"{shown(text)} has {float(count):.3g} values; at most {MOST_VALUES:,} are allowed")
+        many = f"{float(count):.3g}" if count < 10**300 else f"{Decimal(count):.3g}"
+        raise RangeError(f"{shown(text)} has {many} values; at most {MOST_VALUES:,} are allowed")
 
 
 def _value(number: Fraction, unit: str) -> RangeValue:

@@ -30,10 +30,10 @@ class Verdicts(click.ParamType):
 
 
 def _hint(name):
-    from difflib import get_close_matches
+    from vibsim.cases.spelling import nearest
 
-    near = get_close_matches(name.lower(), VERDICTS, n=1, cutoff=0.5)
-    return f": did you mean {near[0]}?" if near else f"; allowed: {', '.join(VERDICTS)}"
+    near = nearest(name, VERDICTS)
+    return f": did you mean {near}?" if near else f"; allowed: {', '.join(VERDICTS)}"
 
 
 @click.command(

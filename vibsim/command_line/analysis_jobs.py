@@ -9,7 +9,8 @@ from vibsim.analysis import Analysis, analyse
 from vibsim.command_line.analysis_text import analysis_lines
 from vibsim.command_line.run_plan import read_case
 from vibsim.command_line.settings import Settings
-from vibsim.command_line.summary import heading, print_json, print_lines
+from vibsim.command_line.summary import heading, print_lines
+from vibsim.command_line.terminal import print_json, say
 from vibsim.results import Result, ResultFileError, is_result_file, kind_of, open_result, simulate
 from vibsim.results.windows import Window
 
@@ -70,7 +71,7 @@ def _print(source: str, changes: dict[str, str], result: Result, found: Analysis
     if settings.json:
         print_json({"file": source, **({"changes": changes} if changes else {}), **asdict(found)})
     elif not settings.quiet:
-        click.echo(heading(result.case.name, result.case.title))
+        say(heading(result.case.name, result.case.title))
         print_lines(analysis_lines(_judged(source, changes), result, found, settings.verbose))
 
 

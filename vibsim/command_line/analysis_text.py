@@ -2,11 +2,10 @@
 
 from collections.abc import Iterator
 
-import click
-
 from vibsim.analysis import Analysis, Capture, DominantFrequencies, Drift, ImpactsPerCycle, Regime
 from vibsim.analysis.impacts_per_cycle import Spread
 from vibsim.command_line.summary import metres, short, trust_text
+from vibsim.command_line.terminal import style
 from vibsim.results import Result
 
 COLORS = {"undecided": "yellow", "captured": "green", "chaotic": "magenta"}
@@ -103,7 +102,8 @@ def frequency_lines(found: DominantFrequencies) -> Iterator[Line]:
         for line in found.lines[:SHOWN]
     ]
     yield "frequencies", ", ".join(parts)
-    source = f"source {found.source_hz:.4g} Hz (orders in brackets), " if found.source_hz else ""
+    orders = " (orders in brackets)" if any(line.order for line in found.lines[:SHOWN]) else ""
+    source = f"source {found.source_hz:.4g} Hz{orders}, " if found.source_hz else ""
     yield "", f"{source}resolution {short(found.resolution_hz or 0.0)} Hz"
 
 
@@ -112,7 +112,7 @@ def _number(x: float) -> str:
 
 
 def _verdict(word: str, words: dict[str, str] | None = None) -> str:
-    return click.style((words or {}).get(word, word), fg=COLORS.get(word), bold=True)
+    return style((words or {}).get(word, word), fg=COLORS.get(word), bold=True)
 
 
 def _span(window: tuple[float, float]) -> str:

@@ -4,6 +4,7 @@ import click
 
 from vibsim.command_line.examples import examples
 from vibsim.command_line.parameters import CASE, FILE, FiniteRange, set_option
+from vibsim.command_line.terminal import say
 
 DEFAULT_CASE = "II-B"
 LIMIT = 20.0
@@ -76,6 +77,6 @@ def command(ctx, source, changes, t_end, methods, limit, truth, output, picture,
     if source is None:
         source = DEFAULT_CASE
         if not ctx.obj.quiet:
-            click.echo(f"no case given: measuring {source}", err=True)
+            say(f"no case given: measuring {source}", err=True)
     plan = read_plan(source, dict(changes), t_end, methods, limit)
     return run_jobs(plan, output, picture, truth, force, ctx.obj)

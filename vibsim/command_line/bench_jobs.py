@@ -14,10 +14,11 @@ from vibsim.benchmark.plan import Plan, make_plan
 from vibsim.benchmark.running import run_bench
 from vibsim.benchmark.truth import Truth
 from vibsim.command_line.bench_text import print_bench
+from vibsim.command_line.errors import told
 from vibsim.command_line.interruption import Interruption
-from vibsim.command_line.run_plan import check_digits, check_picture, read_case
+from vibsim.command_line.run_plan import check_digits, check_picture, hdf5_name, read_case
 from vibsim.command_line.settings import Settings
-from vibsim.command_line.summary import print_json
+from vibsim.command_line.terminal import print_json, say
 from vibsim.results.output_file import check_output
 
 SHARES = 1000  # of a bar
@@ -43,7 +44,7 @@ def run_jobs(
     settings: Settings,
 ) -> int:
     """Run a bench; returns the exit code."""
-    path = Path(output or f"{plan.case.name}-bench.h5")
+    path = Path(hdf5_name(output) if output is not None else f"{plan.case.name}-bench.h5")
     check_output(path, force)
     check_picture(picture, 1, force)
     truth = _truth(plan, path, truth_file)
@@ -60,8 +61,8 @@ def run_jobs(
         finally:
             progress.close()
     if bench is None:
-        click.echo("interrupted: the truth was not done; nothing is kept", err=True)
-        return interruption.exit_code
+        what = "interrupted: the truth was not done; nothing is kept"
+        return told(what, interruption.exit_code, settings.json)
     if settings.json:
         from vibsim.benchmark.description import facts
 
@@ -73,7 +74,7 @@ def run_jobs(
 
         plot_run(path, picture, force=force)
     if not bench.complete:
-        click.echo(f"interrupted: {path} holds the rows that were done", err=True)
+        say(f"interrupted: {path} holds the rows that were done", err=True)
         return interruption.exit_code
     return 0
 

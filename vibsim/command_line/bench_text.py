@@ -6,13 +6,12 @@ from itertools import groupby
 from math import isfinite
 from pathlib import Path
 
-import click
-
 from vibsim.benchmark.bench_result import BenchResult
 from vibsim.benchmark.families import family_of
 from vibsim.benchmark.row import FAILED, SLOWER, Row
 from vibsim.benchmark.verdicts import beside_reference, fastest, most_accurate, reference
 from vibsim.command_line.summary import heading, print_lines, seconds, size
+from vibsim.command_line.terminal import say, style
 from vibsim.peers.attempt import CONTACTS
 
 SETTING = 22
@@ -22,12 +21,12 @@ SETUP = 0.05  # s before the first run that are worth a word
 
 def print_bench(bench: BenchResult, path: str | Path | None, took: float | None = None) -> None:
     """Print what was measured, the table, and what it says."""
-    click.echo(heading(bench.attrs["case_name"], bench.attrs["title"]))
+    say(heading(bench.attrs["case_name"], bench.attrs["title"]))
     print_lines(head_lines(bench))
-    click.echo()
+    say()
     for line in table_lines(bench):
-        click.echo(line)
-    click.echo()
+        say(line)
+    say()
     print_lines([*verdict_lines(bench), ("file", _file_text(path, took))] if path else verdict_lines(bench))
 
 
@@ -45,7 +44,7 @@ def head_lines(bench: BenchResult) -> list[tuple[str, str]]:
         ("machine", f"{attrs['processor']}, {attrs['cores']} cores; {attrs['platform']}"),
         ("versions", f"vibsim {attrs['vibsim_version']}, {', '.join(versions)}"),
     ]
-    return lines if bench.complete else [*lines, ("incomplete", click.style("stopped early", fg="yellow"))]
+    return lines if bench.complete else [*lines, ("incomplete", style("stopped early", fg="yellow"))]
 
 
 def table_lines(bench: BenchResult) -> Iterator[str]:
@@ -53,11 +52,11 @@ def table_lines(bench: BenchResult) -> Iterator[str]:
     yield from _header(bench)
     for method, rows in groupby(bench.rows, key=lambda row: row.method):
         group = list(rows)
-        yield click.style(family_of(method).label, bold=True) + click.style(_note(group), dim=True)
+        yield style(family_of(method).label, bold=True) + style(_note(group), dim=True)
         yield from (_row_text(bench, row) for row in group)
     for name in json.loads(bench.attrs["not_installed"]):
         family = family_of(name)
-        yield click.style(family.label, bold=True) + f"  {family.remedy}"
+        yield style(family.label, bold=True) + f"  {family.remedy}"
 
 
 def _note(group: list[Row]) -> str:
@@ -82,7 +81,7 @@ def _header(bench: BenchResult) -> list[str]:
 
 def _row_text(bench: BenchResult, row: Row) -> str:
     if row.status == FAILED:
-        return f"  {row.setting:{SETTING}}" + click.style(f"  failed: {row.problem}", fg="red")
+        return f"  {row.setting:{SETTING}}" + style(f"  failed: {row.problem}", fg="red")
     count = row.counted()
     events = [NOTHING] * 3 if count is None else [str(n) for n in vars(count).values()]
     errors = [_error_text(row.error_until(bench["time"], t)) for t in bench.check_times]
@@ -109,9 +108,9 @@ def _remark(bench: BenchResult, row: Row) -> str:
         for word, found in (("fastest", fastest(bench)), ("most accurate", most_accurate(bench)))
         if row is found
     ]
-    text = click.style(f"  {', '.join(best)}", fg="green", bold=True) if best else ""
+    text = style(f"  {', '.join(best)}", fg="green", bold=True) if best else ""
     if row.status == SLOWER:
-        text += click.style(f"  stopped at {row.t_reached:.4g} s", fg="yellow")
+        text += style(f"  stopped at {row.t_reached:.4g} s", fg="yellow")
     return text
 
 

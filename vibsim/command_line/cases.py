@@ -1,10 +1,9 @@
 """vibsim cases: the shipped cases."""
 
-import json
-
 import click
 
 from vibsim.command_line.examples import examples
+from vibsim.command_line.terminal import print_json, say
 
 
 @click.command(
@@ -30,10 +29,10 @@ def command(ctx, names, resolved):
         raise click.UsageError("--resolved prints cases; give the NAME of one")
     cases = [load_case(name) for name in names or shipped_case_names()]
     if ctx.obj.json:
-        click.echo(json.dumps([_described(case) for case in cases], indent=2, ensure_ascii=False))
+        print_json([_described(case) for case in cases], indent=2)
     elif names:
         texts = [case.long_text() if resolved else case.text for case in cases]
-        click.echo("---\n".join(texts), nl=False)
+        say("---\n".join(texts), nl=False)
     else:
         _print_table(cases)
 
@@ -53,9 +52,13 @@ def _described(case) -> dict:
 
 
 def _print_table(cases) -> None:
+    from vibsim.cases.plain_text import one_line
+
     rows = [("name", "source", "frequency", "title")]
-    rows += [(case.name, case.source_kind, str(case.frequency() or "-"), case.title) for case in cases]
+    rows += [
+        (case.name, case.source_kind, str(case.frequency() or "-"), one_line(case.title)) for case in cases
+    ]
     widths = [max(len(row[column]) for row in rows) for column in range(3)]
     for row in rows:
         cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=False)]
-        click.echo("  ".join([*cells, row[3]]).rstrip())
+        say("  ".join([*cells, row[3]]).rstrip())

@@ -6,6 +6,7 @@ import click
 
 from vibsim.command_line.errors import INVALID_CASE
 from vibsim.command_line.examples import examples
+from vibsim.command_line.terminal import print_json, say, style
 
 
 @click.command(
@@ -27,7 +28,7 @@ def command(ctx, sources):
     """
     reports = [_checked(source) for source in sources]
     if ctx.obj.json:
-        click.echo(json.dumps([_described(report) for report in reports], indent=2, ensure_ascii=False))
+        print_json([_described(report) for report in reports], indent=2)
     else:
         for report in reports:
             _print(report, ctx.obj)
@@ -47,12 +48,12 @@ def _checked(source: str):
 def _print(report, settings) -> None:
     source, case, problems = report
     for problem in problems:
-        click.echo(str(problem))
+        say(str(problem))
     if problems:
         count = len(problems)
-        click.echo(f"{source}: {click.style('invalid', fg='red')}, {count} problem{'s' if count > 1 else ''}")
+        say(f"{source}: {style('invalid', fg='red')}, {count} problem{'s' if count > 1 else ''}")
     elif not settings.quiet:
-        click.echo(f"{source}: {click.style('ok', fg='green')} ({case.name}: {_summary(case)})")
+        say(f"{source}: {style('ok', fg='green')} ({case.name}: {_summary(case)})")
         if settings.verbose:
             _print_facts(case)
 
@@ -66,7 +67,7 @@ def _summary(case) -> str:
 
 def _print_facts(case) -> None:
     for fact in _facts(case):
-        click.echo(f"  {fact.name:<22} {fact.value:>12.6g} {fact.unit:<3} {fact.meaning}")
+        say(f"  {fact.name:<22} {fact.value:>12.6g} {fact.unit:<3} {fact.meaning}")
 
 
 def _facts(case):

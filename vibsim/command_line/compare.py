@@ -6,6 +6,7 @@ import click
 
 from vibsim.command_line.examples import examples
 from vibsim.command_line.parameters import FILE, FiniteRange
+from vibsim.command_line.terminal import print_json
 
 
 @click.command(
@@ -37,7 +38,7 @@ def command(ctx, a, b, tolerance):
     """
     from vibsim.analysis.comparison import compare
     from vibsim.command_line.comparison_text import comparison_lines
-    from vibsim.command_line.summary import print_json, print_lines
+    from vibsim.command_line.summary import print_lines
     from vibsim.results import ResultFileError
 
     ours, theirs = _run(a), _run(b)

@@ -2,11 +2,10 @@
 
 from collections.abc import Sequence
 
-import click
-
 from vibsim.analysis.block_averages import Average
 from vibsim.analysis.comparison import WORDS, ComparedStatistic, Comparison
 from vibsim.command_line.summary import short
+from vibsim.command_line.terminal import style
 from vibsim.results import Result
 
 COLORS = {"identical": "green", "agree": "green", "differ": "red"}
@@ -26,7 +25,7 @@ def comparison_lines(
     lines += [(statistic.name, _statistic_text(statistic)) for statistic in found.statistics]
     if found.verdict in ("agree_until", "differ") and not found.statistics:
         lines.append(("statistics", "none: what lies beyond is too short"))
-    verdict = click.style(WORDS[found.verdict], fg=COLORS.get(found.verdict, "yellow"), bold=True)
+    verdict = style(WORDS[found.verdict], fg=COLORS.get(found.verdict, "yellow"), bold=True)
     return [*lines, ("verdict", verdict + _reason(found))]
 
 
@@ -46,7 +45,7 @@ def _agreement_text(found: Comparison) -> str:
 
 def _statistic_text(statistic: ComparedStatistic) -> str:
     text = f"{_interval(statistic.a)}  |  {_interval(statistic.b)} {statistic.unit}"
-    return text + click.style("  differs", fg="red") if statistic.differs else text
+    return text + style("  differs", fg="red") if statistic.differs else text
 
 
 def _interval(value: Average) -> str:

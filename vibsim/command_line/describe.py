@@ -1,24 +1,31 @@
 """Describe a result file: a trajectory here, a sweep by the sweeps themselves, a bench by its table."""
 
+from collections.abc import Mapping
 from importlib import import_module
-
-import click
+from typing import Any
 
 from vibsim.command_line.settings import Settings
 from vibsim.command_line.summary import (
     heading,
-    print_json,
     print_lines,
     result_lines,
     size,
     summary_object,
 )
+from vibsim.command_line.terminal import plain, print_json, say
 from vibsim.results import Result, kind_of, open_result
 
+TOLD = ("case_yaml", "case_resolved_json", "case_name", "title", "case_sha256", "date_created", "platform")
+LONGEST = 80  # characters of an attribute
 
-def print_case(path: str) -> None:
+
+def print_case(path: str, settings: Settings) -> None:
     """Print the YAML text that a result file was computed from."""
-    click.echo(open_result(path).attrs["case_yaml"], nl=False)
+    text = open_result(path).attrs["case_yaml"]
+    if settings.json:
+        print_json({"file": path, "case_yaml": text})
+    else:
+        say(text, nl=False)
 
 
 def print_description(path: str, settings: Settings) -> None:
@@ -41,13 +48,13 @@ def print_description(path: str, settings: Settings) -> None:
         if settings.json:
             print_json({"file": path, **facts})
         elif not settings.quiet:
-            print_lines(lines)
+            print_lines([*lines, *(attribute_lines(facts) if settings.verbose else ())])
         return
     result = open_result(path)
     if settings.json:
         print_json(summary_object(result, path))
     elif not settings.quiet:
-        _print_trajectory(result, path)
+        _print_trajectory(result, path, settings)
 
 
 def _print_bench(path: str, settings: Settings) -> None:
@@ -61,9 +68,9 @@ def _print_bench(path: str, settings: Settings) -> None:
         print_bench(bench, path)
 
 
-def _print_trajectory(result: Result, path: str) -> None:
+def _print_trajectory(result: Result, path: str, settings: Settings) -> None:
     attrs = result.attrs
-    click.echo(heading(attrs["case_name"], attrs["title"]))
+    say(heading(attrs["case_name"], attrs["title"]))
     print_lines(
         [
             *result_lines(result, result.case.scene()),
@@ -71,9 +78,17 @@ def _print_trajectory(result: Result, path: str) -> None:
             ("events", f"{len(result.events['t'])} x {', '.join(result.events)}"),
             ("written", written_text(attrs)),
             ("fingerprint", attrs["case_sha256"]),
+            *(attribute_lines(attrs) if settings.verbose else ()),
             ("file", f"{path} ({size(path)})"),
         ]
     )
+
+
+def attribute_lines(attrs: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """The attributes of the file that the other lines do not tell, by their names."""
+    items = ((name, plain(value)) for name, value in attrs.items() if name not in TOLD)
+    texts = [f"{name} = {value}" for name, value in items if len(str(value)) < LONGEST]
+    return [("" if i else "attributes", text) for i, text in enumerate(texts)]
 
 
 def written_text(attrs: dict) -> str:

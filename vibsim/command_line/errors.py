@@ -30,18 +30,20 @@ def broken_pipe_named() -> Iterator[None]:
         raise OutputClosed from error
 
 
-def exit_code_of(action: Callable[[], Any]) -> int:
-    """Run `action` and say what went wrong on stderr; returns the exit code. A bug is raised on."""
+def exit_code_of(action: Callable[[], Any], as_json: bool = False) -> int:
+    """Run `action` and say what went wrong; returns the exit code. A bug is raised on.
+
+    Errors go to stderr, and where `as_json` to stdout too, as an object with the key `error`.
+    """
     try:
         result = action()
         with broken_pipe_named():
             sys.stdout.flush()
     except click.ClickException as error:
-        error.show()
-        return error.exit_code
+        _say_usage(error)
+        return told(f"Error: {_message(error)}", error.exit_code, as_json)
     except (click.Abort, KeyboardInterrupt):
-        click.echo("interrupted", err=True)
-        return INTERRUPTED
+        return told("interrupted", INTERRUPTED, as_json)
     except OutputClosed:
         _discard_stdout()
         return BROKEN_PIPE
@@ -51,8 +53,7 @@ def exit_code_of(action: Callable[[], Any]) -> int:
         code = code_for(error)
         if code is None:
             raise
-        report(error)
-        return code
+        return report(error, code, as_json)
     return result if isinstance(result, int) else 0
 
 
@@ -78,19 +79,54 @@ def code_for(error: Exception) -> int | None:
     return next((code for kind, code in codes.items() if isinstance(error, kind)), None)
 
 
-def report(error: Exception) -> None:
-    """Print an error of the user's on stderr: the lines of a CaseError as they are, others after `Error:`."""
-    text = str(error)
-    located = code_for(error) == INVALID_CASE
-    click.echo(text if located else f"Error: {text}", err=True)
+def report(error: Exception, code: int, as_json: bool) -> int:
+    """Tell an error of the user's: the lines of a CaseError as they are, others after `Error:`."""
+    from vibsim.cases import CaseError
+
+    if not isinstance(error, CaseError):
+        return told(f"Error: {error}", code, as_json)
+    return told(str(error), code, as_json, problems=[vars(problem) for problem in error.problems])
+
+
+def told(text: str, code: int, as_json: bool, **more: Any) -> int:
+    """Print an error on stderr, and as JSON on stdout where that is asked for; returns its exit code."""
+    from vibsim.command_line.terminal import print_json, say
+
+    say(text, err=True)
+    if as_json:
+        message = text.removeprefix("Error: ")
+        with broken_pipe_named():
+            print_json({"error": {"message": message, "exit_code": code, **more}})
+            sys.stdout.flush()
+    return code
+
+
+def _say_usage(error: click.ClickException) -> None:
+    """How the command is called, and where its help is."""
+    from vibsim.command_line.terminal import say
+
+    ctx = getattr(error, "ctx", None)
+    if ctx is not None:
+        say(f"{ctx.get_usage()}\nTry '{ctx.command_path} --help' for help.\n", err=True)
+
+
+def _message(error: click.ClickException) -> str:
+    """The message of click, with the nearest option in place of those that it takes for near."""
+    if isinstance(error, click.NoSuchOption):
+        from vibsim.cases.spelling import nearest
+
+        parameters = error.ctx.command.get_params(error.ctx) if error.ctx else []
+        options = [name for parameter in parameters for name in parameter.opts if name.startswith("--")]
+        near = nearest(error.option_name, options)
+        return f"no option {error.option_name}" + (f"; did you mean {near}?" if near else "")
+    return error.format_message()
 
 
 def _output_failed(error: OSError) -> int:
     """Stdout is on a full disk; any other OSError is a bug."""
     if error.errno == errno.ENOSPC and error.filename is None:
         _discard_stdout()
-        click.echo("Error: stdout: disk full", err=True)
-        return FILE_TROUBLE
+        return told("Error: stdout: disk full", FILE_TROUBLE, as_json=False)
     raise error
 
 

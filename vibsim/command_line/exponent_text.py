@@ -3,9 +3,8 @@
 import math
 from typing import Any
 
-import click
-
 from vibsim.analysis.exponents import Lyapunov, stored_exponents
+from vibsim.command_line.terminal import style
 from vibsim.results import Result
 
 
@@ -20,7 +19,7 @@ def exponent_lines(result: Result) -> list[tuple[str, str]]:
         ("exponents", f"{', '.join(exponent_text(*pair) for pair in pairs)} 1/s"),
         ("", f"from {begin:.4g} to {end:.4g} s{checks(found)}"),
     ]
-    return lines + [("", click.style(warning, fg="yellow")) for warning in found.warnings]
+    return lines + [("", style(warning, fg="yellow")) for warning in found.warnings]
 
 
 def exponent_object(result: Result) -> dict[str, Any]:

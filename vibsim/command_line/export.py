@@ -6,6 +6,7 @@ import click
 
 from vibsim.command_line.examples import examples
 from vibsim.command_line.parameters import FILE, WINDOW
+from vibsim.command_line.terminal import print_json, say
 
 
 @click.command(
@@ -47,8 +48,10 @@ def command(ctx, file, output, events, window, force):
         write_mat(result, output, window, force)
     else:
         write_csv(result, output, window, force, events)
-    if not ctx.obj.quiet:
-        click.echo(f"{output} written", err=True)
+    if ctx.obj.json:
+        print_json({"file": file, "written": [output]})
+    elif not ctx.obj.quiet:
+        say(f"{output} written", err=True)
 
 
 def _check(result, window, file, events):

@@ -3,7 +3,7 @@
 import click
 
 from vibsim.command_line.examples import examples
-from vibsim.command_line.parameters import CASE, FILE, set_option
+from vibsim.command_line.parameters import CASE, FILE, OneOf, set_option
 from vibsim.command_line.sweep import KeyRange
 
 
@@ -60,7 +60,7 @@ class Price(click.ParamType):
     "[default: the motor's phi, over the full turn]",
 )  # fmt: skip
 @click.option(
-    "--method", type=click.Choice(["quasi-random", "evolution"]), default="quasi-random", show_default=True,
+    "--method", type=OneOf(["quasi-random", "evolution"]), default="quasi-random", show_default=True,
     help="Sobol points, or differential evolution.",
 )  # fmt: skip
 @click.option(
@@ -91,7 +91,7 @@ class Price(click.ParamType):
 @set_option
 @click.option("--t-end", metavar="TIME", help="End of every run, such as 100s.")
 @click.option("--every", metavar="TIME", help="Sampling of the runs; as the cases say unless given.")
-@click.option("--engine", type=click.Choice(["auto", "c", "python"]), default="auto", help="Who computes it.")
+@click.option("--engine", type=OneOf(["auto", "c", "python"]), default="auto", help="Who computes it.")
 @click.option(
     "-j", "--jobs", type=click.IntRange(min=1), metavar="N", help="Runs at a time. [default: all cores]"
 )

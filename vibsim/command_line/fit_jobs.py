@@ -12,7 +12,8 @@ from vibsim.command_line.interruption import Interruption
 from vibsim.command_line.paper_job import Steps
 from vibsim.command_line.run_plan import read_case
 from vibsim.command_line.settings import Settings
-from vibsim.command_line.summary import print_json, print_lines, size
+from vibsim.command_line.summary import print_lines, size
+from vibsim.command_line.terminal import print_json, say
 from vibsim.fitting.description import Table, facts, fit_lines, ranking_table
 from vibsim.fitting.errors import FitError
 from vibsim.fitting.fit_result import FitResult
@@ -78,9 +79,7 @@ def run_job(
     elif not settings.quiet:
         print_fit(found, (f"{output} ({size(output)}), {time.perf_counter() - began:.1f} s"))
     if not complete:
-        click.echo(
-            f"interrupted: {output} holds what was done; the same command goes on from there", err=True
-        )
+        say(f"interrupted: {output} holds what was done; the same command goes on from there", err=True)
         return interruption.exit_code
     return 0
 
@@ -90,7 +89,7 @@ def print_fit(found: FitResult, file: str) -> None:
     print_lines(fit_lines(found))
     print_table(ranking_table(found))
     if found.plan.free and found.plan.fresh_starts:
-        click.echo("  from fresh starts; * from those by which it was chosen; - does not hold")
+        say("  from fresh starts; * from those by which it was chosen; - does not hold")
     print_lines([("file", file)])
 
 
@@ -103,7 +102,7 @@ def print_table(table: Table) -> None:
             text.ljust(width) if i == 1 else text.rjust(width)
             for i, (text, width) in enumerate(zip(row, widths, strict=True))
         ]
-        click.echo(f"  {'  '.join(cells)}".rstrip())
+        say(f"  {'  '.join(cells)}".rstrip())
 
 
 def words_listed(settings: Settings) -> int:
@@ -122,7 +121,7 @@ def words_listed(settings: Settings) -> int:
     width = max(map(len, table))
     for words, entry in table.items():
         span = ", a span of time" if entry["span"] else ""
-        click.echo(f"{words:<{width}}  [{entry['takes']}{span}] {entry['definition']}")
+        say(f"{words:<{width}}  [{entry['takes']}{span}] {entry['definition']}")
     return 0
 
 

@@ -24,6 +24,6 @@ def command(ctx, files, case_only):
 
     for path in files:
         if case_only:
-            print_case(path)
+            print_case(path, ctx.obj)
         else:
             print_description(path, ctx.obj)

@@ -1,9 +1,10 @@
 """The command `vibsim`: a group whose commands are imported when they are called."""
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from importlib import import_module
+from itertools import takewhile
 from typing import Any
 
 import click
@@ -78,7 +79,14 @@ class LazyGroup(click.Group):
         run: Callable[..., Any] = partial(super().main, *args, standalone_mode=False, **extra)
         if not standalone_mode:
             return run()
-        sys.exit(exit_code_of(run))
+        words = args[0] if args and args[0] is not None else extra.get("args") or sys.argv[1:]
+        sys.exit(exit_code_of(run, _wants_json(words)))
+
+
+def _wants_json(words: Sequence[str]) -> bool:
+    """Whether a command line has --json, even where it cannot be understood."""
+    options = takewhile(lambda word: word != "--", words)
+    return "--json" in options
 
 
 def _hint(name: str) -> str:
@@ -86,10 +94,10 @@ def _hint(name: str) -> str:
         return f"; to run the case: vibsim run {name}"
     if name.endswith((".h5", ".hdf5")):
         return f"; to see what it holds: vibsim info {name}"
-    from difflib import get_close_matches
+    from vibsim.cases.spelling import nearest
 
-    near = get_close_matches(name.lower(), COMMANDS, n=1, cutoff=0.5)
-    return f"; did you mean {near[0]}?" if near else f"; commands are {', '.join(COMMANDS)}"
+    near = nearest(name, COMMANDS)
+    return f"; did you mean {near}?" if near else f"; commands are {', '.join(COMMANDS)}"
 
 
 group = LazyGroup(

@@ -10,9 +10,11 @@ from typing import Any
 
 import click
 
+from vibsim.command_line.errors import told
 from vibsim.command_line.interruption import Interruption
 from vibsim.command_line.settings import Settings
-from vibsim.command_line.summary import print_json, print_lines, size
+from vibsim.command_line.summary import print_lines, size
+from vibsim.command_line.terminal import print_json, say
 from vibsim.reports.paper import Report, write_paper
 from vibsim.reports.paper_runs import Interrupted
 
@@ -30,10 +32,8 @@ def write_report(folder: str, formats: tuple[str, ...], fresh: bool, settings: S
         try:
             report = write_paper(folder, formats, tell, fresh)
         except Interrupted:
-            click.echo(
-                f"interrupted: {folder} holds what was done; the same command goes on from there", err=True
-            )
-            return interruption.exit_code
+            what = f"interrupted: {folder} holds what was done; the same command goes on from there"
+            return told(what, interruption.exit_code, settings.json)
         finally:
             steps.close()
     _print_report(report, folder, time.perf_counter() - began, settings)
@@ -49,7 +49,7 @@ def _print_report(report: Report, folder: str, took: float, settings: Settings) 
         return
     count = Counter(finding.verdict for _, finding in report.findings)
     for number, (claim, finding) in enumerate(report.findings, start=1):
-        click.echo(f"{number:3}. {finding.verdict:14} {claim.statement}")
+        say(f"{number:3}. {finding.verdict:14} {claim.statement}")
     verdicts = ", ".join(f"{number} {verdict}" for verdict, number in count.items())
     runs = f"{report.simulated} simulated" if report.simulated else "all there already"
     print_lines(
@@ -88,7 +88,7 @@ class Steps:
 
     def _begin(self, total: int) -> None:
         if not sys.stderr.isatty():
-            click.echo(self._step, err=True)
+            say(self._step, err=True)
             return
         self._bar = click.progressbar(length=total, label=f"{self._step:28}", file=sys.stderr, show_pos=True)
         self._bar.render_progress()

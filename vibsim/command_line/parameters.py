@@ -6,6 +6,18 @@ import click
 from click.shell_completion import CompletionItem
 
 
+class OneOf(click.Choice):
+    """One of a few words; of another, the nearest is named."""
+
+    def convert(self, value, param, ctx):
+        if value not in self.choices:
+            from vibsim.cases.spelling import did_you_mean
+
+            near = did_you_mean(str(value), self.choices)
+            self.fail(f"{value!r} is not one of {', '.join(self.choices)}{near}", param, ctx)
+        return super().convert(value, param, ctx)
+
+
 class CaseSource(click.ParamType):
     """A case: completed from the shipped cases' names and the files at hand."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import asdict
 from typing import Any
 
@@ -10,7 +9,9 @@ import click
 from click.shell_completion import CompletionItem
 
 from vibsim.command_line.examples import examples
+from vibsim.command_line.parameters import OneOf
 from vibsim.command_line.settings import Settings
+from vibsim.command_line.terminal import print_json, say
 from vibsim.plots.errors import PlotError
 from vibsim.plots.registry import KINDS, NEEDS, fitting
 from vibsim.plots.view import WIDTHS_CM, Span, View, parse_span
@@ -71,7 +72,7 @@ EXAMPLES = examples(
     "--detail", type=SpanOfTime(), metavar="A:B", help="Span to enlarge in time histories, in seconds."
 )
 @click.option("-o", "--output", "out", metavar="FILE", help="Picture to write: .png, .pdf or .svg.")
-@click.option("--width", type=click.Choice(list(WIDTHS_CM)), help="Width in a journal: 8.6 cm or 17.8 cm.")
+@click.option("--width", type=OneOf(list(WIDTHS_CM)), help="Width in a journal: 8.6 cm or 17.8 cm.")
 @click.option("--force", is_flag=True, help="Replace pictures that exist.")
 @click.option(
     "--list", "list_kinds", is_flag=True, help="List the kinds, or those that fit the files, and stop."
@@ -109,16 +110,16 @@ def _list(settings: Settings, files: tuple[str, ...]) -> None:
 
         kinds = fitting(open_subjects(files))
     if settings.json:
-        click.echo(json.dumps([asdict(kind) for kind in kinds]))
+        print_json([asdict(kind) for kind in kinds])
         return
     longest = max((len(kind.name) for kind in kinds), default=0)
     for kind in kinds:
         needs = f" (needs {', '.join(NEEDS[need][0] for need in kind.needs)})" if kind.needs else ""
-        click.echo(f"{kind.name:{longest}}  {kind.summary}{needs}")
+        say(f"{kind.name:{longest}}  {kind.summary}{needs}")
 
 
 def _report(settings: Settings, written: list[str]) -> None:
     if settings.json:
-        click.echo(json.dumps({"written": written}))
+        print_json({"written": written})
     elif not settings.quiet:
-        click.echo("\n".join(written))
+        say("\n".join(written))

@@ -3,7 +3,7 @@
 import click
 
 from vibsim.command_line.examples import examples
-from vibsim.command_line.parameters import CASE, DIGITS, EXPONENTS, FILE, joined, set_option
+from vibsim.command_line.parameters import CASE, DIGITS, EXPONENTS, FILE, OneOf, joined, set_option
 
 METHODS = ["auto", "closed_form", "taylor"]
 ENGINES = ["auto", "c", "python"]
@@ -28,9 +28,9 @@ ENGINES = ["auto", "c", "python"]
 @set_option
 @click.option("--t-end", metavar="TIME", help="End of the run, such as 20s.")
 @click.option("--every", metavar="TIME", help="Time between samples, such as 5ms.")
-@click.option("--method", type=click.Choice(METHODS), help="How the motion between events is computed.")
+@click.option("--method", type=OneOf(METHODS), help="How the motion between events is computed.")
 @click.option(
-    "--engine", type=click.Choice(ENGINES), default="auto", help="Who computes it; the results are the same."
+    "--engine", type=OneOf(ENGINES), default="auto", help="Who computes it; the results are the same."
 )
 @click.option(
     "--plot", "picture", type=FILE, metavar="FILE", help="Draw the run too: a .png, .pdf or .svg file."
@@ -86,6 +86,7 @@ def command(
     from vibsim.command_line.run_plan import (
         check_digits,
         check_engine,
+        check_outputs,
         check_picture,
         plan,
         print_plan,
@@ -94,13 +95,14 @@ def command(
 
     check_engine(engine)
     check_digits(digits, engine)
-    check_picture(picture, len(sources), force)
+    check_picture(picture, len(sources), force or dry_run)
     given = {"run.t_end": t_end, "run.every": every, "run.method": method}
     values = joined(changes, given)
-    jobs = with_exponents(plan(sources, values, output, force), lyapunov, discard, digits)
+    jobs = with_exponents(plan(sources, values, output), lyapunov, discard, digits)
     if dry_run:
         print_plan(jobs, ctx.obj)
         return 0
+    check_outputs(jobs, force)
     code = run_all(jobs, engine, force, ctx.obj, trust, digits)
     if picture and code == 0:
         from vibsim.plots import plot_run

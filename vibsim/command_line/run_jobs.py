@@ -2,9 +2,7 @@
 
 import time
 
-import click
-
-from vibsim.command_line.errors import RUN_FAILED
+from vibsim.command_line.errors import RUN_FAILED, told
 from vibsim.command_line.interruption import Interruption
 from vibsim.command_line.progress import Progress
 from vibsim.command_line.run_plan import Job
@@ -12,12 +10,12 @@ from vibsim.command_line.settings import Settings
 from vibsim.command_line.slow_run import SlowRun
 from vibsim.command_line.summary import (
     heading,
-    print_json,
     print_lines,
     result_lines,
     size,
     summary_object,
 )
+from vibsim.command_line.terminal import print_json, say
 from vibsim.kernel import KernelError
 from vibsim.results import Result, simulate_to_file
 from vibsim.results.output_file import partial_path
@@ -38,9 +36,8 @@ def run_all(
             try:
                 _run_one(job, engine, force, settings, interruption, trust, digits)
             except KernelError as error:
-                kept = partial_path(job.output)
-                click.echo(f"Error: {job.case.name}: {error}; what came before is in {kept}", err=True)
-                code = RUN_FAILED
+                what = f"Error: {job.case.name}: {error}; what came before is in {partial_path(job.output)}"
+                code = told(what, RUN_FAILED, settings.json, case=job.case.name)
             if interruption.signum is not None:
                 return interruption.exit_code
     return code
@@ -70,7 +67,7 @@ def _run_one(
     finally:
         progress.close()
     if not result.complete:
-        click.echo(f"interrupted: {job.output} holds the run until {result.t_reached:g} s", err=True)
+        say(f"interrupted: {job.output} holds the run until {result.t_reached:g} s", err=True)
     if settings.json:
         print_json(summary_object(result, job.output))
     elif not settings.quiet:
@@ -83,5 +80,5 @@ def _print_summary(job: Job, result: Result, took: float, settings: Settings) ->
     if settings.verbose:
         lines.append(("work", f"{attrs['steps']} steps, {attrs['evaluations']} evaluations"))
         lines.append(("fingerprint", attrs["case_sha256"]))
-    click.echo(heading(job.case.name, job.case.title))
+    say(heading(job.case.name, job.case.title))
     print_lines([*lines, ("file", f"{job.output} ({size(job.output)}), {took:.2f} s")])

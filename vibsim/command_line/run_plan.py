@@ -8,13 +8,17 @@ from typing import TYPE_CHECKING
 import click
 
 from vibsim.command_line.settings import Settings
-from vibsim.command_line.summary import case_lines, heading, print_json, print_lines
+from vibsim.command_line.summary import case_lines, heading, print_lines
+from vibsim.command_line.terminal import print_json, say
 from vibsim.results import is_result_file, kind_of, open_result
 from vibsim.results.errors import ResultFileError
 from vibsim.results.output_file import check_output
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
+
+
+SUFFIXES = (".h5", ".hdf5")
 
 
 @dataclass(frozen=True)
@@ -26,16 +30,30 @@ class Job:
     tangent: tuple[int, float] = (0, 0.0)  # number of Lyapunov exponents, and from when on [s]
 
 
-def plan(sources: tuple[str, ...], changes: dict[str, str], output: str | None, force: bool) -> list[Job]:
-    """The jobs of one `vibsim run`, every case read and every output checked.
+def plan(sources: tuple[str, ...], changes: dict[str, str], output: str | None) -> list[Job]:
+    """The jobs of one `vibsim run`, every case read.
 
-    Raises CaseError, ResultFileError, and UsageError where two cases would go into one file.
+    Raises CaseError, ResultFileError, and UsageError where two cases would go into one file, or where a file
+    is called what an HDF5 file is not.
     """
     cases = [read_case(source, changes) for source in sources]
-    jobs = [Job(case, path) for case, path in zip(cases, _outputs(cases, output), strict=True)]
+    return [Job(case, path) for case, path in zip(cases, _outputs(cases, output), strict=True)]
+
+
+def check_outputs(jobs: list[Job], force: bool) -> None:
+    """Raise ResultFileError for an output that exists (unless `force`) or cannot be written."""
     for job in jobs:
         check_output(job.output, force)
-    return jobs
+
+
+def hdf5_name(output: str) -> str:
+    """The name of an output file as given. Raises UsageError where its suffix promises another format."""
+    suffix = Path(output).suffix
+    if suffix.lower() not in SUFFIXES:
+        said = f"suffix {suffix}" if suffix else "no suffix"
+        exported = "; for CSV or MAT: vibsim export" if suffix.lower() in (".csv", ".mat") else ""
+        raise click.UsageError(f"-o {output}: {said}; results are HDF5 files, .h5 or .hdf5{exported}")
+    return output
 
 
 def read_case(source: str, changes: dict[str, str]) -> "Case":
@@ -126,11 +144,19 @@ def print_plan(jobs: list[Job], settings: Settings) -> None:
     for job in jobs:
         resolved = json.loads(job.case.resolved_json())
         if settings.json:
-            print_json({"file": str(job.output), "case": resolved, "case_sha256": job.case.sha256})
+            told = {"file": str(job.output), "file_exists": job.output.exists()}
+            print_json({**told, "case": resolved, "case_sha256": job.case.sha256})
             continue
-        click.echo(heading(job.case.name, job.case.title))
-        print_lines([*case_lines(job.case.scene()), ("file", f"{job.output} (not written: dry run)")])
-        click.echo(json.dumps(resolved, indent=2, ensure_ascii=False))
+        if settings.quiet:
+            continue
+        say(heading(job.case.name, job.case.title))
+        file = f"{job.output} (not written: dry run{_in_the_way(job)})"
+        print_lines([*case_lines(job.case.scene()), ("file", file)])
+        print_json(resolved, indent=2)
+
+
+def _in_the_way(job: Job) -> str:
+    return "; it exists, and --force would replace it" if job.output.exists() else ""
 
 
 def _outputs(cases: list["Case"], output: str | None) -> list[Path]:
@@ -145,4 +171,4 @@ def _outputs(cases: list["Case"], output: str | None) -> list[Path]:
         if not target.is_dir():
             raise click.UsageError(f"-o {output}: several cases need a folder that exists")
         return [target / name for name in names]
-    return [target]
+    return [Path(hdf5_name(output))]

@@ -1,10 +1,9 @@
 """vibsim schema: the JSON Schema of a case file."""
 
-import json
-
 import click
 
 from vibsim.command_line.examples import examples
+from vibsim.command_line.terminal import print_json
 
 
 @click.command(
@@ -23,4 +22,4 @@ def command():
     """
     from vibsim.cases import case_schema
 
-    click.echo(json.dumps(case_schema(), indent=2, ensure_ascii=False))
+    print_json(case_schema(), indent=2)

@@ -6,6 +6,8 @@ from typing import Any
 
 import click
 
+from vibsim.command_line.parameters import OneOf
+
 
 @dataclass
 class Settings:
@@ -32,7 +34,7 @@ def global_options() -> list[click.Option]:
         option("--json", is_flag=True, help="Print results as JSON."),
         option(
             "--color",
-            type=click.Choice(["auto", "always", "never"]),
+            type=OneOf(["auto", "always", "never"]),
             help="Color the output; auto: on a terminal, unless NO_COLOR is set.",
         ),
     ]

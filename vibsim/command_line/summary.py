@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-import click
-
+from vibsim.cases.plain_text import one_line
+from vibsim.command_line.terminal import plain, say, style
 from vibsim.physics.scene import Scene
 from vibsim.results import Result
 
@@ -20,7 +20,8 @@ NO_JSON = ("case_yaml", "lyapunov_growth")  # as long as a file of its own
 
 def heading(name: str, title: str) -> str:
     """Name (bold) and title of a case."""
-    return click.style(name, bold=True) + (f"  {title}" if title and title != name else "")
+    title = one_line(title)
+    return style(one_line(name), bold=True) + (f"  {title}" if title and title != name else "")
 
 
 def case_lines(scene: Scene) -> list[tuple[str, str]]:
@@ -37,11 +38,9 @@ def result_lines(result: Result, scene: Scene) -> list[tuple[str, str]]:
     attrs = result.attrs
     lines = [*case_lines(scene), ("engine", engine_text(attrs))]
     if not result.complete:
-        lines.append(("incomplete", click.style(f"samples end at {last_sample(result):g} s", fg="yellow")))
+        lines.append(("incomplete", style(f"samples end at {last_sample(result):g} s", fg="yellow")))
     elif result.t_reached < scene.t_end:
-        lines.append(
-            ("stopped", click.style(f"at {result.t_reached:.6g} s, by the rest distance", fg="yellow"))
-        )
+        lines.append(("stopped", style(f"at {result.t_reached:.6g} s, by the rest distance", fg="yellow")))
     if "events" in attrs:
         lines.append(("motion", motion_text(attrs)))
     if "digits" in attrs:
@@ -71,7 +70,7 @@ def certificate_text(attrs: Mapping[str, Any]) -> str:
         return "no event missed, none invented: every stretch proved"
     count, first = attrs["uncertified"], attrs["first_uncertified_time"]
     stretches = "1 stretch" if count == 1 else f"{count} stretches"
-    return click.style(f"{stretches} in doubt, the first from {first:.6g} s on", fg="yellow")
+    return style(f"{stretches} in doubt, the first from {first:.6g} s on", fg="yellow")
 
 
 def energy_text(attrs: Mapping[str, Any]) -> str:
@@ -147,13 +146,14 @@ def rest_distance_text(attrs: dict[str, Any], scene: Scene) -> str:
     if not violations:
         return text
     first = attrs["first_violation_time"]
-    return text + click.style(f": {counted(violations, 'violation')}, first at {first:.3f} s", fg="yellow")
+    return text + style(f": {counted(violations, 'violation')}, first at {first:.3f} s", fg="yellow")
 
 
 def print_lines(lines: Iterable[tuple[str, str]]) -> None:
     """Print labelled lines, the texts in one column."""
     for label, text in lines:
-        click.echo(f"  {click.style(f'{label:{LABEL_WIDTH}}', dim=True)}{text}")
+        shown = text.replace("\n", "\\n")  # of a user's; no text of vibsim's has line ends
+        say(f"  {style(f'{label:{LABEL_WIDTH}}', dim=True)}{shown}")
 
 
 def summary_object(result: Result, path: str | Path) -> dict[str, Any]:
@@ -165,21 +165,6 @@ def summary_object(result: Result, path: str | Path) -> dict[str, Any]:
 
         attrs |= plain(exponent_object(result))
     return {"file": str(path), **attrs, "samples": len(result), "case": resolved}
-
-
-def plain(value: Any) -> Any:
-    """A value for JSON: arrays as lists, null for what is not finite."""
-    value = value.tolist() if hasattr(value, "tolist") else value
-    if isinstance(value, list):
-        return [plain(item) for item in value]
-    if isinstance(value, dict):
-        return {name: plain(item) for name, item in value.items()}
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def print_json(value: Any) -> None:
-    """Print one JSON object on one line; NaN is no JSON and never printed."""
-    click.echo(json.dumps(value, allow_nan=False, ensure_ascii=False))
 
 
 def counted(number: int, word: str) -> str:

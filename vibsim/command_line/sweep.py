@@ -3,7 +3,8 @@
 import click
 
 from vibsim.command_line.examples import examples
-from vibsim.command_line.parameters import CASE, FILE, joined, once_each, set_option
+from vibsim.command_line.parameters import CASE, FILE, OneOf, joined, once_each, set_option
+from vibsim.command_line.terminal import say
 
 DEFAULT_CASE = "II-B"
 
@@ -68,7 +69,7 @@ class KeyRange(click.ParamType):
     "'normal DEVIATION'; repeatable. [default: the motor's phi, over the full turn]",
 )  # fmt: skip
 @click.option(
-    "--direction", type=click.Choice(["up", "down", "both"]),
+    "--direction", type=OneOf(["up", "down", "both"]),
     help="Along the first axis. [default: as its values are written]",
 )  # fmt: skip
 @click.option(
@@ -95,10 +96,8 @@ class KeyRange(click.ParamType):
 @click.option(
     "--every", metavar="TIME", help="Sampling behind the statistics. [default: what the motion needs]"
 )
-@click.option(
-    "--method", type=click.Choice(["auto", "closed_form", "taylor"]), help="How the motion is computed."
-)
-@click.option("--engine", type=click.Choice(["auto", "c", "python"]), default="auto", help="Who computes it.")
+@click.option("--method", type=OneOf(["auto", "closed_form", "taylor"]), help="How the motion is computed.")
+@click.option("--engine", type=OneOf(["auto", "c", "python"]), default="auto", help="Who computes it.")
 @click.option(
     "-j", "--jobs", type=click.IntRange(min=1), metavar="N", help="Points at a time. [default: all cores]"
 )
@@ -128,11 +127,12 @@ def command(
     if source is None:
         source = DEFAULT_CASE
         if not ctx.obj.quiet:
-            click.echo(f"no case given: sweeping {source}", err=True)
+            say(f"no case given: sweeping {source}", err=True)
     given = {"run.t_end": t_end, "run.method": method}
     values = joined(changes, given)
-    axes = [("excitation.Omega0", omega0, "Hz"), ("excitation.omega", omega, "Hz")]
-    axes = [axis for axis in axes if axis[1] is not None] + [(key, text, "") for key, text in params]
+    axes = [("excitation.Omega0", omega0, "Hz", "--omega0"), ("excitation.omega", omega, "Hz", "--omega")]
+    axes = [axis for axis in axes if axis[1] is not None]
+    axes += [(key, text, "", f"--param {key}") for key, text in params]
     settings["compute"] = [name.strip() for name in computed.split(",") if name.strip()]
     plan = read_plan(source, values, axes, (ensemble or 0, seed, spreads), settings)
     plan, output = sharded(plan, shard, output)

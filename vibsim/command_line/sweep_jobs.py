@@ -8,12 +8,14 @@ from typing import Any
 
 import click
 
-from vibsim.cases import RangeError, UnknownKeyError
+from vibsim.cases import Case, RangeError, UnknownKeyError
 from vibsim.command_line.errors import FAILED_POINTS
 from vibsim.command_line.interruption import Interruption
-from vibsim.command_line.run_plan import read_case
+from vibsim.command_line.run_plan import hdf5_name, read_case
 from vibsim.command_line.settings import Settings
-from vibsim.command_line.summary import print_json, print_lines, size
+from vibsim.command_line.summary import print_lines, size
+from vibsim.command_line.terminal import print_json, say
+from vibsim.sweeps.axis import read_axis
 from vibsim.sweeps.columns import FAILED, MISSING
 from vibsim.sweeps.computations.registry import COMPUTATIONS
 from vibsim.sweeps.description import facts, sweep_lines
@@ -26,7 +28,8 @@ from vibsim.sweeps.workers import Workers
 
 PATIENCE = 1.0  # seconds before a bar appears
 
-AxisText = tuple[str, str, str]  # key, range, unit of a bare range
+AxisText = tuple[str, str, str, str]  # key, range, unit of a bare range, option that it was given with
+OTHER_OPTION = {"excitation.Omega0": ("--omega", "harmonic"), "excitation.omega": ("--omega0", "motor")}
 Ensemble = tuple[int, int, Sequence[tuple[str, str]]]  # members, seed, spreads as key and text
 
 
@@ -48,15 +51,24 @@ def read_plan(
     try:
         members = read_ensemble(case, count, seed, dict(spreads))
         plan = make_plan(case, axes, carry_state=settings.pop("carry"), ensemble=members, **settings)
-    except UnknownKeyError as error:
-        raise click.UsageError(f"--param: {error}") from None
-    except (RangeError, PlanError) as error:
-        raise click.UsageError(str(error)) from None
+    except (UnknownKeyError, RangeError, PlanError) as error:
+        raise click.UsageError(f"{_at_fault(case, axes)}{error}") from None
     if settings["direction"] is not None and not plan.carry:
-        click.echo(
-            "every point starts fresh, so the direction makes no difference; see --carry-state", err=True
-        )
+        say("every point starts fresh, so the direction makes no difference; see --carry-state", err=True)
     return plan
+
+
+def _at_fault(case: Case, axes: Sequence[AxisText]) -> str:
+    """The option that cannot be followed, as the begin of a message; empty where none is wrong by itself."""
+    for key, text, unit, option in axes:
+        other, kind = OTHER_OPTION.get(key, ("", ""))
+        if option.startswith("--omega") and case.source_kind == kind:
+            raise click.UsageError(f"{option}: the source of {case.name} is {kind}; use {other} {text}")
+        try:
+            read_axis(case, key, text, unit, option)
+        except (UnknownKeyError, RangeError):
+            return f"{option}: "
+    return ""
 
 
 def computations_listed(settings: Settings) -> None:
@@ -67,11 +79,12 @@ def computations_listed(settings: Settings) -> None:
         return
     width = max(map(len, COMPUTATIONS))
     for name, kind in COMPUTATIONS.items():
-        click.echo(f"{name:<{width}}  {kind.title}: {', '.join(kind.columns)}")
+        say(f"{name:<{width}}  {kind.title}: {', '.join(kind.columns)}")
 
 
 def sharded(plan: Plan, text: str | None, output: str | None) -> tuple[Plan, str]:
     """The part of a plan that --shard asks for, and the file for it. Raises UsageError."""
+    output = output if output is None else hdf5_name(output)
     name = f"{plan.case.name}-{'-'.join(axis.name for axis in plan.axes)}"
     if text is None:
         return plan, output or f"{name}.h5"
@@ -97,7 +110,7 @@ def run_sweep(plan: Plan, output: str, workers: Workers, engine: str, force: boo
     with Interruption() as interruption, workers:
         store = FileStore(plan, path, engine, force)
         for note in store.notes:
-            click.echo(f"Warning: {note}", err=True)
+            say(f"Warning: {note}", err=True)
         had = plan.count - store.table.count(MISSING) - store.table.count(FAILED)
         progress = PointsProgress(store.table, wanted=not settings.quiet)
 
@@ -116,13 +129,11 @@ def run_sweep(plan: Plan, output: str, workers: Workers, engine: str, force: boo
         lines = [*sweep_lines(result), ("file", _file_text(path, had, plan.count, took))]
         print_lines(lines)
     if not result.complete and interruption.signum is not None:
-        click.echo(f"interrupted: {path} holds what was done; the same command goes on from there", err=True)
+        say(f"interrupted: {path} holds what was done; the same command goes on from there", err=True)
         return interruption.exit_code
     failed = result.table.count(FAILED)
     if failed:
-        click.echo(
-            f"Error: {failed} of {plan.count} points failed; the same command tries them again", err=True
-        )
+        say(f"Error: {failed} of {plan.count} points failed; the same command tries them again", err=True)
     return FAILED_POINTS if failed else 0
 
 

@@ -13,7 +13,8 @@ import click
 from vibsim.command_line.errors import RUN_FAILED
 from vibsim.command_line.interruption import Interruption
 from vibsim.command_line.settings import Settings
-from vibsim.command_line.summary import counted, print_json
+from vibsim.command_line.summary import counted
+from vibsim.command_line.terminal import print_json, say, style
 from vibsim.verification.check import Check
 from vibsim.verification.row import Point, Row
 from vibsim.verification.verifying import rows_of
@@ -29,7 +30,7 @@ def print_list(checks: Sequence[Check], settings: Settings) -> None:
         return
     width = max(len(check.name) for check in checks)
     for check in checks:
-        click.echo(f"{check.name:{width}}  {check.title}")
+        say(f"{check.name:{width}}  {check.title}")
 
 
 def print_verification(
@@ -46,7 +47,7 @@ def print_verification(
         print_table(rows, {check.name: check.title for check in checks}, settings)
         _print_verdict(rows, left_out, engine, took, settings)
     if interruption.signum is not None:
-        click.echo("interrupted", err=True)
+        say("interrupted", err=True)
         return interruption.exit_code
     return 0 if all(row.passed for row in rows) else RUN_FAILED
 
@@ -72,13 +73,13 @@ def print_table(rows: Sequence[Row], titles: dict[str, str], settings: Settings)
         return
     cells = [_cells(row) for row in shown]
     widths = [max(len(line[i]) for line in [HEADER, *cells]) for i in range(len(HEADER))]
-    click.echo(_line(HEADER, widths))
+    say(_line(HEADER, widths))
     for name, group in groupby(zip(shown, cells, strict=True), key=lambda pair: pair[0].check):
-        click.echo(f"{click.style(name, bold=True)}  {titles.get(name, '')}")
+        say(f"{style(name, bold=True)}  {titles.get(name, '')}")
         for row, line in group:
-            click.echo(_line(line, widths, row))
+            say(_line(line, widths, row))
             if settings.verbose:
-                click.echo(f"      {click.style(row.because, dim=True)}")
+                say(f"      {style(row.because, dim=True)}")
 
 
 def _cells(row: Row) -> tuple[str, ...]:
@@ -90,7 +91,7 @@ def _line(cells: Sequence[str], widths: Sequence[int], row: Row | None = None) -
     what, *numbers, verdict = cells
     aligned = [number.rjust(width) for number, width in zip(numbers, widths[1:-1], strict=True)]
     if row is not None:
-        verdict = click.style(verdict, fg="green" if row.passed else "red")
+        verdict = style(verdict, fg="green" if row.passed else "red")
     return "  ".join(["", what.ljust(widths[0]), *aligned, verdict])
 
 
@@ -101,13 +102,13 @@ def _print_verdict(
     where = f"{ENGINES[engine]}, {took:.1f} s"
     if left_out:
         names = ", ".join(dict.fromkeys(check.name.rpartition("/")[0] for check in left_out))
-        click.echo(f"left out, minutes each on the Python engine; name them to have them: {names}", err=True)
+        say(f"left out, minutes each on the Python engine; name them to have them: {names}", err=True)
     if wrong:
         text = f"{wrong} of {counted(len(rows), 'number')} fall short of their bounds"
-        click.echo(f"{click.style(text, fg='red')} ({where})")
+        say(f"{style(text, fg='red')} ({where})")
     elif not settings.quiet:
         text = f"{counted(len(rows), 'number')}, all within their bounds"
-        click.echo(f"{click.style(text, fg='green')} ({where})")
+        say(f"{style(text, fg='green')} ({where})")
 
 
 def _described(rows: Sequence[Row], left_out: Sequence[Check], engine: str, took: float) -> dict[str, Any]:

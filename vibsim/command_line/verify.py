@@ -3,7 +3,7 @@
 import click
 
 from vibsim.command_line.examples import examples
-from vibsim.command_line.parameters import CHECK
+from vibsim.command_line.parameters import CHECK, OneOf
 
 ENGINES = ["auto", "c", "python"]
 
@@ -25,7 +25,7 @@ ENGINES = ["auto", "c", "python"]
 )
 @click.argument("names", metavar="[NAME]...", nargs=-1, type=CHECK)
 @click.option("--list", "list_checks", is_flag=True, help="List the checks, or those named, and stop.")
-@click.option("--engine", type=click.Choice(ENGINES), default="auto", help="The engine that is verified.")
+@click.option("--engine", type=OneOf(ENGINES), default="auto", help="The engine that is verified.")
 @click.pass_context
 def command(ctx, names, list_checks, engine):
     """Compute cases with known results, V1 to V11 and the hard ones, and print expected, obtained, error and

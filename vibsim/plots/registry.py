@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from vibsim.cases.spelling import nearest
 from vibsim.plots.errors import PlotError
 
 if TYPE_CHECKING:
@@ -192,8 +192,8 @@ def kind_named(name: str) -> Kind:
         if kind.name == name:
             return kind
     names = [kind.name for kind in KINDS]
-    near = get_close_matches(name.replace("_", "-"), names, 1)
-    hint = f"did you mean {near[0]}? " if near else ""
+    near = nearest(name, [*names, "all"])
+    hint = f"did you mean {near}? " if near else ""
     raise PlotError(f"unknown kind {name!r}: {hint}The kinds are {', '.join(names)}")
 
 

@@ -100,9 +100,7 @@ def _neighbours(rows: Sequence[Numbers], law: str, c: float) -> str:
     counts = counts_by_regime(rows, law, c)
     words = ", ".join(f"{count} {regime}" for regime, count in counts.items())
     where = [
-        f"{regime} at {_listed(rows_of(rows, regime, law, c))}"
-        for regime in IRREGULAR
-        if regime in counts
+        f"{regime} at {_listed(rows_of(rows, regime, law, c))}" for regime in IRREGULAR if regime in counts
     ]
     of = f"amplitude by {law}, c = {c:g} N s/m, {sum(counts.values())} frequencies from 3 to 7 Hz: {words}"
     return "; ".join([of, *where])

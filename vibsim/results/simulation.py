@@ -1,5 +1,6 @@
 """Run a case, into memory or straight into a file."""
 
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,13 +12,16 @@ if TYPE_CHECKING:
 
 
 def simulate(
-    case: "Case", engine: str = "auto", trust: bool = True, digits: int | str | None = None
+    case: "Case | str | PathLike[str]",
+    engine: str = "auto",
+    trust: bool = True,
+    digits: int | str | None = None,
 ) -> Result:
     """Run a case and keep its samples and events in memory.
 
     Parameters
     ----------
-    case : as `load_case` returns it
+    case : a Case, the path of a case file or the name of a shipped case
     engine : "auto" (C where it was built, else Python), "c" or "python"; they agree bit for bit
     trust : whether a second run beside the first tells until when it is right
     digits : decimal digits to carry (20 to 1000), or "auto" for as many as leave ten right ones at the end;
@@ -26,6 +30,9 @@ def simulate(
     Raises KernelError (in `vibsim.kernel`) when the run fails, ValueError for other digits, and
     MultiprecisionMissing (in `vibsim.physics.number_kits`) where neither python-flint nor mpmath is there.
     """
+    from vibsim.cases.loading import as_case
+
+    case = as_case(case)
     if digits is not None:
         from vibsim.results.truth import truth
 

@@ -1,6 +1,6 @@
 """One axis of a sweep: a key of the case and the exact values it takes, in the order they are written."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
@@ -125,6 +125,26 @@ def read_axis(case: "Case", key: str, text: str, bare_unit: str = "", option: st
     axis = Axis(full, values[0].unit, tuple(exact))
     _check(case, axis, option)
     return axis
+
+
+def range_text(key: str, values: object) -> str:
+    """The range that Python code gives for a key: a text as it is, values (numbers or texts) as a list.
+
+    Raises RangeError for anything else.
+    """
+    if isinstance(values, str):
+        return values
+    if isinstance(values, Iterable) and not isinstance(values, Mapping | bytes):
+        return ",".join(_value_text(key, value) for value in values)
+    raise RangeError(f"{key}: must be a range such as '3:7:0.05 Hz' or a list of values, got {values!r}")
+
+
+def _value_text(key: str, value: object) -> str:
+    """repr of a float is its shortest decimal, also where numpy holds it."""
+    value = value.item() if isinstance(value, np.generic) else value
+    if isinstance(value, bool) or not isinstance(value, str | int | float | Fraction):
+        raise RangeError(f"{key}: a value must be a number, or a text such as '3 Hz', got {value!r}")
+    return str(value)
 
 
 def _bare_unit(key: str) -> str:

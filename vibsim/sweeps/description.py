@@ -5,6 +5,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+from vibsim.cases.plain_text import one_line
 from vibsim.cases.quantities import decimal_text
 from vibsim.sweeps.axis import Axis
 from vibsim.sweeps.members import Members
@@ -23,14 +24,8 @@ def describe(path: str | Path) -> tuple[Lines, dict[str, Any]]:
 def sweep_lines(result: SweepResult) -> Lines:
     """What was swept, how, and what came of it."""
     attrs, plan = result.attrs, result.plan
-    lines = [
-        (
-            "case",
-            attrs["title"]
-            if attrs["title"] == attrs["case_name"]
-            else f"{attrs['case_name']}  {attrs['title']}",
-        )
-    ]
+    name, title = one_line(attrs["case_name"]), one_line(attrs["title"])
+    lines = [("case", title if title == name else f"{name}  {title}")]
     lines += [(axis.name, axis_text(axis)) for axis in plan.axes]
     lines.append(("points", points_text(attrs)))
     lines.append(("start", start_text(result)))

@@ -6,9 +6,10 @@ from fractions import Fraction
 from os import PathLike
 from pathlib import Path
 
-from vibsim.cases import Case, load_case
+from vibsim.cases import Case
+from vibsim.cases.loading import as_case
 from vibsim.cases.quantities import parse_quantity
-from vibsim.sweeps.axis import Axis, read_axis
+from vibsim.sweeps.axis import Axis, range_text, read_axis
 from vibsim.sweeps.computations.registry import read_computations
 from vibsim.sweeps.discard import parse_discard
 from vibsim.sweeps.members import Members, read_members
@@ -21,7 +22,7 @@ from vibsim.sweeps.workers import LocalWorkers, Workers, available_cores
 
 def sweep(
     case: Case | str | PathLike[str],
-    axes: Mapping[str, str] | None = None,
+    axes: Mapping[str, str | Iterable[object]] | None = None,
     *,
     direction: str | None = None,
     carry_state: bool = False,
@@ -43,8 +44,8 @@ def sweep(
     Parameters
     ----------
     case : a Case, the path of a case file or the name of a shipped case
-    axes : key -> range, e.g. {"excitation.Omega0": "3:7:0.05 Hz", "c": "0.01:0.05/9"}; one or more make a
-        grid
+    axes : key -> range, e.g. {"excitation.Omega0": "3:7:0.05 Hz", "c": "0.01:0.05/9"}, or values, e.g.
+        {"c": [0.01, "0.02 N s/m"]}; one or more make a grid
     direction : "up", "down" or "both" along the first axis; by default in the order in which its values are
         written: "7:3:1 Hz" runs down, and "4, 3, 5 Hz" in this order
     carry_state : start each point from the end of the one before along the first axis; "both" goes there and
@@ -67,10 +68,10 @@ def sweep(
     Raises CaseError, UnknownKeyError, RangeError, PlanError, ClusterError and ResultFileError. Points that
     fail are kept with their reason, see `SweepResult["status"]` and `["error"]`.
     """
-    case = case if isinstance(case, Case) else load_case(case)
+    case = as_case(case)
     plan = make_plan(
         case,
-        [(key, text, "") for key, text in (axes or {}).items()],
+        [(key, range_text(key, values), "", key) for key, values in (axes or {}).items()],
         direction,
         carry_state,
         discard,
@@ -88,7 +89,7 @@ def sweep(
 
 def make_plan(
     case: Case,
-    axes: Iterable[tuple[str, str, str]],
+    axes: Iterable[tuple[str, ...]],
     direction: str | None = None,
     carry_state: bool = False,
     discard: str = "50 %",
@@ -97,7 +98,11 @@ def make_plan(
     compute: str | Iterable[str] = (),
     ensemble: tuple[Members, ...] = (),
 ) -> Plan:
-    """The plan of `sweep`, everything checked; axes: key, range, and the unit of a range without one."""
+    """The plan of `sweep`, everything checked.
+
+    axes : key, range and, as `read_axis` takes them, the unit of a range without one and the option that
+        messages name
+    """
     if section < 0:
         raise PlanError(f"the number of stroboscopic points must not be negative, got {section}")
     try:

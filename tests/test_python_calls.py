@@ -1,0 +1,65 @@
+"""The calls of `import vibsim`: what each accepts, and what it says of anything else."""
+
+import numpy as np
+import pytest
+
+import vibsim
+from vibsim.cases import RangeError
+
+SHORT = {"run.t_end": "2 s"}
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory):
+    path = tmp_path_factory.mktemp("calls") / "short.h5"
+    vibsim.simulate(vibsim.load_case("II-B", SHORT)).save(path)
+    return path
+
+
+def test_a_case_may_be_given_by_its_name_or_file(tmp_path):
+    path = tmp_path / "short.yaml"
+    path.write_text("extends: II-B\nrun: {t_end: 2 s}\n", encoding="utf-8")
+    by_case, by_path, by_text = (vibsim.simulate(case) for case in (vibsim.load_case(path), path, str(path)))
+    assert by_case["x1"].tobytes() == by_path["x1"].tobytes() == by_text["x1"].tobytes()
+    assert vibsim.lyapunov(path, count=1).exponents.shape == (1,)
+    assert vibsim.analyse(path, what=["impacts"]).impacts is not None
+
+
+def test_a_run_may_be_given_by_its_file(saved):
+    by_result = vibsim.analyse(vibsim.open_result(saved), what=["frequencies"])
+    assert vibsim.analyse(saved, what=["frequencies"]) == by_result
+    assert vibsim.analyse(str(saved), what=["frequencies"]) == by_result
+    with pytest.raises(vibsim.ResultFileError, match="No such file"):
+        vibsim.analyse("none.h5")
+
+
+@pytest.mark.parametrize("wrong", [3, None, ["II-B"], b"II-B"])
+def test_anything_else_is_named(wrong):
+    for call in (vibsim.simulate, vibsim.analyse, vibsim.lyapunov, vibsim.sweep):
+        with pytest.raises(
+            TypeError, match="a case must be a Case, the path of a case file or the name of a shipped"
+        ):
+            call(wrong)
+    with pytest.raises(vibsim.CaseError, match="is no shipped case"):
+        vibsim.simulate("nosuch")
+
+
+@pytest.mark.parametrize(
+    "values", [[0.01, 0.02], (0.01, "0.02 N s/m"), np.array([0.01, 0.02]), "0.01,0.02", ["0.01", "0.02"]]
+)
+def test_values_of_an_axis_may_be_listed(values):
+    case = vibsim.load_case("II-B", SHORT)
+    assert vibsim.sweep(case, {"c": values}, section=0, jobs=1)["c"].tolist() == [0.01, 0.02]
+
+
+@pytest.mark.parametrize(
+    ("values", "told"), [(3, "a range such as"), ([None], "a number, or a text"), ([True], "bool|number")]
+)
+def test_what_no_axis_takes_is_named(values, told):
+    with pytest.raises((RangeError, ValueError), match=f"c: .*{told}"):
+        vibsim.sweep("II-B", {"c": values})
+
+
+def test_dir_shows_what_is_public_and_nothing_else():
+    vibsim.load_case  # noqa: B018
+    assert dir(vibsim) == sorted(vibsim.__all__)

@@ -1,0 +1,30 @@
+"""A run, however it is named: a Result, its file, or a case that is run first."""
+
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from vibsim.results.errors import ResultFileError
+from vibsim.results.opening import is_result_file, open_result
+from vibsim.results.result import Result
+from vibsim.results.simulation import simulate
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+SUFFIXES = (".h5", ".hdf5", ".partial")
+
+
+def as_result(run: "Result | Case | str | PathLike[str]") -> Result:
+    """The Result itself, that in a file, or that of running a case (a Case, its file or its shipped name).
+
+    Raises ResultFileError, CaseError, and TypeError for anything else.
+    """
+    if isinstance(run, Result):
+        return run
+    if isinstance(run, str | PathLike) and (Path(run).suffix in SUFFIXES or is_result_file(Path(run))):
+        result = open_result(Path(run))
+        if not isinstance(result, Result):
+            raise ResultFileError(f"{run}: holds no single run")
+        return result
+    return simulate(run)
