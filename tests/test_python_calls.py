@@ -60,6 +60,17 @@ def test_what_no_axis_takes_is_named(values, told):
         vibsim.sweep("II-B", {"c": values})
 
 
+def test_verdicts_are_words():
+    case = vibsim.load_case("II-B", SHORT)
+    made = vibsim.sweep(case, {"Omega0": "5,6 Hz"}, compute=["capture"], section=0, jobs=1)
+    flags = made.column("capture").flags
+    words = made.verdict("capture")
+    assert words.shape == made["capture"].shape
+    assert [flags[word] for word in words.ravel()] == made["capture"].ravel().tolist()
+    with pytest.raises(KeyError, match="mean_speed is no verdict of this sweep; its verdicts are capture"):
+        made.verdict("mean_speed")
+
+
 def test_dir_shows_what_is_public_and_nothing_else():
     vibsim.load_case  # noqa: B018
     assert dir(vibsim) == sorted(vibsim.__all__)

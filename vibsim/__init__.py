@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from vibsim.cases import Case, CaseError, load_case
     from vibsim.fitting import FitResult, fit
     from vibsim.results import Result, ResultFileError, open_result, simulate
-    from vibsim.sweeps import SweepResult, sweep
+    from vibsim.sweeps import SweepResult, join, sweep
 
 __version__ = "0.1.0"
 
@@ -43,6 +43,7 @@ _HOMES = {
     "open_result": "vibsim.results",
     "simulate": "vibsim.results",
     "SweepResult": "vibsim.sweeps",
+    "join": "vibsim.sweeps",
     "sweep": "vibsim.sweeps",
 }
 
@@ -58,6 +59,7 @@ __all__ = [
     "__version__",
     "analyse",
     "fit",
+    "join",
     "load_case",
     "lyapunov",
     "open_result",

@@ -89,7 +89,7 @@ def test_failed_points_end_in_exit_code_5():
     [
         ((), 2, "nothing to sweep"),
         (("--omega0", "3:7"), 2, "has no step"),
-        (("--omega", "3,4"), 2, "excitation.omega"),
+        (("--omega", "3,4"), 2, "use --omega0 3,4"),
         (("--param", "Omega=3,4"), 2, "did you mean"),
         (("--param", "c"), 2, "is not KEY=RANGE"),
         (("--param", "c=-1,1"), 3, "--param coupling.c: must be >= 0"),

@@ -132,7 +132,7 @@ def command(
     values = joined(changes, given)
     axes = [("excitation.Omega0", omega0, "Hz", "--omega0"), ("excitation.omega", omega, "Hz", "--omega")]
     axes = [axis for axis in axes if axis[1] is not None]
-    axes += [(key, text, "", f"--param {key}") for key, text in params]
+    axes += [(key, text, "", "--param") for key, text in params]
     settings["compute"] = [name.strip() for name in computed.split(",") if name.strip()]
     plan = read_plan(source, values, axes, (ensemble or 0, seed, spreads), settings)
     plan, output = sharded(plan, shard, output)

@@ -67,7 +67,7 @@ def _at_fault(case: Case, axes: Sequence[AxisText]) -> str:
         try:
             read_axis(case, key, text, unit, option)
         except (UnknownKeyError, RangeError):
-            return f"{option}: "
+            return f"{option} {key}: " if option == "--param" else f"{option}: "
     return ""
 
 

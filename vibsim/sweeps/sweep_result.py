@@ -88,6 +88,20 @@ class SweepResult:
             return {}
         return {f"{members.name}_{s.name}": members.drawn[s.key] for s in members.spreads}
 
+    def verdict(self, name: str) -> np.ndarray:
+        """The verdicts of that name as words, such as "captured" of "capture"; empty where there is none.
+
+        Raises KeyError for a name that is no verdict of this sweep.
+        """
+        flags = self.plan.columns[name].flags if name in self.plan.columns else None
+        if flags is None:
+            verdicts = [key for key, column in self.plan.columns.items() if column.flags]
+            raise KeyError(
+                f"{name} is no verdict of this sweep; its verdicts are {', '.join(verdicts) or 'none'}"
+            )
+        codes = self[name]
+        return np.select([codes == code for code in flags.values()], list(flags), "")
+
     def over_members(self, name: str) -> Summary:
         """What the members of the ensemble have of that name, summed up; shapes without the member axis.
 
