@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable
 from math import isfinite
 
-import click
+from vibsim.command_line.terminal import say
 
 PATIENCE = 1.0  # seconds on the clock over which the rate is taken
 SLOW = 100.0  # seconds of the motion in one on the clock; the cases of the paper take 10,000
@@ -31,7 +31,7 @@ class SlowRun:
         self._since, self._t = now, t
         if 0 <= rate < SLOW and left > LONG:
             self._wanted = False
-            click.echo(f"{self._label}: {_told(t, rate, left)}", err=True)
+            say(f"{self._label}: {_told(t, rate, left)}", err=True)
 
 
 def _told(t: float, rate: float, left: float) -> str:
