@@ -6,8 +6,10 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/installed
 KERNEL := $(wildcard vibsim/kernel/*.c vibsim/kernel/*.h)
 PAPER := I-A I-B I-C I-A-eq211 I-B-eq211 I-C-eq211 II-A II-B II-C
+BUILD_ENGINE := $(BIN)/python setup.py -q build_ext --inplace --force
+SANITIZED := tests/kernel tests/events tests/flows tests/tangent tests/sweeps
 
-.PHONY: help env run paper test fuzz verify lint figures sweep sommerfeld bench budgets truths clean
+.PHONY: help env run paper test fuzz sanitize verify lint figures sweep sommerfeld bench budgets truths clean
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -17,7 +19,7 @@ env: $(STAMP) ## set up .venv with vibsim, its C engine and the development tool
 
 $(STAMP): pyproject.toml setup.py $(KERNEL)
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	VIBSIM_BUILD=strict $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
 	touch $@
 
 run: $(STAMP) ## run case II-B and plot it: results/II-B.h5, results/II-B.png
@@ -33,6 +35,12 @@ test: $(STAMP) ## run the test suite in parallel
 
 fuzz: $(STAMP) ## throw three thousand mutants of cases, command lines and files at vibsim (COUNT=, SEED=)
 	$(BIN)/python -m tests.fuzz --count $(or $(COUNT),3000) --seed $(or $(SEED),1)
+
+sanitize: $(STAMP) ## run the C engine's tests and a thousand random scenes under ASan and UBSan
+	trap '$(BUILD_ENGINE)' EXIT; VIBSIM_BUILD=sanitize $(BUILD_ENGINE) && \
+	  LD_PRELOAD="$$(gcc -print-file-name=libasan.so) $$(gcc -print-file-name=libubsan.so)" ASAN_OPTIONS=detect_leaks=0 \
+	  PYTHONMALLOC=malloc VIBSIM_SCENES=1000 \
+	  $(BIN)/python -m pytest -n auto -q --timeout 1200 -p no:faulthandler $(SANITIZED)
 
 verify: $(STAMP) ## verify against known cases, then run the slow tests
 	$(BIN)/vibsim verify

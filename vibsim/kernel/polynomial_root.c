@@ -113,6 +113,8 @@ static void watch_turns(Run *r, const double *series, int count, double t0, doub
     int n, i;
     for (n = 1; n < count; n++)
         slopes[n - 1] = n * series[n];
+    if (count < 2)
+        return;
     n = 0;
     while (n < count - 2 && slopes[n] == 0)
         n++;
