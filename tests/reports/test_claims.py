@@ -178,7 +178,8 @@ def test_both_readings_of_100_seconds_are_judged():
 
 
 def test_missing_regimes_are_placed():
-    remark = findings(numbers())["three-regimes"].remark
+    finding = findings(numbers())["three-regimes"]
+    remark = " ".join([*finding.measured, finding.remark])
     assert "chaotic motion: with the amplitude by Table 1 and c = 0.001 N s/m at 3.8 Hz" in remark
     assert "quasi-periodic motion: with the amplitude by Eq. (2.11) and c = 0 N s/m at 6.3 Hz" in remark
     assert "6.3 Hz (followed to 3000 s: 6.3 Hz periodic with period 10)" in remark

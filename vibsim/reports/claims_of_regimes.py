@@ -69,7 +69,7 @@ def regime_claims() -> list[Claim]:
         ),
         Claim(
             "period-1-motor",
-            "So does the motor of 6.5 Hz.",
+            "So does the motor of 6.5 Hz: one impact in every turn.",
             said("period-1"),
             "The run from rest and four of five perturbed starts of II-C have one impact in each turn of the "
             "second "
@@ -122,12 +122,12 @@ def three_regimes(numbers: Numbers) -> Finding:
     lines = tuple(_regime_line(numbers, name) for name in (*PRINTED, *EQUAL_FORCE))
     holds = there >= set(NAMED) and len(struck) < len(PRINTED)
     missing = [regime for regime in NAMED if regime not in there]
-    remark = " ".join(_where_found(numbers["nearby"], regime) for regime in missing)
-    everyone = " All three strike from rest." if len(struck) == len(PRINTED) else ""
+    nearest = [_where_found(numbers["nearby"], regime) for regime in missing]
+    everyone = "All three strike from rest." if len(struck) == len(PRINTED) else ""
     silent = [f"{count_of(numbers, name, is_silent)} in {name}" for name in PRINTED if _some(numbers, name)]
     if silent:
         everyone += f" A motion without impacts coexists: it is reached from {words_of(silent)}."
-    return Finding(HOLDS if holds else FAILS, lines, (*PRINTED, *EQUAL_FORCE), remark=remark + everyone)
+    return Finding(HOLDS if holds else FAILS, (*lines, *nearest), (*PRINTED, *EQUAL_FORCE), remark=everyone)
 
 
 def is_silent(outcome: Numbers) -> bool:
