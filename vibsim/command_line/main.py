@@ -46,12 +46,16 @@ NOT_NEEDED = {"OPENBLAS_NUM_THREADS": "1", "PYDANTIC_DISABLE_PLUGINS": "__all__"
 class LazyGroup(click.Group):
     """Commands by name; exceptions become messages and exit codes here."""
 
+    owns_the_process = False  # whether `main` began it
+
     def list_commands(self, ctx):
         return list(COMMANDS)
 
     def get_command(self, ctx, cmd_name):
         if cmd_name not in COMMANDS:
             return None
+        if self.owns_the_process:
+            import_module("vibsim.results.signals").of_the_command = True  # type: ignore[attr-defined]
         command = import_module(COMMANDS[cmd_name][0]).command
         add_global_options(command)
         refuse_repeated(command)
@@ -124,13 +128,11 @@ def main() -> None:
     import os
     import signal
 
-    from vibsim.results import signals
-
     for name, value in NOT_NEEDED.items():
         os.environ.setdefault(name, value)
     gc.set_threshold(100_000)  # starting up makes many objects and no garbage; looking for it takes 30 ms
     signal.signal(signal.SIGTERM, _terminate)
-    signals.of_the_command = True
+    group.owns_the_process = True
     try:
         group.main(prog_name="vibsim")
     finally:
