@@ -8,11 +8,12 @@ import pytest
 import yaml
 from click.testing import CliRunner
 
-from vibsim.cases import CaseError, shipped_case_names
+from vibsim.cases import CaseError, gallery_case_names, shipped_case_names
 from vibsim.cases.forms import LONG, SHORT
 from vibsim.cases.keys import all_keys
 from vibsim.command_line.main import group
 
+SHIPPED = [*shipped_case_names(), *gallery_case_names()]
 INVALID = Path(__file__).parent / "invalid"
 
 
@@ -27,8 +28,13 @@ def test_cases_lists_all():
     code, out = vibsim("cases")
     lines = out.splitlines()
     assert code == 0
-    assert [line.split()[0] for line in lines] == ["name", *shipped_case_names()]
-    assert "II-B           motor     5.5 Hz     Non-ideal source, motor constant 5.5 Hz" in lines
+    assert [line.split()[0] for line in lines] == [
+        "name", *shipped_case_names(), *gallery_case_names(),
+    ]  # fmt: skip
+    assert any(
+        line.split(maxsplit=4) == ["II-B", "motor", "5.5", "Hz", "Non-ideal source, motor constant 5.5 Hz"]
+        for line in lines
+    )
 
 
 def test_cases_prints_a_case_to_start_from():
@@ -63,7 +69,7 @@ def test_commands_that_run_say_what_a_scene_of_parts_can_do(command, tmp_path, m
 
 def test_cases_as_json():
     found = {case["name"]: case for case in json.loads(vibsim("--json", "cases")[1])}
-    assert sorted(found) == shipped_case_names()
+    assert sorted(found) == sorted(name.rpartition("/")[2] for name in SHIPPED)
     assert (found["I-A"]["source"], found["I-A"]["frequency"]) == ("harmonic", "3.5 Hz")
 
 

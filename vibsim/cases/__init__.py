@@ -10,7 +10,7 @@ from vibsim.cases.keys import UnknownKeyError
 from vibsim.cases.loading import load_case
 from vibsim.cases.problems import CaseError, Problem
 from vibsim.cases.ranges import RangeError, RangeValue, parse_range
-from vibsim.cases.sources import hard_case_names, shipped_case_names
+from vibsim.cases.sources import gallery_case_names, hard_case_names, shipped_case_names
 
 __all__ = [
     "Case",
@@ -20,6 +20,7 @@ __all__ = [
     "RangeValue",
     "UnknownKeyError",
     "case_schema",
+    "gallery_case_names",
     "hard_case_names",
     "load_case",
     "parse_range",

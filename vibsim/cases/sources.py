@@ -14,7 +14,7 @@ LARGEST_FILE = 1_000_000  # bytes
 HDF5_SIGNATURE = b"\x89HDF"
 _CONTROL = re.compile("[^\t\n\r -~\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # what YAML forbids
 SUFFIXES = (".yaml", ".yml")
-HARD = "hard/"  # the folder of the hard cases, and how their names begin
+HARD, GALLERY = "hard/", "gallery/"  # folders of shipped cases, and how their names begin
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,16 @@ def shipped_case_names() -> list[str]:
 
 def hard_case_names() -> list[str]:
     """Names of the cases that are hard to compute, sorted: hard/a-million-seconds, ... hard/..."""
-    return sorted(f"{HARD}{path.stem}" for path in (shipped_folder() / HARD).glob("*.yaml"))
+    return _names_in(HARD)
+
+
+def gallery_case_names() -> list[str]:
+    """Names of the published models and examples, sorted: gallery/bilinear-oscillator, ... gallery/..."""
+    return _names_in(GALLERY)
+
+
+def _names_in(folder: str) -> list[str]:
+    return sorted(f"{folder}{path.stem}" for path in (shipped_folder() / folder).glob("*.yaml"))
 
 
 def is_path(source: str) -> bool:
@@ -71,7 +80,7 @@ def find_source(source: str, folder: Path | None = None) -> SourceText:
         text = decoded(sys.stdin.buffer.read(LARGEST_FILE + 1), "stdin")
         return SourceText("stdin", "stdin", text, Path(), "-")
     path = Path(source)
-    if source.startswith(HARD) and source in hard_case_names():
+    if source.startswith((HARD, GALLERY)) and source in _names_in(source.partition("/")[0] + "/"):
         path = shipped_folder() / f"{source}.yaml"
         return _file(path, str(path))
     if is_path(source):
@@ -108,8 +117,8 @@ def _unreadable(path: Path, error: Exception) -> str:
     if isinstance(error, FileNotFoundError):
         names = shipped_case_names()
         near = f"; the shipped case is called {path.stem}" if path.stem in names else ""
-        if str(path).startswith(HARD):
-            near = did_you_mean(str(path), hard_case_names())
+        if str(path).startswith((HARD, GALLERY)):
+            near = did_you_mean(str(path), [*hard_case_names(), *gallery_case_names()])
         return f"no such file{near}"
     if isinstance(error, IsADirectoryError):
         return "is a folder, not a case file"

@@ -24,9 +24,9 @@ class CaseSource(click.ParamType):
     name = "case"
 
     def shell_complete(self, ctx, param, incomplete):
-        from vibsim.cases import hard_case_names, shipped_case_names
+        from vibsim.cases import gallery_case_names, hard_case_names, shipped_case_names
 
-        names = [*shipped_case_names(), *hard_case_names()]
+        names = [*shipped_case_names(), *gallery_case_names(), *hard_case_names()]
         shipped = [CompletionItem(name) for name in names if name.startswith(incomplete)]
         return [*shipped, CompletionItem(incomplete, type="file")]
 

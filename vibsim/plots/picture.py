@@ -88,11 +88,12 @@ def _draw(
             _write_pages(list(figures), targets[0], force)
         else:
             for figure, target in zip(figures, targets, strict=True):
-                _write(figure, target, force)
+                write_figure(figure, target, force)
     return list(targets)
 
 
-def _write(figure: Figure, target: str, force: bool) -> None:
+def write_figure(figure: Figure, target: str, force: bool) -> None:
+    """Write one figure as PNG, PDF or SVG. Raises PlotError and ResultFileError."""
     from vibsim.results.output_file import output_file
 
     suffix = picture_suffix(target)

@@ -1,0 +1,129 @@
+"""The drawing of a machine shows every part of the scene, once, where it belongs."""
+
+from pathlib import Path
+
+import pytest
+
+from vibsim.cases import gallery_case_names, load_case, shipped_case_names
+from vibsim.cases.loading import load_case_text
+from vibsim.plots import style
+from vibsim.plots.machine import draw_machine_file
+from vibsim.plots.machine.drawing import machine_figure
+from vibsim.plots.machine.elements import elements
+from vibsim.plots.machine.layout import layout
+
+HAMMER = Path(__file__).parents[2] / "cases/parts/valid/hammer.yaml"
+ALL = [*shipped_case_names(), *gallery_case_names(), str(HAMMER)]
+
+
+def drawn(case):
+    """The axes of the drawing of a case."""
+    with style.applied():
+        figure = machine_figure(case.long_values())
+        figure.canvas.draw()
+    return figure.axes[0]
+
+
+def gids(axes):
+    return {artist.get_gid() for artist in axes.get_children()} - {None}
+
+
+def texts(axes):
+    return {text.get_text() for text in axes.texts}
+
+
+def part_keys(values):
+    sections = ("bodies", "links", "stops", "friction", "forces", "clearances")
+    keys = {f"{section}.{name}" for section in sections for name in values.get(section, {})}
+    return keys | ({"motor"} & set(values)) | ({"base"} & set(values))
+
+
+@pytest.mark.parametrize("source", ALL, ids=lambda source: Path(source).stem)
+def test_every_part_is_drawn_and_named(source):
+    values = load_case(source).long_values()
+    axes = drawn(load_case(source))
+    assert part_keys(values) <= gids(axes)
+    said = " ".join(texts(axes))
+    for key in part_keys(values):
+        section, _, name = key.partition(".")
+        assert (name or section) in said
+    for name, mass in values["bodies"].items():
+        assert {name, str(mass)} <= texts(axes)
+
+
+@pytest.mark.parametrize("source", ALL, ids=lambda source: Path(source).stem)
+def test_nothing_leaves_the_sheet(source):
+    axes = drawn(load_case(source))
+    sheet = axes.get_figure().bbox
+    for text in axes.texts:
+        box = text.get_window_extent()
+        assert sheet.x0 - 1 <= box.x0 <= box.x1 <= sheet.x1 + 1
+        assert sheet.y0 - 1 <= box.y0 <= box.y1 <= sheet.y1 + 1
+
+
+def test_values_stand_beside_their_parts():
+    said = texts(drawn(load_case("gallery/impact-damper")))
+    assert {"k = 394.78 N/m", "c = 1.26 N s/m", "left: gap 10 mm", "k = 50 kN/m, c = 20 N s/m"} <= said
+    assert "drive: 0.2 N at 1 Hz" in said
+    assert {"motor: 0.005 N m, 5.5 Hz", "µ = 0.001"} <= texts(drawn(load_case("II-B")))
+
+
+def one_body(stop):
+    return load_case_text(
+        f"bodies: {{a: 1 kg}}\nstops: {{wall: {{between: {stop[0]}, gap: 1 mm, acts: {stop[1]}, k: 1}}}}\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("ends", "acts", "left", "right"),
+    [
+        ("[a, ground]", "compression", "a", "ground"),  # met at x = +gap
+        ("[a, ground]", "extension", "ground", "a"),
+        ("[ground, a]", "compression", "ground", "a"),  # met at x = -gap
+        ("[ground, a]", "extension", "a", "ground"),
+    ],
+)
+def test_a_wall_stands_where_its_stop_is_met(ends, acts, left, right):
+    [element] = elements(one_body((ends, acts)).long_values())
+    assert (element.kind, element.left, element.right) == ("stop", left, right)
+
+
+@pytest.mark.parametrize(
+    ("ends", "acts", "kind"),
+    [
+        ("[a, b]", "compression", "stop"),
+        ("[a, b]", "extension", "hook"),
+        ("[b, a]", "compression", "hook"),
+        ("[b, a]", "extension", "stop"),
+    ],
+)
+def test_bodies_meet_or_pull(ends, acts, kind):
+    text = f"bodies: {{a: 1, b: 1}}\nstops: {{s: {{between: {ends}, gap: 0, acts: {acts}, k: 1}}}}\n"
+    [element] = elements(load_case_text(text).long_values())
+    assert (element.kind, element.left, element.right) == (kind, "a", "b")
+
+
+def test_parts_between_neighbours_stand_in_the_gap_and_others_above():
+    text = """
+bodies: {a: 1, b: 1, c: 1}
+links:
+  near: {between: [a, b], k: 1, c: 1}
+  far: {between: [c, a], k: 1}
+  middle: {between: [b, ground], k: 1}
+  first: {between: [a, ground], k: 1}
+  last: {between: [c, ground], k: 1}
+"""
+    plan = layout(load_case_text(text).long_values())
+    assert [[element.key for element in slot] for slot in plan.slots] == [
+        ["links.first"], ["links.near", "links.near"], [], ["links.last"],
+    ]  # fmt: skip
+    assert [element.key for element in plan.above] == ["links.far", "links.middle"]
+    assert all(left.right <= right.x for left, right in zip(plan.boxes, plan.boxes[1:], strict=False))
+
+
+@pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf"])
+def test_the_same_drawing_is_the_same_file(suffix, tmp_path):
+    files = [tmp_path / f"{name}{suffix}" for name in "ab"]
+    for file in files:
+        draw_machine_file(load_case("gallery/drifting-capsule"), str(file))
+    assert files[0].read_bytes() == files[1].read_bytes()

@@ -1,0 +1,196 @@
+"""Draw a scene: ties between and above its bodies, what they rub on below, what drives them on top."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from vibsim.plots.machine import symbols
+from vibsim.plots.machine.elements import (
+    BASE,
+    CHARACTER_CM,
+    FIXED,
+    Element,
+    base_label,
+    floors,
+    friction_label,
+    motor_label,
+    source_labels,
+)
+from vibsim.plots.machine.layout import LANE_CM, MOTOR_CM, SOURCE_CM, Box, Layout, label_width, layout
+from vibsim.plots.sheet import CM
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MARGIN_CM = 0.35
+FLOOR_CM = 0.46  # from a body to the first label below it
+LABEL_CM = 0.26  # a line of text
+BASE_CM = 0.3  # and from there to the motion of base
+STEM = 0.42  # where the stem of an element above the bodies stands, of the width, from the middle
+DIRECTION_CM = 0.38  # from the last of them to the arrow that shows the positive direction
+
+
+def machine_figure(values: dict[str, Any]) -> Figure:
+    """The drawing of the nested values of a case in the long form, at its final size."""
+    from matplotlib.figure import Figure
+
+    plan = layout(values)
+    low = -_depth(values) - MARGIN_CM
+    left, right = _outer_edges(values, plan)
+    size = (right - left + 2 * MARGIN_CM, plan.top - low + MARGIN_CM)
+    figure = Figure(figsize=(size[0] * CM, size[1] * CM))
+    axes = figure.add_axes((0, 0, 1, 1))
+    axes.set_axis_off()
+    axes.set_xlim(left - MARGIN_CM, right + MARGIN_CM)
+    axes.set_ylim(low, plan.top + MARGIN_CM)
+    draw_machine(axes, values, plan)
+    return figure
+
+
+def draw_machine(axes: Axes, values: dict[str, Any], plan: Layout) -> None:
+    """The drawing in given axes, whose units are centimetres."""
+    for box in plan.boxes:
+        symbols.body(axes, box.x, box.width, plan.height, box.name, str(values["bodies"][box.name]))
+        _below(axes, values, box)
+        _on_top(axes, values, box, plan.height)
+    for number, (slot, edges) in enumerate(zip(plan.slots, plan.edges, strict=True)):
+        _lanes(axes, slot, edges, plan.height)
+        _walls(axes, values, slot, edges, plan.height, -1 if number == 0 else 1)
+    for i, element in enumerate(plan.above):
+        _over(axes, element, plan, plan.roof + LANE_CM * (i + 0.5))
+    _direction(axes, values, plan, -_depth(values))
+
+
+def _depth(values: dict[str, Any]) -> float:
+    """Height of what is below the bodies [cm]."""
+    most = max(len(floors(values, name)) for name in values["bodies"])
+    labels = FLOOR_CM + LABEL_CM * (2 * most - 1) if most else 0.2
+    return labels + DIRECTION_CM + (BASE_CM if "base" in values else 0.0)
+
+
+def _outer_edges(values: dict[str, Any], plan: Layout) -> tuple[float, float]:
+    """Left and right end of the drawing [cm], walls and labels included."""
+    reach = [(box.centre, label_width(values, box.name) / 2) for box in plan.boxes]
+    ends = [x for centre, half in reach for x in (centre - half, centre + half)]
+    ends += [_end(element, plan, side) + 0.25 * side for element in plan.above for side in (-1, 1)]
+    if "base" in values:
+        ends.append(plan.boxes[0].x + 0.7 + len(base_label(values)) * CHARACTER_CM + 0.6)
+    return min(-0.25, *ends), max(plan.width + 0.25, *ends)
+
+
+def _below(axes: Axes, values: dict[str, Any], box: Box) -> None:
+    """What a body rubs on, side by side where there are several; wheels where there is none."""
+    own = floors(values, box.name)
+    if not own and not _rubs(values, box.name):
+        symbols.wheels(axes, box.x, box.right, -0.02)
+    width = (box.width + 0.3) / max(len(own), 1)
+    for i, (name, friction) in enumerate(own):
+        x0 = box.x - 0.15 + i * width
+        _floor(axes, friction, x0 + 0.03, x0 + width - 0.03, f"friction.{name}")
+        y = -FLOOR_CM - 2 * i * LABEL_CM
+        symbols.label(axes, box.centre, y, name, style="italic")
+        symbols.label(axes, box.centre, y - LABEL_CM, friction_label(friction))
+
+
+def _rubs(values: dict[str, Any], body: str) -> bool:
+    """True for a body that rubs on another one, which then carries it."""
+    return any(body in (f["between"].P, f["between"].Q) for f in values.get("friction", {}).values())
+
+
+def _floor(axes: Axes, friction: dict[str, Any], x0: float, x1: float, gid: str) -> None:
+    ends = friction["between"]
+    speed = friction["belt"].value * (1 if ends.Q in FIXED else -1)
+    if speed:
+        symbols.belt(axes, x0, x1, -0.03, speed > 0, gid)
+    else:
+        symbols.floor(axes, x0, x1, -0.03, BASE in (ends.P, ends.Q), gid)
+
+
+def _on_top(axes: Axes, values: dict[str, Any], box: Box, y: float) -> None:
+    """Motor and forces of a body."""
+    motor = values.get("motor")
+    if motor is not None and motor["on"] == box.name:
+        symbols.rotor(axes, box.centre, y)
+        symbols.label(axes, box.centre, y + MOTOR_CM - 0.2, motor_label(motor))
+        y += MOTOR_CM
+    for i, (key, text) in enumerate(source_labels(values, box.name)):
+        level = y + SOURCE_CM * i + 0.17
+        symbols.arrow(axes, box.centre - 0.45, box.centre + 0.45, level, key)
+        symbols.label(axes, box.centre, level + 0.22, text, bbox=symbols.PAPER)
+
+
+def _lanes(axes: Axes, slot: list[Element], edges: tuple[float, float], height: float) -> None:
+    """The elements of a gap between bodies, from the top."""
+    for i, element in enumerate(slot):
+        y = height * (1 - (i + 0.5) / len(slot))
+        _element(axes, element, *edges, y)
+
+
+def _element(axes: Axes, element: Element, x0: float, x1: float, y: float) -> None:
+    if element.kind in ("stop", "hook"):
+        draw = symbols.stop if element.kind == "stop" else symbols.hook
+        draw(axes, x0, x1, y, element.damped, element.key)
+    elif element.kind == "friction":
+        symbols.pads(axes, x0, x1, y, element.key)
+    else:
+        {"spring": symbols.spring, "damper": symbols.damper, "clearance": symbols.clearance}[element.kind](
+            axes, x0, x1, y, element.key
+        )
+    middle = (x0 + x1) / 2
+    symbols.label(axes, middle, y + 0.38, element.title, style="italic")
+    symbols.label(axes, middle, y - 0.36, element.value)
+
+
+def _walls(
+    axes: Axes,
+    values: dict[str, Any],
+    slot: list[Element],
+    edges: tuple[float, float],
+    height: float,
+    side: int,
+) -> None:
+    """The walls at the far ends: one piece for each run of lanes that end at the same."""
+    ends = [element.left if side < 0 else element.right for element in slot]
+    x, lane = edges[0] if side < 0 else edges[1], height / max(len(slot), 1)
+    for i, end in enumerate(ends):
+        if end in FIXED and (i == 0 or ends[i - 1] != end):
+            last = next((j for j in range(i, len(ends)) if ends[j] != end), len(ends))
+            y1, y0 = height - lane * i - 0.08, height - lane * last + 0.08
+            symbols.wall(axes, x, y0, y1, side, end == BASE, end)
+
+
+def _over(axes: Axes, element: Element, plan: Layout, y: float) -> None:
+    """An element above the bodies, between stems of those that it joins, or a stem and a wall of its own."""
+    x0, x1 = _stem(axes, element, plan, y, -1), _stem(axes, element, plan, y, 1)
+    _element(axes, element, x0, x1, y)
+
+
+def _stem(axes: Axes, element: Element, plan: Layout, y: float, side: int) -> float:
+    """Draw one end of an element above the bodies; x of the end [cm]."""
+    end = element.left if side < 0 else element.right
+    x = _end(element, plan, side)
+    if end in FIXED:
+        symbols.wall(axes, x, y - 0.35, y + 0.35, side, end == BASE, end)
+    else:
+        symbols.line(axes, [x, x], [plan.height, y + 0.12], zorder=1)
+    return x
+
+
+def _end(element: Element, plan: Layout, side: int) -> float:
+    """Where an element above the bodies ends: at a stem on a body, or at a wall of its own [cm]."""
+    end = element.left if side < 0 else element.right
+    if end in FIXED:
+        return _end(element, plan, -side) + side * element.width
+    box = plan.box(end)
+    return box.centre - side * STEM * box.width
+
+
+def _direction(axes: Axes, values: dict[str, Any], plan: Layout, y: float) -> None:
+    """The positive direction, and the motion of base."""
+    x = plan.boxes[0].x
+    if "base" in values:
+        symbols.arrow(axes, x, x + 0.6, y + BASE_CM, "base", both=True)
+        symbols.label(axes, x + 0.7, y + BASE_CM, f"base: {base_label(values)}", ha="left")
+    symbols.arrow(axes, x, x + 0.8, y)
+    symbols.label(axes, x + 0.95, y, "$x$", ha="left", fontsize=7)
