@@ -11,7 +11,7 @@ from glob import glob
 
 from setuptools import Extension, setup
 
-KERNEL = "vibsim/kernel"
+ROOMS = {"vibsim.kernel._kernel": "vibsim/kernel", "vibsim.engine._engine": "vibsim/engine"}
 GCC_FLAGS = ["-std=c99", "-O3", "-ffp-contract=off", "-fno-fast-math", "-Wall"]
 STRICT = ["-Wextra", "-Werror"]
 SANITIZED = ["-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
@@ -19,16 +19,17 @@ EXTRA = {"": [], "strict": STRICT, "sanitize": STRICT + SANITIZED}
 
 kind = os.environ.get("VIBSIM_BUILD", "")
 
-sources = sorted(glob(f"{KERNEL}/*.c"))
 extensions = [
     Extension(
-        "vibsim.kernel._kernel",
-        sources=sources,
-        depends=sorted(glob(f"{KERNEL}/*.h")),
+        name,
+        sources=sorted(glob(f"{room}/*.c")),
+        depends=sorted(glob(f"{room}/*.h")),
         extra_compile_args=["/O2", "/fp:strict"] if os.name == "nt" else GCC_FLAGS + EXTRA[kind],
         extra_link_args=[flag for flag in EXTRA[kind] if flag.startswith("-fsanitize")],
         optional=not kind,
     )
+    for name, room in ROOMS.items()
+    if glob(f"{room}/*.c")
 ]
 
-setup(ext_modules=extensions if sources else [])
+setup(ext_modules=extensions)

@@ -9,7 +9,7 @@ import pytest
 import vibsim
 
 PACKAGE = Path(vibsim.__file__).parent
-GROUND = {"physics", "flows", "events", "kernel"}
+GROUND = {"physics", "flows", "events", "kernel", "engine"}
 # each may import those before it
 MIDDLE = ["cases", "results", "analysis", "sweeps", "fitting", "peers", "verification", "benchmark"]
 TOP = {"command_line", "plots", "reports"}

@@ -1,0 +1,118 @@
+"""Random scenes made of parts: up to four bodies with every kind of part, short enough for the Python
+engine.
+"""
+
+import math
+
+from hypothesis import strategies as st
+
+from tests.random_scenes import between, decades, signed
+from vibsim.physics.parts import (
+    AT_FORCE,
+    AT_GAP,
+    BASE,
+    COMPRESSION,
+    EXTENSION,
+    GROUND,
+    Body,
+    Force,
+    Friction,
+    Harmonic,
+    Link,
+    Motor,
+    Scene,
+    Stop,
+)
+
+LENGTH, RATE = 0.01, 2 * math.pi  # scales of displacements [m] and rates [rad/s]
+
+
+@st.composite
+def harmonics(draw, size, least=0):
+    """Up to two harmonics of about `size`."""
+    terms = []
+    for _ in range(draw(st.integers(least, 2))):
+        omega = RATE * draw(decades(-0.5, 0.7))
+        amplitude, phase = size * draw(between(-1.0, 1.0)), draw(st.sampled_from((0.0, 0.5, 2.0)))
+        terms.append(Harmonic(amplitude, omega, omega / (2 * math.pi), 0.0, phase))
+    return tuple(terms)
+
+
+@st.composite
+def part_scenes(draw, motor=None, radians=12.0, bodies=4):
+    """A scene of 1 to `bodies` bodies. motor: True, False or None (either)."""
+    n = draw(st.integers(1, bodies))
+    count = draw(st.integers(0, 2))
+    damped = draw(st.booleans())
+    base = draw(harmonics(LENGTH, 1)) if draw(st.booleans()) else ()
+    outer = [GROUND, BASE] if base else [GROUND]
+    parts = []
+    for i in range(n):
+        x = draw(signed(LENGTH))
+        parts.append(Body(f"b{i}", draw(decades(-0.5, 0.5)), x, draw(signed(LENGTH * RATE))))
+
+    def ends():
+        P = draw(st.integers(0, n - 1))
+        Q = draw(st.sampled_from([*[k for k in range(n) if k != P], *outer]))
+        return (P, Q) if draw(st.booleans()) else (Q, P)
+
+    links = [
+        Link(f"l{i}", *ends(), RATE**2 * draw(decades(-0.5, 0.5)), draw(decades(-2, 0)) * RATE * damped)
+        for i in range(draw(st.integers(0, n + 1)))
+    ]
+    stops = [
+        Stop(
+            f"s{i}",
+            *ends(),
+            draw(st.sampled_from((0.0, 0.3, 1.0, -0.2))) * LENGTH,
+            draw(st.sampled_from((EXTENSION, COMPRESSION))),
+            RATE**2 * draw(decades(0, 1.5)),
+            draw(st.sampled_from((0.0, 0.5, 3.0))) * RATE * damped,
+            draw(st.sampled_from((AT_GAP, AT_FORCE))),
+        )
+        for i in range(draw(st.integers(0, 2)))
+    ]
+    frictions = []
+    for i in range(count):
+        N = draw(decades(-1.5, 0)) * RATE**2 * LENGTH
+        belt = draw(st.sampled_from((0.0, 0.0, 0.2))) * RATE * LENGTH
+        frictions.append(Friction(f"f{i}", *ends(), N, N * draw(st.sampled_from((1.0, 0.5))), belt))
+    forces = tuple(
+        Force(
+            f"F{i}",
+            draw(st.integers(0, n - 1)),
+            draw(signed(RATE**2 * LENGTH)),
+            draw(harmonics(RATE**2 * LENGTH)),
+        )
+        for i in range(draw(st.integers(0, 2)))
+    )
+    with_motor = draw(st.booleans()) if motor is None else motor
+    engine = None
+    if with_motor:
+        m3, e = draw(decades(-1, 0)), LENGTH * draw(decades(0, 1))
+        inertia = m3 * e * e
+        engine = Motor(
+            draw(st.integers(0, n - 1)),
+            m3,
+            e,
+            inertia,
+            inertia * RATE**2,
+            1.5 * RATE,
+            0.5,
+            draw(signed(RATE)),
+        )
+    t_end = radians / (4 * RATE)
+    return Scene(
+        tuple(parts),
+        tuple(links),
+        tuple(stops),
+        tuple(frictions),
+        forces,
+        base,
+        engine,
+        (),
+        False,
+        t_end,
+        1,
+        40,
+    )

@@ -1,0 +1,361 @@
+"""What follows an event: the one mode that is consistent with the state behind it, the Filippov solution.
+
+A mode is consistent where each of its event functions is positive just behind the instant: its first
+derivative that is not zero is. So every decision at a zero looks at derivatives, never at the sign of a
+rounded zero. Each transition tells which event functions are zero at its instant, and to which order. A
+decision that rounding could turn is in doubt, and the certificate counts it. Two events at one instant are
+taken one after the other.
+"""
+
+from itertools import product
+
+from vibsim.engine.harmonics import value_and_rate
+from vibsim.engine.rows import CLEARANCE, COUPLING, DIFFERENCE, GAP, HOLD, PUSH, SLIDE
+from vibsim.engine.status import BACKWARD, CONTACT, FORWARD, KEPT, LIFTED, OPEN, STICK, VIOLATED, Status
+from vibsim.physics.parts import AT_FORCE
+
+JET = 7  # order of the highest derivative consulted where lower ones vanish
+
+
+class Automaton:
+    """Decides the modes of a run."""
+
+    def __init__(self, scene, maker, flow, kit):
+        self.scene, self.maker, self.flow, self.kit = scene, maker, flow, kit
+
+    # -- start
+
+    def initial(self, state):
+        """Status that the motion starts in from `state`, and the known zeros there."""
+        scene = self.scene
+        depths = [self._depth(stop, state) for stop in scene.stops]
+        stops = tuple(CONTACT if g > 0 else OPEN for g in depths)
+        slacks = [self._excess(c, state) for c in scene.clearances]
+        clearances = tuple(VIOLATED if over > 0 else KEPT for over in slacks)
+        rates = [self._slip(f, state) for f in scene.frictions]
+        frictions = tuple(sign(rate) for rate in rates)
+        status = Status(stops, frictions, clearances)
+        known: dict[tuple, int] = {}
+        standing = [i for i, rate in enumerate(rates) if rate == 0]
+        if standing:
+            status = self._settle(state, status, standing)
+            known |= {(SLIDE, i): 1 for i in standing if status.frictions[i] != STICK}
+        for i, g in enumerate(depths):
+            if self._blurred(g, scene.stops[i], state, scene.stops[i].sense * scene.stops[i].gap):
+                self._doubt(state)
+            if g == 0:
+                open_ = status.with_stop(i, OPEN)
+                turning = -self._leading_sign(state, open_, (GAP, i))
+                status, known = status.with_stop(i, CONTACT if turning > 0 else OPEN), {**known, (GAP, i): 1}
+            elif g > 0 and self._pulls(state, status, i):
+                status = status.with_stop(i, LIFTED)
+        for i, over in enumerate(slacks):
+            if self._blurred(over, scene.clearances[i], state, -scene.clearances[i].distance):
+                self._doubt(state)
+            if over == 0:
+                kept = status.with_clearance(i, KEPT)
+                turning = -self._leading_sign(state, kept, (CLEARANCE, i))
+                status = status.with_clearance(i, VIOLATED if turning > 0 else KEPT)
+                known = {**known, (CLEARANCE, i): 1}
+        return status, known
+
+    def _pulls(self, state, status, i):
+        """Whether the damper of stop `i`, in contact, would have to pull."""
+        stop = self.scene.stops[i]
+        return stop.c != 0 and stop.release == AT_FORCE and self._value(state, status, (PUSH, i)) < 0
+
+    def _ends(self, part, state, of):
+        values = (*(state.x if of == "x" else state.v), self.kit.number(0), self._base(state, of))
+        P, Q = self.maker.ends(part)
+        return values[P], values[Q]
+
+    def _base(self, state, of):
+        return value_and_rate(self.kit, self.scene.base, state.t)[0 if of == "x" else 1]
+
+    def _depth(self, stop, state):
+        xP, xQ = self._ends(stop, state, "x")
+        return -(stop.sense * (xP - xQ)) - stop.gap
+
+    def _excess(self, clearance, state):
+        xP, xQ = self._ends(clearance, state, "x")
+        return (xP - xQ) - clearance.distance
+
+    def _slip(self, friction, state):
+        vP, vQ = self._ends(friction, state, "v")
+        return (vP - vQ) - friction.belt
+
+    def _blurred(self, value, part, state, distance):
+        """Whether the rounding of x_P - x_Q and of its sum with `distance` could turn the sign of `value`."""
+        xP, xQ = self._ends(part, state, "x")
+        y = xP - xQ
+        lost = abs(_difference_error(xP, xQ, y)) + abs(_difference_error(y, -distance, y + distance))
+        return lost > 0 and abs(value) <= lost
+
+    def _doubt(self, state):
+        self.flow.certificate.doubt(state.t)
+
+    # -- event functions at a state
+
+    def _enter(self, state, status):
+        rows = self.maker.rows(status)
+        self.flow.enter(state, rows, {})
+        return rows
+
+    def _event(self, rows, key):
+        return next(event for event in rows.events if event.key == key)
+
+    def _value(self, state, status, key):
+        rows = self._enter(state, status)
+        return self.flow.derivatives(self._event(rows, key), 0)[0]
+
+    def _leading_sign(self, state, status, key, first=1):
+        """Sign of the first derivative, from order `first`, that is not zero."""
+        rows = self._enter(state, status)
+        return first_sign(self.flow.derivatives(self._event(rows, key), JET)[first:])
+
+    # -- events
+
+    def take(self, state, status, event):
+        """What the zero of `event` at `state` leads to: (status, [(kind name, part)], known zeros).
+
+        Moves the velocities of bodies that stick onto each other. At a reversal it keeps the residue of the
+        time grid: the friction force turns dt too late, where cutting the residue would take momentum.
+        """
+        if event.kind == GAP:
+            return self._contact_switch(state, status, event)
+        if event.kind == PUSH:
+            return self._push_switch(state, status, event)
+        if event.kind == CLEARANCE:
+            return self._clearance_switch(state, status, event)
+        if event.kind == SLIDE:
+            return self._sliding_ends(state, status, event)
+        return self._hold_ends(state, status, event)
+
+    def _contact_switch(self, state, status, event):
+        i = event.part
+        stop, before = self.scene.stops[i], status.stops[i]
+        deeper = -event.direction * self._crossing(state, status, event.key)  # sign of the depth behind here
+        after = before if deeper == 0 else CONTACT if deeper > 0 else OPEN
+        if before == LIFTED:
+            after = OPEN if deeper < 0 else LIFTED
+        status = status.with_stop(i, after)
+        happened = []
+        if after != before and before != LIFTED:
+            happened.append(("contact_begin" if after == CONTACT else "contact_end", i))
+        known = {event.key: 1}
+        if after != before and stop.c != 0 and STICK in status.frictions:
+            stuck = status.frictions
+            status = self._settle(state, status, [k for k, value in enumerate(stuck) if value == STICK])
+            happened += self._changes(stuck, status.frictions, known)
+        return status, happened, known
+
+    @staticmethod
+    def _changes(before, after, known):
+        """Events of frictions whose status differs; adds the zeros of those that begin to slip to `known`."""
+        happened = []
+        for i, (old, new) in enumerate(zip(before, after, strict=True)):
+            if new != STICK and new != old:
+                known[SLIDE, i] = 1
+                happened.append(("stick_end" if old == STICK else "reversal", i))
+            elif new != old:
+                happened.append(("stick_begin", i))
+        return happened
+
+    def _crossing(self, state, status, key):
+        """+1 where the event function goes on falling through its zero, -1 where it turns back."""
+        event = self._event(self.maker.rows(status), key)
+        if all(term.kind == DIFFERENCE for term in event.terms):
+            rate = self._direct_rate(state, event)
+            if rate != 0:
+                return -sign(rate)
+        return -self._leading_sign(state, status, key)
+
+    def _direct_rate(self, state, event):
+        """Rate of a function made of differences, from the velocities: no rounding of a flow in it."""
+        v = (*state.v, self.kit.number(0), self._base(state, "v"))
+        total = None
+        for term in event.terms:
+            part = term.coefficient * (v[term.P] - v[term.Q])
+            total = part if total is None else total + part
+        return total
+
+    def _hold_values(self, state, rows, event):
+        """Derivatives of a HOLD function; its value straight from the state where couplings alone make it."""
+        values = self.flow.derivatives(event, JET)
+        if event.terms and all(term.kind == COUPLING for term in event.terms):
+            values[0] = self._direct_hold(state, rows, event)
+        return values
+
+    def _direct_hold(self, state, rows, event):
+        x = (*state.x, self.kit.number(0), self._base(state, "x"))
+        v = (*state.v, self.kit.number(0), self._base(state, "v"))
+        total = None
+        for term in event.terms:
+            one = rows.couplings[term.P]
+            force = one.k * (x[one.P] - x[one.Q]) + one.c * (v[one.P] - v[one.Q]) + one.offset
+            part = term.coefficient * force
+            total = part if total is None else total + part
+        return total + event.constant
+
+    def _push_switch(self, state, status, event):
+        i, before = event.part, status.stops[event.part]
+        if self._crossing(state, status, event.key) <= 0:
+            return status, [], {event.key: 1}
+        after = LIFTED if before == CONTACT else CONTACT
+        kind = "contact_end" if after == LIFTED else "contact_begin"
+        return status.with_stop(i, after), [(kind, i)], {event.key: 1}
+
+    def _clearance_switch(self, state, status, event):
+        i, before = event.part, status.clearances[event.part]
+        turning = self._crossing(state, status, event.key)
+        after = before if turning <= 0 else 1 - before
+        happened = [] if after == before else [("violation_begin" if after else "violation_end", i)]
+        return status.with_clearance(i, after), happened, {event.key: 1}
+
+    def _sliding_ends(self, state, status, event):
+        i, before = event.part, status.frictions
+        standing = self._standing(status, i)
+        after = self._settle(state, status, standing)
+        known = {}
+        if after.frictions[i] == STICK:
+            self._join(state, self.maker.rows(after), i)
+        else:
+            known[SLIDE, i] = 1
+        return after, self._changes(before, after.frictions, known), known
+
+    def _standing(self, status, i):
+        """Frictions at v_rel = 0 in the moment in which friction `i` comes to it: those that stick, and those
+        that others which stick then keep from sliding.
+        """
+        standing = {i, *(k for k, value in enumerate(status.frictions) if value == STICK)}
+        while True:
+            tied = status.with_frictions(dict.fromkeys(standing, STICK))
+            leader, drift = self.maker.ties(tied)
+            more = {
+                k
+                for k, friction in enumerate(self.scene.frictions)
+                for P, Q in [self.maker.ends(friction)]
+                if k not in standing and leader[P] == leader[Q] and drift[P] - drift[Q] == friction.belt
+            }
+            if not more:
+                return sorted(standing)
+            standing |= more
+
+    def _hold_ends(self, state, status, event):
+        rows = self.maker.rows(status)
+        cut = rows.cuts[event.part]
+        if self._crossing(state, status, event.key) <= 0:
+            return status, [], {event.key: 1}
+        slips = {i: orientation * event.direction for i, orientation in cut.ties}
+        return status.with_frictions(slips), [("stick_end", i) for i in slips], {(SLIDE, i): 2 for i in slips}
+
+    # -- friction at rest
+
+    def _settle(self, state, status, standing):
+        """The status in which the frictions `standing` (v_rel = 0) stick or slip consistently."""
+        after = self._release(state, status, standing)
+        if after is not None:
+            return after
+        self._doubt(state)
+        for choice in product((STICK, FORWARD, BACKWARD), repeat=len(standing)):
+            candidate = status.with_frictions(dict(zip(standing, choice, strict=True)))
+            if self._consistent(state, candidate, standing):
+                return candidate
+        return status.with_frictions(dict.fromkeys(standing, STICK))
+
+    def _release(self, state, status, standing):
+        """All stick; then the ties of the cut that is overloaded most slip, and so on. None where that is not
+        consistent in the end.
+        """
+        candidate = status.with_frictions(dict.fromkeys(standing, STICK))
+        for _ in range(len(standing) + 1):
+            rows = self._enter(state, candidate)
+            broken = self._overloaded(state, rows)
+            if broken is None:
+                break
+            cut = rows.cuts[broken.part]
+            slips = {i: orientation * broken.direction for i, orientation in cut.ties}
+            candidate = candidate.with_frictions(slips)
+        else:
+            return None
+        slipping = [i for i in standing if candidate.frictions[i] != STICK]
+        if len(standing) == 1 or self._slips_as_said(state, candidate, slipping):
+            return candidate
+        return None
+
+    def _overloaded(self, state, rows):
+        """The HOLD event furthest below zero behind the instant, or None."""
+        worst, depth = None, None
+        for event in rows.events:
+            if event.kind == HOLD:
+                values = self._hold_values(state, rows, event)
+                if abs(values[0]) < 4 * self.kit.eps * self._size(state, rows, event):
+                    self._doubt(state)
+                if first_sign(values) < 0 and (depth is None or values[0] < depth):
+                    worst, depth = event, values[0]
+        return worst
+
+    def _size(self, state, rows, event):
+        """Sum of the magnitudes of the terms of the force in a HOLD event: what its rounding is
+        proportional to.
+        """
+        size = self.kit.number(0)
+        x, v = (*state.x, 0, self._base(state, "x")), (*state.v, 0, self._base(state, "v"))
+        for term in event.terms:
+            if term.kind == COUPLING:
+                one = rows.couplings[term.P]
+                P, Q = one.P, one.Q
+                part = one.k * abs(x[P] - x[Q]) + one.c * abs(v[P] - v[Q]) + abs(one.offset)
+                size = size + abs(term.coefficient) * part
+        return size
+
+    def _slips_as_said(self, state, status, slipping):
+        """Whether the frictions that begin to slip do so in the direction of their status."""
+        if not slipping:
+            return True
+        rows = self._enter(state, status)
+        signs = [first_sign(self.flow.derivatives(self._event(rows, (SLIDE, i)), JET)[1:]) for i in slipping]
+        return all(one >= 0 for one in signs)
+
+    def _consistent(self, state, status, standing):
+        rows = self._enter(state, status)
+        if self._overloaded(state, rows) is not None:
+            return False
+        return self._slips_as_said(state, status, [i for i in standing if status.frictions[i] != STICK])
+
+    def _join(self, state, rows, i):
+        """Give the bodies that friction `i` ties their common velocity; momentum is kept where they move
+        freely.
+        """
+        P, _ = self.maker.ends(self.scene.frictions[i])
+        leader, n = rows.leader[P], self.maker.n
+        members = [c for c in rows.groups.members[leader] if c < n]
+        if leader >= n:
+            common = self.kit.number(0) if leader == n else self._base(state, "v")
+        else:
+            momentum = None
+            for c in members:
+                share = self.scene.bodies[c].m * (state.v[c] - rows.drift[c])
+                momentum = share if momentum is None else momentum + share
+            common = momentum / rows.mass[leader]
+        for c in members:
+            state.v[c] = common + rows.drift[c]
+
+
+def _difference_error(a, b, difference):
+    """What rounding took from a - b (Knuth's two-sum)."""
+    back = a - difference
+    return (a - (difference + back)) + (back - b)
+
+
+def sign(value):
+    """-1, 0 or +1."""
+    return 1 if value > 0 else -1 if value < 0 else 0
+
+
+def first_sign(values):
+    """Sign of the first value that is not zero; 0 where all are."""
+    for value in values:
+        if value != 0:
+            return sign(value)
+    return 0

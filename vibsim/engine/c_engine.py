@@ -1,0 +1,207 @@
+"""The C engine as a trajectory: packs the scene, adds modes as they are met, decides what C leaves open."""
+
+from array import array
+
+import numpy as np
+
+import vibsim.engine._engine as _engine
+from vibsim.engine.automaton import Automaton
+from vibsim.engine.errors import EngineError
+from vibsim.engine.flow import Flow
+from vibsim.engine.packing import coupled, pack_mode, pack_scene, pack_state
+from vibsim.engine.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, RowMaker
+from vibsim.engine.state import State
+from vibsim.engine.status import CONTACT, LIFTED, OPEN, STICK
+from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.numbers import Doubles
+
+SAMPLE_ROOM, EVENT_ROOM = 16384, 4096
+ACCUMULATION, DIVERGED, UNDECIDED = 1, 2, 3
+REASONS = {ACCUMULATION: "accumulation", DIVERGED: "diverged"}
+ASK, CROSS, STAND = range(3)
+
+
+class Doubts:
+    """A certificate that hands doubts on to the run in C."""
+
+    def __init__(self):
+        self.run, self.early = None, []
+        self.margin = float("inf")
+
+    def doubt(self, t):
+        if self.run is None:
+            self.early.append(t)
+        else:
+            self.run.doubt(t)
+
+    def keep_turn(self, value, t):
+        """Scouts find no turns."""
+
+
+class CRun:
+    """A run of a scene made of parts on the C engine."""
+
+    def __init__(self, scene, resume=None):
+        self.scene, self.n = scene, len(scene.bodies)
+        self.maker = RowMaker(scene, Doubles)
+        self.doubts = Doubts()
+        self.scout = Flow(scene, Doubles, self.doubts)
+        self.automaton = Automaton(scene, self.maker, self.scout, Doubles)
+        self.harmonics = self.scout.closed.harmonics
+        self.run = _engine.Run(*pack_scene(scene, self.harmonics))
+        self.keys, self.numbers, self.rows, self.ruled = {}, {}, [], set()
+        state, status, known = resume or self._start()
+        self._buffers(len(status.codes))
+        number = self._mode(status)
+        packed = self._known(known, 0)
+        self.doubts.run = self.run
+        for t in self.doubts.early:
+            self.run.doubt(t)
+        self.filled = self.run.start(number, pack_state(state), packed, *self.buffers)
+
+    def _start(self):
+        scene = self.scene
+        phase = turns = w = 0.0
+        if scene.motor is not None:
+            phase, turns = Doubles.reduce_angle(scene.motor.phi)
+            w = scene.motor.phidot
+        state = State(0.0, [b.x for b in scene.bodies], [b.v for b in scene.bodies], phase, turns, w)
+        return (state, *self.automaton.initial(state))
+
+    def _buffers(self, parts):
+        self.samples = np.empty((3 + 2 * self.n, SAMPLE_ROOM))
+        self.sample_modes = np.empty((parts, SAMPLE_ROOM), dtype="i1")
+        self.events = np.empty((4 + 2 * self.n, EVENT_ROOM))
+        self.event_codes = np.empty((2 + parts, EVENT_ROOM), dtype="i1")
+        self.buffers = self.samples, self.sample_modes, self.events, self.event_codes
+
+    def _mode(self, status):
+        """Number of a mode in C; adds it where it is new."""
+        if status not in self.numbers:
+            rows = self.maker.rows(status)
+            if self.scout.suits(rows) is self.scout.taylor:
+                rows.modal = False
+            self.numbers[status] = self.run.add_mode(*pack_mode(rows, self.keys, self.n))
+            self.rows.append(rows)
+        return self.numbers[status]
+
+    def _known(self, known, missing):
+        orders = array("i", [missing]) * len(self.keys)
+        for key, order in known.items():
+            if key in self.keys:
+                orders[self.keys[key]] = order
+        return orders.tobytes()
+
+    def blocks(self):
+        """Yield (samples, sample modes, events, event codes), arrays of one row per column; raises
+        EngineError.
+        """
+        yield self._block(*self.filled)
+        finished = 0
+        while not finished:
+            samples, events, finished, status = self.run.advance(*self.buffers)
+            yield self._block(samples, events)
+            if status == UNDECIDED:
+                number, event, values = self.run.pending()
+                if self._set_rule(number, event):
+                    continue
+                samples, events, finished, status = self._decide(number, event, State(*values))
+                yield self._block(samples, events)
+            if status in REASONS:
+                raise EngineError(REASONS[status], State(*self.run.tally()["state"]))
+
+    def _block(self, samples, events):
+        return (
+            self.samples[:, :samples].copy(),
+            self.sample_modes[:, :samples].copy(),
+            self.events[:, :events].copy(),
+            self.event_codes[:, :events].copy(),
+        )
+
+    def _decide(self, number, event, state):
+        """Let the automaton of the Python engine decide the pending event."""
+        rows = self.rows[number]
+        status, happened, known = self.automaton.take(state, rows.status, rows.events[event])
+        target = self._mode(status)
+        kinds = array("i", (EVENT_KINDS[kind] for kind, _ in happened)).tobytes()
+        parts = array("i", (part for _, part in happened)).tobytes()
+        return self.run.take(target, pack_state(state), self._known(known, -1), kinds, parts, *self.buffers)
+
+    def _set_rule(self, number, event):
+        """Tell C what follows an event, where that is simple; whether it is news."""
+        if (number, event) in self.ruled:
+            return False
+        self.ruled.add((number, event))
+        rows = self.rows[number]
+        rule = self._rule(rows, rows.events[event])
+        if rule is None:
+            return False
+        self.run.set_rule(number, event, rule)
+        return True
+
+    def _rule(self, rows, event):
+        """(rule, target, other, hold, kind, part, key, order) of an event, or None where Python decides."""
+        status, i, key = rows.status, event.part, self.keys[event.key]
+        if event.kind == GAP:
+            return self._contact_rule(status, event, key)
+        if event.kind == PUSH:
+            after = LIFTED if status.stops[i] == CONTACT else CONTACT
+            kind = "contact_end" if after == LIFTED else "contact_begin"
+            return self._cross(status.with_stop(i, after), kind, i, key, 1)
+        if event.kind == CLEARANCE:
+            after = 1 - status.clearances[i]
+            kind = "violation_begin" if after else "violation_end"
+            return self._cross(status.with_clearance(i, after), kind, i, key, 1)
+        if event.kind == SLIDE:
+            return self._stand_rule(status, event, key)
+        cut = rows.cuts[i]
+        if len(cut.ties) > 1:
+            return None
+        tie, orientation = cut.ties[0]
+        after = status.with_frictions({tie: orientation * event.direction})
+        number = self._mode(after)
+        return (CROSS, number, 0, -1, EVENT_KINDS["stick_end"], tie, self.keys[SLIDE, tie], 2)
+
+    def _cross(self, status, kind, part, key, order):
+        return (CROSS, self._mode(status), 0, -1, EVENT_KINDS[kind], part, key, order)
+
+    def _contact_rule(self, status, event, key):
+        i = event.part
+        stop, before = self.scene.stops[i], status.stops[i]
+        if before == LIFTED or self._against_base(stop) or (stop.c != 0 and STICK in status.frictions):
+            return None
+        after = CONTACT if before == OPEN else OPEN
+        kind = "contact_begin" if after == CONTACT else "contact_end"
+        return self._cross(status.with_stop(i, after), kind, i, key, 1)
+
+    def _against_base(self, part):
+        return self.n + 1 in self.maker.ends(part)
+
+    def _stand_rule(self, status, event, key):
+        i = event.part
+        standing = self.automaton._standing(status, i)
+        stuck = status.with_frictions(dict.fromkeys(standing, STICK))
+        rows = self.maker.rows(stuck)
+        holds = [e for e in rows.events if e.kind == HOLD]
+        if len(standing) > 1 and set(standing) - {i} != {
+            k for k, v in enumerate(status.frictions) if v == STICK
+        }:
+            return None
+        if not all(coupled(e) for e in holds) or self.n + 1 in {
+            c for q in rows.couplings for c in (q.P, q.Q)
+        }:
+            return None
+        if rows.leader[self.maker.ends(self.scene.frictions[i])[0]] == self.n + 1:
+            return None
+        target, other, hold = self._mode(stuck), 0, -1
+        if standing == [i]:
+            before = status.frictions[i]
+            other = self._mode(status.with_frictions({i: -before}))
+            for number, e in enumerate(rows.events):
+                if e.kind == HOLD and rows.cuts[e.part].ties[0][1] * e.direction == -before:
+                    hold = number
+        return (STAND, target, other, hold, EVENT_KINDS["stick_begin"], i, key, 1)
+
+    @property
+    def tally(self):
+        return self.run.tally()

@@ -1,0 +1,393 @@
+/* The driver: one loop over segments, for either flow; twin of vibsim/engine/driver.py.
+ *
+ * What follows an event is decided here where its rule is simple and the decision clear, and left to Python elsewhere:
+ *   CROSS  the function falls through its zero: on to the mode `target`
+ *   STAND  a sliding velocity is zero: on to `target`, where it sticks, if every tie of that mode holds, or to `other`, where
+ *          it slides the other way, if the tie `hold` gives way
+ */
+#include <string.h>
+
+#include "engine.h"
+#include "numbers.h"
+
+#define EVENTS_AT_ONE_INSTANT 64
+#define STEPS_AT_ONCE 100000 /* bounds the work between two blocks where nothing happens */
+
+static void enter(Run *r, const State *state)
+{
+    if (r->mode->modal != NULL)
+        closed_form_enter(r, state);
+    else
+        taylor_enter(r, state);
+}
+
+static double flow_advance(Run *r, double limit, int *event)
+{
+    return r->closed ? closed_form_advance(r, limit, event) : taylor_advance(r, limit, event);
+}
+
+static void flow_state(Run *r, double t, State *out)
+{
+    if (r->closed)
+        closed_form_state_after(r, t - r->t0, out);
+    else
+        taylor_state_after(r, t - r->t0, out);
+    out->t = t;
+}
+
+static void copy_state(const Run *r, const State *from, State *to)
+{
+    size_t size = sizeof(double) * (size_t)r->bodies;
+    to->t = from->t;
+    to->phase = from->phase;
+    to->turns = from->turns;
+    to->w = from->w;
+    memcpy(to->x, from->x, size);
+    memcpy(to->v, from->v, size);
+}
+
+static double sample_time(const Run *r, long long i)
+{
+    return ((double)i * r->every_num) / r->every_den;
+}
+
+/* Index of the first sample at or after t. */
+static long long sample_index(const Run *r, double t)
+{
+    long long i = (long long)(t * r->every_den / r->every_num);
+    while (i > 0 && sample_time(r, i - 1) >= t)
+        i--;
+    while (sample_time(r, i) < t)
+        i++;
+    return i;
+}
+
+static void write_state(const Run *r, double *row, long room, const State *s)
+{
+    int c;
+    row[0] = s->t;
+    for (c = 0; c < r->bodies; c++) {
+        row[(1 + 2 * c) * room] = s->x[c];
+        row[(2 + 2 * c) * room] = s->v[c];
+    }
+    row += (1 + 2 * r->bodies) * room;
+    row[0] = unwind(s->phase, s->turns);
+    row[room] = s->w;
+}
+
+static void write_codes(const Run *r, signed char *row, long room)
+{
+    int i;
+    for (i = 0; i < r->parts; i++)
+        row[i * room] = (signed char)r->mode->codes[i];
+}
+
+static void write_sample(const Run *r, Buffers *b, const State *s)
+{
+    long i = b->sample_count++;
+    write_state(r, b->samples + i, b->sample_room, s);
+    write_codes(r, b->sample_modes + i, b->sample_room);
+}
+
+static void record(Run *r, Buffers *b, int kind, int part)
+{
+    long i = b->event_count++, room = b->event_room;
+    r->counts[kind] += 1;
+    write_state(r, b->events + i, room, &r->state);
+    b->events[(3 + 2 * r->bodies) * room + i] = r->state.phase;
+    b->event_codes[i] = (signed char)kind;
+    b->event_codes[room + i] = (signed char)part;
+    write_codes(r, b->event_codes + 2 * room + i, room);
+}
+
+static void finish(Run *r, Buffers *b)
+{
+    record(r, b, END, -1);
+    r->finished = 1;
+}
+
+static void note_violation(Run *r, Buffers *b)
+{
+    if (!r->violated_once)
+        r->first_violation = r->state.t;
+    r->violated_once = 1;
+    if (r->stop_on_violation)
+        finish(r, b);
+}
+
+static void use_mode(Run *r, int number)
+{
+    r->mode_number = number;
+    r->mode = r->modes[number];
+}
+
+static int violated(const Run *r)
+{
+    int i;
+    for (i = r->parts - r->clearances; i < r->parts; i++)
+        if (r->mode->codes[i])
+            return 1;
+    return 0;
+}
+
+void run_start(Run *r, int mode, Buffers *b)
+{
+    use_mode(r, mode);
+    r->next_sample = sample_index(r, r->state.t);
+    r->known_since = r->state.t;
+    record(r, b, START, -1);
+    if (violated(r))
+        note_violation(r, b);
+    if (!r->finished)
+        enter(r, &r->state);
+}
+
+/* Go on in a mode behind the pending event, with the zeros in r->behind. */
+void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, const int *parts)
+{
+    int i, k;
+    if (r->next.t == r->known_since) {
+        for (k = 0; k < r->key_count; k++)
+            if (r->behind[k] >= 0)
+                r->known[k] = r->behind[k];
+        r->crowd += 1;
+        if (r->crowd > EVENTS_AT_ONE_INSTANT) {
+            copy_state(r, &r->next, &r->state);
+            r->status = ACCUMULATION;
+            return;
+        }
+    } else {
+        for (k = 0; k < r->key_count; k++)
+            r->known[k] = r->behind[k] >= 0 ? r->behind[k] : 0;
+        r->crowd = 0;
+    }
+    copy_state(r, &r->next, &r->state);
+    use_mode(r, mode);
+    r->known_since = r->state.t;
+    for (i = 0; i < happened; i++) {
+        record(r, b, kinds[i], parts[i]);
+        if (kinds[i] == VIOLATION_BEGIN)
+            note_violation(r, b);
+    }
+    if (!r->finished)
+        enter(r, &r->state);
+    if (!r->finished && r->pending_end >= r->t_end)
+        finish(r, b);
+}
+
+/* Rate of a function made of differences, from the velocities: no rounding of a flow in it. */
+static double direct_rate(const Run *r, const Event *e)
+{
+    const Term *t = r->mode->terms + e->first;
+    double total = 0.0;
+    int i;
+    for (i = 0; i < e->terms; i++) {
+        double P = t[i].P < r->bodies ? r->next.v[t[i].P] : 0.0, Q = t[i].Q < r->bodies ? r->next.v[t[i].Q] : 0.0;
+        double part = t[i].coefficient * (P - Q);
+        total = i == 0 ? part : total + part;
+    }
+    return total;
+}
+
+/* First derivative of an event function of the present mode at r->next, by its flow. */
+static double flow_rate(Run *r, const Event *e)
+{
+    double series[SERIES], steps = r->steps, evaluations = r->evaluations, rate;
+    enter(r, &r->next);
+    if (r->closed) {
+        closed_form_jets(r, JET_ORDER + 1);
+        rate = event_derivative(r, e, 1);
+    } else {
+        taylor_polynomial(r, e, series);
+        rate = series[1];
+    }
+    r->steps = steps;
+    r->evaluations = evaluations;
+    return rate;
+}
+
+static double column_value(const Run *r, const double *values, int c)
+{
+    return c < r->bodies ? values[c] : 0.0;
+}
+
+/* Value of a HOLD function of mode m at r->next, whose terms are all couplings, and the size of its terms. */
+static double direct_hold(const Run *r, const Mode *m, const Event *e, double *size)
+{
+    double total = 0.0;
+    int i;
+    *size = 0.0;
+    for (i = 0; i < e->terms; i++) {
+        const Term *t = &m->terms[e->first + i];
+        const Coupling *c = &m->couplings[t->P];
+        double y = column_value(r, r->next.x, c->P) - column_value(r, r->next.x, c->Q);
+        double u = column_value(r, r->next.v, c->P) - column_value(r, r->next.v, c->Q);
+        double part = t->coefficient * (c->k * y + c->c * u + c->offset);
+        total = i == 0 ? part : total + part;
+        *size = *size + fabs(t->coefficient) * (c->k * fabs(y) + c->c * fabs(u) + fabs(c->offset));
+    }
+    return total + e->constant;
+}
+
+/* 1: every tie of the mode `target` holds; -1: the tie `hold` gives way; 0: not clear. */
+static int stands(const Run *r, const Event *e)
+{
+    const Mode *m = r->modes[e->target];
+    int i, answer = 1;
+    for (i = 0; i < m->event_count; i++) {
+        double value, size;
+        if (m->events[i].kind != HOLD)
+            continue;
+        value = direct_hold(r, m, &m->events[i], &size);
+        if (fabs(value) < 4 * EPS * size || value == 0)
+            return 0;
+        if (value < 0) {
+            if (i != e->hold)
+                return 0;
+            answer = -1;
+        }
+    }
+    return answer;
+}
+
+/* Give the bodies of the group that `column` is in their common velocity; momentum is kept where they move freely. */
+static void join(Run *r, const Mode *m, int column)
+{
+    int leader = m->leader[column], c;
+    double common = 0.0, momentum = 0.0;
+    if (leader < r->bodies) {
+        int first = 1;
+        for (c = 0; c < r->bodies; c++)
+            if (m->leader[c] == leader) {
+                double share = r->masses[c] * (r->next.v[c] - m->drift[c]);
+                momentum = first ? share : momentum + share;
+                first = 0;
+            }
+        common = momentum / m->group_mass[leader];
+    }
+    for (c = 0; c < r->bodies; c++)
+        if (m->leader[c] == leader)
+            r->next.v[c] = common + m->drift[c];
+}
+
+/* Take the pending event by its rule; 0 where Python has to decide. */
+static int take_by_rule(Run *r, Buffers *b)
+{
+    const Event *e = &r->mode->events[r->pending_event];
+    int kind = e->event, part = e->event_part, k;
+    for (k = 0; k < r->key_count; k++)
+        r->behind[k] = -1;
+    if (e->rule == CROSS) {
+        double rate = e->kind == HOLD || e->kind == PUSH ? flow_rate(r, e) : direct_rate(r, e);
+        if (rate == 0 || rate != rate)
+            return 0;
+        if (rate > 0) {
+            r->behind[e->key] = 1;
+            run_take(r, b, r->mode_number, 0, NULL, NULL);
+            return 1;
+        }
+        r->behind[e->event_key] = e->order;
+        run_take(r, b, e->target, 1, &kind, &part);
+        return 1;
+    }
+    if (e->rule == STAND) {
+        int answer = stands(r, e);
+        if (answer == 0)
+            return 0;
+        if (answer > 0) {
+            join(r, r->modes[e->target], r->mode->terms[e->first].P);
+            kind = STICK_BEGIN;
+            run_take(r, b, e->target, 1, &kind, &part);
+            return 1;
+        }
+        kind = REVERSAL;
+        r->behind[e->event_key] = 1;
+        run_take(r, b, e->other, 1, &kind, &part);
+        return 1;
+    }
+    return 0;
+}
+
+/* Samples in [now, end), or up to and including the end of the run; 0 when the buffer is full before that. */
+static int sample_until(Run *r, Buffers *b, double end, int last)
+{
+    double t = sample_time(r, r->next_sample);
+    while (t < end || (last && t <= end)) {
+        if (b->sample_count >= b->sample_room)
+            return 0;
+        flow_state(r, t, &r->next);
+        write_sample(r, b, &r->next);
+        r->next_sample++;
+        t = sample_time(r, r->next_sample);
+    }
+    return 1;
+}
+
+static int is_finite(const Run *r, const State *s)
+{
+    double total = s->w;
+    int c;
+    for (c = 0; c < r->bodies; c++)
+        total = total + s->x[c] + s->v[c];
+    return isfinite(total);
+}
+
+void run_advance(Run *r, Buffers *b, long steps)
+{
+    double enough = r->steps + STEPS_AT_ONCE;
+    if (r->status == UNDECIDED) { /* the rule came meanwhile */
+        r->status = OK;
+        if (!take_by_rule(r, b)) {
+            r->status = UNDECIDED;
+            return;
+        }
+    }
+    while (!r->finished && r->status == OK && steps-- > 0 && r->steps < enough) {
+        if (b->event_count + 3 + r->parts >= b->event_room)
+            return;
+        if (!r->pending) {
+            r->pending_end = flow_advance(r, r->t_end, &r->pending_event);
+            r->pending = 1;
+        }
+        if (!sample_until(r, b, r->pending_end, r->pending_end >= r->t_end))
+            return;
+        r->pending = 0;
+        flow_state(r, r->pending_end, &r->next);
+        if (!is_finite(r, &r->next)) {
+            r->status = DIVERGED;
+            return;
+        }
+        if (r->pending_event != NOTHING) {
+            if (!take_by_rule(r, b))
+                r->status = UNDECIDED;
+            continue;
+        }
+        copy_state(r, &r->next, &r->state);
+        if (r->pending_end < r->t_end && !r->closed) {
+            memset(r->known, 0, sizeof(int) * (size_t)r->key_count);
+            enter(r, &r->state);
+        }
+        if (r->pending_end >= r->t_end)
+            finish(r, b);
+    }
+}
+
+/* State at t before the next event; 0 where the work is not done yet. */
+int run_state_at(Run *r, double t, State *out, long steps)
+{
+    while (!r->finished && r->status == OK) {
+        int event;
+        double end = flow_advance(r, r->t_end, &event);
+        if (event != NOTHING || end >= t || end >= r->t_end)
+            break;
+        if (!r->closed) {
+            flow_state(r, end, &r->state);
+            memset(r->known, 0, sizeof(int) * (size_t)r->key_count);
+            enter(r, &r->state);
+        }
+        if (steps-- <= 0)
+            return 0;
+    }
+    flow_state(r, t, out);
+    return 1;
+}

@@ -1,0 +1,125 @@
+"""The driver: one loop over segments, the same for either flow. This is the readable twin of the C engine.
+
+Output cadence never changes a trajectory: samples are read off the flow, states are not restarted there.
+"""
+
+from vibsim.engine.automaton import Automaton
+from vibsim.engine.errors import EngineError
+from vibsim.engine.flow import Flow
+from vibsim.engine.rows import RowMaker
+from vibsim.engine.state import State
+from vibsim.physics.modes import EVENT_KINDS
+
+EVENTS_AT_ONE_INSTANT = 64
+
+
+class Driver:
+    """Runs a scene made of parts from its start, or from `resume` = (state, status, known zeros), to its
+    end.
+    """
+
+    def __init__(self, scene, kit, resume=None):
+        self.scene, self.kit = scene, kit
+        self.maker = RowMaker(scene, kit)
+        self.flow = Flow(scene, kit)
+        self.automaton = Automaton(scene, self.maker, Flow(scene, kit, self.flow.certificate), kit)
+        self.samples, self.events = [], []
+        self.counts = [0] * len(EVENT_KINDS)
+        self.first_violation = None
+        self.next_sample = 0
+        self.finished = False
+        if resume is None:
+            self.state = self._start_state()
+            self.status, known = self.automaton.initial(self.state)
+        else:
+            self.state, self.status, known = resume
+        self.known, self.known_since, self.crowd = known, self.state.t, 0
+        self._record("start", -1)
+        if any(self.status.clearances):
+            self._note_violation()
+        self.flow.enter(self.state, self.maker.rows(self.status), known)
+
+    def _start_state(self):
+        scene, kit = self.scene, self.kit
+        zero = kit.number(0)
+        phase, turns, w = zero, zero, zero
+        if scene.motor is not None:
+            phase, turns = kit.reduce_angle(scene.motor.phi)
+            w = scene.motor.phidot
+        x, v = [body.x for body in scene.bodies], [body.v for body in scene.bodies]
+        return kit.settle(State(zero, x, v, phase, turns, w))
+
+    def sample_time(self, i):
+        return (float(i) * self.scene.every_num) / self.scene.every_den
+
+    def run(self, steps):
+        """Advance by `steps` stretches or to the end."""
+        for _ in range(steps):
+            if self.finished:
+                return
+            try:
+                self._stretch()
+            except (ArithmeticError, ValueError) as error:  # where C's arithmetic goes on with inf and NaN
+                raise EngineError("diverged", self.state) from error
+
+    def _stretch(self):
+        """One stretch of the flow: its samples, then its event."""
+        end, event = self.flow.advance(self.scene.t_end)
+        self._sample_until(end, last=end >= self.scene.t_end)
+        state = self.kit.settle(self.flow.state_at(end))
+        if not self.kit.finite(sum(state.x) + sum(state.v) + state.w):
+            raise EngineError("diverged", self.state)
+        if event is not None:
+            self._switch(state, event)
+        else:
+            self.state = state
+            if end < self.scene.t_end:
+                self.flow.carry_on(state)
+        if not self.finished and end >= self.scene.t_end:
+            self._finish()
+
+    def _sample_until(self, end, last):
+        """Samples in [now, end), or up to and including the end of the run."""
+        t = self.sample_time(self.next_sample)
+        while t < end or (last and t <= end):
+            self.samples.append((self.flow.state_at(t), self.status))
+            self.next_sample += 1
+            t = self.sample_time(self.next_sample)
+
+    def _switch(self, state, event):
+        """Take the event: new mode, record, new segment."""
+        status, happened, known = self.automaton.take(state, self.status, event)
+        if state.t == self.known_since:
+            known = {**self.known, **known}
+            self.crowd += 1
+            if self.crowd > EVENTS_AT_ONE_INSTANT:
+                raise EngineError("accumulation", state)
+        else:
+            self.crowd = 0
+        self.state, self.status, self.known, self.known_since = state, status, known, state.t
+        for kind, part in happened:
+            self._record(kind, part)
+            if kind == "violation_begin":
+                self._note_violation()
+        if not self.finished:
+            self.flow.enter(state, self.maker.rows(status), known)
+
+    def _note_violation(self):
+        if self.first_violation is None:
+            self.first_violation = self.state.t
+        if self.scene.stop_on_violation:
+            self._finish()
+
+    def _finish(self):
+        self._record("end", -1)
+        self.finished = True
+
+    def take(self):
+        """The samples and events collected since the last call."""
+        samples, events = self.samples, self.events
+        self.samples, self.events = [], []
+        return samples, events
+
+    def _record(self, kind, part):
+        self.counts[EVENT_KINDS[kind]] += 1
+        self.events.append((EVENT_KINDS[kind], part, self.state.copy(), self.status))

@@ -1,0 +1,223 @@
+/* The C engine: the fast copy of the Python engine on mode rows, bit for bit equal to it on doubles.
+ *
+ * Every expression repeats its Python twin operation by operation; compile with -ffp-contract=off and never with
+ * -ffast-math. Each .c file and header has a twin of the same name beside it. The engine knows no part of a scene: it
+ * reads modes, which Python makes when they are met, and asks Python for the mode behind an event where it has none.
+ */
+#ifndef VIBSIM_ENGINE_H
+#define VIBSIM_ENGINE_H
+
+#include <math.h>
+
+#define MAX_ORDER 40
+#define JET_ORDER 9 /* derivatives taken at the start of a segment */
+#define JET (JET_ORDER + 4)
+#define SERIES (MAX_ORDER + 2)
+#define SERIES_TERMS 26
+#define EPS 1.1102230246251565e-16 /* 2^-53, unit round-off */
+
+enum { GAP, PUSH, SLIDE, HOLD, CLEARANCE };                     /* kinds of event functions */
+enum { DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION };        /* kinds of terms */
+enum { ASK, CROSS, STAND };                                     /* rules for what follows an event */
+enum { START, CONTACT_BEGIN, CONTACT_END, REVERSAL, STICK_BEGIN, STICK_END, VIOLATION_BEGIN, VIOLATION_END, END, KINDS };
+enum { OK, ACCUMULATION, DIVERGED, UNDECIDED, NO_MEMORY };      /* status of a run */
+enum { NOTHING = -1 };
+
+typedef struct {
+    double k, c, offset;
+    int P, Q, pair, to_P, to_Q; /* ends; their difference among the pairs of the closed form; leading columns */
+} Coupling;
+
+typedef struct {
+    double coefficient;
+    int kind, P, Q, pair;
+} Term;
+
+/* One group's share in the first derivative of a sliding velocity: factor (sum of terms + constants) / mass. */
+typedef struct {
+    double mass, factor;
+    int first, terms, first_constant, constants;
+} Slope;
+
+typedef struct {
+    double constant, size;
+    int kind, part, key, turns, first, terms, first_slope, slopes;
+    int rule, target, other, hold, event, event_part, event_key, order; /* what follows, see driver.c; the zero behind */
+} Event;
+
+typedef struct {
+    double a, b, omega, w0, wd, slow, fast, zr, zi, zz, settling, beating, window, rate, per_b, per_wd, inverse_r, inverse_i;
+    double steady_series[SERIES_TERMS], real_series[SERIES_TERMS], imag_series[SERIES_TERMS];
+    int oscillates;
+} Oscillator;
+
+/* weight (x_P - x_Q), or weight x_P where Q < 0 */
+typedef struct {
+    double weight;
+    int P, Q;
+} Source;
+
+/* factor (sum of signed start positions): load by the place of bodies within their groups */
+typedef struct {
+    double factor;
+    int first, count;
+} Shift;
+
+/* One modal coordinate: q'' + 2 a q' + b q = load + sum_h (sine_h sin + cosine_h cos). */
+typedef struct {
+    double a, b, load, *sines, *cosines, *forced;
+    Oscillator *oscillators;
+    int *driven, driven_count, is_free, first_source, sources, first_shift, shifts;
+} Coordinate;
+
+/* A column, or a difference of columns: sum share q_m + signed start positions + base X(t). */
+typedef struct {
+    int first_share, shares, first_fixed, fixed, base;
+} Place;
+
+typedef struct {
+    double share;
+    int m;
+} Share;
+
+typedef struct {
+    int column, sign;
+} Fixed;
+
+typedef struct {
+    double window, pace;
+    Coordinate *coordinates;
+    Source *sources;
+    Shift *shifts;
+    Place *places, *pairs;
+    Share *shares;
+    Fixed *fixed;
+    int count, reaches;
+} Modal;
+
+typedef struct {
+    Coupling *couplings;
+    Event *events;
+    Term *terms;
+    Slope *slopes;
+    double *mobility, *group_mass, *drift, *constants, *slope_constants, carried;
+    int *leader, *constant_columns, *codes;
+    int coupling_count, event_count, constant_count, simple;
+    Modal *modal; /* NULL where only Taylor series will do */
+    void *memory;
+} Mode;
+
+typedef struct {
+    double amplitude, omega, cycles, cycles_lo, phase;
+    int harmonic; /* among the distinct ones; -1 without amplitude */
+} Harmonic;
+
+typedef struct {
+    double constant;
+    Harmonic *terms;
+    int on, count;
+} Force;
+
+typedef struct {
+    double t, phase, turns, w, *x, *v;
+} State;
+
+typedef struct {
+    double margin, margin_time, uncertified, first_doubt, doubted;
+} Certificate;
+
+typedef struct {
+    double *table;                               /* coefficients: rows of displacements, then velocities, of all columns */
+    double *load, *load_set;                     /* series of the forces by column */
+    double inverse[SERIES + 1], sine[SERIES], cosine[SERIES], phi[SERIES], w[SERIES], w_back[SERIES], a1[SERIES], a1_back[SERIES];
+    double unbalance, inertia, drag, h, turns;
+    int order, *loaded, loaded_count;
+} Taylor;
+
+typedef struct {
+    double t, reach, window, stall, settled;
+    double (*watched)[5], *residues; /* by event: time, value, slope, curvature, bound of a gap function; rest of a known zero */
+    int *events, event_count, leading;
+} Search;
+
+typedef struct {
+    double *q0, *u0, *load, *q, *u, *stiff, *impulse, *steady, *scale_q, *scale_u; /* by coordinate */
+    double *load_sine, *load_cosine, *responses;                                  /* by coordinate and harmonic */
+    double *sin0, *cos0, *sines, *cosines, *sine, *cosine;                        /* by harmonic */
+    double *x0, *v0, (*jets)[JET + 1], base[JET + 1], tau;
+    Search search;
+} ClosedForm;
+
+/* A run: everything between two calls. */
+typedef struct Run {
+    int bodies, columns, parts, clearances, harmonic_count, key_count, mode_count, force_count, base_count;
+    int has_motor, motor_on, force_taylor, stop_on_violation, closed; /* closed: the flow in use */
+    double m3, e, J, M0, Omega0, tolerance_exponent, t_end, every_num, every_den;
+    Harmonic *harmonics, *base;
+    Force *forces;
+    Mode **modes;
+    const Mode *mode;
+    int mode_number, event_room, *known, *behind; /* order of the zeros at the start of the segment, and behind an event, by key */
+    double *masses;
+    State state, next;
+    double known_since, first_violation, evaluations, steps, counts[KINDS], t0;
+    Certificate certificate;
+    long long next_sample;
+    int crowd, finished, status, violated_once, pending, pending_event;
+    double pending_end, *force;
+    Taylor taylor;
+    ClosedForm closed_form;
+} Run;
+
+/* responses.c */
+void oscillator_set(Oscillator *o, double a, double b, double omega);
+void release_and_impulse(const Oscillator *o, double t, double *release, double *impulse);
+double constant_response(const Oscillator *o, double t, double release);
+void harmonic_response(const Oscillator *o, double t, double release, double impulse, double cosine, double sine,
+                       double *hc, double *hs, double *dc, double *ds);
+void free_harmonic_response(const Oscillator *point, double t, double cosine, double sine, double *hc, double *hs);
+
+/* polynomial_root.c; what became of the search for a zero within a step */
+enum { POSITIVE, ZERO, UNFINISHED };
+int polynomial_first_root(Certificate *c, const double *coefficients, int count, int known, double t0, double h, int keep_margin,
+                          double *end);
+
+/* taylor.c */
+void taylor_set(Run *r);
+void taylor_enter(Run *r, const State *state);
+double taylor_advance(Run *r, double limit, int *event);
+void taylor_state_after(Run *r, double tau, State *out);
+int taylor_polynomial(const Run *r, const Event *e, double *out);
+
+/* closed_form.c */
+void closed_form_enter(Run *r, const State *state);
+void closed_form_evaluate(Run *r, double tau);
+void closed_form_measure(Run *r);
+void closed_form_jets(Run *r, int count);
+void closed_form_state_after(Run *r, double tau, State *out);
+
+/* event_functions.c; at the point whose jets were taken last */
+double event_derivative(const Run *r, const Event *e, int n);
+double event_bound(const Run *r, const Event *e, int n, double reach);
+double event_noise(const Run *r, const Event *e);
+double base_bound(const Run *r, int n);
+
+/* closed_form_search.c */
+void closed_form_open(Run *r);
+double closed_form_advance(Run *r, double limit, int *event);
+
+/* driver.c */
+typedef struct {
+    double *samples;           /* rows of sample_room: time, x, v of each body, phi, w */
+    signed char *sample_modes; /* rows of sample_room: one per part */
+    double *events;            /* rows of event_room: t, x, v of each body, phi, w, phase */
+    signed char *event_codes;  /* rows of event_room: kind, part, one per part */
+    long sample_room, event_room, sample_count, event_count;
+} Buffers;
+
+void run_start(Run *r, int mode, Buffers *b);
+void run_advance(Run *r, Buffers *b, long steps);
+void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, const int *parts);
+int run_state_at(Run *r, double t, State *out, long steps);
+
+#endif

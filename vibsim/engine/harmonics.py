@@ -1,0 +1,22 @@
+"""Harmonic functions of time: forces and the motion of the base, with their derivatives."""
+
+
+def sine_and_cosine(kit, term, t):
+    """sin and cos of omega t + phase, without forming a large product."""
+    angle = kit.turn_angle(term.cycles, term.cycles_lo, t) + term.phase
+    return kit.sin(angle), kit.cos(angle)
+
+
+def quarter_turns(sine, cosine):
+    """The derivatives of order 0 to 3 of sin at the point, each over omega to that order."""
+    return sine, cosine, -sine, -cosine
+
+
+def value_and_rate(kit, terms, t):
+    """Sum of harmonics at t and its rate of change."""
+    value = rate = kit.number(0)
+    for term in terms:
+        sine, cosine = sine_and_cosine(kit, term, t)
+        value = value + term.amplitude * sine
+        rate = rate + term.amplitude * term.omega * cosine
+    return value, rate

@@ -1,0 +1,557 @@
+"""The closed form of a mode: modal coordinates in which every group moves by itself.
+
+Bodies that are coupled form components. A component that is not coupled to anything at rest has a centre of
+mass that only forces move. What is left are differences between neighbours, split off exactly: with B = D
+M^-1 D' and the stiffness K of the differences y = D u, they obey
+    y'' = -B (C y' + K y) + D M^-1 F.
+Where C and K commute, M^-1 C M^-1 K = M^-1 K M^-1 C, one rotation makes both diagonal and each coordinate an
+oscillator q'' + 2 a q' + b q = load + sum of harmonics (Caughey & O'Kelly 1965). Without that, with a motor,
+or where belts make a load that grows with time, the mode has no closed form here and is left to Taylor
+series.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+SWEEPS = 60  # of Jacobi's rotations; they converge quadratically
+
+
+@dataclass
+class Coordinate:
+    """One modal coordinate.
+
+    a, b : of q'' + 2 a q' + b q = load + sum_h (sine_h sin + cosine_h cos)(omega_h t + phase_h)
+    sources : [(column of differences or None, weight)]: q at the start is the weighted sum of these
+    shifts : [(weight, coupling)]: loads that the place of bodies within their groups adds
+    """
+
+    a: Any
+    b: Any
+    load: Any
+    sines: list[Any]
+    cosines: list[Any]
+    sources: list[tuple]
+    shifts: list[tuple] = field(default_factory=list)
+    free: bool = False  # neither spring nor damper
+
+
+@dataclass
+class Place:
+    """A column as sum of shape[m] q_m, of positions at the start of the segment (sign, column), and of the
+    base's displacement times `base`.
+    """
+
+    shape: dict[int, Any]
+    fixed: tuple[tuple[int, int], ...]
+    base: int = 0
+    sides: tuple[int, ...] = ()  # of each difference of its component without reference, 1 on the side of P
+    vectors: tuple = ()  # (m, difference by q_m) of that component; the same object for all of its columns
+
+
+@dataclass
+class Modal:
+    """Closed form of a mode: coordinates, and where each column is in terms of them."""
+
+    coordinates: list[Coordinate]
+    places: list[Place]
+    pairs: dict  # (P, Q) -> (terms [(m, coefficient)], fixed, base): x_P - x_Q
+    window: Any = None
+    pace: Any = None
+
+
+def pitch(term):
+    """What tells one harmonic function of time from another: frequency and phase."""
+    return term.omega, term.cycles, term.cycles_lo, term.phase
+
+
+def sounding(terms):
+    """The terms with an amplitude."""
+    return [term for term in terms if term.amplitude != 0]
+
+
+def modal_of(scene, kit, rows, harmonics):
+    """The closed form of the mode `rows`, or None.
+
+    harmonics: the distinct (omega, cycles, cycles_lo, phase) of forces and base.
+    """
+    if scene.motor is not None:
+        return None
+    return _Builder(scene, kit, rows, harmonics).build()
+
+
+class _Builder:
+    def __init__(self, scene, kit, rows, harmonics):
+        self.scene, self.kit, self.rows, self.harmonics = scene, kit, rows, harmonics
+        self.n, self.zero = len(scene.bodies), kit.number(0)
+        self.leader, self.moves = rows.leader, rows.groups.moves
+        self.coordinates, self.places = [], {}
+
+    def build(self):
+        if self._belts_load():
+            return None
+        for leader in sorted({c for c in self.leader if not self.moves(c)}, reverse=True):
+            self._place_fixed(leader)
+        for component in self._components():
+            if not self._component(component):
+                return None
+        places = [self.places[c] if c in self.places else self._follower(c) for c in range(self.n + 2)]
+        return Modal(self.coordinates, places, self._pairs(places))
+
+    def _belts_load(self):
+        """Whether a belt moves one end of a spring or damper against its group: a load that grows with
+        time.
+        """
+        for coupling in self.rows.couplings:
+            P, Q = coupling.P, coupling.Q
+            drifts = self.rows.drift[P] != 0 or self.rows.drift[Q] != 0
+            if drifts and (self.moves(P) or self.moves(Q)):
+                return True
+        return any(self.rows.drift[c] != 0 and self.moves(c) for c in range(self.n))
+
+    def _place_fixed(self, leader):
+        """Columns of the group of the ground or the base."""
+        base = 1 if leader == self.n + 1 else 0
+        for c in self.rows.groups.members[leader]:
+            if c == leader:
+                self.places[c] = Place({}, (), base)
+            elif self.rows.drift[c] != 0:
+                self.coordinates.append(self._coasting(c, leader if base else None))
+                self.places[c] = Place({len(self.coordinates) - 1: 1}, (), base)
+            else:
+                self.places[c] = Place({}, ((1, c),) + (((-1, leader),) if base else ()), base)
+
+    def _coasting(self, c, base):
+        """A column that moves with a belt at constant speed, measured from the base where that carries it."""
+        none = [self.zero] * len(self.harmonics)
+        return Coordinate(self.zero, self.zero, self.zero, none, none, [((c, base), 1)], free=True)
+
+    def _follower(self, c):
+        """A body within a group that moves: where its leader is, and the distance at the start."""
+        place = self.places[self.leader[c]]
+        fixed = (*place.fixed, (1, c), (-1, self.leader[c]))
+        return Place(place.shape, fixed, place.base, place.sides, place.vectors)
+
+    def _components(self):
+        """Leading columns that move, by what couplings join them: [(leaders, couplings)]."""
+        left = [c for c in range(self.n) if self.leader[c] == c and self.moves(c)]
+        found = []
+        while left:
+            reached, ahead = [left[0]], [left[0]]
+            while ahead:
+                c = ahead.pop(0)
+                for coupling in self.rows.couplings:
+                    P, Q = self.leader[coupling.P], self.leader[coupling.Q]
+                    for one, other in ((P, Q), (Q, P)):
+                        if one == c and self.moves(other) and other not in reached:
+                            reached.append(other)
+                            ahead.append(other)
+            found.append(sorted(reached))
+            left = [c for c in left if c not in reached]
+        return found
+
+    def _component(self, leaders):
+        """Coordinates of one component; whether it has a closed form."""
+        couplings = [q for q in self.rows.couplings if {self.leader[q.P], self.leader[q.Q]} & set(leaders)]
+        couplings = [q for q in couplings if self.leader[q.P] != self.leader[q.Q]]
+        anchors = [end for q in couplings for end in (q.P, q.Q) if not self.moves(end)]
+        reference = anchors[0] if anchors else None
+        edges = self._tree(leaders, couplings, reference)
+        sides = [self._side(P, edges, e) for e, (P, _) in enumerate(edges)]
+        differences = self._shares(leaders, sides, reference)
+        stands = {c: [1 if c in side else 0 for side in sides] for c in {*leaders, reference}}
+        shapes = self._oscillators(couplings, edges, stands, reference)
+        if shapes is None:
+            return False
+        vectors = tuple(shapes)
+        centre = None
+        if reference is None:
+            centre = self._centre(leaders)
+        for c in leaders:
+            shape: dict[int, Any] = {} if centre is None else {centre: 1}
+            for m, vector in shapes:
+                total: Any = None
+                for e in range(len(edges)):
+                    part = differences[c][e] * vector[e]
+                    total = part if total is None else total + part
+                if total != 0:
+                    shape[m] = total
+            at = self.places[reference] if reference is not None else Place({}, ())
+            self.places[c] = Place({**at.shape, **shape}, at.fixed, at.base)
+            if reference is None:
+                self.places[c].sides, self.places[c].vectors = tuple(stands[c]), vectors
+        return True
+
+    def _tree(self, leaders, couplings, reference):
+        """Couplings, as (P, Q) of leading columns, that join all `leaders`, and the reference where there
+        is one.
+        """
+        reached = {reference} if reference is not None else {leaders[0]}
+        edges = []
+        while True:
+            for q in couplings:
+                P, Q = (self.leader[c] if self.moves(c) else c for c in (q.P, q.Q))
+                if (P in reached) != (Q in reached) and {P, Q} <= {*leaders, reference}:
+                    edges.append((P, Q))
+                    reached |= {P, Q}
+                    break
+            else:
+                return edges
+
+    def _shares(self, leaders, sides, reference):
+        """How far each leading column goes with each difference y_e = x_P - x_Q: {column: [share]}."""
+        shares: dict[int, list[Any]] = {c: [] for c in leaders}
+        for side in sides:
+            if reference is not None:
+                away = reference not in side
+                for c in leaders:
+                    inside = c in side
+                    value = (1 if inside else 0) if away else (0 if inside else -1)
+                    shares[c].append(self.kit.number(value))
+                continue
+            near = self._total([c for c in leaders if c in side])
+            far = self._total([c for c in leaders if c not in side])
+            for c in leaders:
+                shares[c].append(far / (near + far) if c in side else -(near / (near + far)))
+        return shares
+
+    def _side(self, start, edges, cut):
+        reached, ahead = {start}, [start]
+        while ahead:
+            c = ahead.pop()
+            for e, (P, Q) in enumerate(edges):
+                for one, other in ((P, Q), (Q, P)):
+                    if e != cut and one == c and other not in reached:
+                        reached.add(other)
+                        ahead.append(other)
+        return reached
+
+    def _total(self, leaders):
+        total = None
+        for c in leaders:
+            total = self.rows.mass[c] if total is None else total + self.rows.mass[c]
+        return total
+
+    def _stretch(self, coupling, stands, reference):
+        """How far a coupling stretches with each difference: 0, 1 or -1."""
+        P, Q = (stands[self.leader[c] if self.moves(c) else reference] for c in (coupling.P, coupling.Q))
+        return [a - b for a, b in zip(P, Q, strict=True)]
+
+    def _oscillators(self, couplings, edges, stands, reference):
+        """Coordinates of the differences: [(number, y = sum vector q)], or None."""
+        size = len(edges)
+        if size == 0:
+            return []
+        B = [[self._mobility(edges[i], edges[j]) for j in range(size)] for i in range(size)]
+        stretches = [self._stretch(q, stands, reference) for q in couplings]
+        if size == 1:
+            k = c = None
+            for q in couplings:
+                k, c = (q.k if k is None else k + q.k), (q.c if c is None else c + q.c)
+            forward, backward = [[self.kit.number(1)]], [[self.kit.number(1)]]
+            rates, damping = [k * B[0][0]], [c * B[0][0] / 2]
+        else:
+            diagonal = self._diagonal(B, couplings, stretches)
+            if diagonal is None:
+                return None
+            forward, backward, rates, damping = diagonal
+        shapes = []
+        for m in range(size):
+            sources = [(edges[e], backward[m][e]) for e in range(size) if backward[m][e] != 0]
+            load, sines, cosines = self._loads(backward[m], edges, B, couplings, stretches, reference)
+            coordinate = Coordinate(damping[m], rates[m], load, sines, cosines, sources)
+            coordinate.shifts = self._shifts(backward[m], B, couplings, stretches, reference)
+            coordinate.free = coordinate.a == 0 and coordinate.b == 0
+            self.coordinates.append(coordinate)
+            shapes.append((len(self.coordinates) - 1, [forward[e][m] for e in range(size)]))
+        return shapes
+
+    def _mobility(self, one, other):
+        """Entry of B = D M^-1 D' for two differences."""
+        total = None
+        for c, sign in ((one[0], 1), (one[1], -1)):
+            if self.moves(c) and c in other:
+                part = (sign if c == other[0] else -sign) * self.rows.mobility[c]
+                total = part if total is None else total + part
+        return self.zero if total is None else total
+
+    def _loads(self, weights, edges, B, couplings, stretches, reference):
+        """load, sines, cosines of a coordinate, from the offsets of couplings, forces and the base."""
+        load = self.zero
+        for q, stretch in zip(couplings, stretches, strict=True):
+            if q.offset != 0:
+                load = load - self._weight(weights, B, stretch) * q.offset
+        sines, cosines = [self.zero] * len(self.harmonics), [self.zero] * len(self.harmonics)
+        for force in self.scene.forces:
+            share = self._force_weight(weights, edges, self.leader[force.on])
+            if share is not None:
+                load = load + self._per_mass(force.constant, share)
+                for term in sounding(force.terms):
+                    h = self.harmonics.index(pitch(term))
+                    sines[h] = sines[h] + self._per_mass(term.amplitude, share)
+        for column, value in self.rows.constants:
+            share = self._force_weight(weights, edges, self.leader[column])
+            if share is not None:
+                load = load + self._per_mass(value, share)
+        self._base_loads(weights, edges, B, couplings, stretches, reference, sines, cosines)
+        return load, sines, cosines
+
+    def _base_loads(self, weights, edges, B, couplings, stretches, reference, sines, cosines):
+        """Loads from the base: inertia where the component is measured from it, else through links to it."""
+        rides = reference is not None and self.places[reference].base == 1
+        for term in sounding(self.scene.base):
+            h = self.harmonics.index(pitch(term))
+            X, V = term.amplitude, term.amplitude * term.omega
+            if rides:
+                for weight, (P, Q) in zip(weights, edges, strict=True):
+                    at_P, at_Q = (self.places[c].base if not self.moves(c) else None for c in (P, Q))
+                    if at_P == 1 or at_Q == 1:  # y = u - X: y'' = u'' - X''
+                        sign = 1 if at_Q == 1 else -1
+                        sines[h] = sines[h] + sign * weight * (X * term.omega * term.omega)
+            for q, stretch in zip(couplings, stretches, strict=True):
+                ends = [self.places[c].base if not self.moves(c) else (1 if rides else 0) for c in (q.P, q.Q)]
+                sway = ends[0] - ends[1]
+                if sway != 0:
+                    share = sway * self._weight(weights, B, stretch)
+                    sines[h] = sines[h] - share * (q.k * X)
+                    cosines[h] = cosines[h] - share * (q.c * V)
+
+    def _weight(self, weights, B, stretch):
+        """Acceleration of the coordinate by a unit force in a coupling, with its sign turned: (weights B
+        stretch).
+        """
+        total = None
+        for m, weight in enumerate(weights):
+            for e, stretched in enumerate(stretch):
+                if stretched != 0 and weight != 0:
+                    part = weight * (B[m][e] * stretched)
+                    total = part if total is None else total + part
+        return self.zero if total is None else total
+
+    def _force_weight(self, weights, edges, column):
+        """[(factor, mass)] by which a force on a column accelerates the coordinate; None where it does
+        not.
+        """
+        found = None
+        if not self.moves(column):
+            return None
+        for weight, (P, Q) in zip(weights, edges, strict=True):
+            if column in (P, Q) and weight != 0:
+                part = weight if column == P else -weight
+                found = part if found is None else found + part
+        return None if found is None else (found, self.rows.mass[column])
+
+    @staticmethod
+    def _per_mass(value, share):
+        factor, mass = share
+        return factor * (value / mass)
+
+    def _shifts(self, weights, B, couplings, stretches, reference):
+        """Loads -k (distance of an end from the column that stands for it), by coupling: [(factor, plus,
+        minus)].
+        """
+        shifts = []
+        for q, stretch in zip(couplings, stretches, strict=True):
+            if q.k == 0:
+                continue
+            for end, sign in ((q.P, 1), (q.Q, -1)):
+                stands = self.leader[end] if self.moves(end) else reference
+                if stands is None or end == stands:
+                    continue
+                moved = self.places[end] if not self.moves(end) else None
+                if (
+                    moved is not None
+                    and not moved.fixed
+                    and not self.places[reference].fixed
+                    and moved.base == self.places[reference].base
+                ):
+                    continue
+                shifts.append(
+                    (-(sign * self._weight(weights, B, stretch) * q.k), self._fixed(end), self._fixed(stands))
+                )
+        return [s for s in shifts if s[1] != s[2]]
+
+    def _fixed(self, c):
+        """Positions at the start that a column's place is made of."""
+        return self.places[c].fixed if not self.moves(c) else ((1, c),)
+
+    def _centre(self, leaders):
+        """The coordinate of a centre of mass; its number."""
+        total = self._total(leaders)
+        load, sines = self.zero, [self.zero] * len(self.harmonics)
+        for force in self.scene.forces:
+            if self.leader[force.on] in leaders:
+                load = load + force.constant
+                for term in sounding(force.terms):
+                    h = self.harmonics.index(pitch(term))
+                    sines[h] = sines[h] + term.amplitude / total
+        for column, value in self.rows.constants:
+            if self.leader[column] in leaders:
+                load = load + value
+        sources = [((c, None), self.rows.mass[c] / total) for c in leaders]
+        none = [self.zero] * len(self.harmonics)
+        self.coordinates.append(
+            Coordinate(self.zero, self.zero, load / total, sines, none, sources, free=True)
+        )
+        return len(self.coordinates) - 1
+
+    def _diagonal(self, B, couplings, stretches):
+        """Rotation to normal coordinates: (y by q, q by y, b, a), or None where damping and stiffness do
+        not commute.
+        """
+        kit, size = self.kit, len(B)
+        L = cholesky(kit, B)
+        K, C = ([[self.zero] * size for _ in range(size)] for _ in range(2))
+        for q, s in zip(couplings, stretches, strict=True):
+            for i in range(size):
+                for j in range(size):
+                    K[i][j] = K[i][j] + q.k * (s[i] * s[j])
+                    C[i][j] = C[i][j] + q.c * (s[i] * s[j])
+        K, C = (product(product(transposed(L), A), L) for A in (K, C))
+        V = jacobi(kit, K, C)
+        if V is None:
+            return None
+        k, c = (product(product(transposed(V), A), V) for A in (K, C))
+        forward = product(L, V)
+        backward = product(transposed(V), inverse_triangular(kit, L))
+        rates = [k[m][m] if k[m][m] > 0 else self.zero for m in range(size)]
+        return forward, backward, rates, [c[m][m] / 2 for m in range(size)]
+
+    def _pairs(self, places):
+        """Differences of columns that events, couplings and frictions read."""
+        wanted = {(t.P, t.Q) for event in self.rows.events for t in event.terms if t.kind in (0, 1)}
+        wanted |= {(q.P, q.Q) for q in self.rows.couplings}
+        return {pair: difference(places[pair[0]], places[pair[1]]) for pair in wanted}
+
+
+def difference(one, other):
+    """x_P - x_Q of two places: (terms [(m, coefficient)], fixed positions, base)."""
+    if one.vectors and one.vectors is other.vectors:  # of one component: its centre drops out exactly
+        turns = [a - b for a, b in zip(one.sides, other.sides, strict=True)]
+        shape = {m: weighted(turns, vector) for m, vector in one.vectors}
+    else:
+        shape = dict(one.shape)
+        for m, value in other.shape.items():
+            shape[m] = shape[m] - value if m in shape else -value
+    fixed: dict[int, int] = {}
+    for sign, place in ((1, one), (-1, other)):
+        for s, c in place.fixed:
+            fixed[c] = fixed.get(c, 0) + sign * s
+    terms = [(m, value) for m, value in sorted(shape.items()) if value != 0]
+    return terms, [(s, c) for c, s in sorted(fixed.items()) if s], one.base - other.base
+
+
+def weighted(turns, vector):
+    """Sum of the entries of `vector` with the signs `turns` (-1, 0, 1)."""
+    total = 0
+    for sign, value in zip(turns, vector, strict=True):
+        if sign:
+            total = sign * value if total == 0 else total + sign * value
+    return total
+
+
+def product(A, B):
+    """Matrix product, summed in the order of the indices."""
+    rows: list[list[Any]] = []
+    for row in A:
+        rows.append([])
+        for j in range(len(B[0])):
+            total = row[0] * B[0][j]
+            for k in range(1, len(row)):
+                total = total + row[k] * B[k][j]
+            rows[-1].append(total)
+    return rows
+
+
+def transposed(A):
+    return [list(column) for column in zip(*A, strict=True)]
+
+
+def cholesky(kit, A):
+    """Lower triangular L with L L' = A."""
+    size = len(A)
+    L = [[kit.number(0)] * size for _ in range(size)]
+    for i in range(size):
+        for j in range(i + 1):
+            total = A[i][j]
+            for k in range(j):
+                total = total - L[i][k] * L[j][k]
+            L[i][j] = kit.sqrt(total) if i == j else total / L[j][j]
+    return L
+
+
+def inverse_triangular(kit, L):
+    """Inverse of a lower triangular matrix."""
+    size = len(L)
+    X = [[kit.number(0)] * size for _ in range(size)]
+    for j in range(size):
+        for i in range(j, size):
+            total = kit.number(1 if i == j else 0)
+            for k in range(j, i):
+                total = total - L[i][k] * X[k][j]
+            X[i][j] = total / L[i][i]
+    return X
+
+
+def norm(kit, A):
+    total = kit.number(0)
+    for row in A:
+        for value in row:
+            total = total + value * value
+    return kit.sqrt(total)
+
+
+def jacobi(kit, K, C):
+    """Orthogonal V that makes both symmetric matrices diagonal, or None where they do not commute (Jacobi's
+    rotations for two matrices, Bunse-Gerstner, Byers & Mehrmann 1993).
+    """
+    size = len(K)
+    scales = norm(kit, K), norm(kit, C)
+    A = [
+        [[value / scale for value in row] for row in M]
+        for M, scale in zip((K, C), scales, strict=True)
+        if scale > 0
+    ]
+    V = [[kit.number(1 if i == j else 0) for j in range(size)] for i in range(size)]
+    small = 64 * kit.eps
+    for _ in range(SWEEPS):
+        turned = False
+        for p in range(size - 1):
+            for q in range(p + 1, size):
+                turned = _rotate(kit, A, V, p, q, small) or turned
+        if not turned:
+            break
+    off = max(
+        (abs(M[i][j]) for M in A for i in range(size) for j in range(size) if i != j), default=kit.number(0)
+    )
+    return V if off <= 64 * size * kit.eps else None
+
+
+def _rotate(kit, A, V, p, q, small):
+    """One rotation of rows and columns p, q that makes the off-diagonal entries of all matrices least."""
+    size = len(V)
+    if max((abs(M[p][q]) for M in A), default=0) <= small / 64:
+        return False
+    h = [(M[p][p] - M[q][q], 2 * M[p][q]) for M in A]
+    on = sum(a * a - b * b for a, b in h)
+    off = sum(2 * a * b for a, b in h)
+    root = kit.sqrt(on * on + off * off)
+    if root == 0:
+        return False
+    # cos and sin of the angle theta with tan(4 theta) = off / on, on the branch that shrinks the off-diagonal
+    # entries
+    double = kit.sqrt((1 + on / root) / 2)
+    c = kit.sqrt((1 + double) / 2)
+    s = off / root / (4 * c * double) if double > 0 else kit.sqrt(kit.number(1) / 2)
+    if abs(s) <= kit.eps:
+        return False
+    for M in A:
+        for k in range(size):
+            a, b = M[k][p], M[k][q]
+            M[k][p], M[k][q] = c * a + s * b, c * b - s * a
+        for k in range(size):
+            a, b = M[p][k], M[q][k]
+            M[p][k], M[q][k] = c * a + s * b, c * b - s * a
+    for k in range(size):
+        a, b = V[k][p], V[k][q]
+        V[k][p], V[k][q] = c * a + s * b, c * b - s * a
+    return True

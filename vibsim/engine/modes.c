@@ -1,0 +1,430 @@
+/* Scenes and modes from packed numbers, in the order in which vibsim/engine/packing.py writes them. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "modes.h"
+#include "numbers.h"
+
+enum { MOST = 100000 }; /* of anything in a scene or a mode */
+
+static void *room(size_t count, size_t size)
+{
+    return calloc(count ? count : 1, size);
+}
+
+static Harmonic read_harmonic(Reader *in, int harmonic)
+{
+    Harmonic h;
+    h.amplitude = read_double(in);
+    h.omega = read_double(in);
+    h.cycles = read_double(in);
+    h.cycles_lo = read_double(in);
+    h.phase = read_double(in);
+    h.harmonic = harmonic;
+    return h;
+}
+
+static int room_for_flows(Run *r)
+{
+    Taylor *f = &r->taylor;
+    ClosedForm *c = &r->closed_form;
+    size_t n = (size_t)r->bodies, columns = n + 2, coordinates = 2 * n + 2, harmonics = (size_t)r->harmonic_count + 1;
+    f->table = room((size_t)SERIES * 2 * columns, sizeof(double));
+    f->load = room(columns * SERIES, sizeof(double));
+    r->force = room(columns, sizeof(double));
+    r->state.x = room(4 * n, sizeof(double));
+    c->q0 = room(coordinates * 10, sizeof(double));
+    c->load_sine = room(coordinates * harmonics * 6, sizeof(double));
+    c->sin0 = room(harmonics * 6, sizeof(double));
+    c->x0 = room(2 * columns, sizeof(double));
+    c->jets = room(coordinates, sizeof *c->jets);
+    if (!f->table || !f->load || !r->force || !r->state.x || !c->q0 || !c->load_sine || !c->sin0 || !c->x0 || !c->jets)
+        return 0;
+    r->state.v = r->state.x + n;
+    r->next.x = r->state.x + 2 * n;
+    r->next.v = r->state.x + 3 * n;
+    c->u0 = c->q0 + coordinates;
+    c->load = c->u0 + coordinates;
+    c->q = c->load + coordinates;
+    c->u = c->q + coordinates;
+    c->stiff = c->u + coordinates;
+    c->impulse = c->stiff + coordinates;
+    c->steady = c->impulse + coordinates;
+    c->scale_q = c->steady + coordinates;
+    c->scale_u = c->scale_q + coordinates;
+    c->load_cosine = c->load_sine + coordinates * harmonics;
+    c->responses = c->load_cosine + coordinates * harmonics;
+    c->cos0 = c->sin0 + harmonics;
+    c->sines = c->cos0 + harmonics;
+    c->cosines = c->sines + harmonics;
+    c->sine = c->cosines + harmonics;
+    c->cosine = c->sine + harmonics;
+    c->v0 = c->x0 + columns;
+    c->search.settled = power_of_two(binary_exponent(EPS) / 3.0);
+    return 1;
+}
+
+int scene_read(Run *r, Reader *in)
+{
+    int i, j;
+    r->bodies = read_index(in, 1, MOST);
+    r->columns = r->bodies + 2;
+    r->parts = read_index(in, 0, MOST);
+    r->clearances = read_index(in, 0, r->parts);
+    r->harmonic_count = read_index(in, 0, MOST);
+    r->force_count = read_index(in, 0, MOST);
+    r->base_count = read_index(in, 0, MOST);
+    r->has_motor = read_index(in, 0, 1);
+    r->motor_on = read_index(in, 0, r->bodies - 1);
+    r->stop_on_violation = read_index(in, 0, 1);
+    r->taylor.order = read_index(in, 2, MAX_ORDER);
+    r->m3 = read_double(in);
+    r->e = read_double(in);
+    r->J = read_double(in);
+    r->M0 = read_double(in);
+    r->Omega0 = read_double(in);
+    r->tolerance_exponent = read_double(in);
+    r->t_end = read_double(in);
+    r->every_num = read_double(in);
+    r->every_den = read_double(in);
+    if (in->short_of)
+        return 0;
+    r->masses = room((size_t)r->bodies, sizeof(double));
+    r->harmonics = room((size_t)r->harmonic_count, sizeof(Harmonic));
+    r->forces = room((size_t)r->force_count, sizeof(Force));
+    r->base = room((size_t)r->base_count, sizeof(Harmonic));
+    r->taylor.loaded = room((size_t)r->bodies, sizeof(int));
+    if (!r->masses || !r->harmonics || !r->forces || !r->base || !r->taylor.loaded || !room_for_flows(r))
+        return 0;
+    for (i = 0; i < r->bodies; i++)
+        r->masses[i] = read_double(in);
+    for (i = 0; i < r->harmonic_count; i++)
+        r->harmonics[i] = read_harmonic(in, i);
+    for (i = 0; i < r->base_count; i++)
+        r->base[i] = read_harmonic(in, read_index(in, -1, r->harmonic_count - 1));
+    for (i = 0; i < r->force_count; i++) {
+        Force *f = &r->forces[i];
+        f->on = read_index(in, 0, r->bodies - 1);
+        f->count = read_index(in, 0, MOST);
+        f->constant = read_double(in);
+        f->terms = room((size_t)f->count, sizeof(Harmonic));
+        if (!f->terms || in->short_of)
+            return 0;
+        for (j = 0; j < f->count; j++)
+            f->terms[j] = read_harmonic(in, read_index(in, -1, r->harmonic_count - 1));
+    }
+    for (i = 0; i < r->bodies; i++) { /* in the order of the columns */
+        int any = 0;
+        for (j = 0; j < r->force_count; j++)
+            any = any || r->forces[j].on == i;
+        if (any)
+            r->taylor.loaded[r->taylor.loaded_count++] = i;
+    }
+    r->certificate.margin = INFINITY;
+    r->certificate.doubted = NAN;
+    taylor_set(r);
+    return read_through(in);
+}
+
+static void read_terms(Reader *in, Term *terms, int count, const Run *r, int couplings, int pairs)
+{
+    int i;
+    for (i = 0; i < count; i++) {
+        terms[i].kind = read_index(in, DIFFERENCE, ACCELERATION);
+        terms[i].P = read_index(in, 0, terms[i].kind == COUPLING ? couplings - 1 : r->columns - 1);
+        terms[i].Q = read_index(in, -1, r->columns - 1);
+        if ((terms[i].kind == DIFFERENCE || terms[i].kind == RATE) && terms[i].Q < 0)
+            in->short_of = 1;
+        terms[i].pair = read_index(in, -1, pairs - 1);
+        if (pairs > 0 && (terms[i].kind == DIFFERENCE || terms[i].kind == RATE) && terms[i].pair < 0)
+            in->short_of = 1;
+        terms[i].coefficient = read_double(in);
+    }
+}
+
+static void read_place(Reader *in, Place *p, int shares, int fixed)
+{
+    p->first_share = read_index(in, 0, shares);
+    p->shares = read_index(in, 0, shares - p->first_share);
+    p->first_fixed = read_index(in, 0, fixed);
+    p->fixed = read_index(in, 0, fixed - p->first_fixed);
+    p->base = read_index(in, -1, 1);
+}
+
+static int read_coordinate(Reader *in, const Run *r, Coordinate *c, int sources, int shifts)
+{
+    int h, i, n;
+    c->is_free = read_index(in, 0, 1);
+    c->first_source = read_index(in, 0, sources);
+    c->sources = read_index(in, 0, sources - c->first_source);
+    c->first_shift = read_index(in, 0, shifts);
+    c->shifts = read_index(in, 0, shifts - c->first_shift);
+    c->a = read_double(in);
+    c->b = read_double(in);
+    c->load = read_double(in);
+    c->sines = room((size_t)(2 * r->harmonic_count + JET + 1), sizeof(double));
+    c->driven = room((size_t)r->harmonic_count, sizeof(int));
+    if (!c->sines || !c->driven)
+        return 0;
+    c->cosines = c->sines + r->harmonic_count;
+    c->forced = c->cosines + r->harmonic_count;
+    for (h = 0; h < r->harmonic_count; h++)
+        c->sines[h] = read_double(in);
+    for (h = 0; h < r->harmonic_count; h++)
+        c->cosines[h] = read_double(in);
+    for (h = 0; h < r->harmonic_count; h++)
+        if (c->sines[h] != 0 || c->cosines[h] != 0)
+            c->driven[c->driven_count++] = h;
+    n = c->driven_count > 0 ? c->driven_count : 1;
+    c->oscillators = room((size_t)n, sizeof(Oscillator));
+    if (!c->oscillators)
+        return 0;
+    for (i = 0; i < n; i++)
+        oscillator_set(&c->oscillators[i], c->a, c->b, c->driven_count > 0 ? r->harmonics[c->driven[i]].omega : 0.0);
+    for (i = 0; i < c->driven_count; i++) {
+        double size = (fabs(c->sines[c->driven[i]]) + fabs(c->cosines[c->driven[i]])) / 2;
+        for (n = 0; n < JET_ORDER + 3; n++) {
+            c->forced[n] = i == 0 ? size : c->forced[n] + size;
+            size = size * r->harmonics[c->driven[i]].omega;
+        }
+    }
+    return 1;
+}
+
+static Modal *modal_read(const Run *r, Reader *in)
+{
+    Modal *m;
+    int sources, shifts, pairs, shares, fixed, i;
+    int count = read_index(in, 0, 2 * r->bodies + 2);
+    sources = read_index(in, 0, MOST);
+    shifts = read_index(in, 0, MOST);
+    pairs = read_index(in, 0, MOST);
+    shares = read_index(in, 0, MOST);
+    fixed = read_index(in, 0, MOST);
+    if (in->short_of || (m = room(1, sizeof *m)) == NULL)
+        return NULL;
+    m->count = count;
+    m->reaches = read_index(in, 0, 2);
+    m->coordinates = room((size_t)count, sizeof(Coordinate));
+    m->sources = room((size_t)sources, sizeof(Source));
+    m->shifts = room((size_t)shifts, sizeof(Shift));
+    m->places = room((size_t)(r->columns + pairs), sizeof(Place));
+    m->shares = room((size_t)shares, sizeof(Share));
+    m->fixed = room((size_t)fixed, sizeof(Fixed));
+    if (!m->coordinates || !m->sources || !m->shifts || !m->places || !m->shares || !m->fixed)
+        return m;
+    m->pairs = m->places + r->columns;
+    for (i = 0; i < sources; i++) {
+        m->sources[i].P = read_index(in, 0, r->columns - 1);
+        m->sources[i].Q = read_index(in, -1, r->columns - 1);
+        m->sources[i].weight = read_double(in);
+    }
+    for (i = 0; i < shifts; i++) {
+        m->shifts[i].first = read_index(in, 0, fixed);
+        m->shifts[i].count = read_index(in, 0, fixed - m->shifts[i].first);
+        m->shifts[i].factor = read_double(in);
+    }
+    for (i = 0; i < shares; i++) {
+        m->shares[i].m = read_index(in, 0, count - 1);
+        m->shares[i].share = read_double(in);
+    }
+    for (i = 0; i < fixed; i++) {
+        m->fixed[i].column = read_index(in, 0, r->columns - 1);
+        m->fixed[i].sign = read_index(in, -2, 2);
+    }
+    for (i = 0; i < r->columns + pairs; i++)
+        read_place(in, &m->places[i], shares, fixed);
+    m->pace = 0.0;
+    m->window = read_double(in);
+    for (i = 0; i < count; i++) {
+        if (!read_coordinate(in, r, &m->coordinates[i], sources, shifts)) {
+            in->short_of = 1;
+            return m;
+        }
+        if (m->coordinates[i].oscillators[0].w0 > m->pace)
+            m->pace = m->coordinates[i].oscillators[0].w0;
+    }
+    return m;
+}
+
+Mode *mode_read(Run *r, Reader *in)
+{
+    Mode *m = room(1, sizeof *m);
+    int terms, slopes, slope_constants, pairs, i;
+    if (!m)
+        return NULL;
+    m->coupling_count = read_index(in, 0, MOST);
+    m->event_count = read_index(in, 0, MOST);
+    m->constant_count = read_index(in, 0, MOST);
+    terms = read_index(in, 0, MOST);
+    slopes = read_index(in, 0, MOST);
+    slope_constants = read_index(in, 0, MOST);
+    pairs = read_index(in, 0, MOST);
+    m->simple = read_index(in, 0, 1) && r->bodies == 2 && m->coupling_count < 2;
+    if (in->short_of)
+        return m;
+    m->couplings = room((size_t)m->coupling_count, sizeof(Coupling));
+    m->events = room((size_t)m->event_count, sizeof(Event));
+    m->terms = room((size_t)terms, sizeof(Term));
+    m->slopes = room((size_t)slopes, sizeof(Slope));
+    m->mobility = room((size_t)(3 * r->columns), sizeof(double));
+    m->constants = room((size_t)(m->constant_count + slope_constants), sizeof(double));
+    m->leader = room((size_t)(r->columns + m->constant_count + r->parts), sizeof(int));
+    if (!m->couplings || !m->events || !m->terms || !m->slopes || !m->mobility || !m->constants || !m->leader) {
+        in->short_of = 1;
+        return m;
+    }
+    m->group_mass = m->mobility + r->columns;
+    m->drift = m->group_mass + r->columns;
+    m->slope_constants = m->constants + m->constant_count;
+    m->constant_columns = m->leader + r->columns;
+    m->codes = m->constant_columns + m->constant_count;
+    for (i = 0; i < r->parts; i++)
+        m->codes[i] = read_index(in, -1, 2);
+    for (i = 0; i < r->columns; i++) {
+        m->leader[i] = read_index(in, 0, r->columns - 1);
+        m->mobility[i] = read_double(in);
+        m->group_mass[i] = read_double(in);
+        m->drift[i] = read_double(in);
+    }
+    m->carried = r->has_motor ? m->group_mass[m->leader[r->motor_on]] : 0.0;
+    for (i = 0; i < m->coupling_count; i++) {
+        Coupling *c = &m->couplings[i];
+        c->P = read_index(in, 0, r->columns - 1);
+        c->Q = read_index(in, 0, r->columns - 1);
+        c->pair = read_index(in, -1, pairs - 1);
+        c->to_P = m->leader[c->P];
+        c->to_Q = m->leader[c->Q];
+        c->k = read_double(in);
+        c->c = read_double(in);
+        c->offset = read_double(in);
+        m->simple = m->simple && c->P == 0 && c->Q == 1;
+    }
+    for (i = 0; i < m->constant_count; i++) {
+        m->constant_columns[i] = read_index(in, 0, r->bodies - 1);
+        m->constants[i] = read_double(in);
+    }
+    for (i = 0; i < slope_constants; i++)
+        m->slope_constants[i] = read_double(in);
+    read_terms(in, m->terms, terms, r, m->coupling_count, pairs);
+    for (i = 0; i < slopes; i++) {
+        Slope *s = &m->slopes[i];
+        s->first = read_index(in, 0, terms);
+        s->terms = read_index(in, 0, terms - s->first);
+        s->first_constant = read_index(in, 0, slope_constants);
+        s->constants = read_index(in, 0, slope_constants - s->first_constant);
+        s->mass = read_double(in);
+        s->factor = read_double(in);
+    }
+    for (i = 0; i < m->event_count; i++) {
+        Event *e = &m->events[i];
+        e->kind = read_index(in, GAP, CLEARANCE);
+        e->part = read_index(in, 0, MOST);
+        e->key = read_index(in, 0, MOST);
+        e->turns = read_index(in, 0, 1);
+        e->first = read_index(in, 0, terms);
+        e->terms = read_index(in, 0, terms - e->first);
+        e->first_slope = read_index(in, 0, slopes);
+        e->slopes = read_index(in, 0, slopes - e->first_slope);
+        e->constant = read_double(in);
+        e->size = read_double(in);
+        e->rule = ASK;
+    }
+    if (!in->short_of && read_index(in, 0, 1)) {
+        m->modal = modal_read(r, in);
+        if (!m->modal)
+            in->short_of = 1;
+    }
+    return m;
+}
+
+void mode_free(Mode *m)
+{
+    int i;
+    if (!m)
+        return;
+    if (m->modal) {
+        for (i = 0; m->modal->coordinates && i < m->modal->count; i++) {
+            free(m->modal->coordinates[i].sines);
+            free(m->modal->coordinates[i].driven);
+            free(m->modal->coordinates[i].oscillators);
+        }
+        free(m->modal->coordinates);
+        free(m->modal->sources);
+        free(m->modal->shifts);
+        free(m->modal->places);
+        free(m->modal->shares);
+        free(m->modal->fixed);
+        free(m->modal);
+    }
+    free(m->couplings);
+    free(m->events);
+    free(m->terms);
+    free(m->slopes);
+    free(m->mobility);
+    free(m->constants);
+    free(m->leader);
+    free(m);
+}
+
+static int grown(void **array, size_t before, size_t after, size_t size)
+{
+    char *more = realloc(*array, after * size);
+    if (!more)
+        return 0;
+    memset(more + before * size, 0, (after - before) * size);
+    *array = more;
+    return 1;
+}
+
+/* Add a mode; its number, or -1 without memory. Sets how many keys of zeros there are. */
+int mode_add(Run *r, Mode *m)
+{
+    Search *s = &r->closed_form.search;
+    int keys = r->key_count, events = r->event_room, i;
+    for (i = 0; i < m->event_count; i++)
+        keys = m->events[i].key >= keys ? m->events[i].key + 1 : keys;
+    if (!grown((void **)&r->modes, (size_t)r->mode_count, (size_t)r->mode_count + 1, sizeof(Mode *)) ||
+        !grown((void **)&r->known, (size_t)r->key_count, (size_t)keys + 1, sizeof(int)) ||
+        !grown((void **)&r->behind, (size_t)r->key_count, (size_t)keys + 1, sizeof(int)))
+        return -1;
+    r->key_count = keys;
+    if (m->event_count > events) {
+        if (!grown((void **)&s->watched, (size_t)events, (size_t)m->event_count, sizeof *s->watched) ||
+            !grown((void **)&s->residues, (size_t)events, (size_t)m->event_count, sizeof(double)) ||
+            !grown((void **)&s->events, (size_t)events, (size_t)m->event_count, sizeof(int)))
+            return -1;
+        r->event_room = m->event_count;
+    }
+    r->modes[r->mode_count] = m;
+    return r->mode_count++;
+}
+
+void run_free(Run *r)
+{
+    int i;
+    for (i = 0; i < r->mode_count; i++)
+        mode_free(r->modes[i]);
+    for (i = 0; r->forces && i < r->force_count; i++)
+        free(r->forces[i].terms);
+    free(r->modes);
+    free(r->known);
+    free(r->behind);
+    free(r->masses);
+    free(r->harmonics);
+    free(r->forces);
+    free(r->base);
+    free(r->force);
+    free(r->state.x);
+    free(r->taylor.table);
+    free(r->taylor.load);
+    free(r->taylor.loaded);
+    free(r->closed_form.q0);
+    free(r->closed_form.load_sine);
+    free(r->closed_form.sin0);
+    free(r->closed_form.x0);
+    free(r->closed_form.jets);
+    free(r->closed_form.search.watched);
+    free(r->closed_form.search.residues);
+    free(r->closed_form.search.events);
+}

@@ -1,0 +1,375 @@
+/* The Python face of the C engine: the type Run. The GIL is released while it computes. */
+#define PY_SSIZE_T_CLEAN
+#include <Python.h>
+#include <string.h>
+
+#include "modes.h"
+
+enum { STEP_SLICE = 20000 };
+
+typedef struct {
+    PyObject_HEAD
+    Run run;
+    int started, busy;
+} RunObject;
+
+static int reader_of(const Py_buffer *ints, const Py_buffer *doubles, Reader *in)
+{
+    memset(in, 0, sizeof *in);
+    if (ints->len % (Py_ssize_t)sizeof(int) || doubles->len % (Py_ssize_t)sizeof(double)) {
+        PyErr_SetString(PyExc_ValueError, "packed numbers of the wrong size");
+        return -1;
+    }
+    in->ints = ints->buf;
+    in->doubles = doubles->buf;
+    in->int_count = (long)(ints->len / (Py_ssize_t)sizeof(int));
+    in->double_count = (long)(doubles->len / (Py_ssize_t)sizeof(double));
+    return 0;
+}
+
+static PyObject *Run_new(PyTypeObject *type, PyObject *args, PyObject *named)
+{
+    Py_buffer v[2];
+    Reader in;
+    RunObject *self = NULL;
+    (void)named;
+    if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
+        return NULL;
+    if (reader_of(&v[0], &v[1], &in) == 0 && (self = (RunObject *)type->tp_alloc(type, 0)) != NULL && !scene_read(&self->run, &in)) {
+        Py_CLEAR(self);
+        PyErr_SetString(PyExc_ValueError, "the packed numbers are no scene");
+    }
+    PyBuffer_Release(&v[0]);
+    PyBuffer_Release(&v[1]);
+    return (PyObject *)self;
+}
+
+static void Run_dealloc(RunObject *self)
+{
+    run_free(&self->run);
+    Py_TYPE(self)->tp_free((PyObject *)self);
+}
+
+static int idle(RunObject *self)
+{
+    if (self->busy)
+        PyErr_SetString(PyExc_RuntimeError, "the run is being computed by another thread");
+    return !self->busy;
+}
+
+static PyObject *add_mode(RunObject *self, PyObject *args)
+{
+    Py_buffer v[2];
+    Reader in;
+    PyObject *result = NULL;
+    if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
+        return NULL;
+    if (idle(self) && reader_of(&v[0], &v[1], &in) == 0) {
+        Mode *m = mode_read(&self->run, &in);
+        int number = -1;
+        if (m && !read_through(&in))
+            PyErr_SetString(PyExc_ValueError, "the packed numbers are no mode");
+        else if (!m || (number = mode_add(&self->run, m)) < 0)
+            PyErr_NoMemory();
+        if (number < 0)
+            mode_free(m);
+        else
+            result = PyLong_FromLong(number);
+    }
+    PyBuffer_Release(&v[0]);
+    PyBuffer_Release(&v[1]);
+    return result;
+}
+
+static PyObject *set_rule(RunObject *self, PyObject *args)
+{
+    Run *r = &self->run;
+    Event *e;
+    int mode, event, v[8], i;
+    if (!PyArg_ParseTuple(args, "ii(iiiiiiii)", &mode, &event, &v[0], &v[1], &v[2], &v[3], &v[4], &v[5], &v[6], &v[7]) || !idle(self))
+        return NULL;
+    if (mode < 0 || mode >= r->mode_count || event < 0 || event >= r->modes[mode]->event_count || v[0] < ASK || v[0] > STAND ||
+        v[1] < 0 || v[1] >= r->mode_count || v[2] < 0 || v[2] >= r->mode_count || v[4] < 0 || v[4] >= KINDS || v[6] < 0 ||
+        v[6] >= r->key_count || v[7] < 0 || v[7] > JET_ORDER) {
+        PyErr_SetString(PyExc_ValueError, "no such rule");
+        return NULL;
+    }
+    e = &r->modes[mode]->events[event];
+    if (v[0] == STAND) /* HOLD functions of the mode must be made of couplings */
+        for (i = 0; i < r->modes[v[1]]->event_count; i++) {
+            const Mode *m = r->modes[v[1]];
+            const Event *other = &m->events[i];
+            int k;
+            for (k = 0; other->kind == HOLD && k < other->terms; k++)
+                if (m->terms[other->first + k].kind != COUPLING) {
+                    PyErr_SetString(PyExc_ValueError, "no such rule");
+                    return NULL;
+                }
+        }
+    e->rule = v[0];
+    e->target = v[1];
+    e->other = v[2];
+    e->hold = v[3];
+    e->event = v[4];
+    e->event_part = v[5];
+    e->event_key = v[6];
+    e->order = v[7];
+    Py_RETURN_NONE;
+}
+
+static int buffers_of(const Run *r, Py_buffer *views, Buffers *b)
+{
+    Py_ssize_t state = 3 + 2 * r->bodies, row = (Py_ssize_t)sizeof(double);
+    memset(b, 0, sizeof *b);
+    b->samples = views[0].buf;
+    b->sample_modes = views[1].buf;
+    b->events = views[2].buf;
+    b->event_codes = views[3].buf;
+    b->sample_room = (long)(views[0].len / (state * row));
+    b->event_room = (long)(views[2].len / ((state + 1) * row));
+    if (b->sample_room < 1 || b->event_room < 8 + r->parts || views[0].len != b->sample_room * state * row ||
+        views[2].len != b->event_room * (state + 1) * row || views[1].len != (Py_ssize_t)b->sample_room * r->parts ||
+        views[3].len != (Py_ssize_t)b->event_room * (2 + r->parts)) {
+        PyErr_SetString(PyExc_ValueError, "buffers do not fit together");
+        return -1;
+    }
+    return 0;
+}
+
+static void release(Py_buffer *views, int count)
+{
+    int i;
+    for (i = 0; i < count; i++)
+        PyBuffer_Release(&views[i]);
+}
+
+/* Packed state: t, x of each body, v of each body, phase, turns, w. */
+static int read_state(const Run *r, const Py_buffer *view, State *s)
+{
+    const double *row = view->buf;
+    int c;
+    if (view->len != (Py_ssize_t)((4 + 2 * r->bodies) * (int)sizeof(double))) {
+        PyErr_SetString(PyExc_ValueError, "not a packed state");
+        return -1;
+    }
+    s->t = row[0];
+    for (c = 0; c < r->bodies; c++) {
+        s->x[c] = row[1 + c];
+        s->v[c] = row[1 + r->bodies + c];
+    }
+    row += 1 + 2 * r->bodies;
+    s->phase = row[0];
+    s->turns = row[1];
+    s->w = row[2];
+    return 0;
+}
+
+static PyObject *state_tuple(const Run *r, const State *s)
+{
+    PyObject *x = PyList_New(r->bodies), *v = PyList_New(r->bodies);
+    int c;
+    if (!x || !v) {
+        Py_XDECREF(x);
+        Py_XDECREF(v);
+        return NULL;
+    }
+    for (c = 0; c < r->bodies; c++) {
+        PyList_SET_ITEM(x, c, PyFloat_FromDouble(s->x[c]));
+        PyList_SET_ITEM(v, c, PyFloat_FromDouble(s->v[c]));
+    }
+    return Py_BuildValue("dNNddd", s->t, x, v, s->phase, s->turns, s->w);
+}
+
+/* Orders of known zeros by key, as bytes of int; missing keys are 0. */
+static int read_known(const Run *r, const Py_buffer *view, int *known)
+{
+    const int *values = view->buf;
+    Py_ssize_t count = view->len / (Py_ssize_t)sizeof(int), k;
+    if (count != r->key_count) {
+        PyErr_SetString(PyExc_ValueError, "not the orders of the known zeros");
+        return -1;
+    }
+    for (k = 0; k < count; k++)
+        known[k] = values[k] < -1 ? -1 : values[k] > JET_ORDER ? JET_ORDER : values[k];
+    return 0;
+}
+
+static PyObject *start(RunObject *self, PyObject *args)
+{
+    Run *r = &self->run;
+    Py_buffer v[6];
+    Buffers b;
+    int mode, k;
+    PyObject *result = NULL;
+    if (!PyArg_ParseTuple(args, "iy*y*w*w*w*w*", &mode, &v[0], &v[1], &v[2], &v[3], &v[4], &v[5]))
+        return NULL;
+    if (!idle(self) || self->started || mode < 0 || mode >= r->mode_count) {
+        if (!PyErr_Occurred())
+            PyErr_SetString(PyExc_ValueError, "cannot start here");
+    } else if (read_state(r, &v[0], &r->state) == 0 && read_known(r, &v[1], r->known) == 0 && buffers_of(r, v + 2, &b) == 0) {
+        for (k = 0; k < r->key_count; k++)
+            r->known[k] = r->known[k] < 0 ? 0 : r->known[k];
+        self->started = 1;
+        run_start(r, mode, &b);
+        result = Py_BuildValue("ll", b.sample_count, b.event_count);
+    }
+    release(v, 6);
+    return result;
+}
+
+static int ready(RunObject *self)
+{
+    if (!self->started)
+        PyErr_SetString(PyExc_ValueError, "the run has not been started");
+    return self->started && idle(self);
+}
+
+static PyObject *advance(RunObject *self, PyObject *args)
+{
+    Run *r = &self->run;
+    Py_buffer v[4];
+    Buffers b;
+    PyObject *result = NULL;
+    if (!PyArg_ParseTuple(args, "w*w*w*w*", &v[0], &v[1], &v[2], &v[3]))
+        return NULL;
+    if (ready(self) && buffers_of(r, v, &b) == 0) {
+        self->busy = 1;
+        Py_BEGIN_ALLOW_THREADS
+        run_advance(r, &b, STEP_SLICE);
+        Py_END_ALLOW_THREADS
+        self->busy = 0;
+        result = Py_BuildValue("llii", b.sample_count, b.event_count, r->finished, r->status);
+    }
+    release(v, 4);
+    return result;
+}
+
+static PyObject *pending(RunObject *self, PyObject *none)
+{
+    (void)none;
+    if (!ready(self))
+        return NULL;
+    return Py_BuildValue("iiN", self->run.mode_number, self->run.pending_event, state_tuple(&self->run, &self->run.next));
+}
+
+static PyObject *take(RunObject *self, PyObject *args)
+{
+    Run *r = &self->run;
+    Py_buffer v[8];
+    Buffers b;
+    int mode;
+    PyObject *result = NULL;
+    if (!PyArg_ParseTuple(args, "iy*y*y*y*w*w*w*w*", &mode, &v[0], &v[1], &v[2], &v[3], &v[4], &v[5], &v[6], &v[7]))
+        return NULL;
+    if (ready(self) && r->status == UNDECIDED && mode >= 0 && mode < r->mode_count && v[2].len == v[3].len &&
+        read_state(r, &v[0], &r->next) == 0 && read_known(r, &v[1], r->behind) == 0 && buffers_of(r, v + 4, &b) == 0) {
+        int count = (int)(v[2].len / (Py_ssize_t)sizeof(int)), i, fits = count <= 2 * r->parts + 2;
+        for (i = 0; fits && i < count; i++)
+            fits = ((const int *)v[2].buf)[i] >= START && ((const int *)v[2].buf)[i] < KINDS;
+        if (fits) {
+            r->status = OK;
+            run_take(r, &b, mode, count, v[2].buf, v[3].buf);
+            result = Py_BuildValue("llii", b.sample_count, b.event_count, r->finished, r->status);
+        }
+    }
+    if (!result && !PyErr_Occurred())
+        PyErr_SetString(PyExc_ValueError, "not what can follow the pending event");
+    release(v, 8);
+    return result;
+}
+
+static PyObject *doubt_here(RunObject *self, PyObject *args)
+{
+    Certificate *c = &self->run.certificate;
+    double anchor;
+    if (!PyArg_ParseTuple(args, "d", &anchor))
+        return NULL;
+    if (anchor != c->doubted) {
+        if (c->uncertified == 0)
+            c->first_doubt = anchor;
+        c->uncertified += 1;
+        c->doubted = anchor;
+    }
+    Py_RETURN_NONE;
+}
+
+static PyObject *state_at(RunObject *self, PyObject *args)
+{
+    Run *r = &self->run;
+    double t;
+    int done;
+    if (!PyArg_ParseTuple(args, "d", &t) || !ready(self))
+        return NULL;
+    self->busy = 1;
+    Py_BEGIN_ALLOW_THREADS
+    done = run_state_at(r, t, &r->next, STEP_SLICE);
+    Py_END_ALLOW_THREADS
+    self->busy = 0;
+    if (!done)
+        Py_RETURN_NONE;
+    return state_tuple(r, &r->next);
+}
+
+static PyObject *tally(RunObject *self, PyObject *none)
+{
+    const Run *r = &self->run;
+    PyObject *counts;
+    int i;
+    (void)none;
+    if (!ready(self) || (counts = PyTuple_New(KINDS)) == NULL)
+        return NULL;
+    for (i = 0; i < KINDS; i++)
+        PyTuple_SET_ITEM(counts, i, PyLong_FromDouble(r->counts[i]));
+    return Py_BuildValue("{sNsNsdsds(dddd)sisdsi}", "state", state_tuple(r, &r->state), "counts", counts, "steps", r->steps,
+                         "evaluations", r->evaluations, "certificate", r->certificate.uncertified, r->certificate.first_doubt,
+                         r->certificate.margin, r->certificate.margin_time, "violated_once", r->violated_once,
+                         "first_violation", r->first_violation, "mode", r->mode_number);
+}
+
+static PyMethodDef methods[] = {
+    {"add_mode", (PyCFunction)add_mode, METH_VARARGS, "add_mode(ints, doubles) -> its number"},
+    {"set_rule", (PyCFunction)set_rule, METH_VARARGS,
+     "set_rule(mode, event, (rule, target, other, hold, kind, part, key, order)): what follows the event"},
+    {"start", (PyCFunction)start, METH_VARARGS,
+     "start(mode, state, known, samples, sample_modes, events, event_codes) -> (samples, events)"},
+    {"advance", (PyCFunction)advance, METH_VARARGS,
+     "advance(samples, sample_modes, events, event_codes) -> (samples, events, finished, status)\n\n"
+     "Compute on until a buffer is full, a slice of work is done, Python has to decide or the run ends."},
+    {"pending", (PyCFunction)pending, METH_NOARGS, "pending() -> (mode, event, state) that Python has to decide"},
+    {"take", (PyCFunction)take, METH_VARARGS,
+     "take(mode, state, known, kinds, parts, samples, sample_modes, events, event_codes) -> as advance\n\n"
+     "Go on behind the pending event; known: order by key, -1 where nothing is said."},
+    {"doubt", (PyCFunction)doubt_here, METH_VARARGS, "doubt(t): count what happened at t as not proved"},
+    {"state_at", (PyCFunction)state_at, METH_VARARGS,
+     "state_at(t) -> state before the next event, or None where more work is to do; t ascending from call to call"},
+    {"tally", (PyCFunction)tally, METH_NOARGS, "tally() -> dict of state, counts and margins"},
+    {NULL, NULL, 0, NULL},
+};
+
+static PyTypeObject run_type = {
+    PyVarObject_HEAD_INIT(NULL, 0).tp_name = "vibsim.engine._engine.Run",
+    .tp_doc = "Run(ints, doubles): a run of a packed scene.",
+    .tp_basicsize = sizeof(RunObject),
+    .tp_flags = Py_TPFLAGS_DEFAULT,
+    .tp_new = Run_new,
+    .tp_dealloc = (destructor)Run_dealloc,
+    .tp_methods = methods,
+};
+
+static struct PyModuleDef module = {
+    PyModuleDef_HEAD_INIT, "_engine", "The C engine of vibsim; use vibsim.engine.", -1, NULL, NULL, NULL, NULL, NULL,
+};
+
+PyMODINIT_FUNC PyInit__engine(void)
+{
+    PyObject *made;
+    if (PyType_Ready(&run_type) < 0 || (made = PyModule_Create(&module)) == NULL)
+        return NULL;
+    Py_INCREF(&run_type);
+    if (PyModule_AddObject(made, "Run", (PyObject *)&run_type) < 0) {
+        Py_DECREF(&run_type);
+        Py_DECREF(made);
+        return NULL;
+    }
+    return made;
+}

@@ -1,0 +1,84 @@
+/* Two doubles side by side: the odd and the even chain of a sum, in one vector register where the compiler has them.
+ * Each lane is rounded by itself, as two scalars would be.
+ */
+#ifndef VIBSIM_PAIR_H
+#define VIBSIM_PAIR_H
+
+#ifdef __GNUC__
+typedef double Pair __attribute__((vector_size(16), aligned(8), may_alias));
+
+static inline Pair load_pair(const double *p)
+{
+    return *(const Pair *)p;
+}
+
+static inline Pair add_product(Pair sum, Pair a, Pair b)
+{
+    return sum + a * b;
+}
+
+static inline Pair make_pair(double first, double second)
+{
+    Pair pair = {first, second};
+    return pair;
+}
+
+static inline Pair add_pair(Pair a, Pair b)
+{
+    return a + b;
+}
+
+static inline double first_of_pair(Pair pair)
+{
+    return pair[0];
+}
+
+static inline double second_of_pair(Pair pair)
+{
+    return pair[1];
+}
+#else
+typedef struct {
+    double first, second;
+} Pair;
+
+static inline Pair make_pair(double first, double second)
+{
+    Pair pair;
+    pair.first = first;
+    pair.second = second;
+    return pair;
+}
+
+static inline Pair load_pair(const double *p)
+{
+    return make_pair(p[0], p[1]);
+}
+
+static inline Pair add_product(Pair sum, Pair a, Pair b)
+{
+    return make_pair(sum.first + a.first * b.first, sum.second + a.second * b.second);
+}
+
+static inline Pair add_pair(Pair a, Pair b)
+{
+    return make_pair(a.first + b.first, a.second + b.second);
+}
+
+static inline double first_of_pair(Pair pair)
+{
+    return pair.first;
+}
+
+static inline double second_of_pair(Pair pair)
+{
+    return pair.second;
+}
+#endif
+
+static inline double sum_of_pair(Pair pair)
+{
+    return first_of_pair(pair) + second_of_pair(pair);
+}
+
+#endif

@@ -1,0 +1,25 @@
+"""The state of a scene: bodies and rotor at one instant."""
+
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass
+class State:
+    """Displacements x [m] and velocities v [m/s] of the bodies, rotor angle [rad] and speed w [rad/s] at time
+    t [s].
+
+    The rotor angle is phase + 2 pi turns with the phase kept within one turn, so that a run of many turns
+    loses no digits. Time lies on the grid of its number type and the other values belong to that very
+    instant.
+    """
+
+    t: Any
+    x: list[Any]
+    v: list[Any]
+    phase: Any
+    turns: Any
+    w: Any
+
+    def copy(self):
+        return State(self.t, list(self.x), list(self.v), self.phase, self.turns, self.w)
