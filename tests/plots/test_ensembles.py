@@ -87,6 +87,7 @@ def test_an_ensemble_alone_is_drawn_over_its_start_values(paths, kind):
     np.testing.assert_array_equal(np.unique(line.get_xdata()), np.sort(phases))
     assert line.get_linestyle() == "None"
     assert "at the start" in figure.axes[-1].get_xlabel()
+    assert "band" not in figure.axes[0].get_title(loc="right") or kind == "power"
 
 
 def test_quantiles_leave_out_what_is_missing():

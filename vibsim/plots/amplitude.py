@@ -39,8 +39,8 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     for axes, name in zip(panels, names, strict=True):
         _panel(axes, [curve for curve in drawn if f"amplitude_{name}" in curve.subject.result], name, scale)
     limit(panels[0], drawn, view)
-    remark = ensemble_note(drawn) or ("band: up to the greatest" if len(drawn) <= BANDS_UP_TO else "")
-    note(panels[0], remark)
+    banded = len(drawn) <= BANDS_UP_TO and any(map(_is_banded, drawn))
+    note(panels[0], ensemble_note(drawn) or ("band: up to the greatest" if banded else ""))
     if all(subject.result.axes[along(subject.result)].key in SPEEDS for subject in subjects):
         mark_frequencies(list(panels), frequencies(subjects), (view.width_cm - 1.6) * 28)
     figure.supylabel("Amplitude", fontsize=8)
@@ -63,7 +63,7 @@ def _panel(axes: Axes, drawn: Sequence[Curve], name: str, scale: Scale) -> None:
     means = [curve.values(f"amplitude_{name}") for curve in drawn]
     for curve, mean in zip(drawn, means, strict=True):
         draw_bands(axes, curve, f"amplitude_{name}", scale)
-        if len(drawn) <= BANDS_UP_TO and curve.members is None and curve.joined:
+        if len(drawn) <= BANDS_UP_TO and _is_banded(curve):
             most = curve.values(f"amplitude_{name}_max")
             axes.fill_between(
                 curve.x, scale(mean), scale(most), color=curve.colour, alpha=0.2, linewidth=0, gid="band"
@@ -74,3 +74,8 @@ def _panel(axes: Axes, drawn: Sequence[Curve], name: str, scale: Scale) -> None:
     axes.margins(y=0.06)
     if all(np.isnan(mean).all() for mean in means):
         axes.set_ylim(0, 1)
+
+
+def _is_banded(curve: Curve) -> bool:
+    """Whether a band up to the greatest amplitude belongs to it: not to members of an ensemble."""
+    return curve.members is None and curve.joined

@@ -89,9 +89,7 @@ KINDS = (
         ("motor", "capture", "map or starts"),
         alone=True,
     ),
-    Kind(
-        "fit", "fit", "price of the candidates over the free parameters", ("free parameters",), alone=True
-    ),
+    Kind("fit", "fit", "price of the candidates over the free parameters", ("free parameters",), alone=True),
     Kind("work-precision", "bench", "error against computing time of every method", width="page"),
 )
 
