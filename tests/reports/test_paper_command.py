@@ -84,7 +84,7 @@ def test_the_report_is_whole(report):
 @pytest.mark.slow
 @pytest.mark.timeout(600)
 def test_the_findings_are_those_of_the_readme(report):
-    """As printed no motor is captured; with m3 and c of the readings both do as the paper says."""
+    """As printed no motor is captured; with J and c of the readings both do as the paper says."""
     _, claims = report
     assert claims == {
         "no-impacts": "holds",

@@ -31,7 +31,7 @@ def draw_search(plane: Numbers, printed: Point, reading: Point) -> Figure:
     panels = figure.subplots(1, len(PANELS), sharex=True, sharey=True)
     for axes, (title, statements) in zip(panels, PANELS, strict=True):
         places, shares = points_of(plane["ranking"], statements)
-        scatter_shares(axes, places, shares, f"{title} (share of starts)")
+        scatter_shares(axes, places, shares, "Share of starts")
         _mark(axes, printed, reading)
         axes.set(xscale="log", yscale="log", xlabel="Moment of inertia $J$ (g m²)", title=title)
     panels[0].set_ylabel("Damping $c$ (N s/m)")
