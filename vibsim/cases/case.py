@@ -92,8 +92,8 @@ class Case:
         if isinstance(self.model, CaseFile):
             return self.model
         what = (
-            "a scene of named parts cannot be run yet, only checked (vibsim check) and printed (vibsim cases "
-            "NAME --resolved); what runs has blocks and coupling"
+            "a scene of named parts cannot be run yet, only checked (vibsim check), printed and drawn "
+            "(vibsim cases NAME --resolved, --draw); what runs has blocks and coupling"
         )
         raise CaseError([Problem(self.source, None, None, "bodies", what)])
 

@@ -139,7 +139,7 @@ def _element(axes: Axes, element: Element, x0: float, x1: float, y: float) -> No
         )
     middle = (x0 + x1) / 2
     symbols.label(axes, middle, y + 0.38, element.title, style="italic")
-    symbols.label(axes, middle, y - 0.36, element.value)
+    symbols.label(axes, middle, y - 0.38, element.value)
 
 
 def _walls(
