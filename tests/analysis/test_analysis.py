@@ -55,7 +55,8 @@ def test_the_transient_is_left_out_of_the_window(window, discard, steady):
     found = analyse(short_run("II-B", "20 s"), window, discard)
     assert found.steady.window == steady
     assert found.drift.span.window == steady
-    assert found.capture.span.window == (0, 20) if window is None else (window[0], min(window[1], 20.0))
+    judged = (0.0, 20.0) if window is None else (window[0], min(window[1], 20.0))
+    assert found.capture.span.window == judged
 
 
 def test_what_cannot_be_judged_is_said():

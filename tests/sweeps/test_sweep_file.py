@@ -125,7 +125,7 @@ def test_xarray_opens_it_without_warnings_and_phony_dimensions(made, engine):
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     dims, texts, speed = done.stdout.splitlines()
-    assert dims.startswith("{'omega0': 3, 'G': 2, 'direction': 2, 'section': 7}") or "phony" not in dims
+    assert "'omega0': 3" in dims and "'G': 2" in dims and "'section': 7" in dims and "phony" not in dims
     assert "('omega0', 'G', 'direction') ('omega0', 'G', 'direction', 'section')" in dims
     assert texts.split() == [result["sha256"][1, 0, 0], "True", "12"]
     assert float(speed) == result["mean_speed"][1, 1, 1]
