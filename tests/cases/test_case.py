@@ -140,3 +140,23 @@ def test_cases_import_nothing_heavy():
     code = f"import sys, vibsim.cases; print([name for name in {heavy} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+FINGERPRINTS = {  # of version 0.1.0, as result files hold them
+    "I-A-eq211": "ffbca380cd28dafd5fb91df9f7b4cec817287e529969c406b68a9a30c3478818",
+    "II-B": "c2fde79c42d85fb8ffe7e0691cb6863a014bb904dfbc0862a9fd211683856022",
+}
+
+
+@pytest.mark.parametrize("name", FINGERPRINTS)
+def test_fingerprints_of_stored_files_stay(name):
+    assert load_case(name).sha256 == FINGERPRINTS[name]
+
+
+def test_a_case_of_two_blocks_does_not_load_the_long_form():
+    code = (
+        "import sys; from vibsim import load_case; load_case('II-B').parts(); "
+        "print('vibsim.cases.parts.schema' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"
