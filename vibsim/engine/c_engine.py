@@ -81,7 +81,7 @@ class CRun:
             rows = self.maker.rows(status)
             if self.scout.suits(rows) is self.scout.taylor:
                 rows.modal = False
-            self.numbers[status] = self.run.add_mode(*pack_mode(rows, self.keys, self.n))
+            self.numbers[status] = self.run.add_mode(*pack_mode(rows, self.keys))
             self.rows.append(rows)
         return self.numbers[status]
 

@@ -25,12 +25,12 @@ enum { NOTHING = -1 };
 
 typedef struct {
     double k, c, offset;
-    int P, Q, pair, to_P, to_Q; /* ends; their difference among the pairs of the closed form; leading columns */
+    int P, Q, pair, to_P, to_Q, from, to; /* ends; their difference in the closed form; leading columns; places in the table */
 } Coupling;
 
 typedef struct {
     double coefficient;
-    int kind, P, Q, pair;
+    int kind, P, Q, pair, from, to; /* ...; places in the table of Taylor series, -1 for the ground */
 } Term;
 
 /* One group's share in the first derivative of a sliding velocity: factor (sum of terms + constants) / mass. */
@@ -102,7 +102,9 @@ typedef struct {
     Slope *slopes;
     double *mobility, *group_mass, *drift, *constants, *slope_constants, carried;
     int *leader, *constant_columns, *codes;
-    int coupling_count, event_count, constant_count, simple;
+    int coupling_count, event_count, constant_count, untied, shape;
+    Coupling small;            /* the one coupling of a small scene; zero without one */
+    double small_constants[2]; /* forces of slipping frictions by column */
     Modal *modal; /* NULL where only Taylor series will do */
     void *memory;
 } Mode;
@@ -126,12 +128,15 @@ typedef struct {
     double margin, margin_time, uncertified, first_doubt, doubted;
 } Certificate;
 
+/* Coefficient n of displacement c is table[n * stride + c], of its rate table[n * stride + rates + c]; columns as in
+ * `column_in_table`, phi and w in that of number `bodies`.
+ */
 typedef struct {
-    double *table;                               /* coefficients: rows of displacements, then velocities, of all columns */
-    double *load, *load_set;                     /* series of the forces by column */
-    double inverse[SERIES + 1], sine[SERIES], cosine[SERIES], phi[SERIES], w[SERIES], w_back[SERIES], a1[SERIES], a1_back[SERIES];
+    double *table, *values;
+    double *load, **loaded_on; /* series of the forces, by column; NULL where there is none */
+    double inverse[SERIES + 1], sine[SERIES], cosine[SERIES], w_back[SERIES], a1_back[SERIES]; /* w_back[order - n]: order n */
     double unbalance, inertia, drag, h, turns;
-    int order, *loaded, loaded_count;
+    int order, rates, stride, *loaded, loaded_count;
 } Taylor;
 
 typedef struct {
@@ -151,7 +156,7 @@ typedef struct {
 /* A run: everything between two calls. */
 typedef struct Run {
     int bodies, columns, parts, clearances, harmonic_count, key_count, mode_count, force_count, base_count;
-    int has_motor, motor_on, force_taylor, stop_on_violation, closed; /* closed: the flow in use */
+    int has_motor, motor_on, rest_columns, force_taylor, stop_on_violation, closed; /* closed: the flow in use */
     double m3, e, J, M0, Omega0, tolerance_exponent, t_end, every_num, every_den;
     Harmonic *harmonics, *base;
     Force *forces;
@@ -168,6 +173,19 @@ typedef struct Run {
     Taylor taylor;
     ClosedForm closed_form;
 } Run;
+
+enum { ANY, TWO_FREE, TWO_HELD, ONE }; /* shapes of the recurrences: see taylor_expansion.c */
+
+/* Place of a column among the displacements in the table of Taylor series: bodies, phi, ground, base. */
+static inline int column_in_table(const Run *r, int column)
+{
+    return column < r->bodies ? column : column + 1;
+}
+
+static inline int base_column(const Run *r)
+{
+    return r->bodies + 2;
+}
 
 /* responses.c */
 void oscillator_set(Oscillator *o, double a, double b, double omega);
@@ -187,6 +205,11 @@ void taylor_set(Run *r);
 void taylor_enter(Run *r, const State *state);
 double taylor_advance(Run *r, double limit, int *event);
 void taylor_state_after(Run *r, double tau, State *out);
+
+/* taylor_loads.c, taylor_expansion.c, taylor_polynomial.c */
+void taylor_expand_base(Run *r, double t);
+void taylor_expand_loads(Run *r, double t);
+void taylor_expand(Run *r, const State *state);
 int taylor_polynomial(const Run *r, const Event *e, double *out);
 
 /* closed_form.c */

@@ -28,8 +28,9 @@ static int room_for_flows(Run *r)
 {
     Taylor *f = &r->taylor;
     ClosedForm *c = &r->closed_form;
-    size_t n = (size_t)r->bodies, columns = n + 2, coordinates = 2 * n + 2, harmonics = (size_t)r->harmonic_count + 1;
-    f->table = room((size_t)SERIES * 2 * columns, sizeof(double));
+    size_t n = (size_t)r->bodies, columns = n + 2, row = 2 * (n + 3), coordinates = 2 * n + 2, harmonics = (size_t)r->harmonic_count + 1;
+    f->table = room((SERIES + 1) * row, sizeof(double));
+    f->loaded_on = room(columns, sizeof(double *));
     f->load = room(columns * SERIES, sizeof(double));
     r->force = room(columns, sizeof(double));
     r->state.x = room(4 * n, sizeof(double));
@@ -38,8 +39,9 @@ static int room_for_flows(Run *r)
     c->sin0 = room(harmonics * 6, sizeof(double));
     c->x0 = room(2 * columns, sizeof(double));
     c->jets = room(coordinates, sizeof *c->jets);
-    if (!f->table || !f->load || !r->force || !r->state.x || !c->q0 || !c->load_sine || !c->sin0 || !c->x0 || !c->jets)
+    if (!f->table || !f->loaded_on || !f->load || !r->force || !r->state.x || !c->q0 || !c->load_sine || !c->sin0 || !c->x0 || !c->jets)
         return 0;
+    f->values = f->table + SERIES * row;
     r->state.v = r->state.x + n;
     r->next.x = r->state.x + 2 * n;
     r->next.v = r->state.x + 3 * n;
@@ -76,6 +78,7 @@ int scene_read(Run *r, Reader *in)
     r->base_count = read_index(in, 0, MOST);
     r->has_motor = read_index(in, 0, 1);
     r->motor_on = read_index(in, 0, r->bodies - 1);
+    r->rest_columns = read_index(in, r->base_count > 0 ? 2 : 0, 2);
     r->stop_on_violation = read_index(in, 0, 1);
     r->taylor.order = read_index(in, 2, MAX_ORDER);
     r->m3 = read_double(in);
@@ -117,13 +120,28 @@ int scene_read(Run *r, Reader *in)
         int any = 0;
         for (j = 0; j < r->force_count; j++)
             any = any || r->forces[j].on == i;
-        if (any)
+        if (any) {
             r->taylor.loaded[r->taylor.loaded_count++] = i;
+            r->taylor.loaded_on[i] = r->taylor.load + i * SERIES;
+        }
     }
     r->certificate.margin = INFINITY;
     r->certificate.doubted = NAN;
     taylor_set(r);
     return read_through(in);
+}
+
+/* Where a difference of columns or rates is in the table of Taylor series; the ground is zero and need not be there. */
+static void place_term(const Run *r, Term *t)
+{
+    int rates = t->kind == RATE ? r->taylor.rates : 0;
+    t->from = t->to = -1;
+    if (t->kind != DIFFERENCE && t->kind != RATE)
+        return;
+    if (t->P != r->bodies)
+        t->from = column_in_table(r, t->P) + rates;
+    if (t->Q != r->bodies)
+        t->to = column_in_table(r, t->Q) + rates;
 }
 
 static void read_terms(Reader *in, Term *terms, int count, const Run *r, int couplings, int pairs)
@@ -135,6 +153,7 @@ static void read_terms(Reader *in, Term *terms, int count, const Run *r, int cou
         terms[i].Q = read_index(in, -1, r->columns - 1);
         if ((terms[i].kind == DIFFERENCE || terms[i].kind == RATE) && terms[i].Q < 0)
             in->short_of = 1;
+        place_term(r, &terms[i]);
         terms[i].pair = read_index(in, -1, pairs - 1);
         if (pairs > 0 && (terms[i].kind == DIFFERENCE || terms[i].kind == RATE) && terms[i].pair < 0)
             in->short_of = 1;
@@ -247,6 +266,27 @@ static Modal *modal_read(const Run *r, Reader *in)
     return m;
 }
 
+/* The shape of the recurrences that suits a mode: at most one coupling, of body 0 and one other column. */
+static void take_shape(const Run *r, Mode *m)
+{
+    int small = r->base_count == 0 && m->coupling_count < 2 && m->leader[0] == 0, i;
+    m->untied = 1;
+    for (i = 0; i < r->bodies; i++)
+        m->untied = m->untied && m->leader[i] == i;
+    m->shape = ANY;
+    if (m->coupling_count > 0)
+        small = small && m->couplings[0].P == 0 && m->couplings[0].Q == 1;
+    small = small && r->taylor.rates == 3 && (!r->has_motor || r->motor_on == 0);
+    if (!small || r->bodies > 2)
+        return;
+    m->shape = r->bodies == 1 ? ONE : m->leader[1] == 1 ? TWO_FREE : m->leader[1] == 2 ? TWO_HELD : ANY;
+    if (m->coupling_count > 0)
+        m->small = m->couplings[0];
+    for (i = 0; i < m->constant_count; i++)
+        if (m->constant_columns[i] < 2)
+            m->small_constants[m->constant_columns[i]] = m->constants[i];
+}
+
 Mode *mode_read(Run *r, Reader *in)
 {
     Mode *m = room(1, sizeof *m);
@@ -260,7 +300,6 @@ Mode *mode_read(Run *r, Reader *in)
     slopes = read_index(in, 0, MOST);
     slope_constants = read_index(in, 0, MOST);
     pairs = read_index(in, 0, MOST);
-    m->simple = read_index(in, 0, 1) && r->bodies == 2 && m->coupling_count < 2;
     if (in->short_of)
         return m;
     m->couplings = room((size_t)m->coupling_count, sizeof(Coupling));
@@ -298,12 +337,16 @@ Mode *mode_read(Run *r, Reader *in)
         c->k = read_double(in);
         c->c = read_double(in);
         c->offset = read_double(in);
-        m->simple = m->simple && c->P == 0 && c->Q == 1;
+        c->from = column_in_table(r, c->P);
+        c->to = column_in_table(r, c->Q);
+        if (c->from >= r->taylor.rates || c->to >= r->taylor.rates)
+            in->short_of = 1;
     }
     for (i = 0; i < m->constant_count; i++) {
         m->constant_columns[i] = read_index(in, 0, r->bodies - 1);
         m->constants[i] = read_double(in);
     }
+    take_shape(r, m);
     for (i = 0; i < slope_constants; i++)
         m->slope_constants[i] = read_double(in);
     read_terms(in, m->terms, terms, r, m->coupling_count, pairs);
@@ -418,6 +461,7 @@ void run_free(Run *r)
     free(r->state.x);
     free(r->taylor.table);
     free(r->taylor.load);
+    free(r->taylor.loaded_on);
     free(r->taylor.loaded);
     free(r->closed_form.q0);
     free(r->closed_form.load_sine);

@@ -7,6 +7,7 @@ from typing import Any
 from vibsim.engine.event_functions import reaches
 from vibsim.engine.modal import pitch
 from vibsim.engine.rows import COUPLING, DIFFERENCE, RATE
+from vibsim.physics.parts import BASE, GROUND
 
 
 class Packer:
@@ -35,7 +36,8 @@ def pack_scene(scene, harmonics):
     pack.put(
         (len(scene.bodies), parts, len(scene.clearances), len(harmonics), len(scene.forces), len(scene.base))
     )
-    pack.put((motor is not None, motor.on if motor else 0, scene.stop_on_violation, scene.order))
+    pack.put((motor is not None, motor.on if motor else 0, rest_columns(scene)))
+    pack.put((scene.stop_on_violation, scene.order))
     pack.put((), (motor.m3, motor.e, motor.J, motor.M0, motor.Omega0) if motor else (0.0,) * 5)
     pack.put((), (log2(scene.tol), scene.t_end, scene.every_num, scene.every_den))
     pack.put((), (body.m for body in scene.bodies))
@@ -50,11 +52,19 @@ def pack_scene(scene, harmonics):
     return pack.ints.tobytes(), pack.doubles.tobytes()
 
 
+def rest_columns(scene):
+    """How many columns at rest the tables of Taylor series need: ground and base, the ground, or none."""
+    coupled = (*scene.links, *scene.stops)
+    if scene.base or any(BASE in (p.P, p.Q) for p in (*coupled, *scene.frictions, *scene.clearances)):
+        return 2
+    return int(any(GROUND in (part.P, part.Q) for part in coupled))
+
+
 def pack_state(state):
     return array("d", (state.t, *state.x, *state.v, state.phase, state.turns, state.w)).tobytes()
 
 
-def pack_mode(rows, keys, bodies):
+def pack_mode(rows, keys):
     """The rows of a mode as bytes of ints and of doubles. keys: {event key: number}, which grows."""
     pack, modal = Packer(), rows.modal
     terms: list[Any] = []
@@ -74,7 +84,7 @@ def pack_mode(rows, keys, bodies):
     pack.put(
         (len(rows.couplings), len(events), len(rows.constants), len(terms), len(slopes), len(slope_constants))
     )
-    pack.put((len(pairs), simple(rows, bodies)))
+    pack.put((len(pairs),))
     pack.put(rows.status.codes)
     for leader, mobility, mass, drift in zip(rows.leader, rows.mobility, rows.mass, rows.drift, strict=True):
         pack.put((leader,), (mobility, 0.0 if mass is None else mass, drift))
@@ -97,17 +107,6 @@ def pack_mode(rows, keys, bodies):
     if modal:
         pack_modal(pack, modal, rows.events)
     return pack.ints.tobytes(), pack.doubles.tobytes()
-
-
-def simple(rows, bodies):
-    """Whether at most one coupling joins two bodies that are not tied to each other."""
-    ends = all((q.P, q.Q) == (0, 1) for q in rows.couplings)
-    return (
-        bodies == 2
-        and len(rows.couplings) < 2
-        and ends
-        and (rows.leader[0] != rows.leader[1] or rows.leader[0] > 1)
-    )
 
 
 def pack_modal(pack, modal, events):
@@ -158,4 +157,3 @@ def pack_modal(pack, modal, events):
 def coupled(event):
     """Whether all terms of an event function are couplings."""
     return all(term.kind == COUPLING for term in event.terms)
-

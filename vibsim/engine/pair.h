@@ -12,6 +12,11 @@ static inline Pair load_pair(const double *p)
     return *(const Pair *)p;
 }
 
+static inline void store_pair(double *p, Pair pair)
+{
+    *(Pair *)p = pair;
+}
+
 static inline Pair add_product(Pair sum, Pair a, Pair b)
 {
     return sum + a * b;
@@ -53,6 +58,12 @@ static inline Pair make_pair(double first, double second)
 static inline Pair load_pair(const double *p)
 {
     return make_pair(p[0], p[1]);
+}
+
+static inline void store_pair(double *p, Pair pair)
+{
+    p[0] = pair.first;
+    p[1] = pair.second;
 }
 
 static inline Pair add_product(Pair sum, Pair a, Pair b)

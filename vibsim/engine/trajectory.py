@@ -1,8 +1,8 @@
 """Runs of scenes made of parts: one contract, two engines that agree bit for bit on doubles.
 
-    trajectory = open_trajectory(scene, engine="auto")
-    for block in trajectory.blocks(): ...
-    trajectory.totals
+trajectory = open_trajectory(scene, engine="auto")
+for block in trajectory.blocks(): ...
+trajectory.totals
 """
 
 from dataclasses import dataclass

@@ -1,0 +1,242 @@
+/* Taylor coefficients of the motion at a state: the recurrences of vibsim/engine/taylor.py.
+ *
+ * A row of the table holds the coefficients of one order: displacements of the bodies, phi, ground and base; then
+ * the rates of all of them in the same places. Small scenes run in shapes whose columns are known at compile time.
+ */
+#include "engine.h"
+#include "numbers.h"
+#include "pair.h"
+
+#define INLINE static inline __attribute__((always_inline))
+#define SHAPE __attribute__((noinline)) static void /* one function each: inlined into one they lose a quarter */
+
+typedef struct {
+    double *sine, *cosine, *w_back, *a1_back; /* w_back[p - n] = w[n], a1_back[p - n] = a1[n] */
+    double unbalance, drag, inertia, stall, coupling, to_a1, to_w, cross, sw, tail, torque, previous;
+} Rotor;
+
+static Rotor rotor_of(Run *r, const State *state)
+{
+    Taylor *f = &r->taylor;
+    Rotor o;
+    o.sine = f->sine;
+    o.cosine = f->cosine;
+    o.w_back = f->w_back;
+    o.a1_back = f->a1_back;
+    o.unbalance = f->unbalance;
+    o.drag = f->drag;
+    o.inertia = f->inertia;
+    o.stall = r->M0;
+    f->table[r->bodies] = state->phase;
+    f->table[f->rates + r->bodies] = o.w_back[f->order] = state->w;
+    o.sine[0] = sin(state->phase);
+    o.cosine[0] = cos(state->phase);
+    o.coupling = o.unbalance * o.sine[0];
+    o.to_a1 = o.to_w = o.cross = o.tail = o.torque = o.previous = 0.0;
+    if (r->mode->carried > 0) {
+        double mass = r->mode->carried + r->m3, inverse_det = 1 / (mass * o.inertia - o.coupling * o.coupling);
+        o.to_a1 = o.inertia * inverse_det;
+        o.to_w = mass * inverse_det;
+        o.cross = o.coupling * inverse_det;
+    }
+    o.sw = o.sine[0] * state->w;
+    return o;
+}
+
+/* What order n of the rotor's series is before the accelerations are known; returns its thrust. */
+INLINE double rotate(Rotor *o, int n, int p, double inverse)
+{
+    double *restrict sine = o->sine, *restrict cosine = o->cosine;
+    const double *w = o->w_back + (p - n), *a1 = o->a1_back + (p + 1 - n); /* w[i]: order n - i, a1[i]: order n - 1 - i */
+    const double w0 = o->w_back[p];
+    Pair cws = make_pair(0, 0), tails = cws, backs = cws;
+    double cw, back, tail;
+    int i;
+    for (i = 1; i + 1 < n; i += 2) {
+        Pair speeds = load_pair(w + i), sines = load_pair(sine + i + 1);
+        cws = add_product(cws, load_pair(cosine + i), speeds);
+        tails = add_product(tails, sines, speeds);
+        backs = add_product(backs, sines, load_pair(a1 + i));
+    }
+    if (i < n) { /* the odd chain has one term more; the even one adds 0 * 0 */
+        Pair speed = make_pair(w[i], 0), following = make_pair(sine[i + 1], 0);
+        cws = add_product(cws, make_pair(cosine[i], 0), speed);
+        tails = add_product(tails, following, speed);
+        backs = add_product(backs, following, make_pair(a1[i], 0));
+    }
+    cw = sum_of_pair(cws);
+    tail = sum_of_pair(tails);
+    back = sum_of_pair(backs);
+    cosine[n + 1] = -(o->sw * inverse);
+    if (n > 0) {
+        cw = cw + (cosine[0] * w[0] + cosine[n] * w0);
+        tail = tail + sine[1] * w[0];
+        back = back + sine[1] * o->previous;
+    } else {
+        cw = cosine[0] * w0;
+    }
+    sine[n + 1] = cw * inverse;
+    o->tail = tail + sine[n + 1] * w0;
+    o->torque = o->unbalance * back - o->drag * w[0];
+    if (n == 0)
+        o->torque = o->torque + o->stall;
+    return o->unbalance * ((n + 1) * o->tail);
+}
+
+/* Order n of the acceleration under `thrust`, and order n + 1 of the rotor's speed, from one 2x2 division by the mass matrix. */
+INLINE double turn(Rotor *o, int n, int p, double inverse, double thrust)
+{
+    double a1 = o->to_a1 * thrust + o->cross * o->torque, w = (o->to_w * o->torque + o->cross * thrust) * inverse;
+    o->w_back[p - n - 1] = w;
+    o->a1_back[p - n] = o->previous = a1;
+    o->sw = o->tail + o->sine[0] * w;
+    return a1;
+}
+
+/* The same where the motor's body moves as the ground or the base does: its acceleration is given. */
+INLINE double turn_carried(Rotor *o, int n, int p, double inverse, double a1)
+{
+    double w = (o->torque + o->coupling * a1) / o->inertia * inverse;
+    o->w_back[p - n - 1] = w;
+    o->a1_back[p - n] = o->previous = a1;
+    o->sw = o->tail + o->sine[0] * w;
+    return a1;
+}
+
+/* One body that moves and a second column: another body that moves (`moving` == 2), one that is held, or the ground. */
+INLINE void expand_small(Run *r, const State *state, const int bodies, const int moving, const int far, const int motor)
+{
+    enum { RATES = 3, STRIDE = 6 };
+    Taylor *f = &r->taylor;
+    const Mode *m = r->mode;
+    const int p = f->order, phi = bodies;
+    const double k = m->small.k, c = m->small.c, offset = m->small.offset;
+    const double mobility = m->mobility[0], mobility_far = moving > 1 ? m->mobility[1] : 0.0;
+    const double *load = f->loaded_on[0], *load_far = moving > 1 ? f->loaded_on[1] : NULL;
+    double *restrict row = f->table;
+    const double *inverses = f->inverse;
+    Rotor o;
+    int n;
+    if (motor)
+        o = rotor_of(r, state);
+    for (n = 0; n <= p; n++, row += STRIDE) {
+        double *next = row + STRIDE, inverse = inverses[n + 1], F, F_far = 0.0, force, a1;
+        next[0] = row[RATES] * inverse;
+        next[far] = bodies > 1 ? row[RATES + 1] * inverse : 0.0;
+        next[phi] = motor ? row[RATES + phi] * inverse : 0.0;
+        if (n == p)
+            break;
+        F = motor ? rotate(&o, n, p, inverse) : 0.0;
+        if (load)
+            F = F + load[n];
+        if (moving > 1 && load_far)
+            F_far = F_far + load_far[n];
+        force = k * (row[0] - row[far]) + c * (row[RATES] - row[RATES + far]);
+        if (n == 0)
+            force = force + offset;
+        F = F - force;
+        F_far = F_far + force;
+        if (n == 0) {
+            F = F + m->small_constants[0];
+            F_far = F_far + m->small_constants[1];
+        }
+        a1 = motor ? turn(&o, n, p, inverse, F) : F * mobility;
+        next[RATES] = a1 * inverse;
+        next[RATES + far] = moving > 1 ? F_far * mobility_far * inverse : 0.0;
+        next[RATES + phi] = motor ? o.w_back[p - n - 1] : 0.0;
+    }
+    row[STRIDE + RATES] = row[STRIDE + RATES + far] = row[STRIDE + RATES + phi] = 0.0;
+}
+
+SHAPE two_free(Run *r, const State *s) { expand_small(r, s, 2, 2, 1, 0); }
+SHAPE two_free_with_motor(Run *r, const State *s) { expand_small(r, s, 2, 2, 1, 1); }
+SHAPE two_held(Run *r, const State *s) { expand_small(r, s, 2, 1, 1, 0); }
+SHAPE two_held_with_motor(Run *r, const State *s) { expand_small(r, s, 2, 1, 1, 1); }
+SHAPE one(Run *r, const State *s) { expand_small(r, s, 1, 1, 2, 0); }
+SHAPE one_with_motor(Run *r, const State *s) { expand_small(r, s, 1, 1, 2, 1); }
+
+/* Order n of the forces on the groups, by leading column. */
+INLINE void balance(const Run *r, const double *row, int n, int motor, double thrust)
+{
+    const Taylor *f = &r->taylor;
+    const Mode *m = r->mode;
+    double *F = r->force;
+    const int rates = f->rates;
+    int i;
+    for (i = 0; i < r->columns; i++)
+        F[i] = 0.0;
+    if (motor)
+        F[m->leader[r->motor_on]] += thrust;
+    for (i = 0; i < f->loaded_count; i++) {
+        int column = f->loaded[i];
+        F[m->leader[column]] += f->load[column * SERIES + n];
+    }
+    for (i = 0; i < m->coupling_count; i++) {
+        const Coupling *q = &m->couplings[i];
+        const double *a = row + q->from, *b = row + q->to;
+        double force = q->k * (*a - *b) + q->c * (a[rates] - b[rates]);
+        if (n == 0)
+            force = force + q->offset;
+        F[q->to_P] -= force;
+        F[q->to_Q] += force;
+    }
+    for (i = 0; n == 0 && i < m->constant_count; i++)
+        F[m->leader[m->constant_columns[i]]] += m->constants[i];
+}
+
+INLINE void expand_any(Run *r, const State *state, const int motor)
+{
+    Taylor *f = &r->taylor;
+    const Mode *m = r->mode;
+    const int p = f->order, bodies = r->bodies, rates = f->rates, stride = f->stride, base = bodies + 2;
+    const int on = motor ? m->leader[r->motor_on] : 0;
+    double *row = f->table;
+    Rotor o;
+    int n, c;
+    if (motor)
+        o = rotor_of(r, state);
+    for (n = 0; n <= p; n++, row += stride) {
+        double *next = row + stride, inverse = f->inverse[n + 1], thrust = 0.0;
+        const double *F = r->force;
+        for (c = 0; c <= bodies; c++)
+            next[c] = row[rates + c] * inverse;
+        if (n == p)
+            break;
+        if (motor)
+            thrust = rotate(&o, n, p, inverse);
+        balance(r, row, n, motor, thrust);
+        if (m->untied)
+            for (c = 0; c < bodies; c++)
+                next[rates + c] = F[c] * m->mobility[c] * inverse;
+        next[rates + bodies] = 0.0;
+        if (motor) {
+            double given = on > bodies ? (n + 1) * next[rates + base] : 0.0;
+            double a1 = on < bodies ? turn(&o, n, p, inverse, F[on]) : turn_carried(&o, n, p, inverse, given);
+            if (on < bodies)
+                next[rates + on] = a1 * inverse;
+            next[rates + bodies] = o.w_back[p - n - 1];
+        }
+        for (c = 0; !m->untied && c < bodies; c++) {
+            int leader = m->leader[c];
+            if (leader >= bodies)
+                next[rates + c] = leader == bodies ? 0.0 : next[rates + base];
+            else if (leader == c && !(motor && c == on))
+                next[rates + c] = F[c] * m->mobility[c] * inverse;
+            else
+                next[rates + c] = next[rates + leader]; /* leaders come first */
+        }
+    }
+    for (c = 0; c <= bodies; c++)
+        row[stride + rates + c] = 0.0;
+}
+
+SHAPE any(Run *r, const State *s) { expand_any(r, s, 0); }
+SHAPE any_with_motor(Run *r, const State *s) { expand_any(r, s, 1); }
+
+void taylor_expand(Run *r, const State *state)
+{
+    static void (*const shapes[])(Run *, const State *) = {
+        any, any_with_motor, two_free, two_free_with_motor, two_held, two_held_with_motor, one, one_with_motor,
+    };
+    shapes[2 * r->mode->shape + r->has_motor](r, state);
+}
