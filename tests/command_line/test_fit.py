@@ -57,7 +57,9 @@ def test_what_a_statement_can_be_about_is_listed():
         (["fit"], "give at least one CASE"),
         (["fit", "II-B", "--free", "J=1:2g.m^2"], "give at least one statement"),
         (["fit", "II-B", "--free", "J"], "is not KEY=FROM:TO, such as J=0.5:20g.m^2"),
-        (["fit", "II-B", "--free", "Jay=1:2", "--want", "captured"], "--free: "),
+        (["fit", "II-B", "--free", "Jay=1:2", "--want", "captured"], "free Jay: unknown key"),
+        (["fit", "II-B", "--try", "Jay=1", "--want", "captured"], "Jay: unknown key"),
+        (["fit", "II-B", "--free", "c=5:1", "--want", "captured"], "range from 5 to 1 is upside down"),
         (["fit", "II-B", "--free", "J=1:2g.m^2", "--want", "captrued"], "did you mean captured?"),
         (["fit", "II-B", "--leave", "J=dear", "--want", "captured"], "is not KEY=PRICE, such as J=0.05"),
         (
@@ -87,7 +89,7 @@ def test_a_file_of_another_kind_is_file_trouble(tmp_path):
     assert fit(tmp_path / "fit.h5", "--try", "J=0.002").exit_code == 0
     other = fit(tmp_path / "fit.h5", "--try", "J=0.003")
     assert other.exit_code == 6
-    assert "holds another fit" in other.stderr
+    assert "holds another fit, of other readings;" in other.stderr
     assert call("run", tmp_path / "fit.h5").exit_code == 6
 
 

@@ -111,7 +111,7 @@ def test_another_fit_is_refused(tmp_path):
     path = tmp_path / "fit.h5"
     done(small_plan(), path)
     before = path.read_bytes()
-    with pytest.raises(ResultFileError, match="holds another fit"):
+    with pytest.raises(ResultFileError, match="holds another fit, of other starts and search settings; kept"):
         run_fit(small_plan(seed=1), path)
     assert path.read_bytes() == before and not journal_path(path).exists()
     done(small_plan(seed=1), path, force=True)

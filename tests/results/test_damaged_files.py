@@ -11,12 +11,20 @@ import vibsim
 from tests.results.damages import OF_ATTRIBUTES, OF_DATASETS, damage_attribute, datasets
 from tests.results.made import short_case
 from vibsim.benchmark.bench_structure import ATTRIBUTES as OF_BENCH
+from vibsim.fitting import fit
+from vibsim.fitting.fit_structure import ATTRIBUTES as OF_FIT
 from vibsim.results import ResultFileError
 from vibsim.results.trajectory_structure import ATTRIBUTES as OF_TRAJECTORY
 from vibsim.sweeps import sweep
 from vibsim.sweeps.sweep_structure import ATTRIBUTES as OF_SWEEP
 
-ATTRIBUTES = {"run": OF_TRAJECTORY, "digits": OF_TRAJECTORY, "sweep": OF_SWEEP, "bench": OF_BENCH}
+ATTRIBUTES = {
+    "run": OF_TRAJECTORY,
+    "digits": OF_TRAJECTORY,
+    "sweep": OF_SWEEP,
+    "bench": OF_BENCH,
+    "fit": OF_FIT,
+}
 NOT_READ = {"digits": {"digits/events/event"}, "bench": {"row", "time", "kind"}, "sweep": {"section"}}
 
 SHARE = 4  # of the names each damage is done to one; `make fuzz` draws from all
@@ -29,6 +37,18 @@ def whole(tmp_path_factory):
     vibsim.simulate(short_case("II-B", "1 s")).save(folder / "run.h5")
     vibsim.simulate(short_case("I-A", "0.1 s"), digits=20).save(folder / "digits.h5")
     sweep(short_case("II-B", "1 s"), {"Omega0": "3, 4, 5 Hz"}, section=3, jobs=1, out=folder / "sweep.h5")
+    fit(
+        [short_case("II-B", "1 s")],
+        {"J": "1:2 g m^2"},
+        ["impacts at most 0", "mean speed at least 1 Hz"],
+        readings=["c=0.01 N s/m"],
+        ensemble=1,
+        candidates=4,
+        confirm=1,
+        fresh=1,
+        jobs=1,
+        out=folder / "fit.h5",
+    )
     from vibsim.command_line.main import group
 
     group.main(
@@ -152,6 +172,39 @@ def test_a_sweep_whose_settings_are_damaged(whole, tmp_path, change):
         settings = json.loads(file.attrs["sweep_settings_json"])
         file.attrs["sweep_settings_json"] = json.dumps(settings | change)
     assert refusal(path)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"free": []},
+        {"free": [{"key": "nothing"}]},
+        {"statements": []},
+        {"statements": ["II-B: flies"]},
+        {"readings": [{"nothing": "3"}]},
+        {"starts": None},
+        {"starts": {"count": 10**12}},
+        {"search": {"method": "by luck"}},
+        {"search": None},
+        {"fitting": -1},
+    ],
+)
+def test_a_fit_whose_settings_are_damaged(whole, tmp_path, change):
+    path = shutil.copy(whole["fit"], tmp_path / "copy.h5")
+    with h5py.File(path, "r+") as file:
+        settings = json.loads(file.attrs["fit_settings_json"])
+        file.attrs["fit_settings_json"] = json.dumps(settings | change)
+    assert refusal(path).startswith("the attribute fit_settings_json")
+
+
+@pytest.mark.parametrize(
+    "text", ["", "null", '{"a": "b"}', '{"coupling.c": "-3 N s/m"}', '{"coupling.c": null}']
+)
+def test_a_fit_whose_changes_are_damaged(whole, tmp_path, text):
+    path = shutil.copy(whole["fit"], tmp_path / "copy.h5")
+    with h5py.File(path, "r+") as file:
+        file["changes"][1] = text
+    assert refusal(path) == "changes has values that its cases do not take"
 
 
 @pytest.mark.parametrize("kind", ATTRIBUTES)

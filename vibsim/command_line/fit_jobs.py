@@ -7,7 +7,6 @@ from typing import Any
 
 import click
 
-from vibsim.cases import UnknownKeyError
 from vibsim.command_line.interruption import Interruption
 from vibsim.command_line.paper_job import Steps
 from vibsim.command_line.run_plan import read_case
@@ -53,8 +52,6 @@ def read_plan(
         return make_plan(
             cases, dict(free), wanted, readings, dict(prices), ensemble, dict(spreads), Search(**settings)
         )
-    except UnknownKeyError as error:
-        raise click.UsageError(f"--free: {error}") from None
     except FitError as error:
         raise click.UsageError(str(error)) from None
 

@@ -12,6 +12,7 @@ ATTRIBUTES = [
     Attribute("complete", WHOLE, allowed=(0, 1)),
 ]
 CANDIDATE, CASE, STATEMENT, START = "candidate", "case", "statement", "start"
+DIMENSIONS = (CANDIDATE, CASE, STATEMENT, START)
 RUN = (CANDIDATE, CASE, START)
 
 
@@ -21,7 +22,11 @@ def lengths_of(plan: FitPlan) -> dict[str, int]:
 
 
 def datasets_of(plan: FitPlan) -> list[Dataset]:
-    """The datasets of a fit that are read back."""
+    """The datasets of a fit: what it is read back from, and what was made of it for other readers."""
+    return [*_measured(), *_judged(plan), *(Dataset(name, "i4", (name,)) for name in DIMENSIONS)]
+
+
+def _measured() -> list[Dataset]:
     return [
         Dataset("origin", "text", (CANDIDATE,)),
         Dataset("changes", "text", (CANDIDATE,)),
@@ -31,4 +36,16 @@ def datasets_of(plan: FitPlan) -> list[Dataset]:
         Dataset("error", "text", RUN),
         Dataset("value", "f8", (CANDIDATE, STATEMENT, START), missing=True),
         Dataset("trust_horizon", "f8", (CANDIDATE, CASE), missing=True),
+    ]
+
+
+def _judged(plan: FitPlan) -> list[Dataset]:
+    per_candidate = ("price", *(f"value_{free.name}" for free in plan.free))
+    return [
+        Dataset("case_name", "text", (CASE,)),
+        Dataset("statement_text", "text", (STATEMENT,)),
+        Dataset("statement_case", "i8", (STATEMENT,), frozenset(range(len(plan.cases)))),
+        *(Dataset(name, "f8", (CANDIDATE,), missing=True) for name in per_candidate),
+        Dataset("rank", "i8", (CANDIDATE,)),
+        *(Dataset(name, "f8", (CANDIDATE, STATEMENT), missing=True) for name in ("share", "shortfall")),
     ]

@@ -69,8 +69,7 @@ def fit(
     engine : "auto", "c" or "python"
     out : HDF5 file; one that holds a part of this very fit is completed, any other is an error unless `force`
 
-    Raises CaseError, UnknownKeyError, FitError and ResultFileError. A run that fails counts as one that
-    fulfils no statement.
+    Raises CaseError, FitError and ResultFileError. A run that fails counts as one that fulfils no statement.
     """
     listed = [cases] if isinstance(cases, (Case, str, PathLike)) else list(cases)
     read = [case if isinstance(case, Case) else load_case(case) for case in listed]

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from math import exp, log, log10
 from typing import TYPE_CHECKING, Any
 
+from vibsim.cases.keys import UnknownKeyError
 from vibsim.cases.units import UNITS
 from vibsim.fitting.errors import FitError
 from vibsim.sweeps.axis import read_axis
@@ -92,8 +93,8 @@ class FreeParameter:
 def read_free(cases: list[Case], key: str, text: str, leave: float | None = None) -> FreeParameter:
     """The parameter that `key` and the range `text` describe, both ends tried in every case.
 
-    Raises FitError for a range that is none, UnknownKeyError for a key that a case has not got, and CaseError
-    where a case does not allow an end.
+    Raises FitError for a range that is none and a key that a case has not got, CaseError where a case does
+    not allow an end.
     """
     words = text.split(maxsplit=1)
     scale = words[0] if words[:1] and words[0] in SCALES else ""
@@ -102,10 +103,14 @@ def read_free(cases: list[Case], key: str, text: str, leave: float | None = None
         raise FitError(f"{key}={text}: a range is FROM:TO with a unit at the end, such as J=0.5:20 g m^2")
     try:
         axes = [read_axis(case, key, amount.replace(":", ",", 1), option="--free") for case in cases]
+    except UnknownKeyError as error:
+        raise FitError(f"free {key}: {error}") from None
     except ValueError as error:
         raise FitError(f"{key}={text}: {error}") from None
     full, unit = axes[0].key, axes[0].unit
     low, high = (float(value) for value in axes[0].values)
+    if low > high:
+        raise FitError(f"{key}={text}: the range from {low:g} to {high:g} is upside down")
     if scale == "log" and low <= 0:
         raise FitError(f"{key}={text}: a range by ratio must begin above 0")
     by_ratio = scale == "log" or (not scale and low > 0 and high / low >= FAR_APART)

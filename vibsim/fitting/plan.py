@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -154,8 +155,13 @@ class FitPlan:
     @cached_property
     def fingerprint(self) -> str:
         """SHA-256 of what the numbers depend on."""
-        text = json.dumps([[case.sha256 for case in self.cases], self.settings], sort_keys=True)
-        return hashlib.sha256(text.encode()).hexdigest()
+        return fingerprint_of(self.cases, self.settings)
+
+
+def fingerprint_of(cases: Sequence[Case], settings: Mapping[str, Any]) -> str:
+    """SHA-256 of cases and settings."""
+    text = json.dumps([[case.sha256 for case in cases], settings], sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 __all__ = ["EVOLUTION", "METHODS", "PRINTED", "QUASI_RANDOM", "FitPlan", "Search"]

@@ -59,7 +59,7 @@ def read_reading(cases: list[Case], text: str) -> dict[str, str]:
                 case.quantity(full)
                 case.with_values({full: value})
         except UnknownKeyError as error:
-            raise FitError(f"reading {text!r}: {key} {error}") from None
+            raise FitError(f"reading {text!r}: {key}: {error}") from None
         except CaseError as error:
             raise FitError(
                 f"reading {text!r}: {error.problems[0].key}: {error.problems[0].message}"

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import json
+from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from vibsim.fitting.measuring import Index
 from vibsim.fitting.plan import FitPlan
@@ -12,6 +14,9 @@ from vibsim.results.errors import ResultFileError
 from vibsim.results.output_file import check_output
 from vibsim.sweeps.journal import Journal
 from vibsim.sweeps.point import Point
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
 
 Runs = dict[Index, Point]
 
@@ -55,9 +60,12 @@ class FileRunStore(RunStore):
 
     def _go_on(self, plan: FitPlan) -> None:
         if self.path.exists():
-            attrs, _, _, points = read_fit(self.path)
+            attrs, there, _, points = read_fit(self.path)
             if attrs["fit_sha256"] != plan.fingerprint:
-                raise ResultFileError(f"{self._shown}: holds another fit; kept (--force replaces it)")
+                others = " and ".join(_differences(plan, there.cases, attrs["fit_settings_json"]))
+                raise ResultFileError(
+                    f"{self._shown}: holds another fit, of other {others}; kept (--force replaces it)"
+                )
             super().add(points)
         waiting = list(self._journal.read(plan.fingerprint))
         super().add(waiting)
@@ -71,3 +79,15 @@ class FileRunStore(RunStore):
 
     def close(self, written: bool) -> None:
         self._journal.close(remove=written)
+
+
+NAMES = {"free": "free parameters", "starts": "starts", "search": "search settings", "scipy": "scipy",
+         "fitting": "version of vibsim"}  # fmt: skip
+
+
+def _differences(plan: FitPlan, cases: Sequence[Case], stored: str) -> list[str]:
+    """What differs between a plan and the fit on file, in words."""
+    ours, theirs = json.loads(json.dumps(plan.settings)), json.loads(stored)
+    named = [NAMES.get(key, key) for key in ours if ours[key] != theirs.get(key)]
+    same_cases = [case.sha256 for case in plan.cases] == [case.sha256 for case in cases]
+    return named if same_cases else ["cases", *named]

@@ -15,7 +15,7 @@ from vibsim.fitting.fit_structure import ATTRIBUTES, datasets_of, lengths_of
 from vibsim.fitting.free_parameter import FreeParameter
 from vibsim.fitting.grammar import parse_statement
 from vibsim.fitting.measuring import HORIZON, TRUST
-from vibsim.fitting.plan import FitPlan, Search
+from vibsim.fitting.plan import FitPlan, Search, fingerprint_of
 from vibsim.fitting.reading import Candidate
 from vibsim.results.attributes import read_attrs
 from vibsim.results.errors import ResultFileError
@@ -44,7 +44,7 @@ def read_fit(path: Path) -> Stored:
             plan = _plan(case, attrs)
             plan.check()
         except WRONG as error:
-            raise damaged(path, f"{SETTINGS} describes no fit of its cases") from error
+            raise damaged(path, f"{SETTINGS} and fit_sha256 describe no fit of its cases") from error
         declared = datasets_of(plan)
         check_datasets(path, file, declared, lengths_of(plan))
         for dataset in declared:
@@ -62,6 +62,8 @@ def _plan(first: Case, attrs: Mapping[str, Any]) -> FitPlan:
     settings = json.loads(attrs["fit_settings_json"])
     others = [Case.from_resolved_json(text) for text in json.loads(attrs["cases_resolved_json"])[1:]]
     cases = (first, *others)
+    if fingerprint_of(cases, settings) != attrs["fit_sha256"]:
+        raise ValueError("settings or cases were changed")
     members = axis_from_plain(settings["starts"]) if settings["starts"] else None
     if not (members is None or isinstance(members, Members)):
         raise ValueError("starts")
