@@ -64,6 +64,8 @@ def test_info_prints_the_same_table():
     shown = call("info", "I-A-bench.h5")
     assert shown.exit_code == 0 and shown.stdout.splitlines()[:-1] == table[:-1]
     assert json.loads(call("info", "I-A-bench.h5", "--json").stdout)["vibsim_kind"] == "bench"
+    more = call("info", "-v", "I-A-bench.h5").stdout
+    assert "truth_digits = " in more and set(shown.stdout.splitlines()) < set(more.splitlines())
     assert call("info", "I-A-bench.h5", "--case").stdout == call("cases", "I-A").stdout
 
 

@@ -29,6 +29,8 @@ def test_the_ranking_is_printed_and_read_again(tmp_path):
     info = call("info", path)
     assert info.exit_code == 0
     assert info.stdout.splitlines()[:-1] == lines[:-1]
+    more = call("info", "-v", path).stdout.splitlines()
+    assert set(lines[:-1]) < set(more) and any("fit_sha256 = " in line for line in more)
 
 
 def test_json_has_every_statement_of_every_candidate(tmp_path):

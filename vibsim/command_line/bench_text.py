@@ -1,7 +1,7 @@
 """A bench as a table for people."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import groupby
 from math import isfinite
 from pathlib import Path
@@ -19,15 +19,21 @@ NOTHING = "-"
 SETUP = 0.05  # s before the first run that are worth a word
 
 
-def print_bench(bench: BenchResult, path: str | Path | None, took: float | None = None) -> None:
-    """Print what was measured, the table, and what it says."""
+def print_bench(
+    bench: BenchResult,
+    path: str | Path | None,
+    took: float | None = None,
+    more: Iterable[tuple[str, str]] = (),
+) -> None:
+    """Print what was measured, the table, what it says, and more lines."""
     say(heading(bench.attrs["case_name"], bench.attrs["title"]))
     print_lines(head_lines(bench))
     say()
     for line in table_lines(bench):
         say(line)
     say()
-    print_lines([*verdict_lines(bench), ("file", _file_text(path, took))] if path else verdict_lines(bench))
+    file = [("file", _file_text(path, took))] if path else []
+    print_lines([*verdict_lines(bench), *more, *file])
 
 
 def head_lines(bench: BenchResult) -> list[tuple[str, str]]:

@@ -1,4 +1,4 @@
-"""Describe a result file: a trajectory here, a sweep by the sweeps themselves, a bench by its table."""
+"""Describe a result file: a trajectory here, a sweep by the sweeps, a bench and a fit by their tables."""
 
 from collections.abc import Mapping
 from importlib import import_module
@@ -39,9 +39,7 @@ def print_description(path: str, settings: Settings) -> None:
         _print_bench(path, settings)
         return
     if kind == "fit":
-        from vibsim.command_line.fit_jobs import described
-
-        described(path, settings)
+        _print_fit(path, settings)
         return
     if kind != "trajectory":
         lines, facts = import_module("vibsim.sweeps").describe(path)
@@ -65,7 +63,18 @@ def _print_bench(path: str, settings: Settings) -> None:
     if settings.json:
         print_json({"file": path, **facts(bench)})
     elif not settings.quiet:
-        print_bench(bench, path)
+        print_bench(bench, path, more=attribute_lines(bench.attrs) if settings.verbose else ())
+
+
+def _print_fit(path: str, settings: Settings) -> None:
+    from vibsim.command_line.fit_jobs import print_fit
+    from vibsim.fitting.description import facts
+
+    fit = open_result(path)
+    if settings.json:
+        print_json({"file": path, **facts(fit)})
+    elif not settings.quiet:
+        print_fit(fit, f"{path} ({size(path)})", attribute_lines(fit.attrs) if settings.verbose else ())
 
 
 def _print_trajectory(result: Result, path: str, settings: Settings) -> None:

@@ -1,8 +1,7 @@
 """What `vibsim fit` does: make the plan, run it with progress and interruption, say what came of it."""
 
 import time
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import click
@@ -81,13 +80,13 @@ def run_job(
     return 0
 
 
-def print_fit(found: FitResult, file: str) -> None:
-    """Lines, then the ranking as a table, then the file."""
+def print_fit(found: FitResult, file: str, more: Iterable[tuple[str, str]] = ()) -> None:
+    """Lines, then the ranking as a table, then more lines and the file."""
     print_lines(fit_lines(found))
     print_table(ranking_table(found))
     if found.plan.free and found.plan.fresh_starts:
         say("  from fresh starts; * from those by which it was chosen; - does not hold")
-    print_lines([("file", file)])
+    print_lines([*more, ("file", file)])
 
 
 def print_table(table: Table) -> None:
@@ -120,14 +119,3 @@ def words_listed(settings: Settings) -> int:
         span = ", a span of time" if entry["span"] else ""
         say(f"{words:<{width}}  [{entry['takes']}{span}] {entry['definition']}")
     return 0
-
-
-def described(path: str | Path, settings: Settings) -> None:
-    """What a fit file holds, for `vibsim info`."""
-    from vibsim.fitting.fit_result import open_fit
-
-    found = open_fit(path)
-    if settings.json:
-        print_json({"file": str(path), **facts(found)})
-    elif not settings.quiet:
-        print_fit(found, f"{path} ({size(Path(path))})")
