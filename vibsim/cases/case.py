@@ -80,6 +80,10 @@ class Case:
         """The same in another number type; arguments as of `exact_scene`."""
         return build_parts(self.long_values(), exact_numbers(number, pi))
 
+    def simulated_scene(self) -> Scene | PartsScene:
+        """The scene that is run: that of two blocks for the short form, that of parts for the long one."""
+        return self.parts() if self.is_long else self.scene()
+
     def long_values(self) -> dict[str, Any]:
         """Nested values of the case in the long form, defaults filled in."""
         return long_values(self.model) if isinstance(self.model, CaseFile) else self._nested
@@ -92,8 +96,8 @@ class Case:
         if isinstance(self.model, CaseFile):
             return self.model
         what = (
-            "a scene of named parts cannot be run yet, only checked (vibsim check), printed and drawn "
-            "(vibsim cases NAME --resolved, --draw); what runs has blocks and coupling"
+            "a scene of named parts cannot do this yet, only be checked, run, described and exported; this "
+            "needs a case with blocks and coupling"
         )
         raise CaseError([Problem(self.source, None, None, "bodies", what)])
 

@@ -4,7 +4,8 @@ from collections.abc import Iterator
 
 from vibsim.analysis import Analysis, Capture, DominantFrequencies, Drift, ImpactsPerCycle, Regime
 from vibsim.analysis.impacts_per_cycle import Spread
-from vibsim.command_line.summary import metres, short, trust_text
+from vibsim.command_line.quantity_text import metres
+from vibsim.command_line.summary import short, trust_text
 from vibsim.command_line.terminal import style
 from vibsim.results import Result
 

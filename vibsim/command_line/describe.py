@@ -4,14 +4,9 @@ from collections.abc import Mapping
 from importlib import import_module
 from typing import Any
 
+from vibsim.command_line.quantity_text import size
 from vibsim.command_line.settings import Settings
-from vibsim.command_line.summary import (
-    heading,
-    print_lines,
-    result_lines,
-    size,
-    summary_object,
-)
+from vibsim.command_line.summary import heading, print_lines, result_lines, summary_object
 from vibsim.command_line.terminal import plain, print_json, say
 from vibsim.results import Result, kind_of, open_result
 
@@ -82,7 +77,7 @@ def _print_trajectory(result: Result, path: str, settings: Settings) -> None:
     say(heading(attrs["case_name"], attrs["title"]))
     print_lines(
         [
-            *result_lines(result, result.case.scene()),
+            *result_lines(result, result.case.simulated_scene()),
             ("samples", f"{len(result)} x {', '.join(result.keys())}"),
             ("events", f"{len(result.events['t'])} x {', '.join(result.events)}"),
             ("written", written_text(attrs)),

@@ -60,8 +60,8 @@ def exit_code_of(action: Callable[[], Any], as_json: bool = False) -> int:
 def code_for(error: Exception) -> int | None:
     """Exit code of an error that is the user's to mend; None for a bug."""
     from vibsim.cases import CaseError
+    from vibsim.engine.errors import EngineError
     from vibsim.fitting.errors import FitError
-    from vibsim.kernel import KernelError
     from vibsim.plots.errors import PlotError
     from vibsim.results import ResultFileError
     from vibsim.sweeps.cluster import ClusterError
@@ -69,7 +69,7 @@ def code_for(error: Exception) -> int | None:
 
     codes: dict[type[Exception], int] = {
         CaseError: INVALID_CASE,
-        KernelError: RUN_FAILED,
+        EngineError: RUN_FAILED,
         PlotError: click.UsageError.exit_code,
         ResultFileError: FILE_TROUBLE,
         ClusterError: RUN_FAILED,

@@ -8,9 +8,10 @@ import click
 
 from vibsim.command_line.interruption import Interruption
 from vibsim.command_line.paper_job import Steps
+from vibsim.command_line.quantity_text import size
 from vibsim.command_line.run_plan import read_case
 from vibsim.command_line.settings import Settings
-from vibsim.command_line.summary import print_lines, size
+from vibsim.command_line.summary import print_lines
 from vibsim.command_line.terminal import print_json, say
 from vibsim.fitting.description import Table, facts, fit_lines, ranking_table
 from vibsim.fitting.errors import FitError

@@ -12,8 +12,9 @@ import click
 
 from vibsim.command_line.errors import told
 from vibsim.command_line.interruption import Interruption
+from vibsim.command_line.quantity_text import size
 from vibsim.command_line.settings import Settings
-from vibsim.command_line.summary import print_lines, size
+from vibsim.command_line.summary import print_lines
 from vibsim.command_line.terminal import print_json, say
 from vibsim.reports.paper import Report, write_paper
 from vibsim.reports.paper_runs import Interrupted

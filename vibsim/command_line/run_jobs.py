@@ -5,18 +5,13 @@ import time
 from vibsim.command_line.errors import RUN_FAILED, told
 from vibsim.command_line.interruption import Interruption
 from vibsim.command_line.progress import Progress
+from vibsim.command_line.quantity_text import size
 from vibsim.command_line.run_plan import Job
 from vibsim.command_line.settings import Settings
 from vibsim.command_line.slow_run import SlowRun
-from vibsim.command_line.summary import (
-    heading,
-    print_lines,
-    result_lines,
-    size,
-    summary_object,
-)
+from vibsim.command_line.summary import heading, print_lines, result_lines, summary_object
 from vibsim.command_line.terminal import print_json, say
-from vibsim.kernel import KernelError
+from vibsim.engine.errors import EngineError
 from vibsim.results import Result, simulate_to_file
 from vibsim.results.output_file import partial_path
 
@@ -35,7 +30,7 @@ def run_all(
         for job in jobs:
             try:
                 _run_one(job, engine, force, settings, interruption, trust, digits)
-            except KernelError as error:
+            except EngineError as error:
                 what = f"Error: {job.case.name}: {error}; what came before is in {partial_path(job.output)}"
                 code = told(what, RUN_FAILED, settings.json, case=job.case.name)
             if interruption.signum is not None:
@@ -53,7 +48,7 @@ def _run_one(
     digits: int | str | None,
 ) -> None:
     began = time.perf_counter()
-    t_end = job.case.scene().t_end
+    t_end = job.case.simulated_scene().t_end
     progress = Progress(job.case.name, t_end, wanted=not settings.quiet)
     slow = SlowRun(job.case.name, t_end, wanted=not settings.quiet)
 
@@ -76,7 +71,7 @@ def _run_one(
 
 def _print_summary(job: Job, result: Result, took: float, settings: Settings) -> None:
     attrs = result.attrs
-    lines = result_lines(result, job.case.scene())
+    lines = result_lines(result, job.case.simulated_scene())
     if settings.verbose:
         lines.append(("work", f"{attrs['steps']} steps, {attrs['evaluations']} evaluations"))
         lines.append(("fingerprint", attrs["case_sha256"]))

@@ -151,7 +151,7 @@ def print_plan(jobs: list[Job], settings: Settings) -> None:
             continue
         say(heading(job.case.name, job.case.title))
         file = f"{job.output} (not written: dry run{_in_the_way(job)})"
-        print_lines([*case_lines(job.case.scene()), ("file", file)])
+        print_lines([*case_lines(job.case.simulated_scene()), ("file", file)])
         print_json(resolved, indent=2)
 
 

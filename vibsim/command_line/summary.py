@@ -7,14 +7,15 @@ from pathlib import Path
 from typing import Any
 
 from vibsim.cases.plain_text import one_line
+from vibsim.command_line.quantity_text import counted, metres, seconds
+from vibsim.command_line.scene_text import clearance_lines, count_lines, scene_lines
 from vibsim.command_line.terminal import plain, say, style
-from vibsim.physics.scene import Scene
+from vibsim.physics.parts import Scene as PartsScene
+from vibsim.physics.scene import Scene as TwoBlocks
 from vibsim.results import Result
 
-PREFIXES = ((1.0, "m"), (1e-3, "mm"), (1e-6, "um"), (1e-9, "nm"))
-DURATIONS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns"))
-SIZES = ((1e9, "GB"), (1e6, "MB"), (1e3, "kB"))
 LABEL_WIDTH = 16
+METHODS = {"closed_form": "closed form", "auto": "closed form or taylor"}  # as one reads them
 NO_JSON = ("case_yaml", "lyapunov_growth")  # as long as a file of its own
 
 
@@ -24,25 +25,28 @@ def heading(name: str, title: str) -> str:
     return style(one_line(name), bold=True) + (f"  {title}" if title and title != name else "")
 
 
-def case_lines(scene: Scene) -> list[tuple[str, str]]:
-    """Label and text of what is run: source and span."""
+def case_lines(scene: TwoBlocks | PartsScene) -> list[tuple[str, str]]:
+    """Label and text of what is run: bodies and parts of a scene made of them, source and span."""
     every = seconds(scene.every_num / scene.every_den)
     return [
-        ("source", source_text(scene)),
+        *([("source", source_text(scene))] if isinstance(scene, TwoBlocks) else scene_lines(scene)),
         ("span", f"{seconds(scene.t_end)}, a sample every {every}: {counted(scene.sample_count, 'sample')}"),
     ]
 
 
-def result_lines(result: Result, scene: Scene) -> list[tuple[str, str]]:
+def result_lines(result: Result, scene: TwoBlocks | PartsScene) -> list[tuple[str, str]]:
     """Label and text of everything that is known of a trajectory; what is not known has no line."""
     attrs = result.attrs
     lines = [*case_lines(scene), ("engine", engine_text(attrs))]
     if not result.complete:
         lines.append(("incomplete", style(f"samples end at {last_sample(result):g} s", fg="yellow")))
     elif result.t_reached < scene.t_end:
-        lines.append(("stopped", style(f"at {result.t_reached:.6g} s, by the rest distance", fg="yellow")))
+        limit = "the rest distance" if isinstance(scene, TwoBlocks) else "a clearance"
+        lines.append(("stopped", style(f"at {result.t_reached:.6g} s, by {limit}", fg="yellow")))
     if "events" in attrs:
         lines.append(("motion", motion_text(attrs)))
+    counts = counts_of(result, scene)
+    lines += count_lines(counts)
     if "digits" in attrs:
         lines.append(("digits", digits_text(attrs)))
     if result.trust_horizon is not None:
@@ -59,9 +63,20 @@ def result_lines(result: Result, scene: Scene) -> list[tuple[str, str]]:
         from vibsim.command_line.exponent_text import exponent_lines
 
         lines += exponent_lines(result)
-    if "rest_distance_needed" in attrs or scene.rest_distance is not None:
+    if not isinstance(scene, TwoBlocks):
+        lines += clearance_lines(scene, attrs, counts)
+    elif "rest_distance_needed" in attrs or scene.rest_distance is not None:
         lines.append(("rest distance", rest_distance_text(attrs, scene)))
     return lines
+
+
+def counts_of(result: Result, scene: TwoBlocks | PartsScene) -> dict[str, dict[str, int]]:
+    """How often what happened to each part; nothing of two blocks, which have one of each."""
+    if isinstance(scene, TwoBlocks):
+        return {}
+    from vibsim.results.part_counts import part_counts
+
+    return part_counts(result, scene)
 
 
 def certificate_text(attrs: Mapping[str, Any]) -> str:
@@ -97,7 +112,7 @@ def last_sample(result: Result) -> float:
     return float(result.column("time")[-1]) if len(result) else 0.0
 
 
-def source_text(scene: Scene) -> str:
+def source_text(scene: TwoBlocks) -> str:
     """The source of excitation, its frequency in Hz and in rad/s."""
     if scene.source == "harmonic":
         constant = f" + {scene.F0:g} N" if scene.F0 else ""
@@ -112,7 +127,7 @@ def source_text(scene: Scene) -> str:
 def engine_text(attrs: dict[str, Any]) -> str:
     """Engine and method; order and tolerance of the Taylor method."""
     engine = {"c": "C", "python": "Python"}.get(attrs["engine"], attrs["engine"])
-    method = attrs["method"].replace("_", " ")
+    method = METHODS.get(attrs["method"], attrs["method"])
     if "number_type" in attrs:
         engine += f" on {attrs['number_type']} numbers"
     if "taylor_order" in attrs:
@@ -135,7 +150,7 @@ def motion_text(attrs: dict[str, Any]) -> str:
     return ", ".join(counted(attrs[f"{word}s"], word) for word in ("impact", "stick", "event"))
 
 
-def rest_distance_text(attrs: dict[str, Any], scene: Scene) -> str:
+def rest_distance_text(attrs: dict[str, Any], scene: TwoBlocks) -> str:
     """What the run needs, and what the case has."""
     needed = attrs.get("rest_distance_needed")
     text = "unknown: the samples are too far apart" if needed is None else f"needs {metres(needed)}"
@@ -164,28 +179,7 @@ def summary_object(result: Result, path: str | Path) -> dict[str, Any]:
         from vibsim.command_line.exponent_text import exponent_object
 
         attrs |= plain(exponent_object(result))
+    counts = counts_of(result, result.case.simulated_scene())
+    if counts:
+        attrs["parts"] = counts
     return {"file": str(path), **attrs, "samples": len(result), "case": resolved}
-
-
-def counted(number: int, word: str) -> str:
-    """1 impact, 2 impacts."""
-    return f"{number} {word}{'' if number == 1 else 's'}"
-
-
-def metres(x: float) -> str:
-    """A length to four digits with the prefix that suits it; 0 has no sign."""
-    factor, unit = next(((f, u) for f, u in PREFIXES if abs(x) >= f), PREFIXES[-1]) if x else PREFIXES[0]
-    return f"{x / factor + 0.0:.4g} {unit}"
-
-
-def seconds(t: float) -> str:
-    """A duration with the prefix that suits it: s, ms, us or ns, and below that s again."""
-    factor, unit = next(((f, u) for f, u in DURATIONS if t >= f), (1.0, "s"))
-    return f"{t / factor:g} {unit}"
-
-
-def size(path: str | Path) -> str:
-    """Size of a file with the prefix that suits it."""
-    count = Path(path).stat().st_size
-    factor, unit = next(((f, u) for f, u in SIZES if count >= 0.9995 * f), (1, "bytes"))
-    return f"{count / factor:.3g} {unit}"

@@ -11,9 +11,10 @@ import click
 from vibsim.cases import Case, RangeError, UnknownKeyError
 from vibsim.command_line.errors import FAILED_POINTS
 from vibsim.command_line.interruption import Interruption
+from vibsim.command_line.quantity_text import size
 from vibsim.command_line.run_plan import hdf5_name, read_case
 from vibsim.command_line.settings import Settings
-from vibsim.command_line.summary import print_lines, size
+from vibsim.command_line.summary import print_lines
 from vibsim.command_line.terminal import print_json, say
 from vibsim.sweeps.axis import read_axis
 from vibsim.sweeps.columns import FAILED, MISSING

@@ -12,8 +12,8 @@ import click
 
 from vibsim.command_line.errors import RUN_FAILED
 from vibsim.command_line.interruption import Interruption
+from vibsim.command_line.quantity_text import counted
 from vibsim.command_line.settings import Settings
-from vibsim.command_line.summary import counted
 from vibsim.command_line.terminal import print_json, say, style
 from vibsim.verification.check import Check
 from vibsim.verification.row import Point, Row

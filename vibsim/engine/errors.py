@@ -1,13 +1,30 @@
-"""How a run on mode rows can fail."""
+"""How a run can fail inside an engine, and the sentence that tells it."""
+
+REASONS = {
+    "accumulation": (
+        "more than 64 events at one instant: the motion cannot be continued at double precision",
+        "make stops softer or friction smaller, or change the start values slightly",
+    ),
+    "diverged": (
+        "the state is no longer finite",
+        "check the parameters for values far outside each other's scale",
+    ),
+}
+MOST_NUMBERS = 4  # of displacements and of velocities, told in the sentence
 
 
-class EngineError(RuntimeError):
-    """A run failed: `reason` ("accumulation", "diverged") and the `state` reached."""
+class EngineError(Exception):
+    """A run that failed inside an engine: `reason` and the `state` reached; cause, time, state and remedy in
+    one line.
+    """
 
     def __init__(self, reason, state):
-        sentence = {
-            "accumulation": "more than 64 events at one instant",
-            "diverged": "the state is no longer finite",
-        }[reason]
-        super().__init__(f"{sentence}, at t = {state.t!s} s: x = {state.x}, v = {state.v}")
+        cause, remedy = REASONS[reason]
         self.reason, self.state = reason, state
+        values = f"x = {_listed(state.x)} m, v = {_listed(state.v)} m/s"
+        super().__init__(f"t = {state.t!s} s: {cause} ({values}); {remedy}")
+
+
+def _listed(numbers):
+    shown = [str(number) for number in numbers[:MOST_NUMBERS]]
+    return ", ".join(shown + ["..."] * (len(numbers) > MOST_NUMBERS))

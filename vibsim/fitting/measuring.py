@@ -79,7 +79,7 @@ def _measured(work: Work, task: Task, engine: str, go_on: Callable[[], bool] | N
 def run(case: Case, engine: str, go_on: Callable[[], bool] | None, trust: bool = False) -> Result | None:
     """The run; None where it was given up."""
     recording = Recording(case, engine, trust)
-    sink = MemorySink(recording.columns)
+    sink = MemorySink(recording.tables)
     recording.into(sink, None if go_on is None else lambda t_reached: go_on())
     if not recording.complete:
         return None

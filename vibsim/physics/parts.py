@@ -9,6 +9,8 @@ engines; runs of many digits put other number types in.
 from dataclasses import dataclass
 from typing import Any
 
+from vibsim.physics.sampling import Sampled
+
 Number = Any  # float, flint.arb or mpmath.mpf: the engines are duck-typed
 
 GROUND, BASE = -1, -2
@@ -124,7 +126,7 @@ class Clearance:
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(Sampled):
     """Parts and run settings of one simulation.
 
     Attributes
@@ -152,3 +154,15 @@ class Scene:
     method: str = "auto"
     order: int = 20
     tol: Number = 2.0**-53
+
+    @property
+    def has_motor(self) -> bool:
+        return self.motor is not None
+
+    @property
+    def has_stop(self) -> bool:
+        return bool(self.stops)
+
+    def end_name(self, end: int) -> str:
+        """What an end of a part is called: a body's name, ground or base."""
+        return {GROUND: "ground", BASE: "base"}.get(end) or self.bodies[end].name

@@ -10,17 +10,17 @@ from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
 from math import ceil, isinf
+from typing import Any
 
 import numpy as np
 
-from vibsim.physics.scene import Scene
 from vibsim.results.trust_estimate import longest_period
 
 JUDGED = 8  # instants to the longest period: 16 in the time for which a distance is held
 EXACT = 2**53  # whole numbers up to here are doubles, so instants of a sample are the same bit for bit
 
 
-def instants_per_sample(scene: Scene) -> int:
+def instants_per_sample(scene: Any) -> int:
     """Judged instants to each sample of a run of `scene`; 1 where the samples are enough."""
     period = longest_period(scene)
     every = Fraction(scene.every_num, scene.every_den)
@@ -32,7 +32,7 @@ def instants_per_sample(scene: Scene) -> int:
     return count if exact else 1
 
 
-def sampled_finer(scene: Scene, count: int) -> Scene:
+def sampled_finer(scene: Any, count: int) -> Any:
     """The scene with `count` instants to each of its samples."""
     every = Fraction(scene.every_num, scene.every_den) / count
     return replace(scene, every_num=every.numerator, every_den=every.denominator) if count > 1 else scene

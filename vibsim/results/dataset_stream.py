@@ -5,7 +5,7 @@ earlier flush made readable stays so. h5py's low-level interface makes twenty co
 3 ms instead of 30.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from math import ceil
 from typing import Any
 
@@ -14,28 +14,29 @@ from h5py import h5d, h5ds, h5p, h5s, h5t
 
 from vibsim.results.attributes import write_attrs
 from vibsim.results.chunk_encoding import LEAST_NOISE, encoded
-from vibsim.results.columns import COLUMNS, Column
+from vibsim.results.columns import Column
 
-FILE_TYPES = {"f8": ("<f8", h5t.IEEE_F64LE), "i1": ("i1", h5t.STD_I8LE)}
+FILE_TYPES = {"f8": ("<f8", h5t.IEEE_F64LE), "i1": ("i1", h5t.STD_I8LE), "i2": ("<i2", h5t.STD_I16LE)}
 
 
 class DatasetStream:
     """Columns of one HDF5 group along one dimension scale (the first column), filled by `append`.
 
-    group : low-level id of the group; chunk : rows per chunk
+    group : low-level id of the group; columns : by name; chunk : rows per chunk
     """
 
-    def __init__(self, group: Any, names: Sequence[str], chunk: int):
+    def __init__(self, group: Any, columns: Mapping[str, Column], chunk: int):
         self.chunk = chunk
         self.rows = 0  # rows on file
         self.waiting = 0  # rows in memory
         self._parts: list[Mapping[str, np.ndarray]] = []
-        self._datasets = {name: _create(group, name, chunk) for name in names}
-        self._row_bytes = sum(np.dtype(COLUMNS[name].dtype).itemsize for name in names)
-        scale = self._datasets[names[0]]
-        h5ds.set_scale(scale, names[0].encode())
-        for name in names[1:]:
-            h5ds.attach_scale(self._datasets[name], scale, 0)
+        self._columns = columns
+        self._datasets = {name: _create(group, name, column, chunk) for name, column in columns.items()}
+        self._row_bytes = sum(np.dtype(column.dtype).itemsize for column in columns.values())
+        first, *others = self._datasets
+        h5ds.set_scale(self._datasets[first], first.encode())
+        for name in others:
+            h5ds.attach_scale(self._datasets[name], self._datasets[first], 0)
 
     def append(self, rows: Mapping[str, np.ndarray]) -> None:
         """Take rows (name -> 1-D array, all of one length); they wait in memory until `write`."""
@@ -58,7 +59,8 @@ class DatasetStream:
         rest: dict[str, np.ndarray] = {}
         for name, dataset in self._datasets.items():
             values = np.concatenate([part[name] for part in self._parts])
-            self._write_column(dataset, values[:count].astype(FILE_TYPES[COLUMNS[name].dtype][0], copy=False))
+            stored = FILE_TYPES[self._columns[name].dtype][0]
+            self._write_column(dataset, values[:count].astype(stored, copy=False))
             rest[name] = values[count:].copy()
         self.rows += count
         self.waiting -= count
@@ -73,13 +75,12 @@ class DatasetStream:
             dataset.write_direct_chunk((self.rows + start,), encoded(piece))
 
 
-def _create(group: Any, name: str, chunk: int) -> Any:
+def _create(group: Any, name: str, column: Column, chunk: int) -> Any:
     filters = h5p.create(h5p.DATASET_CREATE)
     filters.set_chunk((chunk,))
     filters.set_shuffle()
     filters.set_deflate(1)
     filters.set_fletcher32()
-    column = COLUMNS[name]
     space = h5s.create_simple((0,), (h5s.UNLIMITED,))
     dataset = h5d.create(group, name.encode(), FILE_TYPES[column.dtype][1], space, filters)
     write_attrs(dataset, _description(column))

@@ -6,7 +6,7 @@ does not grow with the file.
 
 from pathlib import Path
 
-from vibsim.physics.modes import EVENT_NAMES
+from vibsim.results.columns import tables_of
 from vibsim.results.output_file import output_file
 from vibsim.results.result import Result
 from vibsim.results.windows import Window, pieces, rows_within
@@ -22,17 +22,29 @@ def write_csv(
     Raises ResultFileError when `path` exists and `force` is not given, or cannot be written.
     """
     names = list(result.events) if events else result.keys()
+    words = _words(result) if events else {}
     columns = [result.event_column(name) if events else result.column(name) for name in names]
     with output_file(path, force) as partial, open(partial, "w", encoding="ascii", newline="") as file:
         file.write(",".join(names) + "\r\n")
         for piece in pieces(rows_within(columns[0], window), PIECE):
             values = [
-                _texts(name, column[piece].tolist()) for name, column in zip(names, columns, strict=True)
+                _texts(column[piece].tolist(), words.get(name))
+                for name, column in zip(names, columns, strict=True)
             ]
             file.writelines(",".join(row) + "\r\n" for row in zip(*values, strict=True))
 
 
-def _texts(name: str, values: list) -> list[str]:
-    if name == "kind":
-        return [EVENT_NAMES.get(code, str(code)) for code in values]
+def _words(result: Result) -> dict[str, dict[int, str]]:
+    """Columns of events that are written as words: names of their values."""
+    columns = tables_of(result.case.simulated_scene()).events
+    return {
+        name: {code: word for word, code in columns[name].flags.items()}
+        for name in ("kind", "part")
+        if name in columns
+    }
+
+
+def _texts(values: list, words: dict[int, str] | None) -> list[str]:
+    if words is not None:
+        return [words.get(code, str(code)) for code in values]
     return [repr(value) for value in values]

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim import __version__
-from vibsim.physics.scene import Scene
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -40,7 +39,7 @@ TOTALS = (
 )
 
 
-def origin(case: "Case", scene: Scene, engine: str, method: str) -> dict[str, Any]:
+def origin(case: "Case", scene: Any, engine: str, method: str) -> dict[str, Any]:
     """Attributes known before the first step: format, case, method, versions, platform."""
     attrs: dict[str, Any] = {
         "Conventions": "CF-1.8",
@@ -61,7 +60,7 @@ def origin(case: "Case", scene: Scene, engine: str, method: str) -> dict[str, An
         "numpy_version": np.__version__,
         "complete": 0,
     }
-    if method == "taylor":
+    if method != "closed_form":
         attrs |= {"taylor_order": scene.order, "taylor_tolerance": float(scene.tol)}
     return attrs
 
@@ -69,20 +68,20 @@ def origin(case: "Case", scene: Scene, engine: str, method: str) -> dict[str, An
 def outcome(
     totals: dict[str, Any],
     t_reached: float,
-    rest_distance_needed: float | None,
+    distances: dict[str, Any],
     wall_time: float,
     complete: bool,
 ) -> dict[str, Any]:
     """Attributes known at the end of a run; `certified` is 1 where every event is proved.
 
-    Times in s, `grazing_margin` and `rest_distance_needed` in m.
+    Times in s, `grazing_margin` and the `distances` needed in m.
     """
     certified = {"certified": int(totals["uncertified"] == 0)} if "uncertified" in totals else {}
     known = {name: totals[name] for name in TOTALS if name in totals and math.isfinite(totals[name])}
     return {
         **known,
         **certified,
-        **({} if rest_distance_needed is None else {"rest_distance_needed": rest_distance_needed}),
+        **distances,
         "t_reached_s": t_reached,
         "wall_time_s": wall_time,
         "complete": int(complete),

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from vibsim.physics.scene import Scene
 from vibsim.results.cadence import Thinning, instants_per_sample, sampled_finer
-from vibsim.results.columns import COLUMNS, event_columns
+from vibsim.results.columns import Column, Tables, tables_of
+from vibsim.results.engines import flow_of, open_run
 from vibsim.results.exponent_attributes import exponent_attributes
 from vibsim.results.provenance import origin, outcome
-from vibsim.results.rest_distance import RestDistance
+from vibsim.results.rest_distance import watched_distances
 from vibsim.results.trust import NoTrust, Trust
 
 if TYPE_CHECKING:
@@ -37,26 +37,22 @@ class Recording:
     def __init__(
         self, case: "Case", engine: str = "auto", trust: bool = True, tangent: tuple[int, float] = (0, 0.0)
     ):
-        from vibsim.kernel import open_trajectory
-
-        self.scene: Scene = case.scene()
+        self.scene = case.simulated_scene()
         self.began = time.perf_counter()
         instants = instants_per_sample(self.scene) if trust else 1
         judged = sampled_finer(self.scene, instants)
         self._thinning = Thinning(instants)
-        self.trajectory = open_trajectory(
-            judged, engine=engine, ledger=True, tangent=tangent[0], tangent_from=tangent[1]
-        )
-        self.start = origin(case, self.scene, self.trajectory.engine, self.trajectory.method)
+        self.trajectory = open_run(judged, engine, ledger=True, **_exponents(case, *tangent))
+        method, engine = flow_of(self.scene), self.trajectory.engine
+        self.start = origin(case, self.scene, engine, method)
         self.t_reached = self._known_to = self._worked_to = 0.0
         self.complete = False
-        self._rest = RestDistance(self.scene)
-        method, engine = self.trajectory.method, self.trajectory.engine
+        self._distances = watched_distances(self.scene)
         self._trust = Trust(case, judged, method, engine) if trust else NoTrust()
-        self.columns = (*self.scene.columns(), *self._trust.columns)
+        self.tables = tables_of(self.scene).judged(self._trust.columns)
 
     def into(self, sink: Sink, watch: Watch | None = None) -> None:
-        """Run to the end, or until `watch` says stop; raises KernelError when the run fails."""
+        """Run to the end, or until `watch` says stop; raises EngineError when the run fails."""
 
         def go_on() -> bool:
             return watch is None or watch(self.progress)
@@ -65,10 +61,10 @@ class Recording:
             for block in self.trajectory.blocks():
                 times = block.samples["time"][-1:].tolist()
                 self._known_to = max(float(block.t_reached), *times, self._known_to)
-                self._worked_to = block.worked_to
+                self._worked_to = getattr(block, "worked_to", self._known_to)
                 samples = self._thinning.thinned(self._trust.judged(block.samples, go_on))
                 sink.append(samples, block.events)
-                self._rest.update(samples, block.events)
+                self._distances.update(samples, block.events)
                 self.t_reached = self._known_to
                 if not go_on():
                     return
@@ -85,16 +81,25 @@ class Recording:
         """Attributes of what came of the run so far."""
         wall_time = time.perf_counter() - self.began
         totals = self.trajectory.totals
-        known = outcome(totals, self.t_reached, self._rest.needed, wall_time, self.complete)
+        known = outcome(totals, self.t_reached, self._distances.attrs, wall_time, self.complete)
         return {**known, **exponent_attributes(totals), **self._trust.attrs(self.t_reached)}
+
+
+def _exponents(case: "Case", count: int, begin: float) -> dict[str, Any]:
+    """The wish for Lyapunov exponents; CaseError for a scene of named parts, which has none yet."""
+    if not count:
+        return {}
+    case.scene()
+    return {"tangent": count, "tangent_from": begin}
 
 
 class MemorySink:
     """Keeps the blocks of a run as arrays."""
 
-    def __init__(self, columns: tuple[str, ...]):
-        self._samples: dict[str, list[np.ndarray]] = {name: [] for name in columns}
-        self._events: dict[str, list[np.ndarray]] = {name: [] for name in event_columns(columns)}
+    def __init__(self, tables: Tables):
+        self._columns = tables
+        self._samples: dict[str, list[np.ndarray]] = {name: [] for name in tables.samples}
+        self._events: dict[str, list[np.ndarray]] = {name: [] for name in tables.events}
 
     def append(self, samples: Rows, events: Rows) -> None:
         for name, parts in self._samples.items():
@@ -104,8 +109,8 @@ class MemorySink:
 
     def tables(self) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
         """Samples and events, name -> 1-D array."""
-        return _joined(self._samples), _joined(self._events)
+        return _joined(self._samples, self._columns.samples), _joined(self._events, self._columns.events)
 
 
-def _joined(parts: dict[str, list[np.ndarray]]) -> dict[str, np.ndarray]:
-    return {name: np.concatenate(arrays, dtype=COLUMNS[name].dtype) for name, arrays in parts.items()}
+def _joined(parts: dict[str, list[np.ndarray]], columns: dict[str, Column]) -> dict[str, np.ndarray]:
+    return {name: np.concatenate(arrays, dtype=columns[name].dtype) for name, arrays in parts.items()}

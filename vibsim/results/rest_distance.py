@@ -1,4 +1,4 @@
-"""The rest distance that a run needs: the largest x1 - x2 on the way, in continuous time.
+"""The distances that a run needs: the largest x1 - x2, or x_P - x_Q of each clearance, in continuous time.
 
 The blocks do not overlap as long as x1 - x2 stays below their distance at rest. The paper gives none, so a
 run reports what it needs. Between two rows (samples and events in time order) x1 - x2 is the cubic that has
@@ -6,44 +6,95 @@ the displacements and velocities of both; so a maximum between samples is not mi
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
-from vibsim.physics.scene import Scene
+from vibsim.physics.parts import Scene as PartsScene
+from vibsim.physics.rates import fastest_rate
+from vibsim.physics.sampling import Sampled
+from vibsim.physics.scene import Scene as TwoBlocks
+from vibsim.results.relative_motion import RelativeMotion
+
+Relative = Callable[[Mapping[str, np.ndarray], str], np.ndarray]
 
 # A cubic over h misses at most h^4/384 max|y''''| (Hermite remainder), that is (w h)^4/384 of an amplitude at
 # w rad/s: 0.5 % at w h = 1.18. Rows further apart say nothing about the maximum between them.
 LARGEST_STEP = 1.18
 
 
-class RestDistance:
-    """Running maximum of x1 - x2 (x1 alone if block 2 is fixed) over blocks of samples and events.
+class Largest:
+    """Running maximum of a relative displacement over blocks of samples and events.
 
-    `needed` is None while nothing was seen, and always when the output interval is too long to tell.
+    relative : (rows by column name, name of their clock) -> rows t, y, v (shape 3 x n)
+    known : whether the samples are close enough to tell
     """
 
-    def __init__(self, scene: Scene):
-        interval = scene.every_num / scene.every_den
-        self._known = interval * _fastest_rate(scene) <= LARGEST_STEP
+    def __init__(self, relative: Relative, known: bool):
+        self._relative, self._known = relative, known
         self._largest = -math.inf
         self._last: np.ndarray | None = None
 
     @property
     def needed(self) -> float | None:
-        """Largest x1 - x2 so far [m], or None if not known."""
+        """Largest relative displacement so far [m], or None if not known."""
         return self._largest if self._known and math.isfinite(self._largest) else None
 
     def update(self, samples: Mapping[str, np.ndarray], events: Mapping[str, np.ndarray]) -> None:
         """Take the next block of samples (`time`, states) and events (`t`, states)."""
         if not self._known:
             return
-        rows = _merge(_relative_motion(samples, "time"), _relative_motion(events, "t"))
+        rows = _merge(self._relative(samples, "time"), self._relative(events, "t"))
         if self._last is not None:
             rows = np.concatenate([self._last, rows], axis=1)
         if rows.shape[1]:
             self._largest = max(self._largest, largest_of_cubics(*rows))
             self._last = rows[:, -1:]
+
+
+class RestDistance(Largest):
+    """Running maximum of x1 - x2 (x1 alone if block 2 is fixed) over blocks of samples and events.
+
+    `needed` is None while nothing was seen, and always when the output interval is too long to tell.
+    """
+
+    def __init__(self, scene: TwoBlocks):
+        super().__init__(_relative_motion, _is_close(scene, _fastest_rate(scene)))
+
+    @property
+    def attrs(self) -> dict[str, Any]:
+        """Attributes of the file."""
+        return {} if self.needed is None else {"rest_distance_needed": self.needed}
+
+
+class Clearances:
+    """The same for every clearance of a scene made of parts: the distance that it needs."""
+
+    def __init__(self, scene: PartsScene):
+        known = _is_close(scene, fastest_rate(scene))
+        self._distances = [Largest(RelativeMotion(scene, part), known) for part in scene.clearances]
+
+    def update(self, samples: Mapping[str, np.ndarray], events: Mapping[str, np.ndarray]) -> None:
+        """Take the next block of samples and events."""
+        for distance in self._distances:
+            distance.update(samples, events)
+
+    @property
+    def attrs(self) -> dict[str, Any]:
+        """Attributes of the file: distances needed [m], in the order of the clearances; all, or none."""
+        needed = [distance.needed for distance in self._distances]
+        return {} if not needed or None in needed else {"clearances_needed": np.array(needed, dtype="f8")}
+
+
+def watched_distances(scene: TwoBlocks | PartsScene) -> RestDistance | Clearances:
+    """What keeps account of the distances that a run of `scene` needs."""
+    return RestDistance(scene) if isinstance(scene, TwoBlocks) else Clearances(scene)
+
+
+def _is_close(scene: Sampled, rate: float) -> bool:
+    """Whether a sample follows another soon enough for motions at `rate` [rad/s]."""
+    return scene.every_num / scene.every_den * rate <= LARGEST_STEP
 
 
 def largest_of_cubics(t: np.ndarray, y: np.ndarray, v: np.ndarray) -> float:
@@ -85,7 +136,7 @@ def _merge(samples: np.ndarray, events: np.ndarray) -> np.ndarray:
     return rows[:, np.argsort(rows[0], kind="stable")]
 
 
-def _fastest_rate(scene: Scene) -> float:
+def _fastest_rate(scene: TwoBlocks) -> float:
     """Highest angular rate [rad/s] that x1 - x2 shows near its maximum."""
     stiffness = scene.k1
     if scene.has_stop and scene.stop_sign < 0:  # contact is where x1 - x2 is large

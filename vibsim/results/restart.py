@@ -5,18 +5,19 @@ from collections.abc import Mapping
 import numpy as np
 
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.scene import Scene
+from vibsim.physics.parts import Scene as PartsScene
+from vibsim.physics.scene import Scene as TwoBlocks
+from vibsim.results.columns import tables_of
+from vibsim.results.engines import open_run
 
 
 def states_at(
-    scene: Scene, events: Mapping[str, np.ndarray], t: float | np.ndarray, t_reached: float
+    scene: TwoBlocks | PartsScene, events: Mapping[str, np.ndarray], t: float | np.ndarray, t_reached: float
 ) -> dict[str, np.ndarray]:
     """Columns at the instants `t` [s], each computed from the last of the `events` that is not after it.
 
     Returns name -> array of the shape of `t`. Raises ValueError for times before 0 or after `t_reached`.
     """
-    from vibsim.kernel import state_at
-
     times = np.asarray(t, dtype="f8")
     flat = times.ravel()
     if not np.all((flat >= 0) & (flat <= t_reached)):
@@ -28,8 +29,8 @@ def states_at(
     pieces = []
     for event in np.unique(last_event):
         row = {name: column[event].item() for name, column in events.items()}
-        pieces.append(state_at(scene, row, ascending[last_event == event]))
-    columns = {name: [piece[name] for piece in pieces] for name in scene.columns()}
+        pieces.append(open_run(scene, resume=row).state_at(ascending[last_event == event]))
+    columns = {name: [piece[name] for piece in pieces] for name in tables_of(scene).samples}
     return {name: _in_order(parts, order, times.shape) for name, parts in columns.items()}
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
+    from vibsim.results.columns import Tables
     from vibsim.results.digits import Digits
 
 Table = Mapping[str, np.ndarray]
@@ -113,7 +114,7 @@ class Result:
         """
         from vibsim.results.restart import states_at
 
-        return states_at(self.case.scene(), self.events, t, self.t_reached)
+        return states_at(self.case.simulated_scene(), self.events, t, self.t_reached)
 
     def save(self, path: str | Path, force: bool = False) -> Path:
         """Write the trajectory to an HDF5 file and return its path.
@@ -122,22 +123,28 @@ class Result:
         """
         from vibsim.results.trajectory_writer import TrajectoryWriter
 
-        columns = tuple(self.keys())
         if self.digits is None:
-            writer = TrajectoryWriter(path, columns, {}, force)
+            writer = TrajectoryWriter(path, self._tables(), {}, force)
         else:
-            writer = self._truth_writer(path, columns, self.digits, force)
+            writer = self._truth_writer(path, self.digits, force)
         try:
             writer.append({name: self[name] for name in self.keys()}, dict(self.events))
             return writer.finish(self.attrs)
         finally:
             writer.close()
 
-    def _truth_writer(self, path: str | Path, columns: tuple[str, ...], digits: "Digits", force: bool):
+    def _tables(self) -> "Tables":
+        """What its columns are."""
+        from vibsim.results.columns import JUDGEMENTS, tables_of
+
+        judgements = [name for name in JUDGEMENTS if name in self]
+        return tables_of(self.case.simulated_scene()).judged(judgements)
+
+    def _truth_writer(self, path: str | Path, digits: "Digits", force: bool):
         """A writer that has the digits already."""
         from vibsim.results.truth_writer import TruthWriter
 
-        writer = TruthWriter(path, columns, {}, self.attrs["digits"], force)
+        writer = TruthWriter(path, self._tables(), {}, self.attrs["digits"], force)
         writer.append_digits(digits.table, digits.event_table)
         return writer
 

@@ -27,7 +27,7 @@ def simulate(
     digits : decimal digits to carry (20 to 1000), or "auto" for as many as leave ten right ones at the end;
         they are in `result.digits`. None: doubles
 
-    Raises KernelError (in `vibsim.kernel`) when the run fails, ValueError for other digits, and
+    Raises EngineError (in `vibsim.engine.errors`) when the run fails, ValueError for other digits, and
     MultiprecisionMissing (in `vibsim.physics.number_kits`) where neither python-flint nor mpmath is there.
     """
     from vibsim.cases.loading import as_case
@@ -38,7 +38,7 @@ def simulate(
 
         return truth(case, digits, engine)
     recording = Recording(case, engine, trust)
-    sink = MemorySink(recording.columns)
+    sink = MemorySink(recording.tables)
     recording.into(sink)
     samples, events = sink.tables()
     return Result({**recording.start, **recording.end()}, samples, events, case=case)
@@ -60,7 +60,7 @@ def simulate_to_file(
     returns False the file is finished as it is, with the attribute `complete` = 0. `tangent` : number of
     Lyapunov exponents to take along, and the time [s] from which they count; a run with digits takes none.
 
-    Raises KernelError when the run fails and ResultFileError when the file cannot be written. Either way what
+    Raises EngineError when the run fails and ResultFileError when the file cannot be written. Either way what
     was written before is kept beside `path`, in NAME.partial.
     """
     if digits is not None:
@@ -71,7 +71,7 @@ def simulate_to_file(
     from vibsim.results.trajectory_writer import TrajectoryWriter
 
     recording = Recording(case, engine, trust, tangent)
-    writer = TrajectoryWriter(path, recording.columns, recording.start, force)
+    writer = TrajectoryWriter(path, recording.tables, recording.start, force)
     try:
         recording.into(writer, watch)
     except BaseException:
@@ -79,5 +79,5 @@ def simulate_to_file(
         raise
     end = recording.end()
     target = writer.finish(end)
-    file = TrajectoryFile(target, recording.columns)
+    file = TrajectoryFile(target, recording.tables)
     return Result({**recording.start, **end}, file.samples, file.events, case=case)

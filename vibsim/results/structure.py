@@ -41,7 +41,7 @@ class Dataset:
     Attributes
     ----------
     name : path in the file, such as "events/t"
-    dtype : "f8", "i1", "i4", "i8"; "S" for texts of one length, "text" for texts of any
+    dtype : "f8", "i1", "i2", "i4", "i8"; "S" for texts of one length, "text" for texts of any
     dims : names of its dimensions; datasets that share one have the same length along it
     codes : whole numbers that may stand in it; empty: any
     missing : whether NaN and infinity may stand in it
@@ -147,6 +147,7 @@ DIGITS = b"0123456789+-.e\0"  # of a number written out, and what fills it up to
 TYPES = {
     "f8": "numbers of 64 bits",
     "i1": "whole numbers of 8 bits",
+    "i2": "whole numbers of 16 bits",
     "i4": "whole numbers of 32 bits",
     "i8": "whole numbers of 64 bits",
     "S": "texts of one length",

@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 
 from vibsim.results.attributes import read_attrs
+from vibsim.results.columns import Tables, tables_of
 from vibsim.results.digits import Digits
 from vibsim.results.hdf5_file import damage_named, open_hdf5
 from vibsim.results.structure import Dataset, check_datasets, check_values, checked_attributes
@@ -27,45 +28,45 @@ if TYPE_CHECKING:
 class TrajectoryFile:
     """An HDF5 file of one trajectory.
 
-    columns : the sampled columns of a file that this process has just written, which is not checked again;
-    None: everything is checked, and `attrs` and `case` are read. Raises ResultFileError for a file that is
-    no trajectory, or damaged.
+    tables : the columns of a file that this process has just written, which is not checked again; None:
+    everything is checked, and `attrs` and `case` are read. Raises ResultFileError for a file that is no
+    trajectory, or damaged.
     """
 
-    def __init__(self, path: str | Path, columns: tuple[str, ...] | None = None):
+    def __init__(self, path: str | Path, tables: Tables | None = None):
         self.path = Path(path)
         self.attrs: dict[str, Any] = {}
         self.case: Case | None = None
         self._file = open_hdf5(self.path)
         try:
             with damage_named(self.path):
-                self._open_tables(columns)
+                self._open_tables(tables)
         except BaseException:
             self.close()
             raise
 
-    def _open_tables(self, columns: tuple[str, ...] | None) -> None:
+    def _open_tables(self, tables: Tables | None) -> None:
         t_end = inf
-        if columns is None:
-            columns, t_end = self._promised()
-        samples, events = sample_datasets(columns, t_end), event_datasets(columns, t_end)
-        digits = digit_datasets(columns) if "digits" in self._file else []
+        if tables is None:
+            tables, t_end = self._promised()
+        samples, events = sample_datasets(tables, t_end), event_datasets(tables, t_end)
+        digits = digit_datasets(tables) if "digits" in self._file else []
         if self.case is not None:
             check_datasets(self.path, self._file, [*samples, *events, *digits])
         self.samples = FileColumns(self.path, self._file, samples)
         self.events = FileColumns(self.path, self._file, events)
         self.digits = self._digits(digits)
 
-    def _promised(self) -> tuple[tuple[str, ...], float]:
+    def _promised(self) -> tuple[Tables, float]:
         """Columns and end [s] that the case and the attributes promise, both checked."""
         from vibsim.results.stored_case import stored_case
 
         self.attrs = checked_attributes(self.path, read_attrs(self._file), ATTRIBUTES)
         self.case = stored_case(self.path, self.attrs)
-        scene = self.case.scene()
+        scene = self.case.simulated_scene()
         known = ERROR_ESTIMATE in self._file or "trust_horizon_s" in self.attrs
-        judged = (ERROR_ESTIMATE,) if known else ()
-        return (*scene.columns(), *judged), scene.t_end
+        tables = tables_of(scene)
+        return (tables.judged() if known else tables), scene.t_end
 
     def _digits(self, datasets: list[Dataset]) -> Digits | None:
         if not datasets:

@@ -1,9 +1,8 @@
 """What a trajectory file must hold, told from the columns of its scene."""
 
-from collections.abc import Iterable
 from math import inf
 
-from vibsim.results.columns import COLUMNS, STATES, TIMES, event_columns
+from vibsim.results.columns import TIMES, Column, Tables
 from vibsim.results.structure import EXTENDED, LIST, NUMBER, ROWS, TEXT, WHOLE, Attribute, Dataset
 
 ORIGIN = ("title", "vibsim_version", "case_name", "case_yaml", "case_resolved_json", "case_sha256")
@@ -33,6 +32,7 @@ ATTRIBUTES = [
     Attribute("trust_horizon_s", NUMBER, optional=True),
     Attribute("trust_tolerance_m", NUMBER, optional=True, where="trust_horizon_s"),
     Attribute("error_estimate_max", NUMBER, optional=True, where="trust_horizon_s"),
+    Attribute("clearances_needed", LIST, optional=True),
     Attribute("taylor_order", WHOLE, optional=True),
     Attribute("digits", WHOLE, optional=True),
     Attribute("number_type", TEXT, optional=True, where="digits"),
@@ -51,25 +51,26 @@ ROUNDED = 1 + 4 * 2.0**-52  # the last sample and the end are rounded apart
 SAMPLE, EVENT = "sample", "event"
 
 
-def sample_datasets(columns: Iterable[str], t_end: float = inf) -> list[Dataset]:
+def sample_datasets(tables: Tables, t_end: float = inf) -> list[Dataset]:
     """The datasets of the sampled columns, `time` first, of a run that ends at `t_end` [s] or before."""
-    return [_column("", name, SAMPLE, t_end) for name in columns]
+    return [_dataset(name, name, column, SAMPLE, t_end) for name, column in tables.samples.items()]
 
 
-def event_datasets(columns: tuple[str, ...], t_end: float = inf) -> list[Dataset]:
+def event_datasets(tables: Tables, t_end: float = inf) -> list[Dataset]:
     """The datasets of the table of events."""
-    return [_column("events/", name, EVENT, t_end) for name in event_columns(columns)]
+    return [_dataset(f"events/{name}", name, column, EVENT, t_end) for name, column in tables.events.items()]
 
 
-def digit_datasets(columns: tuple[str, ...]) -> list[Dataset]:
+def digit_datasets(tables: Tables) -> list[Dataset]:
     """The texts of sampled states, and those of the table of events."""
-    states = [name for name in columns if name in STATES]
-    samples = [Dataset(f"digits/{name}", "S", (SAMPLE,)) for name in states]
-    return [*samples, *(Dataset(f"digits/events/{name}", "S", (EVENT,)) for name in ("t", *states))]
+    samples = [Dataset(f"digits/{name}", "S", (SAMPLE,)) for name in tables.states]
+    return [
+        *samples,
+        *(Dataset(f"digits/events/{name}", "S", (EVENT,)) for name in ("t", *tables.states)),
+    ]
 
 
-def _column(group: str, name: str, dimension: str, t_end: float) -> Dataset:
-    column = COLUMNS[name]
+def _dataset(path: str, name: str, column: Column, dimension: str, t_end: float) -> Dataset:
     if name in TIMES:
-        return Dataset(group + name, column.dtype, (dimension,), ascending=True, span=(0.0, t_end * ROUNDED))
-    return Dataset(group + name, column.dtype, (dimension,), frozenset(column.flags.values()))
+        return Dataset(path, column.dtype, (dimension,), ascending=True, span=(0.0, t_end * ROUNDED))
+    return Dataset(path, column.dtype, (dimension,), frozenset(column.flags.values()))

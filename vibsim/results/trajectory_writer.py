@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 
 from vibsim.results.attributes import write_attrs
-from vibsim.results.columns import event_columns
+from vibsim.results.columns import Tables
 from vibsim.results.dataset_stream import DatasetStream
 from vibsim.results.disk_space import detach, release, reserve
 from vibsim.results.errors import ResultFileError
@@ -38,20 +38,19 @@ class TrajectoryWriter:
     Parameters
     ----------
     path : the target; kept if it exists unless `force`
-    columns : names of the sampled columns, `time` first
+    tables : the columns of its samples and events
     attrs : root attributes known at the start; every later one by `update`
     """
 
-    def __init__(
-        self, path: str | Path, columns: tuple[str, ...], attrs: Mapping[str, Any], force: bool = False
-    ):
+    def __init__(self, path: str | Path, tables: Tables, attrs: Mapping[str, Any], force: bool = False):
         self.target = check_output(path, force)
         self.partial = partial_path(self.target)
         self.shown = f"{path}.partial"
         self.force = force
         self._unflushed = 0
         self._reserved = 0  # size [bytes] up to which there is room
-        self._besides = FOR_FILE + _size_of(attrs) + FOR_COLUMN * (len(columns) + len(event_columns(columns)))
+        count = len(tables.samples) + len(tables.events)
+        self._besides = FOR_FILE + _size_of(attrs) + FOR_COLUMN * count
         self.streams: list[Any] = []
         if is_locked(self.partial):  # HDF5 would empty the file before it finds that out
             raise ResultFileError(f"{self.shown}: another run is writing it")
@@ -64,10 +63,10 @@ class TrajectoryWriter:
             self.partial.unlink()
             raise ResultFileError(f"{path}: disk full")
         self.update(attrs)
-        self.samples = DatasetStream(self._file.id, columns, SAMPLE_CHUNK)
-        self.events = DatasetStream(self._file.create_group("events").id, event_columns(columns), EVENT_CHUNK)
+        self.samples = DatasetStream(self._file.id, tables.samples, SAMPLE_CHUNK)
+        self.events = DatasetStream(self._file.create_group("events").id, tables.events, EVENT_CHUNK)
         self.streams += [self.samples, self.events]
-        self._besides -= (FOR_COLUMN - FOR_INDEX) * (len(columns) + len(event_columns(columns)))
+        self._besides -= (FOR_COLUMN - FOR_INDEX) * count
         self._file.flush()
 
     def append(self, samples: Mapping[str, np.ndarray], events: Mapping[str, np.ndarray]) -> None:

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.physics.scene import Scene
+from vibsim.physics.parts import Scene as PartsScene
+from vibsim.physics.scene import Scene as TwoBlocks
+from vibsim.results.columns import tables_of
 from vibsim.results.trust_companion import Companion, companion_scene, described
 from vibsim.results.trust_estimate import ErrorEstimate
 
@@ -47,12 +49,12 @@ class Trust(NoTrust):
 
     columns = (COLUMN,)
 
-    def __init__(self, case: "Case", scene: Scene, method: str, engine: str):
+    def __init__(self, case: "Case", scene: TwoBlocks | PartsScene, method: str, engine: str):
         other = companion_scene(case, scene, method)
         self._method = described(other)
         self._estimate = ErrorEstimate(scene, case.number("run.trust_tolerance"))
         self._companion = Companion(other, engine)
-        self._names = [name for name in ("x1", "x2") if name in scene.columns()]
+        self._names = tables_of(scene).displacements
 
     def __enter__(self) -> "Trust":
         self._companion.start()

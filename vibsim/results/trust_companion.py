@@ -11,7 +11,7 @@ be missed: after 10,000 s it is 70 times the distance of two runs from equal dat
 import threading
 from collections import deque
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, is_dataclass, replace
 from fractions import Fraction
 from math import inf, nextafter
 from queue import Empty, SimpleQueue
@@ -20,7 +20,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.cases.pi import FIRST_BITS, two_pi_bounds
-from vibsim.physics.scene import Scene
+from vibsim.physics.parts import Scene as PartsScene
+from vibsim.physics.scene import Scene as TwoBlocks
+from vibsim.results.columns import tables_of
+from vibsim.results.engines import open_run
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -28,44 +31,75 @@ if TYPE_CHECKING:
 BLOCKS = ("m1", "m2", "k1", "c", "k2", "G", "N")
 SOURCE = ("A", "F0", "omega", "m3", "e", "J", "M0", "Omega0")
 DATA = (*BLOCKS, *SOURCE, "x1", "v1", "x2", "v2", "phi", "phidot")
+PARTS = ("bodies", "links", "stops", "frictions", "forces", "base", "motor")  # of a scene made of parts
+TURNS = ("cycles", "cycles_lo")
 USUAL_ORDER, OTHER_ORDER = 20, 25  # of the Taylor flow; both cost the same
 TOLERANCE = 2.0**-53
 PATIENCE = 0.1  # seconds between two questions whether to wait on
 BLOCKS_AHEAD = 8  # bounds the memory of a companion that is faster than the run
 
 
-def companion_scene(case: "Case", scene: Scene, method: str) -> Scene:
+def companion_scene(case: "Case", scene: TwoBlocks | PartsScene, method: str) -> Any:
     """The scene of the companion of a run of `case` by `method` ("closed_form" or "taylor").
 
-    Samples are at the same times. The rest distance is left out: it never changes the motion.
+    Samples are at the same times. Limits that are only watched are left out: they never change the motion.
     """
+    if isinstance(scene, TwoBlocks):
+        return _companion_of_two_blocks(case, scene, method)
+    exact = case.exact_parts(Fraction, pi=two_pi_bounds(FIRST_BITS)[0] / 2)
+    other_flow = "auto" if scene.has_motor or scene.method == "taylor" else "taylor"
+    return replace(
+        scene,
+        method=other_flow,
+        order=_other_order(scene.order),
+        tol=TOLERANCE,
+        clearances=(),
+        **{name: moved(getattr(scene, name), getattr(exact, name)) for name in PARTS},
+    )
+
+
+def _companion_of_two_blocks(case: "Case", scene: TwoBlocks, method: str) -> TwoBlocks:
     if scene.has_motor:
-        order = OTHER_ORDER if scene.order < (USUAL_ORDER + OTHER_ORDER) // 2 else USUAL_ORDER
-        stepping: dict[str, Any] = {"method": "taylor", "order": order, "tol": TOLERANCE}
+        stepping: dict[str, Any] = {
+            "method": "taylor",
+            "order": _other_order(scene.order),
+            "tol": TOLERANCE,
+        }
     elif method == "taylor":
         stepping = {"method": "closed_form"}
     else:
         stepping = {"method": "taylor", "order": USUAL_ORDER, "tol": TOLERANCE}
-    return replace(scene, **stepping, **_moved(case, scene), rest_distance=None, stop_on_violation=False)
+    exact = case.exact_scene(Fraction, pi=two_pi_bounds(FIRST_BITS)[0] / 2)
+    data = {name: moved(getattr(scene, name), getattr(exact, name)) for name in DATA}
+    return replace(scene, **stepping, **data, rest_distance=None, stop_on_violation=False)
 
 
-def described(companion: Scene) -> str:
+def _other_order(order: int) -> int:
+    return OTHER_ORDER if order < (USUAL_ORDER + OTHER_ORDER) // 2 else USUAL_ORDER
+
+
+def described(companion: TwoBlocks | PartsScene) -> str:
     """The companion in words, for the file."""
-    taylor = companion.method == "taylor"
-    stepping = f"Taylor series of order {companion.order}" if taylor else "closed form"
+    series = f"Taylor series of order {companion.order}"
+    both = f"closed form or {series}"
+    stepping = {"taylor": series, "closed_form": "closed form", "auto": both}[companion.method]
     return f"difference from a second run by {stepping}, its data one ulp towards their decimal values"
 
 
-def _moved(case: "Case", scene: Scene) -> dict[str, Any]:
-    """The numbers of a scene that are not exact, each one ulp towards its exact value."""
-    exact = case.exact_scene(Fraction, pi=two_pi_bounds(FIRST_BITS)[0] / 2)
-    moved = {}
-    for name in DATA:
-        value = getattr(scene, name)
-        error = 0 if value is None else Fraction(getattr(exact, name)) - Fraction(value)
-        if error:
-            moved[name] = nextafter(value, inf if error > 0 else -inf)
-    return moved
+def moved(value: Any, exact: Any) -> Any:
+    """A number, part or tuple of these: its numbers that are not exact, each one ulp towards its exact value.
+
+    The turns of a harmonic stay: they are carried as two doubles, and right to 32 digits.
+    """
+    if isinstance(value, tuple):
+        return tuple(moved(one, other) for one, other in zip(value, exact, strict=True))
+    if is_dataclass(value):
+        names = [each.name for each in fields(value) if each.name not in TURNS]
+        return replace(value, **{name: moved(getattr(value, name), getattr(exact, name)) for name in names})  # type: ignore[type-var]
+    if not isinstance(value, float):
+        return value
+    error = Fraction(exact) - Fraction(value)
+    return nextafter(value, inf if error > 0 else -inf) if error else value
 
 
 class Companion:
@@ -74,11 +108,9 @@ class Companion:
     The C engine lets go of the interpreter while it computes: on two cores it costs hardly any time.
     """
 
-    def __init__(self, scene: Scene, engine: str):
-        from vibsim.kernel import open_trajectory
-
-        self._trajectory = open_trajectory(scene, engine=engine)
-        self._names = [name for name in ("x1", "x2") if name in scene.columns()]
+    def __init__(self, scene: TwoBlocks | PartsScene, engine: str):
+        self._trajectory = open_run(scene, engine)
+        self._names = tables_of(scene).displacements
         self._queue: SimpleQueue[np.ndarray | BaseException | None] = SimpleQueue()
         self._room = threading.Semaphore(BLOCKS_AHEAD)
         self._closed = self._ended = False
@@ -136,7 +168,7 @@ class Companion:
                 continue
 
     def _run(self) -> None:
-        from vibsim.kernel import KernelError
+        from vibsim.engine.errors import EngineError
 
         last: BaseException | None = None
         try:
@@ -146,7 +178,7 @@ class Companion:
                     return
                 self._queue.put(np.stack([block.samples[name] for name in self._names]))
                 self.t_reached = max(block.t_reached, *block.samples["time"][-1:].tolist(), self.t_reached)
-        except KernelError:
+        except EngineError:
             pass  # the run went on where its companion failed: nothing more to compare with
         except BaseException as error:  # raised where the samples are asked for
             last = error

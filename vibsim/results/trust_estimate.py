@@ -1,6 +1,6 @@
 """The error of a run at every sample, estimated from the distance to its companion.
 
-    distance = the larger of |dx1| and |dx2|, at least one ulp of the largest displacement so far
+    distance = the largest |dx| of any body, at least one ulp of the largest displacement so far
     estimate = (1 + decades / 4) x distance, held for about two periods
 
 The distance swings with the motion, so the largest of the last periods counts: a value fades by the
@@ -19,7 +19,9 @@ from math import inf, log, log10, pi, sqrt
 
 import numpy as np
 
-from vibsim.physics.scene import Scene
+from vibsim.physics import rates
+from vibsim.physics.parts import Scene as PartsScene
+from vibsim.physics.scene import Scene as TwoBlocks
 
 ULP = 2.0**-52
 DECADES = 4.0  # of growth for which the distance counts once more
@@ -29,8 +31,10 @@ UNIT = 2.0 ** (52 - BITS_BELOW)  # of the logarithm: so many to a power of two
 BITS_DROPPED = 43  # of 52: three digits are more than an estimate has, and zeros take no room on file
 
 
-def longest_period(scene: Scene) -> float:
-    """The longer of the periods of source and free vibration [s]; infinite without either."""
+def longest_period(scene: TwoBlocks | PartsScene) -> float:
+    """The longest of the periods of the sources and of free vibration [s]; infinite without any."""
+    if not isinstance(scene, TwoBlocks):
+        return rates.longest_period(scene)
     mobility = 1 / scene.m1 + (1 / scene.m2 if scene.has_block2 else 0.0)
     source = {"none": 0.0, "harmonic": scene.omega, "motor": scene.Omega0}[scene.source]
     return max((2 * pi / rate for rate in (abs(source), sqrt(scene.k1 * mobility)) if rate), default=inf)
@@ -42,7 +46,7 @@ class ErrorEstimate:
     scene : what is run; it sets the time for which a distance is held
     """
 
-    def __init__(self, scene: Scene, tolerance: float):
+    def __init__(self, scene: TwoBlocks | PartsScene, tolerance: float):
         self.tolerance = tolerance
         self.largest = 0.0  # estimate so far [m]
         self._fading = 1 / (PERIODS_HELD * longest_period(scene))  # [1/s]
@@ -53,7 +57,7 @@ class ErrorEstimate:
     def update(self, time: np.ndarray, ours: np.ndarray, theirs: np.ndarray) -> np.ndarray:
         """Estimates [m] at the next samples, shape of `time` [s].
 
-        ours, theirs : displacements [m] of the run and its companion, shape (blocks that move, samples). NaN
+        ours, theirs : displacements [m] of the run and its companion, shape (bodies, samples). NaN
         where the companion has failed: nothing is known any more, and the estimate is the size of the motion.
         """
         if not len(time):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from vibsim.kernel.truth import digit_columns, open_truth
+from vibsim.results.columns import tables_of
 from vibsim.results.digits import Digits
 from vibsim.results.provenance import origin, outcome
 from vibsim.results.recording import MemorySink, Rows, Sink, Watch
@@ -72,14 +73,14 @@ class TruthRecording:
     def end(self) -> dict[str, Any]:
         """Attributes of what came of the run so far."""
         wall_time = time.perf_counter() - self.began
-        return outcome(self.trajectory.totals, self.t_reached, self._rest.needed, wall_time, self.complete)
+        return outcome(self.trajectory.totals, self.t_reached, self._rest.attrs, wall_time, self.complete)
 
 
 class TruthMemory(MemorySink):
     """Keeps the blocks of a run and their digits."""
 
     def __init__(self, recording: TruthRecording):
-        super().__init__(recording.scene.columns())
+        super().__init__(tables_of(recording.scene))
         names = digit_columns(recording.scene)
         self._sample_digits: dict[str, list[np.ndarray]] = {name: [] for name in names}
         self._event_digits: dict[str, list[np.ndarray]] = {name: [] for name in ("t", *names)}
@@ -120,10 +121,12 @@ def truth_to_file(
     check_engine(engine)
 
     def writer(recording: TruthRecording) -> TruthWriter:
-        return TruthWriter(path, recording.scene.columns(), recording.start, recording.start["digits"], force)
+        return TruthWriter(
+            path, tables_of(recording.scene), recording.start, recording.start["digits"], force
+        )
 
     recording, sink, attrs = _run(case, digits, writer, watch)
-    file = TrajectoryFile(sink.finish(attrs), recording.scene.columns())
+    file = TrajectoryFile(sink.finish(attrs), tables_of(recording.scene))
     return Result({**recording.start, **attrs}, file.samples, file.events, case=case, digits=file.digits)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.physics.exact_decimals import text_width
-from vibsim.results.columns import STATES
+from vibsim.results.columns import Tables
 from vibsim.results.digits_stream import DigitsStream
 from vibsim.results.trajectory_writer import EVENT_CHUNK, FOR_COLUMN, SAMPLE_CHUNK, TrajectoryWriter
 
@@ -18,13 +18,13 @@ class TruthWriter(TrajectoryWriter):
     def __init__(
         self,
         path: str | Path,
-        columns: tuple[str, ...],
+        tables: Tables,
         attrs: Mapping[str, Any],
         digits: int,
         force: bool = False,
     ):
-        super().__init__(path, columns, attrs, force)
-        names = [name for name in columns if name in STATES]
+        super().__init__(path, tables, attrs, force)
+        names = list(tables.states)
         width = text_width(digits)
         group = self._file.create_group("digits")
         time = self._file["time"]
