@@ -54,13 +54,21 @@ def test_cases_prints_the_long_form():
 
 
 @pytest.mark.parametrize(
-    "command", [("run",), ("sweep", "--param", "ram=1:2/3 kg"), ("bench",), ("plot",), ("analyse",)]
+    "command",
+    [
+        ("run", "--digits", "30"),
+        ("run", "--lyapunov", "1"),
+        ("sweep", "--param", "ram=1:2/3 kg"),
+        ("bench",),
+        ("plot",),
+        ("analyse",),
+    ],
 )
 def test_commands_that_run_say_what_a_scene_of_parts_can_do(command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("hammer.yaml").write_text("bodies: {ram: 2 kg}\n")
     name, *options = command
-    with pytest.raises(CaseError, match="a scene of named parts cannot be run yet"):
+    with pytest.raises(CaseError, match="a scene of named parts cannot do this yet"):
         CliRunner().invoke(
             group, [name, "hammer.yaml", *options], standalone_mode=False, catch_exceptions=False
         )

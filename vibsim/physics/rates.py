@@ -6,11 +6,10 @@ machine in the last ones.
 """
 
 from math import inf, pi, sqrt
-from typing import Any
 
 import numpy as np
 
-from vibsim.physics.parts import BASE, Link, Scene, Stop
+from vibsim.physics.parts import Link, Scene, Stop
 
 RIGID = 1e-12  # of the largest squared rate, below which one is that of a rigid motion, 0 but for rounding
 
@@ -42,12 +41,8 @@ def masses(scene: Scene) -> np.ndarray:
 
 
 def source_rates(scene: Scene) -> list[float]:
-    """Angular rates [rad/s] of the forces, of the base where something ends at it, and of the motor's no-load
-    speed; those that are 0 left out.
-    """
-    joining: tuple[Any, ...] = (*scene.links, *scene.stops, *scene.frictions)
-    base = scene.base if any(BASE in (part.P, part.Q) for part in joining) else ()
-    terms = [term for force in scene.forces for term in force.terms] + list(base)
+    """Angular rates [rad/s] of forces, base and motor (its no-load speed); those that are 0 left out."""
+    terms = [term for force in scene.forces for term in force.terms] + list(scene.base)
     found = [abs(term.omega) for term in terms if term.amplitude]
     found += [abs(scene.motor.Omega0)] if scene.motor is not None else []
     return [rate for rate in found if rate]

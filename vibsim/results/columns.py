@@ -126,7 +126,8 @@ def _part_states(scene: PartsScene) -> Iterable[Column]:
 
 def part_names(scene: PartsScene) -> tuple[str, ...]:
     """Names of the parts that have states, in the order of `part_columns`."""
-    return tuple(part.name for part in (*scene.stops, *scene.frictions, *scene.clearances))
+    parts: tuple[Any, ...] = (*scene.stops, *scene.frictions, *scene.clearances)
+    return tuple(part.name for part in parts)
 
 
 def _part_of_event(scene: PartsScene) -> Column:

@@ -203,7 +203,7 @@ def test_sources_and_frequencies():
 
 def test_the_engine_of_two_blocks_refuses_a_scene_of_parts():
     for make in ("scene", "exact_scene"):
-        with pytest.raises(CaseError, match="bodies: a scene of named parts cannot be run yet"):
+        with pytest.raises(CaseError, match="bodies: a scene of named parts cannot do this yet"):
             getattr(load_case(HAMMER), make)(*([Fraction] if make == "exact_scene" else []))
 
 
