@@ -12,22 +12,27 @@ from vibsim.engine.trajectory import open_trajectory
 class Run:
     samples: dict[str, np.ndarray]
     events: dict[str, np.ndarray]
+    section: dict[str, np.ndarray]
     totals: dict[str, float]
 
 
-def run(scene, engine="auto"):
-    """The run of a scene as whole columns."""
-    trajectory = open_trajectory(scene, engine)
+def run(scene, engine="auto", **options):
+    """The run of a scene as whole columns; options as of `open_trajectory`."""
+    trajectory = open_trajectory(scene, engine, **options)
     blocks = list(trajectory.blocks())
-    samples = {name: np.concatenate([b.samples[name] for b in blocks]) for name in blocks[0].samples}
-    events = {name: np.concatenate([b.events[name] for b in blocks]) for name in blocks[0].events}
-    return Run(samples, events, trajectory.totals)
+    tables = [whole([getattr(block, name) for block in blocks]) for name in ("samples", "events", "section")]
+    return Run(*tables, trajectory.totals)
 
 
-def outcome(scene, engine):
+def whole(tables):
+    """Tables of columns one behind the other."""
+    return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
+
+
+def outcome(scene, engine, **options):
     """The run, or the sentence with which it failed."""
     try:
-        return run(scene, engine)
+        return run(scene, engine, **options)
     except EngineError as error:
         return str(error)
 
@@ -40,5 +45,8 @@ def same_bits(a, b):
 def differences(one, other):
     """Names of columns and totals in which two runs differ by any bit."""
     found = [name for name in one.samples if not same_bits(one.samples[name], other.samples[name])]
+    found += [
+        f"section/{name}" for name in one.section if not same_bits(one.section[name], other.section[name])
+    ]
     found += [f"events/{name}" for name in one.events if not same_bits(one.events[name], other.events[name])]
     return found + [name for name in one.totals if not same_bits(one.totals[name], other.totals[name])]

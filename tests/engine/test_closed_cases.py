@@ -183,3 +183,20 @@ def test_parts_of_no_strength_change_nothing(method):
         forces=(Force("none", 0, 0.0, (harmonic(0.0, 2.0),)),),
     )
     assert np.array_equal(run(base).samples["x_m"], run(more).samples["x_m"])
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_stuck_block_breaks_loose_where_its_force_passes_friction(method):
+    """The force A sin(2 pi f t) moves nothing until it passes N: at arcsin(N / A) / (2 pi f), though no
+    velocity tells the Taylor flow how fast it changes.
+    """
+    A, N, f = 1.0, 0.9, 1.0
+    parts = {
+        "frictions": (Friction("f", 0, GROUND, N, N, 0.0),),
+        "forces": (Force("F", 0, 0.0, (harmonic(A, f),)),),
+    }
+    result = run(scene([Body("m", 1.0, 0.0, 0.0)], method, **parts))
+    slips = result.events["t"][result.events["kind"] == 5]
+    expected = np.arcsin(N / A) / (2 * pi * f) + np.arange(20) / 2
+    assert slips == pytest.approx(expected, rel=1e-14)
+    assert result.totals["uncertified"] == 0

@@ -16,7 +16,8 @@ from vibsim.physics.numbers import Doubles
 
 
 def assert_engines_agree(scene):
-    fast, slow = outcome(scene, "c"), outcome(scene, "python")
+    options = {"ledger": True, "momentum": True, "section": True}
+    fast, slow = outcome(scene, "c", **options), outcome(scene, "python", **options)
     if isinstance(slow, Run) and isinstance(fast, Run):
         assert differences(fast, slow) == []
     else:

@@ -8,14 +8,17 @@ import vibsim.engine._engine as _engine
 from vibsim.engine.automaton import Automaton
 from vibsim.engine.errors import EngineError
 from vibsim.engine.flow import Flow
+from vibsim.engine.meters import MeterMaker, jumps_of
 from vibsim.engine.packing import coupled, pack_mode, pack_scene, pack_state
+from vibsim.engine.packing_meters import pack_ledger, pack_meters, terms_of
 from vibsim.engine.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, RowMaker
 from vibsim.engine.state import State
 from vibsim.engine.status import CONTACT, LIFTED, OPEN, STICK
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.numbers import Doubles
+from vibsim.physics.numbers import TWO_PI, Doubles
+from vibsim.physics.period import common_period
 
-SAMPLE_ROOM, EVENT_ROOM = 16384, 4096
+SAMPLE_ROOM, EVENT_ROOM, SECTION_ROOM = 16384, 4096, 1024
 ACCUMULATION, DIVERGED, UNDECIDED = 1, 2, 3
 REASONS = {ACCUMULATION: "accumulation", DIVERGED: "diverged"}
 ASK, CROSS, STAND = range(3)
@@ -41,7 +44,7 @@ class Doubts:
 class CRun:
     """A run of a scene made of parts on the C engine."""
 
-    def __init__(self, scene, resume=None):
+    def __init__(self, scene, resume=None, section=False, ledger=False, momentum=False):
         self.scene, self.n = scene, len(scene.bodies)
         self.maker = RowMaker(scene, Doubles)
         self.doubts = Doubts()
@@ -50,8 +53,13 @@ class CRun:
         self.harmonics = self.scout.closed.harmonics
         self.run = _engine.Run(*pack_scene(scene, self.harmonics))
         self.keys, self.numbers, self.rows, self.ruled = {}, {}, [], set()
+        self.meters = MeterMaker(scene, Doubles, self.maker, momentum) if ledger or momentum else None
+        if self.meters:
+            names = self.meters.names
+            self.run.keep_ledger(*pack_ledger(scene, names, jumps_of(scene, names), self.maker.ends))
         state, status, known = resume or self._start()
-        self._buffers(len(status.codes))
+        self.first = state.copy(), status
+        self._buffers(len(status.codes), SECTION_ROOM if section and self._keep_section() else 0)
         number = self._mode(status)
         packed = self._known(known, 0)
         self.doubts.run = self.run
@@ -68,12 +76,20 @@ class CRun:
         state = State(0.0, [b.x for b in scene.bodies], [b.v for b in scene.bodies], phase, turns, w)
         return (state, *self.automaton.initial(state))
 
-    def _buffers(self, parts):
+    def _keep_section(self):
+        """Tell C of the period of forces and base; whether there is a section to keep."""
+        period = None if self.scene.motor else common_period(self.scene)
+        if period is not None:
+            self.run.keep_section(period.cycles, period.cycles_lo, period.turns)
+        return period is not None or self.scene.motor is not None
+
+    def _buffers(self, parts, section_room):
         self.samples = np.empty((3 + 2 * self.n, SAMPLE_ROOM))
         self.sample_modes = np.empty((parts, SAMPLE_ROOM), dtype="i1")
         self.events = np.empty((4 + 2 * self.n, EVENT_ROOM))
         self.event_codes = np.empty((2 + parts, EVENT_ROOM), dtype="i1")
-        self.buffers = self.samples, self.sample_modes, self.events, self.event_codes
+        self.section = np.empty((3 + 2 * self.n, section_room))
+        self.buffers = self.samples, self.sample_modes, self.events, self.event_codes, self.section
 
     def _mode(self, status):
         """Number of a mode in C; adds it where it is new."""
@@ -81,7 +97,10 @@ class CRun:
             rows = self.maker.rows(status)
             if self.scout.suits(rows) is self.scout.taylor:
                 rows.modal = False
-            self.numbers[status] = self.run.add_mode(*pack_mode(rows, self.keys))
+            number = self.run.add_mode(*pack_mode(rows, self.keys))
+            if self.meters:
+                self.run.set_meters(number, *pack_meters(self.meters.meters(rows), terms_of(rows)))
+            self.numbers[status] = number
             self.rows.append(rows)
         return self.numbers[status]
 
@@ -93,30 +112,42 @@ class CRun:
         return orders.tobytes()
 
     def blocks(self):
-        """Yield (samples, sample modes, events, event codes), arrays of one row per column; raises
-        EngineError.
+        """Yield (samples, sample modes, events, event codes, section), arrays of one row per column, and
+        (time reached, time worked out to); raises EngineError.
         """
         yield self._block(*self.filled)
         finished = 0
         while not finished:
-            samples, events, finished, status = self.run.advance(*self.buffers)
-            yield self._block(samples, events)
+            *counts, finished, status = self.run.advance(*self.buffers)
+            yield self._block(*counts)
             if status == UNDECIDED:
                 number, event, values = self.run.pending()
                 if self._set_rule(number, event):
                     continue
-                samples, events, finished, status = self._decide(number, event, State(*values))
-                yield self._block(samples, events)
+                *counts, finished, status = self._decide(number, event, State(*values))
+                yield self._block(*counts)
             if status in REASONS:
                 raise EngineError(REASONS[status], State(*self.run.tally()["state"]))
 
-    def _block(self, samples, events):
+    def _block(self, samples, events, section):
+        tally = self.run.tally()
         return (
             self.samples[:, :samples].copy(),
             self.sample_modes[:, :samples].copy(),
             self.events[:, :events].copy(),
             self.event_codes[:, :events].copy(),
+            self.section[:, :section].copy(),
+            (tally["state"][0], tally["worked_to"]),
         )
+
+    def state_at(self, t):
+        """(time, x and v of each body, rotor angle, its speed) at t [s] before the next event; t ascending
+        from call to call.
+        """
+        while (state := self.run.state_at(t)) is None:
+            pass  # here a signal is heard
+        t, x, v, phase, turns, w = state
+        return (t, *(value for pair in zip(x, v, strict=True) for value in pair), phase + turns * TWO_PI, w)
 
     def _decide(self, number, event, state):
         """Let the automaton of the Python engine decide the pending event."""

@@ -220,6 +220,27 @@ class ClosedForm:
                 longest = growing if growing < longest else longest
         return longest
 
+    def open_nodes(self, meters):
+        """Prepare the nodes of a stretch: nothing to do."""
+
+    def node(self, tau, meters):
+        """What the meters read a time tau after the anchor: velocities by column, none of a rotor, forces and
+        functions.
+        """
+        state = self.state_after(tau)
+        v = [*state.v, self.kit.number(0), self._base(self.sines, self.cosines)[1]]
+        forces = [self._force_here(force) for force in self.scene.forces] if meters.forces else ()
+        of = self.search.functions_of
+        if meters.functions:
+            of.here(2)
+        return v, None, forces, [of.derivative(function, 0) for function in meters.functions]
+
+    def _force_here(self, force):
+        total = force.constant
+        for term in sounding(force.terms):
+            total = total + term.amplitude * self.sines[self.harmonics.index(pitch(term))]
+        return total
+
     def jets(self, count):
         """Derivatives q, q', ..., of order 0 to `count` of each coordinate at the point evaluated last."""
         return [self._jet(m, constants, count) for m, constants in enumerate(self.modal.constants)]

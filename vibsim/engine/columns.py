@@ -37,3 +37,8 @@ def event_columns(scene):
     """
     phase = ("phase",) if scene.motor is not None else ()
     return ("t", "kind", "part", *state_columns(scene), *phase, *part_columns(scene))
+
+
+def section_columns(scene):
+    """Names of the columns of the stroboscopic section, in file order."""
+    return ("time", *state_columns(scene))

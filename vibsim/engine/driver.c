@@ -11,7 +11,6 @@
 #include "numbers.h"
 
 #define EVENTS_AT_ONE_INSTANT 64
-#define STEPS_AT_ONCE 100000 /* bounds the work between two blocks where nothing happens */
 
 static void enter(Run *r, const State *state)
 {
@@ -26,7 +25,7 @@ static double flow_advance(Run *r, double limit, int *event)
     return r->closed ? closed_form_advance(r, limit, event) : taylor_advance(r, limit, event);
 }
 
-static void flow_state(Run *r, double t, State *out)
+void flow_state(Run *r, double t, State *out)
 {
     if (r->closed)
         closed_form_state_after(r, t - r->t0, out);
@@ -62,7 +61,7 @@ static long long sample_index(const Run *r, double t)
     return i;
 }
 
-static void write_state(const Run *r, double *row, long room, const State *s)
+void write_state(const Run *r, double *row, long room, const State *s)
 {
     int c;
     row[0] = s->t;
@@ -135,6 +134,7 @@ void run_start(Run *r, int mode, Buffers *b)
     use_mode(r, mode);
     r->next_sample = sample_index(r, r->state.t);
     r->known_since = r->state.t;
+    section_start(r);
     record(r, b, START, -1);
     if (violated(r))
         note_violation(r, b);
@@ -145,6 +145,7 @@ void run_start(Run *r, int mode, Buffers *b)
 /* Go on in a mode behind the pending event, with the zeros in r->behind. */
 void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, const int *parts)
 {
+    const int *before = r->mode->codes;
     int i, k;
     if (r->next.t == r->known_since) {
         for (k = 0; k < r->key_count; k++)
@@ -164,6 +165,7 @@ void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, cons
     copy_state(r, &r->next, &r->state);
     use_mode(r, mode);
     r->known_since = r->state.t;
+    ledger_cross(r, &r->state, before, r->mode->codes);
     for (i = 0; i < happened; i++) {
         record(r, b, kinds[i], parts[i]);
         if (kinds[i] == VIOLATION_BEGIN)
@@ -309,14 +311,15 @@ static int take_by_rule(Run *r, Buffers *b)
 }
 
 /* Samples in [now, end), or up to and including the end of the run; 0 when the buffer is full before that. */
-static int sample_until(Run *r, Buffers *b, double end, int last)
+static int sample(Run *r, Buffers *b)
 {
-    double t = sample_time(r, r->next_sample);
+    double t = sample_time(r, r->next_sample), end = r->pending_end;
+    int last = end >= r->t_end;
     while (t < end || (last && t <= end)) {
         if (b->sample_count >= b->sample_room)
             return 0;
-        flow_state(r, t, &r->next);
-        write_sample(r, b, &r->next);
+        flow_state(r, t, &r->scratch);
+        write_sample(r, b, &r->scratch);
         r->next_sample++;
         t = sample_time(r, r->next_sample);
     }
@@ -332,9 +335,60 @@ static int is_finite(const Run *r, const State *s)
     return isfinite(total);
 }
 
-void run_advance(Run *r, Buffers *b, long steps)
+/* State at the end of the stretch; 0 where it is not finite. */
+static int arrive(Run *r)
 {
-    double enough = r->steps + STEPS_AT_ONCE;
+    flow_state(r, r->pending_end, &r->next);
+    if (is_finite(r, &r->next))
+        return 1;
+    r->status = DIVERGED;
+    return 0;
+}
+
+static void open_stretch(Run *r)
+{
+    double steps = r->steps;
+    r->pending_end = flow_advance(r, r->t_end, &r->pending_event);
+    r->spent += r->steps - steps;
+    ledger_open(r);
+}
+
+/* The stretch from `state` to the next event, or as far as the flow advances at once: stage by stage. Returns 0 when the
+ * room or the work of this call is spent, or the run fails: the next call goes on in the same stage.
+ */
+static int stretch(Run *r, Buffers *b)
+{
+    for (; r->stage < STAGES; r->stage++) {
+        int done = 1;
+        switch (r->stage) {
+        case ADVANCE: open_stretch(r); break;
+        case SAMPLE: done = sample(r, b); break;
+        case SECTION: done = section_gather(r, b, r->pending_end); break;
+        case ARRIVE: done = arrive(r); break;
+        case LEDGER: done = ledger_gather(r); break;
+        }
+        if (!done)
+            return 0;
+    }
+    r->stage = ADVANCE;
+    return 1;
+}
+
+/* Where no event ended the stretch: the Taylor flow needs a new expansion, the closed form holds. */
+static void carry_on(Run *r, Buffers *b)
+{
+    copy_state(r, &r->next, &r->state);
+    if (r->pending_end < r->t_end && !r->closed) {
+        memset(r->known, 0, sizeof(int) * (size_t)r->key_count);
+        enter(r, &r->state);
+    }
+    if (b && r->pending_end >= r->t_end)
+        finish(r, b);
+}
+
+void run_advance(Run *r, Buffers *b)
+{
+    r->spent = 0;
     if (r->status == UNDECIDED) { /* the rule came meanwhile */
         r->status = OK;
         if (!take_by_rule(r, b)) {
@@ -342,50 +396,35 @@ void run_advance(Run *r, Buffers *b, long steps)
             return;
         }
     }
-    while (!r->finished && r->status == OK && steps-- > 0 && r->steps < enough) {
-        if (b->event_count + 3 + r->parts >= b->event_room)
+    while (!r->finished && r->status == OK && r->spent < r->work_at_once) {
+        if (b->event_count + 3 + r->parts >= b->event_room || !stretch(r, b))
             return;
-        if (!r->pending) {
-            r->pending_end = flow_advance(r, r->t_end, &r->pending_event);
-            r->pending = 1;
-        }
-        if (!sample_until(r, b, r->pending_end, r->pending_end >= r->t_end))
-            return;
-        r->pending = 0;
-        flow_state(r, r->pending_end, &r->next);
-        if (!is_finite(r, &r->next)) {
-            r->status = DIVERGED;
-            return;
-        }
-        if (r->pending_event != NOTHING) {
-            if (!take_by_rule(r, b))
-                r->status = UNDECIDED;
-            continue;
-        }
-        copy_state(r, &r->next, &r->state);
-        if (r->pending_end < r->t_end && !r->closed) {
-            memset(r->known, 0, sizeof(int) * (size_t)r->key_count);
-            enter(r, &r->state);
-        }
-        if (r->pending_end >= r->t_end)
-            finish(r, b);
+        r->spent += 1;
+        if (r->pending_event == NOTHING)
+            carry_on(r, b);
+        else if (!take_by_rule(r, b))
+            r->status = UNDECIDED;
     }
 }
 
-/* State at t before the next event; 0 where the work is not done yet. */
-int run_state_at(Run *r, double t, State *out, long steps)
+/* Time that the run has been worked out to [s]: within a long stretch ahead of its state. */
+double run_worked_to(const Run *r)
 {
+    return r->stage == LEDGER && r->ledger.wanted ? r->t0 + r->ledger.tau : r->state.t;
+}
+
+/* State at t before the next event; 0 where it has to be called again. */
+int run_state_at(Run *r, double t, State *out)
+{
+    r->spent = 0;
     while (!r->finished && r->status == OK) {
-        int event;
-        double end = flow_advance(r, r->t_end, &event);
-        if (event != NOTHING || end >= t || end >= r->t_end)
+        double steps = r->steps;
+        r->pending_end = flow_advance(r, r->t_end, &r->pending_event);
+        if (r->pending_event != NOTHING || r->pending_end >= t || r->pending_end >= r->t_end || !arrive(r))
             break;
-        if (!r->closed) {
-            flow_state(r, end, &r->state);
-            memset(r->known, 0, sizeof(int) * (size_t)r->key_count);
-            enter(r, &r->state);
-        }
-        if (steps-- <= 0)
+        carry_on(r, NULL);
+        r->spent += r->steps - steps + 1;
+        if (r->spent > r->work_at_once)
             return 0;
     }
     flow_state(r, t, out);

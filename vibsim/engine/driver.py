@@ -3,14 +3,20 @@
 Output cadence never changes a trajectory: samples are read off the flow, states are not restarted there.
 """
 
+import time
+from math import inf
+
 from vibsim.engine.automaton import Automaton
 from vibsim.engine.errors import EngineError
 from vibsim.engine.flow import Flow
+from vibsim.engine.ledger import Ledger
 from vibsim.engine.rows import RowMaker
+from vibsim.engine.section import StroboscopicSection
 from vibsim.engine.state import State
 from vibsim.physics.modes import EVENT_KINDS
 
 EVENTS_AT_ONE_INSTANT = 64
+SAMPLES_AT_ONCE = 256
 
 
 class Driver:
@@ -18,11 +24,13 @@ class Driver:
     end.
     """
 
-    def __init__(self, scene, kit, resume=None):
+    def __init__(self, scene, kit, resume=None, section=False, ledger=False, momentum=False):
         self.scene, self.kit = scene, kit
         self.maker = RowMaker(scene, kit)
         self.flow = Flow(scene, kit)
         self.automaton = Automaton(scene, self.maker, Flow(scene, kit, self.flow.certificate), kit)
+        self.section = StroboscopicSection(scene, self.flow) if section else None
+        self.ledger = Ledger(scene, kit, self.maker, self.flow, momentum) if ledger or momentum else None
         self.samples, self.events = [], []
         self.counts = [0] * len(EVENT_KINDS)
         self.first_violation = None
@@ -33,11 +41,17 @@ class Driver:
             self.status, known = self.automaton.initial(self.state)
         else:
             self.state, self.status, known = resume
+            self.next_sample = self._sample_index(self.state.t)
+            if self.section:
+                self.section.skip_to(self.state.t)
+        self.start = self.state.copy(), self.status
         self.known, self.known_since, self.crowd = known, self.state.t, 0
         self._record("start", -1)
         if any(self.status.clearances):
             self._note_violation()
         self.flow.enter(self.state, self.maker.rows(self.status), known)
+        self.worked_to = self.state.t
+        self._course = self._stretches()
 
     def _start_state(self):
         scene, kit = self.scene, self.kit
@@ -52,23 +66,61 @@ class Driver:
     def sample_time(self, i):
         return (float(i) * self.scene.every_num) / self.scene.every_den
 
-    def run(self, steps):
-        """Advance by `steps` stretches or to the end."""
+    def _sample_index(self, t):
+        """Index of the first sample at or after t [s]."""
+        i = int(float(t) * self.scene.every_den / self.scene.every_num)
+        while i > 0 and self.sample_time(i - 1) >= t:
+            i -= 1
+        while self.sample_time(i) < t:
+            i += 1
+        return i
+
+    def run(self, steps, sample_room=SAMPLES_AT_ONCE, seconds=inf):
+        """Advance until `steps` pieces of work are done, so many samples wait to be taken, so many `seconds`
+        are gone, or the run ends.
+        """
+        late = time.monotonic() + seconds
         for _ in range(steps):
-            if self.finished:
+            if self.finished or len(self.samples) >= sample_room:
                 return
             try:
-                self._stretch()
+                next(self._course)
             except (ArithmeticError, ValueError) as error:  # where C's arithmetic goes on with inf and NaN
                 raise EngineError("diverged", self.state) from error
+            if time.monotonic() > late:
+                return
+
+    def state_at(self, t):
+        """State at t [s] before the next event; t ascending from call to call."""
+        while True:
+            end, event = self.flow.advance(self.scene.t_end)
+            if event is not None or end >= t or end >= self.scene.t_end:
+                return self.flow.state_at(t)
+            state = self.flow.state_at(end)
+            if not self.kit.finite(sum(state.x) + sum(state.v) + state.w):
+                return self.flow.state_at(t)
+            self.flow.carry_on(state)
+
+    def _stretches(self):
+        """The run, stretch by stretch; a generator, which yields wherever it may be left for a while."""
+        while not self.finished:
+            yield from self._stretch()
+            self.worked_to = self.state.t
+            yield
 
     def _stretch(self):
-        """One stretch of the flow: its samples, then its event."""
+        """One stretch of the flow: its samples, section and ledger, then its event."""
         end, event = self.flow.advance(self.scene.t_end)
-        self._sample_until(end, last=end >= self.scene.t_end)
+        yield from self._sample_until(end, last=end >= self.scene.t_end)
+        if self.section:
+            yield from self.section.gather(self.state, end)
         state = self.kit.settle(self.flow.state_at(end))
         if not self.kit.finite(sum(state.x) + sum(state.v) + state.w):
             raise EngineError("diverged", self.state)
+        if self.ledger:
+            for worked_to in self.ledger.gather(self.state, state, self.maker.rows(self.status)):
+                self.worked_to = worked_to
+                yield
         if event is not None:
             self._switch(state, event)
         else:
@@ -79,15 +131,21 @@ class Driver:
             self._finish()
 
     def _sample_until(self, end, last):
-        """Samples in [now, end), or up to and including the end of the run."""
+        """Samples in [now, end), or up to and including the end of the run.
+
+        They are doubles in every number type: the last one may be the double nearest to the end.
+        """
         t = self.sample_time(self.next_sample)
-        while t < end or (last and t <= end):
+        while t < end or (last and t <= float(end)):
             self.samples.append((self.flow.state_at(t), self.status))
             self.next_sample += 1
             t = self.sample_time(self.next_sample)
+            if self.next_sample % SAMPLES_AT_ONCE == 0:
+                yield
 
     def _switch(self, state, event):
         """Take the event: new mode, record, new segment."""
+        before = self.status
         status, happened, known = self.automaton.take(state, self.status, event)
         if state.t == self.known_since:
             known = {**self.known, **known}
@@ -97,6 +155,8 @@ class Driver:
         else:
             self.crowd = 0
         self.state, self.status, self.known, self.known_since = state, status, known, state.t
+        if self.ledger:
+            self.ledger.cross(state, before, status)
         for kind, part in happened:
             self._record(kind, part)
             if kind == "violation_begin":
@@ -115,10 +175,12 @@ class Driver:
         self.finished = True
 
     def take(self):
-        """The samples and events collected since the last call."""
-        samples, events = self.samples, self.events
+        """The samples, events and section points collected since the last call."""
+        samples, events, section = self.samples, self.events, []
         self.samples, self.events = [], []
-        return samples, events
+        if self.section:
+            section, self.section.states = self.section.states, []
+        return samples, events, section
 
     def _record(self, kind, part):
         self.counts[EVENT_KINDS[kind]] += 1

@@ -14,10 +14,15 @@
 #define JET (JET_ORDER + 4)
 #define SERIES (MAX_ORDER + 2)
 #define SERIES_TERMS 26
+#define NODE_COUNT 12 /* of the quadrature */
+#define WORK_AT_ONCE 100000 /* evaluations of the motion of two bodies between two returns to Python */
 #define EPS 1.1102230246251565e-16 /* 2^-53, unit round-off */
 
 enum { GAP, PUSH, SLIDE, HOLD, CLEARANCE };                     /* kinds of event functions */
 enum { DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION };        /* kinds of terms */
+enum { SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, PATH };         /* kinds of meters, see meters.py */
+enum { IN_CONTACT = 1 };                                        /* code of a stop */
+enum { ADVANCE, SAMPLE, SECTION, ARRIVE, LEDGER, STAGES };      /* of a stretch */
 enum { ASK, CROSS, STAND };                                     /* rules for what follows an event */
 enum { START, CONTACT_BEGIN, CONTACT_END, REVERSAL, STICK_BEGIN, STICK_END, VIOLATION_BEGIN, VIOLATION_END, END, KINDS };
 enum { OK, ACCUMULATION, DIVERGED, UNDECIDED, NO_MEMORY };      /* status of a run */
@@ -96,15 +101,28 @@ typedef struct {
 } Modal;
 
 typedef struct {
+    double factor, drift;
+    int kind, entry, P, Q, source;
+} Meter;
+
+/* What the ledgers integrate in a mode, and what that reads: columns, forces, the rotor, functions of the rows. */
+typedef struct {
+    Meter *meters;
+    Event *functions;
+    int *columns, count, function_count, column_count, forces, spins, paths;
+} Meters;
+
+typedef struct {
     Coupling *couplings;
     Event *events;
     Term *terms;
     Slope *slopes;
     double *mobility, *group_mass, *drift, *constants, *slope_constants, carried;
-    int *leader, *constant_columns, *codes;
-    int coupling_count, event_count, constant_count, untied, shape;
+    int *leader, *constant_columns, *codes, *tied; /* tied: bodies under forces that are tied to another column */
+    int tied_count, coupling_count, event_count, constant_count, untied, shape;
     Coupling small;            /* the one coupling of a small scene; zero without one */
     double small_constants[2]; /* forces of slipping frictions by column */
+    Meters meters;
     Modal *modal; /* NULL where only Taylor series will do */
     void *memory;
 } Mode;
@@ -135,7 +153,7 @@ typedef struct {
     double *table, *values;
     double *load, **loaded_on; /* series of the forces, by column; NULL where there is none */
     double inverse[SERIES + 1], sine[SERIES], cosine[SERIES], w_back[SERIES], a1_back[SERIES]; /* w_back[order - n]: order n */
-    double unbalance, inertia, drag, h, turns;
+    double unbalance, inertia, drag, h, turns, longest; /* longest: piece of a step that one quadrature rule takes [s] */
     int order, rates, stride, *loaded, loaded_count;
 } Taylor;
 
@@ -153,6 +171,31 @@ typedef struct {
     Search search;
 } ClosedForm;
 
+/* A stop whose stored energy is lost where it lets go though pressed. */
+typedef struct {
+    double gap, k;
+    int stop, entry, P, Q, sense;
+} Jump;
+
+/* Values at the nodes of the quadrature. */
+typedef struct {
+    double (*v)[NODE_COUNT], (*force)[NODE_COUNT], (*function)[NODE_COUNT], w[NODE_COUNT], (*series)[SERIES];
+    int *lengths, function_room;
+} Nodes;
+
+/* Entries of the ledgers, of the stretches that are done; `open`: of the stretch in hand as far as `tau` from the anchor. */
+typedef struct {
+    double *entries, *open, tau;
+    Jump *jumps;
+    int wanted, count, jump_count;
+    Nodes nodes;
+} Ledger;
+
+/* Stroboscopic section of a scene without motor: a period is `turns` turns of a harmonic; 0 where there is none. */
+typedef struct {
+    double cycles, cycles_lo, turns, next;
+} Section;
+
 /* A run: everything between two calls. */
 typedef struct Run {
     int bodies, columns, parts, clearances, harmonic_count, key_count, mode_count, force_count, base_count;
@@ -164,12 +207,14 @@ typedef struct Run {
     const Mode *mode;
     int mode_number, event_room, *known, *behind; /* order of the zeros at the start of the segment, and behind an event, by key */
     double *masses;
-    State state, next;
+    State state, next, scratch;
     double known_since, first_violation, evaluations, steps, counts[KINDS], t0;
     Certificate certificate;
     long long next_sample;
-    int crowd, finished, status, violated_once, pending, pending_event;
-    double pending_end, *force;
+    int crowd, finished, status, violated_once, stage, pending_event; /* stage: of the stretch in hand, which may take many calls */
+    double pending_end, spent, work_at_once, *force;
+    Ledger ledger;
+    Section section;
     Taylor taylor;
     ClosedForm closed_form;
 } Run;
@@ -235,12 +280,25 @@ typedef struct {
     signed char *sample_modes; /* rows of sample_room: one per part */
     double *events;            /* rows of event_room: t, x, v of each body, phi, w, phase */
     signed char *event_codes;  /* rows of event_room: kind, part, one per part */
-    long sample_room, event_room, sample_count, event_count;
+    double *section;           /* rows of section_room, as samples; none where section_room is 0 */
+    long sample_room, event_room, section_room, sample_count, event_count, section_count;
 } Buffers;
 
+void flow_state(Run *r, double t, State *out);
+void write_state(const Run *r, double *row, long room, const State *s);
 void run_start(Run *r, int mode, Buffers *b);
-void run_advance(Run *r, Buffers *b, long steps);
+void run_advance(Run *r, Buffers *b);
 void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, const int *parts);
-int run_state_at(Run *r, double t, State *out, long steps);
+double run_worked_to(const Run *r);
+int run_state_at(Run *r, double t, State *out);
+
+/* ledger.c; gather returns 0 when the work of one call is spent before the stretch is done */
+void ledger_open(Run *r);
+int ledger_gather(Run *r);
+void ledger_cross(Run *r, const State *state, const int *before, const int *after);
+
+/* section.c; gather returns 0 when the buffer is full before the stretch is done */
+void section_start(Run *r);
+int section_gather(Run *r, Buffers *b, double end);
 
 #endif

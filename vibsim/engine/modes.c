@@ -33,7 +33,7 @@ static int room_for_flows(Run *r)
     f->loaded_on = room(columns, sizeof(double *));
     f->load = room(columns * SERIES, sizeof(double));
     r->force = room(columns, sizeof(double));
-    r->state.x = room(4 * n, sizeof(double));
+    r->state.x = room(6 * n, sizeof(double));
     c->q0 = room(coordinates * 10, sizeof(double));
     c->load_sine = room(coordinates * harmonics * 6, sizeof(double));
     c->sin0 = room(harmonics * 6, sizeof(double));
@@ -45,6 +45,8 @@ static int room_for_flows(Run *r)
     r->state.v = r->state.x + n;
     r->next.x = r->state.x + 2 * n;
     r->next.v = r->state.x + 3 * n;
+    r->scratch.x = r->state.x + 4 * n;
+    r->scratch.v = r->state.x + 5 * n;
     c->u0 = c->q0 + coordinates;
     c->load = c->u0 + coordinates;
     c->q = c->load + coordinates;
@@ -125,6 +127,7 @@ int scene_read(Run *r, Reader *in)
             r->taylor.loaded_on[i] = r->taylor.load + i * SERIES;
         }
     }
+    r->work_at_once = WORK_AT_ONCE / (1.0 + (r->bodies + r->parts + r->harmonic_count) / 8);
     r->certificate.margin = INFINITY;
     r->certificate.doubted = NAN;
     taylor_set(r);
@@ -308,7 +311,7 @@ Mode *mode_read(Run *r, Reader *in)
     m->slopes = room((size_t)slopes, sizeof(Slope));
     m->mobility = room((size_t)(3 * r->columns), sizeof(double));
     m->constants = room((size_t)(m->constant_count + slope_constants), sizeof(double));
-    m->leader = room((size_t)(r->columns + m->constant_count + r->parts), sizeof(int));
+    m->leader = room((size_t)(r->columns + m->constant_count + r->parts + r->bodies), sizeof(int));
     if (!m->couplings || !m->events || !m->terms || !m->slopes || !m->mobility || !m->constants || !m->leader) {
         in->short_of = 1;
         return m;
@@ -318,6 +321,7 @@ Mode *mode_read(Run *r, Reader *in)
     m->slope_constants = m->constants + m->constant_count;
     m->constant_columns = m->leader + r->columns;
     m->codes = m->constant_columns + m->constant_count;
+    m->tied = m->codes + r->parts;
     for (i = 0; i < r->parts; i++)
         m->codes[i] = read_index(in, -1, 2);
     for (i = 0; i < r->columns; i++) {
@@ -325,6 +329,13 @@ Mode *mode_read(Run *r, Reader *in)
         m->mobility[i] = read_double(in);
         m->group_mass[i] = read_double(in);
         m->drift[i] = read_double(in);
+    }
+    for (i = 0; i < r->taylor.loaded_count; i++) {
+        int column = r->taylor.loaded[i], c, together = 0;
+        for (c = 0; c < r->columns; c++)
+            together += m->leader[c] == m->leader[column];
+        if (together > 1)
+            m->tied[m->tied_count++] = column;
     }
     m->carried = r->has_motor ? m->group_mass[m->leader[r->motor_on]] : 0.0;
     for (i = 0; i < m->coupling_count; i++) {
@@ -400,6 +411,7 @@ void mode_free(Mode *m)
         free(m->modal->fixed);
         free(m->modal);
     }
+    meters_free(&m->meters);
     free(m->couplings);
     free(m->events);
     free(m->terms);
@@ -450,6 +462,7 @@ void run_free(Run *r)
         mode_free(r->modes[i]);
     for (i = 0; r->forces && i < r->force_count; i++)
         free(r->forces[i].terms);
+    ledger_free(&r->ledger);
     free(r->modes);
     free(r->known);
     free(r->behind);

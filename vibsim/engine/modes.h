@@ -11,4 +11,10 @@ int mode_add(Run *r, Mode *m);
 void mode_free(Mode *m);
 void run_free(Run *r);
 
+/* meters.c; 0 without memory, or where the numbers are not what they should be (look at the reader) */
+int ledger_read(Run *r, Reader *in);
+int meters_read(Run *r, Mode *m, Reader *in);
+void ledger_free(Ledger *l);
+void meters_free(Meters *m);
+
 #endif

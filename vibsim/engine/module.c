@@ -5,8 +5,6 @@
 
 #include "modes.h"
 
-enum { STEP_SLICE = 20000 };
-
 typedef struct {
     PyObject_HEAD
     Run run;
@@ -81,6 +79,53 @@ static PyObject *add_mode(RunObject *self, PyObject *args)
     return result;
 }
 
+/* Ledgers and section have to be told of before the start. */
+static PyObject *keep_ledger(RunObject *self, PyObject *args)
+{
+    Py_buffer v[2];
+    Reader in;
+    int kept = 0;
+    if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
+        return NULL;
+    if (self->started || self->run.ledger.entries)
+        PyErr_SetString(PyExc_ValueError, "too late for a ledger");
+    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = ledger_read(&self->run, &in)))
+        PyErr_SetString(PyExc_ValueError, "the packed numbers are no ledger");
+    PyBuffer_Release(&v[0]);
+    PyBuffer_Release(&v[1]);
+    if (!kept)
+        return NULL;
+    Py_RETURN_NONE;
+}
+
+static PyObject *set_meters(RunObject *self, PyObject *args)
+{
+    Py_buffer v[2];
+    Reader in;
+    int mode, kept = 0;
+    if (!PyArg_ParseTuple(args, "iy*y*", &mode, &v[0], &v[1]))
+        return NULL;
+    if (!idle(self))
+        kept = 0;
+    else if (!self->run.ledger.wanted || mode < 0 || mode >= self->run.mode_count || self->run.modes[mode]->meters.meters)
+        PyErr_SetString(PyExc_ValueError, "no mode that waits for meters");
+    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = meters_read(&self->run, self->run.modes[mode], &in)))
+        PyErr_SetString(PyExc_ValueError, "the packed numbers are no meters");
+    PyBuffer_Release(&v[0]);
+    PyBuffer_Release(&v[1]);
+    if (!kept)
+        return NULL;
+    Py_RETURN_NONE;
+}
+
+static PyObject *keep_section(RunObject *self, PyObject *args)
+{
+    Section *s = &self->run.section;
+    if (!PyArg_ParseTuple(args, "ddd", &s->cycles, &s->cycles_lo, &s->turns))
+        return NULL;
+    Py_RETURN_NONE;
+}
+
 static PyObject *set_rule(RunObject *self, PyObject *args)
 {
     Run *r = &self->run;
@@ -125,11 +170,14 @@ static int buffers_of(const Run *r, Py_buffer *views, Buffers *b)
     b->sample_modes = views[1].buf;
     b->events = views[2].buf;
     b->event_codes = views[3].buf;
+    b->section = views[4].buf;
     b->sample_room = (long)(views[0].len / (state * row));
     b->event_room = (long)(views[2].len / ((state + 1) * row));
+    b->section_room = (long)(views[4].len / (state * row));
     if (b->sample_room < 1 || b->event_room < 8 + r->parts || views[0].len != b->sample_room * state * row ||
         views[2].len != b->event_room * (state + 1) * row || views[1].len != (Py_ssize_t)b->sample_room * r->parts ||
-        views[3].len != (Py_ssize_t)b->event_room * (2 + r->parts)) {
+        views[3].len != (Py_ssize_t)b->event_room * (2 + r->parts) || views[4].len != b->section_room * state * row ||
+        b->section_room == 1) {
         PyErr_SetString(PyExc_ValueError, "buffers do not fit together");
         return -1;
     }
@@ -197,11 +245,11 @@ static int read_known(const Run *r, const Py_buffer *view, int *known)
 static PyObject *start(RunObject *self, PyObject *args)
 {
     Run *r = &self->run;
-    Py_buffer v[6];
+    Py_buffer v[7];
     Buffers b;
     int mode, k;
     PyObject *result = NULL;
-    if (!PyArg_ParseTuple(args, "iy*y*w*w*w*w*", &mode, &v[0], &v[1], &v[2], &v[3], &v[4], &v[5]))
+    if (!PyArg_ParseTuple(args, "iy*y*w*w*w*w*w*", &mode, &v[0], &v[1], &v[2], &v[3], &v[4], &v[5], &v[6]))
         return NULL;
     if (!idle(self) || self->started || mode < 0 || mode >= r->mode_count) {
         if (!PyErr_Occurred())
@@ -211,9 +259,9 @@ static PyObject *start(RunObject *self, PyObject *args)
             r->known[k] = r->known[k] < 0 ? 0 : r->known[k];
         self->started = 1;
         run_start(r, mode, &b);
-        result = Py_BuildValue("ll", b.sample_count, b.event_count);
+        result = Py_BuildValue("lll", b.sample_count, b.event_count, b.section_count);
     }
-    release(v, 6);
+    release(v, 7);
     return result;
 }
 
@@ -227,20 +275,20 @@ static int ready(RunObject *self)
 static PyObject *advance(RunObject *self, PyObject *args)
 {
     Run *r = &self->run;
-    Py_buffer v[4];
+    Py_buffer v[5];
     Buffers b;
     PyObject *result = NULL;
-    if (!PyArg_ParseTuple(args, "w*w*w*w*", &v[0], &v[1], &v[2], &v[3]))
+    if (!PyArg_ParseTuple(args, "w*w*w*w*w*", &v[0], &v[1], &v[2], &v[3], &v[4]))
         return NULL;
     if (ready(self) && buffers_of(r, v, &b) == 0) {
         self->busy = 1;
         Py_BEGIN_ALLOW_THREADS
-        run_advance(r, &b, STEP_SLICE);
+        run_advance(r, &b);
         Py_END_ALLOW_THREADS
         self->busy = 0;
-        result = Py_BuildValue("llii", b.sample_count, b.event_count, r->finished, r->status);
+        result = Py_BuildValue("lllii", b.sample_count, b.event_count, b.section_count, r->finished, r->status);
     }
-    release(v, 4);
+    release(v, 5);
     return result;
 }
 
@@ -255,11 +303,11 @@ static PyObject *pending(RunObject *self, PyObject *none)
 static PyObject *take(RunObject *self, PyObject *args)
 {
     Run *r = &self->run;
-    Py_buffer v[8];
+    Py_buffer v[9];
     Buffers b;
     int mode;
     PyObject *result = NULL;
-    if (!PyArg_ParseTuple(args, "iy*y*y*y*w*w*w*w*", &mode, &v[0], &v[1], &v[2], &v[3], &v[4], &v[5], &v[6], &v[7]))
+    if (!PyArg_ParseTuple(args, "iy*y*y*y*w*w*w*w*w*", &mode, &v[0], &v[1], &v[2], &v[3], &v[4], &v[5], &v[6], &v[7], &v[8]))
         return NULL;
     if (ready(self) && r->status == UNDECIDED && mode >= 0 && mode < r->mode_count && v[2].len == v[3].len &&
         read_state(r, &v[0], &r->next) == 0 && read_known(r, &v[1], r->behind) == 0 && buffers_of(r, v + 4, &b) == 0) {
@@ -269,12 +317,12 @@ static PyObject *take(RunObject *self, PyObject *args)
         if (fits) {
             r->status = OK;
             run_take(r, &b, mode, count, v[2].buf, v[3].buf);
-            result = Py_BuildValue("llii", b.sample_count, b.event_count, r->finished, r->status);
+            result = Py_BuildValue("lllii", b.sample_count, b.event_count, b.section_count, r->finished, r->status);
         }
     }
     if (!result && !PyErr_Occurred())
         PyErr_SetString(PyExc_ValueError, "not what can follow the pending event");
-    release(v, 8);
+    release(v, 9);
     return result;
 }
 
@@ -302,25 +350,31 @@ static PyObject *state_at(RunObject *self, PyObject *args)
         return NULL;
     self->busy = 1;
     Py_BEGIN_ALLOW_THREADS
-    done = run_state_at(r, t, &r->next, STEP_SLICE);
+    done = run_state_at(r, t, &r->scratch);
     Py_END_ALLOW_THREADS
     self->busy = 0;
     if (!done)
         Py_RETURN_NONE;
-    return state_tuple(r, &r->next);
+    return state_tuple(r, &r->scratch);
 }
 
 static PyObject *tally(RunObject *self, PyObject *none)
 {
     const Run *r = &self->run;
-    PyObject *counts;
+    PyObject *counts, *entries;
     int i;
     (void)none;
     if (!ready(self) || (counts = PyTuple_New(KINDS)) == NULL)
         return NULL;
+    if ((entries = PyTuple_New(r->ledger.count)) == NULL) {
+        Py_DECREF(counts);
+        return NULL;
+    }
+    for (i = 0; i < r->ledger.count; i++)
+        PyTuple_SET_ITEM(entries, i, PyFloat_FromDouble(r->ledger.entries[i]));
     for (i = 0; i < KINDS; i++)
         PyTuple_SET_ITEM(counts, i, PyLong_FromDouble(r->counts[i]));
-    return Py_BuildValue("{sNsNsdsds(dddd)sisdsi}", "state", state_tuple(r, &r->state), "counts", counts, "steps", r->steps,
+    return Py_BuildValue("{sNsNsNsdsdsds(dddd)sisdsi}", "state", state_tuple(r, &r->state), "counts", counts, "entries", entries, "worked_to", run_worked_to(r), "steps", r->steps,
                          "evaluations", r->evaluations, "certificate", r->certificate.uncertified, r->certificate.first_doubt,
                          r->certificate.margin, r->certificate.margin_time, "violated_once", r->violated_once,
                          "first_violation", r->first_violation, "mode", r->mode_number);
@@ -328,16 +382,20 @@ static PyObject *tally(RunObject *self, PyObject *none)
 
 static PyMethodDef methods[] = {
     {"add_mode", (PyCFunction)add_mode, METH_VARARGS, "add_mode(ints, doubles) -> its number"},
+    {"keep_ledger", (PyCFunction)keep_ledger, METH_VARARGS, "keep_ledger(ints, doubles): before the start"},
+    {"set_meters", (PyCFunction)set_meters, METH_VARARGS, "set_meters(mode, ints, doubles): what the ledger integrates there"},
+    {"keep_section", (PyCFunction)keep_section, METH_VARARGS,
+     "keep_section(cycles, cycles_lo, turns): the period; before the start"},
     {"set_rule", (PyCFunction)set_rule, METH_VARARGS,
      "set_rule(mode, event, (rule, target, other, hold, kind, part, key, order)): what follows the event"},
     {"start", (PyCFunction)start, METH_VARARGS,
-     "start(mode, state, known, samples, sample_modes, events, event_codes) -> (samples, events)"},
+     "start(mode, state, known, samples, sample_modes, events, event_codes, section) -> (samples, events, section)"},
     {"advance", (PyCFunction)advance, METH_VARARGS,
-     "advance(samples, sample_modes, events, event_codes) -> (samples, events, finished, status)\n\n"
+     "advance(samples, sample_modes, events, event_codes, section) -> (samples, events, finished, status)\n\n"
      "Compute on until a buffer is full, a slice of work is done, Python has to decide or the run ends."},
     {"pending", (PyCFunction)pending, METH_NOARGS, "pending() -> (mode, event, state) that Python has to decide"},
     {"take", (PyCFunction)take, METH_VARARGS,
-     "take(mode, state, known, kinds, parts, samples, sample_modes, events, event_codes) -> as advance\n\n"
+     "take(mode, state, known, kinds, parts, samples, sample_modes, events, event_codes, section) -> as advance\n\n"
      "Go on behind the pending event; known: order by key, -1 where nothing is said."},
     {"doubt", (PyCFunction)doubt_here, METH_VARARGS, "doubt(t): count what happened at t as not proved"},
     {"state_at", (PyCFunction)state_at, METH_VARARGS,

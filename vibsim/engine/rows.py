@@ -83,6 +83,7 @@ class ModeRows:
     cuts: list[Cut] = field(default_factory=list)
     drift: list[Any] = field(default_factory=list)  # velocity of a column against its leader [m/s]
     modal: Any = None  # closed form of the mode, where there is one
+    tied: list[int] = field(default_factory=list)  # bodies that are tied to another column
     number: int = 0
     next: dict = field(default_factory=dict)
 
@@ -111,25 +112,27 @@ class RowMaker:
             self.made[status] = made
         return self.made[status]
 
-    def _stuck(self, status):
+    def stuck(self, status):
+        """The frictions that stick: (index, columns of P and Q)."""
         return [
             (i, *self.ends(f)) for i, f in enumerate(self.scene.frictions) if status.frictions[i] == STICK
         ]
 
     def ties(self, status):
         """Leading column of each column, and its velocity against that one [m/s]."""
-        stuck = self._stuck(status)
+        stuck = self.stuck(status)
         groups = Groups(self.n, stuck)
         return groups.leader, self._drifts(groups, stuck)
 
     def _make(self, status):
-        scene, stuck = self.scene, self._stuck(status)
+        scene, stuck = self.scene, self.stuck(status)
         groups = Groups(self.n, stuck)
         mass, mobility = self._masses(groups)
         rows = ModeRows(
             status, groups, groups.leader, mass, mobility, self._couplings(status), self._constants(status)
         )
         rows.drift = self._drifts(groups, stuck)
+        rows.tied = [c for c in range(self.n) if len(groups.members[groups.leader[c]]) > 1]
         for i, stop in enumerate(scene.stops):
             rows.events += self._stop_events(i, stop, status.stops[i])
         self._friction_events(rows, stuck)
@@ -232,7 +235,7 @@ class RowMaker:
         for leader, members in rows.groups.members.items():
             ties = [tie for tie in stuck if rows.leader[tie[1]] == leader]
             if ties:
-                for cut in cuts(members, ties, limits, self._reference(leader, members)):
+                for cut in cuts(members, ties, limits, self.reference(leader, members)):
                     first = min(i for i, _ in cut.ties)
                     held.setdefault(first, []).append(cut)
         for i, friction in enumerate(scene.frictions):
@@ -242,7 +245,7 @@ class RowMaker:
                 rows.cuts.append(cut)
                 rows.events += self._hold_events(rows, len(rows.cuts) - 1, cut)
 
-    def _reference(self, leader, members):
+    def reference(self, leader, members):
         """The column of a group that cuts leave on the other side: ground, base, else the motor's body."""
         if leader < self.n and self.scene.motor is not None and self.scene.motor.on in members:
             return self.scene.motor.on
@@ -287,13 +290,7 @@ class RowMaker:
         """above - T and below + T of the force T = m a - F that the ties of a cut must pass to its
         columns.
         """
-        terms, constants = self._force_on(rows, cut.columns)
-        leader = rows.leader[cut.columns[0]]
-        if leader != self.n:
-            m: Any = None
-            for c in cut.columns:
-                m = self.scene.bodies[c].m if m is None else m + self.scene.bodies[c].m
-            terms += (Term(ACCELERATION, -m, leader),)
+        terms, constants = self._unbalanced(rows, cut.columns)
         # slipping forwards (the columns of the cut overtake) comes first: there T = -below
         events = []
         for direction, limit in ((1, cut.below), (-1, cut.above)):
@@ -304,6 +301,27 @@ class RowMaker:
             key = (HOLD, cut.columns, direction)
             events.append(Event(HOLD, number, direction, key, turned, constant, abs(constant)))
         return events
+
+    def _unbalanced(self, rows, columns):
+        """Terms and constants of F - m a, what the force from outside on a part of a group is too much for
+        its motion.
+        """
+        terms, constants = self._force_on(rows, columns)
+        leader = rows.leader[columns[0]]
+        if leader != self.n:
+            m: Any = None
+            for c in columns:
+                m = self.scene.bodies[c].m if m is None else m + self.scene.bodies[c].m
+            terms += (Term(ACCELERATION, -m, leader),)
+        return terms, constants
+
+    def tie_force(self, rows, columns):
+        """Terms and constant of the force m a - F that ties must pass to a part of a group."""
+        terms, constants = self._unbalanced(rows, columns)
+        constant = self.zero
+        for value in constants:
+            constant = constant - value
+        return tuple(Term(t.kind, -t.coefficient, t.P, t.Q) for t in terms), constant
 
     def _clearance_event(self, i, clearance, state):
         P, Q = self.ends(clearance)

@@ -14,6 +14,9 @@ void taylor_set(Run *r)
     f->rates = r->bodies + 1 + r->rest_columns;
     f->stride = 2 * f->rates;
     f->unbalance = r->has_motor ? r->m3 * r->e : 0.0;
+    f->longest = INFINITY;
+    for (n = 0; n < r->harmonic_count; n++)
+        f->longest = 3 / r->harmonics[n].omega < f->longest ? 3 / r->harmonics[n].omega : f->longest;
     f->inverse[0] = 0.0;
     for (n = 1; n <= f->order + 2; n++)
         f->inverse[n] = 1 / (double)n;
@@ -24,12 +27,13 @@ void taylor_set(Run *r)
 }
 
 /* Binary exponent of the summed rates of one order: of the bodies, and of the base where it moves. */
-static int size_of_rates(const Run *r, int n)
+static int size_of_rates(const Run *r, int n, int none)
 {
     const Taylor *f = &r->taylor;
     const double *row = f->table + n * f->stride + f->rates;
     double total = fabs(row[0]);
     int c;
+    (void)none;
     for (c = 1; c < r->bodies; c++)
         total = total + fabs(row[c]);
     if (r->base_count > 0)
@@ -37,18 +41,31 @@ static int size_of_rates(const Run *r, int n)
     return binary_exponent(total);
 }
 
-static int size_of_speed(const Run *r, int n)
+static int size_of_speed(const Run *r, int n, int none)
 {
+    (void)none;
     return binary_exponent(fabs(r->taylor.w_back[r->taylor.order - n]));
 }
 
-INLINE double longest_step(const Run *r, int (*size)(const Run *, int), double longest)
+static int size_of_sine(const Run *r, int n, int none)
 {
-    int order = r->taylor.order, leading[LEADING], last, m;
+    (void)none;
+    return binary_exponent(fabs(r->taylor.sine[n]));
+}
+
+static int size_of_load(const Run *r, int n, int c)
+{
+    return binary_exponent(fabs(r->taylor.loaded_on[c][n]));
+}
+
+/* Step that the terms of order `highest` and below allow, of the series number c that `size` tells of. */
+INLINE double longest_step(const Run *r, int (*size)(const Run *, int, int), int c, int highest, double longest)
+{
+    int leading[LEADING], last, m;
     for (m = 0; m < LEADING; m++)
-        leading[m] = size(r, m);
-    for (last = order - 1; last <= order; last++) {
-        int following = size(r, last);
+        leading[m] = size(r, m, c);
+    for (last = highest - 1; last <= highest; last++) {
+        int following = size(r, last, c);
         if (following > -2000) {
             double best = (r->tolerance_exponent + (leading[0] - following)) / last;
             for (m = 1; m < LEADING; m++) {
@@ -63,9 +80,15 @@ INLINE double longest_step(const Run *r, int (*size)(const Run *, int), double l
 
 static double step_length(const Run *r)
 {
-    double longest = longest_step(r, size_of_rates, 1000.0);
-    if (r->has_motor)
-        longest = longest_step(r, size_of_speed, longest);
+    double longest = longest_step(r, size_of_rates, 0, r->taylor.order, 1000.0);
+    int i;
+    if (r->has_motor) {
+        longest = longest_step(r, size_of_speed, 0, r->taylor.order, longest);
+        if (r->mode->carried == 0)
+            longest = longest_step(r, size_of_sine, 0, r->taylor.order, longest);
+    }
+    for (i = 0; i < r->mode->tied_count; i++)
+        longest = longest_step(r, size_of_load, r->mode->tied[i], r->taylor.order - 1, longest);
     return longest < 1000.0 ? power_of_two(longest) : INFINITY;
 }
 

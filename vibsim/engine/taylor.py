@@ -35,6 +35,9 @@ class Taylor:
         self.search = PolynomialSearch(kit)
         self.search.certificate = certificate
         self.evaluations = self.steps = 0
+        rates = [term.omega for force in scene.forces for term in force.terms if term.amplitude != 0]
+        rates += [term.omega for term in scene.base if term.amplitude != 0]
+        self.longest = min((3 / rate for rate in rates), default=inf)
 
     certificate = property(lambda self: self.search.certificate)
 
@@ -200,17 +203,20 @@ class Taylor:
 
     def _step_length(self):
         """Longest step whose last two terms stay below tol times the largest leading one (after Jorba &
-        Zou 2005).
+        Zou 2005), of velocities, rotor and the loads that ties must carry, which move nothing.
         """
-        blocks = [self.v[: self.n]]
+        blocks = [(self.v[: self.n], self.order)]
         if self.scene.base:
-            blocks[0] = blocks[0] + [self.v[self.n + 1]]
+            blocks[0][0].append(self.v[self.n + 1])
         if self.motor:
-            blocks.append([self.w])
+            blocks.append(([self.w], self.order))
+            if self.carried is None:
+                blocks.append(([self.s], self.order))
+        blocks += [([self.load[c]], self.order - 1) for c in self.rows.tied if self.load[c] is not None]
         longest = 1000.0
-        for block in blocks:
-            sizes = {n: self._size(block, n) for n in (*range(LEADING), self.order - 1, self.order)}
-            for last in (self.order - 1, self.order):
+        for block, highest in blocks:
+            sizes = {n: self._size(block, n) for n in (*range(LEADING), highest - 1, highest)}
+            for last in (highest - 1, highest):
                 if sizes[last] > self.kit.no_exponent:
                     candidates = [
                         (self.tolerance_exponent + (sizes[m] - sizes[last])) / (last - m)
@@ -292,8 +298,33 @@ class Taylor:
         return end, first
 
     def longest_piece(self, _tau):
-        """Longest stretch [s] that one quadrature rule integrates to round-off: a whole step."""
-        return inf
+        """Longest stretch [s] that one quadrature rule integrates to round-off: a whole step, or 3 rad of the
+        fastest force.
+        """
+        return self.longest
+
+    def open_nodes(self, meters):
+        """Prepare the nodes of the step: the functions that the meters read, as polynomials."""
+        self.series = [self.polynomial(function) for function in meters.functions]
+
+    def node(self, tau, meters):
+        """What the meters read a time tau after the expansion point: velocities by column, speed of the
+        rotor, forces and functions.
+        """
+        v = [self.kit.number(0)] * (self.n + 2)
+        for c in meters.columns:
+            v[c] = horner(self.v[c], tau)
+        forces = [self._force_at(force, tau) for force in self.scene.forces] if meters.forces else ()
+        w = horner(self.w, tau) if meters.spins else None
+        return v, w, forces, [horner(series, tau) for series in self.series]
+
+    def _force_at(self, force, tau):
+        kit, total = self.kit, force.constant
+        for term in force.terms:
+            anchor = kit.turn_angle(term.cycles, term.cycles_lo, self.t0) + term.phase
+            sine = kit.sin(anchor + kit.turn_angle(term.cycles, term.cycles_lo, tau))
+            total = total + term.amplitude * sine
+        return total
 
     def state_at(self, t):
         """State at time t within the step."""

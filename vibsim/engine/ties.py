@@ -86,7 +86,7 @@ def cuts(members, ties, limits, reference):
         raise ValueError(f"more than {LARGEST} bodies tied to each other in loops")
     edges = [(P, Q) for _, P, Q in ties]
     if len(ties) == len(others):
-        sides = [_beyond(edges, k, reference) for k in range(len(edges))]
+        sides = [beyond(edges, k, reference) for k in range(len(edges))]
     else:
         sides = [
             side
@@ -97,7 +97,7 @@ def cuts(members, ties, limits, reference):
     return [_cut(side, ties, limits) for side in sides]
 
 
-def _beyond(edges, k, reference):
+def beyond(edges, k, reference):
     """Columns that edge k of a tree of ties parts from the reference."""
     reached, ahead = set(), [reference]
     while ahead:

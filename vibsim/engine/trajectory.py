@@ -7,16 +7,26 @@ trajectory.totals
 
 from dataclasses import dataclass
 from importlib.util import find_spec
-from math import inf, nan
+from math import nan
 
 import numpy as np
 
-from vibsim.engine.columns import event_columns, part_columns, sample_columns, state_columns
+from vibsim.engine.columns import (
+    event_columns,
+    part_columns,
+    sample_columns,
+    section_columns,
+    state_columns,
+)
 from vibsim.engine.driver import Driver
+from vibsim.engine.resume import resume_point
+from vibsim.engine.state import State
+from vibsim.engine.totals import ledger_totals, totals_of
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.numbers import Doubles
 
-STRETCHES = 512  # of the Python engine between two blocks
+SAMPLES, PIECES = 2048, 4096  # of the Python engine between two blocks
+SECONDS = 0.1  # the same: Ctrl-C is heard there
 ENGINES = ("auto", "c", "python")
 OFFSETS = {
     "contact_begin": "stops",
@@ -28,11 +38,18 @@ OFFSETS = {
 
 @dataclass(frozen=True)
 class Block:
-    """Samples and events by column name, 1-D arrays; `t_reached` [s]."""
+    """Samples, events and section by column name, 1-D arrays.
+
+    section: time [s] and states at the ends of the periods, empty unless asked for. t_reached: time up to
+    which the motion is known [s]; worked_to: time up to which all that goes with it is worked out, the
+    ledger say [s]; within a long stretch without events that is further.
+    """
 
     samples: dict[str, np.ndarray]
     events: dict[str, np.ndarray]
+    section: dict[str, np.ndarray]
     t_reached: float
+    worked_to: float
 
 
 def compiled():
@@ -40,21 +57,40 @@ def compiled():
     return find_spec("vibsim.engine._engine") is not None
 
 
-def open_trajectory(scene, engine="auto"):
+def open_trajectory(scene, engine="auto", resume=None, section=False, ledger=False, momentum=False):
     """A run of `scene` (a `vibsim.physics.parts.Scene`) from its start, not yet computed.
 
+    Parameters
+    ----------
+    scene : Scene
     engine : "auto" (C where it was built, else Python), "c" or "python"
+    resume : one stored event row (t, kind, part, states, phase, part states by name) to go on from, all rows
+        of one instant in their order, or None
+    section : whether the blocks carry the stroboscopic section, the state at the end of every period of what
+        drives the scene
+    ledger : whether the totals carry the energy ledger
+    momentum : whether they carry the momentum ledger, and with it that of energy
 
     Returns an object with `engine`, `blocks()` (an iterator of `Block`s; raises EngineError when the run
-    fails) and `totals`. Raises ValueError for another engine, RuntimeError for "c" where it was not built.
+    fails) and `totals`. Raises ValueError for another engine or a row that no run has, RuntimeError for "c"
+    where it was not built.
     """
     if engine not in ENGINES:
         raise ValueError(f"engine must be one of {', '.join(ENGINES)}, got {engine!r}")
     if engine == "c" and not compiled():
         raise RuntimeError("the C engine was not built; install with a C compiler, or use engine python")
     if engine == "python" or not compiled():
-        return PythonTrajectory(scene)
-    return CTrajectory(scene)
+        return PythonTrajectory(scene, resume, section, ledger, momentum)
+    return CTrajectory(scene, resume, section, ledger, momentum)
+
+
+def state_at(scene, row, times, engine="auto"):
+    """States at `times` [s], restarted from the stored event `row`.
+
+    row: as `resume` of `open_trajectory`; times: ascending, from row["t"] to before the next event. Returns
+    arrays by column name.
+    """
+    return open_trajectory(scene, engine, resume=row).state_at(times)
 
 
 class Trajectory:
@@ -67,44 +103,33 @@ class Trajectory:
         self.names = sample_columns(scene)
         self.first_part = part_offsets(scene)
 
-    def block(self, samples, sample_codes, events, event_codes):
-        """A block from rows: (time, states), part states; (t, states, phase), (kind, part, part states)."""
+    def block(self, samples, sample_codes, events, event_codes, section, reached):
+        """A block from rows: (time, states), part states; (t, states, phase), (kind, part, part states);
+        (time, states); (time reached, time worked out to).
+        """
         states, parts = state_columns(self.scene), part_columns(self.scene)
         table = dict(zip(("time", *states), samples, strict=False))
         table |= dict(zip(parts, sample_codes, strict=True))
         happened = dict(zip(("t", *states), events, strict=False)) | {"phase": events[-1]}
         happened |= {"kind": event_codes[0], "part": self._parts(event_codes[0], event_codes[1])}
         happened |= dict(zip(parts, event_codes[2:], strict=True))
-        times = [float(column[-1]) for column in (table["time"], happened["t"]) if len(column)]
         return Block(
             {name: table[name] for name in self.names},
             {name: happened[name] for name in event_columns(self.scene)},
-            max(times, default=0.0),
+            dict(zip(section_columns(self.scene), section, strict=False)),
+            *reached,
         )
+
+    def columns_of(self, states, codes):
+        """Columns by name of rows (time, states) that share the part states `codes`."""
+        table = dict(zip(("time", *state_columns(self.scene)), states, strict=False))
+        for name, code in zip(part_columns(self.scene), codes, strict=True):
+            table[name] = np.full(states.shape[1], code, dtype="i1")
+        return {name: table[name] for name in self.names}
 
     def _parts(self, kinds, parts):
         """Index among `part_columns`, from the index among parts of its sort; -1 for none."""
         return np.where(parts < 0, -1, parts + self.first_part[kinds]).astype("i1")
-
-    @staticmethod
-    def totals_of(counts, certificate, work, first_violation):
-        """Counts and margins by name; certificate: (doubts, time of the first, grazing margin, its time)."""
-        by_kind = dict(zip(EVENT_KINDS, counts, strict=True))
-        uncertified, first_doubt, margin, margin_time = certificate
-        return {
-            "impacts": by_kind["contact_begin"],
-            "sticks": by_kind["stick_begin"],
-            "reversals": by_kind["reversal"],
-            "events": sum(counts) - by_kind["start"] - by_kind["end"],
-            "steps": int(work[0]),
-            "evaluations": int(work[1]),
-            "uncertified": int(uncertified),
-            "first_uncertified_time": first_doubt if uncertified else nan,
-            "grazing_margin": margin if margin != inf else nan,
-            "grazing_time": margin_time if margin != inf else nan,
-            "violations": by_kind["violation_begin"],
-            "first_violation_time": first_violation,
-        }
 
 
 def part_offsets(scene):
@@ -119,30 +144,31 @@ class PythonTrajectory(Trajectory):
 
     engine = "python"
 
-    def __init__(self, scene):
+    def __init__(self, scene, resume=None, section=False, ledger=False, momentum=False):
         super().__init__(scene)
-        self.driver = Driver(scene, Doubles)
+        point = resume_point(scene, resume) if resume is not None else None
+        self.driver = Driver(scene, Doubles, point, section, ledger, momentum)
 
     def blocks(self):
         """Yield `Block`s until the run ends."""
         while True:
-            self.driver.run(STRETCHES)
-            samples, events = self.driver.take()
-            yield self.block(
-                self._states([state for state, _ in samples], phase=False),
-                self._codes([status for _, status in samples]),
-                self._states([state for _, _, state, _ in events], phase=True),
-                np.vstack(
-                    [
-                        np.array([[kind, part] for kind, part, _, _ in events], dtype="i1").reshape(-1, 2).T,
-                        self._codes([status for *_, status in events]),
-                    ]
-                ),
-            )
+            self.driver.run(PIECES, SAMPLES, SECONDS)
+            yield self._block(*self.driver.take())
             if self.driver.finished:
                 return
 
-    def _states(self, states, phase):
+    def _block(self, samples, events, section):
+        kinds = np.array([[kind, part] for kind, part, _, _ in events], dtype="i1").reshape(-1, 2).T
+        return self.block(
+            self._states([state for state, _ in samples]),
+            self._codes([status for _, status in samples]),
+            self._states([state for _, _, state, _ in events], phase=True),
+            np.vstack([kinds, self._codes([status for *_, status in events])]),
+            self._states(section),
+            (self.driver.state.t, self.driver.worked_to),
+        )
+
+    def _states(self, states, phase=False):
         rows = []
         for s in states:
             moving = [value for pair in zip(s.x, s.v, strict=True) for value in pair]
@@ -156,15 +182,24 @@ class PythonTrajectory(Trajectory):
 
     @property
     def totals(self):
-        """Counts and margins so far."""
+        """Counts and margins so far, and the ledgers where they are kept."""
         driver, kept = self.driver, self.driver.flow.certificate
         violated = driver.first_violation
-        return self.totals_of(
+        totals = totals_of(
             driver.counts,
             (kept.uncertified, kept.first_doubt, kept.margin, kept.margin_time),
             (driver.flow.taylor.steps + driver.flow.closed.steps, driver.flow.closed.evaluations),
             nan if violated is None else violated,
         )
+        if driver.ledger:
+            where = driver.start, (driver.state, driver.status)
+            totals |= ledger_totals(self.scene, Doubles, driver.ledger.names, driver.ledger.entries, *where)
+        return totals
+
+    def state_at(self, times):
+        """States at ascending times before the next event, as columns."""
+        states = [self.driver.state_at(t) for t in times]
+        return self.columns_of(self._states(states), self.driver.status.codes)
 
 
 class CTrajectory(Trajectory):
@@ -172,11 +207,12 @@ class CTrajectory(Trajectory):
 
     engine = "c"
 
-    def __init__(self, scene):
+    def __init__(self, scene, resume=None, section=False, ledger=False, momentum=False):
         super().__init__(scene)
         from vibsim.engine.c_engine import CRun
 
-        self.run = CRun(scene)
+        point = resume_point(scene, resume) if resume is not None else None
+        self.run = CRun(scene, point, section, ledger, momentum)
 
     def blocks(self):
         """Yield `Block`s until the run ends; raises EngineError when it fails."""
@@ -185,11 +221,23 @@ class CTrajectory(Trajectory):
 
     @property
     def totals(self):
-        """Counts and margins so far."""
+        """Counts and margins so far, and the ledgers where they are kept."""
         tally = self.run.tally
-        return self.totals_of(
+        totals = totals_of(
             tally["counts"],
             tally["certificate"],
             (tally["steps"], tally["evaluations"]),
             tally["first_violation"] if tally["violated_once"] else nan,
         )
+        if self.run.meters:
+            now = State(*tally["state"]), self.run.rows[tally["mode"]].status
+            where = self.run.first, now
+            totals |= ledger_totals(self.scene, Doubles, self.run.meters.names, tally["entries"], *where)
+        return totals
+
+    def state_at(self, times):
+        """States at ascending times before the next event, as columns."""
+        rows = [self.run.state_at(t) for t in times]
+        width = 3 + 2 * len(self.scene.bodies)
+        table = np.array(rows, dtype="f8").reshape(-1, width).T
+        return self.columns_of(table, self.run.rows[self.run.tally["mode"]].status.codes)

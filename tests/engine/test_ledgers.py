@@ -1,0 +1,199 @@
+"""Energy and momentum are neither made nor lost: the ledgers close to round-off, and every entry is the work
+or the loss that mechanics says it is.
+"""
+
+from dataclasses import replace
+from math import exp, pi
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+
+from tests.engine.random_parts import part_scenes
+from tests.engine.runs import Run, outcome, run
+from tests.engine.two_blocks import parts_of
+from tests.scenes import CASE_NAMES, MOTORS, paper
+from vibsim.kernel import open_trajectory as open_two_blocks
+from vibsim.physics.numbers import Doubles
+from vibsim.physics.parts import (
+    AT_FORCE,
+    BASE,
+    COMPRESSION,
+    GROUND,
+    Body,
+    Force,
+    Friction,
+    Harmonic,
+    Link,
+    Scene,
+    Stop,
+)
+
+METHODS = ("auto", "taylor")
+# rounding of some hundred stretches of 12 nodes each, of energies that go in and out many times
+CLOSED = 1e-12
+
+
+def scene(bodies, method="auto", **parts):
+    return Scene(tuple(bodies), method=method, **{"t_end": 10.0, "every_den": 20, **parts})
+
+
+def harmonic(amplitude, frequency, phase=0.0):
+    return Harmonic(amplitude, 2 * pi * frequency, frequency, 0.0, phase)
+
+
+def assert_closed(scene):
+    result = outcome(scene, "auto", momentum=True)
+    if isinstance(result, Run):
+        assert result.totals["energy_residual_relative"] < CLOSED
+        assert result.totals["momentum_residual_relative"] < CLOSED
+
+
+@settings(max_examples=150)
+@given(part_scenes())
+def test_random_scenes_close(scene):
+    assert_closed(scene)
+
+
+@settings(max_examples=100)
+@given(part_scenes())
+def test_random_scenes_close_by_taylor(scene):
+    assert_closed(replace(scene, method="taylor"))
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+@settings(max_examples=5000)
+@given(part_scenes())
+def test_many_random_scenes_close(scene):
+    assert_closed(scene)
+    assert_closed(replace(scene, method="taylor"))
+
+
+@pytest.mark.parametrize("name", CASE_NAMES)
+def test_papers_cases_have_the_ledger_of_two_blocks(name):
+    method = "taylor" if name in MOTORS else "closed_form"
+    two_blocks = paper(name, method=method, t_end=20.0)
+    old = open_two_blocks(two_blocks, ledger=True)
+    for _ in old.blocks():
+        pass
+    new = run(parts_of(two_blocks, Doubles), ledger=True).totals
+    size = abs(old.totals["work_source"])
+    names = ["energy_start", "energy_end", "work_source", "loss_viscous", "loss_friction"]
+    for entry in names:
+        assert new[entry] == pytest.approx(old.totals[entry], rel=1e-13, abs=1e-14 * size)
+    assert new["loss.friction.friction"] == new["loss_friction"] > 0
+    assert new["loss.links.coupling"] == new["loss_viscous"] > 0
+    assert new["work_base"] == new["work_belt"] == new["loss_stops"] == 0
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_block_carried_by_a_belt(method):
+    """It sticks until the spring pulls as hard as friction, x = N / k: so far the belt has done N^2 / 2k, all
+    of it stored; the belt's impulse is N^2 / (2 k belt), and all of it goes to the ground through the spring.
+    """
+    k, N, belt = 4.0, 1.0, 0.3
+    parts = {
+        "links": (Link("l", 0, GROUND, k, 0.0),),
+        "frictions": (Friction("f", 0, GROUND, N, N, belt),),
+        "t_end": N / k / belt,
+    }
+    totals = run(scene([Body("m", 1.0, 0.0, belt)], method, **parts), momentum=True).totals
+    assert totals["work.friction.f"] == totals["work_belt"] == pytest.approx(N * N / (2 * k), rel=1e-14)
+    assert totals["energy_end"] - totals["energy_start"] == pytest.approx(N * N / (2 * k), rel=1e-14)
+    assert totals["loss_friction"] == pytest.approx(0, abs=1e-15)
+    assert totals["impulse_belt"] == pytest.approx(N * N / (2 * k * belt), rel=1e-14)
+    assert totals["impulse_ground"] == pytest.approx(-N * N / (2 * k * belt), rel=1e-14)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_block_slipping_on_a_belt(method):
+    """A free block on a belt: the belt pulls with N, does N belt t, and half of that heats."""
+    m, N, belt = 2.0, 3.0, 0.5
+    until = m * belt / N  # it has the speed of the belt
+    parts = {"frictions": (Friction("f", 0, GROUND, N, N, belt),), "t_end": 2 * until}
+    totals = run(scene([Body("m", m, 0.0, 0.0)], method, **parts)).totals
+    result = run(scene([Body("m", m, 0.0, 0.0)], method, **parts), momentum=True).totals
+    assert "work_belt" not in totals
+    assert result["work_belt"] == pytest.approx(N * belt * until, rel=1e-14)
+    assert result["loss_friction"] == pytest.approx(m * belt**2 / 2, rel=1e-14)
+    assert result["energy_end"] == pytest.approx(m * belt**2 / 2, rel=1e-14)
+    assert result["impulse_belt"] == pytest.approx(m * belt, rel=1e-14)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_base_that_carries_a_stuck_block(method):
+    """The base moves a block that sticks to it: work and impulse are what its motion needs."""
+    m, a, frequency = 1.7, 0.01, 0.6
+    omega, t = 2 * pi * frequency, 0.3
+    parts = {"frictions": (Friction("f", 0, BASE, 1e3, 1e3, 0.0),), "base": (harmonic(a, frequency),)}
+    totals = run(scene([Body("m", m, 0.0, a * omega)], method, t_end=t, **parts), momentum=True).totals
+    v = a * omega * np.cos(omega * t)
+    assert totals["work_base"] == pytest.approx(m * (v**2 - (a * omega) ** 2) / 2, rel=1e-13)
+    assert totals["impulse_base"] == pytest.approx(m * (v - a * omega), rel=1e-13)
+    assert totals["loss_friction"] == totals["work_belt"] == 0
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_steady_work_of_a_force_and_of_a_base_is_what_the_damper_takes(method):
+    """Over a period of a steady oscillation all that goes in is lost: pi c omega X^2 (Den Hartog 1956)."""
+    m, k, c, F, omega = 1.0, 9.0, 0.4, 0.2, 2 * pi
+    X = F / np.hypot(k - m * omega**2, c * omega)
+    shift = -np.arctan2(c * omega, k - m * omega**2)
+    body = Body("m", m, X * np.sin(shift), X * omega * np.cos(shift))
+    parts = {"links": (Link("l", 0, GROUND, k, c),), "t_end": 1.0}
+    forced = run(
+        scene([body], method, forces=(Force("F", 0, 0.0, (harmonic(F, 1.0),)),), **parts), ledger=True
+    )
+    lost = pi * c * omega * X * X
+    assert forced.totals["work.forces.F"] == pytest.approx(lost, rel=1e-13)
+    assert forced.totals["loss.links.l"] == pytest.approx(lost, rel=1e-13)
+    # the same mass on a spring to the ground, its damper to a base that moves as the force would ask
+    shaken = {
+        "links": (Link("l", 0, GROUND, k, 0.0), Link("d", 0, BASE, 0.0, c)),
+        "base": (harmonic(F / (c * omega), 1.0, -pi / 2),),
+        "t_end": 1.0,
+    }
+    totals = run(scene([body], method, **shaken), ledger=True).totals
+    assert totals["work_base"] == pytest.approx(totals["loss.links.d"], rel=1e-12)
+    assert totals["energy_residual_relative"] < 1e-15
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("release", ("gap", "force"))
+def test_damped_stop_takes_the_energy_that_the_mass_leaves_behind(method, release):
+    """What a mass loses at a damped wall is the stop's loss; let go at zero force, with what the spring
+    holds.
+    """
+    m, v = 2.0, 0.7
+    stop = Stop("wall", 0, GROUND, 0.1, COMPRESSION, 800.0, 12.0, release)
+    result = run(scene([Body("m", m, 0.0, v)], method, stops=(stop,), t_end=3.0), ledger=True)
+    lost = m * (v**2 - result.events["v_m"][2] ** 2) / 2
+    assert 0 < lost < m * v**2 / 2
+    assert result.totals["loss.stops.wall"] == result.totals["loss_stops"] == pytest.approx(lost, rel=1e-13)
+    assert result.totals["energy_end"] == pytest.approx(m * result.events["v_m"][2] ** 2 / 2, rel=1e-14)
+    assert (release == AT_FORCE) == (2 in result.samples["wall"])
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_free_bodies_that_rub_keep_their_momentum(method):
+    m1, m2, v, N = 2.0, 3.0, 1.5, 4.0
+    parts = {"frictions": (Friction("f", 0, 1, N, N, 0.0),), "t_end": 4.0}
+    totals = run(
+        scene([Body("a", m1, 0.0, v), Body("b", m2, 0.0, 0.0)], method, **parts), momentum=True
+    ).totals
+    assert totals["loss.friction.f"] == pytest.approx(m1 * m2 * v**2 / (2 * (m1 + m2)), rel=1e-14)
+    assert totals["momentum_start"] == totals["momentum_end"] == m1 * v
+    for name in ("impulse_ground", "impulse_base", "impulse_belt", "impulse_source"):
+        assert totals[name] == 0
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_decay_is_the_loss(method):
+    """A mass on a damper alone: v = v0 exp(-c t / m)."""
+    m, c, v, t = 1.5, 0.8, 0.4, 3.0
+    parts = {"links": (Link("d", 0, GROUND, 0.0, c),), "t_end": t}
+    totals = run(scene([Body("m", m, 0.0, v)], method, **parts), momentum=True).totals
+    lost = m * v * v / 2 * (1 - exp(-2 * c * t / m))
+    assert totals["loss_viscous"] == pytest.approx(lost, rel=1e-14)
+    assert totals["impulse_ground"] == pytest.approx(-m * v * (1 - exp(-c * t / m)), rel=1e-14)

@@ -1,0 +1,141 @@
+"""The ledgers of energy and momentum: what goes into a scene, what is lost, and what is stored.
+
+    energy    stored: kinetic energy of bodies and rotor, springs of links, stops in contact
+              in: work of forces, motor, base and belts; out: losses in links, stops and frictions
+    momentum  of bodies and unbalanced mass; changed by impulses of forces, ground, base and belts alone
+
+The integrals are taken stretch by stretch by Gauss-Legendre quadrature of the flow itself, to round-off, so
+that stored - stored(0) - work + losses is zero but for rounding: a check on every run (first law).
+"""
+
+from vibsim.engine.harmonics import value_and_rate
+from vibsim.engine.meters import IMPULSE, NOTHING, PATH, SQUARE, TORQUE, WORK, MeterMaker, jumps_of
+from vibsim.engine.status import CONTACT
+from vibsim.physics.gauss_nodes import NODES, WEIGHTS
+
+
+class Ledger:
+    """Sums the entries of `names` over the stretches of a run."""
+
+    def __init__(self, scene, kit, maker, flow, momentum=False):
+        self.scene, self.kit, self.flow = scene, kit, flow
+        self.ground, self.base = maker.n, maker.n + 1
+        self.maker = MeterMaker(scene, kit, maker, momentum)
+        self.names = self.maker.names
+        self.entries = [kit.number(0)] * len(self.names)
+        self.jumps = jumps_of(scene, self.names)
+
+    def gather(self, start, end, rows):
+        """Add the stretch from the state `start` to the state `end` in the mode of `rows`.
+
+        A generator, which yields how far it is [s] after every piece; the entries change when all are done.
+        """
+        meters, t0 = self.maker.meters(rows), self.flow.t0
+        tau, last = start.t - t0, end.t - t0
+        entries = list(self.entries)
+        self.flow.open_nodes(meters)
+        while tau < last:
+            piece = self.flow.longest_piece(tau)
+            ahead = tau + piece if piece < last - tau else last
+            self._integrate(entries, meters, tau, ahead - tau)
+            tau = ahead
+            yield t0 + tau
+        self._pass(entries, meters, start, end)
+        self.entries = entries
+
+    def _integrate(self, entries, meters, tau, length):
+        """Add one piece. The nodes lie where they should, not on the time grid, whose rounding would show in
+        the sums.
+        """
+        totals = [self.kit.number(0)] * len(meters.meters)
+        for node, weight in zip(NODES, WEIGHTS, strict=True):
+            point = self.flow.node(tau + node * length, meters)
+            for i, meter in enumerate(meters.meters):
+                if meter.kind != PATH:
+                    totals[i] = totals[i] + weight * self._rate(meter, point)
+        for meter, total in zip(meters.meters, totals, strict=True):
+            if meter.kind != PATH:
+                entries[meter.entry] = entries[meter.entry] + length * (meter.factor * total)
+
+    def _rate(self, meter, point):
+        """What a meter integrates, at a node."""
+        v, w, forces, functions = point
+        if meter.kind == SQUARE:
+            u = v[meter.P] - v[meter.Q]
+            return u * u
+        if meter.kind == WORK:
+            return forces[meter.source] * v[meter.P]
+        if meter.kind == TORQUE:
+            motor = self.scene.motor
+            return motor.M0 * (1 - w / motor.Omega0) * w
+        if meter.kind == IMPULSE:
+            return forces[meter.source]
+        value = functions[meter.source]
+        return value if meter.P == NOTHING else value * v[meter.P]
+
+    def _pass(self, entries, meters, start, end):
+        """Add what the ends of the stretch tell."""
+        if not any(meter.kind == PATH for meter in meters.meters):
+            return
+        before, after, duration = self._places(start), self._places(end), end.t - start.t
+        for meter in meters.meters:
+            if meter.kind == PATH:
+                way = (after[meter.P] - after[meter.Q]) - (before[meter.P] - before[meter.Q])
+                entries[meter.entry] = entries[meter.entry] + meter.factor * (way - meter.drift * duration)
+
+    def _places(self, state):
+        """Displacements of all columns."""
+        zero = self.kit.number(0)
+        X = value_and_rate(self.kit, self.scene.base, state.t)[0] if self.scene.base else zero
+        return (*state.x, zero, X)
+
+    def cross(self, state, before, after):
+        """Count what the springs of stops hold where those let go, or push again, though pressed."""
+        for jump in self.jumps:
+            pressed = before.stops[jump.stop] == CONTACT, after.stops[jump.stop] == CONTACT
+            if pressed[0] != pressed[1]:
+                held = stop_energy(self.scene.stops[jump.stop], self._places(state), self.ground)
+                entry = self.entries[jump.entry]
+                self.entries[jump.entry] = entry + held if pressed[0] else entry - held
+
+
+def stop_energy(stop, places, ground):
+    """Energy [J] that the spring of a stop in contact holds; places: displacements of all columns."""
+    P, Q = (end if end >= 0 else ground - 1 - end for end in (stop.P, stop.Q))
+    depth = -(stop.sense * (places[P] - places[Q])) - stop.gap
+    return stop.k * (depth * depth) / 2
+
+
+def stored_energy(scene, kit, state, status):
+    """Kinetic and elastic energy [J] of `state` in the mode `status`; the unbalanced mass moves with velocity
+    (v - e w sin phi, e w cos phi), Eqs. (2.8)-(2.10).
+    """
+    ground, energy = len(scene.bodies), kit.number(0)
+    X = value_and_rate(kit, scene.base, state.t)[0] if scene.base else kit.number(0)
+    places = (*state.x, kit.number(0), X)
+    for body, v in zip(scene.bodies, state.v, strict=True):
+        energy = energy + body.m * (v * v) / 2
+    for link in scene.links:
+        P, Q = (end if end >= 0 else ground - 1 - end for end in (link.P, link.Q))
+        d = places[P] - places[Q]
+        energy = energy + link.k * (d * d) / 2
+    for stop, code in zip(scene.stops, status.stops, strict=True):
+        if code == CONTACT:
+            energy = energy + stop_energy(stop, places, ground)
+    return energy + rotor_energy(scene, kit, state) if scene.motor else energy
+
+
+def rotor_energy(scene, kit, state):
+    """Kinetic energy [J] of rotor and unbalanced mass."""
+    motor, v = scene.motor, state.v[scene.motor.on]
+    energy = motor.m3 * (v * v) / 2 + (motor.J + motor.m3 * motor.e * motor.e) * (state.w * state.w) / 2
+    return energy - motor.m3 * (v * (motor.e * state.w * kit.sin(state.phase)))
+
+
+def momenta(scene, kit, state):
+    """Momenta [N s] of bodies and unbalanced mass along the line."""
+    each = [body.m * v for body, v in zip(scene.bodies, state.v, strict=True)]
+    if scene.motor:
+        motor = scene.motor
+        each += [motor.m3 * state.v[motor.on], -(motor.m3 * (motor.e * state.w * kit.sin(state.phase)))]
+    return each

@@ -1,0 +1,91 @@
+"""Going on from a stored event row: the state, status and known zeros that the engine had there."""
+
+from math import isfinite
+
+from vibsim.engine.columns import FLAGS, part_columns, state_columns
+from vibsim.engine.harmonics import value_and_rate
+from vibsim.engine.rows import CLEARANCE, GAP, PUSH, SLIDE
+from vibsim.engine.state import State
+from vibsim.engine.status import LIFTED, Status
+from vibsim.physics.modes import EVENT_NAMES
+from vibsim.physics.numbers import TWO_PI, Doubles
+from vibsim.physics.parts import AT_FORCE, BASE
+
+
+def resume_point(scene, row):
+    """State, status and known zeros of an event row.
+
+    row: values by column name (t, kind, part, states, phase, part states), or several rows of one instant in
+    their order. The turns of the rotor are the whole ones between phi and phase. Raises ValueError for a row
+    that no run of the scene has.
+    """
+    rows = [row] if hasattr(row, "keys") else list(row)
+    known: dict[tuple, int] = {}
+    for one in rows:
+        _check(scene, one)
+        state, status = _state(scene, one), _status(scene, one)
+        known |= _zeros(scene, one, state, status)
+    return state, status, known
+
+
+def _check(scene, row):
+    for name in ("t", *state_columns(scene), *(("phase",) if scene.motor else ())):
+        if not isfinite(row[name]):
+            raise ValueError(f"event row: {name} must be finite, got {row[name]}")
+    if not 0 <= row["t"] <= scene.t_end:
+        raise ValueError(f"event row: t must be 0 to {scene.t_end:g} s, got {row['t']:g} s")
+    names = part_columns(scene)
+    allowed = {"kind": tuple(EVENT_NAMES), "part": tuple(range(-1, len(names)))}
+    sorts = ("stops", "frictions", "clearances")
+    sizes = (len(scene.stops), len(scene.frictions), len(scene.clearances))
+    codes = [tuple(FLAGS[sort].values()) for sort, n in zip(sorts, sizes, strict=True) for _ in range(n)]
+    for name, values in (allowed | dict(zip(names, codes, strict=True))).items():
+        if row[name] not in values:
+            raise ValueError(
+                f"event row: {name} must be one of {', '.join(map(str, values))}, got {row[name]}"
+            )
+
+
+def _state(scene, row):
+    values = [float(row[name]) for name in state_columns(scene)]
+    n = 2 * len(scene.bodies)
+    phase = turns = w = 0.0
+    if scene.motor is not None:
+        phase, w = float(row["phase"]), values[n + 1]
+        turns = float(round((values[n] - phase) / TWO_PI))
+    return State(float(row["t"]), values[0:n:2], values[1:n:2], phase, turns, w)
+
+
+def _status(scene, row):
+    codes = [int(row[name]) for name in part_columns(scene)]
+    first, second = len(scene.stops), len(scene.stops) + len(scene.frictions)
+    return Status(tuple(codes[:first]), tuple(codes[first:second]), tuple(codes[second:]))
+
+
+def _zeros(scene, row, state, status):
+    """Orders of the zeros that the event of a row leaves, by key."""
+    kind, part = EVENT_NAMES[int(row["kind"])], int(row["part"])
+    friction = part - len(scene.stops)
+    clearance = friction - len(scene.frictions)
+    if kind in ("contact_begin", "contact_end"):
+        return {(_watched(scene, kind, part, state, status), part): 1}
+    if kind in ("violation_begin", "violation_end"):
+        return {(CLEARANCE, clearance): 1}
+    return {"reversal": {(SLIDE, friction): 1}, "stick_end": {(SLIDE, friction): 2}}.get(kind, {})
+
+
+def _watched(scene, kind, part, state, status):
+    """Whether a contact began or ended at zero depth, or at zero force."""
+    stop = scene.stops[part]
+    if stop.release != AT_FORCE or stop.c == 0:
+        return GAP
+    if kind == "contact_end":
+        return PUSH if status.stops[part] == LIFTED else GAP
+    return GAP if _deepening(scene, stop, state) else PUSH
+
+
+def _deepening(scene, stop, state):
+    """Whether the depth of a stop grows: contact at zero force begins while it shrinks."""
+    V = value_and_rate(Doubles, scene.base, state.t)[1]
+    vP, vQ = (state.v[end] if end >= 0 else V if end == BASE else 0.0 for end in (stop.P, stop.Q))
+    return stop.sense * (vQ - vP) > 0

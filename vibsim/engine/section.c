@@ -1,0 +1,82 @@
+/* The stroboscopic section; twin of vibsim/engine/section.py. */
+#include "engine.h"
+#include "numbers.h"
+
+#define ITERATIONS 60
+#define LAST_PERIOD 9007199254740992.0 /* 2^53: behind it whole numbers of periods are no doubles */
+
+static double period_end(const Section *s)
+{
+    double t = s->next * s->turns / s->cycles;
+    return t - t * (s->cycles_lo / s->cycles);
+}
+
+static double angle_at(Run *r, double t)
+{
+    flow_state(r, t, &r->scratch);
+    return r->scratch.phase + (r->scratch.turns - r->state.turns) * TWO_PI;
+}
+
+static double passage(Run *r, double end, double target)
+{
+    double low = r->state.t, high = end, t = low + (high - low) / 2;
+    int i;
+    for (i = 0; i < ITERATIONS; i++) {
+        double error = angle_at(r, t) - target, ahead;
+        if (error < 0)
+            low = t;
+        else
+            high = t;
+        ahead = r->scratch.w > 0 ? t - error / r->scratch.w : low;
+        if (!(low < ahead && ahead < high))
+            ahead = low + (high - low) / 2;
+        if (ahead == t || !(low < ahead && ahead < high))
+            return high;
+        t = ahead;
+    }
+    return high;
+}
+
+static void keep(Run *r, Buffers *b, double t)
+{
+    flow_state(r, t, &r->scratch);
+    write_state(r, b->section + b->section_count++, b->section_room, &r->scratch);
+}
+
+void section_start(Run *r)
+{
+    Section *s = &r->section;
+    s->next = 1;
+    if (s->turns > 0 && r->state.t > 0) {
+        s->next = floor(r->state.t * s->cycles / s->turns);
+        s->next = s->next > 1 ? s->next : 1;
+        while (period_end(s) <= r->state.t && s->next < LAST_PERIOD)
+            s->next += 1;
+    }
+}
+
+int section_gather(Run *r, Buffers *b, double end)
+{
+    Section *s = &r->section;
+    if (b->section_room == 0)
+        return 1;
+    if (r->has_motor) {
+        double first = r->state.phase, last;
+        int turn;
+        if (b->section_count + 2 > b->section_room)
+            return 0;
+        last = angle_at(r, end);
+        for (turn = 0; turn < 2; turn++) {
+            double target = turn * TWO_PI + turn * TWO_PI_LO;
+            if (first < target && target <= last)
+                keep(r, b, passage(r, end, target));
+        }
+        return 1;
+    }
+    for (; s->turns > 0 && period_end(s) <= end && s->next < LAST_PERIOD; s->next += 1) {
+        if (b->section_count >= b->section_room)
+            return 0;
+        keep(r, b, period_end(s));
+    }
+    return 1;
+}

@@ -1,0 +1,79 @@
+"""The stroboscopic section: the exact state at the end of every period of what drives a scene, read off the
+flow as it passes.
+
+A period ends at t = k T of forces and base, and where phi passes 2 pi k forwards with a motor. Reading it
+changes no trajectory.
+"""
+
+from vibsim.physics.numbers import TWO_PI, TWO_PI_LO
+from vibsim.physics.period import common_period
+
+ITERATIONS = 60
+LAST_PERIOD = 2**53  # behind it whole numbers of periods are no doubles
+
+
+def has_section(scene):
+    """Whether the scene has a motor, or harmonics with a common period."""
+    return scene.motor is not None or common_period(scene) is not None
+
+
+class StroboscopicSection:
+    """Gathers `states` over the stretches of a run."""
+
+    def __init__(self, scene, flow):
+        self.turning = scene.motor is not None
+        self.period = None if self.turning else common_period(scene)
+        self.flow, self.states, self.next = flow, [], 1
+
+    def skip_to(self, t):
+        """Begin with the first period that ends after t."""
+        if self.period is not None:
+            self.next = max(1, int(t * self.period.cycles / self.period.turns))
+            while self.period.end(self.next) <= t and self.next < LAST_PERIOD:
+                self.next += 1
+
+    def gather(self, start, end):
+        """Section points within (start.t, end], on the stretch that the flow has just done from the state
+        `start`; a generator, which yields now and then.
+        """
+        if self.turning:
+            self._gather_turns(start, end)
+        elif self.period is not None:
+            t = self.period.end(self.next)
+            while t <= end and self.next < LAST_PERIOD:
+                self.states.append(self.flow.state_at(t))
+                self.next += 1
+                t = self.period.end(self.next)
+                yield
+
+    def _gather_turns(self, start, end):
+        """Forward passages of phi through whole turns, by bisection safeguarded Newton steps."""
+        first = start.phase
+        last = self._angle(end, start)
+        for turn in (0, 1):
+            target = turn * TWO_PI + turn * TWO_PI_LO
+            if first < target <= last:
+                self.states.append(self.flow.state_at(self._passage(start, end, target)))
+
+    def _passage(self, start, end, target):
+        """Time at which the rotor angle, counted in the turn of `start`, passes `target`."""
+        low, high = start.t, end
+        t = low + (high - low) / 2
+        for _ in range(ITERATIONS):
+            state = self.flow.state_at(t)
+            error = (state.phase + (state.turns - start.turns) * TWO_PI) - target
+            if error < 0:
+                low = t
+            else:
+                high = t
+            ahead = t - error / state.w if state.w > 0 else low
+            if not low < ahead < high:
+                ahead = low + (high - low) / 2
+            if ahead == t or not low < ahead < high:
+                return high
+            t = ahead
+        return high
+
+    def _angle(self, t, start):
+        state = self.flow.state_at(t)
+        return state.phase + (state.turns - start.turns) * TWO_PI

@@ -1,0 +1,42 @@
+"""The period of what drives a scene from outside: of all its harmonics together, where there is one."""
+
+from dataclasses import dataclass
+from fractions import Fraction
+from math import lcm
+from typing import Any
+
+MOST = 1000  # largest denominator of a ratio of frequencies that counts as exact
+EXACT = Fraction(1, 2**100)  # relative: a frequency is a double-double of 107 bits
+
+
+@dataclass(frozen=True)
+class Period:
+    """`turns` turns of a harmonic of cycles + cycles_lo [Hz], a double-double."""
+
+    cycles: Any
+    cycles_lo: Any
+    turns: int
+
+    def end(self, k):
+        """End of period k [s]."""
+        t = k * self.turns / self.cycles
+        return t - t * (self.cycles_lo / self.cycles)
+
+
+def common_period(scene):
+    """The shortest period of all forces and the base, or None where nothing moves them or their frequencies
+    have no common one: ratios count as exact within the rounding of double-doubles.
+    """
+    terms = [term for force in scene.forces for term in force.terms] + list(scene.base)
+    pitches = list(dict.fromkeys((t.cycles, t.cycles_lo) for t in terms if t.amplitude != 0))
+    if not pitches:
+        return None
+    exact = [Fraction(cycles) + Fraction(cycles_lo) for cycles, cycles_lo in pitches]
+    turns = 1
+    for frequency in exact[1:]:
+        ratio = frequency / exact[0]
+        near = ratio.limit_denominator(MOST)
+        if abs(near - ratio) > EXACT * ratio:
+            return None
+        turns = lcm(turns, near.denominator)
+    return Period(*pitches[0], turns)
