@@ -81,17 +81,20 @@ void closed_form_enter(Run *r, const State *state)
     }
     f->x0[n] = f->v0[n] = 0.0;
     base_motion(r, f->sin0, f->cos0, &f->x0[n + 1], &f->v0[n + 1]);
+    for (c = 0; c < n; c++) {
+        const Place *place = &r->mode->modal->places[c];
+        f->rest[c] = place->fixed ? fixed_sum(r, place->first_fixed, place->fixed) : -0.0;
+    }
     for (m = 0; m < r->mode->modal->count; m++)
         anchor_coordinate(r, m);
     f->tau = 0.0;
     closed_form_open(r);
 }
 
-static void evaluate_coordinate(Run *r, int m, double tau)
+static void evaluate_coordinate(const Run *r, ClosedForm *f, const Coordinate *c, int m, double tau)
 {
-    ClosedForm *f = &r->closed_form;
-    const Coordinate *c = &r->mode->modal->coordinates[m];
-    double q0 = f->q0[m], u0 = f->u0[m], load = f->load[m], q, u, release = 0, impulse = 0;
+    const double q0 = f->q0[m], u0 = f->u0[m], load = f->load[m];
+    double q, u, release = 0, impulse = 0;
     int i;
     if (c->is_free) {
         q = q0 + u0 * tau + load * (tau * tau / 2);
@@ -112,16 +115,20 @@ static void evaluate_coordinate(Run *r, int m, double tau)
     for (i = 0; i < c->driven_count; i++) {
         const Oscillator *o = &c->oscillators[i];
         int h = c->driven[i], at = m * r->harmonic_count + i;
-        double *response = f->responses + 4 * at, cosine = f->cosine[h], sine = f->sine[h];
+        double *response = f->responses + 4 * at, cosine = f->cosine[h], sine = f->sine[h], hc, hs, dc, ds;
         if (c->is_free) {
-            free_harmonic_response(o, tau, cosine, sine, &response[0], &response[1]);
-            response[2] = sine / o->omega;
-            response[3] = o->omega * response[0];
+            free_harmonic_response(o, tau, cosine, sine, &hc, &hs);
+            dc = sine / o->omega;
+            ds = o->omega * hc;
         } else {
-            harmonic_response(o, tau, release, impulse, cosine, sine, &response[0], &response[1], &response[2], &response[3]);
+            harmonic_response(o, tau, release, impulse, cosine, sine, &hc, &hs, &dc, &ds);
         }
-        q = q + (f->load_sine[at] * response[0] + f->load_cosine[at] * response[1]);
-        u = u + (f->load_sine[at] * response[2] + f->load_cosine[at] * response[3]);
+        q = q + (f->load_sine[at] * hc + f->load_cosine[at] * hs);
+        u = u + (f->load_sine[at] * dc + f->load_cosine[at] * ds);
+        response[0] = hc;
+        response[1] = hs;
+        response[2] = dc;
+        response[3] = ds;
     }
     f->q[m] = q;
     f->u[m] = u;
@@ -130,6 +137,7 @@ static void evaluate_coordinate(Run *r, int m, double tau)
 void closed_form_evaluate(Run *r, double tau)
 {
     ClosedForm *f = &r->closed_form;
+    const Modal *modal = r->mode->modal;
     int h, m;
     if (tau == f->tau)
         return;
@@ -145,8 +153,8 @@ void closed_form_evaluate(Run *r, double tau)
         f->sines[h] = f->sin0[h] * cosine + f->cos0[h] * sine;
         f->cosines[h] = f->cos0[h] * cosine - f->sin0[h] * sine;
     }
-    for (m = 0; m < r->mode->modal->count; m++)
-        evaluate_coordinate(r, m, tau);
+    for (m = 0; m < modal->count; m++)
+        evaluate_coordinate(r, f, &modal->coordinates[m], m, tau);
 }
 
 void closed_form_measure(Run *r)
@@ -165,8 +173,7 @@ void closed_form_measure(Run *r)
         }
         for (i = 0; i < c->driven_count; i++) {
             const double *response = f->responses + 4 * (m * r->harmonic_count + i);
-            int h = c->driven[i];
-            double size = fabs(c->sines[h]) + fabs(c->cosines[h]);
+            double size = c->sizes[i];
             q = q + size * (fabs(response[0]) + fabs(response[1]));
             u = u + size * (fabs(response[2]) + fabs(response[3]));
         }
@@ -175,42 +182,74 @@ void closed_form_measure(Run *r)
     }
 }
 
-static void jet_of(Run *r, int m, int count)
+/* Sum over harmonics of order n of the load on a coordinate; moves `sines` and `cosines` on to the next order. */
+static double load_order(const Run *r, const Coordinate *c, int n, double *sines, double *cosines)
+{
+    const ClosedForm *f = &r->closed_form;
+    double total = 0.0;
+    int i;
+    for (i = 0; i < c->driven_count; i++) {
+        int h = c->driven[i];
+        double turns[4];
+        turns[0] = f->sines[h];
+        turns[1] = f->cosines[h];
+        turns[2] = -f->sines[h];
+        turns[3] = -f->cosines[h];
+        total = total + (sines[i] * turns[n % 4] + cosines[i] * turns[(n + 1) % 4]);
+        sines[i] = sines[i] * r->harmonics[h].omega;
+        cosines[i] = cosines[i] * r->harmonics[h].omega;
+    }
+    return total;
+}
+
+static void jet_of(Run *r, const Coordinate *c, int m, int count)
 {
     ClosedForm *f = &r->closed_form;
-    const Coordinate *c = &r->mode->modal->coordinates[m];
-    double *d = f->jets[m], sines[64], cosines[64];
-    int i, n;
+    const double twice = 2 * c->a, b = c->b;
+    double *d = f->jets[m], sine = 0, cosine = 0, turn = 0, next_turn = 0, omega = 0, load = f->load[m];
+    double sines[64], cosines[64];
+    int one = c->driven_count == 1, i, n;
     d[0] = f->q[m];
     d[1] = f->u[m];
+    if (count < 2)
+        return;
     for (i = 0; i < c->driven_count; i++) {
         sines[i] = c->sines[c->driven[i]];
         cosines[i] = c->cosines[c->driven[i]];
     }
+    if (one) {
+        int h = c->driven[0];
+        sine = sines[0];
+        cosine = cosines[0];
+        turn = f->sines[h];
+        next_turn = f->cosines[h];
+        omega = r->harmonics[h].omega;
+    }
     for (n = 0; n < count - 1; n++) {
-        double term = 0.0;
-        for (i = 0; i < c->driven_count; i++) {
-            int h = c->driven[i];
-            double turns[4];
-            turns[0] = f->sines[h];
-            turns[1] = f->cosines[h];
-            turns[2] = -f->sines[h];
-            turns[3] = -f->cosines[h];
-            term = term + (sines[i] * turns[n % 4] + cosines[i] * turns[(n + 1) % 4]);
-            sines[i] = sines[i] * r->harmonics[h].omega;
-            cosines[i] = cosines[i] * r->harmonics[h].omega;
+        double term = 0.0, before = turn;
+        if (one) {
+            term = sine * turn + cosine * next_turn;
+            sine = sine * omega;
+            cosine = cosine * omega;
+            turn = next_turn;
+            next_turn = -before;
+        } else if (c->driven_count > 0) {
+            term = load_order(r, c, n, sines, cosines);
         }
-        term = term - 2 * c->a * d[n + 1] - c->b * d[n];
-        d[n + 2] = n == 0 ? term + f->load[m] : term;
+        if (!c->is_free)
+            term = term - twice * d[n + 1] - b * d[n];
+        d[n + 2] = n == 0 ? term + load : term;
     }
 }
 
-void closed_form_jets(Run *r, int count)
+/* Derivatives of the coordinates as far as the event functions' n-th and a bound of it ask for them. */
+void closed_form_jets(Run *r, int n)
 {
     ClosedForm *f = &r->closed_form;
-    int m, i, n;
-    for (m = 0; m < r->mode->modal->count; m++)
-        jet_of(r, m, count);
+    const Modal *modal = r->mode->modal;
+    int count = n + 3, m, i;
+    for (m = 0; m < modal->count; m++)
+        jet_of(r, &modal->coordinates[m], m, n + 1 + modal->coordinates[m].depth);
     if (r->base_count == 0)
         return;
     for (n = 0; n <= count; n++)
@@ -231,31 +270,28 @@ void closed_form_jets(Run *r, int count)
     }
 }
 
+/* Each body is where what rests of its place and its shares of the coordinates put it; -0.0 stands for nothing. */
 void closed_form_state_after(Run *r, double tau, State *out)
 {
     const ClosedForm *f = &r->closed_form;
     const Modal *modal = r->mode->modal;
-    double X, V;
+    const double *q = f->q, *u = f->u;
+    double X = 0.0, V = 0.0;
     int c, i;
     closed_form_evaluate(r, tau);
-    base_motion(r, f->sines, f->cosines, &X, &V);
+    if (r->base_count > 0)
+        base_motion(r, f->sines, f->cosines, &X, &V);
     out->t = r->t0 + tau;
     out->phase = out->turns = out->w = 0.0;
     for (c = 0; c < r->bodies; c++) {
         const Place *place = &modal->places[c];
-        double position = fixed_sum(r, place->first_fixed, place->fixed), rate = 0.0;
-        for (i = 0; i < place->shares; i++) {
-            const Share *share = &modal->shares[place->first_share + i];
-            double part = share->share * f->q[share->m];
-            position = i == 0 && place->fixed == 0 ? part : position + part;
-            part = share->share * f->u[share->m];
-            rate = i == 0 ? part : rate + part;
+        const Share *share = &modal->shares[place->first_share];
+        double position = f->rest[c], rate = -0.0;
+        for (i = 0; i < place->shares; i++, share++) {
+            position = position + share->share * q[share->m];
+            rate = rate + share->share * u[share->m];
         }
-        if (place->base) {
-            position = place->fixed + place->shares == 0 ? X : position + X;
-            rate = rate + V;
-        }
-        out->x[c] = position;
-        out->v[c] = rate;
+        out->x[c] = place->base ? position + X : position;
+        out->v[c] = place->base ? rate + V : place->shares ? rate : 0.0;
     }
 }

@@ -44,28 +44,25 @@ static void certify_crossing(Run *r, double slope, double bound, double noise)
         doubt(&r->certificate, r->t0);
 }
 
-static void jets_here(Run *r)
-{
-    int more = r->mode->modal->reaches;
-    closed_form_jets(r, 3 + (more > 1 ? more : 1));
-}
-
 static int lead(Run *r)
 {
     Search *s = &r->closed_form.search;
     const Mode *m = r->mode;
     double step = s->window;
-    int i;
+    int taken = 2, i;
     s->leading = 0;
     closed_form_measure(r);
-    closed_form_jets(r, JET_ORDER + (m->modal->reaches > 1 ? 1 : 0));
+    for (i = 0; i < m->event_count; i++)
+        taken = r->known[m->events[i].key] + 2 > taken ? r->known[m->events[i].key] + 2 : taken;
+    closed_form_jets(r, taken);
     s->event_count = 0;
     for (i = 0; i < m->event_count; i++) {
         const Event *e = &m->events[i];
         int known = r->known[e->key], order = known;
         double first, bound, ahead;
         while (order < JET_ORDER - 2 && event_derivative(r, e, order) == 0)
-            order++;
+            if (++order + 2 > taken)
+                closed_form_jets(r, taken = JET_ORDER);
         s->residues[i] = known > 0 ? fabs(event_derivative(r, e, 0)) : 0.0;
         if (order >= JET_ORDER - 3) /* more zeros than the motion has modes: it rests at zero */
             continue;
@@ -109,7 +106,7 @@ static void gap_slope(void *function, double t, double *slope, double *curvature
 {
     const Turning *of = function;
     closed_form_evaluate(of->r, t - of->r->t0);
-    jets_here(of->r);
+    closed_form_jets(of->r, 2);
     *slope = event_derivative(of->r, of->event, 1);
     *curvature = event_derivative(of->r, of->event, 2);
 }
@@ -154,7 +151,7 @@ static void watch_turn(Run *r, int event, double value, double slope, double cur
             turn_between(r, e, low, middle);
     }
     closed_form_evaluate(r, s->t - r->t0);
-    jets_here(r);
+    closed_form_jets(r, 2);
 }
 
 static void turn_before(Run *r, int event)
@@ -165,7 +162,7 @@ static void turn_before(Run *r, int event)
         if (m->events[i].turns && i != event) {
             const Event *e = &m->events[i];
             closed_form_evaluate(r, r->closed_form.search.t - r->t0);
-            jets_here(r);
+            closed_form_jets(r, 2);
             watch_turn(r, i, event_derivative(r, e, 0), event_derivative(r, e, 1), event_derivative(r, e, 2), 0.0);
         }
 }
@@ -177,7 +174,7 @@ static void polish(Run *r, const Event *e)
     int i;
     for (i = 0; i < POLISHING; i++) {
         double value, slope, curvature, newton, step, near, before = s->t;
-        jets_here(r);
+        closed_form_jets(r, 2);
         value = event_derivative(r, e, 0);
         slope = event_derivative(r, e, 1);
         curvature = event_derivative(r, e, 2);
@@ -201,7 +198,7 @@ static int step_ahead(Run *r)
     r->steps += 1;
     closed_form_evaluate(r, s->t - r->t0);
     closed_form_measure(r);
-    jets_here(r);
+    closed_form_jets(r, 2);
     for (i = 0; i < s->event_count; i++) {
         int which = s->events[i];
         const Event *e = &r->mode->events[which];

@@ -197,7 +197,7 @@ static double flow_rate(Run *r, const Event *e)
     double series[SERIES], steps = r->steps, evaluations = r->evaluations, rate;
     enter(r, &r->next);
     if (r->closed) {
-        closed_form_jets(r, JET_ORDER + 1);
+        closed_form_jets(r, 1);
         rate = event_derivative(r, e, 1);
     } else {
         taylor_polynomial(r, e, series);

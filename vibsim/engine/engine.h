@@ -26,7 +26,7 @@ enum { ADVANCE, SAMPLE, SECTION, ARRIVE, LEDGER, STAGES };      /* of a stretch 
 enum { ASK, CROSS, STAND };                                     /* rules for what follows an event */
 enum { START, CONTACT_BEGIN, CONTACT_END, REVERSAL, STICK_BEGIN, STICK_END, VIOLATION_BEGIN, VIOLATION_END, END, KINDS };
 enum { OK, ACCUMULATION, DIVERGED, UNDECIDED, NO_MEMORY };      /* status of a run */
-enum { NOTHING = -1 };
+enum { NOTHING = -1, RATE_ALONE = -JET };
 
 typedef struct {
     double k, c, offset;
@@ -38,15 +38,25 @@ typedef struct {
     int kind, P, Q, pair, from, to; /* ...; places in the table of Taylor series, -1 for the ground */
 } Term;
 
+/* A sum that is one term only, and that of one modal coordinate: coefficient times share q, its rate, or k share q + c share q' +
+ * offset. kind: of the term; NOTHING where a sum is more than that.
+ */
+typedef struct {
+    double coefficient, share, k, c, offset;
+    int kind, m;
+} Single;
+
 /* One group's share in the first derivative of a sliding velocity: factor (sum of terms + constants) / mass. */
 typedef struct {
     double mass, factor;
     int first, terms, first_constant, constants;
+    Single single;
 } Slope;
 
 typedef struct {
     double constant, size;
     int kind, part, key, turns, first, terms, first_slope, slopes;
+    Single single;
     int rule, target, other, hold, event, event_part, event_key, order; /* what follows, see driver.c; the zero behind */
 } Event;
 
@@ -70,9 +80,10 @@ typedef struct {
 
 /* One modal coordinate: q'' + 2 a q' + b q = load + sum_h (sine_h sin + cosine_h cos). */
 typedef struct {
-    double a, b, load, *sines, *cosines, *forced;
+    double a, b, load, *sines, *cosines, *sizes, *forced; /* sizes: |sine| + |cosine|, by driven harmonic */
     Oscillator *oscillators;
     int *driven, driven_count, is_free, first_source, sources, first_shift, shifts;
+    int depth; /* orders beyond the event functions' own that these read of its derivatives; RATE_ALONE: nothing but q' */
 } Coordinate;
 
 /* A column, or a difference of columns: sum share q_m + signed start positions + base X(t). */
@@ -97,7 +108,7 @@ typedef struct {
     Place *places, *pairs;
     Share *shares;
     Fixed *fixed;
-    int count, reaches;
+    int count;
 } Modal;
 
 typedef struct {
@@ -167,7 +178,7 @@ typedef struct {
     double *q0, *u0, *load, *q, *u, *stiff, *impulse, *steady, *scale_q, *scale_u; /* by coordinate */
     double *load_sine, *load_cosine, *responses;                                  /* by coordinate and harmonic */
     double *sin0, *cos0, *sines, *cosines, *sine, *cosine;                        /* by harmonic */
-    double *x0, *v0, (*jets)[JET + 1], base[JET + 1], tau;
+    double *x0, *v0, *rest, (*jets)[JET + 1], base[JET + 1], tau; /* rest: of each body, what does not move in this segment */
     Search search;
 } ClosedForm;
 
@@ -261,10 +272,10 @@ int taylor_polynomial(const Run *r, const Event *e, double *out);
 void closed_form_enter(Run *r, const State *state);
 void closed_form_evaluate(Run *r, double tau);
 void closed_form_measure(Run *r);
-void closed_form_jets(Run *r, int count);
+void closed_form_jets(Run *r, int n);
 void closed_form_state_after(Run *r, double tau, State *out);
 
-/* event_functions.c; at the point whose jets were taken last */
+/* event_functions.c; at the point whose jets were taken last, to the orders that those were taken for */
 double event_derivative(const Run *r, const Event *e, int n);
 double event_bound(const Run *r, const Event *e, int n, double reach);
 double event_noise(const Run *r, const Event *e);

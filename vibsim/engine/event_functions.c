@@ -21,6 +21,19 @@ static double difference(const Run *r, int pair, int n)
     return p->base ? total + p->base * f->base[n] : total;
 }
 
+/* n-th derivative of a sum that is a single term of one coordinate. */
+static inline double single_derivative(const Run *r, const Single *s, int n)
+{
+    const double *d = r->closed_form.jets[s->m];
+    double force;
+    if (s->kind == DIFFERENCE)
+        return s->coefficient * (s->share * d[n]);
+    if (s->kind == RATE)
+        return s->coefficient * (s->share * d[n + 1]);
+    force = s->k * (s->share * d[n]) + s->c * (s->share * d[n + 1]);
+    return s->coefficient * (n == 0 ? force + s->offset : force);
+}
+
 /* n-th derivative of the force on a column. */
 static double load_derivative(const Run *r, int column, int n)
 {
@@ -102,7 +115,11 @@ double event_derivative(const Run *r, const Event *e, int n)
     if (n > 0 && e->slopes > 0) {
         for (i = 0; i < e->slopes; i++) {
             const Slope *s = &r->mode->slopes[e->first_slope + i];
-            double force = sum_of_terms(r, s->first, s->terms, n - 1), part;
+            double force, part;
+            if (s->single.kind != NOTHING)
+                force = single_derivative(r, &s->single, n - 1);
+            else
+                force = sum_of_terms(r, s->first, s->terms, n - 1);
             if (n == 1)
                 for (k = 0; k < s->constants; k++)
                     force = force + r->mode->slope_constants[s->first_constant + k];
@@ -111,7 +128,10 @@ double event_derivative(const Run *r, const Event *e, int n)
         }
         return total;
     }
-    value = sum_of_terms(r, e->first, e->terms, n);
+    if (e->single.kind != NOTHING)
+        value = single_derivative(r, &e->single, n);
+    else
+        value = sum_of_terms(r, e->first, e->terms, n);
     return n == 0 ? value + e->constant : value;
 }
 
@@ -155,6 +175,14 @@ static double coordinate_bound(const Run *r, int m, int n, double reach)
             size = energy;
     }
     return size + c->forced[n] * (reach * reach);
+}
+
+static inline double single_bound(const Run *r, const Single *s, int n, double reach)
+{
+    double share = fabs(s->share), size = share * coordinate_bound(r, s->m, s->kind == RATE ? n + 1 : n, reach);
+    if (s->kind == COUPLING)
+        size = s->k * size + s->c * (share * coordinate_bound(r, s->m, n + 1, reach));
+    return fabs(s->coefficient) * size;
 }
 
 static double difference_bound(const Run *r, int pair, int n, double reach)
@@ -215,11 +243,18 @@ double event_bound(const Run *r, const Event *e, int n, double reach)
 {
     double total = 0.0;
     int i;
+    if (e->slopes == 0 && e->single.kind != NOTHING)
+        return single_bound(r, &e->single, n, reach);
     if (e->slopes == 0)
         return bound_of_sum(r, e->first, e->terms, n, reach);
     for (i = 0; i < e->slopes; i++) {
         const Slope *s = &r->mode->slopes[e->first_slope + i];
-        double part = fabs(s->factor) * bound_of_sum(r, s->first, s->terms, n - 1, reach) / s->mass;
+        double part;
+        if (s->single.kind != NOTHING)
+            part = single_bound(r, &s->single, n - 1, reach);
+        else
+            part = bound_of_sum(r, s->first, s->terms, n - 1, reach);
+        part = fabs(s->factor) * part / s->mass;
         total = i == 0 ? part : total + part;
     }
     return total;
@@ -269,12 +304,22 @@ static double term_scale(const Run *r, const Term *t)
     }
 }
 
+static inline double single_scale(const ClosedForm *f, const Single *s)
+{
+    double share = fabs(s->share), size = share * (s->kind == RATE ? f->scale_u[s->m] : f->scale_q[s->m]);
+    if (s->kind == COUPLING)
+        size = s->k * size + s->c * (share * f->scale_u[s->m]) + fabs(s->offset);
+    return fabs(s->coefficient) * size;
+}
+
 double event_noise(const Run *r, const Event *e)
 {
     const Modal *modal = r->mode->modal;
     const Term *terms = r->mode->terms + e->first;
     double unit = EPS * (16 + modal->pace * r->closed_form.tau), total = 0.0;
     int i;
+    if (e->single.kind != NOTHING)
+        return unit * (single_scale(&r->closed_form, &e->single) + e->size);
     for (i = 0; i < e->terms; i++) {
         double part = fabs(terms[i].coefficient) * term_scale(r, &terms[i]);
         total = i == 0 ? part : total + part;

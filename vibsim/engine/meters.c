@@ -75,6 +75,8 @@ static void read_functions(Run *r, Mode *m, Reader *in, int first)
             t->coefficient = read_double(in);
         }
         e->terms = count;
+        if (!in->short_of)
+            function_prepare(m, e);
     }
 }
 

@@ -37,7 +37,7 @@ static int room_for_flows(Run *r)
     c->q0 = room(coordinates * 10, sizeof(double));
     c->load_sine = room(coordinates * harmonics * 6, sizeof(double));
     c->sin0 = room(harmonics * 6, sizeof(double));
-    c->x0 = room(2 * columns, sizeof(double));
+    c->x0 = room(3 * columns, sizeof(double));
     c->jets = room(coordinates, sizeof *c->jets);
     if (!f->table || !f->loaded_on || !f->load || !r->force || !r->state.x || !c->q0 || !c->load_sine || !c->sin0 || !c->x0 || !c->jets)
         return 0;
@@ -64,6 +64,7 @@ static int room_for_flows(Run *r)
     c->sine = c->cosines + harmonics;
     c->cosine = c->sine + harmonics;
     c->v0 = c->x0 + columns;
+    c->rest = c->v0 + columns;
     c->search.settled = power_of_two(binary_exponent(EPS) / 3.0);
     return 1;
 }
@@ -184,12 +185,13 @@ static int read_coordinate(Reader *in, const Run *r, Coordinate *c, int sources,
     c->a = read_double(in);
     c->b = read_double(in);
     c->load = read_double(in);
-    c->sines = room((size_t)(2 * r->harmonic_count + JET + 1), sizeof(double));
+    c->sines = room((size_t)(3 * r->harmonic_count + JET + 1), sizeof(double));
     c->driven = room((size_t)r->harmonic_count, sizeof(int));
     if (!c->sines || !c->driven)
         return 0;
     c->cosines = c->sines + r->harmonic_count;
-    c->forced = c->cosines + r->harmonic_count;
+    c->sizes = c->cosines + r->harmonic_count;
+    c->forced = c->sizes + r->harmonic_count;
     for (h = 0; h < r->harmonic_count; h++)
         c->sines[h] = read_double(in);
     for (h = 0; h < r->harmonic_count; h++)
@@ -204,7 +206,8 @@ static int read_coordinate(Reader *in, const Run *r, Coordinate *c, int sources,
     for (i = 0; i < n; i++)
         oscillator_set(&c->oscillators[i], c->a, c->b, c->driven_count > 0 ? r->harmonics[c->driven[i]].omega : 0.0);
     for (i = 0; i < c->driven_count; i++) {
-        double size = (fabs(c->sines[c->driven[i]]) + fabs(c->cosines[c->driven[i]])) / 2;
+        double size = c->sizes[i] = fabs(c->sines[c->driven[i]]) + fabs(c->cosines[c->driven[i]]);
+        size = size / 2;
         for (n = 0; n < JET_ORDER + 3; n++) {
             c->forced[n] = i == 0 ? size : c->forced[n] + size;
             size = size * r->harmonics[c->driven[i]].omega;
@@ -213,20 +216,18 @@ static int read_coordinate(Reader *in, const Run *r, Coordinate *c, int sources,
     return 1;
 }
 
-static Modal *modal_read(const Run *r, Reader *in)
+static Modal *modal_read(const Run *r, Reader *in, int pairs)
 {
     Modal *m;
-    int sources, shifts, pairs, shares, fixed, i;
+    int sources, shifts, shares, fixed, i;
     int count = read_index(in, 0, 2 * r->bodies + 2);
     sources = read_index(in, 0, MOST);
     shifts = read_index(in, 0, MOST);
-    pairs = read_index(in, 0, MOST);
     shares = read_index(in, 0, MOST);
     fixed = read_index(in, 0, MOST);
     if (in->short_of || (m = room(1, sizeof *m)) == NULL)
         return NULL;
     m->count = count;
-    m->reaches = read_index(in, 0, 2);
     m->coordinates = room((size_t)count, sizeof(Coordinate));
     m->sources = room((size_t)sources, sizeof(Source));
     m->shifts = room((size_t)shifts, sizeof(Shift));
@@ -267,6 +268,82 @@ static Modal *modal_read(const Run *r, Reader *in)
             m->pace = m->coordinates[i].oscillators[0].w0;
     }
     return m;
+}
+
+/* Raise the depth of the coordinates that a place is made of. */
+static void reach(Modal *modal, const Place *p, int depth)
+{
+    int i;
+    for (i = 0; i < p->shares; i++) {
+        Coordinate *c = &modal->coordinates[modal->shares[p->first_share + i].m];
+        c->depth = depth > c->depth ? depth : c->depth;
+    }
+}
+
+/* Depths of the coordinates by the terms that event functions are made of; `less` where they make a slope. */
+static void reach_terms(Mode *m, const Term *terms, int count, int less)
+{
+    int i;
+    for (i = 0; i < count; i++) {
+        const Term *t = &terms[i];
+        if (t->kind == DIFFERENCE || t->kind == RATE)
+            reach(m->modal, &m->modal->pairs[t->pair], (t->kind == RATE) - less);
+        else if (t->kind == COUPLING)
+            reach(m->modal, &m->modal->pairs[m->couplings[t->P].pair], 1 - less);
+        else if (t->kind == ACCELERATION)
+            reach(m->modal, &m->modal->places[t->P], 2 - less);
+    }
+}
+
+static const Single no_single = {0, 0, 0, 0, 0, NOTHING, 0};
+
+static Single single_of(const Mode *m, const Term *terms, int count)
+{
+    Single s = no_single;
+    const Place *p;
+    if (count != 1 || terms->kind > COUPLING)
+        return s;
+    p = &m->modal->pairs[terms->kind == COUPLING ? m->couplings[terms->P].pair : terms->pair];
+    if (p->shares != 1 || p->fixed || p->base)
+        return s;
+    s.kind = terms->kind;
+    s.coefficient = terms->coefficient;
+    s.m = m->modal->shares[p->first_share].m;
+    s.share = m->modal->shares[p->first_share].share;
+    if (s.kind == COUPLING) {
+        s.k = m->couplings[terms->P].k;
+        s.c = m->couplings[terms->P].c;
+        s.offset = m->couplings[terms->P].offset;
+    }
+    return s;
+}
+
+/* What of the coordinates' derivatives a function of the rows reads, and how. */
+void function_prepare(Mode *m, Event *e)
+{
+    int rates_alone = e->slopes > 0, k;
+    e->single = no_single;
+    if (!m->modal)
+        return;
+    for (k = 0; k < e->terms; k++)
+        rates_alone = rates_alone && m->terms[e->first + k].kind <= RATE;
+    if (!rates_alone) /* else nothing beyond order 1, which is always there */
+        reach_terms(m, m->terms + e->first, e->terms, 0);
+    e->single = single_of(m, m->terms + e->first, e->terms);
+    for (k = 0; k < e->slopes; k++) {
+        Slope *s = &m->slopes[e->first_slope + k];
+        reach_terms(m, m->terms + s->first, s->terms, 1);
+        s->single = single_of(m, m->terms + s->first, s->terms);
+    }
+}
+
+static void prepare_events(Mode *m)
+{
+    int i;
+    for (i = 0; i < m->modal->count; i++)
+        m->modal->coordinates[i].depth = RATE_ALONE;
+    for (i = 0; i < m->event_count; i++)
+        function_prepare(m, &m->events[i]);
 }
 
 /* The shape of the recurrences that suits a mode: at most one coupling, of body 0 and one other column. */
@@ -342,7 +419,7 @@ Mode *mode_read(Run *r, Reader *in)
         Coupling *c = &m->couplings[i];
         c->P = read_index(in, 0, r->columns - 1);
         c->Q = read_index(in, 0, r->columns - 1);
-        c->pair = read_index(in, -1, pairs - 1);
+        c->pair = read_index(in, pairs > 0 ? 0 : -1, pairs - 1);
         c->to_P = m->leader[c->P];
         c->to_Q = m->leader[c->Q];
         c->k = read_double(in);
@@ -385,9 +462,11 @@ Mode *mode_read(Run *r, Reader *in)
         e->rule = ASK;
     }
     if (!in->short_of && read_index(in, 0, 1)) {
-        m->modal = modal_read(r, in);
+        m->modal = modal_read(r, in, pairs);
         if (!m->modal)
             in->short_of = 1;
+        if (!in->short_of)
+            prepare_events(m);
     }
     return m;
 }

@@ -8,6 +8,7 @@
 int scene_read(Run *r, Reader *in);       /* whether the numbers made a scene */
 Mode *mode_read(Run *r, Reader *in);      /* NULL without memory; look at the reader for what else was wrong */
 int mode_add(Run *r, Mode *m);
+void function_prepare(Mode *m, Event *e);  /* in the closed form of its mode, where it has one */
 void mode_free(Mode *m);
 void run_free(Run *r);
 

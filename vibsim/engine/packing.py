@@ -4,7 +4,6 @@ from array import array
 from math import log2
 from typing import Any
 
-from vibsim.engine.event_functions import reaches
 from vibsim.engine.modal import pitch
 from vibsim.engine.rows import COUPLING, DIFFERENCE, RATE
 from vibsim.physics.parts import BASE, GROUND
@@ -105,11 +104,11 @@ def pack_mode(rows, keys):
         pack.put((), (event.constant, event.size))
     pack.put((bool(modal),))
     if modal:
-        pack_modal(pack, modal, rows.events)
+        pack_modal(pack, modal)
     return pack.ints.tobytes(), pack.doubles.tobytes()
 
 
-def pack_modal(pack, modal, events):
+def pack_modal(pack, modal):
     sources: list[Any] = []
     shifts: list[Any] = []
     shares: list[Any] = []
@@ -132,8 +131,7 @@ def pack_modal(pack, modal, events):
             fixed.extend((column, sign) for sign, column in plus)
             fixed.extend((column, -sign) for sign, column in minus)
             shifts.append((first, len(fixed) - first, factor))
-    pack.put((len(modal.coordinates), len(sources), len(shifts), len(modal.pairs), len(shares), len(fixed)))
-    pack.put((max((reaches(event) for event in events), default=0),))
+    pack.put((len(modal.coordinates), len(sources), len(shifts), len(shares), len(fixed)))
     for (P, Q), weight in sources:
         pack.put((P, -1 if Q is None else Q), (weight,))
     for first, count, factor in shifts:
