@@ -539,9 +539,16 @@ def _rotate(kit, A, V, p, q, small):
         return False
     # cos and sin of the angle theta with tan(4 theta) = off / on, on the branch that shrinks the off-diagonal
     # entries
-    double = kit.sqrt((1 + on / root) / 2)
+    # first that of cos and sin of 2 theta which is not small: the other follows without cancelling
+    if on >= 0:
+        double = kit.sqrt((1 + on / root) / 2)
+        across = off / root / (2 * double)
+    else:
+        across = kit.sqrt((1 - on / root) / 2)
+        across = across if off >= 0 else -across
+        double = off / root / (2 * across)
     c = kit.sqrt((1 + double) / 2)
-    s = off / root / (4 * c * double) if double > 0 else kit.sqrt(kit.number(1) / 2)
+    s = across / (2 * c)
     if abs(s) <= kit.eps:
         return False
     for M in A:
