@@ -13,6 +13,7 @@ from vibsim.engine.ledger import Ledger
 from vibsim.engine.rows import RowMaker
 from vibsim.engine.section import StroboscopicSection
 from vibsim.engine.state import State
+from vibsim.engine.tangent_bundle import TangentBundle
 from vibsim.physics.modes import EVENT_KINDS
 
 EVENTS_AT_ONE_INSTANT = 64
@@ -24,13 +25,16 @@ class Driver:
     end.
     """
 
-    def __init__(self, scene, kit, resume=None, section=False, ledger=False, momentum=False):
+    def __init__(
+        self, scene, kit, resume=None, section=False, ledger=False, momentum=False, tangent=(0, 0.0)
+    ):
         self.scene, self.kit = scene, kit
         self.maker = RowMaker(scene, kit)
         self.flow = Flow(scene, kit)
         self.automaton = Automaton(scene, self.maker, Flow(scene, kit, self.flow.certificate), kit)
         self.section = StroboscopicSection(scene, self.flow) if section else None
         self.ledger = Ledger(scene, kit, self.maker, self.flow, momentum) if ledger or momentum else None
+        self.tangent = TangentBundle(scene, kit, self.flow, *tangent) if tangent[0] else None
         self.samples, self.events = [], []
         self.counts = [0] * len(EVENT_KINDS)
         self.first_violation = None
@@ -49,6 +53,8 @@ class Driver:
         self._record("start", -1)
         if any(self.status.clearances):
             self._note_violation()
+        if self.tangent:
+            self.tangent.open(self.state, self.maker.rows(self.status))
         self.flow.enter(self.state, self.maker.rows(self.status), known)
         self.worked_to = self.state.t
         self._course = self._stretches()
@@ -121,6 +127,10 @@ class Driver:
             for worked_to in self.ledger.gather(self.state, state, self.maker.rows(self.status)):
                 self.worked_to = worked_to
                 yield
+        if self.tangent:
+            for worked_to in self.tangent.gather(self.state, end, state):
+                self.worked_to = worked_to
+                yield
         if event is not None:
             self._switch(state, event)
         else:
@@ -147,6 +157,8 @@ class Driver:
         """Take the event: new mode, record, new segment."""
         before = self.status
         status, happened, known = self.automaton.take(state, self.status, event)
+        if self.tangent:
+            self.tangent.cross(event, state, self.maker.rows(before), self.maker.rows(status))
         if state.t == self.known_since:
             known = {**self.known, **known}
             self.crowd += 1

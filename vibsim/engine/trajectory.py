@@ -21,6 +21,8 @@ from vibsim.engine.columns import (
 from vibsim.engine.driver import Driver
 from vibsim.engine.resume import resume_point
 from vibsim.engine.state import State
+from vibsim.engine.tangent_space import dimension
+from vibsim.engine.tangent_totals import tangent_totals
 from vibsim.engine.totals import ledger_totals, totals_of
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.numbers import Doubles
@@ -57,7 +59,16 @@ def compiled():
     return find_spec("vibsim.engine._engine") is not None
 
 
-def open_trajectory(scene, engine="auto", resume=None, section=False, ledger=False, momentum=False):
+def open_trajectory(
+    scene,
+    engine="auto",
+    resume=None,
+    section=False,
+    ledger=False,
+    momentum=False,
+    tangent=0,
+    tangent_from=0.0,
+):
     """A run of `scene` (a `vibsim.physics.parts.Scene`) from its start, not yet computed.
 
     Parameters
@@ -70,17 +81,21 @@ def open_trajectory(scene, engine="auto", resume=None, section=False, ledger=Fal
         drives the scene
     ledger : whether the totals carry the energy ledger
     momentum : whether they carry the momentum ledger, and with it that of energy
+    tangent : number of disturbances to carry along, for as many Lyapunov exponents in the totals; on the
+        Python engine only, which auto takes for them
+    tangent_from : time [s] from which their growth counts
 
     Returns an object with `engine`, `blocks()` (an iterator of `Block`s; raises EngineError when the run
-    fails) and `totals`. Raises ValueError for another engine or a row that no run has, RuntimeError for "c"
-    where it was not built.
+    fails) and `totals`. Raises ValueError for another engine, a row that no run has or more disturbances than
+    the scene has directions, RuntimeError for "c" where it was not built or is to carry disturbances.
     """
+    check_tangent(scene, engine, tangent)
     if engine not in ENGINES:
         raise ValueError(f"engine must be one of {', '.join(ENGINES)}, got {engine!r}")
     if engine == "c" and not compiled():
         raise RuntimeError("the C engine was not built; install with a C compiler, or use engine python")
-    if engine == "python" or not compiled():
-        return PythonTrajectory(scene, resume, section, ledger, momentum)
+    if engine == "python" or tangent or not compiled():
+        return PythonTrajectory(scene, resume, section, ledger, momentum, (tangent, tangent_from))
     return CTrajectory(scene, resume, section, ledger, momentum)
 
 
@@ -91,6 +106,14 @@ def state_at(scene, row, times, engine="auto"):
     arrays by column name.
     """
     return open_trajectory(scene, engine, resume=row).state_at(times)
+
+
+def check_tangent(scene, engine, tangent):
+    """Raises ValueError or RuntimeError where no engine can carry so many disturbances, or C none."""
+    if not 0 <= tangent <= dimension(scene):
+        raise ValueError(f"tangent must be 0 to {dimension(scene)} for this scene, got {tangent}")
+    if tangent and engine == "c":
+        raise RuntimeError("engine c carries no disturbances of scenes of parts; use engine python or auto")
 
 
 class Trajectory:
@@ -144,10 +167,10 @@ class PythonTrajectory(Trajectory):
 
     engine = "python"
 
-    def __init__(self, scene, resume=None, section=False, ledger=False, momentum=False):
+    def __init__(self, scene, resume=None, section=False, ledger=False, momentum=False, tangent=(0, 0.0)):
         super().__init__(scene)
         point = resume_point(scene, resume) if resume is not None else None
-        self.driver = Driver(scene, Doubles, point, section, ledger, momentum)
+        self.driver = Driver(scene, Doubles, point, section, ledger, momentum, tangent)
 
     def blocks(self):
         """Yield `Block`s until the run ends."""
@@ -182,7 +205,7 @@ class PythonTrajectory(Trajectory):
 
     @property
     def totals(self):
-        """Counts and margins so far, and the ledgers where they are kept."""
+        """Counts and margins so far, and the ledgers and exponents where they are kept."""
         driver, kept = self.driver, self.driver.flow.certificate
         violated = driver.first_violation
         totals = totals_of(
@@ -194,6 +217,8 @@ class PythonTrajectory(Trajectory):
         if driver.ledger:
             where = driver.start, (driver.state, driver.status)
             totals |= ledger_totals(self.scene, Doubles, driver.ledger.names, driver.ledger.entries, *where)
+        if driver.tangent:
+            totals |= tangent_totals(self.scene, driver.tangent.entries(), kept.margin, kept.margin_time)
         return totals
 
     def state_at(self, times):

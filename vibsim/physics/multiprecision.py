@@ -91,4 +91,9 @@ class Balls(WorkingPrecision):
     @staticmethod
     def settle(state):
         """`state` without the radii of its numbers."""
-        return type(state)(*(value.mid() for value in vars(state).values()))
+        return type(state)(*(stripped(value) for value in vars(state).values()))
+
+
+def stripped(value):
+    """A number, or a list of them, without radii."""
+    return [number.mid() for number in value] if isinstance(value, list) else value.mid()

@@ -16,15 +16,6 @@ if TYPE_CHECKING:
     from vibsim.cases import Case
 
 FORMAT = 1  # raised when an older reader would misread a newer file
-LEDGER = (
-    "energy_start",
-    "energy_end",
-    "work_source",
-    "loss_viscous",
-    "loss_friction",
-    "energy_residual",
-    "energy_residual_relative",
-)
 TOTALS = (
     "impacts",
     "sticks",
@@ -38,7 +29,13 @@ TOTALS = (
     "grazing_time",
     "violations",
     "first_violation_time",
-    *LEDGER,
+    "energy_start",
+    "energy_end",
+    "work_source",
+    "loss_viscous",
+    "loss_friction",
+    "energy_residual",
+    "energy_residual_relative",
 )
 
 
@@ -81,8 +78,6 @@ def outcome(
     """
     certified = {"certified": int(totals["uncertified"] == 0)} if "uncertified" in totals else {}
     known = {name: totals[name] for name in TOTALS if name in totals and math.isfinite(totals[name])}
-    if not complete and not _ledger_has_begun(known):
-        known = {name: value for name, value in known.items() if name not in LEDGER}
     return {
         **known,
         **certified,
@@ -91,11 +86,3 @@ def outcome(
         "wall_time_s": wall_time,
         "complete": int(complete),
     }
-
-
-def _ledger_has_begun(known: dict[str, Any]) -> bool:
-    """Whether the energy ledger has a stretch of motion: it gets one when all of it is done, and before the
-    first its residual is zero without meaning anything.
-    """
-    entries = ("work_source", "loss_viscous", "loss_friction")
-    return any(known.get(name) for name in entries) or known.get("energy_end") != known.get("energy_start")

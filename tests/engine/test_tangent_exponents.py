@@ -1,0 +1,193 @@
+"""Exponents of scenes made of parts whose growth is known, and those of the engine of two blocks."""
+
+from math import exp, inf, log, pi, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+
+from tests.engine.bundles import PER_PIECE, totals
+from tests.engine.random_parts import part_scenes
+from tests.engine.test_closed_cases import harmonic, scene
+from tests.engine.two_blocks import parts_of
+from tests.scenes import CASE_NAMES, MOTORS, paper
+from tests.tangent.bundles import totals as totals_of_two_blocks
+from vibsim.engine.errors import EngineError
+from vibsim.engine.saltation import Saltation
+from vibsim.engine.tangent_space import components, dimension, references
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.physics.numbers import Doubles
+from vibsim.physics.parts import (
+    AT_GAP,
+    BASE,
+    COMPRESSION,
+    EXTENSION,
+    GROUND,
+    Body,
+    Force,
+    Friction,
+    Link,
+    Stop,
+)
+
+METHODS = ("auto", "taylor")
+
+
+def methods(name):
+    return ("taylor",) if name in MOTORS else ("closed_form", "taylor")
+
+
+@pytest.mark.parametrize(("name", "method"), [(n, m) for n in CASE_NAMES for m in methods(n)])
+def test_papers_cases_as_by_the_engine_of_two_blocks(name, method):
+    case = paper(name, t_end=3.0, method=method)
+    old, new = totals_of_two_blocks(case, begin=0.5), totals(parts_of(case, Doubles), begin=0.5)
+    # sums of logarithms of some 1000 pieces, each rounded to 1e-16 of a number near 1, over 2.5 s
+    np.testing.assert_allclose(new["exponents"], old["exponents"], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(new["growth"], old["growth"], rtol=0, atol=1e-12)
+    for total in ("rank_losses", "tangent_pieces", "tangencies"):
+        assert new[total] == old[total]
+    for total in ("closest_tangency", "closest_tangency_time"):
+        assert new[total] == pytest.approx(old[total], rel=1e-12, nan_ok=True)
+
+
+@settings(max_examples=25)
+@given(part_scenes())
+def test_volumes_of_random_scenes_grow_as_liouville_says(scene):
+    try:
+        result = totals(scene)
+    except EngineError:
+        return  # a scene that accumulates events, say: nothing to compare
+    assert abs(result["volume_residual"]) <= PER_PIECE * result["tangent_pieces"]
+
+
+def test_a_wrong_saltation_is_seen(monkeypatch):
+    monkeypatch.setattr(Saltation, "applied", lambda _, vector: vector)
+    assert abs(totals(parts_of(paper("I-B", t_end=6.0), Doubles))["volume_residual"]) > 1.0
+
+
+def chain(method, damping, **parts):
+    """Three bodies on springs between a wall and the open end; damping by link [N s/m]."""
+    bodies = [Body("a", 1.0, 0.01, 0.0), Body("b", 2.0, 0.0, 0.1), Body("c", 0.5, 0.0, 0.0)]
+    ends = [(0, GROUND), (1, 0), (2, 1)]
+    links = [
+        Link(f"l{i}", P, Q, k, c)
+        for i, ((P, Q), k, c) in enumerate(zip(ends, (40.0, 30.0, 20.0), damping, strict=True))
+    ]
+    return scene(bodies, method, links=tuple(links), **parts)
+
+
+def matrix(of):
+    """Of (x, v) of a scene of links to each other and the ground, from the balance of forces."""
+    n = len(of.bodies)
+    A = np.zeros((2 * n, 2 * n))
+    A[:n, n:] = np.eye(n)
+    for link in of.links:
+        shape = np.zeros(n)
+        for end, sign in ((link.P, 1.0), (link.Q, -1.0)):
+            if end >= 0:
+                shape[end] = sign
+        inverse = np.diag([1 / body.m for body in of.bodies])
+        A[n:, :n] -= link.k * inverse @ np.outer(shape, shape)
+        A[n:, n:] -= link.c * inverse @ np.outer(shape, shape)
+    return A
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("damping", [(0.8, 0.6, 0.4), (0.1, 3.0, 0.0)])  # proportional, and not
+def test_linear_scenes_have_the_real_parts_of_their_eigenvalues(method, damping):
+    of = chain(method, damping, t_end=40.0, forces=(Force("f", 2, 0.1, (harmonic(0.3, 0.7),)),))
+    result = totals(of, begin=20.0)
+    expected = np.sort(np.linalg.eigvals(matrix(of)).real)[::-1]
+    # directions of a pair turn in an ellipse: each exponent is known to the logarithm of its axes over 20 s
+    np.testing.assert_allclose(result["exponents"], expected, rtol=0, atol=3 / 20)
+    assert sum(result["exponents"]) == pytest.approx(sum(expected), rel=1e-10)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_volume_of_a_throw_at_a_damped_wall_shrinks_by_the_square_of_the_restitution(method):
+    """Half a wave long contact: x' = -e v, e = exp(-pi a / wd), whatever the speed; det = e^2."""
+    m, k, c = 2.0, 800.0, 12.0
+    stop = Stop("wall", 0, GROUND, 0.1, COMPRESSION, k, c, AT_GAP)
+    result = totals(scene([Body("m", m, 0.0, 0.7)], method, stops=(stop,), t_end=3.0))
+    a = c / (2 * m)
+    restitution = exp(-pi * a / sqrt(k / m - a * a))
+    grown = result["growth"][-1, 1:]
+    assert sum(grown) == pytest.approx(2 * log(restitution), rel=1e-12)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_each_of_two_bodies_that_stick_in_turn_loses_a_direction(method):
+    """Apart from each other: never at rest together when one of them sticks first, yet two directions go."""
+    bodies = [Body("a", 1.0, 0.0, 0.5), Body("b", 1.0, 0.0, 2.0)]
+    frictions = (Friction("f", 0, GROUND, 1.0, 1.0, 0.0), Friction("g", 1, GROUND, 1.0, 1.0, 0.0))
+    drive = (
+        Force("kick", 0, 0.0, (harmonic(3.0, 0.1, -0.3),)),
+    )  # a slips again from 1.02 s on, b sticks at 2 s
+    of = scene(bodies, method, frictions=frictions, forces=drive, t_end=2.4)
+    result = totals(of)
+    assert result["rank_losses"] == 2
+    assert result["exponents"].tolist() == [-inf, -inf]
+    assert abs(result["volume_residual"]) < 1e-11
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_stack_that_rides_as_one_keeps_one_velocity(method):
+    """Three blocks on each other on a spring: (x, v) of the whole swings undamped, two directions are held
+    from the start.
+    """
+    bodies = [Body(name, m, 0.01, 0.0) for name, m in zip("abc", (3.0, 2.0, 1.0), strict=True)]
+    frictions = tuple(Friction(f"f{i}", i + 1, i, 9.0, 9.0, 0.0) for i in range(2))
+    rate = sqrt(60.0 / 6.0)
+    of = scene(
+        bodies,
+        method,
+        frictions=frictions,
+        links=(Link("l", 0, GROUND, 60.0, 0.0),),
+        t_end=10 * 2 * pi / rate,
+    )
+    result = totals(of)
+    assert dimension(of) == 4 and result["rank_losses"] == 2
+    np.testing.assert_allclose(result["exponents"], [0.0, 0.0, -inf, -inf], rtol=0, atol=1e-12)
+
+
+def test_bodies_that_nothing_ties_to_the_ground_lose_the_shift():
+    bodies = [Body(name, 1.0, 0.0, 0.0) for name in "abcd"]
+    links = (Link("l", 0, 2, 1.0, 0.0),)
+    stops = (Stop("s", 1, BASE, 0.01, EXTENSION, 5.0, 0.0),)
+    rubbing = (Friction("f", 3, 0, 1.0, 1.0, 0.0),)
+    of = scene(bodies, links=links, stops=stops, frictions=rubbing, base=(harmonic(0.001, 1.0),))
+    assert references(of) == [2, None, 2, 3]
+    assert components(of) == [0, 1, 4, 5, 6, 7]
+
+
+@pytest.mark.parametrize(("count", "engine"), [(-1, "auto"), (4, "python"), (4, "c")])
+def test_numbers_of_exponents_that_a_scene_has_not_got(count, engine):
+    with pytest.raises(ValueError, match=f"tangent must be 0 to 3 for this scene, got {count}"):
+        open_trajectory(parts_of(paper("I-A"), Doubles), engine, tangent=count)
+
+
+def test_engine_c_says_that_it_carries_none():
+    with pytest.raises(RuntimeError, match="use engine python"):
+        open_trajectory(parts_of(paper("I-A"), Doubles), "c", tangent=1)
+
+
+@pytest.mark.parametrize("name", ["I-A", "II-B"])
+def test_a_bundle_changes_no_trajectory(name):
+    of = parts_of(paper(name, t_end=3.0), Doubles)
+    plain, carrying = (open_trajectory(of, "python", tangent=count) for count in (0, dimension(of)))
+    for one, other in zip(whole(plain), whole(carrying), strict=True):
+        assert len(one["v1"]) > 5 and list(one) == list(other)
+        assert all(np.array_equal(one[column], other[column]) for column in one)
+
+
+def whole(trajectory):
+    """Samples and events of a run."""
+    blocks = list(trajectory.blocks())
+    for tables in ([b.samples for b in blocks], [b.events for b in blocks]):
+        yield {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
+
+
+def test_volume_of_a_throw_at_an_elastic_wall_is_kept():
+    bare = Stop("wall", 0, GROUND, 0.1, COMPRESSION, 800.0, 0.0, AT_GAP)
+    throw = scene([Body("m", 2.0, 0.0, 0.7)], stops=(bare,), t_end=3.0)
+    assert sum(totals(throw)["growth"][-1, 1:]) == pytest.approx(0.0, abs=1e-13)

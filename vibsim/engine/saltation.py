@@ -1,0 +1,174 @@
+"""What an event does to a small disturbance: the saltation matrix.
+
+A disturbed motion meets the event function h a little earlier or later, and moves by the other vector field
+for so long: S = I + (f+ - f-) n^T / (n^T f- + dh/dt), with n = grad h and f-, f+ the vector fields before and
+after (Aizerman & Gantmakher 1958; Mueller 1995). Displacements, velocities and the rotor's angle and speed go
+on without a jump, so f+ - f- consists of accelerations.
+    clearance; force of ties at their limit; damper that would have to pull; stop without damper
+                      f+ = f-, so S = I
+    stop with damper  its force is c g' on one side and 0 on the other, dh/dt = +-g': their ratio is c,
+                      however slow the contact
+    sticking          f+ - f- is what a force between the two bodies makes, n^T f+ + dh/dt = 0: whatever the
+                      forces, S gives the bodies their common velocity and keeps momentum
+    reversal          friction jumps by its sum in both directions
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+from vibsim.engine.accelerations import accelerations, joined, response
+from vibsim.engine.harmonics import value_and_rate
+from vibsim.engine.rows import DIFFERENCE, GAP, SLIDE
+from vibsim.engine.status import CONTACT, FORWARD, STICK
+
+
+@dataclass
+class Saltation:
+    """S = I + jump n^T.
+
+    event : event function, whose gradient is n
+    jump : (f+ - f-) / (n^T f- + dh/dt)
+    determinant : of S, where the ties are the same on both sides
+    """
+
+    event: Any
+    jump: list[Any]
+    bodies: int
+
+    def applied(self, vector):
+        """S times a disturbance."""
+        moved = self._along(vector)
+        return [a + moved * b for a, b in zip(vector, self.jump, strict=True)]
+
+    @property
+    def determinant(self):
+        return 1 + self._along(self.jump)
+
+    def _along(self, vector):
+        return gradient(self.event, vector, self.bodies)
+
+
+@dataclass
+class Sticking:
+    """S that joins velocities."""
+
+    scene: Any
+    kit: Any
+    rows: Any
+    state: Any
+
+    def applied(self, vector):
+        """S times a disturbance."""
+        return joined(self.scene, self.kit, self.rows, self.state, vector)
+
+
+def gradient(event, vector, bodies):
+    """n^T times a disturbance: the change of a function made of differences or of their rates. Ground and
+    base are not disturbed.
+    """
+    total = None
+    for term in event.terms:
+        shift = 0 if term.kind == DIFFERENCE else bodies
+        P, Q = (vector[shift + c] if c < bodies else 0 for c in (term.P, term.Q))
+        part = term.coefficient * (P - Q)
+        total = part if total is None else total + part
+    return total
+
+
+def saltation(scene, kit, state, before, after, event):
+    """The saltation of `event` at `state` between the modes of the rows `before` and `after`; None where it
+    changes nothing.
+    """
+    old, new = before.status, after.status
+    pairs = zip(old.frictions, new.frictions, strict=True)
+    turned = [i for i, (one, other) in enumerate(pairs) if one != other]
+    damped = _damper(scene, old, new, event)
+    if not turned:
+        return _rank_one(scene, kit, state, before, event, *damped) if damped else None
+    if event.kind == SLIDE and all(new.frictions[i] == STICK for i in turned):
+        return Sticking(scene, kit, after, state)
+    if event.kind == SLIDE and before.leader == after.leader:
+        forces = [
+            (f.P, f.Q, _friction(f, new.frictions[i]) - _friction(f, old.frictions[i]))
+            for i in turned
+            for f in [scene.frictions[i]]
+        ]
+        return _rank_one(scene, kit, state, before, event, forces, None)
+    if event.kind in (SLIDE, GAP):
+        return _general(scene, kit, state, before, after, event)
+    return None
+
+
+def _damper(scene, old, new, event):
+    """Force on P that a damped stop gains per unit of the rate x_P' - x_Q', as ([(P, Q, force)], rate of h);
+    None without any.
+    """
+    if event.kind != GAP:
+        return None
+    stop = scene.stops[event.part]
+    gained = (new.stops[event.part] == CONTACT) - (old.stops[event.part] == CONTACT)
+    if stop.c == 0 or gained == 0:
+        return None
+    return [(stop.P, stop.Q, -(gained * stop.c))], event.terms[0].coefficient
+
+
+def _friction(friction, status):
+    """Force of a slipping friction on P; one that sticks acts within a group, where it does not count."""
+    return 0 if status == STICK else -friction.forward if status == FORWARD else friction.backward
+
+
+def reversal(friction, status):
+    """Forces [(P, Q, force)] that a friction gains where it turns round from `status`."""
+    total = friction.forward + friction.backward
+    return [(friction.P, friction.Q, total if status == FORWARD else -total)]
+
+
+def _rank_one(scene, kit, state, rows, event, forces, rate):
+    """S where the ties stay and the parts' `forces` on P, less on Q, jump; rate: that of h, None to take it
+    from the motion.
+    """
+    rate = event_rate(scene, kit, state, rows, event) if rate is None else rate
+    return _saltation(scene, kit, event, forced(scene, kit, rows, state, forces), rate)
+
+
+def forced(scene, kit, rows, state, forces):
+    """Accelerations (bodies, rotor) by forces [(P, Q, force)] on P, less on Q."""
+    n, zero = len(scene.bodies), kit.number(0)
+    F = [zero] * (n + 2)
+    for P, Q, force in forces:
+        for end, value in ((P, force), (Q, -force)):
+            if end >= 0:
+                leader = rows.leader[end]
+                F[leader] = F[leader] + value
+    return response(scene, kit, rows, state, F, zero, zero)
+
+
+def event_rate(scene, kit, state, rows, event):
+    """Rate of an event function along the motion in the mode of `rows`, n^T f- + dh/dt."""
+    if event.terms[0].kind == DIFFERENCE:
+        values = [*state.v, kit.number(0), value_and_rate(kit, scene.base, state.t)[1]]
+    else:
+        values, _ = accelerations(scene, kit, rows, state)
+    total = None
+    for term in event.terms:
+        part = term.coefficient * (values[term.P] - values[term.Q])
+        total = part if total is None else total + part
+    return total
+
+
+def _general(scene, kit, state, before, after, event):
+    """S by the vector fields on both sides."""
+    (one, rotor), (other, turned) = (accelerations(scene, kit, rows, state) for rows in (before, after))
+    jump = [b - a for a, b in zip(one, other, strict=True)], turned - rotor
+    return _saltation(scene, kit, event, jump, event_rate(scene, kit, state, before, event))
+
+
+def _saltation(scene, kit, event, jump, rate):
+    """S from the jump of accelerations; None at a tangency, where first order says nothing."""
+    if rate == 0:
+        return None
+    n, zero = len(scene.bodies), kit.number(0)
+    change = [zero] * n + [a / rate for a in jump[0][:n]]
+    if scene.motor is not None:
+        change += [zero, jump[1] / rate]
+    return Saltation(event, change, n)

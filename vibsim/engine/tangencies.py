@@ -1,0 +1,77 @@
+"""Events that are crossed almost tangentially: there a disturbance is small only as long as it is tiny.
+
+Where an event function h is crossed at the rate h', the motion goes beyond by about h'^2 / (2 |h''|) before
+it can turn. A disturbance larger than that misses the event, and first order (the tangent flow) says nothing
+of it. Crossings are judged by the square of their rate over that of the whole motion, about their share of
+the depth of the deepest one. A share below CLOSE counts as a tangency.
+"""
+
+from vibsim.engine.harmonics import value_and_rate
+from vibsim.engine.rows import GAP, SLIDE
+from vibsim.engine.saltation import event_rate, forced, gradient, reversal
+from vibsim.engine.status import STICK
+from vibsim.engine.tangent_space import natural_rate
+
+CLOSE = 1e-6  # a rate of 1/1000 of the largest
+
+
+class Tangencies:
+    """Counts close crossings and keeps the closest.
+
+    fastest : by stop, the largest |v_P - v_Q| + rate |x_P - x_Q| at an event or the end of a step [m/s]
+    """
+
+    def __init__(self, scene, kit):
+        self.scene, self.kit, self.rate = scene, kit, natural_rate(scene, kit)
+        self.fastest = [kit.number(0)] * len(scene.stops)
+        self.nothing = kit.number(1), kit.number(0)
+        self.forget()
+
+    def forget(self):
+        """Begin to count anew."""
+        self.count = 0
+        self.closest, self.time = self.nothing
+
+    def pass_by(self, state):
+        """Learn how fast the ends of the stops move against each other."""
+        for i, stop in enumerate(self.scene.stops):
+            distance, rate = self._between(stop, state)
+            speed = abs(rate) + self.rate * abs(distance)
+            self.fastest[i] = speed if speed > self.fastest[i] else self.fastest[i]
+
+    def _between(self, stop, state):
+        """x_P - x_Q and v_P - v_Q."""
+        X, V = value_and_rate(self.kit, self.scene.base, state.t)
+        zero = self.kit.number(0)
+        x, v = (*state.x, X, zero), (*state.v, V, zero)  # BASE is -2, GROUND -1
+        return x[stop.P] - x[stop.Q], v[stop.P] - v[stop.Q]
+
+    def judge(self, event, state, before, after):
+        """Judge `event` at `state` between the modes of the rows `before` and `after`."""
+        i = event.part
+        if event.kind == GAP and self.fastest[i] > 0 and before.status.stops[i] != after.status.stops[i]:
+            _, rate = self._between(self.scene.stops[i], state)
+            share = rate / self.fastest[i]
+        elif event.kind == SLIDE and after.status.frictions[i] == STICK:
+            share = self._stopping_share(event, state, before)
+        else:
+            return
+        share = share * share
+        if share < CLOSE:
+            self.count += 1
+        if share < self.closest:
+            self.closest, self.time = share, state.t
+
+    def _stopping_share(self, event, state, before):
+        """Deceleration of a sliding that ends, over the largest with which it can end in sticking [-]: with
+        the friction turned round it would be 0 at least.
+
+        It is 0 where the motion just touches v_rel = 0, which a disturbed one may miss; 1 where ground and
+        base hold both ends, so that no force decides.
+        """
+        scene, kit, i = self.scene, self.kit, event.part
+        n = len(scene.bodies)
+        forces = reversal(scene.frictions[i], before.status.frictions[i])
+        gained, _ = forced(scene, kit, before, state, forces)
+        largest = gradient(event, [kit.number(0)] * n + gained[:n], n)
+        return -event_rate(scene, kit, state, before, event) / largest if largest != 0 else kit.number(1)
