@@ -39,33 +39,33 @@ static double weighted(const Source *sources, int count, const double *values)
     return total;
 }
 
-static void anchor_coordinate(Run *r, int m)
+static void anchor_coordinate(Run *r, const Modal *modal, const Coordinate *c, Motion *y)
 {
-    ClosedForm *f = &r->closed_form;
-    const Modal *modal = r->mode->modal;
-    const Coordinate *c = &modal->coordinates[m];
+    const ClosedForm *f = &r->closed_form;
     double load = c->load;
     int i;
     for (i = 0; i < c->shifts; i++) {
         const Shift *shift = &modal->shifts[c->first_shift + i];
         load = load + shift->factor * fixed_sum(r, shift->first, shift->count);
     }
-    f->q[m] = f->q0[m] = weighted(modal->sources + c->first_source, c->sources, f->x0);
-    f->u[m] = f->u0[m] = weighted(modal->sources + c->first_source, c->sources, f->v0);
-    f->load[m] = load;
-    f->stiff[m] = f->impulse[m] = f->steady[m] = 0.0;
-    for (i = 0; i < c->driven_count; i++) {
-        int h = c->driven[i], at = m * r->harmonic_count + i, k;
-        f->load_sine[at] = c->sines[h] * f->sin0[h] + c->cosines[h] * f->cos0[h];
-        f->load_cosine[at] = c->sines[h] * f->cos0[h] - c->cosines[h] * f->sin0[h];
-        for (k = 0; k < 4; k++)
-            f->responses[4 * at + k] = 0.0;
+    y->jet[0] = y->q0 = weighted(modal->sources + c->first_source, c->sources, f->x0);
+    y->jet[1] = y->u0 = weighted(modal->sources + c->first_source, c->sources, f->v0);
+    y->load = load;
+    y->stiff = y->impulse = y->steady = 0.0;
+    for (i = 0; i < c->drive_count; i++) {
+        const Drive *drive = &c->drives[i];
+        Response *response = &y->responses[i];
+        double sine = f->sin0[drive->harmonic], cosine = f->cos0[drive->harmonic];
+        response->load_sine = drive->sine * sine + drive->cosine * cosine;
+        response->load_cosine = drive->sine * cosine - drive->cosine * sine;
+        response->hc = response->hs = response->dc = response->ds = 0.0;
     }
 }
 
 void closed_form_enter(Run *r, const State *state)
 {
     ClosedForm *f = &r->closed_form;
+    const Modal *modal = r->mode->modal;
     int n = r->bodies, h, c, m;
     r->closed = 1;
     r->t0 = state->t;
@@ -82,25 +82,26 @@ void closed_form_enter(Run *r, const State *state)
     f->x0[n] = f->v0[n] = 0.0;
     base_motion(r, f->sin0, f->cos0, &f->x0[n + 1], &f->v0[n + 1]);
     for (c = 0; c < n; c++) {
-        const Place *place = &r->mode->modal->places[c];
+        const Place *place = &modal->places[c];
         f->rest[c] = place->fixed ? fixed_sum(r, place->first_fixed, place->fixed) : -0.0;
     }
-    for (m = 0; m < r->mode->modal->count; m++)
-        anchor_coordinate(r, m);
+    for (m = 0; m < modal->count; m++)
+        anchor_coordinate(r, modal, &modal->coordinates[m], &f->motions[m]);
     f->tau = 0.0;
     closed_form_open(r);
 }
 
-static void evaluate_coordinate(const Run *r, ClosedForm *f, const Coordinate *c, int m, double tau)
+/* `sines`, `cosines`: of the harmonics' own angles since the anchor. */
+static inline void evaluate_coordinate(const Coordinate *c, Motion *y, double tau, const double *sines, const double *cosines)
 {
-    const double q0 = f->q0[m], u0 = f->u0[m], load = f->load[m];
+    const Oscillator *o = &c->oscillator;
+    const double q0 = y->q0, u0 = y->u0, load = y->load;
     double q, u, release = 0, impulse = 0;
     int i;
     if (c->is_free) {
         q = q0 + u0 * tau + load * (tau * tau / 2);
         u = u0 + load * tau;
     } else {
-        const Oscillator *o = c->oscillators;
         double steady, rate, stiff;
         release_and_impulse(o, tau, &release, &impulse);
         steady = constant_response(o, tau, release);
@@ -108,30 +109,30 @@ static void evaluate_coordinate(const Run *r, ClosedForm *f, const Coordinate *c
         stiff = o->b * impulse;
         q = q0 * release + u0 * impulse + load * steady;
         u = u0 * rate - q0 * stiff + load * impulse;
-        f->stiff[m] = stiff;
-        f->impulse[m] = impulse;
-        f->steady[m] = steady;
+        y->stiff = stiff;
+        y->impulse = impulse;
+        y->steady = steady;
     }
-    for (i = 0; i < c->driven_count; i++) {
-        const Oscillator *o = &c->oscillators[i];
-        int h = c->driven[i], at = m * r->harmonic_count + i;
-        double *response = f->responses + 4 * at, cosine = f->cosine[h], sine = f->sine[h], hc, hs, dc, ds;
+    for (i = 0; i < c->drive_count; i++) {
+        const Drive *drive = &c->drives[i];
+        Response *response = &y->responses[i];
+        double cosine = cosines[drive->harmonic], sine = sines[drive->harmonic], hc, hs, dc, ds;
         if (c->is_free) {
-            free_harmonic_response(o, tau, cosine, sine, &hc, &hs);
-            dc = sine / o->omega;
-            ds = o->omega * hc;
+            free_harmonic_response(&drive->oscillator, tau, cosine, sine, &hc, &hs);
+            dc = sine / drive->oscillator.omega;
+            ds = drive->oscillator.omega * hc;
         } else {
-            harmonic_response(o, tau, release, impulse, cosine, sine, &hc, &hs, &dc, &ds);
+            harmonic_response(&drive->oscillator, tau, release, impulse, cosine, sine, &hc, &hs, &dc, &ds);
         }
-        q = q + (f->load_sine[at] * hc + f->load_cosine[at] * hs);
-        u = u + (f->load_sine[at] * dc + f->load_cosine[at] * ds);
-        response[0] = hc;
-        response[1] = hs;
-        response[2] = dc;
-        response[3] = ds;
+        q = q + (response->load_sine * hc + response->load_cosine * hs);
+        u = u + (response->load_sine * dc + response->load_cosine * ds);
+        response->hc = hc;
+        response->hs = hs;
+        response->dc = dc;
+        response->ds = ds;
     }
-    f->q[m] = q;
-    f->u[m] = u;
+    y->jet[0] = q;
+    y->jet[1] = u;
 }
 
 void closed_form_evaluate(Run *r, double tau)
@@ -145,101 +146,80 @@ void closed_form_evaluate(Run *r, double tau)
     f->tau = tau;
     for (h = 0; h < r->harmonic_count; h++) {
         const Harmonic *one = &r->harmonics[h];
-        double angle = one->omega * tau, cosine, sine;
+        double angle = one->omega * tau, cosine, sine, sin0 = f->sin0[h], cos0 = f->cos0[h];
         if (angle > 3) /* below, the product is as good as its reduction */
             angle = turn_angle(one->cycles, one->cycles_lo, tau);
         f->cosine[h] = cosine = cos(angle);
         f->sine[h] = sine = sin(angle);
-        f->sines[h] = f->sin0[h] * cosine + f->cos0[h] * sine;
-        f->cosines[h] = f->cos0[h] * cosine - f->sin0[h] * sine;
+        f->sines[h] = sin0 * cosine + cos0 * sine;
+        f->cosines[h] = cos0 * cosine - sin0 * sine;
     }
     for (m = 0; m < modal->count; m++)
-        evaluate_coordinate(r, f, &modal->coordinates[m], m, tau);
+        evaluate_coordinate(&modal->coordinates[m], &f->motions[m], tau, f->sine, f->cosine);
 }
 
+/* Magnitudes of the terms of coordinates and rates: what their rounding is proportional to. */
 void closed_form_measure(Run *r)
 {
     ClosedForm *f = &r->closed_form;
+    const Modal *modal = r->mode->modal;
+    const double tau = f->tau;
     int m, i;
-    for (m = 0; m < r->mode->modal->count; m++) {
-        const Coordinate *c = &r->mode->modal->coordinates[m];
-        double q0 = fabs(f->q0[m]), u0 = fabs(f->u0[m]), load = f->load[m], tau = f->tau, q, u;
+    for (m = 0; m < modal->count; m++) {
+        const Coordinate *c = &modal->coordinates[m];
+        Motion *y = &f->motions[m];
+        double q0 = fabs(y->q0), u0 = fabs(y->u0), load = y->load, q, u;
         if (c->is_free) {
-            q = q0 + fabs(u0 * tau) + fabs(load * (tau * tau / 2));
+            q = q0 + fabs(y->u0 * tau) + fabs(load * (tau * tau / 2));
             u = u0 + fabs(load * tau);
         } else {
-            q = q0 + fabs(f->u0[m] * f->impulse[m]) + fabs(load * f->steady[m]);
-            u = u0 + fabs(f->q0[m] * f->stiff[m]) + fabs(load * f->impulse[m]);
+            q = q0 + fabs(y->u0 * y->impulse) + fabs(load * y->steady);
+            u = u0 + fabs(y->q0 * y->stiff) + fabs(load * y->impulse);
         }
-        for (i = 0; i < c->driven_count; i++) {
-            const double *response = f->responses + 4 * (m * r->harmonic_count + i);
-            double size = c->sizes[i];
-            q = q + size * (fabs(response[0]) + fabs(response[1]));
-            u = u + size * (fabs(response[2]) + fabs(response[3]));
+        for (i = 0; i < c->drive_count; i++) {
+            const Response *response = &y->responses[i];
+            double size = c->drives[i].size;
+            q = q + size * (fabs(response->hc) + fabs(response->hs));
+            u = u + size * (fabs(response->dc) + fabs(response->ds));
         }
-        f->scale_q[m] = q;
-        f->scale_u[m] = u;
+        y->scale_q = q;
+        y->scale_u = u;
     }
 }
 
-/* Sum over harmonics of order n of the load on a coordinate; moves `sines` and `cosines` on to the next order. */
-static double load_order(const Run *r, const Coordinate *c, int n, double *sines, double *cosines)
+/* Adds a harmonic load of amplitudes `sine` and `cosine` to the orders n - 2 of d; `turn` and `next` are sine and cosine here. */
+static inline void drive_jet(double *d, int count, double sine, double cosine, double omega, double turn, double next)
 {
-    const ClosedForm *f = &r->closed_form;
-    double total = 0.0;
-    int i;
-    for (i = 0; i < c->driven_count; i++) {
-        int h = c->driven[i];
-        double turns[4];
-        turns[0] = f->sines[h];
-        turns[1] = f->cosines[h];
-        turns[2] = -f->sines[h];
-        turns[3] = -f->cosines[h];
-        total = total + (sines[i] * turns[n % 4] + cosines[i] * turns[(n + 1) % 4]);
-        sines[i] = sines[i] * r->harmonics[h].omega;
-        cosines[i] = cosines[i] * r->harmonics[h].omega;
+    int n;
+    for (n = 2; n <= count; n++) {
+        double before = turn;
+        d[n] = d[n] + (sine * turn + cosine * next);
+        sine = sine * omega;
+        cosine = cosine * omega;
+        turn = next;
+        next = -before;
     }
-    return total;
 }
 
-static void jet_of(Run *r, const Coordinate *c, int m, int count)
+static void jet_of(const ClosedForm *f, const Coordinate *c, Motion *y, int count)
 {
-    ClosedForm *f = &r->closed_form;
     const double twice = 2 * c->a, b = c->b;
-    double *d = f->jets[m], sine = 0, cosine = 0, turn = 0, next_turn = 0, omega = 0, load = f->load[m];
-    double sines[64], cosines[64];
-    int one = c->driven_count == 1, i, n;
-    d[0] = f->q[m];
-    d[1] = f->u[m];
-    if (count < 2)
-        return;
-    for (i = 0; i < c->driven_count; i++) {
-        sines[i] = c->sines[c->driven[i]];
-        cosines[i] = c->cosines[c->driven[i]];
+    double *d = y->jet;
+    int i, n;
+    for (n = 2; n <= count; n++)
+        d[n] = 0.0;
+    for (i = 0; i < c->drive_count; i++) {
+        const Drive *drive = &c->drives[i];
+        drive_jet(d, count, drive->sine, drive->cosine, drive->oscillator.omega, f->sines[drive->harmonic], f->cosines[drive->harmonic]);
     }
-    if (one) {
-        int h = c->driven[0];
-        sine = sines[0];
-        cosine = cosines[0];
-        turn = f->sines[h];
-        next_turn = f->cosines[h];
-        omega = r->harmonics[h].omega;
-    }
-    for (n = 0; n < count - 1; n++) {
-        double term = 0.0, before = turn;
-        if (one) {
-            term = sine * turn + cosine * next_turn;
-            sine = sine * omega;
-            cosine = cosine * omega;
-            turn = next_turn;
-            next_turn = -before;
-        } else if (c->driven_count > 0) {
-            term = load_order(r, c, n, sines, cosines);
+    if (!c->is_free)
+        for (n = 2; n <= count; n++) {
+            d[n] = d[n] - twice * d[n - 1] - b * d[n - 2];
+            if (n == 2)
+                d[2] = d[2] + y->load;
         }
-        if (!c->is_free)
-            term = term - twice * d[n + 1] - b * d[n];
-        d[n + 2] = n == 0 ? term + load : term;
-    }
+    else if (count >= 2)
+        d[2] = d[2] + y->load;
 }
 
 /* Derivatives of the coordinates as far as the event functions' n-th and a bound of it ask for them. */
@@ -249,7 +229,8 @@ void closed_form_jets(Run *r, int n)
     const Modal *modal = r->mode->modal;
     int count = n + 3, m, i;
     for (m = 0; m < modal->count; m++)
-        jet_of(r, &modal->coordinates[m], m, n + 1 + modal->coordinates[m].depth);
+        if (n + modal->coordinates[m].depth > 0) /* values and rates are there */
+            jet_of(f, &modal->coordinates[m], &f->motions[m], n + 1 + modal->coordinates[m].depth);
     if (r->base_count == 0)
         return;
     for (n = 0; n <= count; n++)
@@ -275,7 +256,7 @@ void closed_form_state_after(Run *r, double tau, State *out)
 {
     const ClosedForm *f = &r->closed_form;
     const Modal *modal = r->mode->modal;
-    const double *q = f->q, *u = f->u;
+    const Motion *y = f->motions;
     double X = 0.0, V = 0.0;
     int c, i;
     closed_form_evaluate(r, tau);
@@ -285,11 +266,11 @@ void closed_form_state_after(Run *r, double tau, State *out)
     out->phase = out->turns = out->w = 0.0;
     for (c = 0; c < r->bodies; c++) {
         const Place *place = &modal->places[c];
-        const Share *share = &modal->shares[place->first_share];
+        const Share *share = place->share;
         double position = f->rest[c], rate = -0.0;
         for (i = 0; i < place->shares; i++, share++) {
-            position = position + share->share * q[share->m];
-            rate = rate + share->share * u[share->m];
+            position = position + share->share * y[share->m].jet[0];
+            rate = rate + share->share * y[share->m].jet[1];
         }
         out->x[c] = place->base ? position + X : position;
         out->v[c] = place->base ? rate + V : place->shares ? rate : 0.0;

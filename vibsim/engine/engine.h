@@ -78,23 +78,32 @@ typedef struct {
     int first, count;
 } Shift;
 
-/* One modal coordinate: q'' + 2 a q' + b q = load + sum_h (sine_h sin + cosine_h cos). */
+/* A harmonic load on a coordinate: sine sin + cosine cos; size = |sine| + |cosine|. */
 typedef struct {
-    double a, b, load, *sines, *cosines, *sizes, *forced; /* sizes: |sine| + |cosine|, by driven harmonic */
-    Oscillator *oscillators;
-    int *driven, driven_count, is_free, first_source, sources, first_shift, shifts;
-    int depth; /* orders beyond the event functions' own that these read of its derivatives; RATE_ALONE: nothing but q' */
-} Coordinate;
+    double sine, cosine, size;
+    int harmonic;
+    Oscillator oscillator;
+} Drive;
 
-/* A column, or a difference of columns: sum share q_m + signed start positions + base X(t). */
+/* One modal coordinate: q'' + 2 a q' + b q = load + its drives. */
 typedef struct {
-    int first_share, shares, first_fixed, fixed, base;
-} Place;
+    double a, b, load, forced[JET + 1]; /* forced: by n, sum of size omega^n / 2 */
+    int is_free, first_source, sources, first_shift, shifts, drive_count;
+    int depth; /* orders beyond the event functions' own that these read of its derivatives; RATE_ALONE: nothing but q' */
+    Drive *drives;
+    Oscillator oscillator;
+} Coordinate;
 
 typedef struct {
     double share;
     int m;
 } Share;
+
+/* A column, or a difference of columns: sum share q_m + signed start positions + base X(t). */
+typedef struct {
+    int first_share, shares, first_fixed, fixed, base;
+    const Share *share;
+} Place;
 
 typedef struct {
     int column, sign;
@@ -175,10 +184,20 @@ typedef struct {
 } Search;
 
 typedef struct {
-    double *q0, *u0, *load, *q, *u, *stiff, *impulse, *steady, *scale_q, *scale_u; /* by coordinate */
-    double *load_sine, *load_cosine, *responses;                                  /* by coordinate and harmonic */
-    double *sin0, *cos0, *sines, *cosines, *sine, *cosine;                        /* by harmonic */
-    double *x0, *v0, *rest, (*jets)[JET + 1], base[JET + 1], tau; /* rest: of each body, what does not move in this segment */
+    double load_sine, load_cosine, hc, hs, dc, ds;
+} Response;
+
+/* A coordinate in the present segment: its derivatives, start, and the terms that make it at the point evaluated last. */
+typedef struct {
+    double jet[JET + 1], q0, u0, load, stiff, impulse, steady, scale_q, scale_u;
+    Response *responses; /* by drive */
+} Motion;
+
+typedef struct {
+    Motion *motions; /* by coordinate */
+    Response *responses;
+    double *sin0, *cos0, *sines, *cosines, *sine, *cosine; /* by harmonic: at the anchor, here, and of the angle between */
+    double *x0, *v0, *rest, base[JET + 1], tau; /* rest: of each body, what does not move in this segment */
     Search search;
 } ClosedForm;
 

@@ -10,7 +10,7 @@ static double difference(const Run *r, int pair, int n)
     int i;
     for (i = 0; i < p->shares; i++) {
         const Share *share = &modal->shares[p->first_share + i];
-        double part = share->share * f->jets[share->m][n];
+        double part = share->share * f->motions[share->m].jet[n];
         total = i == 0 ? part : total + part;
     }
     if (n == 0)
@@ -24,7 +24,7 @@ static double difference(const Run *r, int pair, int n)
 /* n-th derivative of a sum that is a single term of one coordinate. */
 static inline double single_derivative(const Run *r, const Single *s, int n)
 {
-    const double *d = r->closed_form.jets[s->m];
+    const double *d = r->closed_form.motions[s->m].jet;
     double force;
     if (s->kind == DIFFERENCE)
         return s->coefficient * (s->share * d[n]);
@@ -72,7 +72,7 @@ static double column_derivative(const Run *r, int c, int n)
     int i;
     for (i = 0; i < place->shares; i++) {
         const Share *share = &modal->shares[place->first_share + i];
-        total = total + share->share * r->closed_form.jets[share->m][n];
+        total = total + share->share * r->closed_form.motions[share->m].jet[n];
     }
     return total;
 }
@@ -167,8 +167,8 @@ static double load_bound(const Run *r, int column, int n)
 static double coordinate_bound(const Run *r, int m, int n, double reach)
 {
     const Coordinate *c = &r->mode->modal->coordinates[m];
-    const double *d = r->closed_form.jets[m];
-    double w0 = c->oscillators[0].w0, size = fabs(d[n]) + fabs(d[n + 1]) * reach;
+    const double *d = r->closed_form.motions[m].jet;
+    double w0 = c->oscillator.w0, size = fabs(d[n]) + fabs(d[n + 1]) * reach;
     if (w0 > 0) {
         double energy = fabs(d[n]) + fabs(d[n + 1]) / w0;
         if (energy < size)
@@ -265,12 +265,12 @@ static double difference_scale(const Run *r, int pair, int order)
     const ClosedForm *f = &r->closed_form;
     const Modal *modal = r->mode->modal;
     const Place *p = &modal->pairs[pair];
-    const double *scales = order == 0 ? f->scale_q : f->scale_u;
     double total = 0.0;
     int i;
     for (i = 0; i < p->shares; i++) {
         const Share *share = &modal->shares[p->first_share + i];
-        double part = fabs(share->share) * scales[share->m];
+        const Motion *y = &f->motions[share->m];
+        double part = fabs(share->share) * (order == 0 ? y->scale_q : y->scale_u);
         total = i == 0 ? part : total + part;
     }
     if (order == 0)
@@ -306,9 +306,10 @@ static double term_scale(const Run *r, const Term *t)
 
 static inline double single_scale(const ClosedForm *f, const Single *s)
 {
-    double share = fabs(s->share), size = share * (s->kind == RATE ? f->scale_u[s->m] : f->scale_q[s->m]);
+    const Motion *y = &f->motions[s->m];
+    double share = fabs(s->share), size = share * (s->kind == RATE ? y->scale_u : y->scale_q);
     if (s->kind == COUPLING)
-        size = s->k * size + s->c * (share * f->scale_u[s->m]) + fabs(s->offset);
+        size = s->k * size + s->c * (share * y->scale_u) + fabs(s->offset);
     return fabs(s->coefficient) * size;
 }
 

@@ -28,18 +28,17 @@ static int room_for_flows(Run *r)
 {
     Taylor *f = &r->taylor;
     ClosedForm *c = &r->closed_form;
-    size_t n = (size_t)r->bodies, columns = n + 2, row = 2 * (n + 3), coordinates = 2 * n + 2, harmonics = (size_t)r->harmonic_count + 1;
+    size_t n = (size_t)r->bodies, columns = n + 2, row = 2 * (n + 3), coordinates = 2 * n + 2, harmonics = (size_t)r->harmonic_count + 1, i;
     f->table = room((SERIES + 1) * row, sizeof(double));
     f->loaded_on = room(columns, sizeof(double *));
     f->load = room(columns * SERIES, sizeof(double));
     r->force = room(columns, sizeof(double));
     r->state.x = room(6 * n, sizeof(double));
-    c->q0 = room(coordinates * 10, sizeof(double));
-    c->load_sine = room(coordinates * harmonics * 6, sizeof(double));
+    c->motions = room(coordinates, sizeof(Motion));
+    c->responses = room(coordinates * harmonics, sizeof(Response));
     c->sin0 = room(harmonics * 6, sizeof(double));
     c->x0 = room(3 * columns, sizeof(double));
-    c->jets = room(coordinates, sizeof *c->jets);
-    if (!f->table || !f->loaded_on || !f->load || !r->force || !r->state.x || !c->q0 || !c->load_sine || !c->sin0 || !c->x0 || !c->jets)
+    if (!f->table || !f->loaded_on || !f->load || !r->force || !r->state.x || !c->motions || !c->responses || !c->sin0 || !c->x0)
         return 0;
     f->values = f->table + SERIES * row;
     r->state.v = r->state.x + n;
@@ -47,17 +46,8 @@ static int room_for_flows(Run *r)
     r->next.v = r->state.x + 3 * n;
     r->scratch.x = r->state.x + 4 * n;
     r->scratch.v = r->state.x + 5 * n;
-    c->u0 = c->q0 + coordinates;
-    c->load = c->u0 + coordinates;
-    c->q = c->load + coordinates;
-    c->u = c->q + coordinates;
-    c->stiff = c->u + coordinates;
-    c->impulse = c->stiff + coordinates;
-    c->steady = c->impulse + coordinates;
-    c->scale_q = c->steady + coordinates;
-    c->scale_u = c->scale_q + coordinates;
-    c->load_cosine = c->load_sine + coordinates * harmonics;
-    c->responses = c->load_cosine + coordinates * harmonics;
+    for (i = 0; i < coordinates; i++)
+        c->motions[i].responses = c->responses + i * harmonics;
     c->cos0 = c->sin0 + harmonics;
     c->sines = c->cos0 + harmonics;
     c->cosines = c->sines + harmonics;
@@ -165,18 +155,19 @@ static void read_terms(Reader *in, Term *terms, int count, const Run *r, int cou
     }
 }
 
-static void read_place(Reader *in, Place *p, int shares, int fixed)
+static void read_place(Reader *in, Place *p, int shares, int fixed, const Share *all)
 {
     p->first_share = read_index(in, 0, shares);
     p->shares = read_index(in, 0, shares - p->first_share);
     p->first_fixed = read_index(in, 0, fixed);
     p->fixed = read_index(in, 0, fixed - p->first_fixed);
     p->base = read_index(in, -1, 1);
+    p->share = all + p->first_share;
 }
 
 static int read_coordinate(Reader *in, const Run *r, Coordinate *c, int sources, int shifts)
 {
-    int h, i, n;
+    int h, n;
     c->is_free = read_index(in, 0, 1);
     c->first_source = read_index(in, 0, sources);
     c->sources = read_index(in, 0, sources - c->first_source);
@@ -185,34 +176,34 @@ static int read_coordinate(Reader *in, const Run *r, Coordinate *c, int sources,
     c->a = read_double(in);
     c->b = read_double(in);
     c->load = read_double(in);
-    c->sines = room((size_t)(3 * r->harmonic_count + JET + 1), sizeof(double));
-    c->driven = room((size_t)r->harmonic_count, sizeof(int));
-    if (!c->sines || !c->driven)
+    c->drives = room((size_t)r->harmonic_count, sizeof(Drive));
+    if (!c->drives)
         return 0;
-    c->cosines = c->sines + r->harmonic_count;
-    c->sizes = c->cosines + r->harmonic_count;
-    c->forced = c->sizes + r->harmonic_count;
     for (h = 0; h < r->harmonic_count; h++)
-        c->sines[h] = read_double(in);
+        c->drives[h].sine = read_double(in);
     for (h = 0; h < r->harmonic_count; h++)
-        c->cosines[h] = read_double(in);
-    for (h = 0; h < r->harmonic_count; h++)
-        if (c->sines[h] != 0 || c->cosines[h] != 0)
-            c->driven[c->driven_count++] = h;
-    n = c->driven_count > 0 ? c->driven_count : 1;
-    c->oscillators = room((size_t)n, sizeof(Oscillator));
-    if (!c->oscillators)
-        return 0;
-    for (i = 0; i < n; i++)
-        oscillator_set(&c->oscillators[i], c->a, c->b, c->driven_count > 0 ? r->harmonics[c->driven[i]].omega : 0.0);
-    for (i = 0; i < c->driven_count; i++) {
-        double size = c->sizes[i] = fabs(c->sines[c->driven[i]]) + fabs(c->cosines[c->driven[i]]);
-        size = size / 2;
+        c->drives[h].cosine = read_double(in);
+    for (h = 0; h < r->harmonic_count; h++) {
+        Drive *drive = &c->drives[c->drive_count];
+        double size;
+        if (c->drives[h].sine == 0 && c->drives[h].cosine == 0)
+            continue;
+        drive->sine = c->drives[h].sine;
+        drive->cosine = c->drives[h].cosine;
+        drive->harmonic = h;
+        drive->size = fabs(drive->sine) + fabs(drive->cosine);
+        oscillator_set(&drive->oscillator, c->a, c->b, r->harmonics[h].omega);
+        size = drive->size / 2;
         for (n = 0; n < JET_ORDER + 3; n++) {
-            c->forced[n] = i == 0 ? size : c->forced[n] + size;
-            size = size * r->harmonics[c->driven[i]].omega;
+            c->forced[n] = c->drive_count == 0 ? size : c->forced[n] + size;
+            size = size * r->harmonics[h].omega;
         }
+        c->drive_count++;
     }
+    if (c->drive_count > 0)
+        c->oscillator = c->drives[0].oscillator;
+    else
+        oscillator_set(&c->oscillator, c->a, c->b, 0.0);
     return 1;
 }
 
@@ -256,7 +247,7 @@ static Modal *modal_read(const Run *r, Reader *in, int pairs)
         m->fixed[i].sign = read_index(in, -2, 2);
     }
     for (i = 0; i < r->columns + pairs; i++)
-        read_place(in, &m->places[i], shares, fixed);
+        read_place(in, &m->places[i], shares, fixed, m->shares);
     m->pace = 0.0;
     m->window = read_double(in);
     for (i = 0; i < count; i++) {
@@ -264,8 +255,8 @@ static Modal *modal_read(const Run *r, Reader *in, int pairs)
             in->short_of = 1;
             return m;
         }
-        if (m->coordinates[i].oscillators[0].w0 > m->pace)
-            m->pace = m->coordinates[i].oscillators[0].w0;
+        if (m->coordinates[i].oscillator.w0 > m->pace)
+            m->pace = m->coordinates[i].oscillator.w0;
     }
     return m;
 }
@@ -275,7 +266,7 @@ static void reach(Modal *modal, const Place *p, int depth)
 {
     int i;
     for (i = 0; i < p->shares; i++) {
-        Coordinate *c = &modal->coordinates[modal->shares[p->first_share + i].m];
+        Coordinate *c = &modal->coordinates[p->share[i].m];
         c->depth = depth > c->depth ? depth : c->depth;
     }
 }
@@ -477,11 +468,8 @@ void mode_free(Mode *m)
     if (!m)
         return;
     if (m->modal) {
-        for (i = 0; m->modal->coordinates && i < m->modal->count; i++) {
-            free(m->modal->coordinates[i].sines);
-            free(m->modal->coordinates[i].driven);
-            free(m->modal->coordinates[i].oscillators);
-        }
+        for (i = 0; m->modal->coordinates && i < m->modal->count; i++) 
+            free(m->modal->coordinates[i].drives);
         free(m->modal->coordinates);
         free(m->modal->sources);
         free(m->modal->shifts);
@@ -555,11 +543,10 @@ void run_free(Run *r)
     free(r->taylor.load);
     free(r->taylor.loaded_on);
     free(r->taylor.loaded);
-    free(r->closed_form.q0);
-    free(r->closed_form.load_sine);
+    free(r->closed_form.motions);
+    free(r->closed_form.responses);
     free(r->closed_form.sin0);
     free(r->closed_form.x0);
-    free(r->closed_form.jets);
     free(r->closed_form.search.watched);
     free(r->closed_form.search.residues);
     free(r->closed_form.search.events);
