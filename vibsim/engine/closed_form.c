@@ -1,6 +1,7 @@
 /* The closed-form flow; twin of vibsim/engine/closed_form.py. */
 #include "engine.h"
 #include "numbers.h"
+#include "responses.h"
 
 static double fixed_sum(const Run *r, int first, int count)
 {
@@ -268,9 +269,10 @@ void closed_form_state_after(Run *r, double tau, State *out)
         const Place *place = &modal->places[c];
         const Share *share = place->share;
         double position = f->rest[c], rate = -0.0;
-        for (i = 0; i < place->shares; i++, share++) {
-            position = position + share->share * y[share->m].jet[0];
-            rate = rate + share->share * y[share->m].jet[1];
+        for (i = place->shares; i > 0; i--, share++) {
+            const double *jet = y[share->m].jet;
+            position = position + share->share * jet[0];
+            rate = rate + share->share * jet[1];
         }
         out->x[c] = place->base ? position + X : position;
         out->v[c] = place->base ? rate + V : place->shares ? rate : 0.0;

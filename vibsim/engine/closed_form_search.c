@@ -1,6 +1,6 @@
 /* Certified first event on the closed-form flow; twin of vibsim/engine/closed_form_search.py. */
 #include "certificate.h"
-#include "engine.h"
+#include "event_functions.h"
 #include "first_root.h"
 #include "turning_point.h"
 

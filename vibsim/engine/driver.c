@@ -7,7 +7,7 @@
  */
 #include <string.h>
 
-#include "engine.h"
+#include "event_functions.h"
 #include "numbers.h"
 
 #define EVENTS_AT_ONE_INSTANT 64

@@ -38,12 +38,12 @@ typedef struct {
     int kind, P, Q, pair, from, to; /* ...; places in the table of Taylor series, -1 for the ground */
 } Term;
 
-/* A sum that is one term only, and that of one modal coordinate: coefficient times share q, its rate, or k share q + c share q' +
- * offset. kind: of the term; NOTHING where a sum is more than that.
+/* A sum that is one term only, and that of y = share q, or share q + other_share q of a second coordinate: coefficient times y, its
+ * rate, or k y + c y' + offset. kind: of the term; NOTHING where a sum is more than that. other: NOTHING without a second one.
  */
 typedef struct {
-    double coefficient, share, k, c, offset;
-    int kind, m;
+    double coefficient, share, other_share, k, c, offset;
+    int kind, m, other;
 } Single;
 
 /* One group's share in the first derivative of a sliding velocity: factor (sum of terms + constants) / mass. */
@@ -264,11 +264,6 @@ static inline int base_column(const Run *r)
 
 /* responses.c */
 void oscillator_set(Oscillator *o, double a, double b, double omega);
-void release_and_impulse(const Oscillator *o, double t, double *release, double *impulse);
-double constant_response(const Oscillator *o, double t, double release);
-void harmonic_response(const Oscillator *o, double t, double release, double impulse, double cosine, double sine,
-                       double *hc, double *hs, double *dc, double *ds);
-void free_harmonic_response(const Oscillator *point, double t, double cosine, double sine, double *hc, double *hs);
 
 /* polynomial_root.c; what became of the search for a zero within a step */
 enum { POSITIVE, ZERO, UNFINISHED };
@@ -293,12 +288,6 @@ void closed_form_evaluate(Run *r, double tau);
 void closed_form_measure(Run *r);
 void closed_form_jets(Run *r, int n);
 void closed_form_state_after(Run *r, double tau, State *out);
-
-/* event_functions.c; at the point whose jets were taken last, to the orders that those were taken for */
-double event_derivative(const Run *r, const Event *e, int n);
-double event_bound(const Run *r, const Event *e, int n, double reach);
-double event_noise(const Run *r, const Event *e);
-double base_bound(const Run *r, int n);
 
 /* closed_form_search.c */
 void closed_form_open(Run *r);

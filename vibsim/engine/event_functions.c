@@ -1,5 +1,5 @@
 /* Event functions of the closed-form flow; twin of vibsim/engine/event_functions.py. */
-#include "engine.h"
+#include "event_functions.h"
 
 static double difference(const Run *r, int pair, int n)
 {
@@ -19,19 +19,6 @@ static double difference(const Run *r, int pair, int n)
             total = total + fixed->sign * f->x0[fixed->column];
         }
     return p->base ? total + p->base * f->base[n] : total;
-}
-
-/* n-th derivative of a sum that is a single term of one coordinate. */
-static inline double single_derivative(const Run *r, const Single *s, int n)
-{
-    const double *d = r->closed_form.motions[s->m].jet;
-    double force;
-    if (s->kind == DIFFERENCE)
-        return s->coefficient * (s->share * d[n]);
-    if (s->kind == RATE)
-        return s->coefficient * (s->share * d[n + 1]);
-    force = s->k * (s->share * d[n]) + s->c * (s->share * d[n + 1]);
-    return s->coefficient * (n == 0 ? force + s->offset : force);
 }
 
 /* n-th derivative of the force on a column. */
@@ -96,7 +83,7 @@ static double term_derivative(const Run *r, const Term *t, int n)
     }
 }
 
-static double sum_of_terms(const Run *r, int first, int count, int n)
+double sum_of_terms(const Run *r, int first, int count, int n)
 {
     const Term *terms = r->mode->terms + first;
     double total = 0.0;
@@ -106,33 +93,6 @@ static double sum_of_terms(const Run *r, int first, int count, int n)
         total = i == 0 ? part : total + part;
     }
     return total;
-}
-
-double event_derivative(const Run *r, const Event *e, int n)
-{
-    double value, total = 0.0;
-    int i, k;
-    if (n > 0 && e->slopes > 0) {
-        for (i = 0; i < e->slopes; i++) {
-            const Slope *s = &r->mode->slopes[e->first_slope + i];
-            double force, part;
-            if (s->single.kind != NOTHING)
-                force = single_derivative(r, &s->single, n - 1);
-            else
-                force = sum_of_terms(r, s->first, s->terms, n - 1);
-            if (n == 1)
-                for (k = 0; k < s->constants; k++)
-                    force = force + r->mode->slope_constants[s->first_constant + k];
-            part = s->factor * force / s->mass;
-            total = i == 0 ? part : total + part;
-        }
-        return total;
-    }
-    if (e->single.kind != NOTHING)
-        value = single_derivative(r, &e->single, n);
-    else
-        value = sum_of_terms(r, e->first, e->terms, n);
-    return n == 0 ? value + e->constant : value;
 }
 
 static double harmonics_bound(const Harmonic *terms, int count, int n)
@@ -161,28 +121,6 @@ static double load_bound(const Run *r, int column, int n)
                 total = total + size;
             }
     return total;
-}
-
-/* Bound of |q^(n)| up to `reach` ahead. */
-static double coordinate_bound(const Run *r, int m, int n, double reach)
-{
-    const Coordinate *c = &r->mode->modal->coordinates[m];
-    const double *d = r->closed_form.motions[m].jet;
-    double w0 = c->oscillator.w0, size = fabs(d[n]) + fabs(d[n + 1]) * reach;
-    if (w0 > 0) {
-        double energy = fabs(d[n]) + fabs(d[n + 1]) / w0;
-        if (energy < size)
-            size = energy;
-    }
-    return size + c->forced[n] * (reach * reach);
-}
-
-static inline double single_bound(const Run *r, const Single *s, int n, double reach)
-{
-    double share = fabs(s->share), size = share * coordinate_bound(r, s->m, s->kind == RATE ? n + 1 : n, reach);
-    if (s->kind == COUPLING)
-        size = s->k * size + s->c * (share * coordinate_bound(r, s->m, n + 1, reach));
-    return fabs(s->coefficient) * size;
 }
 
 static double difference_bound(const Run *r, int pair, int n, double reach)
@@ -227,34 +165,13 @@ static double term_bound(const Run *r, const Term *t, int n, double reach)
     }
 }
 
-static double bound_of_sum(const Run *r, int first, int count, int n, double reach)
+double bound_of_sum(const Run *r, int first, int count, int n, double reach)
 {
     const Term *terms = r->mode->terms + first;
     double total = 0.0;
     int i;
     for (i = 0; i < count; i++) {
         double part = fabs(terms[i].coefficient) * term_bound(r, &terms[i], n, reach);
-        total = i == 0 ? part : total + part;
-    }
-    return total;
-}
-
-double event_bound(const Run *r, const Event *e, int n, double reach)
-{
-    double total = 0.0;
-    int i;
-    if (e->slopes == 0 && e->single.kind != NOTHING)
-        return single_bound(r, &e->single, n, reach);
-    if (e->slopes == 0)
-        return bound_of_sum(r, e->first, e->terms, n, reach);
-    for (i = 0; i < e->slopes; i++) {
-        const Slope *s = &r->mode->slopes[e->first_slope + i];
-        double part;
-        if (s->single.kind != NOTHING)
-            part = single_bound(r, &s->single, n - 1, reach);
-        else
-            part = bound_of_sum(r, s->first, s->terms, n - 1, reach);
-        part = fabs(s->factor) * part / s->mass;
         total = i == 0 ? part : total + part;
     }
     return total;
@@ -304,26 +221,14 @@ static double term_scale(const Run *r, const Term *t)
     }
 }
 
-static inline double single_scale(const ClosedForm *f, const Single *s)
+double scale_of_sum(const Run *r, int first, int count)
 {
-    const Motion *y = &f->motions[s->m];
-    double share = fabs(s->share), size = share * (s->kind == RATE ? y->scale_u : y->scale_q);
-    if (s->kind == COUPLING)
-        size = s->k * size + s->c * (share * y->scale_u) + fabs(s->offset);
-    return fabs(s->coefficient) * size;
-}
-
-double event_noise(const Run *r, const Event *e)
-{
-    const Modal *modal = r->mode->modal;
-    const Term *terms = r->mode->terms + e->first;
-    double unit = EPS * (16 + modal->pace * r->closed_form.tau), total = 0.0;
+    const Term *terms = r->mode->terms + first;
+    double total = 0.0;
     int i;
-    if (e->single.kind != NOTHING)
-        return unit * (single_scale(&r->closed_form, &e->single) + e->size);
-    for (i = 0; i < e->terms; i++) {
+    for (i = 0; i < count; i++) {
         double part = fabs(terms[i].coefficient) * term_scale(r, &terms[i]);
         total = i == 0 ? part : total + part;
     }
-    return unit * (e->terms == 0 ? e->size : total + e->size);
+    return total;
 }

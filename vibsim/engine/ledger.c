@@ -1,6 +1,7 @@
 /* The ledgers of energy and momentum; twin of vibsim/engine/ledger.py. */
 #include <string.h>
 
+#include "event_functions.h"
 #include "gauss_nodes.h"
 #include "numbers.h"
 

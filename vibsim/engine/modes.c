@@ -286,7 +286,7 @@ static void reach_terms(Mode *m, const Term *terms, int count, int less)
     }
 }
 
-static const Single no_single = {0, 0, 0, 0, 0, NOTHING, 0};
+static const Single no_single = {0, 0, 0, 0, 0, 0, NOTHING, 0, NOTHING};
 
 static Single single_of(const Mode *m, const Term *terms, int count)
 {
@@ -295,12 +295,16 @@ static Single single_of(const Mode *m, const Term *terms, int count)
     if (count != 1 || terms->kind > COUPLING)
         return s;
     p = &m->modal->pairs[terms->kind == COUPLING ? m->couplings[terms->P].pair : terms->pair];
-    if (p->shares != 1 || p->fixed || p->base)
+    if (p->shares < 1 || p->shares > 2 || p->fixed || p->base)
         return s;
     s.kind = terms->kind;
     s.coefficient = terms->coefficient;
-    s.m = m->modal->shares[p->first_share].m;
-    s.share = m->modal->shares[p->first_share].share;
+    s.m = p->share[0].m;
+    s.share = p->share[0].share;
+    if (p->shares > 1) {
+        s.other = p->share[1].m;
+        s.other_share = p->share[1].share;
+    }
     if (s.kind == COUPLING) {
         s.k = m->couplings[terms->P].k;
         s.c = m->couplings[terms->P].c;

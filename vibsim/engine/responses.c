@@ -1,9 +1,8 @@
 /* Responses of one damped oscillator; twin of vibsim/flows/responses.py. */
 #include "engine.h"
 #include "numbers.h"
+#include "responses.h"
 
-#define QUARTER 0.25
-#define RESONANT 0.01
 #define UNHURRIED 1e100
 
 static void series_coefficients(const Oscillator *o, double omega, double *real, double *imag)
@@ -58,39 +57,6 @@ void oscillator_set(Oscillator *o, double a, double b, double omega)
     series_coefficients(o, omega, o->real_series, o->imag_series);
 }
 
-void release_and_impulse(const Oscillator *o, double t, double *release, double *impulse)
-{
-    double decay;
-    if (o->oscillates) {
-        double angle = o->wd * t, sine = sin(angle), cosine = cos(angle);
-        decay = exp(-(o->a * t));
-        *impulse = angle != 0 ? decay * (sine * o->per_wd) : decay * t;
-        *release = decay * cosine + o->a * *impulse;
-        return;
-    }
-    decay = exp(o->slow * t);
-    *impulse = decay * (expm1(-(2 * (o->wd * t))) / -(2 * o->wd));
-    *release = decay - o->slow * *impulse;
-}
-
-static void series_response(const Oscillator *o, double t, double *hc, double *hs)
-{
-    double square = t * t, angle = o->rate * t;
-    *hc = square * horner(o->real_series, SERIES_TERMS, angle);
-    *hs = square * horner(o->imag_series, SERIES_TERMS, angle);
-}
-
-double constant_response(const Oscillator *o, double t, double release)
-{
-    if (o->settling * (t * t) >= QUARTER)
-        return (1 - release) * o->per_b;
-    if (!o->oscillates && o->wd * t >= 0.5) {
-        double slow = o->slow != 0 ? expm1(o->slow * t) / o->slow : t;
-        return (slow - expm1(o->fast * t) / o->fast) / (2 * o->wd);
-    }
-    return t * t * horner(o->steady_series, SERIES_TERMS, o->rate * t);
-}
-
 static void sinhc(double p, double q, double *re, double *im)
 {
     double zz = p * p + q * q, nr, ni;
@@ -105,7 +71,7 @@ static void sinhc(double p, double q, double *re, double *im)
     *im = (ni * p - nr * q) / zz;
 }
 
-static void confluent(const Oscillator *o, double t, double cosine, double sine, double *hc, double *hs)
+void confluent_response(const Oscillator *o, double t, double cosine, double sine, double *hc, double *hs)
 {
     double real1 = o->slow, imag1 = 0, real2 = o->fast, imag2 = 0;
     double p, q, mean, qr, qi, scale, mr, mi, e1r, e1i, decay, nr, ni, dr, di, dd, hr, hi;
@@ -139,38 +105,4 @@ static void confluent(const Oscillator *o, double t, double cosine, double sine,
     }
     *hc = hr / (2 * o->wd);
     *hs = hi / (2 * o->wd);
-}
-
-void harmonic_response(const Oscillator *o, double t, double release, double impulse, double cosine, double sine,
-                       double *hc, double *hs, double *dc, double *ds)
-{
-    double square = t * t, detuning = o->wd - o->omega;
-    int resonant = o->oscillates && (o->a * o->a + detuning * detuning) * square < RESONANT;
-    if (o->beating * (square * square) >= QUARTER * QUARTER && !resonant) {
-        double nr = cosine - release, ni = sine - o->omega * impulse, vr, vi;
-        *hc = nr * o->inverse_r + ni * o->inverse_i;
-        *hs = ni * o->inverse_r - nr * o->inverse_i;
-        vr = o->b * impulse - o->omega * sine;
-        vi = o->omega * (cosine - (release - 2 * o->a * impulse));
-        *dc = vr * o->inverse_r + vi * o->inverse_i;
-        *ds = vi * o->inverse_r - vr * o->inverse_i;
-        return;
-    }
-    if (o->wd * t >= 0.5)
-        confluent(o, t, cosine, sine, hc, hs);
-    else
-        series_response(o, t, hc, hs);
-    *dc = impulse - o->omega * *hs;
-    *ds = o->omega * *hc;
-}
-
-void free_harmonic_response(const Oscillator *point, double t, double cosine, double sine, double *hc, double *hs)
-{
-    double angle = point->omega * t;
-    if (angle * angle >= QUARTER) {
-        *hc = (cosine - 1) * point->inverse_r;
-        *hs = (sine - angle) * point->inverse_r;
-        return;
-    }
-    series_response(point, t, hc, hs);
 }
