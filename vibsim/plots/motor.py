@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from vibsim.plots.motor_speed import SPEED
 from vibsim.plots.quantities import scale_for
 from vibsim.plots.sheet import legend_above, sheet
 from vibsim.plots.style import BLUE, nested
@@ -38,7 +39,7 @@ def motor_panel(axes: Axes, subjects: Sequence[Subject]) -> None:
             no_load, 0, "o", markersize=3, markerfacecolor="white", markeredgewidth=0.8, color=look["color"]
         )
     axes.axhline(0, color="0.8", linewidth=0.4, zorder=0)
-    axes.set_xlabel(r"Motor speed $\omega/2\pi$ (Hz)")
+    axes.set_xlabel(f"Motor speed {SPEED} (Hz)")
     axes.set_ylabel(scale.label("Motor torque"))
     legend_above(axes)
 

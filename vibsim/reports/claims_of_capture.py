@@ -18,7 +18,7 @@ from vibsim.reports.claim import (
 from vibsim.reports.evidence import capture_line, count_of, in_reading, mostly
 from vibsim.reports.paper_runs import MOTORS
 from vibsim.reports.quotes import said
-from vibsim.reports.wording import hz
+from vibsim.reports.wording import hz, words_of
 
 NEARLY = 0.02  # of Omega0
 NATURAL_HZ = 4.1
@@ -122,7 +122,9 @@ def sommerfeld(numbers: Numbers) -> Finding:
         for name in names
     )
     changed = in_reading(numbers, READINGS[0]) if reading and not printed else ""
-    return Finding(only_if(printed, reading), lines, names, condition=changed)
+    shows = [name for name in PRINTED if _lingers(numbers, name)]
+    remark = f"As printed {words_of(shows)} does so." if changed and shows else ""
+    return Finding(only_if(printed, reading), lines, names, condition=changed, remark=remark)
 
 
 def is_held(outcome: Numbers) -> bool:
@@ -153,15 +155,23 @@ def b_captured(numbers: Numbers) -> Finding:
     printed, reading = (_is_captured(numbers, name) for name in names)
     return Finding(
         only_if(printed, reading),
-        tuple(capture_line(numbers, name, "captured") for name in names),
+        tuple(
+            f"{capture_line(numbers, name)}; perturbed starts: captured in "
+            f"{count_of(numbers, name, is_captured)}"
+            for name in names
+        ),
         names,
         condition=in_reading(numbers, READINGS[0]) if reading and not printed else "",
     )
 
 
 def _is_captured(numbers: Numbers, name: str) -> bool:
-    captured = numbers["runs"][name]["capture"]["verdict"] == "captured"
-    return captured and mostly(numbers, name, lambda outcome: outcome.get("verdict") == "captured")
+    return is_captured(numbers["runs"][name]["capture"]) and mostly(numbers, name, is_captured)
+
+
+def is_captured(outcome: Numbers) -> bool:
+    """Whether the motor is held up to the end."""
+    return outcome.get("verdict") == "captured"
 
 
 def capture_frequency(numbers: Numbers) -> Finding:

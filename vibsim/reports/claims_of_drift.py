@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from vibsim.reports.claim import FAILS, HOLDS, ONLY_IF, OURS, PAPERS, Claim, Finding, Numbers, only_if
-from vibsim.reports.evidence import MOST, magnitudes, middle, share_above
-from vibsim.reports.paper_runs import EQUAL_FORCE, HERTZ, MOTORS, PRINTED
+from vibsim.reports.evidence import MOST, in_reading, magnitudes, middle, share_above
+from vibsim.reports.paper_runs import EQUAL_FORCE, HERTZ, MOTORS, PRINTED, READINGS
 from vibsim.reports.quotes import said
 from vibsim.reports.wording import drift_rate, mm, mm_per_s, percent, words_of
 
@@ -165,10 +165,11 @@ def rates_higher(numbers: Numbers) -> Finding:
     where = [hertz for (*_, hertz), each in zip(pairs, faster, strict=True) if each]
     lines = [_pair_line(numbers, motor, ideal) for motor, ideal, _ in pairs]
     lines += [_pair_line(numbers, motor, ideal) for motor, ideal in zip(MOTORS, EQUAL_FORCE, strict=True)]
+    lines += [_pair_line(numbers, motor, ideal) for motor, ideal in zip(READINGS, PRINTED[1:], strict=True)]
     return Finding(
         only_if(all(faster), any(faster)),
         tuple(lines),
-        (*MOTORS, *PRINTED, *EQUAL_FORCE),
+        (*MOTORS, *PRINTED, *EQUAL_FORCE, *READINGS),
         condition="" if all(faster) or not where else f"the frequency is {words_of(where, 'or')} Hz",
     )
 
@@ -190,14 +191,14 @@ def motor_drift_grows(numbers: Numbers) -> Finding:
 
 def drift_b_above_c(numbers: Numbers) -> Finding:
     """II-B against II-C, as printed and in the readings: by the ensembles, a chaotic drift being chance."""
-    printed, reading = ("II-B", "II-C"), ("II-B-captured", "II-C-escape")
+    printed, reading = ("II-B", "II-C"), READINGS
     verdict = only_if(_faster(numbers, *printed), _faster(numbers, *reading))
     rest = ", ".join(f"{name} {drift_rate(numbers['runs'][name]['drift'])}" for name in printed)
     return Finding(
         verdict,
         (f"from rest, second half: {rest}", _pair_line(numbers, *printed), _pair_line(numbers, *reading)),
         (*printed, *reading),
-        condition="the parameters are those of the readings" if verdict == ONLY_IF else "",
+        condition=in_reading(numbers, reading[0]) if verdict == ONLY_IF else "",
     )
 
 

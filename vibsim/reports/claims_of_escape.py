@@ -77,7 +77,7 @@ def c_escapes(numbers: Numbers) -> Finding:
 def _escape_lines(numbers: Numbers, name: str) -> tuple[str, str]:
     at, lasting = (count_of(numbers, name, true_of) for true_of in (is_released_at_100, is_held_for_100))
     return (
-        capture_line(numbers, name, "escaped"),
+        capture_line(numbers, name),
         f"{name}, perturbed starts: let go 67 to 150 s after the start in {at}, after a hold of 67 to 150 s "
         "in "
         f"{lasting}",
@@ -125,7 +125,8 @@ def _jumped(numbers: Numbers) -> str:
         return ""
     slow = sum(final < THROWN_BACK_HZ for final in finals)
     rest = f"; in {slow} the rotor is thrown back and has not run up again at 300 s" if slow else ""
-    return f"{len(finals)} perturbed starts escape: median of their final speeds {hz(median(finals))}{rest}."
+    middle = hz(median(finals))
+    return f"{len(finals)} perturbed starts are let go in time: median of their final speeds {middle}{rest}."
 
 
 def _in_trust(run: Numbers) -> str:

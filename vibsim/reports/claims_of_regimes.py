@@ -221,7 +221,9 @@ def period_one_motor(numbers: Numbers) -> Finding:
         f"one impact in each turn: {_from_rest(numbers, 'II-C')}; perturbed starts: {of_all(count, total)}",
     )
     holds = _one_each(numbers, "II-C") and count >= MOST * total
-    remark = "Other starts end in coexisting motions of longer period." if 0 < count < MOST * total else ""
+    alone = "From rest it is as the paper says. " if _one_each(numbers, "II-C") else ""
+    others = "Other starts end in coexisting motions of longer period."
+    remark = alone + others if 0 < count < MOST * total else ""
     return Finding(HOLDS if holds else FAILS, lines, ("II-C",), remark=remark)
 
 

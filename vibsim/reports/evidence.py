@@ -7,7 +7,7 @@ from itertools import product
 from statistics import median
 
 from vibsim.reports.claim import Numbers
-from vibsim.reports.wording import hz, mm, of_all, seconds
+from vibsim.reports.wording import hz, mm, of_all, seconds, typeset
 
 MOST = 0.8  # share of an ensemble that makes a property of the system: four in five
 
@@ -54,16 +54,14 @@ def share_above(numbers: Numbers, one: str, other: str, key: str) -> float:
     return sum(ours > theirs for ours, theirs in pairs) / len(pairs) if pairs else 0.0
 
 
-def capture_line(numbers: Numbers, name: str, wanted: str) -> str:
-    """Verdict, hold, how far the vibration has grown at its end, final speed, and the ensemble."""
+def capture_line(numbers: Numbers, name: str) -> str:
+    """Verdict, hold, how far the vibration has grown at its end, and final speed, from rest."""
     run = numbers["runs"][name]
     capture, held = run["capture"], ""
     if capture["since"] is not None:
         until = "the end" if capture["until"] is None else seconds(capture["until"])
         held = f", held at {hz(capture['speed_hz'])} from {seconds(capture['since'])} to {until}{_reach(run)}"
-    count = count_of(numbers, name, lambda outcome: outcome.get("verdict") == wanted)
-    final = f"final speed {hz(capture['final_speed_hz'])}"
-    return f"{name}: {capture['verdict']}{held}; {final}; perturbed starts: {wanted} in {count}"
+    return f"{name} from rest: {capture['verdict']}{held}; final speed {hz(capture['final_speed_hz'])}"
 
 
 def _reach(run: Numbers) -> str:
@@ -77,4 +75,6 @@ def _reach(run: Numbers) -> str:
 def in_reading(numbers: Numbers, name: str) -> str:
     """The numbers that a reading changes, in words."""
     changes = numbers["runs"][name]["changes"]
-    return " and ".join(f"{key} is {now} (printed: {printed})" for key, (now, printed) in changes.items())
+    return typeset(
+        " and ".join(f"{key} is {now} (printed: {printed})" for key, (now, printed) in changes.items())
+    )

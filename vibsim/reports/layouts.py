@@ -99,6 +99,8 @@ def draw_passage(sheet: Figure, subjects: Sequence[Subject]) -> None:
     panels = right.subplots(2, 1, sharex=True)
     displacement_frequency_panels(panels, subjects, WHOLE, moving(subjects))
     panels[-1].set_xlabel(f"Motor speed {SPEED} (Hz)")
+    for axes in panels:
+        axes.set_ylabel(axes.get_ylabel().removeprefix("Displacement "))
     letter_panels([speed, panels[0]])
     right.align_ylabels()
 

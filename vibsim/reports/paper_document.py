@@ -51,9 +51,9 @@ MECHANISM = (
 READ = (
     "Which other numbers would make the account hold? Readings are ranked by price: the mean shortfall of "
     "the statements over all starts, and 0.1 for each factor of 10 by which a number is changed (vibsim "
-    "fit). Each was run from rest and from 24 starts, x1 up to 1 mm to either side and the rotor anywhere; "
-    "a statement holds where it does from four of five. Table 1 has the amplitudes m3 e omega: a reading "
-    "that changes m3 or e contradicts it."
+    "fit), or for taking the stop away. Each was run from rest and from 24 starts, x1 up to 1 mm to either "
+    "side and the rotor anywhere; a statement holds where it does from four of five. Table 1 has the "
+    "amplitudes m3 e ω: a reading that changes m3 or e contradicts it."
 )
 FURTHEST, APART = f"{1e3 * EACH_WAY * STEP:g} mm", f"{1e3 * STEP:g} mm"
 STARTS = (

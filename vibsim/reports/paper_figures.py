@@ -90,8 +90,8 @@ def growth_figure() -> PaperFigure:
         "growth",
         "Growth",
         "How far the vibration has grown, in the two readings: the greatest x1 − x2 in each second.",
-        "Two rising curves that start together. The one of II-B-captured levels off; that of II-C-escape is "
-        "higher at any time, and drops when the motor escapes.",
+        "Two rising curves that start together. That of II-C-escape is the higher one until the motor "
+        "escapes, then falls; that of II-B-captured goes on and levels off.",
         tuple(READINGS.values()),
         5.6,
         draw_growth,

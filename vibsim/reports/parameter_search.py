@@ -16,6 +16,7 @@ from vibsim.fitting.plan import Search
 from vibsim.reports.measurements import Numbers
 from vibsim.reports.outcomes import Advance
 from vibsim.reports.paper_runs import Interrupted
+from vibsim.reports.without_stop import NO_STOP
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -39,7 +40,7 @@ STATEMENTS = (
     Said("II-C: x2 falls at least 10 %", "then falls by 10 %"),
     Said("II-B: held at 4 to 4.2 Hz", "II-B held at 4.1 Hz"),
 )
-NO_CONTACT = "G=1000 m"  # a gap that no motion closes: as if there were no stop
+WITHOUT_STOP = f"G={NO_STOP['stop.G']}"
 SHIPPED = "J=0.0085 kg m^2, c=0.0035 N s/m"  # II-B-captured, II-C-escape
 READINGS = (
     SHIPPED,
@@ -56,7 +57,7 @@ READINGS = (
     "M0=0.004 N m",
     "m3=54 g",
     "m3=62 g, c=0.00175 N s/m",
-    NO_CONTACT,
+    WITHOUT_STOP,
 )
 FREE = {"J": "0.5:20 g m^2", "c": "0.001:0.05 N s/m"}
 SPREAD = {"x1": "1 mm", "phi": "0:360 deg"}  # no more than the gap; where the rotor stands nobody says

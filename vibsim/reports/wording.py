@@ -52,3 +52,8 @@ def percent(share: float) -> str:
 def words_of(names: Sequence[str], last: str = "and") -> str:
     """A list in words: "a", "a and b", "a, b and c"."""
     return f" {last} ".join(part for part in (", ".join(names[:-1]), *names[-1:]) if part)
+
+
+def typeset(text: str) -> str:
+    """Squares of units as they are printed."""
+    return text.replace("^2", "²")
