@@ -200,3 +200,29 @@ def test_stuck_block_breaks_loose_where_its_force_passes_friction(method):
     expected = np.arcsin(N / A) / (2 * pi * f) + np.arange(20) / 2
     assert slips == pytest.approx(expected, rel=1e-14)
     assert result.totals["uncertified"] == 0
+
+
+@pytest.mark.parametrize("engine", ("python", "c"))
+@pytest.mark.parametrize("method", METHODS)
+def test_body_between_ground_and_moving_base_follows_the_stronger_friction(method, engine):
+    """Where the base rests for an instant the body rests against both, but cannot stick to both: the weaker
+    friction turns round. X = a sin(nu t), the body starts with the base.
+    """
+    a, nu, weak, strong = 0.01, pi, 0.02, 5.0
+
+    def rubbing(on_base, on_ground):
+        frictions = (
+            Friction("b", 0, BASE, on_base, on_base, 0.0),
+            Friction("g", 0, GROUND, on_ground, on_ground, 0.0),
+        )
+        body = [Body("m", 1.0, 0.0, a * nu)]
+        return run(scene(body, method, frictions=frictions, base=(harmonic(a, 0.5),), t_end=6.0), engine)
+
+    carried, braked = rubbing(strong, weak), rubbing(weak, strong)
+    assert np.abs(carried.samples["x_m"] - a * np.sin(nu * carried.samples["time"])).max() < 1e-15
+    assert np.ptp(braked.samples["x_m"][braked.samples["time"] > 0.1]) == 0.0
+    for result, part in ((carried, 1), (braked, 0)):
+        turns = result.events["kind"] == 3
+        assert result.events["t"][turns] == pytest.approx([0.5, 1.5, 2.5, 3.5, 4.5, 5.5], rel=1e-14)
+        assert (result.events["part"][turns] == part).all()
+        assert result.totals["uncertified"] == 0

@@ -253,15 +253,27 @@ class Automaton:
 
     def _settle(self, state, status, standing):
         """The status in which the frictions `standing` (v_rel = 0) stick or slip consistently."""
-        after = self._release(state, status, standing)
-        if after is not None:
-            return after
-        self._doubt(state)
+        possible = self._possible(self.maker.rows(status.with_frictions(dict.fromkeys(standing, STICK))))
+        if possible:
+            after = self._release(state, status, standing)
+            if after is not None:
+                return after
+            self._doubt(state)
         for choice in product((STICK, FORWARD, BACKWARD), repeat=len(standing)):
             candidate = status.with_frictions(dict(zip(standing, choice, strict=True)))
             if self._consistent(state, candidate, standing):
                 return candidate
+        if not possible:
+            self._doubt(state)
         return status.with_frictions(dict.fromkeys(standing, STICK))
+
+    def _possible(self, rows):
+        """Whether the ties of a mode can last: a base that moves cannot be tied to the ground, though it may
+        rest for an instant.
+        """
+        ground = self.maker.n
+        tied = rows.leader[ground + 1] == ground
+        return not (tied and any(term.amplitude != 0 for term in self.scene.base))
 
     def _release(self, state, status, standing):
         """All stick; then the ties of the cut that is overloaded most slip, and so on. None where that is not
@@ -318,6 +330,8 @@ class Automaton:
         return all(one >= 0 for one in signs)
 
     def _consistent(self, state, status, standing):
+        if not self._possible(self.maker.rows(status)):
+            return False
         rows = self._enter(state, status)
         if self._overloaded(state, rows) is not None:
             return False

@@ -224,6 +224,8 @@ class CRun:
             return None
         if rows.leader[self.maker.ends(self.scene.frictions[i])[0]] == self.n + 1:
             return None
+        if not self.automaton._possible(rows):
+            return None
         target, other, hold = self._mode(stuck), 0, -1
         if standing == [i]:
             before = status.frictions[i]
