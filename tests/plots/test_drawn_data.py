@@ -85,7 +85,7 @@ def test_contact_is_shaded(subject):
     from vibsim.plots.impacts import contact_spans
 
     one = subject("motor")
-    spans = contact_spans(one.result, (15.0, 16.0))
+    spans = contact_spans(one, (15.0, 16.0))
     inside = np.zeros(len(one.result.time), dtype=bool)
     for begin, end in spans:
         inside |= (one.result.time > begin) & (one.result.time < end)

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.physics.scene import Scene
 from vibsim.plots.impacts import events_within
 from vibsim.plots.natural_frequencies import shortest_period, source_period
 from vibsim.plots.samples import samples
@@ -26,7 +25,7 @@ def dense(
     """
     names = tuple(name for name in names if name != "time")
     stored = samples(result, ("time", *names), span)
-    between = _instants_between(stored["time"], span, step or _fine_step(result.case.scene()))
+    between = _instants_between(stored["time"], span, step or _fine_step(result.case.simulated_scene()))
     if between is None:
         return stored
     between = between[between <= result.t_reached]  # of a run that was killed, samples may reach further
@@ -46,17 +45,17 @@ def states_at(result: Any, names: tuple[str, ...], times: np.ndarray) -> dict[st
     if not len(times):
         return {name: np.empty(0) for name in names}
     events = events_within(result, None, (float(times[0]), float(times[-1])), before=1)
-    states = restarted(result.case.scene(), events, times, result.t_reached)
+    states = restarted(result.case.simulated_scene(), events, times, result.t_reached)
     return {name: states[name] for name in names}
 
 
-def samples_are_sparse(scene: Scene) -> bool:
+def samples_are_sparse(scene: Any) -> bool:
     """Whether a line through the samples would miss vibrations: fewer than four to a period of the source."""
     period = source_period(scene)
     return period is not None and scene.sample_time(1) > period / 4
 
 
-def _fine_step(scene: Scene) -> float | None:
+def _fine_step(scene: Any) -> float | None:
     period = shortest_period(scene)
     return None if period is None else period / PER_PERIOD
 

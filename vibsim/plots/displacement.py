@@ -1,4 +1,4 @@
-"""Displacements of the blocks against time."""
+"""Displacements of the bodies against time."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from vibsim.plots.subject import Subject
 from vibsim.plots.time_history import Quantity, draw_history
 from vibsim.plots.view import View
 
-DISPLACEMENT = Quantity("Displacement", "m", ("x1", "x2"))
+DISPLACEMENT = Quantity("Displacement", "m")
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
-    """x1 and x2 against time [s], impacts marked, with a detail."""
+    """x of each body against time [s], impacts marked, with a detail."""
     return draw_history(subjects, view, DISPLACEMENT)

@@ -7,7 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.engine.columns import part_columns
 from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.parts import Scene as PartsScene
+from vibsim.physics.parts import columns_of
+from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span
 
 Events = dict[str, np.ndarray]
@@ -23,7 +27,10 @@ def events_within(result: Any, names: tuple[str, ...] | None, span: Span, before
     """
     column = getattr(result.events, "column", result.events.__getitem__)
     t = column("t")
-    within = slice(max(0, bisect_left(t, span[0]) - before), bisect_right(t, span[1]))
+    first = max(0, bisect_left(t, span[0]) - before)
+    if before and first:
+        first = bisect_left(t, t[first])  # all events of that instant
+    within = slice(first, bisect_right(t, span[1]))
     return {name: np.asarray(column(name)[within]) for name in (result.events if names is None else names)}
 
 
@@ -39,9 +46,26 @@ def impact_times(result: Any, span: Span) -> np.ndarray:
     return events_of(result, "contact_begin", span)[0]
 
 
-def contact_spans(result: Any, span: Span) -> list[Span]:
-    """The stretches of contact that meet the span, cut to it [s]."""
-    events = events_within(result, ("t", "contact"), span, before=1)
+def impacts_of(subject: Subject, span: Span, column: str, *others: str) -> tuple[np.ndarray, ...]:
+    """Times [s] and columns of the impacts within the span in which the body of `column` takes part."""
+    if not subject.is_of_parts:
+        return events_of(subject.result, "contact_begin", span, column, *others)
+    t, part, *values = events_of(subject.result, "contact_begin", span, "part", column, *others)
+    rows = np.isin(part, stops_of(subject.scene, column))
+    return (t[rows], *(value[rows] for value in values))
+
+
+def stops_of(scene: PartsScene, column: str) -> list[int]:
+    """Numbers of the stops that end at the body of a column of states."""
+    own = [i for i, body in enumerate(scene.bodies) if column in columns_of(body.name)]
+    return [number for number, stop in enumerate(scene.stops) if {stop.P, stop.Q} & set(own)]
+
+
+def contact_spans(subject: Subject, span: Span) -> list[Span]:
+    """The stretches of contact at any stop that meet the span, cut to it [s]."""
+    names = part_columns(subject.scene)[: len(subject.scene.stops)] if subject.is_of_parts else ("contact",)
+    events = events_within(subject.result, ("t", *names), span, before=1)
+    contact = np.any([events[name] != 0 for name in names], axis=0)
     ends = np.append(events["t"][1:], span[1])
     stretches = [(max(a, span[0]), min(b, span[1])) for a, b in zip(events["t"], ends, strict=True)]
-    return [(a, b) for (a, b), contact in zip(stretches, events["contact"], strict=True) if contact and a < b]
+    return [(a, b) for (a, b), closed in zip(stretches, contact, strict=True) if closed and a < b]

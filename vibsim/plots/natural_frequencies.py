@@ -6,6 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from vibsim.physics.parts import Scene as PartsScene
+from vibsim.physics.rates import fastest_rate, natural_rates, source_rates
+
+MOST = 6  # natural frequencies of a scene of named parts
+
 
 @dataclass(frozen=True)
 class Frequency:
@@ -24,6 +29,8 @@ def natural_frequencies(scene: Any) -> list[Frequency]:
     spring give the bilinear 2 f1 f2 / (f1 + f2), the limit of large amplitudes, and half of it (a subharmonic
     of the impacting motion).
     """
+    if isinstance(scene, PartsScene):
+        return _of_parts(scene)
     if not scene.k1:
         return []
     found = [Frequency("held", r"$\sqrt{k_1/m_1}$", _hertz(scene.k1, scene.m1))]
@@ -41,6 +48,14 @@ def natural_frequencies(scene: Any) -> list[Frequency]:
             Frequency("half bilinear", "½ bilinear", bilinear / 2),
         ]
     return found
+
+
+def _of_parts(scene: PartsScene) -> list[Frequency]:
+    """Those of a scene of named parts with all stops open, ascending."""
+    rates = natural_rates(scene)
+    return [
+        Frequency(f"f{i}", f"$f_{{{i}}}$", rate / (2 * math.pi)) for i, rate in enumerate(rates[:MOST], 1)
+    ]
 
 
 def fractions(scene: Any) -> list[Frequency]:
@@ -69,15 +84,25 @@ def source_period(scene: Any, phidot: float | None = None) -> float | None:
     phidot : mean speed of the motor [rad/s], where known; its no-load speed otherwise
     """
     if scene.has_motor:
-        speed = abs(phidot or 0.0) or abs(scene.Omega0)
+        speed = abs(phidot or 0.0) or abs(no_load_speed(scene))
         return 2 * math.pi / speed
+    if isinstance(scene, PartsScene):
+        rate = min(source_rates(scene) or natural_rates(scene), default=None)
+        return 2 * math.pi / rate if rate else None
     if scene.source == "harmonic" and scene.omega:
         return 2 * math.pi / abs(scene.omega)
     return 1 / _hertz(scene.k1, reduced_mass(scene)) if scene.k1 else None
 
 
+def no_load_speed(scene: Any) -> float:
+    """No-load speed of the motor [rad/s]."""
+    return float(getattr(scene, "motor", scene).Omega0)
+
+
 def shortest_period(scene: Any) -> float | None:
     """Shortest period in the motion [s]: of the source or of the vibration in contact."""
+    if isinstance(scene, PartsScene):
+        return 2 * math.pi / fastest if (fastest := fastest_rate(scene)) else None
     stiffness = scene.k1 + (scene.k2 if scene.has_stop else 0.0)
     own = [1 / _hertz(stiffness, reduced_mass(scene))] if stiffness else []
     source = source_period(scene)

@@ -50,7 +50,7 @@ def draw(subjects: Sequence[Subject], view: View, less_drift: bool = False) -> F
 
 def moving(subjects: Sequence[Subject]) -> list[str]:
     """Columns of the displacements of blocks that move in any of the runs, in file order."""
-    columns = [name for subject in subjects for name in subject.scene.columns() if name.startswith("x")]
+    columns = [name for subject in subjects for name in subject.columns_in("m")]
     return list(dict.fromkeys(columns))
 
 
@@ -78,7 +78,7 @@ def phase_panels(
 def _portraits(subjects: Sequence[Subject], view: View, column: str, less_drift: bool) -> list[Portrait]:
     found = []
     for i, subject in enumerate(subjects):
-        if column in subject.scene.columns():
+        if column in subject.columns_in("m"):
             span = shown(subject, view.window, steady_span)
             look = {**overlay(i), "alpha": 0.7} if len(subjects) > 1 else {"color": BLUE}
             found.append(_portrait(subject, column, span, less_drift, look))
@@ -96,7 +96,7 @@ def _portrait(subject: Subject, column: str, span: Span, less_drift: bool, look:
 
     names = ("time", column, velocity)
     curve = trace(subject.result, names, plane, span)
-    impacts = impact_points(subject.result, names, plane, span) if subject.scene.has_stop else None
+    impacts = impact_points(subject, names, plane, span) if subject.scene.has_stop else None
     return Portrait(subject, span, curve, impacts, drift, look)
 
 

@@ -72,7 +72,9 @@ def _positional(value: float) -> str:
 def symbol(column: str) -> str:
     """Mathtext of a column's name: x1 becomes $x_1$, a block's name an upright index."""
     index = column[1:].lstrip("_")
-    return f"${column[0]}_{{{index}}}$" if index.isdigit() else rf"${column[0]}_\mathrm{{{index}}}$"
+    if index.isdigit():
+        return f"${column[0]}_{{{index}}}$"
+    return rf"${column[0]}_\mathrm{{{index.replace('_', chr(92) + '_')}}}$"
 
 
 def seconds(span: tuple[float, float]) -> str:

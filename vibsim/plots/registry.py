@@ -30,6 +30,7 @@ class Kind:
     needs : keys of NEEDS; what the subject must have
     width : "column" or "page", the width unless the user says otherwise
     alone : whether it shows one file at a time
+    any_scene : whether it shows scenes of named parts too, and not only two blocks
     """
 
     name: str
@@ -38,6 +39,7 @@ class Kind:
     needs: tuple[str, ...] = ()
     width: str = "column"
     alone: bool = False
+    any_scene: bool = False
 
     @property
     def draw(self) -> Callable[..., Any]:
@@ -47,17 +49,35 @@ class Kind:
 
 
 KINDS = (
-    Kind("overview", "trajectory", "one page: displacements, detail, relative portrait, speed", width="page"),
+    Kind(
+        "overview",
+        "trajectory",
+        "one page: displacements, detail, relative portrait, speed",
+        width="page",
+        any_scene=True,
+    ),
     Kind(
         "displacement",
         "trajectory",
-        "displacements of the blocks against time, impacts marked, with a detail",
+        "displacements of the bodies against time, impacts marked, with a detail",
+        any_scene=True,
     ),
-    Kind("velocity", "trajectory", "velocities of the blocks against time, impacts marked, with a detail"),
-    Kind("phase", "trajectory", "phase portrait of each block, impacts marked"),
+    Kind(
+        "velocity",
+        "trajectory",
+        "velocities of the bodies against time, impacts marked, with a detail",
+        any_scene=True,
+    ),
+    Kind("phase", "trajectory", "phase portrait of each body, impacts marked", any_scene=True),
     Kind("phase-drift-free", "trajectory", "the same, less the drift of each block", ("excitation",)),
-    Kind("relative", "trajectory", "phase portrait of the relative motion, with the stop"),
-    Kind("motor-speed", "trajectory", "motor speed against time, with the natural frequencies", ("motor",)),
+    Kind("relative", "trajectory", "phase portrait of the relative motion, with the stop", any_scene=True),
+    Kind(
+        "motor-speed",
+        "trajectory",
+        "motor speed against time, with the natural frequencies",
+        ("motor",),
+        any_scene=True,
+    ),
     Kind("displacement-frequency", "trajectory", "displacements against the motor's speed", ("motor",)),
     Kind(
         "impact-velocity", "trajectory", "closing velocity of each impact: time, phase, histogram", ("stop",)
@@ -171,6 +191,8 @@ def misfit(kind: Kind, subject: Subject) -> str | None:
         return f"it shows a {kind.reads}, and {subject.path} is a {subject.reads}"
     if kind.reads == "case" and subject.reads == "sweep":
         return f"it shows one case, and {subject.path} is a sweep"
+    if subject.is_of_parts and not kind.any_scene:
+        return f"it shows two blocks, and {subject.path} is a scene of named parts"
     for need in kind.needs:
         words, has = NEEDS[need]
         if not has(subject):
@@ -205,6 +227,8 @@ def choose(names: Sequence[str] | None, subjects: Sequence[Subject]) -> list[Kin
         preferred = DEFAULTS.get(subjects[0].reads, ())
         names = [kind.name for kind in fit if kind.name in preferred] or [kind.name for kind in fit[:1]]
         if not names:
+            for subject in subjects:
+                subject.case.scene()  # a case of named parts has no picture yet, only its runs have
             raise PlotError(f"no kind shows {', '.join(subject.path for subject in subjects)} together")
     elif "all" in names:
         return fit

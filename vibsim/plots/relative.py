@@ -7,8 +7,10 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from vibsim.plots.errors import PlotError
+from vibsim.plots.pairs import pair_of
 from vibsim.plots.quantities import scale_for, seconds
-from vibsim.plots.relative_motion import DISPLACEMENT, VELOCITY, draw_stop, relative, state_names
+from vibsim.plots.relative_motion import draw_stop_line
 from vibsim.plots.samples import shown
 from vibsim.plots.sheet import legend_above, note, sheet
 from vibsim.plots.spans import steady_span
@@ -22,7 +24,10 @@ BESIDE_STOP = 20  # characters of a remark that has room beside the name of the 
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
-    """v1 - v2 against x1 - x2, and the stop; the last 50 periods unless the view has a window."""
+    """Relative velocity against relative displacement, and the stop.
+
+    The last 50 periods unless the view has a window.
+    """
     figure = sheet(view, 7.2)
     axes = figure.subplots()
     relative_panel(axes, subjects, view)
@@ -34,20 +39,24 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
 def relative_panel(axes: Axes, subjects: Sequence[Subject], view: View) -> None:
     """The portrait in given axes."""
     spans = [shown(subject, view.window, steady_span) for subject in subjects]
+    pairs = [pair_of(subject) for subject in subjects]
+    if len({pair.displacement for pair in pairs}) > 1:
+        several = ", ".join(pair.displacement for pair in pairs)
+        raise PlotError(f"no relative motion is common to the runs: {several}; draw them one by one")
     traces = [
-        trace(subject.result, state_names(subject.scene), relative, span)
-        for subject, span in zip(subjects, spans, strict=True)
+        trace(subject.result, pair.names, pair.plane, span)
+        for subject, pair, span in zip(subjects, pairs, spans, strict=True)
     ]
     scales = scale_for("m", *(each.x for each in traces)), scale_for("m/s", *(each.y for each in traces))
     for i, (subject, each) in enumerate(zip(subjects, traces, strict=True)):
         look = {**overlay(i), "alpha": 0.7} if len(subjects) > 1 else {"color": BLUE}
         draw_trace(axes, each, scales, label=subject.name, gid="relative", **look)
-    with_stop = {(s.scene.stop_sign, s.scene.G): s.scene for s in subjects if s.scene.has_stop}
-    for scene in with_stop.values():
-        draw_stop(axes, scene, scales[0], label=len(subjects) == 1)
+    stops = dict.fromkeys(stop for pair in pairs for stop in pair.stops)
+    for position, text in stops:
+        draw_stop_line(axes, position, scales[0], text if len(subjects) == 1 else "")
     axes.margins(0.05)
-    axes.set_xlabel(scales[0].label(f"Relative displacement {DISPLACEMENT}"))
-    axes.set_ylabel(scales[1].label(f"Relative velocity {VELOCITY}"))
+    axes.set_xlabel(scales[0].label(f"Relative displacement {pairs[0].displacement}"))
+    axes.set_ylabel(scales[1].label(f"Relative velocity {pairs[0].velocity}"))
     said = [*dict.fromkeys(map(seconds, spans)), trust_remark(subjects, spans)]
     text = "; ".join(filter(None, said))
-    note(axes, text, above=1 if len(subjects) == 1 and with_stop and len(text) > BESIDE_STOP else 0)
+    note(axes, text, above=1 if len(subjects) == 1 and stops and len(text) > BESIDE_STOP else 0)

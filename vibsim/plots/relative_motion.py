@@ -33,12 +33,21 @@ def stop_position(scene: Any) -> float:
 
 
 def draw_stop(axes: Axes, scene: Any, scale: Scale, label: bool = True) -> None:
-    """The stop as a dashed line across the axes, its equation above it."""
-    position = float(scale(stop_position(scene)))
-    axes.axvline(position, color=GREY, linewidth=0.6, linestyle=(0, (4, 2)), zorder=0, gid="stop")
-    if label:
-        text = "$x_2 - x_1 = G$" if scene.stop_sign > 0 else "$x_1 - x_2 = G$"
+    """The stop of two blocks as a dashed line across the axes, its equation above it."""
+    draw_stop_line(axes, stop_position(scene), scale, stop_equation(scene) if label else "")
+
+
+def stop_equation(scene: Any) -> str:
+    """Where the stop of two blocks is met, as an equation."""
+    return "$x_2 - x_1 = G$" if scene.stop_sign > 0 else "$x_1 - x_2 = G$"
+
+
+def draw_stop_line(axes: Axes, position: float, scale: Scale, text: str) -> None:
+    """A stop at a relative displacement [m] as a dashed line across the axes, a text above it."""
+    at = float(scale(position))
+    axes.axvline(at, color=GREY, linewidth=0.6, linestyle=(0, (4, 2)), zorder=0, gid="stop")
+    if text:
         axes.annotate(
-            text, (position, 1), (0, 2), xycoords=("data", "axes fraction"), textcoords="offset points",
+            text, (at, 1), (0, 2), xycoords=("data", "axes fraction"), textcoords="offset points",
             ha="center", va="bottom", fontsize=7, color=GREY,
         )  # fmt: skip

@@ -17,8 +17,6 @@ YELLOW = "#F0E442"  # of theirs too, for areas alone
 GREY = "0.45"
 SHADE = "0.90"
 
-BLOCK1: dict[str, Any] = {"color": BLUE}
-BLOCK2: dict[str, Any] = {"color": ORANGE}
 
 _COLOURS = (BLUE, ORANGE, BLACK, SKY, VERMILLION, PINK, GREEN)
 

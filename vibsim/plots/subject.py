@@ -6,10 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from vibsim.physics.scene import Scene
+from vibsim.physics.parts import Scene as PartsScene
 from vibsim.plots.user_text import as_text
+
+if TYPE_CHECKING:
+    from vibsim.results.columns import Tables
 
 RESULT_SUFFIXES = (".h5", ".hdf5", ".partial")
 
@@ -44,9 +47,26 @@ class Subject:
         return self.case.name if self.reads == "case" else file_stem(self.path)
 
     @cached_property
-    def scene(self) -> Scene:
-        """The Scene behind it."""
-        return self.case.scene()
+    def scene(self) -> Any:
+        """The Scene behind it, of two blocks or made of parts."""
+        return self.case.simulated_scene()
+
+    @property
+    def is_of_parts(self) -> bool:
+        """Whether it is of a scene of named parts."""
+        return isinstance(self.scene, PartsScene)
+
+    @cached_property
+    def tables(self) -> Tables:
+        """The columns of its run."""
+        from vibsim.results.columns import tables_of
+
+        return tables_of(self.scene)
+
+    def columns_in(self, unit: str) -> tuple[str, ...]:
+        """Names of the sampled states of bodies in a unit: displacements in m, velocities in m/s."""
+        written = {"m": "m", "m/s": "m s-1"}[unit]
+        return tuple(name for name in self.tables.states if self.tables.samples[name].units == written)
 
 
 def open_subject(path: str) -> Subject:

@@ -1,4 +1,4 @@
-"""Time histories of both blocks: the whole window, and a detail in which single impacts are seen."""
+"""Time histories of the bodies: the whole window, and a detail in which single impacts are seen."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vibsim.plots.dense import dense, samples_are_sparse
-from vibsim.plots.impacts import contact_spans, events_of
+from vibsim.plots.impacts import contact_spans, impacts_of
 from vibsim.plots.quantities import Scale, scale_for, symbol
 from vibsim.plots.samples import Series, common_window, series, window_of
 from vibsim.plots.sheet import (
@@ -24,7 +24,7 @@ from vibsim.plots.sheet import (
     time_axis,
 )
 from vibsim.plots.spans import DETAIL_PERIODS, detail_span, period_of
-from vibsim.plots.style import BLOCK1, BLOCK2, GREY, SHADE, THIN, nested
+from vibsim.plots.style import GREY, SHADE, THIN, nested, overlay
 from vibsim.plots.subject import Subject
 from vibsim.plots.time_marks import annotate_runs, mark_detail, trust_marks
 from vibsim.plots.view import Span, View
@@ -34,11 +34,10 @@ SINGLE_MARKS = 120  # impacts in a detail up to which each gets its own mark on 
 
 @dataclass(frozen=True)
 class Quantity:
-    """What is drawn against time: words, SI unit, and the columns of block 1 and block 2."""
+    """What is drawn against time: words, and the SI unit of the states of bodies that it is."""
 
     words: str
     unit: str
-    columns: tuple[str, str]
 
 
 @dataclass(frozen=True)
@@ -76,7 +75,7 @@ class Panel:
 
     @property
     def runs(self) -> tuple[list[Subject], list[Any]]:
-        """The runs shown and their colours; one of which both blocks are shown counts once, in grey."""
+        """The runs shown and their colours; one of which several bodies are shown counts once, in grey."""
         if self.curves[0].alone:
             return [self.curves[0].subject], [GREY]
         return [curve.subject for curve in self.curves], [curve.look["color"] for curve in self.curves]
@@ -85,7 +84,7 @@ class Panel:
 def draw_history(subjects: Sequence[Subject], view: View, quantity: Quantity) -> Figure:
     """Panels of the whole window above, of the detail below.
 
-    One subject: both blocks in one panel. Several: a panel per block, and a detail only where the view asks
+    One subject: all bodies in one panel. Several: a panel per body, and a detail only where the view asks
     for it (runs that drift apart leave nothing to be seen in a common one).
     """
     groups = curve_groups(subjects, quantity)
@@ -120,11 +119,12 @@ def is_short(subject: Subject, span: Span) -> bool:
 
 
 def curve_groups(subjects: Sequence[Subject], quantity: Quantity) -> list[list[Curve]]:
-    """The curves of each panel: both blocks of one subject together, or one block of all subjects."""
-    present = [[name for name in quantity.columns if name in subject.scene.columns()] for subject in subjects]
+    """The curves of each panel: all bodies of one subject together, or one body of all subjects."""
+    present = [subject.columns_in(quantity.unit) for subject in subjects]
     if len(subjects) == 1:
-        looks = dict(zip(quantity.columns, (BLOCK1, BLOCK2), strict=True))
-        return [[Curve(subjects[0], name, symbol(name), looks[name], True) for name in present[0]]]
+        return [
+            [Curve(subjects[0], name, symbol(name), overlay(i), True) for i, name in enumerate(present[0])]
+        ]
     count = len(subjects)
     return [
         [
@@ -132,8 +132,7 @@ def curve_groups(subjects: Sequence[Subject], quantity: Quantity) -> list[list[C
             for i, s in enumerate(subjects)
             if name in present[i]
         ]
-        for name in quantity.columns
-        if any(name in names for names in present)
+        for name in dict.fromkeys(name for names in present for name in names)
     ]
 
 
@@ -169,7 +168,7 @@ def _draw_short(panel: Panel, scale: Scale) -> None:
         _mark_impacts(axes, curve, span, scale)
     subject = panel.curves[0].subject
     if panel.curves[0].alone and subject.scene.has_stop:
-        for begin, end in contact_spans(subject.result, span):
+        for begin, end in contact_spans(subject, span):
             axes.axvspan(begin, end, color=SHADE, linewidth=0, zorder=0, gid="contact")
     subjects, colours = panel.runs
     note(axes, trust_marks(axes, subjects, span, colours))
@@ -193,7 +192,7 @@ def _long_series(curve: Curve, span: Span, columns: int) -> Series:
 def _mark_impacts(axes: Axes, curve: Curve, span: Span, scale: Scale) -> None:
     if not curve.subject.scene.has_stop:
         return
-    t, values = events_of(curve.subject.result, "contact_begin", span, curve.column)
+    t, values = impacts_of(curve.subject, span, curve.column)
     if len(t) > SINGLE_MARKS:
         return
     axes.plot(

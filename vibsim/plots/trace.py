@@ -10,10 +10,11 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from vibsim.plots.dense import dense
-from vibsim.plots.impacts import events_of
+from vibsim.plots.impacts import impacts_of
 from vibsim.plots.quantities import Scale
 from vibsim.plots.samples import blocks, rows, samples
 from vibsim.plots.sheet import above_wider
+from vibsim.plots.subject import Subject
 from vibsim.plots.thinning import one_per_pixel
 from vibsim.plots.view import Span
 
@@ -54,10 +55,10 @@ def trace(result: Any, names: tuple[str, ...], plane: Plane, span: Span) -> Trac
     )
 
 
-def impact_points(result: Any, names: tuple[str, ...], plane: Plane, span: Span) -> Trace:
-    """The states at which contact begins within the span, in the same plane."""
+def impact_points(subject: Subject, names: tuple[str, ...], plane: Plane, span: Span) -> Trace:
+    """The states of a body at which contact begins within the span, in the same plane."""
     columns = tuple(name for name in names if name != "time")
-    t, *values = events_of(result, "contact_begin", span, *columns)
+    t, *values = impacts_of(subject, span, *columns)
     return Trace(*plane({"time": t, **dict(zip(columns, values, strict=True))}), joined=False)
 
 

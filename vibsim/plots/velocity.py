@@ -1,4 +1,4 @@
-"""Velocities of the blocks against time."""
+"""Velocities of the bodies against time."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from vibsim.plots.subject import Subject
 from vibsim.plots.time_history import Quantity, draw_history
 from vibsim.plots.view import View
 
-VELOCITY = Quantity("Velocity", "m/s", ("v1", "v2"))
+VELOCITY = Quantity("Velocity", "m/s")
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
-    """v1 and v2 against time [s], impacts marked, with a detail."""
+    """v of each body against time [s], impacts marked, with a detail."""
     return draw_history(subjects, view, VELOCITY)

@@ -18,7 +18,6 @@ def open_run(scene: TwoBlocks | PartsScene, engine: str = "auto", **wishes: Any)
         return kernel.open_trajectory(scene, engine, **wishes)
     from vibsim.engine.trajectory import open_trajectory
 
-    wishes.pop("ledger", None)  # TODO
     return open_trajectory(scene, kernel.engine_name(engine), **wishes)
 
 

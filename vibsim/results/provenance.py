@@ -32,11 +32,15 @@ TOTALS = (
     "energy_start",
     "energy_end",
     "work_source",
+    "work_base",
+    "work_belt",
     "loss_viscous",
     "loss_friction",
+    "loss_stops",
     "energy_residual",
     "energy_residual_relative",
 )
+OF_A_PART = "."  # in the name of a total: loss.stops.anvil
 
 
 def origin(case: "Case", scene: Any, engine: str, method: str) -> dict[str, Any]:
@@ -77,7 +81,8 @@ def outcome(
     Times in s, `grazing_margin` and the `distances` needed in m.
     """
     certified = {"certified": int(totals["uncertified"] == 0)} if "uncertified" in totals else {}
-    known = {name: totals[name] for name in TOTALS if name in totals and math.isfinite(totals[name])}
+    names = [name for name in totals if name in TOTALS or OF_A_PART in name]
+    known = {name: totals[name] for name in names if math.isfinite(totals[name])}
     return {
         **known,
         **certified,

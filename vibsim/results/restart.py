@@ -1,6 +1,7 @@
 """States between samples: the engine restarted from stored events."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -28,10 +29,19 @@ def states_at(
     last_event = np.searchsorted(starts, ascending, side="right") - 1
     pieces = []
     for event in np.unique(last_event):
-        row = {name: column[event].item() for name, column in events.items()}
-        pieces.append(open_run(scene, resume=row).state_at(ascending[last_event == event]))
+        rows = _rows_of_one_instant(events, starts, event)
+        resume = rows[-1] if isinstance(scene, TwoBlocks) else rows
+        pieces.append(open_run(scene, resume=resume).state_at(ascending[last_event == event]))
     columns = {name: [piece[name] for piece in pieces] for name in tables_of(scene).samples}
     return {name: _in_order(parts, order, times.shape) for name, parts in columns.items()}
+
+
+def _rows_of_one_instant(
+    events: Mapping[str, np.ndarray], starts: np.ndarray, event: int
+) -> list[dict[str, Any]]:
+    """The rows of the events at the instant of number `event`, up to it, values by column name."""
+    first = int(np.searchsorted(starts, starts[event], side="left"))
+    return [{name: column[i].item() for name, column in events.items()} for i in range(first, int(event) + 1)]
 
 
 def _in_order(pieces: list[np.ndarray], order: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:

@@ -26,6 +26,7 @@ EVENT_CHUNK = 2048
 FLUSH_BYTES = 4 << 20  # flushed at a time, so at most some 5 MB of samples are lost with a killed run
 FOR_COLUMN = 4 << 10  # bytes that a column takes besides its rows: header, attributes, index; 3.5 kB measured
 FOR_INDEX = 2200  # bytes of a node in the index of a column's chunks
+FOR_ATTRIBUTE = 128  # bytes that an attribute takes besides its value
 FOR_FILE = 16 << 10  # bytes that the root takes besides long attributes
 
 # 'earliest' keeps the file readable after a kill: the newer formats mark an open file and refuse it later.
@@ -161,6 +162,6 @@ class TrajectoryWriter:
 
 def _size_of(attrs: Mapping[str, Any]) -> int:
     """Bytes that attributes take on file, about."""
-    return sum(
+    return FOR_ATTRIBUTE * len(attrs) + sum(
         2 * len(value) if isinstance(value, str) else getattr(value, "nbytes", 0) for value in attrs.values()
     )
