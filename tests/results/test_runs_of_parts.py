@@ -64,6 +64,27 @@ def test_a_file_holds_what_memory_holds(run, tmp_path):
     assert saved.case.sha256 == run.case.sha256
 
 
+def test_any_instant_can_be_evaluated_again(run, tmp_path):
+    """Between samples by going on from the events; at the samples, what was sampled."""
+    saved = vibsim.open_result(run.save(tmp_path / "a.h5"))
+    for result in (run, saved):
+        states = result.at(run.time[::7])
+        assert set(states) == {"time", *run.keys()} - {"error_estimate"}
+        for name, values in states.items():
+            np.testing.assert_allclose(values, run[name][::7], rtol=1e-9, atol=1e-12, err_msg=name)
+    finer = vibsim.simulate(hammer(run__every="0.25 ms"), trust=False)
+    np.testing.assert_allclose(run.at(finer.time)["x_tool"], finer["x_tool"], rtol=0, atol=1e-12)
+
+
+def test_the_energy_ledger_is_kept_and_closes(run):
+    attrs = run.attrs
+    assert abs(attrs["energy_residual_relative"]) < 1e-12
+    spent = attrs["loss_viscous"] + attrs["loss_friction"] + attrs["loss_stops"]
+    paid = attrs["work_source"] + attrs["work_base"] + attrs["work_belt"]
+    assert attrs["energy_end"] - attrs["energy_start"] == pytest.approx(paid - spent, abs=1e-12)
+    assert attrs["loss_stops"] == attrs["loss.stops.anvil"] > 0
+
+
 def test_flags_in_a_file_say_what_they_mean(run, tmp_path):
     import h5py
 

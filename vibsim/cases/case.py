@@ -96,8 +96,8 @@ class Case:
         if isinstance(self.model, CaseFile):
             return self.model
         what = (
-            "a scene of named parts cannot do this yet, only be checked, run, described and exported; this "
-            "needs a case with blocks and coupling"
+            "a scene of named parts cannot do this yet, only be checked, run, described, drawn and exported; "
+            "this needs a case with blocks and coupling"
         )
         raise CaseError([Problem(self.source, None, None, "bodies", what)])
 

@@ -97,15 +97,21 @@ class Driver:
                 return
 
     def state_at(self, t):
-        """State at t [s] before the next event; t ascending from call to call."""
+        """State at t [s] before the next recorded event; t ascending from call to call.
+
+        Events that are not recorded, such as the end of the depth of a lifted stop, are taken on the way.
+        """
         while True:
             end, event = self.flow.advance(self.scene.t_end)
-            if event is not None or end >= t or end >= self.scene.t_end:
+            if end >= t or end >= self.scene.t_end:
                 return self.flow.state_at(t)
-            state = self.flow.state_at(end)
+            state = self.kit.settle(self.flow.state_at(end))
             if not self.kit.finite(sum(state.x) + sum(state.v) + state.w):
                 return self.flow.state_at(t)
-            self.flow.carry_on(state)
+            if event is None:
+                self.flow.carry_on(state)
+            else:
+                self._switch(state, event)
 
     def _stretches(self):
         """The run, stretch by stretch; a generator, which yields wherever it may be left for a while."""

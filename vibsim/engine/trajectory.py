@@ -21,6 +21,7 @@ from vibsim.engine.columns import (
 from vibsim.engine.driver import Driver
 from vibsim.engine.resume import resume_point
 from vibsim.engine.state import State
+from vibsim.engine.status import LIFTED
 from vibsim.engine.tangent_space import dimension
 from vibsim.engine.tangent_totals import tangent_totals
 from vibsim.engine.totals import ledger_totals, totals_of
@@ -144,7 +145,7 @@ class Trajectory:
         )
 
     def columns_of(self, states, codes):
-        """Columns by name of rows (time, states) that share the part states `codes`."""
+        """Columns by name of rows (time, states) and part states: one for all rows, or one for each."""
         table = dict(zip(("time", *state_columns(self.scene)), states, strict=False))
         for name, code in zip(part_columns(self.scene), codes, strict=True):
             table[name] = np.full(states.shape[1], code, dtype="i1")
@@ -223,8 +224,11 @@ class PythonTrajectory(Trajectory):
 
     def state_at(self, times):
         """States at ascending times before the next event, as columns."""
-        states = [self.driver.state_at(t) for t in times]
-        return self.columns_of(self._states(states), self.driver.status.codes)
+        states, statuses = [], []
+        for t in times:
+            states.append(self.driver.state_at(t))
+            statuses.append(self.driver.status)
+        return self.columns_of(self._states(states), self._codes(statuses))
 
 
 class CTrajectory(Trajectory):
@@ -237,6 +241,7 @@ class CTrajectory(Trajectory):
         from vibsim.engine.c_engine import CRun
 
         point = resume_point(scene, resume) if resume is not None else None
+        self.resume, self.starts_lifted = resume, point is not None and LIFTED in point[1].stops
         self.run = CRun(scene, point, section, ledger, momentum)
 
     def blocks(self):
@@ -261,7 +266,12 @@ class CTrajectory(Trajectory):
         return totals
 
     def state_at(self, times):
-        """States at ascending times before the next event, as columns."""
+        """States at ascending times before the next event, as columns.
+
+        A lifted stop opens without a record: what follows an event that C leaves to Python is Python's.
+        """
+        if self.starts_lifted:
+            return PythonTrajectory(self.scene, self.resume).state_at(times)
         rows = [self.run.state_at(t) for t in times]
         width = 3 + 2 * len(self.scene.bodies)
         table = np.array(rows, dtype="f8").reshape(-1, width).T

@@ -59,4 +59,5 @@ def relative_panel(axes: Axes, subjects: Sequence[Subject], view: View) -> None:
     axes.set_ylabel(scales[1].label(f"Relative velocity {pairs[0].velocity}"))
     said = [*dict.fromkeys(map(seconds, spans)), trust_remark(subjects, spans)]
     text = "; ".join(filter(None, said))
-    note(axes, text, above=1 if len(subjects) == 1 and stops and len(text) > BESIDE_STOP else 0)
+    crowded = len(text) > BESIDE_STOP or any(subject.is_of_parts for subject in subjects)
+    note(axes, text, above=1 if len(subjects) == 1 and stops and crowded else 0)
