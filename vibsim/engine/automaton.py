@@ -36,7 +36,7 @@ class Automaton:
         frictions = tuple(sign(rate) for rate in rates)
         status = Status(stops, frictions, clearances)
         known: dict[tuple, int] = {}
-        standing = [i for i, rate in enumerate(rates) if rate == 0]
+        standing = [i for i, sense in enumerate(frictions) if sense == 0]
         if standing:
             status = self._settle(state, status, standing)
             known |= {(SLIDE, i): 1 for i in standing if status.frictions[i] != STICK}

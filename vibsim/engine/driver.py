@@ -67,7 +67,7 @@ class Driver:
             phase, turns = kit.reduce_angle(scene.motor.phi)
             w = scene.motor.phidot
         x, v = [body.x for body in scene.bodies], [body.v for body in scene.bodies]
-        return kit.settle(State(zero, x, v, phase, turns, w))
+        return State(zero, x, v, phase, turns, w).settled(kit)
 
     def sample_time(self, i):
         return (float(i) * self.scene.every_num) / self.scene.every_den
@@ -126,7 +126,7 @@ class Driver:
         yield from self._sample_until(end, last=end >= self.scene.t_end)
         if self.section:
             yield from self.section.gather(self.state, end)
-        state = self.kit.settle(self.flow.state_at(end))
+        state = self.flow.state_at(end).settled(self.kit)
         if not self.kit.finite(sum(state.x) + sum(state.v) + state.w):
             raise EngineError("diverged", self.state)
         if self.ledger:

@@ -23,3 +23,11 @@ class State:
 
     def copy(self):
         return State(self.t, list(self.x), list(self.v), self.phase, self.turns, self.w)
+
+    def settled(self, kit):
+        """The state as it starts a segment: without what the numbers of the kit carry besides their
+        values.
+        """
+        exact = kit.exact
+        x, v = [exact(value) for value in self.x], [exact(value) for value in self.v]
+        return State(exact(self.t), x, v, exact(self.phase), exact(self.turns), exact(self.w))

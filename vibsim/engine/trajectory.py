@@ -189,8 +189,11 @@ class PythonTrajectory(Trajectory):
             self._states([state for _, _, state, _ in events], phase=True),
             np.vstack([kinds, self._codes([status for *_, status in events])]),
             self._states(section),
-            (self.driver.state.t, self.driver.worked_to),
+            self._reached(),
         )
+
+    def _reached(self):
+        return self.driver.state.t, self.driver.worked_to
 
     def _states(self, states, phase=False):
         rows = []

@@ -1,0 +1,136 @@
+"""Runs of many digits of scenes made of parts: the Python engine on python-flint's or mpmath's numbers.
+
+    trajectory = open_truth(case.exact_parts, 40)
+    for block in trajectory.blocks(): ...
+
+Sampled states and events come twice: as doubles, like those of any run, and as decimal texts of all digits.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields, is_dataclass, replace
+from fractions import Fraction
+from math import inf, nan
+from typing import Any
+
+import numpy as np
+
+from vibsim.engine.columns import state_columns
+from vibsim.engine.driver import Driver
+from vibsim.engine.errors import EngineError
+from vibsim.engine.state import State
+from vibsim.engine.totals import ledger_totals, totals_of
+from vibsim.engine.trajectory import Block, PythonTrajectory, Trajectory
+from vibsim.physics.exact_decimals import text_width
+from vibsim.physics.number_kits import number_kit
+from vibsim.physics.parts import Scene
+
+SAMPLES, PIECES, SECONDS = 512, 8, 0.1  # a stretch of 60 digits takes some ten milliseconds
+
+
+@dataclass(frozen=True)
+class TruthBlock(Block):
+    """A block and its digits: ASCII texts of sampled states, and of the times and states of the events."""
+
+    sample_digits: dict[str, np.ndarray]
+    event_digits: dict[str, np.ndarray]
+
+
+class TruthTrajectory(PythonTrajectory):
+    """A run on the numbers of `kit`; see `open_truth`."""
+
+    kit: Any
+
+    def __init__(self, scene: Scene, kit: Any, ledger: bool = False, momentum: bool = False):
+        Trajectory.__init__(self, scene)
+        self.kit = kit
+        self.driver = Driver(scene, kit, ledger=ledger, momentum=momentum)
+
+    @property
+    def order(self) -> int:
+        """Order of the Taylor flow."""
+        return self.kit.order()
+
+    def blocks(self):
+        """Yield `TruthBlock`s until the run ends; raises EngineError when it fails."""
+        while True:
+            self.kit.activate()
+            try:
+                self.driver.run(PIECES, SAMPLES, SECONDS)
+            except EngineError as error:
+                raise EngineError(error.reason, self._rounded(error.state)) from error
+            samples, events, section = self.driver.take()
+            block = self._block(samples, events, section)
+            names = state_columns(self.scene)
+            at = self._texts(names, [self._row(state)[1:] for state, _ in samples])
+            after = self._texts(("t", *names), [self._row(state) for _, _, state, _ in events])
+            yield TruthBlock(**vars(block), sample_digits=at, event_digits=after)
+            if self.driver.finished:
+                return
+
+    def _rounded(self, state):
+        values = self.kit.rounded([state.t, *state.x, *state.v, state.phase, state.turns, state.w])
+        n = len(state.x)
+        return State(values[0], values[1 : n + 1], values[n + 1 : 2 * n + 1], *values[-3:])
+
+    def _reached(self):
+        return tuple(self.kit.rounded([self.driver.state.t, self.driver.worked_to]))
+
+    def _states(self, states, phase=False):
+        rows = [self.kit.rounded(self._row(state, phase)) for state in states]
+        width = 3 + 2 * len(self.scene.bodies) + phase
+        return np.array(rows, dtype="f8").reshape(-1, width).T
+
+    def _row(self, s, phase=False):
+        """Numbers of a state in the kit's type: time, x and v of each body, phi, phidot and phase."""
+        moving = [value for pair in zip(s.x, s.v, strict=True) for value in pair]
+        return (s.t, *moving, self.kit.unwind(s.phase, s.turns), s.w, *([s.phase] if phase else []))
+
+    def _texts(self, names, rows):
+        width = text_width(self.kit.digits)
+        return {
+            name: np.array(self.kit.texts([row[i] for row in rows]), dtype=f"S{width}")
+            for i, name in enumerate(names)
+        }
+
+    @property
+    def totals(self):
+        """Counts and margins so far, and the ledgers where they are kept, as doubles."""
+        driver, kept = self.driver, self.driver.flow.certificate
+        margin = inf if kept.margin == inf else self.kit.rounded([kept.margin])[0]
+        times = self.kit.rounded([kept.first_doubt, kept.margin_time])
+        violated = nan if driver.first_violation is None else self.kit.rounded([driver.first_violation])[0]
+        work = driver.flow.taylor.steps + driver.flow.closed.steps, driver.flow.closed.evaluations
+        totals = totals_of(driver.counts, (kept.uncertified, times[0], margin, times[1]), work, violated)
+        if driver.ledger:
+            where = driver.start, (driver.state, driver.status)
+            ledger = ledger_totals(self.scene, self.kit, driver.ledger.names, driver.ledger.entries, *where)
+            totals |= dict(zip(ledger, self.kit.rounded(ledger.values()), strict=True))
+        return totals
+
+
+def open_truth(exact_parts: Callable[..., Scene], digits: int, **options: bool) -> TruthTrajectory:
+    """A run of `digits` decimal digits, not yet computed.
+
+    Parameters
+    ----------
+    exact_parts : makes the scene from (number, pi), as `Case.exact_parts` does
+    digits : 20 to 1000
+    options : ledger, momentum, as of `open_trajectory`; their quadrature is that of doubles, 16 digits
+
+    Returns an object as `open_trajectory` does; its blocks are `TruthBlock`s, without section. Raises
+    ValueError for other digits, MultiprecisionMissing where neither python-flint nor mpmath is installed.
+    """
+    kit = number_kit(digits)
+    scene = exact_parts(kit.number, kit.pi)
+    return TruthTrajectory(bare(scene, kit), kit, **options)
+
+
+def bare(part, kit):
+    """A part, or a scene of them, whose numbers carry no radius."""
+    if is_dataclass(part) and not isinstance(part, type):
+        return replace(part, **{field.name: bare(getattr(part, field.name), kit) for field in fields(part)})
+    if isinstance(part, tuple):
+        return tuple(bare(one, kit) for one in part)
+    if part is None or isinstance(part, str | int | float | Fraction):
+        return part
+    return kit.exact(part)
