@@ -20,7 +20,7 @@
 
 enum { GAP, PUSH, SLIDE, HOLD, CLEARANCE };                     /* kinds of event functions */
 enum { DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION };        /* kinds of terms */
-enum { SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, PATH };         /* kinds of meters, see meters.py */
+enum { SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP };         /* kinds of meters, see meters.py */
 enum { IN_CONTACT = 1 };                                        /* code of a stop */
 enum { ADVANCE, SAMPLE, SECTION, ARRIVE, LEDGER, STAGES };      /* of a stretch */
 enum { ASK, CROSS, STAND };                                     /* rules for what follows an event */
@@ -129,7 +129,7 @@ typedef struct {
 typedef struct {
     Meter *meters;
     Event *functions;
-    int *columns, count, function_count, column_count, forces, spins, paths;
+    int *columns, count, function_count, column_count, forces, spins;
 } Meters;
 
 typedef struct {

@@ -115,6 +115,10 @@ static double integral(const Run *r, const Meter *m)
         for (n = 0; n < NODE_COUNT; n++)
             total = total + WEIGHTS[n] * (r->M0 * (1 - at->w[n] / r->Omega0) * at->w[n]);
         return total;
+    case SLIP:
+        for (n = 0; n < NODE_COUNT; n++)
+            total = total + WEIGHTS[n] * ((at->v[m->P][n] - at->v[m->Q][n]) - m->drift);
+        return total;
     case IMPULSE:
         for (n = 0; n < NODE_COUNT; n++)
             total = total + WEIGHTS[n] * at->force[m->source][n];
@@ -139,8 +143,7 @@ static void integrate(Run *r, const Meters *m, double tau, double length)
     else
         taylor_nodes(r, m, offsets);
     for (i = 0; i < m->count; i++)
-        if (m->meters[i].kind != PATH)
-            entries[m->meters[i].entry] = entries[m->meters[i].entry] + length * (m->meters[i].factor * integral(r, &m->meters[i]));
+        entries[m->meters[i].entry] = entries[m->meters[i].entry] + length * (m->meters[i].factor * integral(r, &m->meters[i]));
 }
 
 /* Displacement of a column at `state`. */
@@ -158,26 +161,6 @@ static double base_place(const Run *r, double t)
         X = X + term->amplitude * sin(turn_angle(term->cycles, term->cycles_lo, t) + term->phase);
     }
     return X;
-}
-
-/* Add what the ends of the stretch tell. */
-static void pass(Run *r, const Meters *m, const State *start, const State *end)
-{
-    double *entries = r->ledger.open, before = 0, after = 0, duration = end->t - start->t;
-    int i;
-    if (m->paths && r->base_count > 0) {
-        before = base_place(r, start->t);
-        after = base_place(r, end->t);
-    }
-    for (i = 0; m->paths && i < m->count; i++) {
-        const Meter *one = &m->meters[i];
-        double way;
-        if (one->kind != PATH)
-            continue;
-        way = (place(r, end, one->P, after) - place(r, end, one->Q, after)) -
-              (place(r, start, one->P, before) - place(r, start, one->Q, before));
-        entries[one->entry] = entries[one->entry] + one->factor * (way - one->drift * duration);
-    }
 }
 
 /* Longest stretch from tau that one quadrature rule integrates to round-off. */
@@ -229,7 +212,6 @@ int ledger_gather(Run *r)
         r->spent += NODE_COUNT;
         l->tau = ahead;
     }
-    pass(r, m, &r->state, &r->next);
     done = l->open;
     l->open = l->entries;
     l->entries = done;

@@ -9,7 +9,7 @@ that stored - stored(0) - work + losses is zero but for rounding: a check on eve
 """
 
 from vibsim.engine.harmonics import value_and_rate
-from vibsim.engine.meters import IMPULSE, NOTHING, PATH, SQUARE, TORQUE, WORK, MeterMaker, jumps_of
+from vibsim.engine.meters import IMPULSE, NOTHING, SLIP, SQUARE, TORQUE, WORK, MeterMaker, jumps_of
 from vibsim.engine.status import CONTACT
 from vibsim.physics.gauss_nodes import NODES, WEIGHTS
 
@@ -40,7 +40,6 @@ class Ledger:
             self._integrate(entries, meters, tau, ahead - tau)
             tau = ahead
             yield t0 + tau
-        self._pass(entries, meters, start, end)
         self.entries = entries
 
     def _integrate(self, entries, meters, tau, length):
@@ -51,11 +50,9 @@ class Ledger:
         for node, weight in zip(NODES, WEIGHTS, strict=True):
             point = self.flow.node(tau + node * length, meters)
             for i, meter in enumerate(meters.meters):
-                if meter.kind != PATH:
-                    totals[i] = totals[i] + weight * self._rate(meter, point)
+                totals[i] = totals[i] + weight * self._rate(meter, point)
         for meter, total in zip(meters.meters, totals, strict=True):
-            if meter.kind != PATH:
-                entries[meter.entry] = entries[meter.entry] + length * (meter.factor * total)
+            entries[meter.entry] = entries[meter.entry] + length * (meter.factor * total)
 
     def _rate(self, meter, point):
         """What a meter integrates, at a node."""
@@ -68,20 +65,12 @@ class Ledger:
         if meter.kind == TORQUE:
             motor = self.scene.motor
             return motor.M0 * (1 - w / motor.Omega0) * w
+        if meter.kind == SLIP:
+            return (v[meter.P] - v[meter.Q]) - meter.drift
         if meter.kind == IMPULSE:
             return forces[meter.source]
         value = functions[meter.source]
         return value if meter.P == NOTHING else value * v[meter.P]
-
-    def _pass(self, entries, meters, start, end):
-        """Add what the ends of the stretch tell."""
-        if not any(meter.kind == PATH for meter in meters.meters):
-            return
-        before, after, duration = self._places(start), self._places(end), end.t - start.t
-        for meter in meters.meters:
-            if meter.kind == PATH:
-                way = (after[meter.P] - after[meter.Q]) - (before[meter.P] - before[meter.Q])
-                entries[meter.entry] = entries[meter.entry] + meter.factor * (way - meter.drift * duration)
 
     def _places(self, state):
         """Displacements of all columns."""

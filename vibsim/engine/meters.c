@@ -105,15 +105,14 @@ int meters_read(Run *r, Mode *m, Reader *in)
     for (i = 0; i < to->count; i++) {
         Meter *one = &to->meters[i];
         int of_force;
-        one->kind = read_index(in, SQUARE, PATH);
+        one->kind = read_index(in, SQUARE, SLIP);
         of_force = one->kind == WORK || one->kind == IMPULSE;
         one->entry = read_index(in, 0, r->ledger.count - 1);
         one->P = read_index(in, one->kind == FUNCTION || one->kind == IMPULSE || one->kind == TORQUE ? -1 : 0, r->columns - 1);
-        one->Q = read_index(in, one->kind == SQUARE || one->kind == PATH ? 0 : -1, r->columns - 1);
+        one->Q = read_index(in, one->kind == SQUARE || one->kind == SLIP ? 0 : -1, r->columns - 1);
         one->source = read_index(in, of_force || one->kind == FUNCTION ? 0 : -1, (of_force ? r->force_count : to->function_count) - 1);
         one->factor = read_double(in);
         one->drift = read_double(in);
-        to->paths = to->paths || one->kind == PATH;
     }
     read_functions(r, m, in, terms);
     return read_through(in);

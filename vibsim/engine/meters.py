@@ -7,7 +7,7 @@ A meter adds factor times an integral over each stretch of the mode to one entry
     TORQUE    torque of the motor times the speed of its rotor
     FUNCTION  a function of the mode's rows, times the velocity of column P where that is not NOTHING
     IMPULSE   force number `source`
-    PATH      v_P - v_Q - drift: no quadrature, the way from the stretch's start to its end
+    SLIP      v_P - v_Q - drift: from velocities, whose digits do not drown in displacements
 """
 
 from dataclasses import dataclass, field
@@ -18,7 +18,7 @@ from vibsim.engine.status import CONTACT, STICK
 from vibsim.engine.ties import Groups, beyond
 from vibsim.physics.parts import AT_FORCE
 
-SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, PATH = range(6)
+SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP = range(6)
 NOTHING = -1
 
 
@@ -45,8 +45,8 @@ class Meters:
     @property
     def columns(self):
         """Bodies whose velocities are read, and the base where its velocity is."""
-        read = {m.P for m in self.meters if m.kind in (SQUARE, WORK, FUNCTION)}
-        read |= {m.Q for m in self.meters if m.kind == SQUARE}
+        read = {m.P for m in self.meters if m.kind in (SQUARE, WORK, FUNCTION, SLIP)}
+        read |= {m.Q for m in self.meters if m.kind in (SQUARE, SLIP)}
         return sorted(read - {NOTHING})
 
     @property
@@ -161,12 +161,12 @@ class MeterMaker:
                 self._driven((coupling.P, coupling.Q), -one, zero, "", FUNCTION, source)  # -S on P
 
     def _driven(self, ends, on_P, belt, name, kind, source):
-        """Meters of a force between P and Q, on_P times a function (or, for PATH, times 1) on P and the
+        """Meters of a force between P and Q, on_P times a function (or, for SLIP, times 1) on P and the
         opposite on Q: what base and belt, which keep their courses, put in, and the impulse from outside.
         """
         for end, on_end in zip(ends, (on_P, -on_P), strict=True):
             if end == self.base:
-                P, Q = (self.base, self.ground) if kind == PATH else (self.base, NOTHING)
+                P, Q = (self.base, self.ground) if kind == SLIP else (self.base, NOTHING)
                 self._add(kind, ("work", "base", ""), -on_end, P=P, Q=Q, source=source)
         if belt != 0:
             self._timed(kind, ("work", "friction", name), on_P * belt, source)
@@ -179,16 +179,16 @@ class MeterMaker:
 
     def _timed(self, kind, name, factor, source):
         """factor times the integral of the function, or of 1."""
-        if kind == PATH:
-            self._add(PATH, name, factor, P=self.ground, Q=self.ground, drift=-self.kit.number(1))
+        if kind == SLIP:
+            self._add(SLIP, name, factor, P=self.ground, Q=self.ground, drift=-self.kit.number(1))
         else:
             self._add(FUNCTION, name, factor, source=source)
 
     def _slipping(self, i, friction, sign):
         P, Q = self.maker.ends(friction)
         on_P = -friction.forward if sign > 0 else friction.backward
-        self._add(PATH, ("loss", "friction", friction.name), -on_P, P=P, Q=Q, drift=friction.belt)
-        self._driven((P, Q), on_P, friction.belt, friction.name, PATH, NOTHING)
+        self._add(SLIP, ("loss", "friction", friction.name), -on_P, P=P, Q=Q, drift=friction.belt)
+        self._driven((P, Q), on_P, friction.belt, friction.name, SLIP, NOTHING)
 
     def _sticking(self, i, function, orientation):
         friction = self.scene.frictions[i]
