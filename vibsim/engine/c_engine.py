@@ -5,7 +5,7 @@ from array import array
 import numpy as np
 
 import vibsim.engine._engine as _engine
-from vibsim.engine.automaton import Automaton
+from vibsim.engine.automaton import JET, Automaton
 from vibsim.engine.errors import EngineError
 from vibsim.engine.flow import Flow
 from vibsim.engine.meters import MeterMaker, jumps_of
@@ -48,7 +48,7 @@ class CRun:
         self.scene, self.n = scene, len(scene.bodies)
         self.maker = RowMaker(scene, Doubles)
         self.doubts = Doubts()
-        self.scout = Flow(scene, Doubles, self.doubts)
+        self.scout = Flow(scene, Doubles, self.doubts, JET + 1)
         self.automaton = Automaton(scene, self.maker, self.scout, Doubles)
         self.harmonics = self.scout.closed.harmonics
         self.run = _engine.Run(*pack_scene(scene, self.harmonics))

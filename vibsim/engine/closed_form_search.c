@@ -44,6 +44,40 @@ static void certify_crossing(Run *r, double slope, double bound, double noise)
         doubt(&r->certificate, r->t0);
 }
 
+/* Doubt that the zero of `first` is the first, where that of another of `events` may come as soon. */
+static void certify_order(Run *r, int first, const int *events, int count, double value, double slope, double noise)
+{
+    const Search *s = &r->closed_form.search;
+    double latest;
+    int i;
+    if (slope >= 0)
+        return;
+    latest = latest_zero(value, slope, noise, s->t);
+    for (i = 0; i < count; i++) {
+        const Event *e = &r->mode->events[events[i]];
+        double other = event_derivative(r, e, 0), fall = event_derivative(r, e, 1);
+        double blur = event_noise(r, e) + s->residues[events[i]];
+        int same = events[i] == first || (other == value && fall == slope);
+        if (!same && may_vanish_by(other, fall, blur, latest))
+            doubt(&r->certificate, r->t0);
+    }
+}
+
+/* As `certify_order`, at the start of a segment: against the functions whose zeros are not known to be there. */
+static void certify_leading_order(Run *r, int first, double value, double slope, double noise)
+{
+    Search *s = &r->closed_form.search;
+    const Mode *m = r->mode;
+    int i;
+    s->event_count = 0;
+    for (i = 0; i < m->event_count; i++)
+        if (r->known[m->events[i].key] == 0) {
+            s->residues[i] = 0.0;
+            s->events[s->event_count++] = i;
+        }
+    certify_order(r, first, s->events, s->event_count, value, slope, noise);
+}
+
 static int lead(Run *r)
 {
     Search *s = &r->closed_form.search;
@@ -72,10 +106,9 @@ static int lead(Run *r)
         if (order == 0) {
             double noise = event_noise(r, e), slope = event_derivative(r, e, 1);
             if (first <= noise && slope <= 0) {
-                for (i = i + 1; i < m->event_count; i++)
-                    s->events[s->event_count++] = i;
                 certify_crossing(r, slope, bound, noise);
-                return (int)(e - m->events);
+                certify_leading_order(r, i, first, slope, noise);
+                return i;
             }
             first = first - noise;
             if (first <= 0)
@@ -193,7 +226,7 @@ static void polish(Run *r, const Event *e)
 static int step_ahead(Run *r)
 {
     Search *s = &r->closed_form.search;
-    double step = s->reach, rival = step, near = 0, before, course[3] = {0, 0, 0};
+    double step = s->reach, rival = step, near = 0, before, course[4] = {0, 0, 0, 0};
     int nearest = NOTHING, alone = 0, i;
     r->steps += 1;
     closed_form_evaluate(r, s->t - r->t0);
@@ -206,6 +239,7 @@ static int step_ahead(Run *r)
         double noise = event_noise(r, e) + s->residues[which], bound = event_bound(r, e, 2, s->reach);
         if (value < -noise || (value <= noise && slope <= 0)) {
             certify_crossing(r, slope, bound, noise);
+            certify_order(r, which, s->events, s->event_count, value, slope, noise);
             return which;
         }
         if (e->turns)
@@ -216,11 +250,12 @@ static int step_ahead(Run *r)
             rival = step;
             step = ahead;
             nearest = slope < 0 ? which : NOTHING;
-            near = slope < 0 ? -2 * value / slope : rival;
+            near = slope < 0 ? -2 * value / slope : step;
             alone = slope < 0 && 4 * near * bound < -slope;
-            course[0] = slope;
-            course[1] = bound;
-            course[2] = noise;
+            course[0] = value;
+            course[1] = slope;
+            course[2] = bound;
+            course[3] = noise;
         } else if (ahead < rival) {
             rival = ahead;
         }
@@ -241,7 +276,8 @@ static int step_ahead(Run *r)
         s->t = before + (nextafter(before, INFINITY) - before) * s->stall;
         s->stall = s->stall * 2;
     } else {
-        certify_crossing(r, course[0], course[1], course[2]);
+        certify_crossing(r, course[1], course[2], course[3]);
+        certify_order(r, nearest, s->events, s->event_count, course[0], course[1], course[3]);
     }
     return nearest;
 }

@@ -3,7 +3,7 @@
 from math import inf
 
 from vibsim.engine.event_functions import EventFunctions, reaches
-from vibsim.events.certificate import crosses
+from vibsim.events.certificate import crosses, latest_zero, may_vanish_by
 from vibsim.events.first_root import deflated_step, leading_order, safe_step
 from vibsim.events.turning_point import extreme_of_slope, turning_point
 
@@ -71,6 +71,8 @@ class ClosedFormSearch:
                 noise = of.noise(event)
                 if lead <= noise and derivatives[1] <= 0:
                     self._certify_crossing(derivatives[1], bound, noise)
+                    others = [other for other in self.events if self.known.get(other.key, 0) == 0]
+                    self._certify_order(event, others, lead, derivatives[1], noise)
                     return event
                 lead = lead - noise
                 if lead <= 0:  # rises from within rounding of zero: on which side it began is not proved
@@ -102,6 +104,7 @@ class ClosedFormSearch:
             bound = of.bound(event, 2, self.reach)
             if value < -noise or (value <= noise and slope <= 0):
                 self._certify_crossing(slope, bound, noise)
+                self._certify_order(event, self.events, value, slope, noise)
                 return event
             if event.turns:
                 self._watch_turn(event, value, slope, of.derivative(event, 2), bound)
@@ -111,7 +114,7 @@ class ClosedFormSearch:
                 step, rival, nearest = ahead, step, (event if slope < 0 else None)
                 near = -2 * value / slope if slope < 0 else step
                 alone = slope < 0 and 4 * near * bound < -slope
-                course = slope, bound, noise
+                course = value, slope, bound, noise
             elif ahead < rival:
                 rival = ahead
         if alone and near <= rival:
@@ -126,7 +129,9 @@ class ClosedFormSearch:
         if nearest is None:
             self._creep(before)
         else:
-            self._certify_crossing(*course)
+            value, slope, bound, noise = course
+            self._certify_crossing(slope, bound, noise)
+            self._certify_order(nearest, self.events, value, slope, noise)
         return nearest
 
     def _creep(self, before):
@@ -144,11 +149,25 @@ class ClosedFormSearch:
         if not crosses(slope, bound, noise):
             self.certificate.doubt(self.t0)
 
+    def _certify_order(self, first, events, value, slope, noise):
+        """Doubt that the zero of `first` is the first, where that of another of `events` may come as soon;
+        value, slope and noise are those of `first`. Two names of one function vanish together.
+        """
+        if slope >= 0:  # a touch is in doubt by itself
+            return
+        of, latest = self.functions_of, latest_zero(self.kit, value, slope, noise, self.t)
+        for event in events:
+            other, fall = of.derivative(event, 0), of.derivative(event, 1)
+            blur = of.noise(event) + self.residues.get(event.key, self.kit.number(0))
+            same = event is first or (other == value and fall == slope)
+            if not same and may_vanish_by(other, fall, blur, latest):
+                self.certificate.doubt(self.t0)
+
     def _polish(self, event):
         """Go to the one zero of the event function ahead, by Halley's iteration.
 
         Called where 8 f |f''| < f'^2 and f' < 0: then f falls all the way to its zero, which lies within
-        -2 f / f' and is the only one there (Kantorovich), and no other event function can vanish before.
+        -2 f / f' and is the only one there (Kantorovich), and no other event function can vanish within that.
         """
         start, of = self.t, self.functions_of
         for _ in range(POLISHING):

@@ -6,7 +6,7 @@ Output cadence never changes a trajectory: samples are read off the flow, states
 import time
 from math import inf
 
-from vibsim.engine.automaton import Automaton
+from vibsim.engine.automaton import JET, Automaton
 from vibsim.engine.errors import EngineError
 from vibsim.engine.flow import Flow
 from vibsim.engine.ledger import Ledger
@@ -31,7 +31,7 @@ class Driver:
         self.scene, self.kit = scene, kit
         self.maker = RowMaker(scene, kit)
         self.flow = Flow(scene, kit)
-        self.automaton = Automaton(scene, self.maker, Flow(scene, kit, self.flow.certificate), kit)
+        self.automaton = Automaton(scene, self.maker, Flow(scene, kit, self.flow.certificate, JET + 1), kit)
         self.section = StroboscopicSection(scene, self.flow) if section else None
         self.ledger = Ledger(scene, kit, self.maker, self.flow, momentum) if ledger or momentum else None
         self.tangent = TangentBundle(scene, kit, self.flow, *tangent) if tangent[0] else None

@@ -269,6 +269,8 @@ void oscillator_set(Oscillator *o, double a, double b, double omega);
 enum { POSITIVE, ZERO, UNFINISHED };
 int polynomial_first_root(Certificate *c, const double *coefficients, int count, int known, double t0, double h, int keep_margin,
                           double *end);
+int polynomial_near_zero(const double *coefficients, int count, int known, double tau, double size, double *value,
+                         double *slope, double *noise); /* returns 0 where it rests at zero */
 
 /* taylor.c */
 void taylor_set(Run *r);
@@ -281,6 +283,7 @@ void taylor_expand_base(Run *r, double t);
 void taylor_expand_loads(Run *r, double t);
 void taylor_expand(Run *r, const State *state);
 int taylor_polynomial(const Run *r, const Event *e, double *out);
+double taylor_magnitude(const Run *r, const Event *e);
 
 /* closed_form.c */
 void closed_form_enter(Run *r, const State *state);

@@ -6,11 +6,14 @@ from vibsim.events.certificate import Certificate
 
 
 class Flow:
-    """Enters each mode by the flow that suits it; `scene.method` may demand one of them."""
+    """Enters each mode by the flow that suits it; `scene.method` may demand one of them.
 
-    def __init__(self, scene, kit, certificate=None):
+    least_order : of the Taylor series, where more derivatives are asked for than the scene's order has
+    """
+
+    def __init__(self, scene, kit, certificate=None, least_order=0):
         self.certificate = certificate or Certificate(kit)
-        self.taylor = Taylor(scene, kit, self.certificate)
+        self.taylor = Taylor(scene, kit, self.certificate, least_order)
         self.closed = ClosedForm(scene, kit, self.certificate)
         self.method = scene.method
         self.now = self.taylor

@@ -133,6 +133,21 @@ static int may_turn(const double *series, int count, int order, double total, do
     return count > 1 && 2 * fabs(series[1]) * h <= swing;
 }
 
+int polynomial_near_zero(const double *coefficients, int count, int known, double tau, double size, double *value,
+                         double *slope, double *noise)
+{
+    int order = known;
+    while (order < count && coefficients[order] == 0)
+        order++;
+    if (order == count)
+        return 0;
+    value_and_slope(coefficients + order, count - order, tau, value, slope);
+    *noise = noise_at(coefficients + order, count - order, tau);
+    if (order == 0)
+        *noise = *noise + 4 * EPS * size;
+    return 1;
+}
+
 int polynomial_first_root(Certificate *c, const double *coefficients, int count, int known, double t0, double h, int keep_margin,
                           double *end)
 {

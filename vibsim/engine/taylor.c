@@ -67,12 +67,12 @@ INLINE double longest_step(const Run *r, int (*size)(const Run *, int, int), int
     for (last = highest - 1; last <= highest; last++) {
         int following = size(r, last, c);
         if (following > -2000) {
-            double best = (r->tolerance_exponent + (leading[0] - following)) / last;
-            for (m = 1; m < LEADING; m++) {
+            double best = -INFINITY;
+            for (m = 0; m < LEADING && m < last; m++) {
                 double candidate = (r->tolerance_exponent + (leading[m] - following)) / (last - m);
-                best = candidate > best ? candidate : best;
+                best = leading[m] > -2000 && candidate > best ? candidate : best;
             }
-            longest = best < longest ? best : longest;
+            longest = best > -INFINITY && best < longest ? best : longest;
         }
     }
     return longest;
@@ -115,6 +115,31 @@ void taylor_enter(Run *r, const State *state)
     f->h = step_length(r);
 }
 
+static int near_zero(const Run *r, const Event *e, double tau, double *value, double *slope, double *noise)
+{
+    double coefficients[SERIES];
+    int count = taylor_polynomial(r, e, coefficients);
+    return polynomial_near_zero(coefficients, count, r->known[e->key], tau, taylor_magnitude(r, e), value, slope, noise);
+}
+
+/* Doubt that the zero of `first`, at time `end`, is the first, where that of another event may come as soon. */
+static void certify_order(Run *r, int first, double end)
+{
+    const Mode *m = r->mode;
+    double tau = end - r->t0, value = 0, slope = 0, noise = 0, other, fall, blur, latest;
+    int i;
+    near_zero(r, &m->events[first], tau, &value, &slope, &noise);
+    if (slope >= 0)
+        return;
+    latest = latest_zero(value, slope, noise, end);
+    for (i = 0; i < m->event_count; i++) {
+        if (i == first || !near_zero(r, &m->events[i], tau, &other, &fall, &blur))
+            continue;
+        if (!(other == value && fall == slope) && may_vanish_by(other, fall, blur, latest))
+            doubt(&r->certificate, r->t0);
+    }
+}
+
 double taylor_advance(Run *r, double limit, int *event)
 {
     const Taylor *f = &r->taylor;
@@ -139,6 +164,8 @@ double taylor_advance(Run *r, double limit, int *event)
         if (h == 0) /* an event at the start: no other can come before it */
             break;
     }
+    if (*event != NOTHING)
+        certify_order(r, *event, end);
     return end;
 }
 

@@ -13,6 +13,7 @@ from typing import Any
 from vibsim.engine.harmonics import quarter_turns, sine_and_cosine
 from vibsim.engine.rows import ACCELERATION, COUPLING, DIFFERENCE, RATE
 from vibsim.engine.state import State
+from vibsim.events.certificate import latest_zero, may_vanish_by
 from vibsim.events.polynomial_root import PolynomialSearch
 from vibsim.physics.numbers import horner
 
@@ -21,12 +22,12 @@ NOTHING = None
 
 
 class Taylor:
-    """Flow by Taylor steps of the scene's order and tolerance."""
+    """Flow by Taylor steps of the scene's order (not below `least_order`) and tolerance."""
 
     method = "taylor"
 
-    def __init__(self, scene, kit, certificate):
-        self.scene, self.kit, self.order = scene, kit, kit.order(scene)
+    def __init__(self, scene, kit, certificate, least_order=0):
+        self.scene, self.kit, self.order = scene, kit, max(kit.order(scene), least_order)
         self.tolerance_exponent = kit.tolerance_exponent(scene)
         self.n = len(scene.bodies)
         self.motor = scene.motor
@@ -220,9 +221,10 @@ class Taylor:
                 if sizes[last] > self.kit.no_exponent:
                     candidates = [
                         (self.tolerance_exponent + (sizes[m] - sizes[last])) / (last - m)
-                        for m in range(LEADING)
+                        for m in range(min(LEADING, last))
+                        if sizes[m] > self.kit.no_exponent
                     ]
-                    longest = min(longest, max(candidates))
+                    longest = min(longest, max(candidates, default=longest))
         return self.kit.power_of_two(longest) if longest < 1000.0 else inf
 
     def _size(self, block, n):
@@ -295,7 +297,50 @@ class Taylor:
                 h = end - self.t0
             if h == 0:  # an event at the start: no other can come before it
                 break
+        if first is not NOTHING:
+            self._certify_order(first, end)
         return end, first
+
+    def _certify_order(self, first, end):
+        """Doubt that the zero of `first`, at time `end`, is the first, where that of another event may come
+        as soon. Two names of one function vanish together.
+        """
+        value, slope, noise = self._near_zero(first, end - self.t0)
+        if slope >= 0:  # a touch is in doubt by itself
+            return
+        latest = latest_zero(self.kit, value, slope, noise, end)
+        for event in self.rows.events:
+            there = None if event is first else self._near_zero(event, end - self.t0)
+            if there is None:
+                continue
+            other, fall, blur = there
+            if (other, fall) != (value, slope) and may_vanish_by(other, fall, blur, latest):
+                self.certificate.doubt(self.t0)
+
+    def _near_zero(self, event, tau):
+        known = self.known.get(event.key, 0)
+        return self.search.near_zero(self.polynomial(event), known, tau, self._magnitude(event))
+
+    def _magnitude(self, event):
+        """Sum of the magnitudes that an event function is made of at the expansion point."""
+        total = event.size
+        for term in event.terms:
+            total = total + abs(term.coefficient) * self._magnitude_of(term)
+        return total
+
+    def _magnitude_of(self, term):
+        if term.kind == DIFFERENCE:
+            return abs(self.x[term.P][0]) + abs(self.x[term.Q][0])
+        if term.kind == RATE:
+            return abs(self.v[term.P][0]) + abs(self.v[term.Q][0])
+        if term.kind == COUPLING:
+            one = self.rows.couplings[term.P]
+            places = abs(self.x[one.P][0]) + abs(self.x[one.Q][0])
+            speeds = abs(self.v[one.P][0]) + abs(self.v[one.Q][0])
+            return one.k * places + one.c * speeds + abs(one.offset)
+        if term.kind == ACCELERATION:
+            return abs(self.v[term.P][1])
+        return abs(self._load_on(term.P)[0])
 
     def longest_piece(self, _tau):
         """Longest stretch [s] that one quadrature rule integrates to round-off: a whole step, or 3 rad of the

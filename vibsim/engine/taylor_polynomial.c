@@ -102,3 +102,38 @@ int taylor_polynomial(const Run *r, const Event *e, double *out)
     out[0] = out[0] + e->constant;
     return count;
 }
+
+static double magnitude_of(const Run *r, const Term *t)
+{
+    const Taylor *f = &r->taylor;
+    const double *row = f->table;
+    double series[SERIES];
+    switch (t->kind) {
+    case DIFFERENCE:
+    case RATE:
+        return (t->from < 0 ? 0.0 : fabs(row[t->from])) + (t->to < 0 ? 0.0 : fabs(row[t->to]));
+    case COUPLING: {
+        const Coupling *c = &r->mode->couplings[t->P];
+        double places = fabs(row[c->from]) + fabs(row[c->to]);
+        double speeds = fabs(row[f->rates + c->from]) + fabs(row[f->rates + c->to]);
+        return c->k * places + c->c * speeds + fabs(c->offset);
+    }
+    case ACCELERATION:
+        return fabs(row[f->stride + f->rates + column_in_table(r, t->P)]);
+    default:
+        load_on(r, t->P, series);
+        return fabs(series[0]);
+    }
+}
+
+/* Sum of the magnitudes that an event function is made of at the expansion point. */
+double taylor_magnitude(const Run *r, const Event *e)
+{
+    double total = e->size;
+    int i;
+    for (i = 0; i < e->terms; i++) {
+        const Term *t = &r->mode->terms[e->first + i];
+        total = total + fabs(t->coefficient) * magnitude_of(r, t);
+    }
+    return total;
+}

@@ -2,7 +2,8 @@
 
 A stretch between two events is certified where every event function is known to stay positive on it, by more
 than the bound of its rounding and truncation. An event is certified where its function is known to cross
-zero, by more than that bound too. All else is a doubt: counted, and the first one timed.
+zero, by more than that bound too. Of two events, the first is certified to be the first where their times are
+further apart than rounding blurs them. All else is a doubt: counted, and the first one timed.
 """
 
 from math import inf
@@ -38,3 +39,17 @@ def crosses(slope, bound, error):
     bound: on its absolute second derivative ahead. A touch from above by less than `error` does not.
     """
     return slope < 0 and -slope > 2 * bound * (error / -slope)
+
+
+def latest_zero(kit, value, slope, noise, t):
+    """How long after time t [s] the zero of a falling function may lie, by its tangent: the rounding of its
+    value, and of the time that it is stored with, blur the place.
+
+    value, slope, noise : of the function at t, noise a bound of the rounding of its value; slope < 0
+    """
+    return (value + noise) / -slope + (kit.next_after(t, inf) - t)
+
+
+def may_vanish_by(value, slope, noise, latest):
+    """Whether a falling function may be zero already `latest` [s] from here; see `latest_zero`."""
+    return slope < 0 and value - noise <= -slope * latest

@@ -2,7 +2,7 @@
 
 from math import inf
 
-from vibsim.events.certificate import Certificate, crosses
+from vibsim.events.certificate import Certificate, crosses, latest_zero, may_vanish_by
 from vibsim.events.first_root import deflated_step, leading_order, safe_step
 from vibsim.events.turning_point import extreme_of_slope, turning_point
 from vibsim.events.watch import GAP, NOTHING
@@ -71,6 +71,8 @@ class ClosedFormSearch:
                 noise = of.noise(function)
                 if lead <= noise and derivatives[1] <= 0:
                     self._certify_crossing(derivatives[1], bound, noise)
+                    others = [other for other in self.functions if self.known.get(other, 0) == 0]
+                    self._certify_order(function, others, d, lead, derivatives[1], noise)
                     return function
                 lead = lead - noise
                 if lead <= 0:  # rises from within rounding of zero: on which side it began is not proved
@@ -99,6 +101,7 @@ class ClosedFormSearch:
             bound = of.bound(function, d, 2, self.reach)
             if value < -noise or (value <= noise and slope <= 0):
                 self._certify_crossing(slope, bound, noise)
+                self._certify_order(function, self.functions, d, value, slope, noise)
                 return function
             if function == GAP:
                 self._watch_turn(value, slope, of.derivative(GAP, d, 2), bound)
@@ -106,9 +109,9 @@ class ClosedFormSearch:
             ahead = safe_step(self.kit, room if room > 0 else self.kit.number(0), slope, bound)
             if ahead < step:
                 step, rival, nearest = ahead, step, (function if slope < 0 else NOTHING)
-                near = -2 * value / slope
+                near = -2 * value / slope if slope < 0 else step
                 alone = slope < 0 and 4 * near * bound < -slope
-                course = slope, bound, noise
+                course = value, slope, bound, noise
             elif ahead < rival:
                 rival = ahead
         if alone and near <= rival:
@@ -123,7 +126,9 @@ class ClosedFormSearch:
         if nearest == NOTHING:
             self._creep(before)
         else:
-            self._certify_crossing(*course)
+            value, slope, bound, noise = course
+            self._certify_crossing(slope, bound, noise)
+            self._certify_order(nearest, self.functions, d, value, slope, noise)
         return nearest
 
     def _creep(self, before):
@@ -141,11 +146,25 @@ class ClosedFormSearch:
         if not crosses(slope, bound, noise):
             self.certificate.doubt(self.t0)
 
+    def _certify_order(self, first, functions, d, value, slope, noise):
+        """Doubt that the zero of `first` is the first, where another of `functions` may vanish as soon as it
+        does; value, slope and noise are those of `first`. Two names of one function vanish together.
+        """
+        if slope >= 0:  # a touch is in doubt by itself
+            return
+        of, latest = self.functions_of, latest_zero(self.kit, value, slope, noise, self.t)
+        for function in functions:
+            other, fall = of.derivative(function, d, 0), of.derivative(function, d, 1)
+            blur = of.noise(function) + self.residues.get(function, self.kit.number(0))
+            same = function == first or (other == value and fall == slope)
+            if not same and may_vanish_by(other, fall, blur, latest):
+                self.certificate.doubt(self.t0)
+
     def _polish(self, function):
         """Go to the one zero of `function` ahead, by Halley's iteration.
 
         Called where 8 f |f''| < f'^2 and f' < 0: then f falls all the way to its zero, which lies within
-        -2 f / f' and is the only one there (Kantorovich), and no other event function can vanish before.
+        -2 f / f' and is the only one there (Kantorovich), and no other event function can vanish within that.
         """
         start, of = self.t, self.functions_of
         for _ in range(POLISHING):

@@ -42,6 +42,21 @@ class PolynomialSearch:
             self._watch_turns(coefficients, t0, h if end is None else end - t0)
         return end, zero
 
+    def near_zero(self, coefficients, known, tau, size):
+        """(value, slope, rounding bound) at tau of the polynomial without its known zeros (see `first_root`);
+        None where it rests at zero.
+
+        size: sum of the magnitudes that its coefficient 0 is made of, where it is not known to be zero.
+        """
+        order = known
+        while order < len(coefficients) and coefficients[order] == 0:
+            order += 1
+        if order == len(coefficients):
+            return None
+        value, slope = self._value_and_slope(coefficients[order:], tau)
+        noise = self._noise(coefficients[order:], tau)
+        return value, slope, noise + 4 * self.kit.eps * size if order == 0 else noise
+
     def _bounds(self, series, h):
         """sum |b_n| h^n, the largest possible fall below b_0, a bound of |f''|, sum n |b_n| h^n, and a bound
         of what follows the last term.

@@ -9,8 +9,10 @@ only, because
 
 from math import inf
 
+from vibsim.events.certificate import latest_zero, may_vanish_by
 from vibsim.events.polynomial_root import PolynomialSearch
 from vibsim.events.watch import CLEARANCE, GAP, HOLD_PLUS, NOTHING, SLIDE, watched
+from vibsim.flows.regime import JET_ORDER
 from vibsim.physics.numbers import horner
 from vibsim.physics.state import State
 
@@ -28,7 +30,7 @@ class Taylor:
         self.limit = scene.N if scene.has_friction else kit.number(0)
         self.harmonic = scene.source == "harmonic"
         self.unbalance = scene.m3 * scene.e if scene.has_motor else kit.number(0)
-        count = self.order + 2
+        count = max(self.order, JET_ORDER) + 2
         self.inverse = [kit.number(0)] + [1 / kit.number(n) for n in range(1, count + 1)]
         self.per_m1 = 1 / scene.m1
         self.per_m2 = 1 / scene.m2 if scene.has_block2 else kit.number(0)
@@ -177,9 +179,10 @@ class Taylor:
                 if sizes[last] > self.kit.no_exponent:
                     candidates = [
                         (self.tolerance_exponent + (sizes[m] - sizes[last])) / (last - m)
-                        for m in range(LEADING)
+                        for m in range(min(LEADING, last))
+                        if sizes[m] > self.kit.no_exponent
                     ]
-                    longest = min(longest, max(candidates))
+                    longest = min(longest, max(candidates, default=longest))
         return self.kit.power_of_two(longest) if longest < 1000.0 else inf
 
     def _size(self, block, n):
@@ -232,7 +235,41 @@ class Taylor:
                 h = end - self.t0
             if h == 0:  # an event at the start: no other can come before it
                 break
+        if found != NOTHING:
+            self._certify_order(found, end)
         return end, found
+
+    def _certify_order(self, first, end):
+        """Doubt that the zero of `first`, at time `end`, is the first, where another event function may be
+        zero as soon. Two names of one function vanish together.
+        """
+        near = {function: self._near_zero(function, end - self.t0) for function in self.functions}
+        value, slope, noise = near[first]
+        if slope >= 0:  # a touch is in doubt by itself
+            return
+        latest = latest_zero(self.kit, value, slope, noise, end)
+        for function, there in near.items():
+            if function == first or there is None:
+                continue
+            other, fall, blur = there
+            if (other, fall) != (value, slope) and may_vanish_by(other, fall, blur, latest):
+                self.certificate.doubt(self.t0)
+
+    def _near_zero(self, function, tau):
+        known = self.known.get(function, 0)
+        return self.search.near_zero(self.polynomial(function), known, tau, self._magnitude(function))
+
+    def _magnitude(self, function):
+        """Sum of the magnitudes that an event function is made of at the expansion point."""
+        scene, places = self.scene, abs(self.x1[0]) + abs(self.x2[0])
+        if function == GAP:
+            return places + abs(scene.G)
+        if function == CLEARANCE:
+            return places + abs(scene.rest_distance)
+        speeds = abs(self.v1[0]) + abs(self.v2[0])
+        if function == SLIDE:
+            return speeds
+        return self.k * places + scene.c * speeds + abs(self.offset) + scene.N
 
     def longest_piece(self, _tau):
         """Longest stretch [s] that one quadrature rule integrates to round-off: a whole step."""
@@ -256,8 +293,12 @@ class Taylor:
         return State(t, x1, v1, x2, v2, phase, self.start.turns + turns, horner(self.w, tau))
 
     def relative_jet(self, state, mode, count):
-        """Derivatives of y = x1 - x2 of order 0 to `count` at `state` in `mode`."""
+        """Derivatives of y = x1 - x2 of order 0 to `count` at `state` in `mode`, whatever the order of the
+        steps.
+        """
+        order, self.order = self.order, max(self.order, count)
         self.enter(state, mode, {})
+        self.order = order
         factorial, jet = 1, []
         for n in range(count + 1):
             factorial = factorial * n if n > 0 else 1

@@ -28,4 +28,14 @@ static inline int crosses(double slope, double bound, double error)
     return slope < 0 && -slope > 2 * bound * (error / -slope);
 }
 
+static inline double latest_zero(double value, double slope, double noise, double t)
+{
+    return (value + noise) / -slope + (nextafter(t, INFINITY) - t);
+}
+
+static inline int may_vanish_by(double value, double slope, double noise, double latest)
+{
+    return slope < 0 && value - noise <= -slope * latest;
+}
+
 #endif

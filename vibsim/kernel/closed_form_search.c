@@ -37,6 +37,35 @@ static void certify_crossing(Run *r, double slope, double bound, double noise)
         doubt(&r->certificate, r->closed.t0);
 }
 
+/* Doubt that the zero of `first` is the first, where another of `functions` may vanish as soon as it does. */
+static void certify_order(Run *r, int first, const int *functions, int count, const double *d, const double *residues,
+                          double value, double slope, double noise)
+{
+    double latest;
+    int i;
+    if (slope >= 0)
+        return;
+    latest = latest_zero(value, slope, noise, r->closed.search.t);
+    for (i = 0; i < count; i++) {
+        double other = event_derivative(r, functions[i], d, 0), fall = event_derivative(r, functions[i], d, 1);
+        double blur = event_noise(r, functions[i]) + residues[functions[i]];
+        int same = functions[i] == first || (other == value && fall == slope);
+        if (!same && may_vanish_by(other, fall, blur, latest))
+            doubt(&r->certificate, r->closed.t0);
+    }
+}
+
+/* As `certify_order`, at the start of a segment: against the functions whose zeros are not known to be there. */
+static void certify_leading_order(Run *r, int first, const double *d, double value, double slope, double noise)
+{
+    static const double none[FUNCTIONS] = {0, 0, 0, 0, 0};
+    int others[FUNCTIONS], count = 0, i;
+    for (i = 0; i < r->function_count; i++)
+        if (r->known.order[r->functions[i]] == 0)
+            others[count++] = r->functions[i];
+    certify_order(r, first, others, count, d, none, value, slope, noise);
+}
+
 static int lead(Run *r)
 {
     ClosedForm *f = &r->closed;
@@ -62,6 +91,7 @@ static int lead(Run *r)
             double noise = event_noise(r, function), slope = event_derivative(r, function, d, 1);
             if (first <= noise && slope <= 0) {
                 certify_crossing(r, slope, bound, noise);
+                certify_leading_order(r, function, d, first, slope, noise);
                 return function;
             }
             first = first - noise;
@@ -181,7 +211,7 @@ static int step_once(Run *r)
 {
     ClosedForm *f = &r->closed;
     ClosedFormSearch *m = &f->search;
-    double step = m->reach, rival = step, near = 0, before, d[6], course[3] = {0, 0, 0};
+    double step = m->reach, rival = step, near = 0, before, d[6], course[4] = {0, 0, 0, 0};
     int nearest = NOTHING, alone = 0, i;
     r->steps += 1;
     closed_form_evaluate(r, m->t - f->t0);
@@ -194,6 +224,7 @@ static int step_once(Run *r)
         double bound = event_bound(r, function, d, 2, m->reach), room, ahead;
         if (value < -noise || (value <= noise && slope <= 0)) {
             certify_crossing(r, slope, bound, noise);
+            certify_order(r, function, m->functions, m->function_count, d, m->residues, value, slope, noise);
             return function;
         }
         if (function == GAP)
@@ -204,11 +235,12 @@ static int step_once(Run *r)
             rival = step;
             step = ahead;
             nearest = slope < 0 ? function : NOTHING;
-            near = -2 * value / slope;
+            near = slope < 0 ? -2 * value / slope : step;
             alone = slope < 0 && 4 * near * bound < -slope;
-            course[0] = slope;
-            course[1] = bound;
-            course[2] = noise;
+            course[0] = value;
+            course[1] = slope;
+            course[2] = bound;
+            course[3] = noise;
         } else if (ahead < rival) {
             rival = ahead;
         }
@@ -224,10 +256,12 @@ static int step_once(Run *r)
         m->stall = 1.0;
         return NOTHING;
     }
-    if (nearest == NOTHING)
+    if (nearest == NOTHING) {
         creep(r, before);
-    else
-        certify_crossing(r, course[0], course[1], course[2]);
+    } else {
+        certify_crossing(r, course[1], course[2], course[3]);
+        certify_order(r, nearest, m->functions, m->function_count, d, m->residues, course[0], course[1], course[3]);
+    }
     return nearest;
 }
 

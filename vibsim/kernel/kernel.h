@@ -176,6 +176,8 @@ void taylor_jet(Run *r, const State *state, Mode mode, int count, double *jet);
 enum { POSITIVE, ZERO, UNFINISHED };
 int polynomial_first_root(Run *r, const double *coefficients, int count, int known, double t0, double h, int keep_margin,
                           double *end);
+int polynomial_near_zero(const double *coefficients, int count, int known, double tau, double size, double *value,
+                         double *slope, double *noise); /* returns 0 where it rests at zero */
 
 /* automaton.c */
 void watch(Run *r, Mode mode);

@@ -20,7 +20,7 @@ void taylor_set(Run *r)
     f->inverse[0] = 0.0;
     f->per_m1 = 1 / s->m1;
     f->per_m2 = s->has_block2 != 0 ? 1 / s->m2 : 0.0;
-    for (n = 1; n <= f->order + 2; n++)
+    for (n = 1; n <= SERIES; n++)
         f->inverse[n] = 1 / (double)n;
 }
 
@@ -174,12 +174,12 @@ static double block_length(const Run *r, int first, int second, double longest)
     for (last = order - 1; last <= order; last++) {
         int size = block_size(f, first, second, last);
         if (size > -2000) {
-            double best = (r->scene.tolerance_exponent + (sizes[0] - size)) / last;
-            for (m = 1; m < LEADING; m++) {
+            double best = -INFINITY;
+            for (m = 0; m < LEADING && m < last; m++) {
                 double candidate = (r->scene.tolerance_exponent + (sizes[m] - size)) / (last - m);
-                best = candidate > best ? candidate : best;
+                best = sizes[m] > -2000 && candidate > best ? candidate : best;
             }
-            longest = best < longest ? best : longest;
+            longest = best > -INFINITY && best < longest ? best : longest;
         }
     }
     return longest;
@@ -255,6 +255,47 @@ static int event_polynomial(const Run *r, int function, double *out)
     return p + 1;
 }
 
+/* Sum of the magnitudes that an event function is made of at the expansion point. */
+static double magnitude(const Run *r, int function)
+{
+    const Scene *s = &r->scene;
+    const Taylor *f = &r->taylor;
+    const double *row = f->table[0];
+    double places = fabs(row[X1]) + fabs(row[X2]), speeds = fabs(row[V1]) + fabs(row[V2]);
+    if (function == GAP)
+        return places + fabs(s->G);
+    if (function == CLEARANCE)
+        return places + fabs(s->rest_distance);
+    if (function == SLIDE)
+        return speeds;
+    return f->k * places + s->c * speeds + fabs(f->offset) + s->N;
+}
+
+static int near_zero(const Run *r, int function, double tau, double *value, double *slope, double *noise)
+{
+    double coefficients[SERIES];
+    int count = event_polynomial(r, function, coefficients);
+    return polynomial_near_zero(coefficients, count, r->known.order[function], tau, magnitude(r, function), value, slope,
+                                noise);
+}
+
+/* Doubt that the zero of `first`, at time `end`, is the first, where that of another event function may come as soon. */
+static void certify_order(Run *r, int first, double end)
+{
+    double tau = end - r->taylor.t0, value = 0, slope = 0, noise = 0, other, fall, blur, latest;
+    int i;
+    near_zero(r, first, tau, &value, &slope, &noise);
+    if (slope >= 0)
+        return;
+    latest = latest_zero(value, slope, noise, end);
+    for (i = 0; i < r->function_count; i++) {
+        if (r->functions[i] == first || !near_zero(r, r->functions[i], tau, &other, &fall, &blur))
+            continue;
+        if (!(other == value && fall == slope) && may_vanish_by(other, fall, blur, latest))
+            doubt(&r->certificate, r->taylor.t0);
+    }
+}
+
 double taylor_advance(Run *r, double limit, int *function)
 {
     const Taylor *f = &r->taylor;
@@ -275,6 +316,8 @@ double taylor_advance(Run *r, double limit, int *function)
             h = end - f->t0;
         }
     }
+    if (*function != NOTHING)
+        certify_order(r, *function, end);
     return end;
 }
 
@@ -324,8 +367,10 @@ void taylor_state_after(Run *r, double tau, State *out)
 void taylor_jet(Run *r, const State *state, Mode mode, int count, double *jet)
 {
     double factorial = 1;
-    int n;
+    int order = r->taylor.order, n;
+    r->taylor.order = count > order ? count : order;
     taylor_enter(r, state, mode);
+    r->taylor.order = order;
     for (n = 0; n <= count; n++) {
         factorial = n > 0 ? factorial * n : 1;
         jet[n] = (r->taylor.table[n][X1] - r->taylor.table[n][X2]) * factorial;
