@@ -90,6 +90,13 @@ def test_short_keys_mean_what_the_case_has():
             ["--set initial.phi: there is no motor, so initial.phi must be left out, got 1 rad"],
         ),
         (
+            {"title": "a\0b", "c": "\udcff"},
+            [
+                "--set title: holds \\x00, which no file can",
+                "--set coupling.c: holds \\udcff, which no file can",
+            ],
+        ),
+        (
             {"m1": "0 kg", "m2": "0 kg"},
             ["--set blocks.m1: must be > 0, got 0 kg", "--set blocks.m2: must be > 0, got 0 kg"],
         ),

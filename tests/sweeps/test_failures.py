@@ -53,3 +53,12 @@ def test_a_bug_at_one_point_does_not_stop_the_others(monkeypatch):
     assert result["error"][1, 0].startswith(
         "a bug in vibsim, please report it: ZeroDivisionError: by nothing (test_"
     )
+
+
+def test_a_motion_too_fast_to_take_statistics_of_fails_alone():
+    """10^300 turns a second over 2 s are no 10^10 samples; nor are 2 s in steps of 10^-30 s."""
+    result, _ = run_stored(Store(short_plan({OMEGA0: "1e300, 4 Hz"})), 1)
+    assert result["status"].ravel().tolist() == [FAILED, DONE]
+    assert "more than 1e10 samples" in result["error"][0, 0]
+    result, _ = run_stored(Store(short_plan({OMEGA0: "4 Hz"}, every="1e-30 s")), 1)
+    assert "more than 1e10 samples" in result["error"][0, 0]

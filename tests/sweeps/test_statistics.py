@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from tests.scenes import fixed_block, harmonic, paper, scene
+from tests.sweeps.made import short_plan
 from tests.sweeps.naive_statistics import naive_statistics
+from vibsim.sweeps import table
 from vibsim.sweeps.measured_run import GivenUpError, MeasuredRun
 from vibsim.sweeps.resolution import sampled_for_statistics
 from vibsim.sweeps.statistics import Statistics
@@ -173,3 +175,9 @@ def test_run_is_given_up_when_nobody_wants_it():
     run = MeasuredRun(sampled_for_statistics(paper("II-B")), 100.0, "auto", lambda: False)
     with pytest.raises(GivenUpError):
         list(run.blocks())
+
+
+def test_what_is_not_known_of_a_table_is_nan_in_every_piece(monkeypatch):
+    monkeypatch.setattr(table, "PIECE", 7)
+    plan = short_plan(section=5)
+    assert all(np.isnan(column).all() for column in table.Table(plan).numbers.values())

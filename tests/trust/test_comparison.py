@@ -239,3 +239,11 @@ def test_file_trouble(files, tmp_path):
         found = call("compare", files / "a.h5", tmp_path / other)
         assert (found.exit_code, found.stdout) == (6, "")
         assert other in found.stderr
+
+
+@pytest.mark.parametrize("size", [1e200, 1e308])
+def test_means_that_are_no_numbers_do_not_agree(size):
+    """Of displacements so large the squares overflow, and the interval of their mean is not a number."""
+    one, other = short_run("II-B", "20 s"), vibsim.simulate(short_case("II-B", "20 s"))
+    other["x1"][:] = size
+    assert compare(one, other, TOLERANCE).verdict == "differ"

@@ -11,7 +11,7 @@ Chaotic runs part, however well they are computed: their statistics are what can
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from math import hypot
+from math import hypot, inf
 from typing import Any
 
 import numpy as np
@@ -58,9 +58,10 @@ class ComparedStatistic:
 
     @property
     def differs(self) -> bool:
-        """Whether the means are further apart than their intervals allow."""
+        """Whether the means are further apart than their intervals allow, or are no numbers."""
         rounding = RESOLUTION * max(abs(self.a.mean), abs(self.b.mean))
-        return abs(self.a.mean - self.b.mean) > hypot(self.a.half_width, self.b.half_width) + rounding
+        allowed = hypot(self.a.half_width, self.b.half_width) + rounding
+        return not abs(self.a.mean - self.b.mean) <= allowed < inf
 
 
 @dataclass(frozen=True)
@@ -213,7 +214,8 @@ def compared_statistics(a: Result, b: Result, start: float, end: float) -> list[
     blocks = blocks_of((start, end), period)
     if not blocks:
         return []
-    values = [block_values(result, blocks) for result in (a, b)]
-    common = [name for name in values[0] if name in values[1]]
-    ours, theirs = (averages(found, DOUBT / len(common)) for found in values)
+    with np.errstate(over="ignore", invalid="ignore"):  # a mean that is no number differs from any
+        values = [block_values(result, blocks) for result in (a, b)]
+        common = [name for name in values[0] if name in values[1]]
+        ours, theirs = (averages(found, DOUBT / len(common)) for found in values)
     return [ComparedStatistic(name, UNITS[name], ours[name], theirs[name]) for name in common]

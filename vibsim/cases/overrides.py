@@ -4,9 +4,10 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from vibsim.cases.alternatives import superseded
-from vibsim.cases.file_tree import Tree
+from vibsim.cases.file_tree import BROKEN, Tree
 from vibsim.cases.forms import form_of
 from vibsim.cases.keys import UnknownKeyError, full_key, keys_of
+from vibsim.cases.plain_text import unstorable
 from vibsim.cases.yaml_nodes import Place
 
 FILE = "--set"
@@ -24,6 +25,9 @@ def apply_overrides(tree: Tree, overrides: Mapping[str, object]) -> None:
     for key, value in given:
         try:
             full = full_key(key, present, allowed)
+            if character := unstorable(str(value)):
+                tree.problems.append(Place(FILE).problem(full, f"holds {character}, which no file can"))
+                value = BROKEN
             if full in named:
                 tree.problems.append(Place(FILE).problem(full, "is given twice"))
             named[full] = value

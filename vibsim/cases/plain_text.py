@@ -1,6 +1,9 @@
 """User text as text: what a terminal would obey and no font can show is written out, such as \\x1b."""
 
+import re
 from unicodedata import category
+
+UNSTORABLE = re.compile("[\0\ud800-\udfff]")  # the end of a text in HDF5; what UTF-8 does not take
 
 
 def plain_text(text: object, kept: str = "") -> str:
@@ -17,6 +20,12 @@ def plain_text(text: object, kept: str = "") -> str:
 def one_line(text: object) -> str:
     """A plain text on one line, runs of white space as one blank."""
     return plain_text(" ".join(str(text).split()))
+
+
+def unstorable(text: str) -> str:
+    """The first character of a text that files cannot hold (null, lone surrogates), written out."""
+    found = UNSTORABLE.search(text)
+    return _escape(found.group()) if found else ""
 
 
 def _escape(character: str) -> str:

@@ -23,6 +23,7 @@ from yaml.events import (
     SequenceStartEvent,
 )
 
+from vibsim.cases.plain_text import unstorable
 from vibsim.cases.problems import Problem, shown
 from vibsim.cases.spelling import did_you_mean
 
@@ -204,7 +205,7 @@ class _Reader:
             self.stop(self.place(event), f"more than {MOST_VALUES} values; a case needs about 40")
 
     def forbidden(self, event: Event, key: str, place: Place) -> bool:
-        """Report aliases, anchors and tags; True where there is one."""
+        """Report aliases, anchors, tags and characters that no file can hold; True where there is one."""
         anchor, tag = getattr(event, "anchor", None), getattr(event, "tag", None)
         if anchor is not None:
             what = f"aliases are not used in case files, got *{shown(anchor)}"
@@ -216,7 +217,10 @@ class _Reader:
             self.report(
                 place, key, f"tags are not used in case files, got {shown(name)}; write the plain value"
             )
-        return anchor is not None or tag is not None
+        character = unstorable(getattr(event, "value", ""))
+        if character:
+            self.report(place, key, f"holds {character}, which no file can")
+        return anchor is not None or tag is not None or bool(character)
 
     def report(self, place: Place, key: str, message: str) -> Broken:
         self.problems.append(place.problem(key, message))

@@ -119,7 +119,9 @@ class FitPlan:
     def check(self) -> None:
         """Raises FitError for wishes that do not go together."""
         if not self.statements:
-            raise FitError("say what the runs should do: give at least one statement")
+            raise FitError(
+                "say what the runs should do: give at least one statement (--want; see vibsim fit --list)"
+            )
         names = [case.name for case in self.cases]
         if len(set(names)) < len(names):
             raise FitError(f"two cases are called {next(n for n in names if names.count(n) > 1)}")

@@ -16,6 +16,18 @@ if TYPE_CHECKING:
     from vibsim.cases import Case
 
 FORMAT = 1  # raised when an older reader would misread a newer file
+LEDGER = (
+    "energy_start",
+    "energy_end",
+    "work_source",
+    "work_base",
+    "work_belt",
+    "loss_viscous",
+    "loss_friction",
+    "loss_stops",
+    "energy_residual",
+    "energy_residual_relative",
+)
 TOTALS = (
     "impacts",
     "sticks",
@@ -29,16 +41,7 @@ TOTALS = (
     "grazing_time",
     "violations",
     "first_violation_time",
-    "energy_start",
-    "energy_end",
-    "work_source",
-    "work_base",
-    "work_belt",
-    "loss_viscous",
-    "loss_friction",
-    "loss_stops",
-    "energy_residual",
-    "energy_residual_relative",
+    *LEDGER,
 )
 OF_A_PART = "."  # in the name of a total: loss.stops.anvil
 
@@ -83,6 +86,8 @@ def outcome(
     certified = {"certified": int(totals["uncertified"] == 0)} if "uncertified" in totals else {}
     names = [name for name in totals if name in TOTALS or OF_A_PART in name]
     known = {name: totals[name] for name in names if math.isfinite(totals[name])}
+    if not complete and not _ledger_has_begun(known):
+        known = {name: value for name, value in known.items() if not _of_ledger(name)}
     return {
         **known,
         **certified,
@@ -91,3 +96,15 @@ def outcome(
         "wall_time_s": wall_time,
         "complete": int(complete),
     }
+
+
+def _of_ledger(name: str) -> bool:
+    return name in LEDGER or name.startswith(("work.", "loss."))
+
+
+def _ledger_has_begun(known: dict[str, Any]) -> bool:
+    """Whether the energy ledger has a stretch of motion: it gets one when all of it is done, and before the
+    first its residual is zero without meaning anything.
+    """
+    entries = [name for name in known if name.startswith(("work", "loss"))]
+    return any(known.get(name) for name in entries) or known.get("energy_end") != known.get("energy_start")

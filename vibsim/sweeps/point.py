@@ -18,7 +18,7 @@ from vibsim.sweeps.computations.registry import COMPUTATIONS, Computation
 from vibsim.sweeps.measured_run import GivenUpError, MeasuredRun
 from vibsim.sweeps.plan import Index
 from vibsim.sweeps.recipe import Recipe, Start
-from vibsim.sweeps.resolution import sampled_for_statistics
+from vibsim.sweeps.resolution import TooFineError, sampled_for_statistics
 from vibsim.sweeps.statistics import Statistics
 
 Measured = tuple[dict[str, float], dict[str, np.ndarray]]
@@ -88,10 +88,10 @@ def compute_point(
         case = recipe.point_case(changes, start)
     except CaseError as error:
         return Point(index, FAILED, "", str(error))
-    scene = sampled_for_statistics(case.scene(), recipe.every)
     try:
+        scene = sampled_for_statistics(case.scene(), recipe.every)
         values, arrays = measure(scene, recipe, engine, go_on)
-    except KernelError as error:
+    except (KernelError, TooFineError) as error:
         return Point(index, FAILED, case.sha256, str(error))
     except GivenUpError:
         return None

@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 from fractions import Fraction
 
+from vibsim.cases.contradictions import MOST_SAMPLES
 from vibsim.physics.scene import Scene
 
 # Between rows a displacement is a quintic, off by (w h)^6/46080 of a vibration at w rad/s:
@@ -11,10 +12,19 @@ LARGEST_ANGLE_IN_CONTACT = 1.1  # 4e-5 of the depth of penetration
 LARGEST_ANGLE = 0.4  # 9e-8 of the amplitude
 
 
+class TooFineError(ValueError):
+    """A motion so fast, or an output interval so short, that a run has more samples than it may."""
+
+
 def sampled_for_statistics(scene: Scene, every: Fraction | None = None) -> Scene:
-    """The scene with the output interval `every` [s], or with the longest that its motion allows."""
+    """The scene with the output interval `every` [s], or with the longest that its motion allows.
+
+    Raises TooFineError where that makes more samples than a run may have.
+    """
     if every is None:
         every = Fraction(1, math.ceil(samples_per_second(scene)))
+    if Fraction(float(scene.t_end)) / every > MOST_SAMPLES:
+        raise TooFineError("the run takes more than 1e10 samples to tell its statistics from, and may not")
     return replace(scene, every_num=every.numerator, every_den=every.denominator)
 
 

@@ -9,6 +9,7 @@ from vibsim.sweeps.plan import Index, Plan
 from vibsim.sweeps.point import Point
 
 TEXTS_AND_STATUS = ("status", "sha256", "error")
+PIECE = 2**20  # numbers
 
 
 class Table:
@@ -24,7 +25,7 @@ class Table:
     def __init__(self, plan: Plan):
         shape = self.shape = plan.shape
         self._further = {name for name, column in plan.columns.items() if column.dimension}
-        self.numbers = {name: np.full(plan.shape_of(name), np.nan) for name in plan.columns}
+        self.numbers = {name: _unknown(plan.shape_of(name)) for name in plan.columns}
         self.status = np.full(shape, MISSING, dtype="i1")
         self.sha256 = np.full(shape, "", dtype=object)
         self.error = np.full(shape, "", dtype=object)
@@ -78,3 +79,12 @@ class Table:
         """Index and reason of each failed point."""
         for index in np.argwhere(self.status == FAILED).tolist():
             yield tuple(index), str(self.error[tuple(index)])
+
+
+def _unknown(shape: Index) -> np.ndarray:
+    """An array of NaN, filled piece by piece: memory can come slowly, and Ctrl-C is heard between pieces."""
+    array = np.empty(shape)
+    flat = array.reshape(-1)
+    for first in range(0, flat.size, PIECE):
+        flat[first : first + PIECE] = np.nan
+    return array

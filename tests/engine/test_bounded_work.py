@@ -1,0 +1,93 @@
+"""No call of an engine does unbounded work, however long the stretch that it is in."""
+
+from dataclasses import replace
+from itertools import islice
+from math import pi
+
+import numpy as np
+import pytest
+
+from vibsim.engine.c_engine import CRun
+from vibsim.engine.resume import resume_point
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.physics.parts import COMPRESSION, GROUND, Body, Force, Friction, Harmonic, Link, Scene, Stop
+
+WORK_AT_ONCE = 100_000  # evaluations of the motion, as engine.h has it
+
+
+def one_body(frequency=0.0, c=0.0, amplitude=1.0, **parts):
+    """A body on a spring, under a force of so many hertz."""
+    harmonic = Harmonic(amplitude, 2 * pi * frequency, frequency, 0.0, 0.0)
+    forces = (Force("F", 0, 0.0, (harmonic,)),) if frequency else ()
+    link = Link("l", 0, GROUND, 1.0, c)
+    parts = {"every_num": 1, "every_den": 1, **parts}
+    return Scene((Body("m", 1.0, 1e-3, 0.0),), (link,), forces=forces, **parts)
+
+
+# one stretch without events of 1e10 pieces
+FAST = one_body(1e9, t_end=100.0)
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+def test_the_ledger_of_one_long_stretch_is_kept_in_many_calls(engine):
+    trajectory = open_trajectory(FAST, engine, ledger=True, momentum=True)
+    evaluations, worked_to = 0, 0.0
+    for block in islice(trajectory.blocks(), 1, 5):
+        totals = trajectory.totals
+        assert totals["evaluations"] - evaluations < 1.2 * WORK_AT_ONCE
+        assert block.worked_to > worked_to
+        assert block.t_reached == 0.0
+        # what is told belongs to whole stretches
+        assert totals["work_source"] == totals["energy_residual"] == totals["momentum_residual"] == 0.0
+        evaluations, worked_to = totals["evaluations"], block.worked_to
+
+
+def test_a_stretch_of_many_calls_adds_up_as_one():
+    """Bit for bit: the Python engine takes it in pieces of other lengths."""
+    scene = one_body(150.0, c=1e-3, t_end=30.0, every_num=10)
+    calls, totals = {}, {}
+    for engine in ("c", "python"):
+        trajectory = open_trajectory(scene, engine, ledger=True)
+        calls[engine] = len(list(trajectory.blocks()))
+        totals[engine] = {name: float(value).hex() for name, value in trajectory.totals.items()}
+    assert calls["c"] > 2 and calls["python"] > calls["c"]
+    assert totals["c"] == totals["python"]
+
+
+@pytest.mark.parametrize("method", ("auto", "taylor"))
+@pytest.mark.parametrize("engine", ("c", "python"))
+def test_samples_of_one_long_stretch_come_in_blocks(engine, method):
+    many = replace(one_body(t_end=1e5, every_den=1000), method=method)
+    for block in islice(open_trajectory(many, engine).blocks(), 4):
+        assert len(block.samples["time"]) <= 20_000
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+def test_section_points_of_one_long_stretch_come_in_blocks(engine):
+    for block in islice(open_trajectory(FAST, engine, section=True).blocks(), 4):
+        assert len(block.section["time"]) <= 20_000
+
+
+def test_steps_of_a_run_without_events_come_in_many_calls():
+    """A chain of twenty bodies whose stops are never reached; a call does a part of the work."""
+    stops = tuple(Stop(f"s{i}", i, i + 1, 1.0, COMPRESSION, 1.0, 0.0) for i in range(19))
+    bodies = tuple(Body(f"b{i}", 1.0, 1e-3 * i, 0.0) for i in range(20))
+    links = tuple(Link(f"l{i}", i, i + 1, 1.0, 0.0) for i in range(19))
+    chain = Scene(
+        bodies, links, stops, (Friction("f", 0, GROUND, 1.0, 1.0, 0.0),), t_end=1e9, every_num=10**8
+    )
+    trajectory, steps = open_trajectory(chain, "c"), 0
+    for _ in islice(trajectory.blocks(), 1, 4):
+        assert trajectory.totals["steps"] - steps < WORK_AT_ONCE / 2
+        steps = trajectory.totals["steps"]
+
+
+def test_a_state_far_from_its_event_takes_many_calls():
+    stop = Stop("s", 0, GROUND, 1.0, COMPRESSION, 1.0, 0.0)
+    quiet = one_body(3.5, amplitude=1e-9, t_end=1e9, every_num=10**8, stops=(stop,))
+    row = {name: values[0] for name, values in next(open_trajectory(quiet, "c").blocks()).events.items()}
+    far = CRun(quiet, resume_point(quiet, row))
+    assert far.run.state_at(1e8) is None
+    near = open_trajectory(quiet, "c", resume=row).state_at([1e5])
+    there = open_trajectory(replace(quiet, t_end=1e5, every_num=10**5), "c").blocks()
+    assert near["x_m"][0] == np.concatenate([block.samples["x_m"] for block in there])[-1]
