@@ -57,7 +57,7 @@ def test_as_printed_the_motors_pass(name):
 def test_another_integrator_sees_the_same_capture_and_escape():
     """Runge and Kutta's method in plain Python, sgn(v2), no events, 0.25 ms: alike until II-C is let go.
 
-    Its own error at the impacts, some rad by 160 s in II-B, decides how the rotor leaves after that.
+    Its own error at the impacts, a radian by 160 s in II-B, decides how the rotor leaves after that.
     """
     times = np.arange(0, 160.05, 0.1)
     for name, escapes in (("II-B-captured", False), ("II-C-escape", True)):
