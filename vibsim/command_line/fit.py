@@ -30,7 +30,7 @@ class Price(click.ParamType):
         "vibsim fit II-B II-C --free J=0.5:20g.m^2 --free c=0.001:0.05 --want 'II-B: captured until the end' "
         "--want 'II-C: passes 4.5 Hz between 80 and 120 s' --want 'II-C: settles between 6.1 and 6.3 Hz'",
         "vibsim fit II-B --free J=0.5:20g.m^2 --free c=0.001:0.05 --at-most 1 --want 'held for at least 9 s'",
-        "vibsim fit II-B --try 'm3=62 g, c=0.00175' --try J=0.01 --want 'captured until the end'",
+        "vibsim fit II-B --try 'J=0.006, c=0.005' --try J=0.01 --want 'captured until the end'",
         "vibsim fit I-C --free omega=5:8Hz --ensemble 0 --want 'chaotic' --want 'drift rate above 0.1 mm/s'",
         "vibsim plot II-B-fit.h5",
         before="A statement is [CASE:] WHAT [RANGE] [over A to B s] [from P % of the starts] [, weight N]; "

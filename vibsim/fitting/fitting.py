@@ -55,7 +55,7 @@ def fit(
         that is changed is changed in all of them
     free : key -> range, e.g. {"J": "0.5:20 g m^2", "c": "log 0.001:0.05"}; none: only the readings are judged
     statements : such as "captured until the end" or "II-C: settles between 6.1 and 6.3 Hz", see docs/fit.md
-    readings : changes to judge beside what is found, e.g. "m3=62 g, c=0.00175 N s/m"
+    readings : changes to judge beside what is found, e.g. "J=0.006 kg m^2, c=0.005 N s/m"
     leave : key -> price of leaving the printed value by a factor of 10; 0.1 by default
     ensemble : starts that are drawn, besides each case's own; 0: none
     spread : key -> what varies over them, as of `vibsim.sweep`; with a motor by default the rotor angle

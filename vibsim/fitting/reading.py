@@ -1,6 +1,6 @@
-"""A reading: values that are put in place of printed ones, under a name; judged beside what a search finds.
+"""A reading: values put in place of printed ones, such as J=0.006 kg m^2, c=0.005 N s/m.
 
-J=0.006 kg m^2, c=0.005 N s/m            62 g: m3=62 g, c=0.00175 N s/m
+It is judged beside what a search finds.
 """
 
 from __future__ import annotations

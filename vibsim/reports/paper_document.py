@@ -38,7 +38,7 @@ FIGURES = (
     "are ours. Figs. 1 and 3 are sketches of the models and not drawn again. Case I is shown with both "
     "amplitudes, that of Table 1 and that of Eq. (2.11). Beyond a trust horizon (hatched) the motion is "
     "one of many that the model allows. Figures marked as readings use a J and c under which the paper's "
-    "account of them holds."
+    "account of them holds, but for the 4.1 Hz."
 )
 MECHANISM = (
     "Two things are needed at once. The motor must not get away while the vibration is still small: a "
