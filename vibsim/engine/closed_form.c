@@ -188,39 +188,52 @@ void closed_form_measure(Run *r)
     }
 }
 
-/* Adds a harmonic load of amplitudes `sine` and `cosine` to the orders n - 2 of d; `turn` and `next` are sine and cosine here. */
-static inline void drive_jet(double *d, int count, double sine, double cosine, double omega, double turn, double next)
+/* Adds a harmonic load to the orders of d from 2. */
+static void drive_jet(const ClosedForm *f, const Drive *drive, double *d, int count)
 {
+    double sine = drive->sine, cosine = drive->cosine, turn = f->sines[drive->harmonic], next = f->cosines[drive->harmonic];
     int n;
     for (n = 2; n <= count; n++) {
         double before = turn;
         d[n] = d[n] + (sine * turn + cosine * next);
-        sine = sine * omega;
-        cosine = cosine * omega;
+        sine = sine * drive->oscillator.omega;
+        cosine = cosine * drive->oscillator.omega;
         turn = next;
         next = -before;
     }
 }
 
-static void jet_of(const ClosedForm *f, const Coordinate *c, Motion *y, int count)
+static inline void jet_of(const ClosedForm *f, const Coordinate *c, Motion *y, int count)
 {
     const double twice = 2 * c->a, b = c->b;
-    double *d = y->jet;
+    double *d = y->jet, first = d[0], second = d[1];
     int i, n;
+    if (c->drive_count == 1) {
+        const Drive *drive = c->drives;
+        const double omega = drive->oscillator.omega;
+        double sine = drive->sine, cosine = drive->cosine, turn = f->sines[drive->harmonic], next = f->cosines[drive->harmonic];
+        for (n = 2; n <= count; n++) {
+            double before = turn, term = sine * turn + cosine * next;
+            term = c->is_free ? term : term - twice * second - b * first;
+            first = second;
+            d[n] = second = n == 2 ? term + y->load : term;
+            sine = sine * omega;
+            cosine = cosine * omega;
+            turn = next;
+            next = -before;
+        }
+        return;
+    }
     for (n = 2; n <= count; n++)
         d[n] = 0.0;
-    for (i = 0; i < c->drive_count; i++) {
-        const Drive *drive = &c->drives[i];
-        drive_jet(d, count, drive->sine, drive->cosine, drive->oscillator.omega, f->sines[drive->harmonic], f->cosines[drive->harmonic]);
-    }
-    if (!c->is_free)
-        for (n = 2; n <= count; n++) {
+    for (i = 0; i < c->drive_count; i++)
+        drive_jet(f, &c->drives[i], d, count);
+    for (n = 2; n <= count; n++) {
+        if (!c->is_free)
             d[n] = d[n] - twice * d[n - 1] - b * d[n - 2];
-            if (n == 2)
-                d[2] = d[2] + y->load;
-        }
-    else if (count >= 2)
-        d[2] = d[2] + y->load;
+        if (n == 2)
+            d[2] = d[2] + y->load;
+    }
 }
 
 /* Derivatives of the coordinates as far as the event functions' n-th and a bound of it ask for them. */
@@ -269,10 +282,16 @@ void closed_form_state_after(Run *r, double tau, State *out)
         const Place *place = &modal->places[c];
         const Share *share = place->share;
         double position = f->rest[c], rate = -0.0;
-        for (i = place->shares; i > 0; i--, share++) {
-            const double *jet = y[share->m].jet;
-            position = position + share->share * jet[0];
-            rate = rate + share->share * jet[1];
+        if (place->shares == 2) {
+            const double *one = y[share[0].m].jet, *other = y[share[1].m].jet, a = share[0].share, b = share[1].share;
+            position = position + a * one[0] + b * other[0];
+            rate = a * one[1] + b * other[1];
+        } else {
+            for (i = place->shares; i > 0; i--, share++) {
+                const double *jet = y[share->m].jet;
+                position = position + share->share * jet[0];
+                rate = rate + share->share * jet[1];
+            }
         }
         out->x[c] = place->base ? position + X : position;
         out->v[c] = place->base ? rate + V : place->shares ? rate : 0.0;

@@ -182,6 +182,8 @@ static void watch_turn(Run *r, int event, double value, double slope, double cur
             turn_between(r, e, middle, s->t);
         else if (before < 0 && 0 <= between)
             turn_between(r, e, low, middle);
+    } else {
+        return; /* nothing was evaluated anywhere else */
     }
     closed_form_evaluate(r, s->t - r->t0);
     closed_form_jets(r, 2);

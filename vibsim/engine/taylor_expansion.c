@@ -15,7 +15,7 @@ typedef struct {
     double unbalance, drag, inertia, stall, coupling, to_a1, to_w, cross, sw, tail, torque, previous;
 } Rotor;
 
-static Rotor rotor_of(Run *r, const State *state)
+INLINE Rotor rotor_of(Run *r, const State *state)
 {
     Taylor *f = &r->taylor;
     Rotor o;
@@ -103,49 +103,77 @@ INLINE double turn_carried(Rotor *o, int n, int p, double inverse, double a1)
     return a1;
 }
 
+/* What a small scene's recurrences read, in locals: the compiler then knows that no store to the table changes it. */
+typedef struct {
+    double k, c, mobility, mobility_far;
+    const double *load, *load_far;
+} Law;
+
+enum { SMALL_RATES = 3, SMALL_STRIDE = 6 }; /* of the tables of small scenes */
+
+/* Order n + 1 from order n, order 0 with the constants. */
+INLINE void advance_small(const Run *r, const Law *law, Rotor *o, double *row, const int first, int n, int p, double inverse,
+                          const int bodies, const int moving, const int far, const int motor)
+{
+    const Mode *m = r->mode;
+    const int phi = bodies;
+    double *next = row + SMALL_STRIDE, *rates = row + SMALL_RATES, *next_rates = next + SMALL_RATES;
+    double F = motor ? rotate(o, first ? 0 : n, p, inverse) : 0.0, F_far = 0.0, force, a1;
+    if (law->load)
+        F = F + law->load[n];
+    if (moving > 1 && law->load_far)
+        F_far = F_far + law->load_far[n];
+    force = law->k * (row[0] - row[far]) + law->c * (rates[0] - rates[far]);
+    if (first)
+        force = force + m->small.offset;
+    F = F - force;
+    F_far = F_far + force;
+    if (first) {
+        F = F + m->small_constants[0];
+        F_far = F_far + m->small_constants[1];
+    }
+    a1 = motor ? turn(o, n, p, inverse, F) : F * law->mobility;
+    next[0] = rates[0] * inverse;
+    if (bodies > 1)
+        next[far] = rates[far] * inverse;
+    next_rates[0] = a1 * inverse;
+    if (bodies > 1)
+        next_rates[far] = moving > 1 ? F_far * law->mobility_far * inverse : 0.0;
+    if (motor) {
+        next[phi] = rates[phi] * inverse;
+        next_rates[phi] = o->w_back[p - n - 1];
+    }
+}
+
 /* One body that moves and a second column: another body that moves (`moving` == 2), one that is held, or the ground. */
 INLINE void expand_small(Run *r, const State *state, const int bodies, const int moving, const int far, const int motor)
 {
-    enum { RATES = 3, STRIDE = 6 };
     Taylor *f = &r->taylor;
     const Mode *m = r->mode;
-    const int p = f->order, phi = bodies;
-    const double k = m->small.k, c = m->small.c, offset = m->small.offset;
-    const double mobility = m->mobility[0], mobility_far = moving > 1 ? m->mobility[1] : 0.0;
-    const double *load = f->loaded_on[0], *load_far = moving > 1 ? f->loaded_on[1] : NULL;
-    double *restrict row = f->table;
-    const double *inverses = f->inverse;
+    const int p = f->order;
+    double *row = f->table, *next;
+    Law law;
     Rotor o;
-    int n;
+    int n, c;
+    law.k = m->small.k;
+    law.c = m->small.c;
+    law.mobility = m->mobility[0];
+    law.mobility_far = moving > 1 ? m->mobility[1] : 0.0;
+    law.load = f->loaded_on[0];
+    law.load_far = moving > 1 ? f->loaded_on[1] : NULL;
     if (motor)
         o = rotor_of(r, state);
-    for (n = 0; n <= p; n++, row += STRIDE) {
-        double *next = row + STRIDE, inverse = inverses[n + 1], F, F_far = 0.0, force, a1;
-        next[0] = row[RATES] * inverse;
-        next[far] = bodies > 1 ? row[RATES + 1] * inverse : 0.0;
-        next[phi] = motor ? row[RATES + phi] * inverse : 0.0;
-        if (n == p)
-            break;
-        F = motor ? rotate(&o, n, p, inverse) : 0.0;
-        if (load)
-            F = F + load[n];
-        if (moving > 1 && load_far)
-            F_far = F_far + load_far[n];
-        force = k * (row[0] - row[far]) + c * (row[RATES] - row[RATES + far]);
-        if (n == 0)
-            force = force + offset;
-        F = F - force;
-        F_far = F_far + force;
-        if (n == 0) {
-            F = F + m->small_constants[0];
-            F_far = F_far + m->small_constants[1];
-        }
-        a1 = motor ? turn(&o, n, p, inverse, F) : F * mobility;
-        next[RATES] = a1 * inverse;
-        next[RATES + far] = moving > 1 ? F_far * mobility_far * inverse : 0.0;
-        next[RATES + phi] = motor ? o.w_back[p - n - 1] : 0.0;
+    advance_small(r, &law, &o, row, 1, 0, p, f->inverse[1], bodies, moving, far, motor);
+    for (n = 1; n < p; n++) {
+        row += SMALL_STRIDE;
+        advance_small(r, &law, &o, row, 0, n, p, f->inverse[n + 1], bodies, moving, far, motor);
     }
-    row[STRIDE + RATES] = row[STRIDE + RATES + far] = row[STRIDE + RATES + phi] = 0.0;
+    row += SMALL_STRIDE;
+    next = row + SMALL_STRIDE;
+    for (c = 0; c < SMALL_RATES; c++) {
+        next[c] = row[SMALL_RATES + c] * f->inverse[p + 1];
+        next[SMALL_RATES + c] = 0.0;
+    }
 }
 
 SHAPE two_free(Run *r, const State *s) { expand_small(r, s, 2, 2, 1, 0); }
