@@ -10,6 +10,8 @@ I and H start at rest. Where the textbook quotients cancel (b -> 0, resonance, s
 nested divided differences or as power series, so that each response keeps full relative accuracy.
 """
 
+from functools import cached_property
+
 from vibsim.physics.numbers import horner
 
 # Quotients by b and by Z = (r1 - i omega)(r2 - i omega) cancel at most three bits where |Z| t^2 is above a
@@ -50,8 +52,14 @@ class Oscillator:
         pace = fastest if fastest > 0 else 2 * a  # a free mass: only its damping sets a pace
         self.window = 1.5 / pace if pace > 0 else UNHURRIED
         self.rate = a if a > fastest else fastest
-        self.steady_series, _ = self._series_coefficients(kit.number(0))
-        self.real_series, self.imag_series = self._series_coefficients(omega)
+
+    @cached_property
+    def steady_series(self):
+        return self._series_coefficients(self.kit.number(0))[0]
+
+    @cached_property
+    def loaded_series(self):
+        return self._series_coefficients(self.omega)
 
     def release_and_impulse(self, t):
         """C(t) [-] and S(t) [s]."""
@@ -100,7 +108,8 @@ class Oscillator:
     def series_response(self, t):
         """Re H, Im H [s^2] by power series, for spreads |r t|, |omega t| below 2."""
         square, angle = t * t, self.rate * t
-        return square * horner(self.real_series, angle), square * horner(self.imag_series, angle)
+        real, imag = self.loaded_series
+        return square * horner(real, angle), square * horner(imag, angle)
 
     def _confluent(self, t, cosine, sine):
         """H near resonance: (E1 - E2) / (r1 - r2) with E_k = (exp(r_k t) - exp(i omega t)) / (r_k - i omega).
