@@ -112,6 +112,7 @@ BLOCKED = {
     "a folder": ("folder", "is a folder"),
     "a device": ("/dev/null", "is not a regular file"),
     "too long a name": ("x" * 300, "cannot write: File name too long"),
+    "too long a name for its partial file": ("x" * 247 + ".h5", "cannot write: File name too long"),
     "a null byte": ("a\0b.h5", "cannot write"),
 }
 

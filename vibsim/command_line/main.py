@@ -14,6 +14,7 @@ from vibsim.command_line.errors import TERMINATED, broken_pipe_named, exit_code_
 from vibsim.command_line.examples import examples
 from vibsim.command_line.repeated_options import refuse_repeated
 from vibsim.command_line.settings import add_global_options, global_options
+from vibsim.command_line.standard_streams import open_closed_streams
 
 # name -> (module, one line for the list of commands); the list is printed without importing any of them
 COMMANDS = {
@@ -128,6 +129,7 @@ def main() -> None:
     import os
     import signal
 
+    open_closed_streams()
     for name, value in NOT_NEEDED.items():
         os.environ.setdefault(name, value)
     gc.set_threshold(100_000)  # starting up makes many objects and no garbage; looking for it takes 30 ms

@@ -1,6 +1,7 @@
 """What `vibsim run` is to do: which case goes into which file, settled before anything is computed."""
 
 import json
+import os
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -144,7 +145,7 @@ def print_plan(jobs: list[Job], settings: Settings) -> None:
     for job in jobs:
         resolved = json.loads(job.case.resolved_json())
         if settings.json:
-            told = {"file": str(job.output), "file_exists": job.output.exists()}
+            told = {"file": str(job.output), "file_exists": os.path.exists(job.output)}
             print_json({**told, "case": resolved, "case_sha256": job.case.sha256})
             continue
         if settings.quiet:
@@ -156,7 +157,7 @@ def print_plan(jobs: list[Job], settings: Settings) -> None:
 
 
 def _in_the_way(job: Job) -> str:
-    return "; it exists, and --force would replace it" if job.output.exists() else ""
+    return "; it exists, and --force would replace it" if os.path.exists(job.output) else ""
 
 
 def _outputs(cases: list["Case"], output: str | None) -> list[Path]:
@@ -166,9 +167,9 @@ def _outputs(cases: list["Case"], output: str | None) -> list[Path]:
         raise click.UsageError(f"two of the cases would be written to {repeated}; run them one by one")
     if output is None:
         return [Path(name) for name in names]
-    target = Path(output)
-    if target.is_dir() or len(cases) > 1:
-        if not target.is_dir():
-            raise click.UsageError(f"-o {output}: several cases need a folder that exists")
-        return [target / name for name in names]
+    in_folder = os.path.isdir(output)  # no for what cannot be, such as too long a name
+    if len(cases) > 1 and not in_folder:
+        raise click.UsageError(f"-o {output}: several cases need a folder that exists")
+    if in_folder:
+        return [Path(output) / name for name in names]
     return [Path(hdf5_name(output))]

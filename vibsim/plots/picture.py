@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -101,22 +102,27 @@ def write_figure(figure: Figure, target: str, force: bool) -> None:
         if suffix == ".png":
             _write_opaque(figure, partial)
         else:
-            figure.savefig(partial, format=suffix[1:], dpi=DPI[suffix], metadata=METADATA[suffix])
+            partial.write_bytes(drawn(figure, suffix, DPI[suffix]))
+
+
+def drawn(figure: Figure, suffix: str, dpi: float) -> bytes:
+    """A figure as PNG, PDF or SVG, in memory: a disk that is full leaves matplotlib's files in disorder."""
+    picture = BytesIO()
+    figure.savefig(picture, format=suffix[1:], dpi=dpi, metadata=METADATA[suffix])
+    return picture.getvalue()
 
 
 def _write_opaque(figure: Figure, target: Any) -> None:
     """A PNG without the transparency that matplotlib writes: the same picture, a seventh smaller."""
-    from io import BytesIO
-
     from PIL import Image
     from PIL.PngImagePlugin import PngInfo
 
-    drawn, said = BytesIO(), PngInfo()
-    figure.savefig(drawn, format="png", dpi=DPI[".png"])
+    picture, said = BytesIO(), PngInfo()
+    figure.savefig(picture, format="png", dpi=DPI[".png"])
     for name, value in METADATA[".png"].items():
         said.add_text(name, value)
     dpi = (DPI[".png"], DPI[".png"])
-    Image.open(drawn).convert("RGB").save(target, format="png", dpi=dpi, pnginfo=said)
+    Image.open(picture).convert("RGB").save(target, format="png", dpi=dpi, pnginfo=said)
 
 
 def _write_pages(figures: Sequence[Figure], target: str, force: bool) -> None:
@@ -124,9 +130,12 @@ def _write_pages(figures: Sequence[Figure], target: str, force: bool) -> None:
 
     from vibsim.results.output_file import output_file
 
-    with output_file(target, force) as partial, PdfPages(partial, metadata=METADATA[".pdf"]) as pages:
-        for figure in figures:
-            pages.savefig(figure, dpi=DPI[".pdf"])
+    with output_file(target, force) as partial:
+        sheets = BytesIO()
+        with PdfPages(sheets, metadata=METADATA[".pdf"]) as pages:
+            for figure in figures:
+                pages.savefig(figure, dpi=DPI[".pdf"])
+        partial.write_bytes(sheets.getvalue())
 
 
 # No dates: the same picture is the same file, so pictures can be compared byte by byte.

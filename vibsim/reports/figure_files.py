@@ -9,7 +9,7 @@ from typing import Any
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 
-from vibsim.plots.picture import DPI, METADATA
+from vibsim.plots.picture import DPI, drawn
 from vibsim.plots.sheet import CM
 from vibsim.plots.subject import Subject
 from vibsim.reports.document import Picture
@@ -116,7 +116,7 @@ def save(figure: Figure, stem: Path, formats: Sequence[str]) -> Path:
     for kind in dict.fromkeys(("png", *formats)):
         with output_file(f"{stem}.{kind}", force=True) as partial:
             dpi = PNG_DPI if kind == "png" else DPI[f".{kind}"]
-            figure.savefig(partial, format=kind, dpi=dpi, metadata=METADATA[f".{kind}"])
+            partial.write_bytes(drawn(figure, f".{kind}", dpi))
     return stem.with_name(f"{stem.name}.png")
 
 

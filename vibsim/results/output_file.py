@@ -5,7 +5,7 @@ For every kind of output file: an existing one stays as it is unless `force`.
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from vibsim.results.disk_space import DISK_FULL
@@ -23,6 +23,7 @@ def check_output(path: str | Path, force: bool = False) -> Path:
         target = target.resolve()
         if target.exists():
             _check_existing(path, target, force)
+        partial_path(target).exists()  # fails where that name is too long
         folder = target.parent
         if not folder.is_dir():
             raise ResultFileError(f"{path}: cannot write: folder {folder} does not exist")
@@ -87,7 +88,8 @@ def output_file(path: str | Path, force: bool = False) -> Iterator[Path]:
     except OSError as error:
         raise ResultFileError(f"{path}: cannot write: {reason(error)}") from error
     finally:
-        partial.unlink(missing_ok=True)
+        with suppress(OSError):  # what could not be made cannot be removed either
+            partial.unlink(missing_ok=True)
 
 
 def reason(error: BaseException) -> str:

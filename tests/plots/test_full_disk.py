@@ -1,0 +1,50 @@
+"""Pictures on a disk that fills up: one line, no picture, whatever the format and wherever the disk ends."""
+
+import subprocess
+import sys
+
+import pytest
+
+import vibsim
+
+DRAW = """
+import resource
+from vibsim.command_line.main import main
+for words in {commands}:
+    for limit in (0, 3_000, {limit}):  # no file grows beyond that
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, resource.RLIM_INFINITY))
+        sys.argv[1:] = words
+        try:
+            main()
+        except SystemExit as end:
+            assert end.code == 6, words
+"""
+COMMANDS = [
+    ["plot", "a.h5", "--kind", "phase", "-o", "p.pdf"],
+    ["plot", "a.h5", "--kind", "phase", "-o", "p.svg"],
+    ["plot", "a.h5", "--kind", "phase,velocity", "-o", "p.pdf"],
+    ["cases", "II-B", "--draw", "-o", "p.pdf"],
+]
+
+
+def test_no_picture_and_one_line(tmp_path):
+    vibsim.simulate(vibsim.load_case("II-B", {"t_end": "2 s"})).save(tmp_path / "a.h5")
+    program = "import sys" + DRAW.format(commands=COMMANDS, limit=6_000)
+    done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True)
+    lines = done.stderr.splitlines()
+    assert done.returncode == 0 and len(lines) == 3 * len(COMMANDS), done.stderr
+    assert all(line.startswith("Error: p.") and line.endswith(": disk full") for line in lines)
+    assert [path.name for path in tmp_path.iterdir()] == ["a.h5"]
+
+
+@pytest.mark.parametrize("length", [249, 260])
+def test_a_name_that_is_too_long(tmp_path, length):
+    """Longer than the system takes, and such that only NAME.partial is."""
+    vibsim.simulate(vibsim.load_case("II-B", {"t_end": "1 s"})).save(tmp_path / "a.h5")
+    run = ["run", "II-B", "--t-end", "1s", "-o"]
+    for words, suffix in ((["plot", "a.h5", "-o"], ".png"), (run, ".hdf5")):
+        name = "x" * (length - len(suffix)) + suffix
+        done = subprocess.run(
+            [sys.executable, "-m", "vibsim", *words, name], cwd=tmp_path, capture_output=True, text=True
+        )
+        assert (done.returncode, done.stderr) == (6, f"Error: {name}: cannot write: File name too long\n")
