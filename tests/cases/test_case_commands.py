@@ -92,6 +92,14 @@ def test_check_with_verbose_prints_what_the_numbers_imply():
     assert "  free                        4.33366 Hz  blocks against each other" in out
 
 
+def test_check_with_verbose_tells_of_scenes_of_parts():
+    """sqrt(394.78/10)/(2 pi) = 0.999995 Hz with the stops open."""
+    code, out = vibsim("check", "-v", "gallery/impact-damper")
+    assert code == 0
+    assert "  open 1                     0.999995 Hz  natural frequency, stops open" in out
+    assert "  closed 2 " in out
+
+
 def test_check_prints_every_problem_of_every_file_and_ends_with_3():
     path = INVALID / "negative_values.yaml"
     code, out = vibsim("check", "II-A", str(path))

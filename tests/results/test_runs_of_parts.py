@@ -8,6 +8,9 @@ import pytest
 import vibsim
 from vibsim.cases import CaseError, load_case
 from vibsim.cases.loading import load_case_text
+from vibsim.engine.errors import EngineError
+from vibsim.engine.state import State
+from vibsim.kernel import KernelError
 from vibsim.results import ResultFileError, simulate_to_file
 from vibsim.results.engines import open_run
 from vibsim.results.part_counts import part_counts
@@ -204,6 +207,34 @@ def test_what_is_not_there_yet_is_refused(tmp_path):
         with pytest.raises(CaseError, match="a scene of named parts cannot do this yet"):
             simulate_to_file(hammer(), tmp_path / "a.h5", **wish)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_events_name_any_of_many_parts():
+    """A pointer to the right part where a byte has no room for its number: 140 stops, 100 frictions."""
+    count = 140
+    bodies = ", ".join(f"b{i}: 1 kg" for i in range(count))
+    stops = "".join(
+        f"  s{i}: {{between: [b{i}, ground], gap: 1 mm, acts: compression, k: 1 kN/m}}\n"
+        for i in range(count)
+    )
+    frictions = "".join(f"  f{i}: {{between: [b{i}, ground], mu: 0.01}}\n" for i in range(100))
+    text = f"bodies: {{{bodies}}}\nstops:\n{stops}friction:\n{frictions}"
+    start = "initial: {b139: {v: 0.1 m/s}, b99: {v: 0.1 m/s}}\nrun: {t_end: 30 ms, every: 10 ms}\n"
+    case = load_case_text(text + start)
+    for engine in ("c", "python"):
+        result = vibsim.simulate(case, engine=engine, trust=False)
+        assert result.events["part"].dtype == "i2"
+        counts = part_counts(result, case.parts())
+        assert [name for name, of_part in counts.items() if of_part.get("impacts")] == ["s99", "s139"]
+
+
+def test_a_run_that_fails_says_where_and_what_helps():
+    error = EngineError("diverged", State(1.5, [np.inf], [2.0], 0.0, 0.0, 0.0))
+    assert str(error) == (
+        "t = 1.5 s: the state is no longer finite (x = inf m, v = 2.0 m/s); check the parameters for values "
+        "far outside each other's scale"
+    )
+    assert issubclass(KernelError, EngineError)
 
 
 def test_runs_are_opened_on_the_engine_of_their_scene():

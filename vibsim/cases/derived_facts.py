@@ -3,6 +3,8 @@
 from math import pi, sqrt
 from typing import NamedTuple
 
+from vibsim.physics.parts import Scene as PartsScene
+from vibsim.physics.rates import natural_rates
 from vibsim.physics.scene import Scene
 
 
@@ -18,6 +20,24 @@ class Fact(NamedTuple):
 def derived_facts(scene: Scene) -> list[Fact]:
     """Facts of a scene; those that need what it has not got are left out."""
     return [*_frequencies(scene), *_damping(scene), *_forces(scene)]
+
+
+def facts_of_parts(scene: PartsScene) -> list[Fact]:
+    """Natural frequencies with all stops open and closed, and friction limits, of named parts."""
+    facts = []
+    for words, closed in (("stops open", False), ("stops closed", True)):
+        if closed and not scene.stops:
+            continue
+        for i, rate in enumerate(natural_rates(scene, closed), 1):
+            facts.append(
+                Fact(f"{words.split()[1]} {i}", rate / (2 * pi), "Hz", f"natural frequency, {words}")
+            )
+    for friction in scene.frictions:
+        sides = [("", friction.forward)]
+        if friction.forward != friction.backward:
+            sides = [(" plus", friction.forward), (" minus", friction.backward)]
+        facts += [Fact(friction.name + side, limit, "N", "limit friction force") for side, limit in sides]
+    return facts
 
 
 def excited_mass(scene: Scene) -> float:

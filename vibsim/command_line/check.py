@@ -71,9 +71,9 @@ def _print_facts(case) -> None:
 
 
 def _facts(case):
-    from vibsim.cases.derived_facts import derived_facts
+    from vibsim.cases.derived_facts import derived_facts, facts_of_parts
 
-    return [] if case.is_long else derived_facts(case.scene())
+    return facts_of_parts(case.parts()) if case.is_long else derived_facts(case.scene())
 
 
 def _described(report) -> dict:

@@ -15,7 +15,7 @@ from vibsim.physics.scene import Scene as TwoBlocks
 from vibsim.results import Result
 
 LABEL_WIDTH = 16
-METHODS = {"closed_form": "closed form", "auto": "closed form or taylor"}  # as one reads them
+METHODS = {"closed_form": "closed form", "auto": "closed form or Taylor"}  # as one reads them
 NO_JSON = ("case_yaml", "lyapunov_growth")  # as long as a file of its own
 
 

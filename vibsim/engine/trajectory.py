@@ -152,8 +152,12 @@ class Trajectory:
         return {name: table[name] for name in self.names}
 
     def _parts(self, kinds, parts):
-        """Index among `part_columns`, from the index among parts of its sort; -1 for none."""
-        return np.where(parts < 0, -1, parts + self.first_part[kinds]).astype("i1")
+        """Index among `part_columns`, from the index among parts of its sort; -1 for none.
+
+        Engines give bytes; read without a sign they number 255 parts of a sort, and -1 is the last number.
+        """
+        numbers = parts.view("u1").astype("i2")
+        return np.where(parts == -1, -1, numbers + self.first_part[kinds]).astype("i2")
 
 
 def part_offsets(scene):
@@ -182,7 +186,8 @@ class PythonTrajectory(Trajectory):
                 return
 
     def _block(self, samples, events, section):
-        kinds = np.array([[kind, part] for kind, part, _, _ in events], dtype="i1").reshape(-1, 2).T
+        pairs = np.array([[kind, part] for kind, part, _, _ in events], dtype="i2")
+        kinds = pairs.astype("i1").reshape(-1, 2).T
         return self.block(
             self._states([state for state, _ in samples]),
             self._codes([status for _, status in samples]),

@@ -23,4 +23,4 @@ def stored_case(path: Path, attrs: Mapping[str, Any]) -> "Case":
         raise damaged(path, f"the attribute case_resolved_json: {key}{problem.message}") from error
     except RecursionError as error:
         raise damaged(path, "the attribute case_resolved_json is nested too deep") from error
-    return replace(case, text=attrs["case_yaml"])
+    return replace(case, text=attrs["case_yaml"], source=str(path))
