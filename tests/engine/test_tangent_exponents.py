@@ -60,6 +60,19 @@ def test_volumes_of_random_scenes_grow_as_liouville_says(scene):
     assert abs(result["volume_residual"]) <= PER_PIECE * result["tangent_pieces"]
 
 
+def test_a_reversal_that_all_but_sticks_drowns_no_volume():
+    """Friction drags the body as hard as the base may hold it: only the motion of the base lets it turn
+    round, and the determinant there, some 1e-5, is known to rounding / 1e-5.
+    """
+    N, pace = 0.4, 11.3
+    bodies = [Body("a", 1.0, 0.0, 0.0), Body("b", 1.8, 0.0, 0.0)]
+    frictions = (Friction("f", BASE, 0, N, N, 0.0), Friction("g", 0, 1, N, N, 0.0126))
+    base = (harmonic(1e-5, pace / (2 * pi)),)
+    result = totals(scene(bodies, frictions=frictions, base=base, t_end=0.48))
+    assert result["reversals"] == 1
+    assert abs(result["volume_residual"]) <= PER_PIECE * result["tangent_pieces"]
+
+
 def test_a_wrong_saltation_is_seen(monkeypatch):
     monkeypatch.setattr(Saltation, "applied", lambda _, vector: vector)
     assert abs(totals(parts_of(paper("I-B", t_end=6.0), Doubles))["volume_residual"]) > 1.0

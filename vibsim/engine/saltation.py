@@ -85,9 +85,10 @@ def saltation(scene, kit, state, before, after, event):
     damped = _damper(scene, old, new, event)
     if not turned:
         return _rank_one(scene, kit, state, before, event, *damped) if damped else None
-    if event.kind == SLIDE and all(new.frictions[i] == STICK for i in turned):
+    tied = before.leader != after.leader
+    if event.kind == SLIDE and tied and all(new.frictions[i] == STICK for i in turned):
         return Sticking(scene, kit, after, state)
-    if event.kind == SLIDE and before.leader == after.leader:
+    if event.kind == SLIDE and not tied:
         forces = [
             (f.P, f.Q, _friction(f, new.frictions[i]) - _friction(f, old.frictions[i]))
             for i in turned

@@ -1,9 +1,9 @@
 """The tangent bundle of a run: K disturbances carried through modes and events, and how fast they grow.
 
-Disturbances are orthonormalised (modified Gram-Schmidt) at every event that changes ties and at every step;
-what they grow by there adds up to the exponents (Benettin et al. 1980), the largest first. Event times lie on
-the grid of doubles, while the saltation matrices are those of the exact event: the difference is of the size
-of rounding.
+Disturbances are orthonormalised (modified Gram-Schmidt) at every step and every event that changes them; what
+they grow by there adds up to the exponents (Benettin et al. 1980), the largest first. Event times lie on the
+grid of doubles, while the saltation matrices are those of the exact event: the difference is of the size of
+rounding.
 
 Each tie takes a direction from the tangent space: a rank loss, counted. Disturbances that do not fit into it
 any longer are replaced: by possible ones as far as there is room, by some that wait outside, unmoved, until
@@ -11,7 +11,7 @@ ties let go. A direction that was replaced has the exponent minus infinity over 
 
 A complete bundle checks itself (Liouville, V10): the logarithm of its volume must grow by the integral of the
 trace of the equations of motion and by the logarithms of the determinants at the events. Sticking, where the
-determinant is 0, is left out on both sides.
+determinant is 0, and reversals that all but stick are left out on both sides.
 """
 
 from math import inf
@@ -27,6 +27,7 @@ from vibsim.engine.tangent_volume import log_volume
 
 TANGENTS = {"closed_form": ClosedFormTangent, "taylor": TaylorTangent}
 SPANS = 100  # that the growth is recorded in
+FLAT = 2.0**-7  # determinant of a jump, below which its rounding, eps / determinant, would drown the check
 LOST = 2.0**-40  # of the length of a disturbance in a rank loss: what is left is rounding
 
 
@@ -106,8 +107,10 @@ class TangentBundle:
                 self.vectors[i] = jump.applied(self.vectors[i])
         if before.leader != after.leader:
             self._change_ties(state, after)
-        elif jump is not None and self.complete and abs(jump.determinant) > 0:
-            self.residual = self.residual - self.kit.log(abs(jump.determinant))
+        elif jump is not None:
+            volume, determinant = self.renormalise(), abs(jump.determinant)
+            if self.complete and determinant > FLAT:
+                self.residual = self.residual + (volume - self.kit.log(determinant))
 
     def _change_ties(self, state, after):
         outside = len(self.space.outside)
