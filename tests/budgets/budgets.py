@@ -11,7 +11,7 @@ import sys
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-PARTS = ("processes", "engine_time", "against_heyoka", "against_scipy", "sweep_time")
+PARTS = ("processes", "engine_time", "mode_rows", "against_heyoka", "against_scipy", "sweep_time")
 LONG = ("memory",)
 PEERS = ("vibsim", "numpy", "scipy", "h5py", "pydantic", "heyoka")
 
