@@ -105,7 +105,7 @@ class Driver:
             end, event = self.flow.advance(self.scene.t_end)
             if end >= t or end >= self.scene.t_end:
                 return self.flow.state_at(t)
-            state = self.kit.settle(self.flow.state_at(end))
+            state = self.flow.state_at(end).settled(self.kit)
             if not self.kit.finite(sum(state.x) + sum(state.v) + state.w):
                 return self.flow.state_at(t)
             if event is None:
