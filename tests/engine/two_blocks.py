@@ -29,7 +29,7 @@ def parts_of(scene, kit):
     forces: tuple[Force, ...] = ()
     clearances: tuple[Clearance, ...] = ()
     if scene.has_stop:
-        stops = (Stop("stop", 0, other, scene.G, scene.stop_sign, scene.k2, zero, AT_GAP),)
+        stops = (Stop("stop", 0, other, scene.G, scene.stop_sign, scene.k2, zero, AT_GAP, scene.at_stop),)
     if scene.has_friction:
         frictions = (Friction("friction", 1, GROUND, scene.N, scene.N, zero),)
     if scene.source == "harmonic":
@@ -39,7 +39,7 @@ def parts_of(scene, kit):
     if scene.has_motor:
         motor = Motor(0, scene.m3, scene.e, scene.J, scene.M0, scene.Omega0, scene.phi, scene.phidot)
     if scene.rest_distance is not None:
-        clearances = (Clearance("rest_distance", 0, other, scene.rest_distance),)
+        clearances = (Clearance("rest_distance", 0, other, scene.rest_distance, scene.at_rest_distance),)
     return Scene(
         tuple(bodies),
         links,

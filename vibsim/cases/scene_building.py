@@ -80,7 +80,20 @@ def build_scene(case: CaseFile, numbers: NumberType = DOUBLES) -> Scene:
         method=case.run.method,
         order=case.run.order,
         tol=numbers.of(case.run.tol),
+        **_exact_places(case),
     )
+
+
+def _exact_places(case: CaseFile) -> dict[str, Any]:
+    """Whether the blocks start exactly at the stop, and at the rest distance, by the numbers of the case."""
+    behind = case.initial.x2.value if isinstance(case.blocks.m2, Quantity) else Fraction(0)
+    compression = case.initial.x1.value - behind
+    stop, rest = case.stop, case.rest_distance
+    return {
+        "at_stop": stop is not None
+        and stop.G.value == (compression if stop.acts == "compression" else -compression),
+        "at_rest_distance": rest is not None and rest.value.value == compression,
+    }
 
 
 def _blocks(case: CaseFile, numbers: NumberType) -> dict[str, Number]:

@@ -12,6 +12,7 @@ from itertools import product
 from vibsim.engine.harmonics import value_and_rate
 from vibsim.engine.rows import CLEARANCE, COUPLING, DIFFERENCE, GAP, HOLD, PUSH, SLIDE
 from vibsim.engine.status import BACKWARD, CONTACT, FORWARD, KEPT, LIFTED, OPEN, STICK, VIOLATED, Status
+from vibsim.events.automaton import START_ROUNDING
 from vibsim.physics.parts import AT_FORCE
 
 JET = 7  # order of the highest derivative consulted where lower ones vanish
@@ -29,7 +30,8 @@ class Automaton:
         """Status that the motion starts in from `state`, and the known zeros there."""
         scene = self.scene
         depths = [self._depth(stop, state) for stop in scene.stops]
-        stops = tuple(CONTACT if g > 0 else OPEN for g in depths)
+        met = [self._met(stop, g, state, stop.gap) for stop, g in zip(scene.stops, depths, strict=True)]
+        stops = tuple(CONTACT if g > 0 and not at else OPEN for g, at in zip(depths, met, strict=True))
         slacks = [self._excess(c, state) for c in scene.clearances]
         clearances = tuple(VIOLATED if over > 0 else KEPT for over in slacks)
         rates = [self._slip(f, state) for f in scene.frictions]
@@ -40,19 +42,20 @@ class Automaton:
         if standing:
             status = self._settle(state, status, standing)
             known |= {(SLIDE, i): 1 for i in standing if status.frictions[i] != STICK}
-        for i, g in enumerate(depths):
-            if self._blurred(g, scene.stops[i], state, scene.stops[i].sense * scene.stops[i].gap):
+        for i, (g, stop) in enumerate(zip(depths, scene.stops, strict=True)):
+            if not met[i] and self._blurred(g, stop, state, stop.sense * stop.gap):
                 self._doubt(state)
-            if g == 0:
+            if met[i]:
                 open_ = status.with_stop(i, OPEN)
                 turning = -self._leading_sign(state, open_, (GAP, i))
                 status, known = status.with_stop(i, CONTACT if turning > 0 else OPEN), {**known, (GAP, i): 1}
             elif g > 0 and self._pulls(state, status, i):
                 status = status.with_stop(i, LIFTED)
         for i, over in enumerate(slacks):
-            if self._blurred(over, scene.clearances[i], state, -scene.clearances[i].distance):
+            at = self._met(scene.clearances[i], over, state, scene.clearances[i].distance)
+            if not at and self._blurred(over, scene.clearances[i], state, -scene.clearances[i].distance):
                 self._doubt(state)
-            if over == 0:
+            if at:
                 kept = status.with_clearance(i, KEPT)
                 turning = -self._leading_sign(state, kept, (CLEARANCE, i))
                 status = status.with_clearance(i, VIOLATED if turning > 0 else KEPT)
@@ -83,6 +86,14 @@ class Automaton:
     def _slip(self, friction, state):
         vP, vQ = self._ends(friction, state, "v")
         return (vP - vQ) - friction.belt
+
+    def _met(self, part, value, state, distance):
+        """Whether a start lies exactly where `value` = x_P - x_Q + ... is zero: as computed, or as told from
+        exact numbers, whose rounding it may be then.
+        """
+        xP, xQ = self._ends(part, state, "x")
+        size = abs(xP) + abs(xQ) + abs(distance)
+        return value == 0 or (part.at_start and abs(value) <= START_ROUNDING * self.kit.eps * size)
 
     def _blurred(self, value, part, state, distance):
         """Whether the rounding of x_P - x_Q and of its sum with `distance` could turn the sign of `value`."""

@@ -15,30 +15,33 @@ from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.state import Mode
 
 JET = 7  # order of the highest derivative consulted where lower ones vanish
+START_ROUNDING = 16  # at least: each of three numbers and of two differences is rounded once
 
 
 def initial_mode(scene, flow, state):
     """Mode that the motion starts in from `state`, and the known zeros there."""
     y, u = state.x1 - state.x2, state.v1 - state.v2
     gap = gap_function(scene, y) if scene.has_stop else -1
-    contact = 1 if gap > 0 else 0
-    if scene.has_stop and _blurred(gap, state.x1, state.x2, scene.stop_sign * scene.G):
+    at_stop = scene.has_stop and _starts_at(flow.kit, gap, state, scene.G, scene.at_stop)
+    contact = 1 if gap > 0 and not at_stop else 0
+    if scene.has_stop and not at_stop and _blurred(gap, state.x1, state.x2, scene.stop_sign * scene.G):
         flow.certificate.doubt(state.t)
     friction, known = 1, {}
     if scene.has_friction:
         friction = sign(state.v2) or _friction_at_rest(scene, flow, state, Mode(contact, 0))
         if state.v2 == 0 and friction != 0:
             known[SLIDE] = 1
-    if scene.has_stop and gap == 0:
+    if at_stop:
         rate = gap_rate(scene, u)
         contact = 1 if _turning(scene, flow, state, Mode(0, friction), rate, -scene.stop_sign) > 0 else 0
         known[GAP] = 1
     violated = 0
     if scene.rest_distance is not None:
-        violated = 1 if y > scene.rest_distance else 0
-        if _blurred(y - scene.rest_distance, state.x1, state.x2, -scene.rest_distance):
+        violated, over = 1 if y > scene.rest_distance else 0, y - scene.rest_distance
+        at_rest = _starts_at(flow.kit, over, state, scene.rest_distance, scene.at_rest_distance)
+        if not at_rest and _blurred(over, state.x1, state.x2, -scene.rest_distance):
             flow.certificate.doubt(state.t)
-        if y == scene.rest_distance:
+        if at_rest:
             violated = 1 if _turning(scene, flow, state, Mode(contact, friction), u, 1) > 0 else 0
             known[CLEARANCE] = 1
     return Mode(contact, friction, violated), known
@@ -111,6 +114,14 @@ def _friction_at_rest(scene, flow, state, stuck):
     if abs(force) > scene.N or _force_growth(scene, flow, state, stuck, direction) > 0:
         return direction
     return 0
+
+
+def _starts_at(kit, value, state, distance, told):
+    """Whether a start lies exactly where `value` = x1 - x2 + ... is zero: as computed, or as `told` from
+    exact numbers, whose rounding it may be then.
+    """
+    size = abs(state.x1) + abs(state.x2) + abs(distance)
+    return value == 0 or (told and abs(value) <= START_ROUNDING * kit.eps * size)
 
 
 def _blurred(value, x1, x2, distance):

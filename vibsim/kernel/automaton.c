@@ -4,6 +4,7 @@
 #include "numbers.h"
 
 #define JET 7
+#define START_ROUNDING 16
 
 void watch(Run *r, Mode mode)
 {
@@ -94,16 +95,24 @@ static int blurred(double value, double x1, double x2, double distance)
     return lost > 0 && fabs(value) <= lost;
 }
 
+/* Whether a start lies exactly where `value` = x1 - x2 + ... is zero: as computed, or as `told` from exact numbers. */
+static int starts_at(double value, const State *state, double distance, double told)
+{
+    double size = fabs(state->x1) + fabs(state->x2) + fabs(distance);
+    return value == 0 || (told != 0 && fabs(value) <= START_ROUNDING * EPS * size);
+}
+
 void initial_mode(Run *r)
 {
     const Scene *s = &r->scene;
     State *state = &r->state;
     double y = state->x1 - state->x2, u = state->v1 - state->v2;
     double gap = s->has_stop != 0 ? -(s->stop_sign * y) - s->G : -1;
-    int contact = gap > 0 ? 1 : 0, friction = 1, i;
+    int at_stop = s->has_stop != 0 && starts_at(gap, state, s->G, s->at_stop);
+    int contact = gap > 0 && !at_stop ? 1 : 0, friction = 1, i;
     for (i = 0; i < FUNCTIONS; i++)
         r->known.order[i] = 0;
-    if (s->has_stop != 0 && blurred(gap, state->x1, state->x2, s->stop_sign * s->G))
+    if (s->has_stop != 0 && !at_stop && blurred(gap, state->x1, state->x2, s->stop_sign * s->G))
         doubt(&r->certificate, state->t);
     if (s->has_friction != 0) {
         Mode stuck = {contact, 0, 0};
@@ -113,7 +122,7 @@ void initial_mode(Run *r)
         if (state->v2 == 0 && friction != 0)
             r->known.order[SLIDE] = 1;
     }
-    if (s->has_stop != 0 && gap == 0) {
+    if (at_stop) {
         Mode open = {0, friction, 0};
         contact = turning(r, state, open, -(s->stop_sign * u), -s->stop_sign) > 0 ? 1 : 0;
         r->known.order[GAP] = 1;
@@ -121,9 +130,12 @@ void initial_mode(Run *r)
     r->mode.contact = contact;
     r->mode.friction = friction;
     r->mode.violated = s->has_rest != 0 && y > s->rest_distance ? 1 : 0;
-    if (s->has_rest != 0 && blurred(y - s->rest_distance, state->x1, state->x2, -s->rest_distance))
-        doubt(&r->certificate, state->t);
-    if (s->has_rest != 0 && y == s->rest_distance) {
+    if (s->has_rest == 0)
+        return;
+    if (!starts_at(y - s->rest_distance, state, s->rest_distance, s->at_rest)) {
+        if (blurred(y - s->rest_distance, state->x1, state->x2, -s->rest_distance))
+            doubt(&r->certificate, state->t);
+    } else {
         Mode near = {contact, friction, 0};
         r->mode.violated = turning(r, state, near, u, 1) > 0 ? 1 : 0;
         r->known.order[CLEARANCE] = 1;

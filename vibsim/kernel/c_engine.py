@@ -29,7 +29,8 @@ def pack(scene, method, ledger=False, tangent=(0, 0.0)):
     values = [getattr(scene, name) for name in PACKED]
     values += [log2(scene.tol), scene.order, scene.has_block2, scene.has_stop, scene.has_friction]
     values += [scene.has_motor, scene.source == "harmonic", scene.rest_distance is not None]
-    values += [scene.stop_on_violation, method == "closed_form", ledger, *tangent]
+    values += [scene.stop_on_violation, scene.at_stop, scene.at_rest_distance]
+    values += [method == "closed_form", ledger, *tangent]
     return np.array([0.0 if value is None else float(value) for value in values])
 
 

@@ -36,7 +36,8 @@ typedef struct {
     double m3, e, J, M0, Omega0;
     double x1, v1, x2, v2, phi, phidot;
     double rest_distance, t_end, every_num, every_den, tolerance_exponent, order;
-    double has_block2, has_stop, has_friction, has_motor, harmonic, has_rest, stop_on_violation, closed_form, ledger;
+    double has_block2, has_stop, has_friction, has_motor, harmonic, has_rest, stop_on_violation, at_stop, at_rest;
+    double closed_form, ledger;
     double tangent, tangent_from;
 } Scene;
 

@@ -49,7 +49,8 @@ class Link:
 class Stop:
     """Elastic stop between P and Q: depth g = sense (x_Q - x_P) - gap [m], force k g + c g' in contact [N].
 
-    `release` AT_GAP: contact while g >= 0; AT_FORCE: the force is max(0, k g + c g') while g > 0.
+    `release` AT_GAP: contact while g >= 0; AT_FORCE: the force is max(0, k g + c g') while g > 0. `at_start`:
+    whether g is exactly 0 at t = 0 by the numbers that these are rounded from.
     """
 
     name: str
@@ -60,6 +61,7 @@ class Stop:
     k: Number
     c: Number
     release: str = AT_GAP
+    at_start: bool = False
 
 
 @dataclass(frozen=True)
@@ -117,12 +119,13 @@ class Motor:
 
 @dataclass(frozen=True)
 class Clearance:
-    """A limit that is watched and exerts no force: x_P - x_Q <= distance [m]."""
+    """A limit that is watched and exerts no force: x_P - x_Q <= distance [m]; `at_start` as of a stop."""
 
     name: str
     P: int
     Q: int
     distance: Number
+    at_start: bool = False
 
 
 @dataclass(frozen=True)

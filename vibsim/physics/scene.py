@@ -33,6 +33,8 @@ class Scene(Sampled):
     rest_distance : distance of the blocks at rest [m] or None; stop_on_violation ends the run there
     t_end : end of the run [s]; samples at i * every_num / every_den [s], i = 0, 1, ...
     method : "auto", "closed_form" or "taylor"; order and tol of the Taylor flow
+    at_stop, at_rest_distance : whether the exact numbers that these are rounded from start the blocks exactly
+    at the stop, or at the rest distance, where rounded ones may lie beside it
     """
 
     m1: Number
@@ -68,6 +70,8 @@ class Scene(Sampled):
     method: str = "auto"
     order: int = 20
     tol: Number = 2.0**-53
+    at_stop: bool = False
+    at_rest_distance: bool = False
 
     @property
     def has_block2(self) -> bool:

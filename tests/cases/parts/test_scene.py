@@ -97,7 +97,8 @@ def two_blocks(scene):
     parts = Scene(tuple(bodies), (Link("coupling", 0, other, scene.k1, scene.c),))
     if scene.has_stop:
         sense = EXTENSION if scene.stop_sign == 1 else COMPRESSION
-        parts = replace(parts, stops=(Stop("stop", 0, other, scene.G, sense, scene.k2, 0.0),))
+        stop = Stop("stop", 0, other, scene.G, sense, scene.k2, 0.0, at_start=scene.at_stop)
+        parts = replace(parts, stops=(stop,))
     if scene.has_friction:
         parts = replace(parts, frictions=(Friction("friction", 1, GROUND, scene.N, scene.N, 0.0),))
     if scene.source == "harmonic":
@@ -107,7 +108,8 @@ def two_blocks(scene):
         constants = (scene.m3, scene.e, scene.J, scene.M0, scene.Omega0, scene.phi, scene.phidot)
         parts = replace(parts, motor=Motor(0, *constants))
     if scene.rest_distance is not None:
-        parts = replace(parts, clearances=(Clearance("rest_distance", 0, other, scene.rest_distance),))
+        clearance = Clearance("rest_distance", 0, other, scene.rest_distance, scene.at_rest_distance)
+        parts = replace(parts, clearances=(clearance,))
     run = ("stop_on_violation", "t_end", "every_num", "every_den", "method", "order", "tol")
     return replace(parts, **{name: getattr(scene, name) for name in run})
 

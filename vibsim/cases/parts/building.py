@@ -78,7 +78,9 @@ class _SceneBuilder:
 
     def stop(self, name: str, part: Values) -> Stop:
         gap, k, c = self.several(part, "gap", "k", "c")
-        return Stop(name, *self.ends(part), gap, SENSES[part["acts"]], k, c, part["release"])
+        ahead = self.distance(part)
+        at_start = ahead is not None and part["gap"].value == -SENSES[part["acts"]] * ahead
+        return Stop(name, *self.ends(part), gap, SENSES[part["acts"]], k, c, part["release"], at_start)
 
     def friction(self, name: str, part: Values) -> Friction | None:
         """Limit forces mu N or mu m g, multiplied exactly and rounded once; None where both are 0."""
@@ -116,4 +118,14 @@ class _SceneBuilder:
         return Motor(self.index[part["on"]], *constants, *start)
 
     def clearance(self, name: str, part: Values) -> Clearance:
-        return Clearance(name, *self.ends(part), self.numbers.of(part["distance"]))
+        distance = part["distance"]
+        at_start = self.distance(part) == distance.value
+        return Clearance(name, *self.ends(part), self.numbers.of(distance), at_start)
+
+    def distance(self, part: Values) -> Any:
+        """x_P - x_Q [m] at t = 0 as an exact fraction; None where the base, whose place is none, is one."""
+        ends = [part["between"].P, part["between"].Q]
+        if BASE_END in ends:
+            return None
+        P, Q = (0 if end == GROUND_END else self.values["initial"][end]["x"].value for end in ends)
+        return P - Q
