@@ -1,9 +1,10 @@
-"""Hypothesis for the whole suite: the same draws in every run, no deadlines.
+"""Hypothesis for the whole suite: the same draws in every run, no deadlines. Ctrl-C as on a terminal.
 
 VIBSIM_HYPOTHESIS=search draws afresh, for hunting.
 """
 
 import os
+import signal
 
 from hypothesis import HealthCheck, settings
 
@@ -12,3 +13,7 @@ COMMON = {"deadline": None, "database": None, "suppress_health_check": [HealthCh
 settings.register_profile("repeatable", derandomize=True, **COMMON)
 settings.register_profile("search", **COMMON)
 settings.load_profile(os.environ.get("VIBSIM_HYPOTHESIS", "repeatable"))
+
+# A shell starts what runs in the background deaf to Ctrl-C, and children inherit that; tests send it.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)

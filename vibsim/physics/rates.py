@@ -27,7 +27,7 @@ def natural_rates(scene: Scene, in_contact: bool = False) -> list[float]:
         for end, sign in ((spring.P, 1.0), (spring.Q, -1.0)):
             if end >= 0:
                 row[end] = sign * share[end]
-        stiffness += spring.k * np.outer(row, row)
+        stiffness += spring.k * (row[:, None] * row)
     squares = np.linalg.eigvalsh(stiffness).tolist()
     return [sqrt(square) for square in squares if square > RIGID * max(squares)]
 

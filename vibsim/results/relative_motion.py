@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.physics.parts import BASE, GROUND, Harmonic, Scene, columns_of
+from vibsim.physics.sines import sine_cosine
 
 
 class RelativeMotion:
@@ -42,6 +43,7 @@ def base_motion(terms: tuple[Harmonic, ...], time: np.ndarray) -> tuple[np.ndarr
     x, v = np.zeros_like(time), np.zeros_like(time)
     for term in terms:
         angle = 2 * np.pi * np.fmod(term.cycles * time, 1.0) + term.phase
-        x += term.amplitude * np.sin(angle)
-        v += term.amplitude * term.omega * np.cos(angle)
+        sine, cosine = sine_cosine(angle)
+        x += term.amplitude * sine
+        v += term.amplitude * term.omega * cosine
     return x, v
