@@ -17,3 +17,7 @@ settings.load_profile(os.environ.get("VIBSIM_HYPOTHESIS", "repeatable"))
 # A shell starts what runs in the background deaf to Ctrl-C, and children inherit that; tests send it.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    # a suite started in the background inherits this, and its children would never hear Ctrl-C
+    signal.signal(signal.SIGINT, signal.default_int_handler)
