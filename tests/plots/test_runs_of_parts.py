@@ -96,6 +96,17 @@ def test_contact_is_shaded_for_any_stop(row):
     assert (depth > 0).all()
 
 
+def test_a_stop_that_has_let_go_by_force_is_not_shaded():
+    from vibsim.plots.impacts import contact_spans
+
+    drill = subject_of(load_case("gallery/percussive-drill", {"run.t_end": "1 s"}))
+    events = drill.result.events
+    begin, end = (events["t"][events["kind"] == kind] for kind in (1, 2))
+    shaded = sum(b - a for a, b in contact_spans(drill, (0.0, 1.0)))
+    assert shaded == pytest.approx(np.sum(end - begin[: len(end)]), rel=1e-9)
+    assert 0 < shaded < 0.5
+
+
 def test_kinds_that_show_two_blocks_only_say_so(row):
     names = [kind.name for kind in fitting([row])]
     assert names == ["overview", "displacement", "velocity", "phase", "relative"]

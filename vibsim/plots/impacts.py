@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.engine.columns import part_columns
-from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.modes import CONTACT_FLAGS, EVENT_KINDS
 from vibsim.physics.parts import Scene as PartsScene
 from vibsim.physics.parts import columns_of
 from vibsim.plots.subject import Subject
@@ -65,7 +65,8 @@ def contact_spans(subject: Subject, span: Span) -> list[Span]:
     """The stretches of contact at any stop that meet the span, cut to it [s]."""
     names = part_columns(subject.scene)[: len(subject.scene.stops)] if subject.is_of_parts else ("contact",)
     events = events_within(subject.result, ("t", *names), span, before=1)
-    contact = np.any([events[name] != 0 for name in names], axis=0)
+    touching = [events[name] == CONTACT_FLAGS["contact"] for name in names]  # a lifted stop exerts no force
+    contact = np.any(touching, axis=0)
     ends = np.append(events["t"][1:], span[1])
     stretches = [(max(a, span[0]), min(b, span[1])) for a, b in zip(events["t"], ends, strict=True)]
     return [(a, b) for (a, b), closed in zip(stretches, contact, strict=True) if closed and a < b]
