@@ -9,7 +9,7 @@ from vibsim.analysis.impacts_per_cycle import count_impacts, words_of
 
 
 def test_counts_against_the_published_ones():
-    """I-A has 630 impacts and 419 sticks in 1050 cycles (physics.md section 5); none at their ends."""
+    """I-A has 630 impacts and 419 sticks in 1050 cycles (60-digit integration); none at their ends."""
     found = count_impacts(short_run("I-A", "300 s"), (0.0, 300.0))
     assert found.cycles == 1050
     assert found.impacts == 630 / 1050
@@ -36,7 +36,7 @@ def test_speeds_at_impact_are_those_of_the_events():
     found = count_impacts(run, (0.0, 20.0))
     rows = run.events["kind"] == 1
     expected = np.abs(run.events["v1"][rows] - run.events["v2"][rows])
-    assert found.velocity.count == 115  # physics.md section 5
+    assert found.velocity.count == 115  # 50-digit integration
     assert found.velocity.greatest == expected.max()
     assert found.velocity.least == expected.min()
     assert found.velocity.mean == pytest.approx(expected.mean())

@@ -55,7 +55,7 @@ def test_only_what_a_method_reports_is_counted():
 
 
 def test_shortest_period():
-    assert 1 / shortest_period(paper("I-A")) == pytest.approx(34.397, abs=1e-3)  # validation.md, V3
+    assert 1 / shortest_period(paper("I-A")) == pytest.approx(34.397, abs=1e-3)  # k1 + k2 on the free pair
     assert shortest_period(scene(k1=0.0, k2=None, G=None)) == math.inf
 
 

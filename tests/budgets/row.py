@@ -11,7 +11,7 @@ class Row:
 
     Attributes
     ----------
-    budget : what design.md section 9 limits
+    budget : what the budget limits
     unit : of the figures, such as "ms"; "x" for a ratio
     limit : allowed value; the least allowed where `at_least`; None for a figure without a budget
     figures : the measured values, one per repetition

@@ -107,5 +107,5 @@ def test_a_run_that_overflows_fails_alike(method):
 
 def test_table_1_amplitudes():
     assert [paper(name).A for name in TABLE_1] == [0.0725, 0.1140, 0.1350]
-    # physics.md section 4: 1.596, 3.941, 5.504 N
+    # m3 e omega^2: 1.596, 3.941, 5.504 N
     assert [round(paper(f"{name}-eq211").A, 3) for name in TABLE_1] == [1.596, 3.941, 5.504]

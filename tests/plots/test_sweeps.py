@@ -90,7 +90,7 @@ def test_sommerfeld_draws_the_speeds(paths):
     (no_load,) = lines(axes, "no-load")
     np.testing.assert_array_equal(no_load.get_xdata(), no_load.get_ydata())
     levels = {round(float(line.get_ydata()[0]), 2) for line in lines(axes, "level")}
-    assert 3.68 in levels  # half bilinear: 7.37 / 2, physics.md section 4
+    assert 3.68 in levels  # half bilinear: 7.37 / 2
 
 
 def test_sommerfeld_has_fractions_of_the_bilinear_frequency(tmp_path):

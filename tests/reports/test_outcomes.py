@@ -15,7 +15,7 @@ from vibsim.results import simulate
 
 
 def test_an_outcome_is_the_verdict_on_the_run():
-    """The motor without a stop is captured near its natural frequency, physics.md: 4.0 to 4.1 Hz."""
+    """The motor without a stop is captured near its natural frequency, 4.0 to 4.1 Hz."""
     case = load_case("II-B", {"stop.G": "1000 m", "run.t_end": "150 s"})
     found = outcome(case)
     fine = judge_capture(simulate(case, trust=False))

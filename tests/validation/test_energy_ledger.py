@@ -10,7 +10,7 @@ from tests.scenes import CASE_NAMES, MOTORS, harmonic, motor, paper, scene
 from tests.trajectories import collect
 from vibsim.kernel import open_trajectory
 
-CASE_RESIDUAL = 1e-12  # validation.md V11; measured 3e-15 ... 4e-14
+CASE_RESIDUAL = 1e-12  # relative; measured 3e-15 ... 4e-14
 RANDOM_RESIDUAL = 1e-11  # a random scene may end with its entries cancelling to a tenth of their throughput
 
 
