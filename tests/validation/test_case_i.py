@@ -19,7 +19,7 @@ PUBLISHED = {
     "I-B": (-0.0208657036721520, -0.0233895811558076, 0.0056039388001598, -0.0015125299416625, 1466, 0, 6232),
     "I-C": (-0.0846686050797213, -0.0868864712155865, 0.0795244964939589, -0.0094857232508406, 1948, 0, 7794),
 }
-TOLERANCE = {"closed_form": 1e-11, "taylor": 1e-9}  # absolute, in m and m/s; digits by 40- and 60-digit integrations
+TOLERANCE = {"closed_form": 1e-11, "taylor": 1e-9}  # absolute, in m and m/s; by 60 digits
 
 
 @pytest.mark.parametrize("method", TOLERANCE)
