@@ -27,7 +27,9 @@ def interrupted(plan, path, points):
 
 @pytest.mark.parametrize("settings", [{}, CARRIED], ids=["fresh", "carried"])
 def test_an_interrupted_sweep_goes_on_to_the_same_bits(tmp_path, settings):
-    plan, path = short_plan(**settings), tmp_path / "sweep.h5"
+    # points of some 10 ms: batches of 0.1 s under way when the run is stopped cannot be all that is left
+    axes, case = {OMEGA0: "3:5:0.05 Hz"}, short_case(t_end="100 s")
+    plan, path = short_plan(axes, case, **settings), tmp_path / "sweep.h5"
     interrupted(plan, path, 2)
     left = open_result(path)
     assert left.attrs["complete"] == 0 and 2 <= left.table.count(DONE) < plan.count
