@@ -23,7 +23,7 @@ extensions = [
     Extension(
         name,
         sources=sorted(glob(f"{room}/*.c")),
-        depends=sorted(glob(f"{room}/*.h")),
+        depends=sorted(glob("vibsim/*/*.h")),
         extra_compile_args=["/O2", "/fp:strict"] if os.name == "nt" else GCC_FLAGS + EXTRA[kind],
         extra_link_args=[flag for flag in EXTRA[kind] if flag.startswith("-fsanitize")],
         optional=not kind,

@@ -1,7 +1,7 @@
 /* The mode automaton; twin of vibsim/events/automaton.py and watch.py. */
 #include "certificate.h"
 #include "kernel.h"
-#include "numbers.h"
+#include "../engine/numbers.h"
 
 #define JET 7
 #define START_ROUNDING 16

@@ -1,6 +1,6 @@
 /* The closed-form flow of the ideal source; twin of vibsim/flows/closed_form.py. */
 #include "kernel.h"
-#include "numbers.h"
+#include "../engine/numbers.h"
 
 const Regime *regime_of(const ClosedForm *f)
 {

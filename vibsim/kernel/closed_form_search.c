@@ -1,8 +1,8 @@
 /* Certified first event on the closed-form flow; twin of vibsim/events/closed_form_search.py. */
 #include "certificate.h"
-#include "first_root.h"
+#include "../engine/first_root.h"
 #include "kernel.h"
-#include "turning_point.h"
+#include "../engine/turning_point.h"
 
 #define STEPS_PER_CALL 4096
 #define POLISHING 10

@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "kernel.h"
-#include "numbers.h"
+#include "../engine/numbers.h"
 
 #define EVENTS_AT_ONE_INSTANT 64
 

@@ -1,7 +1,7 @@
 /* The C engine: the fast copy of the Python engine, bit for bit equal to it on doubles.
  *
  * Every expression repeats its Python twin operation by operation; compile with -ffp-contract=off and never with
- * -ffast-math. Twins: numbers.h physics/numbers.py, first_root.h events/first_root.py, responses.c flows/responses.py,
+ * -ffast-math. numbers.h, pair.h, first_root.h and turning_point.h are those of ../engine. Twins: responses.c flows/responses.py,
  * regime.c flows/regime.py, closed_form.c flows/closed_form.py, event_functions.c flows/event_functions.py, closed_form_search.c
  * events/closed_form_search.py, taylor.c flows/taylor.py, polynomial_root.c events/polynomial_root.py, certificate.h
  * events/certificate.py, turning_point.h events/turning_point.py,

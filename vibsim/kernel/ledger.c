@@ -1,7 +1,7 @@
 /* The energy ledger; twin of vibsim/kernel/ledger.py. */
 #include "gauss_nodes.h"
 #include "kernel.h"
-#include "numbers.h"
+#include "../engine/numbers.h"
 
 double ledger_energy(const Run *r, const State *state, Mode mode)
 {

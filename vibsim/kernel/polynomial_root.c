@@ -1,9 +1,9 @@
 /* Certified first root of a polynomial event function; twin of vibsim/events/polynomial_root.py. */
 #include "certificate.h"
-#include "first_root.h"
+#include "../engine/first_root.h"
 #include "kernel.h"
-#include "numbers.h"
-#include "turning_point.h"
+#include "../engine/numbers.h"
+#include "../engine/turning_point.h"
 
 #define MARCH_LIMIT 1000
 #define PIECES 8

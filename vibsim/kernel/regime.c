@@ -1,6 +1,6 @@
 /* Constants of the smooth modes of the ideal source; twin of vibsim/flows/regime.py. */
 #include "kernel.h"
-#include "numbers.h"
+#include "../engine/numbers.h"
 
 static void regime_set(Regime *g, const Scene *s, int locked, int contact, int friction)
 {

@@ -1,6 +1,6 @@
 /* Responses of one damped oscillator; twin of vibsim/flows/responses.py. */
 #include "kernel.h"
-#include "numbers.h"
+#include "../engine/numbers.h"
 
 #define QUARTER 0.25
 #define RESONANT 0.01

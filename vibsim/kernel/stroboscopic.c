@@ -1,6 +1,6 @@
 /* The stroboscopic section; twin of vibsim/kernel/stroboscopic.py. */
 #include "kernel.h"
-#include "numbers.h"
+#include "../engine/numbers.h"
 
 #define ITERATIONS 60
 #define LAST_PERIOD 9007199254740992.0 /* 2^53: behind it whole numbers of periods are no doubles */

@@ -3,8 +3,8 @@
 
 #include "certificate.h"
 #include "kernel.h"
-#include "numbers.h"
-#include "pair.h"
+#include "../engine/numbers.h"
+#include "../engine/pair.h"
 
 #define LEADING 4
 #define WORK_OF_A_STEP 10 /* in evaluations of its polynomials */

@@ -1,7 +1,7 @@
 /* Disturbances along one step of the Taylor flow; twin of vibsim/flows/taylor_tangent.py. */
 #include "kernel.h"
-#include "numbers.h"
-#include "pair.h"
+#include "../engine/numbers.h"
+#include "../engine/pair.h"
 
 #define REACH 1.25
 

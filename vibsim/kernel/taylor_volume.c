@@ -1,7 +1,7 @@
 /* How a volume of disturbances grows along a Taylor step; twin of vibsim/flows/taylor_volume.py. */
 #include "gauss_nodes.h"
 #include "kernel.h"
-#include "numbers.h"
+#include "../engine/numbers.h"
 
 static double determinant(const Run *r, double tau)
 {
