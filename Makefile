@@ -47,7 +47,7 @@ verify: $(STAMP) ## verify against known cases, then run the slow tests
 	$(BIN)/python -m pytest -n auto -q -m slow --timeout 1800
 
 truths: $(STAMP) ## compute the stored truths of `vibsim verify` anew (ten minutes)
-	$(BIN)/python -m vibsim.verification.truth_making
+	$(BIN)/python -m vibsim.evidence.verification.truth_making
 
 lint: $(STAMP) ## check style and types
 	$(BIN)/ruff check vibsim tests setup.py

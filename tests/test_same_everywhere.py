@@ -11,8 +11,8 @@ from pathlib import Path
 import vibsim
 
 PACKAGE = Path(vibsim.__file__).parent
-RESULTS = ("physics", "flows", "events", "kernel", "results", "analysis", "sweeps", "fitting", "reports")
-RESULTS += ("orbits",)
+RESULTS = ("physics", "flows", "events", "kernel", "results", "analysis", "sweeps", "fitting", "orbits")
+RESULTS += ("evidence/reports",)
 ELEMENTARY = {"sin", "cos", "tan", "arcsin", "arccos", "arctan", "arctan2", "sinh", "cosh", "tanh", "hypot"}
 ELEMENTARY |= {"exp", "exp2", "expm1", "log", "log2", "log10", "log1p", "power", "cbrt", "float_power"}
 SUMS = {"sum", "nansum", "mean", "nanmean", "average", "std", "var", "nanstd", "nanvar", "prod", "trapezoid"}

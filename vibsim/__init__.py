@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from vibsim.analysis import Analysis, Lyapunov, analyse, lyapunov
     from vibsim.cases import Case, CaseError, load_case
     from vibsim.fitting import FitResult, fit
-    from vibsim.results import Result, ResultFileError, open_result, simulate
+    from vibsim.opening import open_result
+    from vibsim.results import Result, ResultFileError, simulate
     from vibsim.sweeps import SweepResult, join, sweep
 
 __version__ = "0.1.0"
@@ -40,7 +41,7 @@ _HOMES = {
     "fit": "vibsim.fitting",
     "Result": "vibsim.results",
     "ResultFileError": "vibsim.results",
-    "open_result": "vibsim.results",
+    "open_result": "vibsim.opening",
     "simulate": "vibsim.results",
     "SweepResult": "vibsim.sweeps",
     "join": "vibsim.sweeps",

@@ -8,10 +8,10 @@ import numpy as np
 from tests.budgets.row import Row, stopwatch
 from tests.budgets.true_states import error_of
 from vibsim.cases import load_case
+from vibsim.evidence.peers.time_limit import TimeLimit
+from vibsim.evidence.verification.event_matching import match_events
 from vibsim.kernel import open_trajectory
-from vibsim.peers.time_limit import TimeLimit
 from vibsim.physics.modes import EVENT_NAMES
-from vibsim.verification.event_matching import match_events
 
 STATES = ("x1", "v1", "x2", "v2", "phi", "phidot")
 CHECKED = {"II-A": (20, 40), "II-B": (20, 50), "II-C": (20, 40)}  # s
@@ -35,7 +35,7 @@ def rows():
 
 def case_rows(name):
     """Time of vibsim / time of heyoka, both with 60,001 samples, taken in turns; errors; events."""
-    from vibsim.peers.heyoka_events import HeyokaEvents
+    from vibsim.evidence.peers.heyoka_events import HeyokaEvents
 
     scene = load_case(name).scene()
     times = np.array([scene.sample_time(i) for i in range(scene.sample_count)])

@@ -9,10 +9,10 @@ from tests.budgets.engine_clock import run_through, without_samples
 from tests.budgets.row import Row, stopwatch
 from tests.budgets.true_states import error_of
 from vibsim.cases import load_case
+from vibsim.evidence.peers.solve_ivp_eventless import EventlessSolver
+from vibsim.evidence.peers.solve_ivp_events import EventSolver
+from vibsim.evidence.peers.time_limit import TimeLimit
 from vibsim.kernel import open_trajectory
-from vibsim.peers.solve_ivp_eventless import EventlessSolver
-from vibsim.peers.solve_ivp_events import EventSolver
-from vibsim.peers.time_limit import TimeLimit
 
 SPAN = 20  # s
 LADDER = (1e-10, 1e-12, 2.3e-14)  # rtol; the last is the tightest that solve_ivp takes

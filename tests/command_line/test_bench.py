@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from tests.command_line.made import call
-from vibsim.benchmark import open_bench
-from vibsim.benchmark.families import FAMILIES
+from vibsim.evidence.benchmark import open_bench
+from vibsim.evidence.benchmark.families import FAMILIES
 from vibsim.kernel import compiled
 
 SHORT = ("--t-end", "1s", "--methods", "python,dop853,rk4")
@@ -22,7 +22,7 @@ SHORT = ("--t-end", "1s", "--methods", "python,dop853,rk4")
 @pytest.fixture(autouse=True)
 def own_folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("vibsim.benchmark.measuring.ENOUGH", 0.0)
+    monkeypatch.setattr("vibsim.evidence.benchmark.measuring.ENOUGH", 0.0)
     return tmp_path
 
 
@@ -72,7 +72,7 @@ def test_info_prints_the_same_table():
 def test_the_truth_is_computed_once(monkeypatch):
     assert call("bench", "I-A", *SHORT).exit_code == 0
     monkeypatch.setattr(
-        "vibsim.benchmark.running.compute_truth", lambda *given: pytest.fail("computed again")
+        "vibsim.evidence.benchmark.running.compute_truth", lambda *given: pytest.fail("computed again")
     )
     assert call("bench", "I-A", *SHORT, "--force").exit_code == 0
     assert call("bench", "I-A", *SHORT, "-o", "b.h5", "--truth", "I-A-bench.h5").exit_code == 0
@@ -88,7 +88,8 @@ def test_what_is_not_installed_is_named(monkeypatch):
     from importlib.util import find_spec
 
     monkeypatch.setattr(
-        "vibsim.benchmark.families.find_spec", lambda name: None if name == "heyoka" else find_spec(name)
+        "vibsim.evidence.benchmark.families.find_spec",
+        lambda name: None if name == "heyoka" else find_spec(name),
     )
     done = call("bench", "--t-end", "1s", "--methods", "python,heyoka")
     assert done.exit_code == 0

@@ -11,7 +11,8 @@ import pytest
 from tests.fitting.made import done, numbers_of, small_plan
 from vibsim.fitting.fitting import run_fit
 from vibsim.fitting.run_store import FileRunStore
-from vibsim.results import ResultFileError, open_result
+from vibsim.opening import open_result
+from vibsim.results import ResultFileError
 from vibsim.sweeps.journal import journal_path
 
 

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.benchmark.made import planted
+from tests.evidence.benchmark.made import planted
 from tests.plots.artists import clipped_texts, lines, points
-from vibsim.benchmark import make_plan, open_bench
-from vibsim.benchmark.bench_file import write_bench
-from vibsim.benchmark.families import FAMILIES
-from vibsim.benchmark.provenance import origin
-from vibsim.benchmark.row import DONE, FAILED, SLOWER, Row
+from vibsim.evidence.benchmark import make_plan, open_bench
+from vibsim.evidence.benchmark.bench_file import write_bench
+from vibsim.evidence.benchmark.families import FAMILIES
+from vibsim.evidence.benchmark.provenance import origin
+from vibsim.evidence.benchmark.row import DONE, FAILED, SLOWER, Row
 from vibsim.plots.errors import PlotError
 from vibsim.plots.registry import choose, fitting, kind_named
 from vibsim.plots.subject import open_subject

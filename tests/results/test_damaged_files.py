@@ -10,7 +10,7 @@ import pytest
 import vibsim
 from tests.results.damages import OF_ATTRIBUTES, OF_DATASETS, damage_attribute, datasets
 from tests.results.made import short_case
-from vibsim.benchmark.bench_structure import ATTRIBUTES as OF_BENCH
+from vibsim.evidence.benchmark.bench_structure import ATTRIBUTES as OF_BENCH
 from vibsim.fitting import fit
 from vibsim.fitting.fit_structure import ATTRIBUTES as OF_FIT
 from vibsim.results import ResultFileError

@@ -12,7 +12,7 @@ import pytest
 from tests.command_line.made import call
 from tests.sweeps.clusters import loopback_cluster
 from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
-from vibsim.results import open_result
+from vibsim.opening import open_result
 from vibsim.sweeps.cluster import DIED, ClusterError, ClusterWorkers
 from vibsim.sweeps.columns import FAILED
 from vibsim.sweeps.store import FileStore, Store

@@ -9,7 +9,7 @@ import pytest
 import vibsim
 from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
 from vibsim.cases import CaseError
-from vibsim.results import open_result
+from vibsim.opening import open_result
 from vibsim.sweeps import describe, sweep
 from vibsim.sweeps.ensemble import share, summary
 from vibsim.sweeps.members import Members, read_members

@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from tests.sweeps.made import assert_same_points, complete, in_memory, short_case, short_plan
-from vibsim.results import open_result
+from vibsim.opening import open_result
 from vibsim.sweeps.columns import DONE
 from vibsim.sweeps.store import FileStore
 

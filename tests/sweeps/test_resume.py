@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from tests.sweeps.made import OMEGA0, assert_same_points, complete, in_memory, short_case, short_plan
-from vibsim.results import ResultFileError, open_result
+from vibsim.opening import open_result
+from vibsim.results import ResultFileError
 from vibsim.sweeps.columns import DONE, MISSING
 from vibsim.sweeps.journal import Journal, journal_path
 from vibsim.sweeps.store import FileStore

@@ -6,7 +6,8 @@ import pytest
 
 from tests.command_line.made import call
 from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
-from vibsim.results import ResultFileError, open_result
+from vibsim.opening import open_result
+from vibsim.results import ResultFileError
 from vibsim.sweeps import capacity, join
 from vibsim.sweeps.members import read_members
 from vibsim.sweeps.plan import PlanError

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
-from vibsim.results import ResultFileError, open_result
+from vibsim.opening import open_result
+from vibsim.results import ResultFileError
 from vibsim.sweeps import describe, sweep
 from vibsim.sweeps.columns import ALWAYS, DEFINITIONS, SECTION
 from vibsim.sweeps.store import FileStore

@@ -10,8 +10,8 @@ import vibsim
 from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
 from vibsim.analysis import judge_capture, judge_regime
 from vibsim.kernel import open_trajectory
+from vibsim.opening import open_result
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.results import open_result
 from vibsim.sweeps.computations import capture_verdict, regime_label
 from vibsim.sweeps.plan import PlanError
 from vibsim.sweeps.store import FileStore, Store

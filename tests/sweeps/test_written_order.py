@@ -7,10 +7,10 @@ import pytest
 
 from tests.command_line.made import call
 from tests.sweeps.made import OMEGA0, assert_same_points, short_plan
+from vibsim.opening import open_result
 from vibsim.plots.subject import open_subjects
 from vibsim.plots.sweep_curves import curves
 from vibsim.plots.sweep_plane import plane_of
-from vibsim.results import open_result
 from vibsim.sweeps import join
 from vibsim.sweeps.plan import DOWN, UP, PlanError
 from vibsim.sweeps.shard import shard

@@ -11,7 +11,8 @@ from vibsim.command_line.run_plan import read_case
 from vibsim.command_line.settings import Settings
 from vibsim.command_line.summary import heading, print_lines
 from vibsim.command_line.terminal import print_json, say
-from vibsim.results import Result, ResultFileError, is_result_file, kind_of, open_result, simulate
+from vibsim.opening import open_result
+from vibsim.results import Result, ResultFileError, is_result_file, kind_of, simulate
 from vibsim.results.windows import Window
 
 RESULT_SUFFIXES = (".h5", ".hdf5", ".partial")

@@ -16,8 +16,8 @@ class Methods(click.ParamType):
     name = "methods"
 
     def convert(self, value, param, ctx):
-        from vibsim.benchmark.errors import BenchError
-        from vibsim.benchmark.families import families_named
+        from vibsim.evidence.benchmark.errors import BenchError
+        from vibsim.evidence.benchmark.families import families_named
 
         names = [name.strip() for name in value.split(",") if name.strip()]
         try:
@@ -29,7 +29,7 @@ class Methods(click.ParamType):
     def shell_complete(self, ctx, param, incomplete):
         from click.shell_completion import CompletionItem
 
-        from vibsim.benchmark.families import FAMILIES
+        from vibsim.evidence.benchmark.families import FAMILIES
 
         done, comma, begun = incomplete.rpartition(",")
         names = [family.name for family in FAMILIES if family.name.startswith(begun)]

@@ -8,17 +8,17 @@ from typing import Any
 
 import click
 
-from vibsim.benchmark.errors import BenchError
-from vibsim.benchmark.known_truth import truth_at_hand, truth_from
-from vibsim.benchmark.plan import Plan, make_plan
-from vibsim.benchmark.running import run_bench
-from vibsim.benchmark.truth import Truth
 from vibsim.command_line.bench_text import print_bench
 from vibsim.command_line.errors import told
 from vibsim.command_line.interruption import Interruption
 from vibsim.command_line.run_plan import check_digits, check_picture, hdf5_name, read_case
 from vibsim.command_line.settings import Settings
 from vibsim.command_line.terminal import print_json, say
+from vibsim.evidence.benchmark.errors import BenchError
+from vibsim.evidence.benchmark.known_truth import truth_at_hand, truth_from
+from vibsim.evidence.benchmark.plan import Plan, make_plan
+from vibsim.evidence.benchmark.running import run_bench
+from vibsim.evidence.benchmark.truth import Truth
 from vibsim.results.output_file import check_output
 
 SHARES = 1000  # of a bar
@@ -64,7 +64,7 @@ def run_jobs(
         what = "interrupted: the truth was not done; nothing is kept"
         return told(what, interruption.exit_code, settings.json)
     if settings.json:
-        from vibsim.benchmark.description import facts
+        from vibsim.evidence.benchmark.description import facts
 
         print_json({"file": str(path), **facts(bench)})
     elif not settings.quiet:

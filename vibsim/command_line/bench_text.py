@@ -6,14 +6,14 @@ from itertools import groupby
 from math import isfinite
 from pathlib import Path
 
-from vibsim.benchmark.bench_result import BenchResult
-from vibsim.benchmark.families import family_of
-from vibsim.benchmark.row import FAILED, SLOWER, Row
-from vibsim.benchmark.verdicts import beside_reference, fastest, most_accurate, reference
 from vibsim.command_line.quantity_text import seconds, size
 from vibsim.command_line.summary import heading, print_lines
 from vibsim.command_line.terminal import say, style
-from vibsim.peers.attempt import CONTACTS
+from vibsim.evidence.benchmark.bench_result import BenchResult
+from vibsim.evidence.benchmark.families import family_of
+from vibsim.evidence.benchmark.row import FAILED, SLOWER, Row
+from vibsim.evidence.benchmark.verdicts import beside_reference, fastest, most_accurate, reference
+from vibsim.evidence.peers.attempt import CONTACTS
 
 SETTING = 22
 NOTHING = "-"

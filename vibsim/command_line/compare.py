@@ -56,7 +56,8 @@ def command(ctx, a, b, tolerance):
 
 
 def _run(path):
-    from vibsim.results import ResultFileError, kind_of, open_result
+    from vibsim.opening import open_result
+    from vibsim.results import ResultFileError, kind_of
 
     if kind_of(path) != "trajectory":
         raise ResultFileError(f"{path}: holds no single run; compare takes the files of two runs")

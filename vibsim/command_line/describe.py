@@ -8,7 +8,8 @@ from vibsim.command_line.quantity_text import size
 from vibsim.command_line.settings import Settings
 from vibsim.command_line.summary import heading, print_lines, result_lines, summary_object
 from vibsim.command_line.terminal import plain, print_json, say
-from vibsim.results import Result, kind_of, open_result
+from vibsim.opening import open_result
+from vibsim.results import Result, kind_of
 
 TOLD = ("case_yaml", "case_resolved_json", "case_name", "title", "case_sha256", "date_created", "platform")
 LONGEST = 80  # characters of an attribute
@@ -51,8 +52,8 @@ def print_description(path: str, settings: Settings) -> None:
 
 
 def _print_bench(path: str, settings: Settings) -> None:
-    from vibsim.benchmark.description import facts
     from vibsim.command_line.bench_text import print_bench
+    from vibsim.evidence.benchmark.description import facts
 
     bench = open_result(path)
     if settings.json:

@@ -16,8 +16,8 @@ from vibsim.command_line.quantity_text import size
 from vibsim.command_line.settings import Settings
 from vibsim.command_line.summary import print_lines
 from vibsim.command_line.terminal import print_json, say
-from vibsim.reports.paper import Report, write_paper
-from vibsim.reports.paper_runs import Interrupted
+from vibsim.evidence.reports.paper import Report, write_paper
+from vibsim.evidence.reports.paper_runs import Interrupted
 
 
 def write_report(folder: str, formats: tuple[str, ...], fresh: bool, settings: Settings) -> int:

@@ -37,8 +37,8 @@ class CheckName(click.ParamType):
     name = "check"
 
     def shell_complete(self, ctx, param, incomplete):
-        from vibsim.verification.catalogue import all_checks
-        from vibsim.verification.selection import spellings
+        from vibsim.evidence.verification.catalogue import all_checks
+        from vibsim.evidence.verification.selection import spellings
 
         return [CompletionItem(name) for name in spellings(all_checks()) if name.startswith(incomplete)]
 

@@ -15,9 +15,9 @@ from vibsim.command_line.interruption import Interruption
 from vibsim.command_line.quantity_text import counted
 from vibsim.command_line.settings import Settings
 from vibsim.command_line.terminal import print_json, say, style
-from vibsim.verification.check import Check
-from vibsim.verification.row import Point, Row
-from vibsim.verification.verifying import rows_of
+from vibsim.evidence.verification.check import Check
+from vibsim.evidence.verification.row import Point, Row
+from vibsim.evidence.verification.verifying import rows_of
 
 HEADER = ("", "expected", "obtained", "error", "bound", "verdict")
 ENGINES = {"c": "C engine", "python": "Python engine"}

@@ -74,7 +74,8 @@ def open_subject(path: str) -> Subject:
 
     Raises ResultFileError or CaseError when it is none of these.
     """
-    from vibsim.results import is_result_file, open_result
+    from vibsim.opening import open_result
+    from vibsim.results import is_result_file
 
     if Path(path).suffix in RESULT_SUFFIXES or is_result_file(path):
         result = open_result(path)

@@ -12,9 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
-from vibsim.benchmark.families import Family, family_of
-from vibsim.benchmark.scoring import FAITHFUL
-from vibsim.benchmark.verdicts import error_at, faster, most_accurate
+from vibsim.evidence.benchmark.families import Family, family_of
+from vibsim.evidence.benchmark.scoring import FAITHFUL
+from vibsim.evidence.benchmark.verdicts import error_at, faster, most_accurate
 from vibsim.plots.curve_labels import Named, write_names
 from vibsim.plots.errors import PlotError
 from vibsim.plots.sheet import letter_panels, note, sheet

@@ -2,7 +2,7 @@
 
     result = simulate(load_case("II-B"))
     result.save("II-B.h5")
-    open_result("II-B.h5")["x2"]
+    open_trajectory_file("II-B.h5")["x2"]
 
 Names are imported when they are used: h5py takes longer to import than most runs take to run.
 """
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from vibsim.results.errors import ResultFileError
-    from vibsim.results.opening import is_result_file, kind_of, open_result
+    from vibsim.results.opening import is_result_file, kind_of, open_trajectory_file
     from vibsim.results.result import Result
     from vibsim.results.simulation import simulate, simulate_to_file
 
@@ -21,7 +21,7 @@ _HOMES = {
     "ResultFileError": "vibsim.results.errors",
     "is_result_file": "vibsim.results.opening",
     "kind_of": "vibsim.results.opening",
-    "open_result": "vibsim.results.opening",
+    "open_trajectory_file": "vibsim.results.opening",
     "simulate": "vibsim.results.simulation",
     "simulate_to_file": "vibsim.results.simulation",
 }
@@ -31,7 +31,7 @@ __all__ = [
     "ResultFileError",
     "is_result_file",
     "kind_of",
-    "open_result",
+    "open_trajectory_file",
     "simulate",
     "simulate_to_file",
 ]

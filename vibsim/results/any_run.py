@@ -4,8 +4,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from vibsim.results.errors import ResultFileError
-from vibsim.results.opening import is_result_file, open_result
+from vibsim.results.opening import is_result_file, open_trajectory_file
 from vibsim.results.result import Result
 from vibsim.results.simulation import simulate
 
@@ -23,8 +22,5 @@ def as_result(run: "Result | Case | str | PathLike[str]") -> Result:
     if isinstance(run, Result):
         return run
     if isinstance(run, str | PathLike) and (Path(run).suffix in SUFFIXES or is_result_file(Path(run))):
-        result = open_result(Path(run))
-        if not isinstance(result, Result):
-            raise ResultFileError(f"{run}: holds no single run")
-        return result
+        return open_trajectory_file(Path(run))
     return simulate(run)

@@ -1,9 +1,0 @@
-import pytest
-
-
-@pytest.fixture(autouse=True, scope="package")
-def run_once():
-    """Time every method once: medians are for real benches."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("vibsim.benchmark.measuring.ENOUGH", 0.0)
-        yield

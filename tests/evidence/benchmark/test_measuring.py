@@ -1,0 +1,73 @@
+import math
+
+import numpy as np
+import pytest
+
+from tests.evidence.benchmark.made import plan, truth
+from vibsim.evidence.benchmark.families import Family, family_of
+from vibsim.evidence.benchmark.measuring import MOST_RUNS, measure
+from vibsim.evidence.benchmark.own_engine import OwnEngine
+from vibsim.evidence.benchmark.row import DONE, FAILED, SLOWER
+from vibsim.evidence.peers.attempt import EVERY_KIND
+from vibsim.evidence.peers.time_limit import TimeLimit
+from vibsim.kernel import compiled
+from vibsim.physics.modes import EVENT_KINDS
+
+
+class Failing:
+    def __init__(self, scene):
+        pass
+
+    def run(self, times, limit):
+        raise ArithmeticError("the step is too small\nand more")
+
+
+FAILS = Family(
+    "failing", "failing", "failing", "tests.evidence.benchmark.test_measuring:Failing", {}, [("as it is", {})]
+)
+
+
+def row(method, setting, limit=20.0, going_on=lambda: True, name="II-B"):
+    scene = plan(name).case.scene()
+    return measure(family_of(method), setting, scene, truth(name), limit, going_on)
+
+
+def test_a_peer_is_timed_counted_and_judged():
+    found = row("dop853", "rtol 1e-9")
+    assert (found.status, found.problem, found.t_reached, found.faithful_time) == (DONE, "", 2.0, 2.0)
+    assert found.wall_time > 0 and found.cpu_time > 0 and 1 <= found.runs <= MOST_RUNS
+    assert found.evaluations > 5 * found.steps > 0
+    assert 0 < found.error[-1] < 1e-9 and len(found.error) == 401
+    true = np.isin(truth().events["kind"], [EVENT_KINDS[name] for name in EVERY_KIND])
+    count = found.counted()
+    assert (count.found, count.missed, count.spurious) == (np.count_nonzero(true), 0, 0)
+
+
+def test_what_is_slow_is_stopped_and_judged_so_far():
+    looks = iter(range(100))
+    found = row("rk4", "step 0.5 ms", going_on=lambda: next(looks) < 60)
+    assert found.status == SLOWER and 0 < found.t_reached < 2.0
+    assert np.isfinite(found.error[0]) and math.isnan(found.error[-1])
+    assert math.isnan(found.error_until(truth().samples["time"], 2.0))
+
+
+def test_what_fails_says_so():
+    found = measure(FAILS, "as it is", plan().case.scene(), truth(), 1.0, lambda: True)
+    assert (found.status, found.problem) == (FAILED, "the step is too small")
+    assert found.runs == 0 and np.isnan(found.error).all() and found.counted() is None
+
+
+@pytest.mark.skipif(not compiled(), reason="needs the C engine")
+def test_vibsim_is_measured_like_its_peers():
+    found = row("closed-form", "C engine", name="I-A")
+    assert found.status == DONE and found.error[-1] < 1e-15 and found.evaluations == -1
+    assert found.counted().missed == found.counted().spurious == 0
+
+
+def test_a_fixed_block_has_a_column_of_zeros():
+    from tests.scenes import fixed_block
+
+    scene = fixed_block(x1=1e-3, t_end=1.0)
+    attempt = OwnEngine(scene, "python", "auto").run(np.array([0.0]), TimeLimit())
+    assert attempt.states.shape == (201, 4) and (attempt.states[:, 2:] == 0).all()
+    assert abs(attempt.states[:, 1]).max() > 0.01

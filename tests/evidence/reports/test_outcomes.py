@@ -1,0 +1,52 @@
+"""Many short looks at runs: the same verdicts as a run of its own, in order, and stoppable."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from vibsim.analysis import judge_capture
+from vibsim.cases import load_case
+from vibsim.evidence.reports import outcomes
+from vibsim.evidence.reports.outcomes import outcome, outcomes_of, run_all
+from vibsim.evidence.reports.paper_runs import Interrupted
+from vibsim.kernel import KernelError
+from vibsim.kernel.errors import REASONS
+from vibsim.results import simulate
+
+
+def test_an_outcome_is_the_verdict_on_the_run():
+    """The motor without a stop is captured near its natural frequency, 4.0 to 4.1 Hz."""
+    case = load_case("II-B", {"stop.G": "1000 m", "run.t_end": "150 s"})
+    found = outcome(case)
+    fine = judge_capture(simulate(case, trust=False))
+    assert found["verdict"] == fine.verdict == "captured"
+    assert found["speed_hz"] == pytest.approx(fine.speed_hz, rel=2e-3)
+    assert 3.95 < found["speed_hz"] < 4.15
+
+
+def test_outcomes_come_in_order():
+    cases = [load_case("II-A", {"run.t_end": f"{t} s"}) for t in (30, 20, 10)]
+    peaks = [each["peak"]["time"] for each in outcomes_of(cases, lambda done, total: True)]
+    assert peaks == [outcome(case)["peak"]["time"] for case in cases]
+
+
+def test_a_run_that_fails_is_an_outcome_too(monkeypatch):
+    reason, state = next(iter(REASONS)), SimpleNamespace(t=1.0, x1=0, v1=0, x2=0, v2=0)
+
+    def fail(*given, **options):
+        raise KernelError(reason, state)
+
+    monkeypatch.setattr(outcomes, "simulate", fail)
+    assert outcome(load_case("II-A")) == {"failed": str(KernelError(reason, state))}
+
+
+def test_work_stops_when_told():
+    seen = []
+
+    def advance(done, total):
+        seen.append((done, total))
+        return done < 2
+
+    with pytest.raises(Interrupted):
+        run_all([lambda: {}] * 9, advance)
+    assert seen == [(1, 9), (2, 9)]

@@ -1,0 +1,153 @@
+"""The command: its options, interruption, and (slow) the whole report."""
+
+import json
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.command_line.made import call
+from tests.evidence.reports.test_pages import assert_accessible, assert_stands_alone, finding_in, read
+from vibsim.evidence.reports.claim import FAILS, HOLDS
+from vibsim.evidence.reports.figure_files import EVIDENCE
+from vibsim.evidence.reports.paper_figures import paper_figures
+from vibsim.evidence.reports.paper_runs import PAPER_RUNS
+from vibsim.evidence.reports.search_tables import readings_table
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+def test_help_ends_with_examples():
+    result = call("paper", "--help")
+    assert result.exit_code == 0
+    assert "vibsim paper -o audit" in result.stdout
+
+
+@pytest.mark.parametrize("formats", ["gif", "png,tiff", ","])
+def test_unknown_formats_are_usage_errors(tmp_path, formats):
+    result = call("paper", "-o", tmp_path, "--format", formats)
+    assert result.exit_code == 2
+    assert "formats are png, pdf, svg" in result.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_in_the_way_is_a_usage_error(tmp_path):
+    (tmp_path / "taken").write_text("")
+    assert call("paper", "-o", tmp_path / "taken").exit_code == 2
+
+
+def test_a_folder_that_cannot_be_made_is_file_trouble(tmp_path):
+    (tmp_path / "taken").write_text("")
+    result = call("paper", "-o", tmp_path / "taken" / "paper")
+    assert result.exit_code == 6
+    assert "cannot write" in result.stderr
+
+
+def test_an_interrupted_report_keeps_what_was_done(tmp_path):
+    """Ctrl-C while the runs are measured: the trajectories are there, and are used by the next call."""
+    command = [sys.executable, "-m", "vibsim", "paper", "-o", tmp_path / "paper"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as running:
+        for line in running.stderr:
+            if line.startswith("measuring"):
+                running.send_signal(signal.SIGINT)
+                break
+        last = running.stderr.read()
+        code = running.wait(timeout=100)
+    assert code == 130
+    assert last.endswith("goes on from there\n")
+    runs = sorted(path.stem for path in (tmp_path / "paper" / "runs").iterdir())
+    assert runs == sorted(PAPER_RUNS)
+    assert list(json.loads((tmp_path / "paper" / "numbers.json").read_text())) == ["facts"]
+    assert not (tmp_path / "paper" / "report.html").exists()
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory):
+    """The whole report."""
+    folder = tmp_path_factory.mktemp("report") / "paper"
+    result = call("--json", "paper", "-o", folder, "--format", "png")
+    assert result.exit_code == 0
+    return folder, json.loads(result.stdout)["claims"]
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+def test_the_report_is_whole(report):
+    folder, claims = report
+    page = read((folder / "report.html").read_text(encoding="utf-8"))
+    assert_stands_alone(page)
+    assert_accessible(page)
+    assert len(page.all("img")) == len(paper_figures()) + 2 + len(EVIDENCE)
+    assert len(claims) == len(page.all("article")) == 25
+    assert (folder / "figures" / "all-figures.png").is_file()
+    assert sorted(path.stem for path in (folder / "runs").glob("*.h5")) == sorted(PAPER_RUNS)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+def test_the_findings_are_those_of_the_readme(report):
+    """As printed no motor is captured; with J and c of the readings both do as the paper says."""
+    _, claims = report
+    assert claims == {
+        "no-impacts": "holds",
+        "natural-frequency": "holds",
+        "amplitude": "does not hold",
+        "chaotic": "holds",
+        "three-regimes": "does not hold",
+        "more-regular": "holds only if",
+        "period-1-ideal": "holds",
+        "period-1-motor": "does not hold",
+        "impacts": "holds",
+        "impacts-of-motor": "holds",
+        "impacts-differ": "holds only if",
+        "non-ideal-larger": "holds only if",
+        "drift-grows": "holds",
+        "impacts-cause": "holds",
+        "rates-higher": "holds only if",
+        "motor-drift-grows": "holds",
+        "drift-B-above-C": "holds only if",
+        "equilibria": "holds",
+        "II-A-speed": "holds",
+        "sommerfeld": "holds only if",
+        "II-B-captured": "holds only if",
+        "capture-frequency": "does not hold",
+        "II-C-escapes": "holds only if",
+        "II-C-speed": "does not hold",
+        "II-C-displacement": "does not hold",
+    }
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+def test_the_readings_are_those_of_the_readme(report):
+    """Row by row: what is changed, from how many starts each statement holds, and the price."""
+    folder, _ = report
+    ranking = json.loads((folder / "numbers.json").read_text())["readings"]["numbers"]["ranking"]
+    rows = []
+    for name, kept, *cells, _, price in readings_table(ranking).rows:
+        shown = name.removesuffix(", as printed") + ("" if kept == "kept" else " (against Table 1)")
+        counts = [cell.partition("/")[0] for cell in cells[:6]]
+        rows.append(f"| {' | '.join([shown, *counts, price])} |")
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert "\n".join(f"   {row}" for row in rows) in readme
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+def test_a_second_call_uses_what_is_there_and_follows_the_numbers(report):
+    """A wrong number planted in numbers.json turns its verdict, in the page as well; nothing is measured."""
+    folder, claims = report
+    path = folder / "numbers.json"
+    table = json.loads(path.read_text())
+    assert claims["impacts"] == HOLDS
+    table["runs"]["numbers"]["I-C"]["cycles"]["verdict"] = "some cycles"
+    path.write_text(json.dumps(table))
+    written = {run: run.stat().st_mtime_ns for run in (folder / "runs").iterdir()}
+    again = call("--json", "paper", "-o", folder, "--format", "png")
+    assert json.loads(again.stdout)["claims"] == {**claims, "impacts": FAILS}
+    assert {run: run.stat().st_mtime_ns for run in (folder / "runs").iterdir()} == written
+    assert json.loads(path.read_text()) == table
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert FAILS in finding_in(page, '<article id="impacts">')

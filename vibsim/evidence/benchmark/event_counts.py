@@ -1,0 +1,46 @@
+"""Events found, missed and made up, kind by kind.
+
+A found event is a true one where it is of the same kind and near: not farther than half the way to the next
+true event of that kind, so that the windows of two true events never overlap, and not farther than a quarter
+of the shortest period of the motion, beyond which the blocks are doing something else.
+"""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+
+import numpy as np
+
+from vibsim.evidence.verification.event_matching import match_events, reach
+from vibsim.physics.modes import EVENT_KINDS, EVENT_NAMES
+
+
+@dataclass(frozen=True)
+class EventCount:
+    """Events of one kind up to some instant."""
+
+    found: int
+    missed: int
+    spurious: int
+
+
+def count_events(
+    true: Mapping[str, np.ndarray], events: Sequence[tuple[float, int]], until: float, widest: float
+) -> dict[str, EventCount]:
+    """Counts of the events up to `until` [s] by name of kind, for every kind that has a code.
+
+    true : columns t [s], kind; events : (time [s], kind), ascending; widest : half width of the widest
+    window [s]. The first event in a window is the true one, others in it are spurious.
+    """
+    truth = [
+        (EVENT_NAMES[kind], Decimal(t))
+        for t, kind in zip(true["t"].tolist(), true["kind"].tolist(), strict=True)
+    ]
+    found = [(EVENT_NAMES[kind], Decimal(t)) for t, kind in events]
+    within = [min(half, widest) for half in reach(truth)]
+    matching = match_events(truth, within, found)
+    hits = Counter(truth[i][0] for i, _ in matching.pairs if truth[i][1] <= until)
+    missed = Counter(truth[i][0] for i in matching.missed if truth[i][1] <= until)
+    spurious = Counter(found[j][0] for j in matching.spurious if found[j][1] <= until)
+    return {name: EventCount(hits[name], missed[name], spurious[name]) for name in EVENT_KINDS}

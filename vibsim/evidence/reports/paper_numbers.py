@@ -1,0 +1,155 @@
+"""Everything that is measured for the report, gathered into one table of numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from math import log, pi
+from typing import TYPE_CHECKING, Any
+
+from vibsim.analysis import judge_regime, largest_exponent
+from vibsim.analysis.capture import CAPTURE
+from vibsim.analysis.holds import BAND, run_up_time
+from vibsim.cases import load_case
+from vibsim.cases.derived_facts import derived_facts
+from vibsim.evidence.reports.ensembles import measure_ensemble, starts
+from vibsim.evidence.reports.measurements import Numbers, measure_run, plain
+from vibsim.evidence.reports.numbers_file import NumbersFile
+from vibsim.evidence.reports.outcomes import Advance, run_all
+from vibsim.evidence.reports.paper_runs import EQUAL_FORCE, MOTORS, PRINTED, READINGS
+from vibsim.evidence.reports.parameter_search import made_of, search_plane, search_readings
+from vibsim.evidence.reports.regimes_nearby import (
+    DAMPINGS,
+    FOLLOWED,
+    FREQUENCIES,
+    LAWS,
+    LONGER,
+    measure_nearby,
+)
+from vibsim.evidence.reports.solver_hypothesis import SOLVERS, measure_solvers
+from vibsim.evidence.reports.without_stop import measure_without_stop
+from vibsim.results import Result, simulate
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+Tell = Callable[[str, int, int], bool]  # given what is done, how much of it, and of how much; False to stop
+
+LONG = {"run.t_end": "3000 s", "run.every": "10 ms"}  # ten times the paper's span: where motions settle
+SEARCHED = ("II-B", "II-C")
+INERTIAS = (0.001, 0.0085)  # [kg m^2] as printed, and of the readings
+HELD_HZ = 3.69
+
+
+def measure_paper(results: Mapping[str, Result], file: NumbersFile, tell: Tell) -> Numbers:
+    """All sections, measured or taken from the file; raises Interrupted when `tell` returns False."""
+    cases = {name: result.case for name, result in results.items()}
+    prints = {name: case.sha256 for name, case in cases.items()}
+    motors = [cases[name] for name in SEARCHED]
+    keys = [prints[name] for name in SEARCHED]
+
+    def told(step: str) -> Advance:
+        return lambda done, total: tell(step, done, total)
+
+    file.section("facts", [prints, INERTIAS], lambda: measure_facts(cases))
+    files = {name: [prints[name], result.attrs["date_created"]] for name, result in results.items()}
+    file.section("runs", files, lambda: measure_runs(results, told("measuring")))
+    file.section("long_runs", [prints, LONG], lambda: measure_long_runs(cases, told("following for longer")))
+    for name in cases:
+        measure = partial(measure_ensemble, cases[name], told(f"perturbing {name}"))
+        file.section(f"ensemble {name}", [prints[name], starts()], measure)
+    shown = [case for name, case in cases.items() if name not in READINGS]
+    file.section("without_stop", prints, lambda: measure_without_stop(shown, told("taking the stop away")))
+    ideal, m3e = cases[PRINTED[1]], unbalance(cases)
+    beside = [ideal.sha256, m3e, FREQUENCIES, DAMPINGS, LAWS, FOLLOWED, LONGER]
+    file.section("nearby", beside, lambda: measure_nearby(ideal, m3e, told("looking beside")))
+    sought = [keys, made_of()]
+    file.section("readings", sought, lambda: search_readings(motors, told("judging readings")))
+    file.section("plane", sought, lambda: search_plane(motors, told("searching over J and c")))
+    file.section("solvers", [keys, SOLVERS], lambda: measure_solvers(motors, told("trying other solvers")))
+    return table_of(file.sections)
+
+
+def table_of(sections: Mapping[str, Any]) -> Numbers:
+    """The sections as the claims read them."""
+    ensembles = {
+        name.split(" ", 1)[1]: value for name, value in sections.items() if name.startswith("ensemble ")
+    }
+    search = {name: sections[name] for name in ("readings", "plane")}
+    names = ("facts", "runs", "long_runs", "without_stop", "nearby", "solvers")
+    whole = {name: sections[name] for name in names}
+    return {**whole, "ensembles": ensembles, "search": search}
+
+
+def measure_facts(cases: Mapping[str, Case]) -> Numbers:
+    """What follows from the numbers of the cases alone: natural frequencies [Hz] and amplitudes [N]."""
+    facts = {kind: {fact.name: fact.value for fact in derived_facts(cases[name].scene())}
+             for kind, name in (("I", "I-A"), ("II", "II-A"))}  # fmt: skip
+    return {
+        "held_hz": facts["I"]["block 1 on its spring"],
+        **{f"free_hz_{kind}": facts[kind]["free"] for kind in facts},
+        **{f"bilinear_hz_{kind}": facts[kind]["bilinear"] for kind in facts},
+        "least_hold_s": {f"{J:g}": least_hold(cases[MOTORS[2]], J) for J in INERTIAS},
+        "amplitudes": [
+            _amplitudes(*names, cases) for names in zip(PRINTED, EQUAL_FORCE, MOTORS, strict=True)
+        ],
+    }
+
+
+def least_hold(case: Case, inertia: float) -> float:
+    """Shortest hold near half the bilinear frequency that counts as capture [s], at an inertia [kg m^2]."""
+    scene = case.with_values({"excitation.J": inertia}).scene()
+    no_load = scene.Omega0 / (2 * pi)
+    slow, fast = (HELD_HZ * (1 + sign * BAND) for sign in (-1, 1))
+    return CAPTURE * run_up_time(scene) * log((no_load - slow) / (no_load - fast))
+
+
+def unbalance(cases: Mapping[str, Case]) -> float:
+    """m3 e of the motor as printed [kg m]."""
+    scene = cases[MOTORS[0]].scene()
+    return float(scene.m3 * scene.e)
+
+
+def _amplitudes(printed: str, equal: str, motor: str, cases: Mapping[str, Case]) -> Numbers:
+    ideal, by_rule, scene = (cases[name].scene() for name in (printed, equal, motor))
+    return {
+        "omega_hz": ideal.omega / (2 * pi),
+        "printed": ideal.A,
+        "eq211": by_rule.A,
+        "m3_e_omega": scene.m3 * scene.e * ideal.omega,
+    }
+
+
+def measure_runs(results: Mapping[str, Result], advance: Advance) -> Numbers:
+    """Numbers of every run, its regime among them; of a reading also what it changes."""
+    measured = run_all([partial(_measured, result) for result in results.values()], advance)
+    return dict(zip(results, measured, strict=True))
+
+
+def _measured(result: Result) -> Numbers:
+    case = result.case
+    changes = changes_of(case) if case.name in READINGS else {}
+    return {**measure_run(result), "regime": regime_of(result), "changes": changes}
+
+
+def changes_of(case: Case) -> dict[str, list[str]]:
+    """What a reading changes against the case that it is a reading of: key -> [now, as printed]."""
+    printed = load_case(case.name[:4])
+    changed = [key for key in case.numeric_keys() if case.quantity(key) != printed.quantity(key)]
+    return {key.split(".")[-1]: [str(each.quantity(key)) for each in (case, printed)] for key in changed}
+
+
+def measure_long_runs(cases: Mapping[str, Case], advance: Advance) -> Numbers:
+    """The regime that each motion settles in."""
+    found = run_all([partial(_long_run, case) for case in cases.values()], advance)
+    return dict(zip(cases, found, strict=True))
+
+
+def _long_run(case: Case) -> Numbers:
+    result = simulate(case.with_values(LONG), trust=False)
+    return {"regime": regime_of(result)}
+
+
+def regime_of(result: Result) -> Numbers:
+    """The verdict on the regime, the largest Lyapunov exponent among its evidence."""
+    return plain(judge_regime(result, exponent=largest_exponent(result)))

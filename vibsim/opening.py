@@ -1,0 +1,28 @@
+"""Open a result file, whatever kind of result it holds: above all the rooms that write one."""
+
+from pathlib import Path
+from typing import Any
+
+from vibsim.results.errors import ResultFileError
+from vibsim.results.opening import kind_of
+from vibsim.results.signals import ended_at_once
+
+
+@ended_at_once()
+def open_result(path: str | Path) -> Any:
+    """The Result (SweepResult, FitResult, BenchResult) in an HDF5 file that vibsim wrote.
+
+    Raises ResultFileError when the file is missing, not readable, foreign, damaged or of a newer format.
+    """
+    match kind_of(path):
+        case "trajectory":
+            from vibsim.results.opening import open_trajectory_file as read
+        case "sweep":
+            from vibsim.sweeps import open_sweep as read
+        case "fit":
+            from vibsim.fitting import open_fit as read
+        case "bench":
+            from vibsim.evidence.benchmark import open_bench as read
+        case kind:
+            raise ResultFileError(f"{path}: holds a {kind!r}, which this vibsim does not read")
+    return read(path)
