@@ -12,7 +12,9 @@ import vibsim
 PACKAGE = Path(vibsim.__file__).parent
 GROUND = {"physics", "flows", "events", "kernel", "engine"}
 # each may import those before it
-MIDDLE = ["cases", "results", "analysis", "sweeps", "fitting"]
+MIDDLE = ["cases", "results", "analysis"]
+MIDDLE += [f"sweeps.{room}" for room in ("statistics", "computations", "plan", "points", "store", "schedule")]
+MIDDLE += ["sweeps", "fitting"]
 MIDDLE += ["evidence", "evidence.peers", "evidence.verification", "evidence.benchmark", "opening"]
 TOP = {"command_line", "plots", "evidence.reports"}
 FRONT = {"__init__", "__main__"}  # modules of the package itself: above all rooms
@@ -29,7 +31,8 @@ MODULE_NAME = re.compile(r"vibsim(\.[a-z_0-9]+)+(:\w+)?")
 
 def room_of(names):
     """The room of a module of vibsim, by the parts of its name behind `vibsim`."""
-    return ".".join(names[:2]) if names[0] == "evidence" else names[0]
+    inner = ".".join(names[:2])
+    return inner if inner in MIDDLE or inner in TOP else names[0]
 
 
 def allowed(room):
@@ -104,10 +107,11 @@ def test_every_room_has_its_floor():
         ("cases", "from vibsim.results import Result"),
         ("results", "from vibsim import sweeps"),
         ("results", "import vibsim.plots.style"),
-        ("analysis", "from vibsim.sweeps.axis import Axis"),
+        ("analysis", "from vibsim.sweeps.plan.axis import Axis"),
         ("results", "import vibsim.command_line"),
         ("results", "from vibsim import load_case"),
         ("results", "from vibsim.opening import open_result"),
+        ("sweeps.plan", "from vibsim.sweeps.points.point import Point"),
         ("results", 'READERS = {"sweep": ("vibsim.sweeps", "open_sweep")}'),
         ("evidence.peers", 'OWN = "vibsim.evidence.benchmark.own_engine:OwnEngine"'),
         ("fitting", "from vibsim.evidence.benchmark.truth import Truth"),

@@ -20,7 +20,7 @@ PRODUCTS = {"dot", "vdot", "inner", "outer", "einsum", "matmul", "tensordot", "c
 PRODUCTS |= {"polyfit", "lstsq", "norm", "solve", "corrcoef", "cov"}
 WHOLE_NUMBERS = {  # sums and products of whole numbers are exact in any order
     "results/chunk_encoding.py": {"sum", "@"},
-    "sweeps/capacity.py": {"prod"},
+    "sweeps/plan/capacity.py": {"prod"},
     "sweeps/ensemble.py": {"sum"},
 }
 

@@ -15,11 +15,11 @@ import numpy as np
 
 from tests.sweeps.clusters import ROOT, loopback_cluster
 from vibsim.cases import load_case
-from vibsim.sweeps import cluster
-from vibsim.sweeps.columns import DONE
-from vibsim.sweeps.plan import Plan
-from vibsim.sweeps.point import Point
-from vibsim.sweeps.store import FileStore
+from vibsim.sweeps.plan.sweep_plan import Plan
+from vibsim.sweeps.points.point import Point
+from vibsim.sweeps.schedule import cluster
+from vibsim.sweeps.statistics.columns import DONE
+from vibsim.sweeps.store.point_store import FileStore
 from vibsim.sweeps.sweeping import complete, make_plan
 
 POINT = 0.05  # seconds

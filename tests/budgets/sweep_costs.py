@@ -17,18 +17,18 @@ from pathlib import Path
 import numpy as np
 
 from vibsim.cases import load_case
-from vibsim.sweeps.backlog import Backlog
-from vibsim.sweeps.columns import DONE
 from vibsim.sweeps.computations.registry import COMPUTATIONS
-from vibsim.sweeps.measured_run import MeasuredRun
-from vibsim.sweeps.plan import Plan
-from vibsim.sweeps.point import Point, compute_point
-from vibsim.sweeps.resolution import sampled_for_statistics
-from vibsim.sweeps.runner import run
-from vibsim.sweeps.store import FileStore
-from vibsim.sweeps.sweep_file import write_sweep
+from vibsim.sweeps.plan.sweep_plan import Plan
+from vibsim.sweeps.points.point import Point, compute_point
+from vibsim.sweeps.points.table import Table
+from vibsim.sweeps.schedule.backlog import Backlog
+from vibsim.sweeps.schedule.runner import run
+from vibsim.sweeps.statistics.columns import DONE
+from vibsim.sweeps.statistics.measured_run import MeasuredRun
+from vibsim.sweeps.statistics.resolution import sampled_for_statistics
+from vibsim.sweeps.store.point_store import FileStore
+from vibsim.sweeps.store.sweep_file import write_sweep
 from vibsim.sweeps.sweeping import make_plan
-from vibsim.sweeps.table import Table
 
 OMEGA0 = "excitation.Omega0"
 MICRO = 1e6

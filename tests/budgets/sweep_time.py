@@ -8,9 +8,9 @@ from tests.budgets.engine_clock import EngineClock
 from tests.budgets.processes import VIBSIM, seconds
 from tests.budgets.row import Row
 from vibsim.cases import load_case
-from vibsim.sweeps.measured_run import MeasuredRun
-from vibsim.sweeps.resolution import sampled_for_statistics
-from vibsim.sweeps.workers import available_cores
+from vibsim.sweeps.schedule.workers import available_cores
+from vibsim.sweeps.statistics.measured_run import MeasuredRun
+from vibsim.sweeps.statistics.resolution import sampled_for_statistics
 
 POINTS, OVERHEAD = 81, 1.5
 REPETITIONS = 3

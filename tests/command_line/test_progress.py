@@ -9,9 +9,9 @@ import pytest
 
 from vibsim.cases import load_case
 from vibsim.command_line.sweep_jobs import PATIENCE, PointsProgress
-from vibsim.sweeps.columns import DONE
+from vibsim.sweeps.points.table import Table
+from vibsim.sweeps.statistics.columns import DONE
 from vibsim.sweeps.sweeping import make_plan
-from vibsim.sweeps.table import Table
 
 
 class Terminal(io.StringIO):

@@ -13,7 +13,7 @@ from vibsim.fitting.fitting import run_fit
 from vibsim.fitting.run_store import FileRunStore
 from vibsim.opening import open_result
 from vibsim.results import ResultFileError
-from vibsim.sweeps.journal import journal_path
+from vibsim.sweeps.store.journal import journal_path
 
 
 def test_a_fit_comes_back_as_it_was(tmp_path):

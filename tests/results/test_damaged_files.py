@@ -16,7 +16,7 @@ from vibsim.fitting.fit_structure import ATTRIBUTES as OF_FIT
 from vibsim.results import ResultFileError
 from vibsim.results.trajectory_structure import ATTRIBUTES as OF_TRAJECTORY
 from vibsim.sweeps import sweep
-from vibsim.sweeps.sweep_structure import ATTRIBUTES as OF_SWEEP
+from vibsim.sweeps.store.sweep_structure import ATTRIBUTES as OF_SWEEP
 
 ATTRIBUTES = {
     "run": OF_TRAJECTORY,

@@ -3,9 +3,9 @@
 import numpy as np
 
 from vibsim.cases import load_case
-from vibsim.sweeps.columns import DONE, NOT_REPRODUCIBLE
-from vibsim.sweeps.plan import DIRECTIONS
-from vibsim.sweeps.store import FileStore, Store
+from vibsim.sweeps.plan.sweep_plan import DIRECTIONS
+from vibsim.sweeps.statistics.columns import DONE, NOT_REPRODUCIBLE
+from vibsim.sweeps.store.point_store import FileStore, Store
 from vibsim.sweeps.sweeping import make_plan, run_stored
 
 OMEGA0 = "excitation.Omega0"

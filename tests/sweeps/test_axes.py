@@ -8,9 +8,9 @@ import pytest
 import vibsim
 from tests.sweeps.made import OMEGA0, short_case, short_plan
 from vibsim.cases import CaseError, RangeError, UnknownKeyError
-from vibsim.sweeps.axis import read_axis
-from vibsim.sweeps.discard import parse_discard
-from vibsim.sweeps.plan import PlanError
+from vibsim.sweeps.plan.axis import read_axis
+from vibsim.sweeps.plan.discard import parse_discard
+from vibsim.sweeps.plan.sweep_plan import PlanError
 
 
 def test_the_81_values():

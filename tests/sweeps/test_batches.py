@@ -6,13 +6,13 @@ from dataclasses import replace
 import pytest
 
 from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
-from vibsim.sweeps.backlog import ROUNDS, Backlog
-from vibsim.sweeps.batch import compute_batch
-from vibsim.sweeps.chain import Chain
-from vibsim.sweeps.columns import DONE, FAILED
-from vibsim.sweeps.point import Point
-from vibsim.sweeps.runner import run
-from vibsim.sweeps.store import Store
+from vibsim.sweeps.points.batch import compute_batch
+from vibsim.sweeps.points.point import Point
+from vibsim.sweeps.schedule.backlog import ROUNDS, Backlog
+from vibsim.sweeps.schedule.chain import Chain
+from vibsim.sweeps.schedule.runner import run
+from vibsim.sweeps.statistics.columns import DONE, FAILED
+from vibsim.sweeps.store.point_store import Store
 
 CARRIED = {"carry_state": True, "direction": "both"}
 

@@ -11,15 +11,15 @@ from vibsim.cases.loading import load_case_text
 from vibsim.kernel import open_trajectory
 from vibsim.opening import open_result
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.sweeps import measured_run
 from vibsim.sweeps.computations.impact_velocity import QUANTILES
 from vibsim.sweeps.computations.registry import COMPUTATIONS, read_computations
-from vibsim.sweeps.discard import parse_discard
-from vibsim.sweeps.plan import PlanError
-from vibsim.sweeps.point import measure
-from vibsim.sweeps.recipe import Recipe
-from vibsim.sweeps.resolution import sampled_for_statistics
-from vibsim.sweeps.store import FileStore, Store
+from vibsim.sweeps.plan.discard import parse_discard
+from vibsim.sweeps.plan.recipe import Recipe
+from vibsim.sweeps.plan.sweep_plan import PlanError
+from vibsim.sweeps.points.point import measure
+from vibsim.sweeps.statistics import measured_run
+from vibsim.sweeps.statistics.resolution import sampled_for_statistics
+from vibsim.sweeps.store.point_store import FileStore, Store
 from vibsim.sweeps.sweeping import run_stored
 
 

@@ -12,10 +12,10 @@ from vibsim.cases import CaseError
 from vibsim.opening import open_result
 from vibsim.sweeps import describe, sweep
 from vibsim.sweeps.ensemble import share, summary
-from vibsim.sweeps.members import Members, read_members
-from vibsim.sweeps.plan import PlanError
-from vibsim.sweeps.spread import SpreadError, read_spread
-from vibsim.sweeps.store import FileStore, Store
+from vibsim.sweeps.plan.members import Members, read_members
+from vibsim.sweeps.plan.spread import SpreadError, read_spread
+from vibsim.sweeps.plan.sweep_plan import PlanError
+from vibsim.sweeps.store.point_store import FileStore, Store
 from vibsim.sweeps.sweeping import make_plan, run_stored
 
 CARRIED = {"carry_state": True, "direction": "both"}

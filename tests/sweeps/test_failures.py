@@ -3,15 +3,15 @@
 import numpy as np
 
 from tests.sweeps.made import OMEGA0, assert_same_points, complete, in_memory, short_case, short_plan
-from vibsim.sweeps.columns import DONE, FAILED
-from vibsim.sweeps.store import Store
+from vibsim.sweeps.statistics.columns import DONE, FAILED
+from vibsim.sweeps.store.point_store import Store
 from vibsim.sweeps.sweeping import run_stored
 
 
 def test_a_failed_point_is_kept_with_its_reason_and_tried_again(tmp_path, monkeypatch):
     from vibsim.kernel import KernelError, open_trajectory
     from vibsim.physics.state import State
-    from vibsim.sweeps import measured_run
+    from vibsim.sweeps.statistics import measured_run
 
     def failing(scene, *arguments, **options):
         if abs(scene.Omega0 / 2 / np.pi - 4) < 1e-9:
@@ -39,7 +39,7 @@ def test_a_point_whose_case_is_not_allowed_fails_alone():
 
 
 def test_a_bug_at_one_point_does_not_stop_the_others(monkeypatch):
-    from vibsim.sweeps import point
+    from vibsim.sweeps.points import point
 
     class Faulty(point.Statistics):
         def update(self, block):

@@ -8,8 +8,8 @@ import pytest
 
 from tests.sweeps.made import assert_same_points, complete, in_memory, short_case, short_plan
 from vibsim.opening import open_result
-from vibsim.sweeps.columns import DONE
-from vibsim.sweeps.store import FileStore
+from vibsim.sweeps.statistics.columns import DONE
+from vibsim.sweeps.store.point_store import FileStore
 
 SWEEP = """
 import os, resource, sys

@@ -13,9 +13,9 @@ import pytest
 from tests.sweeps.made import OMEGA0, assert_same_points, complete, in_memory, short_case, short_plan
 from vibsim.opening import open_result
 from vibsim.results import ResultFileError
-from vibsim.sweeps.columns import DONE, MISSING
-from vibsim.sweeps.journal import Journal, journal_path
-from vibsim.sweeps.store import FileStore
+from vibsim.sweeps.statistics.columns import DONE, MISSING
+from vibsim.sweeps.store.journal import Journal, journal_path
+from vibsim.sweeps.store.point_store import FileStore
 from vibsim.sweeps.sweeping import run_stored, sweep
 
 CARRIED = {"carry_state": True, "direction": "both"}

@@ -8,11 +8,12 @@ from tests.command_line.made import call
 from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
 from vibsim.opening import open_result
 from vibsim.results import ResultFileError
-from vibsim.sweeps import capacity, join
-from vibsim.sweeps.members import read_members
-from vibsim.sweeps.plan import PlanError
-from vibsim.sweeps.shard import read_shard, shard
-from vibsim.sweeps.store import FileStore, Store
+from vibsim.sweeps import join
+from vibsim.sweeps.plan import capacity
+from vibsim.sweeps.plan.members import read_members
+from vibsim.sweeps.plan.shard import read_shard, shard
+from vibsim.sweeps.plan.sweep_plan import PlanError
+from vibsim.sweeps.store.point_store import FileStore, Store
 from vibsim.sweeps.sweeping import make_plan, run_stored
 
 CASE = short_case(t_end="1 s")

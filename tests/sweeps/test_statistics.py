@@ -10,10 +10,10 @@ import pytest
 from tests.scenes import fixed_block, harmonic, paper, scene
 from tests.sweeps.made import short_plan
 from tests.sweeps.naive_statistics import naive_statistics
-from vibsim.sweeps import table
-from vibsim.sweeps.measured_run import GivenUpError, MeasuredRun
-from vibsim.sweeps.resolution import sampled_for_statistics
-from vibsim.sweeps.statistics import Statistics
+from vibsim.sweeps.points import table
+from vibsim.sweeps.statistics.measured_run import GivenUpError, MeasuredRun
+from vibsim.sweeps.statistics.point_statistics import Statistics
+from vibsim.sweeps.statistics.resolution import sampled_for_statistics
 
 
 def measured(scene, begin, engine="auto", every=None):

@@ -11,8 +11,8 @@ from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
 from vibsim.opening import open_result
 from vibsim.results import ResultFileError
 from vibsim.sweeps import describe, sweep
-from vibsim.sweeps.columns import ALWAYS, DEFINITIONS, SECTION
-from vibsim.sweeps.store import FileStore
+from vibsim.sweeps.statistics.columns import ALWAYS, DEFINITIONS, SECTION
+from vibsim.sweeps.store.point_store import FileStore
 from vibsim.sweeps.sweeping import run_stored
 
 SECTIONS = 7

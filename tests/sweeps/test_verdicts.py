@@ -13,8 +13,8 @@ from vibsim.kernel import open_trajectory
 from vibsim.opening import open_result
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.sweeps.computations import capture_verdict, regime_label
-from vibsim.sweeps.plan import PlanError
-from vibsim.sweeps.store import FileStore, Store
+from vibsim.sweeps.plan.sweep_plan import PlanError
+from vibsim.sweeps.store.point_store import FileStore, Store
 from vibsim.sweeps.sweeping import run_stored
 
 

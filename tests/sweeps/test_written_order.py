@@ -12,9 +12,9 @@ from vibsim.plots.subject import open_subjects
 from vibsim.plots.sweep_curves import curves
 from vibsim.plots.sweep_plane import plane_of
 from vibsim.sweeps import join
-from vibsim.sweeps.plan import DOWN, UP, PlanError
-from vibsim.sweeps.shard import shard
-from vibsim.sweeps.store import FileStore, Store
+from vibsim.sweeps.plan.shard import shard
+from vibsim.sweeps.plan.sweep_plan import DOWN, UP, PlanError
+from vibsim.sweeps.store.point_store import FileStore, Store
 from vibsim.sweeps.sweeping import run_stored
 
 CARRIED = {"carry_state": True}

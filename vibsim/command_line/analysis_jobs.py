@@ -45,7 +45,7 @@ def judge_all(
 
 
 def _transient(text: str | None):
-    from vibsim.sweeps.discard import parse_discard
+    from vibsim.sweeps.plan.discard import parse_discard
 
     try:
         return None if text is None else parse_discard(text)

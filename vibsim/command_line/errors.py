@@ -64,8 +64,8 @@ def code_for(error: Exception) -> int | None:
     from vibsim.fitting.errors import FitError
     from vibsim.plots.errors import PlotError
     from vibsim.results import ResultFileError
-    from vibsim.sweeps.cluster import ClusterError
-    from vibsim.sweeps.plan import PlanError
+    from vibsim.sweeps.plan.sweep_plan import PlanError
+    from vibsim.sweeps.schedule.cluster import ClusterError
 
     codes: dict[type[Exception], int] = {
         CaseError: INVALID_CASE,

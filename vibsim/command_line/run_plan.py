@@ -112,7 +112,7 @@ def with_exponents(
 
 def _tangent(case: "Case", count: int | str, discard: str | None) -> tuple[int, float]:
     from vibsim.physics.disturbance import dimension
-    from vibsim.sweeps.discard import HALF, parse_discard
+    from vibsim.sweeps.plan.discard import HALF, parse_discard
 
     scene = case.scene()
     if count != "all" and int(count) > dimension(scene):

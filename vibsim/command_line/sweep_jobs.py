@@ -16,16 +16,16 @@ from vibsim.command_line.run_plan import hdf5_name, read_case
 from vibsim.command_line.settings import Settings
 from vibsim.command_line.summary import print_lines
 from vibsim.command_line.terminal import print_json, say
-from vibsim.sweeps.axis import read_axis
-from vibsim.sweeps.columns import FAILED, MISSING
 from vibsim.sweeps.computations.registry import COMPUTATIONS
 from vibsim.sweeps.description import facts, sweep_lines
-from vibsim.sweeps.plan import Plan, PlanError
-from vibsim.sweeps.shard import read_shard, shard
-from vibsim.sweeps.store import FileStore
+from vibsim.sweeps.plan.axis import read_axis
+from vibsim.sweeps.plan.shard import read_shard, shard
+from vibsim.sweeps.plan.sweep_plan import Plan, PlanError
+from vibsim.sweeps.points.table import Table
+from vibsim.sweeps.schedule.workers import Workers
+from vibsim.sweeps.statistics.columns import FAILED, MISSING
+from vibsim.sweeps.store.point_store import FileStore
 from vibsim.sweeps.sweeping import complete, make_plan, open_workers, read_ensemble
-from vibsim.sweeps.table import Table
-from vibsim.sweeps.workers import Workers
 
 PATIENCE = 1.0  # seconds before a bar appears
 

@@ -12,9 +12,9 @@ from vibsim.fitting.measuring import TRUST, Index, Task
 from vibsim.fitting.plan import FitPlan
 from vibsim.fitting.reading import Candidate
 from vibsim.fitting.run_store import RunStore
-from vibsim.sweeps.point import Point
-from vibsim.sweeps.runner import AHEAD, PATIENCE
-from vibsim.sweeps.workers import LocalWorkers
+from vibsim.sweeps.points.point import Point
+from vibsim.sweeps.schedule.runner import AHEAD, PATIENCE
+from vibsim.sweeps.schedule.workers import LocalWorkers
 
 Watch = Callable[[str, int, int], bool]  # what is done, how many runs of it, of how many; False to stop
 

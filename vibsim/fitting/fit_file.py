@@ -19,8 +19,8 @@ from vibsim.fitting.reading import Candidate
 from vibsim.kernel import engine_name
 from vibsim.results.hdf5_image import write_hdf5
 from vibsim.results.provenance import FORMAT
-from vibsim.sweeps.columns import MISSING, STATUS_FLAGS
-from vibsim.sweeps.sweep_file import COMPRESSED
+from vibsim.sweeps.statistics.columns import MISSING, STATUS_FLAGS
+from vibsim.sweeps.store.sweep_file import COMPRESSED
 
 if TYPE_CHECKING:
     from vibsim.fitting.fit_result import FitResult

@@ -18,7 +18,7 @@ from vibsim.fitting.reading import Candidate
 from vibsim.fitting.statement import Statement
 from vibsim.fitting.stored_fit import read_fit
 from vibsim.results.output_file import check_output
-from vibsim.sweeps.point import Point
+from vibsim.sweeps.points.point import Point
 
 
 class FitResult:

@@ -3,7 +3,7 @@
 from vibsim.fitting.plan import FitPlan
 from vibsim.results.structure import TEXT, WHOLE, Attribute, Dataset
 from vibsim.results.trajectory_structure import PROVENANCE
-from vibsim.sweeps.columns import STATUS_FLAGS
+from vibsim.sweeps.statistics.columns import STATUS_FLAGS
 
 ATTRIBUTES = [
     *PROVENANCE,

@@ -18,10 +18,10 @@ from vibsim.fitting.plan import METHODS, FitPlan, Search
 from vibsim.fitting.reading import read_reading
 from vibsim.fitting.run_store import FileRunStore, RunStore
 from vibsim.fitting.search import search
-from vibsim.sweeps.members import read_members
-from vibsim.sweeps.plan import PlanError
+from vibsim.sweeps.plan.members import read_members
+from vibsim.sweeps.plan.sweep_plan import PlanError
+from vibsim.sweeps.schedule.workers import LocalWorkers, available_cores
 from vibsim.sweeps.sweeping import read_ensemble
-from vibsim.sweeps.workers import LocalWorkers, available_cores
 
 CaseLike = Case | str | PathLike[str]
 

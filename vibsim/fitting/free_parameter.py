@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from vibsim.cases.keys import UnknownKeyError
 from vibsim.cases.units import UNITS
 from vibsim.fitting.errors import FitError
-from vibsim.sweeps.axis import read_axis
+from vibsim.sweeps.plan.axis import read_axis
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

@@ -18,7 +18,7 @@ from vibsim.fitting.reading import Candidate
 from vibsim.fitting.statement import Statement
 from vibsim.physics.sums import dot, mean, total
 from vibsim.sweeps.ensemble import share as share_of
-from vibsim.sweeps.point import Point
+from vibsim.sweeps.points.point import Point
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ from vibsim.fitting.statement import Asked
 from vibsim.kernel import KernelError
 from vibsim.results.recording import MemorySink, Recording
 from vibsim.results.result import Result
-from vibsim.sweeps.columns import DONE, FAILED
-from vibsim.sweeps.point import Point, described_bug
+from vibsim.sweeps.points.point import Point, described_bug
+from vibsim.sweeps.statistics.columns import DONE, FAILED
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

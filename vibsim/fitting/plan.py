@@ -16,7 +16,7 @@ from vibsim.fitting.free_parameter import FreeParameter
 from vibsim.fitting.measuring import Task, Work
 from vibsim.fitting.reading import PRINTED, Candidate
 from vibsim.fitting.statement import Asked, Statement
-from vibsim.sweeps.members import Members
+from vibsim.sweeps.plan.members import Members
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

@@ -12,8 +12,8 @@ from vibsim.fitting.plan import FitPlan
 from vibsim.fitting.stored_fit import read_fit
 from vibsim.results.errors import ResultFileError
 from vibsim.results.output_file import check_output
-from vibsim.sweeps.journal import Journal
-from vibsim.sweeps.point import Point
+from vibsim.sweeps.points.point import Point
+from vibsim.sweeps.store.journal import Journal
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

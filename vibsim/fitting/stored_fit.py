@@ -22,9 +22,9 @@ from vibsim.results.errors import ResultFileError
 from vibsim.results.hdf5_file import damage_named, open_hdf5
 from vibsim.results.stored_case import stored_case
 from vibsim.results.structure import check_datasets, check_values, checked_attributes, damaged
-from vibsim.sweeps.columns import DONE, MISSING
-from vibsim.sweeps.members import Members, axis_from_plain
-from vibsim.sweeps.point import Point
+from vibsim.sweeps.plan.members import Members, axis_from_plain
+from vibsim.sweeps.points.point import Point
+from vibsim.sweeps.statistics.columns import DONE, MISSING
 
 SETTINGS = "the attribute fit_settings_json"
 WRONG = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError, CaseError)

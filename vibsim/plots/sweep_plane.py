@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_axes import along, ascending, label_of, numbers
-from vibsim.sweeps.columns import FAILED, MISSING
+from vibsim.sweeps.statistics.columns import FAILED, MISSING
 
 
 @dataclass(frozen=True)

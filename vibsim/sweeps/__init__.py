@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from vibsim.sweeps.description import describe
     from vibsim.sweeps.joining import join
-    from vibsim.sweeps.plan import PlanError
+    from vibsim.sweeps.plan.sweep_plan import PlanError
     from vibsim.sweeps.sweep_result import SweepResult, open_sweep
     from vibsim.sweeps.sweeping import sweep
 
 _HOMES = {
-    "PlanError": "vibsim.sweeps.plan",
+    "PlanError": "vibsim.sweeps.plan.sweep_plan",
     "SweepResult": "vibsim.sweeps.sweep_result",
     "describe": "vibsim.sweeps.description",
     "join": "vibsim.sweeps.joining",

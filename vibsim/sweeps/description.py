@@ -7,9 +7,9 @@ from typing import Any
 
 from vibsim.cases.plain_text import one_line
 from vibsim.cases.quantities import decimal_text
-from vibsim.sweeps.axis import Axis
-from vibsim.sweeps.members import Members
-from vibsim.sweeps.plan import DIRECTION_NAMES
+from vibsim.sweeps.plan.axis import Axis
+from vibsim.sweeps.plan.members import Members
+from vibsim.sweeps.plan.sweep_plan import DIRECTION_NAMES
 from vibsim.sweeps.sweep_result import SweepResult, open_sweep
 
 Lines = list[tuple[str, str]]

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from vibsim.results.errors import ResultFileError
-from vibsim.sweeps.axis import Axis
-from vibsim.sweeps.members import Members
-from vibsim.sweeps.plan import Plan
-from vibsim.sweeps.provenance import origin
+from vibsim.sweeps.plan.axis import Axis
+from vibsim.sweeps.plan.members import Members
+from vibsim.sweeps.plan.sweep_plan import Plan
+from vibsim.sweeps.store.provenance import origin
 from vibsim.sweeps.sweep_result import SweepResult, open_sweep
 
 AnyAxis = Axis | Members

@@ -9,15 +9,15 @@ import numpy as np
 
 from vibsim.cases import Case
 from vibsim.results.output_file import check_output
-from vibsim.sweeps.axis import Axis
-from vibsim.sweeps.columns import DONE, MISSING, Column
 from vibsim.sweeps.ensemble import Share, Summary, share, summary
-from vibsim.sweeps.members import Members
-from vibsim.sweeps.plan import Index, Plan
-from vibsim.sweeps.recipe import Start
-from vibsim.sweeps.stored_plan import read_sweep
-from vibsim.sweeps.sweep_file import read_column, write_sweep
-from vibsim.sweeps.table import TEXTS_AND_STATUS, Table
+from vibsim.sweeps.plan.axis import Axis
+from vibsim.sweeps.plan.members import Members
+from vibsim.sweeps.plan.recipe import Start
+from vibsim.sweeps.plan.sweep_plan import Index, Plan
+from vibsim.sweeps.points.table import TEXTS_AND_STATUS, Table
+from vibsim.sweeps.statistics.columns import DONE, MISSING, Column
+from vibsim.sweeps.store.stored_plan import read_sweep
+from vibsim.sweeps.store.sweep_file import read_column, write_sweep
 
 
 class SweepResult:

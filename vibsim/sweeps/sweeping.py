@@ -9,15 +9,15 @@ from pathlib import Path
 from vibsim.cases import Case
 from vibsim.cases.loading import as_case
 from vibsim.cases.quantities import parse_quantity
-from vibsim.sweeps.axis import Axis, range_text, read_axis
 from vibsim.sweeps.computations.registry import read_computations
-from vibsim.sweeps.discard import parse_discard
-from vibsim.sweeps.members import Members, read_members
-from vibsim.sweeps.plan import Plan, PlanError, read_directions
-from vibsim.sweeps.runner import Watch, run
-from vibsim.sweeps.store import FileStore, Store
+from vibsim.sweeps.plan.axis import Axis, range_text, read_axis
+from vibsim.sweeps.plan.discard import parse_discard
+from vibsim.sweeps.plan.members import Members, read_members
+from vibsim.sweeps.plan.sweep_plan import Plan, PlanError, read_directions
+from vibsim.sweeps.schedule.runner import Watch, run
+from vibsim.sweeps.schedule.workers import LocalWorkers, Workers, available_cores
+from vibsim.sweeps.store.point_store import FileStore, Store
 from vibsim.sweeps.sweep_result import SweepResult
-from vibsim.sweeps.workers import LocalWorkers, Workers, available_cores
 
 
 def sweep(
@@ -148,7 +148,7 @@ def open_workers(plan: Plan, jobs: int | None, scheduler: str | None, engine: st
     if scheduler is not None and jobs is not None:
         raise PlanError("jobs are the workers of this machine; with a scheduler its workers compute")
     if scheduler is not None:
-        from vibsim.sweeps.cluster import ClusterWorkers
+        from vibsim.sweeps.schedule.cluster import ClusterWorkers
 
         return ClusterWorkers(plan.recipe, scheduler, engine)
     if jobs is not None and jobs < 1:

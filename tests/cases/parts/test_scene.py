@@ -26,7 +26,7 @@ from vibsim.physics.parts import (
     Stop,
     columns_of,
 )
-from vibsim.sweeps.axis import read_axis
+from vibsim.sweeps.plan.axis import read_axis
 
 VALID = Path(__file__).parent / "valid"
 HAMMER = VALID / "hammer.yaml"

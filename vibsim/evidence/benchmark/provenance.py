@@ -7,7 +7,7 @@ from typing import Any
 
 from vibsim.evidence.benchmark.plan import Plan
 from vibsim.results import provenance
-from vibsim.sweeps.workers import available_cores
+from vibsim.sweeps.schedule.workers import available_cores
 
 PACKAGES = ("scipy", "heyoka")
 

@@ -16,7 +16,7 @@ from vibsim.evidence.reports.measurements import Numbers, displacement_peak
 from vibsim.evidence.reports.paper_runs import Interrupted
 from vibsim.kernel import KernelError
 from vibsim.results import Result, simulate
-from vibsim.sweeps.workers import available_cores
+from vibsim.sweeps.schedule.workers import available_cores
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

@@ -11,8 +11,8 @@ from vibsim.analysis.span import Span
 from vibsim.kernel import Block
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.scene import Scene
-from vibsim.sweeps.columns import Column
-from vibsim.sweeps.measured_run import MeasuredRun
+from vibsim.sweeps.statistics.columns import Column
+from vibsim.sweeps.statistics.measured_run import MeasuredRun
 
 TITLE = "verdict on capture, with times"
 VERDICTS = {"undecided": 0, "not met": 1, "passed": 2, "escaped": 3, "captured": 4}

@@ -4,8 +4,8 @@ from typing import Any
 
 from vibsim.kernel import Block
 from vibsim.physics.scene import Scene
-from vibsim.sweeps.columns import Column
-from vibsim.sweeps.measured_run import MeasuredRun
+from vibsim.sweeps.statistics.columns import Column
+from vibsim.sweeps.statistics.measured_run import MeasuredRun
 
 TITLE = "stretches without proof that no event was missed"
 COLUMNS = {

@@ -4,9 +4,9 @@ from typing import Any
 
 from vibsim.kernel import Block
 from vibsim.physics.scene import Scene
-from vibsim.sweeps.columns import Column
 from vibsim.sweeps.computations.contacts import Contacts
-from vibsim.sweeps.measured_run import MeasuredRun
+from vibsim.sweeps.statistics.columns import Column
+from vibsim.sweeps.statistics.measured_run import MeasuredRun
 
 TITLE = "Poincare section at the beginning of contact"
 _AT = "at the last beginnings of contact"

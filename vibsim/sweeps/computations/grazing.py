@@ -6,10 +6,10 @@ import numpy as np
 
 from vibsim.kernel import Block
 from vibsim.physics.scene import Scene
-from vibsim.sweeps.columns import Column
-from vibsim.sweeps.extremes import displacement_extremes, rates
-from vibsim.sweeps.measured_run import MeasuredRun
-from vibsim.sweeps.rows import Merger, Rows
+from vibsim.sweeps.statistics.columns import Column
+from vibsim.sweeps.statistics.extremes import displacement_extremes, rates
+from vibsim.sweeps.statistics.measured_run import MeasuredRun
+from vibsim.sweeps.statistics.rows import Merger, Rows
 
 TITLE = "grazing margin after the transient"
 COLUMNS = {

@@ -10,9 +10,9 @@ import numpy as np
 from vibsim.kernel import Block
 from vibsim.physics.scene import Scene
 from vibsim.physics.sums import mean
-from vibsim.sweeps.columns import Column
 from vibsim.sweeps.computations.contacts import Contacts
-from vibsim.sweeps.measured_run import MeasuredRun
+from vibsim.sweeps.statistics.columns import Column
+from vibsim.sweeps.statistics.measured_run import MeasuredRun
 
 TITLE = "spectrum of impact velocities"
 QUANTILES = np.arange(21) / 20

@@ -9,8 +9,8 @@ from vibsim.kernel import Block
 from vibsim.kernel.tangent import lyapunov_exponents
 from vibsim.physics.disturbance import dimension
 from vibsim.physics.scene import Scene
-from vibsim.sweeps.columns import Column
-from vibsim.sweeps.measured_run import MeasuredRun
+from vibsim.sweeps.statistics.columns import Column
+from vibsim.sweeps.statistics.measured_run import MeasuredRun
 
 LARGEST, HALF_WIDTH = "lyapunov", "lyapunov_half_width"
 TITLE = "largest Lyapunov exponent"

@@ -10,8 +10,8 @@ from typing import Any
 
 from vibsim.kernel import Block, open_trajectory
 from vibsim.physics.scene import Scene
-from vibsim.sweeps.columns import Column
-from vibsim.sweeps.measured_run import MeasuredRun
+from vibsim.sweeps.statistics.columns import Column
+from vibsim.sweeps.statistics.measured_run import MeasuredRun
 
 TITLE = "mean power of the source, and where it goes"
 _SPAN = "over the whole periods after the transient"

@@ -7,9 +7,9 @@ from vibsim.analysis.regime.points import Exponent
 from vibsim.analysis.streaming import StreamedVerdicts
 from vibsim.kernel import Block
 from vibsim.physics.scene import Scene
-from vibsim.sweeps.columns import Column
 from vibsim.sweeps.computations.lyapunov import HALF_WIDTH, LARGEST
-from vibsim.sweeps.measured_run import MeasuredRun
+from vibsim.sweeps.statistics.columns import Column
+from vibsim.sweeps.statistics.measured_run import MeasuredRun
 
 TITLE = "kind of motion (periodic, quasi-periodic, chaotic)"
 VERDICTS = {"undecided": 0, "periodic": 1, "transient": 2, "quasi-periodic": 3, "chaotic": 4}

@@ -11,7 +11,6 @@ from vibsim.cases.spelling import did_you_mean
 from vibsim.kernel import Block
 from vibsim.physics.disturbance import dimension as exponents
 from vibsim.physics.scene import Scene
-from vibsim.sweeps.columns import Column, columns_of
 from vibsim.sweeps.computations import (
     capture_verdict,
     certificate,
@@ -22,7 +21,8 @@ from vibsim.sweeps.computations import (
     power,
     regime_label,
 )
-from vibsim.sweeps.measured_run import MeasuredRun
+from vibsim.sweeps.statistics.columns import Column, columns_of
+from vibsim.sweeps.statistics.measured_run import MeasuredRun
 
 Window = tuple[float, float]  # of the whole periods [s]; of everything after the transient without periods
 

@@ -1,6 +1,6 @@
 """Who computes the points: threads over the C engine, which lets go of the GIL, else processes.
 
-`vibsim.sweeps.cluster` has workers of the same kind on other machines.
+`vibsim.sweeps.schedule.cluster` has workers of the same kind on other machines.
 """
 
 import multiprocessing
@@ -14,8 +14,8 @@ from types import TracebackType
 from typing import Any, Protocol
 
 from vibsim.kernel import engine_name
-from vibsim.sweeps.batch import Pieces, compute_batch
-from vibsim.sweeps.point import Point
+from vibsim.sweeps.points.batch import Pieces, compute_batch
+from vibsim.sweeps.points.point import Point
 
 
 class Workers(Protocol):

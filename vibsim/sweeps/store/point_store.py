@@ -8,15 +8,15 @@ from typing import Any
 
 from vibsim.results.errors import ResultFileError
 from vibsim.results.output_file import check_output
-from vibsim.sweeps.capacity import check_memory
-from vibsim.sweeps.differences import differences
-from vibsim.sweeps.journal import Journal, record_bytes
-from vibsim.sweeps.plan import Plan
-from vibsim.sweeps.point import Point
-from vibsim.sweeps.provenance import origin, outcome
-from vibsim.sweeps.stored_plan import read_sweep
-from vibsim.sweeps.sweep_file import read_column, write_sweep
-from vibsim.sweeps.table import Table
+from vibsim.sweeps.plan.capacity import check_memory
+from vibsim.sweeps.plan.sweep_plan import Plan
+from vibsim.sweeps.points.point import Point
+from vibsim.sweeps.points.table import Table
+from vibsim.sweeps.store.differences import differences
+from vibsim.sweeps.store.journal import Journal, record_bytes
+from vibsim.sweeps.store.provenance import origin, outcome
+from vibsim.sweeps.store.stored_plan import read_sweep
+from vibsim.sweeps.store.sweep_file import read_column, write_sweep
 
 LEAST_PAUSE = 10.0  # seconds between two writings of the HDF5 file while points come in
 LARGEST_SHARE = 0.02  # of the time that writing it may take

@@ -4,11 +4,11 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 
 from vibsim.results.errors import ResultFileError
-from vibsim.sweeps.backlog import Backlog, Handed
-from vibsim.sweeps.point import Point
-from vibsim.sweeps.store import Store
-from vibsim.sweeps.table import Table
-from vibsim.sweeps.workers import Workers
+from vibsim.sweeps.points.point import Point
+from vibsim.sweeps.points.table import Table
+from vibsim.sweeps.schedule.backlog import Backlog, Handed
+from vibsim.sweeps.schedule.workers import Workers
+from vibsim.sweeps.store.point_store import Store
 
 PATIENCE = 0.1  # seconds until an interruption is noticed
 AHEAD = 2  # batches per worker: one that it computes, one that waits for it; bounds all memory in between

@@ -11,9 +11,9 @@ import numpy as np
 from vibsim import __version__
 from vibsim.kernel import engine_name, flow_method
 from vibsim.results.provenance import FORMAT
-from vibsim.sweeps.columns import DEFINITIONS, DONE, FAILED
-from vibsim.sweeps.plan import Plan
-from vibsim.sweeps.table import Table
+from vibsim.sweeps.plan.sweep_plan import Plan
+from vibsim.sweeps.points.table import Table
+from vibsim.sweeps.statistics.columns import DEFINITIONS, DONE, FAILED
 
 
 def origin(plan: Plan, engine: str) -> dict[str, Any]:

@@ -14,9 +14,9 @@ from vibsim.kernel import Block
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.scene import Scene
 from vibsim.physics.sums import dot, mean
-from vibsim.sweeps.extremes import displacement_extremes, displacements, rates, speed_extremes
-from vibsim.sweeps.periods import PeriodExtremes
-from vibsim.sweeps.rows import Merger, Rows
+from vibsim.sweeps.statistics.extremes import displacement_extremes, displacements, rates, speed_extremes
+from vibsim.sweeps.statistics.periods import PeriodExtremes
+from vibsim.sweeps.statistics.rows import Merger, Rows
 
 TURN = 2 * math.pi
 
@@ -56,7 +56,7 @@ class Statistics:
             self._speed = min(low, self._speed[0]), max(high, self._speed[1])
 
     def values(self) -> dict[str, float]:
-        """The statistics by name, see `vibsim.sweeps.columns`; empty where the run ended before `begin`."""
+        """The statistics by name, see `columns`; empty where the run ended before `begin`."""
         if self._rows is None or self._first is None:
             return {}
         points, last = self.points(), {name: column[0] for name, column in self._rows.states.items()}

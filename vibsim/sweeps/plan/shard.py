@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from vibsim.sweeps.plan import Plan, PlanError
+from vibsim.sweeps.plan.sweep_plan import Plan, PlanError
 
 
 def read_shard(text: str) -> tuple[int, int]:

@@ -22,8 +22,8 @@ import numpy as np
 from vibsim.results.disk_space import reserve
 from vibsim.results.errors import ResultFileError
 from vibsim.results.output_file import reason
-from vibsim.sweeps.plan import Plan
-from vibsim.sweeps.point import Point
+from vibsim.sweeps.plan.sweep_plan import Plan
+from vibsim.sweeps.points.point import Point
 
 try:
     import fcntl

@@ -13,12 +13,12 @@ from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from vibsim.cases.quantities import Quantity
-from vibsim.sweeps.axis import Axis
-from vibsim.sweeps.columns import ALWAYS, Column, columns_of
 from vibsim.sweeps.computations.registry import COMPUTATIONS, length_of
-from vibsim.sweeps.discard import HALF, Discard
-from vibsim.sweeps.members import Members
-from vibsim.sweeps.recipe import Recipe, Start
+from vibsim.sweeps.plan.axis import Axis
+from vibsim.sweeps.plan.discard import HALF, Discard
+from vibsim.sweeps.plan.members import Members
+from vibsim.sweeps.plan.recipe import Recipe, Start
+from vibsim.sweeps.statistics.columns import ALWAYS, Column, columns_of
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

@@ -2,8 +2,8 @@
 
 from vibsim.results.structure import NUMBER, TEXT, WHOLE, Attribute, Dataset
 from vibsim.results.trajectory_structure import PROVENANCE
-from vibsim.sweeps.columns import STATUS_FLAGS
-from vibsim.sweeps.plan import Plan
+from vibsim.sweeps.plan.sweep_plan import Plan
+from vibsim.sweeps.statistics.columns import STATUS_FLAGS
 
 COUNTS = ("points", "points_done", "points_failed")
 ATTRIBUTES = [

@@ -13,13 +13,13 @@ import numpy as np
 from vibsim.cases import CaseError
 from vibsim.kernel import Block, KernelError
 from vibsim.physics.scene import Scene
-from vibsim.sweeps.columns import DONE, FAILED
 from vibsim.sweeps.computations.registry import COMPUTATIONS, Computation
-from vibsim.sweeps.measured_run import GivenUpError, MeasuredRun
-from vibsim.sweeps.plan import Index
-from vibsim.sweeps.recipe import Recipe, Start
-from vibsim.sweeps.resolution import TooFineError, sampled_for_statistics
-from vibsim.sweeps.statistics import Statistics
+from vibsim.sweeps.plan.recipe import Recipe, Start
+from vibsim.sweeps.plan.sweep_plan import Index
+from vibsim.sweeps.statistics.columns import DONE, FAILED
+from vibsim.sweeps.statistics.measured_run import GivenUpError, MeasuredRun
+from vibsim.sweeps.statistics.point_statistics import Statistics
+from vibsim.sweeps.statistics.resolution import TooFineError, sampled_for_statistics
 
 Measured = tuple[dict[str, float], dict[str, np.ndarray]]
 

@@ -12,12 +12,12 @@ from vibsim.results.errors import ResultFileError
 from vibsim.results.hdf5_file import damage_named, open_hdf5
 from vibsim.results.hdf5_image import write_hdf5
 from vibsim.results.structure import check_values
-from vibsim.sweeps.columns import STATUS_FLAGS, Column
 from vibsim.sweeps.computations.impact_velocity import QUANTILES
-from vibsim.sweeps.members import Members
-from vibsim.sweeps.plan import DIRECTION_FLAGS, Plan
-from vibsim.sweeps.sweep_structure import datasets_of
-from vibsim.sweeps.table import Table
+from vibsim.sweeps.plan.members import Members
+from vibsim.sweeps.plan.sweep_plan import DIRECTION_FLAGS, Plan
+from vibsim.sweeps.points.table import Table
+from vibsim.sweeps.statistics.columns import STATUS_FLAGS, Column
+from vibsim.sweeps.store.sweep_structure import datasets_of
 
 COMPRESSED = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
 DIRECTION_SCALE = "direction"

@@ -7,9 +7,9 @@ pieces have nothing to do with each other.
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from vibsim.sweeps.plan import Index
-from vibsim.sweeps.point import Point, compute_point
-from vibsim.sweeps.recipe import Recipe, Start
+from vibsim.sweeps.plan.recipe import Recipe, Start
+from vibsim.sweeps.plan.sweep_plan import Index
+from vibsim.sweeps.points.point import Point, compute_point
 
 
 @dataclass(frozen=True)

@@ -4,12 +4,12 @@ from collections import deque
 from collections.abc import Iterable, Iterator
 from math import ceil
 
-from vibsim.sweeps.batch import Piece
-from vibsim.sweeps.chain import Chain
-from vibsim.sweeps.columns import DONE
-from vibsim.sweeps.plan import Plan
-from vibsim.sweeps.point import Point
-from vibsim.sweeps.table import Table
+from vibsim.sweeps.plan.sweep_plan import Plan
+from vibsim.sweeps.points.batch import Piece
+from vibsim.sweeps.points.point import Point
+from vibsim.sweeps.points.table import Table
+from vibsim.sweeps.schedule.chain import Chain
+from vibsim.sweeps.statistics.columns import DONE
 
 ROUNDS = 4  # what is left is shared out in at least so many rounds, so that no worker idles at the end
 LARGEST = 1000  # points in a batch

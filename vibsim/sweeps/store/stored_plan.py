@@ -16,11 +16,18 @@ from vibsim.results.attributes import read_attrs
 from vibsim.results.signals import ended_at_once
 from vibsim.results.stored_case import stored_case
 from vibsim.results.structure import check_datasets, checked_attributes, damaged
-from vibsim.sweeps.discard import parse_discard
-from vibsim.sweeps.members import axis_from_plain
-from vibsim.sweeps.plan import DIRECTION_FLAGS, Plan
-from vibsim.sweeps.sweep_file import opened
-from vibsim.sweeps.sweep_structure import ATTRIBUTES, COUNTS, datasets_of, dimensions, lengths_of, scales_of
+from vibsim.sweeps.plan.discard import parse_discard
+from vibsim.sweeps.plan.members import axis_from_plain
+from vibsim.sweeps.plan.sweep_plan import DIRECTION_FLAGS, Plan
+from vibsim.sweeps.store.sweep_file import opened
+from vibsim.sweeps.store.sweep_structure import (
+    ATTRIBUTES,
+    COUNTS,
+    datasets_of,
+    dimensions,
+    lengths_of,
+    scales_of,
+)
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

@@ -10,12 +10,12 @@ from functools import cache
 from vibsim import __version__
 from vibsim.cases import load_case
 from vibsim.kernel import engine_name
-from vibsim.sweeps.columns import NOT_REPRODUCIBLE
 from vibsim.sweeps.computations.registry import fitting
-from vibsim.sweeps.discard import HALF
-from vibsim.sweeps.plan import STATISTICS
-from vibsim.sweeps.point import compute_point
-from vibsim.sweeps.recipe import Recipe
+from vibsim.sweeps.plan.discard import HALF
+from vibsim.sweeps.plan.recipe import Recipe
+from vibsim.sweeps.plan.sweep_plan import STATISTICS
+from vibsim.sweeps.points.point import compute_point
+from vibsim.sweeps.statistics.columns import NOT_REPRODUCIBLE
 
 RUNS = ("II-B", "I-B")  # one by Taylor series, one by the closed form
 LENGTH = "2 s"  # with impacts, in a few milliseconds

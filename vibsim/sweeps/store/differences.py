@@ -5,8 +5,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from vibsim.cases import Case
-from vibsim.sweeps.members import axis_from_plain
-from vibsim.sweeps.plan import Plan
+from vibsim.sweeps.plan.members import axis_from_plain
+from vibsim.sweeps.plan.sweep_plan import Plan
 
 AT_MOST = 12  # lines; a sweep of another model differs in everything
 

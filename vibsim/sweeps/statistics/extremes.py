@@ -3,9 +3,9 @@
 import numpy as np
 
 from vibsim.physics.scene import Scene
-from vibsim.sweeps.accelerations import accelerations
-from vibsim.sweeps.rows import Rows
-from vibsim.sweeps.turning_points import may_turn_twice, quintic, turn_of_cubic, turn_of_quintic
+from vibsim.sweeps.statistics.accelerations import accelerations
+from vibsim.sweeps.statistics.rows import Rows
+from vibsim.sweeps.statistics.turning_points import may_turn_twice, quintic, turn_of_cubic, turn_of_quintic
 
 NEAR = 0.1  # of the range; between rows a ripple at w rad/s rises by (w h)^2/8 of its amplitude, here 2 %
 

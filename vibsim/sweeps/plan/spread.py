@@ -16,7 +16,7 @@ import numpy as np
 from vibsim.cases.keys import UnknownKeyError, measured_at
 from vibsim.cases.quantities import Quantity, QuantityError, decimal_text, exact_number, parse_quantity
 from vibsim.cases.units import UNITS
-from vibsim.sweeps.axis import read_axis
+from vibsim.sweeps.plan.axis import read_axis
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

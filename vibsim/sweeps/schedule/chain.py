@@ -7,12 +7,12 @@ point after a failed one begins where the failed one began.
 
 from itertools import takewhile
 
-from vibsim.sweeps.batch import Piece
-from vibsim.sweeps.columns import DONE, MISSING
-from vibsim.sweeps.plan import Index, Plan
-from vibsim.sweeps.point import Point
-from vibsim.sweeps.recipe import Start
-from vibsim.sweeps.table import Table
+from vibsim.sweeps.plan.recipe import Start
+from vibsim.sweeps.plan.sweep_plan import Index, Plan
+from vibsim.sweeps.points.batch import Piece
+from vibsim.sweeps.points.point import Point
+from vibsim.sweeps.points.table import Table
+from vibsim.sweeps.statistics.columns import DONE, MISSING
 
 
 class Chain:

@@ -14,11 +14,11 @@ from typing import Any
 
 from vibsim import __version__
 from vibsim.kernel import engine_name
-from vibsim.sweeps.batch import Pieces, compute_batch
-from vibsim.sweeps.columns import FAILED
-from vibsim.sweeps.point import Point
-from vibsim.sweeps.recipe import Recipe
-from vibsim.sweeps.signature import signature
+from vibsim.sweeps.plan.recipe import Recipe
+from vibsim.sweeps.points.batch import Pieces, compute_batch
+from vibsim.sweeps.points.point import Point
+from vibsim.sweeps.schedule.signature import signature
+from vibsim.sweeps.statistics.columns import FAILED
 
 TIMEOUT = 5.0  # to reach the scheduler [s]
 PATIENCE = 30.0  # for the first worker, and for another one when the last is gone [s]

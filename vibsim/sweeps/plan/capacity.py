@@ -4,7 +4,7 @@ import os
 
 import numpy as np
 
-from vibsim.sweeps.plan import Plan, PlanError
+from vibsim.sweeps.plan.sweep_plan import Plan, PlanError
 
 TEXTS = 150  # bytes per point: fingerprint, status, references
 SHARE = 0.7  # of the memory of this machine

@@ -4,9 +4,9 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from vibsim.sweeps.columns import DONE, FAILED, MISSING
-from vibsim.sweeps.plan import Index, Plan
-from vibsim.sweeps.point import Point
+from vibsim.sweeps.plan.sweep_plan import Index, Plan
+from vibsim.sweeps.points.point import Point
+from vibsim.sweeps.statistics.columns import DONE, FAILED, MISSING
 
 TEXTS_AND_STATUS = ("status", "sha256", "error")
 PIECE = 2**20  # numbers

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.sweeps.axis import Axis
-from vibsim.sweeps.spread import Spread, SpreadError, read_spread
+from vibsim.sweeps.plan.axis import Axis
+from vibsim.sweeps.plan.spread import Spread, SpreadError, read_spread
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -97,7 +97,7 @@ def axis_from_plain(data: Mapping[str, Any]) -> Axis | Members:
 def read_members(case: "Case", count: int, seed: int, spreads: Mapping[str, str]) -> Members:
     """An ensemble of a case; of a motor, unless told otherwise, over all rotor angles at the start.
 
-    spreads : key -> spread, see `vibsim.sweeps.spread`
+    spreads : key -> spread, see `vibsim.sweeps.plan.spread`
 
     Raises SpreadError and what `read_spread` raises.
     """

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from vibsim.sweeps.discard import Discard
+from vibsim.sweeps.plan.discard import Discard
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

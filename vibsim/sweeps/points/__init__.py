@@ -1,0 +1,1 @@
+"""The points of a sweep: computed one by one, in batches, and gathered in a table."""
