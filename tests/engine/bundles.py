@@ -9,10 +9,10 @@ from vibsim.engine.trajectory import open_trajectory
 PER_PIECE = 400 * 2.0**-53  # of the volume: cut-off 1.65**20 / 20! = 9e-15, rounding of the vectors
 
 
-def totals(scene, count=None, begin=0.0):
+def totals(scene, count=None, begin=0.0, engine="auto"):
     """Totals of the run of `scene` with `count` exponents (None: all) from the time `begin` [s]."""
     count = dimension(scene) if count is None else count
-    trajectory = open_trajectory(scene, "auto", tangent=count, tangent_from=begin)
+    trajectory = open_trajectory(scene, engine, tangent=count, tangent_from=begin)
     for _ in trajectory.blocks():
         pass
     return trajectory.totals

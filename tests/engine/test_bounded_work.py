@@ -42,6 +42,32 @@ def test_the_ledger_of_one_long_stretch_is_kept_in_many_calls(engine):
         evaluations, worked_to = totals["evaluations"], block.worked_to
 
 
+@pytest.mark.parametrize("method", ("auto", "taylor"))
+@pytest.mark.parametrize("engine", ("c", "python"))
+def test_the_disturbances_of_one_long_stretch_are_carried_in_many_calls(engine, method):
+    """A damper that wants 1e9 pieces."""
+    overdamped = replace(one_body(c=1e8, t_end=100.0), method=method)
+    trajectory = open_trajectory(overdamped, engine, tangent=2)
+    pieces, worked_to = 0, 0.0
+    for block in islice(trajectory.blocks(), 1, 5):
+        totals = trajectory.totals
+        assert totals["tangent_pieces"] - pieces < WORK_AT_ONCE
+        assert block.worked_to > worked_to
+        pieces, worked_to = totals["tangent_pieces"], block.worked_to
+    assert 0 < worked_to < 100.0
+
+
+def test_the_disturbances_of_many_calls_add_up_as_in_one():
+    long = one_body(150.0, c=2e4, t_end=30.0, every_num=10)
+    pieces, totals = {}, {}
+    for engine in ("c", "python"):
+        trajectory = open_trajectory(long, engine, tangent=2)
+        pieces[engine] = len(list(trajectory.blocks()))
+        totals[engine] = {name: np.asarray(value).tolist() for name, value in trajectory.totals.items()}
+    assert pieces["c"] > 2 and pieces["python"] > 2
+    assert str(totals["c"]) == str(totals["python"])
+
+
 def test_a_stretch_of_many_calls_adds_up_as_one():
     """Bit for bit: the Python engine takes it in pieces of other lengths."""
     scene = one_body(150.0, c=1e-3, t_end=30.0, every_num=10)

@@ -6,17 +6,19 @@ from dataclasses import replace
 
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from tests.engine.random_parts import part_scenes
 from tests.engine.runs import Run, differences, outcome, run, same_bits
 from tests.engine.two_blocks import parts_of
 from tests.scenes import CASE_NAMES, MOTORS, paper
 from tests.trajectories import run as run_two_blocks
+from vibsim.engine.tangent_space import dimension
 from vibsim.physics.numbers import Doubles
 
 
-def assert_engines_agree(scene):
-    options = {"ledger": True, "momentum": True, "section": True}
+def assert_engines_agree(scene, tangent=0):
+    options = {"ledger": True, "momentum": True, "section": True, "tangent": tangent}
     fast, slow = outcome(scene, "c", **options), outcome(scene, "python", **options)
     if isinstance(slow, Run) and isinstance(fast, Run):
         assert differences(fast, slow) == []
@@ -43,8 +45,10 @@ def test_papers_cases_equal_the_engine_of_two_blocks(name, method):
 @pytest.mark.parametrize("method", ("closed_form", "taylor"))
 def test_engines_agree_on_the_papers_cases(name, method):
     method = "taylor" if name in MOTORS else method
-    result = assert_engines_agree(parts_of(paper(name, method=method, t_end=4.0), Doubles))
+    scene = parts_of(paper(name, method=method, t_end=4.0), Doubles)
+    result = assert_engines_agree(scene, dimension(scene))
     assert result.totals["impacts"] > 2
+    assert len(result.totals["growth"]) > 50 and result.totals["rank_losses"] > 0
 
 
 @settings(max_examples=120)
@@ -59,9 +63,15 @@ def test_random_scenes_by_taylor(scene):
     assert_engines_agree(replace(scene, method="taylor"))
 
 
+@settings(max_examples=40)
+@given(part_scenes(), st.integers(1, 10), st.sampled_from(("auto", "taylor")))
+def test_random_scenes_with_disturbances(scene, count, method):
+    assert_engines_agree(replace(scene, method=method), min(count, dimension(scene)))
+
+
 @pytest.mark.slow
 @pytest.mark.timeout(1800)
 @settings(max_examples=5000)
 @given(part_scenes())
 def test_many_random_scenes(scene):
-    assert_engines_agree(scene)
+    assert_engines_agree(scene, dimension(scene))

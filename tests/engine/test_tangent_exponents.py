@@ -75,7 +75,8 @@ def test_a_reversal_that_all_but_sticks_drowns_no_volume():
 
 def test_a_wrong_saltation_is_seen(monkeypatch):
     monkeypatch.setattr(Saltation, "applied", lambda _, vector: vector)
-    assert abs(totals(parts_of(paper("I-B", t_end=6.0), Doubles))["volume_residual"]) > 1.0
+    result = totals(parts_of(paper("I-B", t_end=6.0), Doubles), engine="python")
+    assert abs(result["volume_residual"]) > 1.0
 
 
 def chain(method, damping, **parts):
@@ -177,11 +178,6 @@ def test_bodies_that_nothing_ties_to_the_ground_lose_the_shift():
 def test_numbers_of_exponents_that_a_scene_has_not_got(count, engine):
     with pytest.raises(ValueError, match=f"tangent must be 0 to 3 for this scene, got {count}"):
         open_trajectory(parts_of(paper("I-A"), Doubles), engine, tangent=count)
-
-
-def test_engine_c_says_that_it_carries_none():
-    with pytest.raises(RuntimeError, match="use engine python"):
-        open_trajectory(parts_of(paper("I-A"), Doubles), "c", tangent=1)
 
 
 @pytest.mark.parametrize("name", ["I-A", "II-B"])

@@ -11,6 +11,7 @@ from vibsim.engine.flow import Flow
 from vibsim.engine.meters import MeterMaker, jumps_of
 from vibsim.engine.packing import coupled, pack_mode, pack_scene, pack_state
 from vibsim.engine.packing_meters import pack_ledger, pack_meters, terms_of
+from vibsim.engine.packing_tangent import pack_bundle
 from vibsim.engine.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, RowMaker
 from vibsim.engine.state import State
 from vibsim.engine.status import CONTACT, LIFTED, OPEN, STICK
@@ -44,7 +45,7 @@ class Doubts:
 class CRun:
     """A run of a scene made of parts on the C engine."""
 
-    def __init__(self, scene, resume=None, section=False, ledger=False, momentum=False):
+    def __init__(self, scene, resume=None, section=False, ledger=False, momentum=False, tangent=(0, 0.0)):
         self.scene, self.n = scene, len(scene.bodies)
         self.maker = RowMaker(scene, Doubles)
         self.doubts = Doubts()
@@ -57,6 +58,9 @@ class CRun:
         if self.meters:
             names = self.meters.names
             self.run.keep_ledger(*pack_ledger(scene, names, jumps_of(scene, names), self.maker.ends))
+        count, begin = tangent
+        if count:
+            self.run.keep_tangent(*pack_bundle(scene, count, begin, self.maker.ends))
         state, status, known = resume or self._start()
         self.first = state.copy(), status
         self._buffers(len(status.codes), SECTION_ROOM if section and self._keep_section() else 0)
@@ -234,6 +238,12 @@ class CRun:
                 if e.kind == HOLD and rows.cuts[e.part].ties[0][1] * e.direction == -before:
                     hold = number
         return (STAND, target, other, hold, EVENT_KINDS["stick_begin"], i, key, 1)
+
+    @property
+    def disturbances(self):
+        """What `TangentBundle.entries` tells."""
+        entries = self.run.disturbances()
+        return entries | {"lost": [bool(one) for one in entries["lost"]]}
 
     @property
     def tally(self):

@@ -138,6 +138,7 @@ void run_start(Run *r, int mode, Buffers *b)
     record(r, b, START, -1);
     if (violated(r))
         note_violation(r, b);
+    tangent_open(r);
     if (!r->finished)
         enter(r, &r->state);
 }
@@ -147,6 +148,7 @@ void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, cons
 {
     const int *before = r->mode->codes;
     int i, k;
+    tangent_cross(r, r->pending_event, r->mode, r->modes[mode]);
     if (r->next.t == r->known_since) {
         for (k = 0; k < r->key_count; k++)
             if (r->behind[k] >= 0)
@@ -351,6 +353,7 @@ static void open_stretch(Run *r)
     r->pending_end = flow_advance(r, r->t_end, &r->pending_event);
     r->spent += r->steps - steps;
     ledger_open(r);
+    tangent_begin_stretch(r);
 }
 
 /* The stretch from `state` to the next event, or as far as the flow advances at once: stage by stage. Returns 0 when the
@@ -366,6 +369,7 @@ static int stretch(Run *r, Buffers *b)
         case SECTION: done = section_gather(r, b, r->pending_end); break;
         case ARRIVE: done = arrive(r); break;
         case LEDGER: done = ledger_gather(r); break;
+        case TANGENT: done = tangent_gather(r); break;
         }
         if (!done)
             return 0;
@@ -410,6 +414,8 @@ void run_advance(Run *r, Buffers *b)
 /* Time that the run has been worked out to [s]: within a long stretch ahead of its state. */
 double run_worked_to(const Run *r)
 {
+    if (r->stage == TANGENT && r->tangent)
+        return tangent_worked_to(r);
     return r->stage == LEDGER && r->ledger.wanted ? r->t0 + r->ledger.tau : r->state.t;
 }
 

@@ -22,7 +22,7 @@ enum { GAP, PUSH, SLIDE, HOLD, CLEARANCE };                     /* kinds of even
 enum { DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION };        /* kinds of terms */
 enum { SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP };         /* kinds of meters, see meters.py */
 enum { IN_CONTACT = 1 };                                        /* code of a stop */
-enum { ADVANCE, SAMPLE, SECTION, ARRIVE, LEDGER, STAGES };      /* of a stretch */
+enum { ADVANCE, SAMPLE, SECTION, ARRIVE, LEDGER, TANGENT, STAGES }; /* of a stretch */
 enum { ASK, CROSS, STAND };                                     /* rules for what follows an event */
 enum { START, CONTACT_BEGIN, CONTACT_END, REVERSAL, STICK_BEGIN, STICK_END, VIOLATION_BEGIN, VIOLATION_END, END, KINDS };
 enum { OK, ACCUMULATION, DIVERGED, UNDECIDED, NO_MEMORY };      /* status of a run */
@@ -247,6 +247,7 @@ typedef struct Run {
     Section section;
     Taylor taylor;
     ClosedForm closed_form;
+    struct Tangent *tangent; /* small disturbances that it carries along; NULL where there are none */
 } Run;
 
 enum { ANY, TWO_FREE, TWO_HELD, ONE }; /* shapes of the recurrences: see taylor_expansion.c */
@@ -318,6 +319,14 @@ int run_state_at(Run *r, double t, State *out);
 void ledger_open(Run *r);
 int ledger_gather(Run *r);
 void ledger_cross(Run *r, const State *state, const int *before, const int *after);
+
+/* tangent_bundle.c, reading_tangent.c; gather returns 0 when the work of one call is spent before the stretch is done */
+void tangent_open(Run *r);
+void tangent_begin_stretch(Run *r);
+int tangent_gather(Run *r);
+void tangent_cross(Run *r, int event, const Mode *before, const Mode *after);
+double tangent_worked_to(const Run *r);
+void tangent_free(struct Tangent *b);
 
 /* section.c; gather returns 0 when the buffer is full before the stretch is done */
 void section_start(Run *r);

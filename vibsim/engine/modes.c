@@ -534,6 +534,7 @@ void run_free(Run *r)
     for (i = 0; r->forces && i < r->force_count; i++)
         free(r->forces[i].terms);
     ledger_free(&r->ledger);
+    tangent_free(r->tangent);
     free(r->modes);
     free(r->known);
     free(r->behind);

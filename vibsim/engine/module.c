@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "modes.h"
+#include "tangent.h"
 
 typedef struct {
     PyObject_HEAD
@@ -111,6 +112,25 @@ static PyObject *set_meters(RunObject *self, PyObject *args)
         PyErr_SetString(PyExc_ValueError, "no mode that waits for meters");
     else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = meters_read(&self->run, self->run.modes[mode], &in)))
         PyErr_SetString(PyExc_ValueError, "the packed numbers are no meters");
+    PyBuffer_Release(&v[0]);
+    PyBuffer_Release(&v[1]);
+    if (!kept)
+        return NULL;
+    Py_RETURN_NONE;
+}
+
+/* Small disturbances to carry along; before the start. */
+static PyObject *keep_tangent(RunObject *self, PyObject *args)
+{
+    Py_buffer v[2];
+    Reader in;
+    int kept = 0;
+    if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
+        return NULL;
+    if (self->started || self->run.tangent)
+        PyErr_SetString(PyExc_ValueError, "too late for disturbances");
+    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = tangent_read(&self->run, &in)))
+        PyErr_SetString(PyExc_ValueError, "the packed numbers are no disturbances");
     PyBuffer_Release(&v[0]);
     PyBuffer_Release(&v[1]);
     if (!kept)
@@ -380,10 +400,66 @@ static PyObject *tally(RunObject *self, PyObject *none)
                          "first_violation", r->first_violation, "mode", r->mode_number);
 }
 
+static PyObject *list_of(const double *values, int count, int stride)
+{
+    PyObject *list = PyList_New(count);
+    int i;
+    for (i = 0; list && i < count; i++)
+        PyList_SET_ITEM(list, i, PyFloat_FromDouble(values[i * stride]));
+    return list;
+}
+
+static PyObject *list_of_ints(const int *values, int count)
+{
+    PyObject *list = PyList_New(count);
+    int i;
+    for (i = 0; list && i < count; i++)
+        PyList_SET_ITEM(list, i, PyLong_FromLong(values[i]));
+    return list;
+}
+
+/* Lists of `width` numbers, `stride` apart: the first begin `step` apart. */
+static PyObject *table_of(const double *values, int count, int width, int step, int stride)
+{
+    PyObject *list = PyList_New(count);
+    int i;
+    for (i = 0; list && i < count; i++) {
+        PyObject *row = list_of(values + i * step, width, stride);
+        if (!row) {
+            Py_CLEAR(list);
+            break;
+        }
+        PyList_SET_ITEM(list, i, row);
+    }
+    return list;
+}
+
+static PyObject *disturbances(RunObject *self, PyObject *none)
+{
+    const Tangent *b = self->run.tangent;
+    double fastest = 0.0;
+    int i;
+    (void)none;
+    if (!ready(self))
+        return NULL;
+    if (!b) {
+        PyErr_SetString(PyExc_ValueError, "the run carries no disturbances");
+        return NULL;
+    }
+    for (i = 0; i < b->stop_count; i++)
+        fastest = b->tangencies.fastest[i] > fastest ? b->tangencies.fastest[i] : fastest;
+    return Py_BuildValue("{sOsNsNsNsNsisdsds(Lddd)}", "complete", b->complete ? Py_True : Py_False, "rows",
+                         table_of(b->rows, b->row_count, 1 + b->count, 1 + b->count, 1), "vectors",
+                         table_of(b->vectors, b->count, b->size, 1, b->stride), "columns", list_of_ints(b->columns, b->count), "lost",
+                         list_of_ints(b->lost, b->count), "losses", b->losses, "pieces", b->pieces, "residual", b->residual, "near",
+                         b->tangencies.count, b->tangencies.closest, b->tangencies.closest_time, fastest);
+}
+
 static PyMethodDef methods[] = {
     {"add_mode", (PyCFunction)add_mode, METH_VARARGS, "add_mode(ints, doubles) -> its number"},
     {"keep_ledger", (PyCFunction)keep_ledger, METH_VARARGS, "keep_ledger(ints, doubles): before the start"},
     {"set_meters", (PyCFunction)set_meters, METH_VARARGS, "set_meters(mode, ints, doubles): what the ledger integrates there"},
+    {"keep_tangent", (PyCFunction)keep_tangent, METH_VARARGS, "keep_tangent(ints, doubles): before the start"},
     {"keep_section", (PyCFunction)keep_section, METH_VARARGS,
      "keep_section(cycles, cycles_lo, turns): the period; before the start"},
     {"set_rule", (PyCFunction)set_rule, METH_VARARGS,
@@ -400,6 +476,7 @@ static PyMethodDef methods[] = {
     {"doubt", (PyCFunction)doubt_here, METH_VARARGS, "doubt(t): count what happened at t as not proved"},
     {"state_at", (PyCFunction)state_at, METH_VARARGS,
      "state_at(t) -> state before the next event, or None where more work is to do; t ascending from call to call"},
+    {"disturbances", (PyCFunction)disturbances, METH_NOARGS, "disturbances() -> dict of what a TangentBundle tells"},
     {"tally", (PyCFunction)tally, METH_NOARGS, "tally() -> dict of state, counts and margins"},
     {NULL, NULL, 0, NULL},
 };

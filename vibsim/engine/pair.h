@@ -33,6 +33,16 @@ static inline Pair add_pair(Pair a, Pair b)
     return a + b;
 }
 
+static inline Pair subtract_pair(Pair a, Pair b)
+{
+    return a - b;
+}
+
+static inline Pair multiply_pair(Pair a, Pair b)
+{
+    return a * b;
+}
+
 static inline double first_of_pair(Pair pair)
 {
     return pair[0];
@@ -74,6 +84,16 @@ static inline Pair add_product(Pair sum, Pair a, Pair b)
 static inline Pair add_pair(Pair a, Pair b)
 {
     return make_pair(a.first + b.first, a.second + b.second);
+}
+
+static inline Pair subtract_pair(Pair a, Pair b)
+{
+    return make_pair(a.first - b.first, a.second - b.second);
+}
+
+static inline Pair multiply_pair(Pair a, Pair b)
+{
+    return make_pair(a.first * b.first, a.second * b.second);
 }
 
 static inline double first_of_pair(Pair pair)

@@ -54,13 +54,13 @@ class ClosedFormTangent:
         x, v = [*vector[:n], zero, zero], [*vector[n : 2 * n], zero, zero]
         q, u = [], []
         for coordinate, response in zip(self.flow.modal.coordinates, self.responses, strict=True):
-            start = self._weighted(coordinate.sources, x), self._weighted(coordinate.sources, v)
+            q0, u0 = self._weighted(coordinate.sources, x), self._weighted(coordinate.sources, v)
             load = zero
             for factor, plus, minus in coordinate.shifts:
                 load = load + factor * self._sum((*plus, *((-sign, c) for sign, c in minus)), x)
-            entries = (*start, load)
-            q.append(sum(a * b for a, b in zip(entries, response[:3], strict=True)))
-            u.append(sum(a * b for a, b in zip(entries, response[3:], strict=True)))
+            a, b, c, d, e, f = response
+            q.append(q0 * a + u0 * b + load * c)
+            u.append(q0 * d + u0 * e + load * f)
         places = self.flow.modal.places[:n]
         dx = [self._sum(place.fixed, x) + self._shaped(place, q) for place in places]
         dv = [self._shaped(place, u) for place in places]

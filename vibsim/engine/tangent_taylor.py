@@ -18,16 +18,21 @@ from vibsim.physics.numbers import horner
 REACH = 1.25  # how much further than exp(-t) of the same order the steps of ordinary vibrations go, at most
 
 
+def reach(kit, order, tolerance_exponent):
+    """Longest step of exp(-t), by the tolerance on its last term."""
+    spread = 0.0
+    for n in range(2, order + 1):
+        spread = spread + log(n)
+    return kit.power_of_two((tolerance_exponent + spread / log(2.0)) / order)
+
+
 class TaylorTangent:
     """Moves disturbances along the step that `flow` has just done."""
 
     def __init__(self, scene, kit, flow):
         self.scene, self.kit, self.flow, self.base = scene, kit, flow, flow
         self.n, self.motor = len(scene.bodies), scene.motor
-        spread = 0.0
-        for n in range(2, flow.order + 1):
-            spread = spread + log(n)
-        self.reach = kit.power_of_two((flow.tolerance_exponent + spread / log(2.0)) / flow.order)
+        self.reach = reach(kit, flow.order, flow.tolerance_exponent)
         if self.motor:
             self.inertia = self.motor.J + flow.unbalance * self.motor.e
             self.drag = self.motor.M0 / self.motor.Omega0

@@ -82,22 +82,20 @@ def open_trajectory(
         drives the scene
     ledger : whether the totals carry the energy ledger
     momentum : whether they carry the momentum ledger, and with it that of energy
-    tangent : number of disturbances to carry along, for as many Lyapunov exponents in the totals; on the
-        Python engine only, which auto takes for them
+    tangent : number of disturbances to carry along, for as many Lyapunov exponents in the totals
     tangent_from : time [s] from which their growth counts
 
     Returns an object with `engine`, `blocks()` (an iterator of `Block`s; raises EngineError when the run
     fails) and `totals`. Raises ValueError for another engine, a row that no run has or more disturbances than
-    the scene has directions, RuntimeError for "c" where it was not built or is to carry disturbances.
+    the scene has directions, RuntimeError for "c" where it was not built.
     """
-    check_tangent(scene, engine, tangent)
+    check_tangent(scene, tangent)
     if engine not in ENGINES:
         raise ValueError(f"engine must be one of {', '.join(ENGINES)}, got {engine!r}")
     if engine == "c" and not compiled():
         raise RuntimeError("the C engine was not built; install with a C compiler, or use engine python")
-    if engine == "python" or tangent or not compiled():
-        return PythonTrajectory(scene, resume, section, ledger, momentum, (tangent, tangent_from))
-    return CTrajectory(scene, resume, section, ledger, momentum)
+    trajectory = PythonTrajectory if engine == "python" or not compiled() else CTrajectory
+    return trajectory(scene, resume, section, ledger, momentum, (tangent, tangent_from))
 
 
 def state_at(scene, row, times, engine="auto"):
@@ -109,12 +107,10 @@ def state_at(scene, row, times, engine="auto"):
     return open_trajectory(scene, engine, resume=row).state_at(times)
 
 
-def check_tangent(scene, engine, tangent):
-    """Raises ValueError or RuntimeError where no engine can carry so many disturbances, or C none."""
+def check_tangent(scene, tangent):
+    """Raises ValueError where the scene has not so many directions."""
     if not 0 <= tangent <= dimension(scene):
         raise ValueError(f"tangent must be 0 to {dimension(scene)} for this scene, got {tangent}")
-    if tangent and engine == "c":
-        raise RuntimeError("engine c carries no disturbances of scenes of parts; use engine python or auto")
 
 
 class Trajectory:
@@ -244,13 +240,14 @@ class CTrajectory(Trajectory):
 
     engine = "c"
 
-    def __init__(self, scene, resume=None, section=False, ledger=False, momentum=False):
+    def __init__(self, scene, resume=None, section=False, ledger=False, momentum=False, tangent=(0, 0.0)):
         super().__init__(scene)
         from vibsim.engine.c_engine import CRun
 
         point = resume_point(scene, resume) if resume is not None else None
         self.resume, self.starts_lifted = resume, point is not None and LIFTED in point[1].stops
-        self.run = CRun(scene, point, section, ledger, momentum)
+        self.run = CRun(scene, point, section, ledger, momentum, tangent)
+        self.carries = tangent[0] > 0
 
     def blocks(self):
         """Yield `Block`s until the run ends; raises EngineError when it fails."""
@@ -259,7 +256,7 @@ class CTrajectory(Trajectory):
 
     @property
     def totals(self):
-        """Counts and margins so far, and the ledgers where they are kept."""
+        """Counts and margins so far, and the ledgers and exponents where they are kept."""
         tally = self.run.tally
         totals = totals_of(
             tally["counts"],
@@ -271,6 +268,9 @@ class CTrajectory(Trajectory):
             now = State(*tally["state"]), self.run.rows[tally["mode"]].status
             where = self.run.first, now
             totals |= ledger_totals(self.scene, Doubles, self.run.meters.names, tally["entries"], *where)
+        if self.carries:
+            _, _, margin, margin_time = tally["certificate"]
+            totals |= tangent_totals(self.scene, self.run.disturbances, margin, margin_time)
         return totals
 
     def state_at(self, times):

@@ -1,0 +1,106 @@
+/* Small disturbances of the state that a run carries along; what the files of the tangent bundle share.
+ *
+ * Entry k of disturbance i is vectors[k * stride + i]: side by side, those of one entry move by the same operations.
+ */
+#ifndef VIBSIM_TANGENT_H
+#define VIBSIM_TANGENT_H
+
+#include "engine.h"
+#include "pair.h"
+#include "reading.h"
+
+#define SPANS 100
+
+typedef struct {
+    int P, Q;
+    double c;
+} StopEnds;
+
+typedef struct {
+    int P, Q;
+    double forward, backward;
+} FrictionEnds;
+
+/* What an event does: nothing, S = I + jump n^T, or the common velocity of tied bodies. */
+enum { SAME, RANK_ONE, JOINED };
+typedef struct {
+    int kind;
+    const Mode *before;
+    const Event *event;
+    double *jump, determinant;
+} Saltation;
+
+/* Responses of the modal coordinates over a piece: q by q0, u0 and load; u by the same. */
+typedef struct {
+    double q[3], u[3];
+} Moving;
+
+/* What the recurrences of all disturbances share over a piece of a Taylor step, each number twice; in `series`, the
+ * coefficients of two disturbances side by side: those of component k begin at k * SERIES.
+ */
+typedef struct {
+    double turning[SERIES][2], pull[SERIES][2], sine[SERIES][2];
+    double to_a1, to_w, cross, tau, reach;
+    double (*series)[2], (*force)[2];
+    Taylor spare; /* for an expansion within the step */
+    double *spare_values;
+} TaylorTangent;
+
+typedef struct {
+    double rate, *fastest, closest, closest_time;
+    long long count;
+} Tangencies;
+
+typedef struct Tangent {
+    int given; /* whether disturbances are carried as they are: never orthonormalised */
+    int count, possible, size, stride, complete, outside, next_row, row_count, losses, stop_count, friction_count;
+    int component_count, shift_count, reference_count;
+    int *components, *shift_from, *shift_to, *references, *columns, *lost, *over_columns;
+    StopEnds *stops;
+    FrictionEnds *frictions;
+    double begin, pieces, residual, t; /* t: how far the stretch in hand is carried */
+    double *weights, *vectors, *moved, *sums, *over, *rows;
+    double *fitted, *candidates, *vector; /* of one vector after the other */
+    double *q, *u, *line, *zeros;         /* of modal coordinates; one entry of all */
+    double *accelerations, *other_accelerations, *force, *jump;
+    Moving *moving;
+    TaylorTangent taylor;
+    Tangencies tangencies;
+} Tangent;
+
+/* accelerations.c; out: by column; each returns the acceleration of the rotor */
+double accelerations(const Run *r, const Mode *m, const State *state, double *out);
+double response(const Run *r, const Mode *m, const State *state, const double *F, double torque, double base, double *out);
+void join_disturbances(const Run *r, const Mode *m, const State *state);
+void base_motion_at(const Run *r, double t, double *X, double *V);
+
+/* saltation.c */
+Saltation saltation(const Run *r, const State *state, const Mode *before, const Mode *after, const Event *event);
+void saltation_apply(const Run *r, const Saltation *s, const State *state);
+double gradient(const Run *r, const Mode *m, const Event *event, const double *vector, int stride);
+double event_rate_at(const Run *r, const State *state, const Mode *m, const Event *event);
+void reversal_accelerations(const Run *r, const Mode *m, const State *state, int i, double *out);
+
+/* tangencies.c */
+void tangencies_forget(Tangencies *near);
+void tangencies_pass_by(Run *r, const State *state);
+void tangencies_judge(Run *r, const Event *event, const State *state, const Mode *before, const Mode *after);
+
+/* tangent_space.c; each gives the number of vectors in b->candidates */
+int space_inside(const Run *r, const Mode *m);
+int space_outside(const Run *r, const Mode *m);
+void gauge_apply(Tangent *b);
+
+/* tangent_closed_form.c, tangent_taylor.c: the end of the piece from t that is moved at once; a piece */
+double closed_form_piece_end(const Run *r, double t, double end, double mark);
+void closed_form_move(Run *r, double t, double end);
+double taylor_piece_end(const Run *r, double t, double end);
+void taylor_move(Run *r, double t, double end);
+
+/* tangent_volume.c */
+double log_volume(const Run *r, double t, double end);
+
+/* reading_tangent.c; read gives 0 without memory or where the numbers are no bundle */
+int tangent_read(Run *r, Reader *in);
+
+#endif
