@@ -63,20 +63,6 @@ static inline double horner(const double *c, int count, double t)
     return (high * square + c[0]) + t * low;
 }
 
-/* The same of coefficients that are `stride` apart. */
-static inline double horner_in_rows(const double *c, int count, int stride, double t)
-{
-    double square = t * t, high = c[(count - 1) * stride], low = c[(count - 2) * stride];
-    int n;
-    for (n = count - 3; n > 0; n -= 2) {
-        high = high * square + c[n * stride];
-        low = low * square + c[(n - 1) * stride];
-    }
-    if (count % 2 == 0)
-        return low + t * high;
-    return (high * square + c[0]) + t * low;
-}
-
 static inline double power_of_two(double y)
 {
     return exp(y * 0.6931471805599453);

@@ -47,7 +47,7 @@ static int room_for_all(const Run *r, Tangent *b)
     b->q = room((2 * coordinates + 2) * stride, sizeof(double));
     b->accelerations = room(3 * columns + size, sizeof(double));
     b->moving = room(coordinates, sizeof(Moving));
-    b->taylor.series = room((2 * columns + 1) * SERIES, sizeof *b->taylor.series);
+    b->taylor.series = room(TANGENT_GROUP * (2 * columns + 1) * SERIES, sizeof *b->taylor.series);
     b->taylor.force = room(columns, sizeof *b->taylor.force);
     b->tangencies.fastest = room((size_t)b->stop_count, sizeof(double));
     if (!b->columns || !b->lost || !b->vectors || !b->sums || !b->rows || !b->fitted || !b->q || !b->accelerations || !b->moving ||

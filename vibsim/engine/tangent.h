@@ -10,6 +10,7 @@
 #include "reading.h"
 
 #define SPANS 100
+#define TANGENT_GROUP 4 /* pairs of disturbances whose series are made side by side */
 
 typedef struct {
     int P, Q;
@@ -35,11 +36,17 @@ typedef struct {
     double q[3], u[3];
 } Moving;
 
-/* What the recurrences of all disturbances share over a piece of a Taylor step, each number twice; in `series`, the
- * coefficients of two disturbances side by side: those of component k begin at k * SERIES.
+/* Coefficient i + 1 of c w = s', and those of order i of c a1 and s, each twice. */
+typedef struct {
+    double turning[2], pull[2], sine[2];
+} Joint;
+
+/* What the recurrences of all disturbances share over a piece of a Taylor step; in `series`, the coefficients of pairs of
+ * disturbances: those of component k of a pair begin at k * SERIES.
  */
 typedef struct {
-    double turning[SERIES][2], pull[SERIES][2], sine[SERIES][2];
+    Joint joint[SERIES];
+    double first_turning[2];
     double to_a1, to_w, cross, tau, reach;
     double (*series)[2], (*force)[2];
     Taylor spare; /* for an expansion within the step */

@@ -1,8 +1,12 @@
 /* Disturbances along a step of the Taylor flow, two at a time; twin of vibsim/engine/tangent_taylor.py. */
+#include <stddef.h>
+
 #include "numbers.h"
 #include "tangent.h"
 
 #define REACH 1.25
+#define INLINE static inline __attribute__((always_inline))
+#define SHAPE __attribute__((noinline)) static void /* one function each, as in taylor_expansion.c */
 
 typedef double Lane[2]; /* one number of two disturbances */
 
@@ -73,9 +77,10 @@ static void prepare_motor(Run *r)
     TaylorTangent *of = &r->tangent->taylor;
     int p = f->order, n, i;
     for (n = 0; n <= p; n++)
-        of->sine[n][0] = of->sine[n][1] = f->sine[n];
-    for (n = 0; n < p; n++)
-        of->turning[n][0] = of->turning[n][1] = (n + 1) * f->sine[n + 1];
+        of->joint[n].sine[0] = of->joint[n].sine[1] = f->sine[n];
+    of->first_turning[0] = of->first_turning[1] = f->sine[1];
+    for (n = 0; n < p - 1; n++)
+        of->joint[n].turning[0] = of->joint[n].turning[1] = (n + 2) * f->sine[n + 2];
     for (n = 0; n < p - 1; n++) {
         const double *back = f->a1_back + (p - n); /* back[i]: order n - i */
         Pair sums = make_pair(0, 0);
@@ -83,7 +88,7 @@ static void prepare_motor(Run *r)
             sums = add_product(sums, load_pair(f->cosine + i), load_pair(back + i));
         if (i == n)
             sums = add_product(sums, make_pair(f->cosine[i], 0), make_pair(back[i], 0));
-        of->pull[n][0] = of->pull[n][1] = sum_of_pair(sums);
+        of->joint[n].pull[0] = of->joint[n].pull[1] = sum_of_pair(sums);
     }
     if (r->mode->carried > 0) {
         double mass = r->mode->carried + r->m3, coupling = f->unbalance * f->sine[0];
@@ -121,165 +126,243 @@ static void prepare(Run *r, double t, double end)
         prepare_motor(r);
 }
 
-/* Series of the components: displacements of the bodies, phi, 0; then their rates; then the acceleration of the motor's group. */
-static inline int zero_component(const Run *r)
+/* Series of the components: displacements of the bodies, phi, 0; then their rates; then the acceleration of the motor's group.
+ * Those of the rotor, and that acceleration, run backwards: coefficient n is number order - n.
+ */
+static inline int components_of(const Run *r)
 {
-    return r->bodies + 1;
+    return 2 * r->bodies + 5;
 }
 
-static inline Lane *component(const Run *r, int k)
+static inline Lane *component(Lane *series, int k)
 {
-    return r->tangent->taylor.series + (size_t)k * SERIES;
+    return series + k * SERIES;
 }
 
-/* Coefficient n + 1 of q without s_0 dw_(n+1), and n of c a1 dphi + s A1 without s_0 A1_n. */
-static inline void products(const TaylorTangent *of, const Lane *phi, const Lane *w, const Lane *a1, int n, Pair *tail, Pair *back)
+/* Coefficient n + 1 of q without s_0 dw_(n+1), and n of c a1 dphi + s A1 without s_0 A1_n. phi[i]: order n - i; so w and a1. */
+INLINE void products(const TaylorTangent *of, const Lane *phi, const Lane *w, const Lane *a1, int n, Pair *tail, Pair *back)
 {
     Pair turned = make_pair(0, 0), pulled = turned, driven = turned, pushed = turned;
-    Pair turned_odd = turned, pulled_odd = turned, driven_odd = turned, pushed_odd = turned, angle;
-    int i;
+    Pair turned_odd = turned, pulled_odd = turned, driven_odd = turned, pushed_odd = turned;
+    const Joint *joint = of->joint;
+    ptrdiff_t i;
     for (i = 2; i < n; i += 2) {
-        Pair sine = load_pair(of->sine[i]), sine_odd = load_pair(of->sine[i + 1]);
-        Pair angle_odd = load_pair(phi[n - i - 1]);
-        angle = load_pair(phi[n - i]);
-        turned = add_product(turned, load_pair(of->turning[i + 1]), angle);
-        pulled = add_product(pulled, load_pair(of->pull[i]), angle);
-        driven = add_product(driven, sine, load_pair(w[n + 1 - i]));
-        pushed = add_product(pushed, sine, load_pair(a1[n - i]));
-        turned_odd = add_product(turned_odd, load_pair(of->turning[i + 2]), angle_odd);
-        pulled_odd = add_product(pulled_odd, load_pair(of->pull[i + 1]), angle_odd);
-        driven_odd = add_product(driven_odd, sine_odd, load_pair(w[n - i]));
-        pushed_odd = add_product(pushed_odd, sine_odd, load_pair(a1[n - i - 1]));
+        Pair angle = load_pair(phi[i]), sine = load_pair(joint[i].sine);
+        Pair angle_odd = load_pair(phi[i + 1]), sine_odd = load_pair(joint[i + 1].sine);
+        turned = add_product(turned, load_pair(joint[i].turning), angle);
+        pulled = add_product(pulled, load_pair(joint[i].pull), angle);
+        driven = add_product(driven, sine, load_pair(w[i - 1]));
+        pushed = add_product(pushed, sine, load_pair(a1[i]));
+        turned_odd = add_product(turned_odd, load_pair(joint[i + 1].turning), angle_odd);
+        pulled_odd = add_product(pulled_odd, load_pair(joint[i + 1].pull), angle_odd);
+        driven_odd = add_product(driven_odd, sine_odd, load_pair(w[i]));
+        pushed_odd = add_product(pushed_odd, sine_odd, load_pair(a1[i + 1]));
     }
     if (i == n) {
-        Pair sine = load_pair(of->sine[i]);
-        angle = load_pair(phi[0]);
-        turned = add_product(turned, load_pair(of->turning[i + 1]), angle);
-        pulled = add_product(pulled, load_pair(of->pull[i]), angle);
-        driven = add_product(driven, sine, load_pair(w[1]));
-        pushed = add_product(pushed, sine, load_pair(a1[0]));
+        Pair angle = load_pair(phi[i]), sine = load_pair(joint[i].sine);
+        turned = add_product(turned, load_pair(joint[i].turning), angle);
+        pulled = add_product(pulled, load_pair(joint[i].pull), angle);
+        driven = add_product(driven, sine, load_pair(w[i - 1]));
+        pushed = add_product(pushed, sine, load_pair(a1[i]));
     }
     turned = add_pair(add_pair(turned, turned_odd), add_pair(driven, driven_odd));
     pulled = add_pair(add_pair(pulled, pulled_odd), add_pair(pushed, pushed_odd));
     if (n > 0) {
-        turned = add_product(turned, load_pair(of->turning[2]), load_pair(phi[n - 1]));
-        pulled = add_product(pulled, load_pair(of->pull[1]), load_pair(phi[n - 1]));
-        turned = add_product(turned, load_pair(of->sine[1]), load_pair(w[n]));
-        pulled = add_product(pulled, load_pair(of->sine[1]), load_pair(a1[n - 1]));
+        Pair sine = load_pair(joint[1].sine);
+        turned = add_product(turned, load_pair(joint[1].turning), load_pair(phi[1]));
+        pulled = add_product(pulled, load_pair(joint[1].pull), load_pair(phi[1]));
+        turned = add_product(turned, sine, load_pair(w[0]));
+        pulled = add_product(pulled, sine, load_pair(a1[1]));
     }
-    turned = add_product(turned, load_pair(of->turning[1]), load_pair(phi[n]));
-    pulled = add_product(pulled, load_pair(of->pull[0]), load_pair(phi[n]));
-    turned = add_product(turned, load_pair(of->turning[0]), load_pair(phi[n + 1]));
-    *tail = add_product(turned, load_pair(of->sine[n + 1]), load_pair(w[0]));
+    turned = add_product(turned, load_pair(joint[0].turning), load_pair(phi[0]));
+    pulled = add_product(pulled, load_pair(joint[0].pull), load_pair(phi[0]));
+    turned = add_product(turned, load_pair(of->first_turning), load_pair(phi[-1]));
+    *tail = add_product(turned, load_pair(joint[n + 1].sine), load_pair(w[n]));
     *back = pulled;
 }
 
-/* Disturbed acceleration of the motor's group; advances the rotor. */
-static Pair turn(const Run *r, int n, Pair force)
+/* What the recurrences read, in locals: the compiler then knows that no store to a series changes it. */
+typedef struct {
+    const double *inverse;
+    double unbalance, drag, inertia, to_a1, to_w, cross, k, c, mobility, mobility_far;
+    int order;
+} Law;
+
+static Law law_of(const Run *r)
 {
     const Taylor *f = &r->taylor;
     const TaylorTangent *of = &r->tangent->taylor;
-    Lane *phi = component(r, r->bodies), *w = component(r, 2 * r->bodies + 2), *a1 = component(r, 2 * r->bodies + 4);
-    const Pair inverse = twice(f->inverse[n + 1]);
+    Law law = {f->inverse, f->unbalance, f->drag, f->inertia, of->to_a1, of->to_w, of->cross, r->mode->small.k, r->mode->small.c,
+               r->mode->mobility[0], r->bodies > 1 ? r->mode->mobility[1] : 0.0, f->order};
+    return law;
+}
+
+/* Disturbed acceleration of the motor's group under `force`; advances the rotor. carried: whether the group moves as the ground
+ * or the base does.
+ */
+INLINE Pair turn(const TaylorTangent *of, const Law *law, Lane *series, int bodies, int n, Pair force, Pair inverse,
+                 const int carried)
+{
+    Lane *phi = component(series, bodies) + (law->order - n), *w = component(series, 2 * bodies + 2) + (law->order - n);
+    Lane *a1 = component(series, 2 * bodies + 4) + (law->order - n);
     Pair tail, back, torque, thrust, rotor, pushed = make_pair(0, 0);
-    store_pair(phi[n + 1], multiply_pair(load_pair(w[n]), inverse));
+    store_pair(phi[-1], multiply_pair(load_pair(w[0]), inverse));
     products(of, (const Lane *)phi, (const Lane *)w, (const Lane *)a1, n, &tail, &back);
-    torque = subtract_pair(multiply_pair(twice(f->unbalance), back), multiply_pair(twice(f->drag), load_pair(w[n])));
-    if (r->mode->carried == 0) {
-        rotor = make_pair(first_of_pair(torque) / f->inertia, second_of_pair(torque) / f->inertia);
+    torque = subtract_pair(multiply_pair(twice(law->unbalance), back), multiply_pair(twice(law->drag), load_pair(w[0])));
+    if (carried) {
+        rotor = make_pair(first_of_pair(torque) / law->inertia, second_of_pair(torque) / law->inertia);
     } else {
-        thrust = add_product(force, twice(f->unbalance), multiply_pair(twice(n + 1), tail));
-        pushed = add_product(multiply_pair(twice(of->to_a1), thrust), twice(of->cross), torque);
-        rotor = add_product(multiply_pair(twice(of->to_w), torque), twice(of->cross), thrust);
+        thrust = add_product(force, twice(law->unbalance), multiply_pair(twice(n + 1), tail));
+        pushed = add_product(multiply_pair(twice(law->to_a1), thrust), twice(law->cross), torque);
+        rotor = add_product(multiply_pair(twice(law->to_w), torque), twice(law->cross), thrust);
     }
-    store_pair(w[n + 1], multiply_pair(rotor, inverse));
-    store_pair(a1[n], pushed);
+    store_pair(w[-1], multiply_pair(rotor, inverse));
+    store_pair(a1[0], pushed);
     return pushed;
 }
 
-static Pair difference(const Run *r, int P, int Q, int rates, int n)
-{
-    P = P < r->bodies ? P : zero_component(r);
-    Q = Q < r->bodies ? Q : zero_component(r);
-    return subtract_pair(load_pair(component(r, rates + P)[n]), load_pair(component(r, rates + Q)[n]));
-}
-
 /* Coefficients n + 1 from those of order n and below. */
-static void advance(const Run *r, int n)
+static void advance(const Run *r, const Law *law, Lane *series, int n)
 {
     const Mode *m = r->mode;
-    const int rates = r->bodies + 2, on = r->has_motor ? m->leader[r->motor_on] : -1;
-    const Pair inverse = twice(r->taylor.inverse[n + 1]);
+    const int bodies = r->bodies, zero = bodies + 1, rates = bodies + 2, on = r->has_motor ? m->leader[r->motor_on] : -1;
+    const Pair inverse = twice(law->inverse[n + 1]);
     Lane *F = r->tangent->taylor.force;
     int i, c;
     for (i = 0; i < r->columns; i++)
         F[i][0] = F[i][1] = 0.0;
     for (i = 0; i < m->coupling_count; i++) {
         const Coupling *q = &m->couplings[i];
-        Pair force = multiply_pair(twice(q->k), difference(r, q->P, q->Q, 0, n));
-        force = add_product(force, twice(q->c), difference(r, q->P, q->Q, rates, n));
+        const Lane *P = component(series, q->P < bodies ? q->P : zero) + n, *Q = component(series, q->Q < bodies ? q->Q : zero) + n;
+        Pair force = multiply_pair(twice(q->k), subtract_pair(load_pair(*P), load_pair(*Q)));
+        force = add_product(force, twice(q->c), subtract_pair(load_pair(P[rates * SERIES]), load_pair(Q[rates * SERIES])));
         store_pair(F[q->to_P], subtract_pair(load_pair(F[q->to_P]), force));
         store_pair(F[q->to_Q], add_pair(load_pair(F[q->to_Q]), force));
     }
-    for (c = 0; c < r->bodies; c++)
-        if (c != on && m->leader[c] == c)
+    for (c = 0; c < bodies; c++)
+        if (c != on)
             store_pair(F[c], multiply_pair(load_pair(F[c]), twice(m->mobility[c])));
     if (on >= 0)
-        store_pair(F[on], turn(r, n, load_pair(F[on])));
-    for (c = 0; c < r->bodies; c++) {
-        int leader = m->leader[c];
-        Pair rate = leader < r->bodies ? multiply_pair(load_pair(F[leader]), inverse) : make_pair(0, 0);
-        store_pair(component(r, c)[n + 1], multiply_pair(load_pair(component(r, rates + c)[n]), inverse));
-        store_pair(component(r, rates + c)[n + 1], rate);
+        store_pair(F[on], turn(&r->tangent->taylor, law, series, bodies, n, load_pair(F[on]), inverse, r->mode->carried == 0));
+    for (c = 0; c < bodies; c++) {
+        Lane *x = component(series, c), *v = component(series, rates + c);
+        Pair acceleration = m->leader[c] < bodies ? load_pair(F[m->leader[c]]) : make_pair(0, 0);
+        store_pair(x[n + 1], multiply_pair(load_pair(v[n]), inverse));
+        store_pair(v[n + 1], multiply_pair(acceleration, inverse));
     }
 }
 
-/* `horner` of both. */
-static Pair value_at(const Lane *c, int count, double tau)
+/* The same of a body that moves and a second column, as in taylor_expansion.c. */
+INLINE void advance_small(const TaylorTangent *of, const Law *law, Lane *series, int n, const int bodies, const int moving, const int motor)
+{
+    const int far = bodies > 1 ? 1 : bodies + 1, rates = bodies + 2;
+    const Pair inverse = twice(law->inverse[n + 1]);
+    Lane *x = series + n, *x_far = component(series, far) + n, *v = component(series, rates) + n, *v_far = component(series, rates + far) + n;
+    Pair rate = load_pair(*v), rate_far = load_pair(*v_far), force, F, F_far;
+    force = multiply_pair(twice(law->k), subtract_pair(load_pair(*x), load_pair(*x_far)));
+    force = add_product(force, twice(law->c), subtract_pair(rate, rate_far));
+    F = subtract_pair(make_pair(0, 0), force);
+    F = motor ? turn(of, law, series, bodies, n, F, inverse, 0) : multiply_pair(F, twice(law->mobility));
+    store_pair(x[1], multiply_pair(rate, inverse));
+    store_pair(v[1], multiply_pair(F, inverse));
+    if (bodies > 1) {
+        F_far = moving > 1 ? multiply_pair(multiply_pair(force, twice(law->mobility_far)), inverse) : make_pair(0, 0);
+        store_pair(x_far[1], multiply_pair(rate_far, inverse));
+        store_pair(v_far[1], F_far);
+    }
+}
+
+INLINE void expand_small(const Run *r, int pairs, const int bodies, const int moving, const int motor)
+{
+    const int block = (2 * bodies + 5) * SERIES;
+    const Law law = law_of(r);
+    int n, i;
+    for (n = 0; n < law.order - 1; n++)
+        for (i = 0; i < pairs; i++)
+            advance_small(&r->tangent->taylor, &law, r->tangent->taylor.series + i * block, n, bodies, moving, motor);
+}
+
+SHAPE two_free(const Run *r, int pairs) { expand_small(r, pairs, 2, 2, 0); }
+SHAPE two_free_with_motor(const Run *r, int pairs) { expand_small(r, pairs, 2, 2, 1); }
+SHAPE two_held(const Run *r, int pairs) { expand_small(r, pairs, 2, 1, 0); }
+SHAPE two_held_with_motor(const Run *r, int pairs) { expand_small(r, pairs, 2, 1, 1); }
+SHAPE one(const Run *r, int pairs) { expand_small(r, pairs, 1, 1, 0); }
+SHAPE one_with_motor(const Run *r, int pairs) { expand_small(r, pairs, 1, 1, 1); }
+
+SHAPE any(const Run *r, int pairs)
+{
+    const Law law = law_of(r);
+    int n, i;
+    for (n = 0; n < law.order - 1; n++)
+        for (i = 0; i < pairs; i++)
+            advance(r, &law, r->tangent->taylor.series + i * components_of(r) * SERIES, n);
+}
+
+/* Series of so many pairs of disturbances, one's chains of operations in the waits of another's. */
+static void expand(const Run *r, int pairs)
+{
+    static void (*const shapes[])(const Run *, int) = {
+        any, any, two_free, two_free_with_motor, two_held, two_held_with_motor, one, one_with_motor,
+    };
+    shapes[2 * r->mode->shape + r->has_motor](r, pairs);
+}
+
+/* `horner` of both; the coefficients are `step` apart. */
+static Pair value_at(const Lane *c, ptrdiff_t step, int count, double tau)
 {
     const Pair time = twice(tau), square = twice(tau * tau);
-    Pair high = load_pair(c[count - 1]), low = load_pair(c[count - 2]);
+    Pair high = load_pair(c[(count - 1) * step]), low = load_pair(c[(count - 2) * step]);
     int n;
     for (n = count - 3; n > 0; n -= 2) {
-        high = add_product(load_pair(c[n]), high, square);
-        low = add_product(load_pair(c[n - 1]), low, square);
+        high = add_product(load_pair(c[n * step]), high, square);
+        low = add_product(load_pair(c[(n - 1) * step]), low, square);
     }
     if (count % 2 == 0)
         return add_product(low, time, high);
     return add_product(add_product(load_pair(c[0]), high, square), time, low);
 }
 
-/* Component of the entry k of a disturbance. */
-static int component_of_entry(const Run *r, int k)
+/* Series of the entry k of a pair of disturbances, from its coefficient 0 on; they are `step` apart. */
+static inline Lane *series_of_entry(const Run *r, Lane *series, int k, ptrdiff_t *step)
 {
     const int n = r->bodies;
-    return k < n ? k : k < 2 * n ? k + 2 : k == 2 * n ? n : 2 * n + 2;
+    *step = k < 2 * n ? 1 : -1;
+    if (k < 2 * n)
+        return component(series, k < n ? k : k + 2);
+    return component(series, k == 2 * n ? n : 2 * n + 2) + r->taylor.order;
 }
 
-/* The disturbances number `first` and the next one after the piece. */
-static void move_two(Run *r, int first)
+/* Up to TANGENT_GROUP pairs of disturbances after the piece, the first of them number `first`. */
+static void move_group(Run *r, int first, int pairs)
 {
     Tangent *b = r->tangent;
-    const int order = r->taylor.order;
-    int k, n;
+    const int order = r->taylor.order, block = components_of(r) * SERIES;
+    Lane *series = b->taylor.series;
+    ptrdiff_t step;
+    int k, i;
     for (k = 0; k < b->size; k++)
-        store_pair(component(r, component_of_entry(r, k))[0], load_pair(b->vectors + k * b->stride + first));
-    for (n = 0; n < order - 1; n++)
-        advance(r, n);
-    for (k = 0; k < b->size; k++) {
-        Pair moved = value_at((const Lane *)component(r, component_of_entry(r, k)), order, b->taylor.tau);
-        double *to = b->vectors + k * b->stride + first;
-        if (first + 1 < b->possible)
-            store_pair(to, moved);
-        else
-            to[0] = first_of_pair(moved);
-    }
+        for (i = 0; i < pairs; i++)
+            store_pair(*series_of_entry(r, series + i * block, k, &step), load_pair(b->vectors + k * b->stride + first + 2 * i));
+    expand(r, pairs);
+    for (k = 0; k < b->size; k++)
+        for (i = 0; i < pairs; i++) {
+            const Lane *of = (const Lane *)series_of_entry(r, series + i * block, k, &step);
+            Pair moved = value_at(of, step, order, b->taylor.tau);
+            int number = first + 2 * i;
+            double *to = b->vectors + k * b->stride + number;
+            if (number + 1 < b->possible)
+                store_pair(to, moved);
+            else
+                to[0] = first_of_pair(moved);
+        }
 }
 
 void taylor_move(Run *r, double t, double end)
 {
-    int i;
+    int first, pairs;
     prepare(r, t, end);
-    for (i = 0; i < r->tangent->possible; i += 2)
-        move_two(r, i);
+    for (first = 0; first < r->tangent->possible; first += 2 * TANGENT_GROUP) {
+        pairs = (r->tangent->possible - first + 1) / 2;
+        move_group(r, first, pairs < TANGENT_GROUP ? pairs : TANGENT_GROUP);
+    }
 }

@@ -3,29 +3,56 @@
 #include "numbers.h"
 #include "tangent.h"
 
-/* The rotor's angle a time tau after the expansion point, within one turn. */
-static double phase_after(const Run *r, double tau)
+#define POINTS (NODE_COUNT + 2) /* the nodes, then end and start */
+
+/* The rotor's angle at times after the expansion point: `horner` point by point, side by side. */
+static void angles(const Run *r, const double *tau, double *out)
 {
     const Taylor *f = &r->taylor;
-    double turns;
-    return reduce_angle(horner_in_rows(f->table + r->bodies, f->order + 2, f->stride, tau), &turns);
+    const double *c = f->table + r->bodies;
+    double square[POINTS], high[POINTS], low[POINTS];
+    int count = f->order + 2, n, i;
+    for (i = 0; i < POINTS; i++) {
+        square[i] = tau[i] * tau[i];
+        high[i] = c[(count - 1) * f->stride];
+        low[i] = c[(count - 2) * f->stride];
+    }
+    for (n = count - 3; n > 0; n -= 2) {
+        double a = c[n * f->stride], b = c[(n - 1) * f->stride];
+        for (i = 0; i < POINTS; i++)
+            high[i] = high[i] * square[i] + a;
+        for (i = 0; i < POINTS; i++)
+            low[i] = low[i] * square[i] + b;
+    }
+    for (i = 0; i < POINTS; i++)
+        out[i] = count % 2 == 0 ? low[i] + tau[i] * high[i] : (high[i] * square[i] + c[0]) + tau[i] * low[i];
 }
 
-/* det M = (m + m3)(J + m3 e^2) - (m3 e sin phi)^2. */
-static double determinant(const Run *r, double mass, double inertia, double tau)
+/* det M = (m + m3)(J + m3 e^2) - (m3 e sin phi)^2 at the points. */
+static void determinants(const Run *r, double mass, double inertia, const double *tau, double *out)
 {
-    double coupling = r->m3 * r->e * sin(phase_after(r, tau));
-    return mass * inertia - coupling * coupling;
+    double turns;
+    int i;
+    angles(r, tau, out);
+    for (i = 0; i < POINTS; i++) {
+        double coupling = r->m3 * r->e * sin(reduce_angle(out[i], &turns));
+        out[i] = mass * inertia - coupling * coupling;
+    }
 }
 
 static double with_rotor(const Run *r, double mass, double inertia, double damping, double drag, double t, double tau)
 {
-    double share = 0.0, damped, start = t - r->t0;
+    double share = 0.0, damped, start = t - r->t0, points[POINTS], values[POINTS];
     int i;
     for (i = 0; i < NODE_COUNT; i++)
-        share = share + WEIGHTS[i] / determinant(r, mass, inertia, start + NODES[i] * tau);
+        points[i] = start + NODES[i] * tau;
+    points[NODE_COUNT] = start + tau;
+    points[NODE_COUNT + 1] = start;
+    determinants(r, mass, inertia, points, values);
+    for (i = 0; i < NODE_COUNT; i++)
+        share = share + WEIGHTS[i] / values[i];
     damped = (damping * inertia + drag * mass) * (tau * share);
-    return -damped - log(determinant(r, mass, inertia, start + tau) / determinant(r, mass, inertia, start));
+    return -damped - log(values[NODE_COUNT] / values[NODE_COUNT + 1]);
 }
 
 /* Logarithm of the growth from t to `end`, within the stretch in hand, of a volume that fills the tangent space. */
