@@ -3,6 +3,7 @@ two blocks on its scenes.
 """
 
 from dataclasses import replace
+from unittest.mock import patch
 
 import pytest
 from hypothesis import given, settings
@@ -13,6 +14,7 @@ from tests.engine.runs import Run, differences, outcome, run, same_bits
 from tests.engine.two_blocks import parts_of
 from tests.scenes import CASE_NAMES, MOTORS, paper
 from tests.trajectories import run as run_two_blocks
+from vibsim.engine.c_engine import CRun
 from vibsim.engine.tangent_space import dimension
 from vibsim.physics.numbers import Doubles
 
@@ -67,6 +69,14 @@ def test_random_scenes_by_taylor(scene):
 @given(part_scenes(), st.integers(1, 10), st.sampled_from(("auto", "taylor")))
 def test_random_scenes_with_disturbances(scene, count, method):
     assert_engines_agree(replace(scene, method=method), min(count, dimension(scene)))
+
+
+@settings(max_examples=40)
+@given(part_scenes())
+def test_disturbances_that_python_takes_through_events(scene):
+    """As where C knows no saltation: bit for bit what C does by itself."""
+    with patch.object(CRun, "_jumps_in_c", lambda *_: False):
+        assert_engines_agree(scene, dimension(scene))
 
 
 @pytest.mark.slow

@@ -13,8 +13,10 @@ from vibsim.engine.packing import coupled, pack_mode, pack_scene, pack_state
 from vibsim.engine.packing_meters import pack_ledger, pack_meters, terms_of
 from vibsim.engine.packing_tangent import pack_bundle
 from vibsim.engine.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, RowMaker
+from vibsim.engine.saltation import saltation
 from vibsim.engine.state import State
 from vibsim.engine.status import CONTACT, LIFTED, OPEN, STICK
+from vibsim.engine.tangencies import Tangencies
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.numbers import TWO_PI, Doubles
 from vibsim.physics.period import common_period
@@ -59,7 +61,8 @@ class CRun:
             names = self.meters.names
             self.run.keep_ledger(*pack_ledger(scene, names, jumps_of(scene, names), self.maker.ends))
         count, begin = tangent
-        if count:
+        self.tangencies, self.carries = Tangencies(scene, Doubles), count > 0
+        if self.carries:
             self.run.keep_tangent(*pack_bundle(scene, count, begin, self.maker.ends))
         state, status, known = resume or self._start()
         self.first = state.copy(), status
@@ -158,9 +161,35 @@ class CRun:
         rows = self.rows[number]
         status, happened, known = self.automaton.take(state, rows.status, rows.events[event])
         target = self._mode(status)
+        if self.carries and not self._jumps_in_c(rows, self.rows[target], rows.events[event]):
+            self._hand_jump(rows.events[event], state, rows, self.rows[target])
         kinds = array("i", (EVENT_KINDS[kind] for kind, _ in happened)).tobytes()
         parts = array("i", (part for _, part in happened)).tobytes()
         return self.run.take(target, pack_state(state), self._known(known, -1), kinds, parts, *self.buffers)
+
+    def _jumps_in_c(self, before, after, event):
+        """Whether C knows what `event` does to disturbances between the modes of two rows: saltation.c and
+        tangencies.c, against `saltation.py` and `tangencies.py`.
+        """
+        return True
+
+    def _rule_jumps_in_c(self, rows, rule, event):
+        """The same for all that a rule may lead to."""
+        _, target, other, hold, *_ = rule
+        behind = [self.rows[number] for number in ((target, other) if hold >= 0 else (target,))]
+        return not self.carries or all(self._jumps_in_c(rows, after, event) for after in behind)
+
+    def _hand_jump(self, event, state, before, after):
+        """Take disturbances from C through `event`, as `TangentBundle.cross` does."""
+        entries, near = self.run.disturbances(), self.tangencies
+        vectors = entries["vectors"]
+        near.forget()
+        near.fastest = entries["fastest"]
+        near.judge(event, state, before, after)
+        jump = saltation(self.scene, Doubles, state, before, after, event)
+        determinant = jump.determinant if jump and before.leader == after.leader else 1.0
+        moved = array("d", (value for one in vectors for value in (jump.applied(one) if jump else one)))
+        self.run.hand_jump(jump is not None, determinant, near.count, near.closest, moved.tobytes())
 
     def _set_rule(self, number, event):
         """Tell C what follows an event, where that is simple; whether it is news."""
@@ -169,7 +198,7 @@ class CRun:
         self.ruled.add((number, event))
         rows = self.rows[number]
         rule = self._rule(rows, rows.events[event])
-        if rule is None:
+        if rule is None or not self._rule_jumps_in_c(rows, rule, rows.events[event]):
             return False
         self.run.set_rule(number, event, rule)
         return True
@@ -243,7 +272,8 @@ class CRun:
     def disturbances(self):
         """What `TangentBundle.entries` tells."""
         entries = self.run.disturbances()
-        return entries | {"lost": [bool(one) for one in entries["lost"]]}
+        near = *entries["near"], max(entries["fastest"], default=0)
+        return entries | {"lost": [bool(one) for one in entries["lost"]], "near": near}
 
     @property
     def tally(self):

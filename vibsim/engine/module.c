@@ -437,8 +437,6 @@ static PyObject *table_of(const double *values, int count, int width, int step, 
 static PyObject *disturbances(RunObject *self, PyObject *none)
 {
     const Tangent *b = self->run.tangent;
-    double fastest = 0.0;
-    int i;
     (void)none;
     if (!ready(self))
         return NULL;
@@ -446,13 +444,35 @@ static PyObject *disturbances(RunObject *self, PyObject *none)
         PyErr_SetString(PyExc_ValueError, "the run carries no disturbances");
         return NULL;
     }
-    for (i = 0; i < b->stop_count; i++)
-        fastest = b->tangencies.fastest[i] > fastest ? b->tangencies.fastest[i] : fastest;
-    return Py_BuildValue("{sOsNsNsNsNsisdsds(Lddd)}", "complete", b->complete ? Py_True : Py_False, "rows",
+    return Py_BuildValue("{sOsNsNsNsNsisdsds(Ldd)sN}", "complete", b->complete ? Py_True : Py_False, "rows",
                          table_of(b->rows, b->row_count, 1 + b->count, 1 + b->count, 1), "vectors",
-                         table_of(b->vectors, b->count, b->size, 1, b->stride), "columns", list_of_ints(b->columns, b->count), "lost",
+                         table_of(b->vectors, b->possible, b->size, 1, b->stride), "columns", list_of_ints(b->columns, b->count), "lost",
                          list_of_ints(b->lost, b->count), "losses", b->losses, "pieces", b->pieces, "residual", b->residual, "near",
-                         b->tangencies.count, b->tangencies.closest, b->tangencies.closest_time, fastest);
+                         b->tangencies.count, b->tangencies.closest, b->tangencies.closest_time, "fastest",
+                         list_of(b->tangencies.fastest, b->stop_count, 1));
+}
+
+/* What the pending event does to the disturbances, where Python takes it: those that it left, and whether it moved them. */
+static PyObject *hand_jump(RunObject *self, PyObject *args)
+{
+    Tangent *b = self->run.tangent;
+    Py_buffer v;
+    Handed h = {1, 0, 0, 1.0, 1.0};
+    int i, k, fits;
+    if (!PyArg_ParseTuple(args, "pdidy*", &h.jumps, &h.determinant, &h.tangencies, &h.closest, &v))
+        return NULL;
+    fits = ready(self) && b && self->run.status == UNDECIDED && v.len == (Py_ssize_t)sizeof(double) * b->possible * b->size;
+    for (i = 0; fits && i < b->possible; i++)
+        for (k = 0; k < b->size; k++)
+            b->vectors[k * b->stride + i] = ((const double *)v.buf)[i * b->size + k];
+    PyBuffer_Release(&v);
+    if (!fits) {
+        if (!PyErr_Occurred())
+            PyErr_SetString(PyExc_ValueError, "no event that waits for its jump");
+        return NULL;
+    }
+    b->handed = h;
+    Py_RETURN_NONE;
 }
 
 static PyMethodDef methods[] = {
@@ -477,6 +497,8 @@ static PyMethodDef methods[] = {
     {"state_at", (PyCFunction)state_at, METH_VARARGS,
      "state_at(t) -> state before the next event, or None where more work is to do; t ascending from call to call"},
     {"disturbances", (PyCFunction)disturbances, METH_NOARGS, "disturbances() -> dict of what a TangentBundle tells"},
+    {"hand_jump", (PyCFunction)hand_jump, METH_VARARGS,
+     "hand_jump(jumps, determinant, tangencies, closest, vectors): what the pending event, which Python takes, did to disturbances"},
     {"tally", (PyCFunction)tally, METH_NOARGS, "tally() -> dict of state, counts and margins"},
     {NULL, NULL, 0, NULL},
 };

@@ -67,10 +67,14 @@ void tangencies_judge(Run *r, const Event *event, const State *state, const Mode
         return;
     }
     share = share * share;
-    if (share < CLOSE)
-        near->count += 1;
+    tangencies_note(near, share < CLOSE, share, state->t);
+}
+
+void tangencies_note(Tangencies *near, int count, double share, double t)
+{
+    near->count += count;
     if (share < near->closest) {
         near->closest = share;
-        near->closest_time = state->t;
+        near->closest_time = t;
     }
 }

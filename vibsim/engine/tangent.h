@@ -58,6 +58,12 @@ typedef struct {
     long long count;
 } Tangencies;
 
+/* What an event did, where Python took it. */
+typedef struct {
+    int here, jumps, tangencies;
+    double determinant, closest;
+} Handed;
+
 typedef struct Tangent {
     int given; /* whether disturbances are carried as they are: never orthonormalised */
     int count, possible, size, stride, complete, outside, next_row, row_count, losses, stop_count, friction_count;
@@ -73,6 +79,7 @@ typedef struct Tangent {
     Moving *moving;
     TaylorTangent taylor;
     Tangencies tangencies;
+    Handed handed;
 } Tangent;
 
 /* accelerations.c; out: by column; each returns the acceleration of the rotor */
@@ -91,6 +98,7 @@ void reversal_accelerations(const Run *r, const Mode *m, const State *state, int
 /* tangencies.c */
 void tangencies_forget(Tangencies *near);
 void tangencies_pass_by(Run *r, const State *state);
+void tangencies_note(Tangencies *near, int count, double share, double t);
 void tangencies_judge(Run *r, const Event *event, const State *state, const Mode *before, const Mode *after);
 
 /* tangent_space.c; each gives the number of vectors in b->candidates */

@@ -294,21 +294,41 @@ static void change_ties(Run *r, const Mode *after)
         fit(r, after);
 }
 
+/* Judge an event and apply its saltation. */
+static Handed jump(Run *r, const Event *e, const Mode *before, const Mode *after)
+{
+    Handed done = {0, 0, 0, 1.0, 1.0};
+    Saltation s;
+    tangencies_judge(r, e, &r->next, before, after);
+    s = saltation(r, &r->next, before, after, e);
+    saltation_apply(r, &s, &r->next);
+    done.jumps = s.kind != SAME;
+    done.determinant = s.determinant;
+    return done;
+}
+
+/* The same where Python has done so. */
+static Handed note_handed(Run *r)
+{
+    Tangent *b = r->tangent;
+    tangencies_note(&b->tangencies, b->handed.tangencies, b->handed.closest, r->next.t);
+    return b->handed;
+}
+
 /* Take the event at r->next from one mode to another. */
 void tangent_cross(Run *r, int event, const Mode *before, const Mode *after)
 {
     Tangent *b = r->tangent;
     const Event *e = &before->events[event];
-    Saltation jump;
+    Handed done;
     if (!b || before == after)
         return;
-    tangencies_judge(r, e, &r->next, before, after);
-    jump = saltation(r, &r->next, before, after, e);
-    saltation_apply(r, &jump, &r->next);
+    done = b->handed.here ? note_handed(r) : jump(r, e, before, after);
+    b->handed.here = 0;
     if (!same_ties(r, before, after)) {
         change_ties(r, after);
-    } else if (jump.kind != SAME && !b->given) {
-        double volume = renormalise(b), determinant = fabs(jump.determinant);
+    } else if (done.jumps && !b->given) {
+        double volume = renormalise(b), determinant = fabs(done.determinant);
         if (b->complete && determinant > FLAT)
             b->residual = b->residual + (volume - log(determinant));
     }
