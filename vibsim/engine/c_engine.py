@@ -11,7 +11,7 @@ from vibsim.engine.flow import Flow
 from vibsim.engine.meters import MeterMaker, jumps_of
 from vibsim.engine.packing import coupled, pack_mode, pack_scene, pack_state
 from vibsim.engine.packing_meters import pack_ledger, pack_meters, terms_of
-from vibsim.engine.packing_tangent import pack_bundle
+from vibsim.engine.packing_tangent import pack_bundle, pack_disturbances
 from vibsim.engine.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, RowMaker
 from vibsim.engine.saltation import saltation
 from vibsim.engine.state import State
@@ -64,18 +64,29 @@ class CRun:
         self.tangencies, self.carries = Tangencies(scene, Doubles), count > 0
         if self.carries:
             self.run.keep_tangent(*pack_bundle(scene, count, begin, self.maker.ends))
-        state, status, known = resume or self._start()
+        state, status, known = resume or self._start(scene)
         self.first = state.copy(), status
         self._buffers(len(status.codes), SECTION_ROOM if section and self._keep_section() else 0)
-        number = self._mode(status)
-        packed = self._known(known, 0)
         self.doubts.run = self.run
         for t in self.doubts.early:
             self.run.doubt(t)
-        self.filled = self.run.start(number, pack_state(state), packed, *self.buffers)
+        self._set_off(state, status, known)
 
-    def _start(self):
-        scene = self.scene
+    def _set_off(self, state, status, known):
+        number = self._mode(status)  # which may know more keys
+        self.filled = self.run.start(number, pack_state(state), self._known(known, 0), *self.buffers)
+
+    def restart(self, scene, vectors):
+        """Begin anew from the start of `scene`, which differs from that of this run in its start and end
+        alone, with disturbances to be carried as they are: an array of one per row.
+        """
+        self.run.rewind(scene.t_end)
+        self.carries = len(vectors) > 0
+        if self.carries:
+            self.run.keep_tangent(*pack_disturbances(scene, vectors, self.maker.ends))
+        self._set_off(*self._start(scene))
+
+    def _start(self, scene):
         phase = turns = w = 0.0
         if scene.motor is not None:
             phase, turns = Doubles.reduce_angle(scene.motor.phi)

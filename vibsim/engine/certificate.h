@@ -4,6 +4,13 @@
 
 #include "engine.h"
 
+static inline void certificate_open(Certificate *c)
+{
+    c->margin = INFINITY;
+    c->margin_time = c->uncertified = c->first_doubt = 0.0;
+    c->doubted = NAN;
+}
+
 static inline void doubt(Certificate *c, double anchor)
 {
     if (anchor != c->doubted) {

@@ -7,6 +7,7 @@
  */
 #include <string.h>
 
+#include "certificate.h"
 #include "event_functions.h"
 #include "numbers.h"
 
@@ -141,6 +142,24 @@ void run_start(Run *r, int mode, Buffers *b)
     tangent_open(r);
     if (!r->finished)
         enter(r, &r->state);
+}
+
+/* As before the start, with another end; modes and what follows their events are kept. */
+void run_rewind(Run *r, double t_end)
+{
+    int k;
+    r->t_end = t_end;
+    for (k = 0; k < KINDS; k++)
+        r->counts[k] = 0;
+    for (k = 0; k < r->ledger.count; k++)
+        r->ledger.entries[k] = 0.0;
+    r->evaluations = r->steps = r->first_violation = 0;
+    r->crowd = r->finished = r->violated_once = 0;
+    r->status = OK;
+    r->stage = ADVANCE;
+    certificate_open(&r->certificate);
+    tangent_free(r->tangent);
+    r->tangent = NULL;
 }
 
 /* Go on in a mode behind the pending event, with the zeros in r->behind. */

@@ -5,8 +5,10 @@ Output cadence never changes a trajectory: samples are read off the flow, states
 
 import time
 from math import inf
+from typing import Any
 
 from vibsim.engine.automaton import JET, Automaton
+from vibsim.engine.disturbances import Disturbances
 from vibsim.engine.errors import EngineError
 from vibsim.engine.flow import Flow
 from vibsim.engine.ledger import Ledger
@@ -23,10 +25,13 @@ SAMPLES_AT_ONCE = 256
 class Driver:
     """Runs a scene made of parts from its start, or from `resume` = (state, status, known zeros), to its
     end.
+
+    tangent : disturbances whose growth is told, and from when [s]; carry : disturbances that are carried as
+    they are
     """
 
     def __init__(
-        self, scene, kit, resume=None, section=False, ledger=False, momentum=False, tangent=(0, 0.0)
+        self, scene, kit, resume=None, section=False, ledger=False, momentum=False, tangent=(0, 0.0), carry=()
     ):
         self.scene, self.kit = scene, kit
         self.maker = RowMaker(scene, kit)
@@ -34,7 +39,11 @@ class Driver:
         self.automaton = Automaton(scene, self.maker, Flow(scene, kit, self.flow.certificate, JET + 1), kit)
         self.section = StroboscopicSection(scene, self.flow) if section else None
         self.ledger = Ledger(scene, kit, self.maker, self.flow, momentum) if ledger or momentum else None
-        self.tangent = TangentBundle(scene, kit, self.flow, *tangent) if tangent[0] else None
+        self.tangent: Any = None
+        if tangent[0]:
+            self.tangent = TangentBundle(scene, kit, self.flow, *tangent)
+        elif len(carry):
+            self.tangent = Disturbances(scene, kit, self.flow, carry)
         self.samples, self.events = [], []
         self.counts = [0] * len(EVENT_KINDS)
         self.first_violation = None

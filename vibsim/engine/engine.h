@@ -309,6 +309,7 @@ typedef struct {
 
 void flow_state(Run *r, double t, State *out);
 void write_state(const Run *r, double *row, long room, const State *s);
+void run_rewind(Run *r, double t_end);
 void run_start(Run *r, int mode, Buffers *b);
 void run_advance(Run *r, Buffers *b);
 void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, const int *parts);

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "certificate.h"
 #include "modes.h"
 #include "numbers.h"
 
@@ -119,8 +120,7 @@ int scene_read(Run *r, Reader *in)
         }
     }
     r->work_at_once = WORK_AT_ONCE / (1.0 + (r->bodies + r->parts + r->harmonic_count) / 8);
-    r->certificate.margin = INFINITY;
-    r->certificate.doubted = NAN;
+    certificate_open(&r->certificate);
     taylor_set(r);
     return read_through(in);
 }

@@ -285,6 +285,16 @@ static PyObject *start(RunObject *self, PyObject *args)
     return result;
 }
 
+static PyObject *rewind_run(RunObject *self, PyObject *args)
+{
+    double t_end;
+    if (!PyArg_ParseTuple(args, "d", &t_end) || !idle(self))
+        return NULL;
+    run_rewind(&self->run, t_end);
+    self->started = 0;
+    Py_RETURN_NONE;
+}
+
 static int ready(RunObject *self)
 {
     if (!self->started)
@@ -486,6 +496,8 @@ static PyMethodDef methods[] = {
      "set_rule(mode, event, (rule, target, other, hold, kind, part, key, order)): what follows the event"},
     {"start", (PyCFunction)start, METH_VARARGS,
      "start(mode, state, known, samples, sample_modes, events, event_codes, section) -> (samples, events, section)"},
+    {"rewind", (PyCFunction)rewind_run, METH_VARARGS,
+     "rewind(t_end): as before the start, without disturbances; modes and rules are kept"},
     {"advance", (PyCFunction)advance, METH_VARARGS,
      "advance(samples, sample_modes, events, event_codes, section) -> (samples, events, finished, status)\n\n"
      "Compute on until a buffer is full, a slice of work is done, Python has to decide or the run ends."},

@@ -3,7 +3,7 @@
 from math import log2
 
 from vibsim.engine.packing import Packer
-from vibsim.engine.tangent_space import Gauge, components, length, natural_rate, weights
+from vibsim.engine.tangent_space import Gauge, components, natural_rate, weights
 from vibsim.engine.tangent_taylor import reach
 from vibsim.physics.numbers import Doubles
 
@@ -12,15 +12,16 @@ def pack_bundle(scene, count, begin, ends):
     """A bundle of `count` disturbances whose growth counts from `begin` [s]. ends: columns of the ends of a
     part.
     """
-    return _pack(scene, False, count, begin, (), ends)
+    return _pack(scene, False, count, begin, ends)
 
 
 def pack_disturbances(scene, vectors, ends):
-    """Disturbances that are carried along as they are."""
-    return _pack(scene, True, len(vectors), 0.0, vectors, ends)
+    """Disturbances that are carried along as they are, an array of one per row."""
+    ints, doubles = _pack(scene, True, len(vectors), 0.0, ends)
+    return ints, doubles + vectors.tobytes()
 
 
-def _pack(scene, given, count, begin, vectors, ends):
+def _pack(scene, given, count, begin, ends):
     pack, gauge, present = Packer(), Gauge(scene), components(scene)
     pack.put((given, count, len(scene.stops), len(scene.frictions)))
     pack.put((len(present), len(gauge.shifts), len(gauge.references)))
@@ -31,8 +32,4 @@ def _pack(scene, given, count, begin, vectors, ends):
         pack.put(ends(friction), (friction.forward, friction.backward))
     farthest = reach(Doubles, scene.order, log2(scene.tol))
     pack.put((), (begin, farthest, natural_rate(scene, Doubles), *weights(scene, Doubles)))
-    for vector in vectors:
-        if len(vector) != length(scene):
-            raise ValueError(f"a disturbance of this scene has {length(scene)} entries, not {len(vector)}")
-        pack.put((), vector)
     return pack.ints.tobytes(), pack.doubles.tobytes()

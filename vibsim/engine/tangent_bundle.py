@@ -17,21 +17,16 @@ determinant is 0, and reversals that all but stick are left out on both sides.
 from math import inf
 from typing import Any
 
-from vibsim.engine.accelerations import joined
-from vibsim.engine.saltation import saltation
-from vibsim.engine.tangencies import Tangencies
-from vibsim.engine.tangent_closed_form import ClosedFormTangent
+from vibsim.engine.disturbances import Disturbances
 from vibsim.engine.tangent_space import Gauge, TangentSpace, components, dimension, length, weights
-from vibsim.engine.tangent_taylor import TaylorTangent
 from vibsim.engine.tangent_volume import log_volume
 
-TANGENTS = {"closed_form": ClosedFormTangent, "taylor": TaylorTangent}
 SPANS = 100  # that the growth is recorded in
 FLAT = 2.0**-7  # determinant of a jump, below which its rounding, eps / determinant, would drown the check
 LOST = 2.0**-40  # of the length of a disturbance in a rank loss: what is left is rounding
 
 
-class TangentBundle:
+class TangentBundle(Disturbances):
     """Carries `count` disturbances over the stretches of a run.
 
     begin : time [s] from which growth counts. `rows` holds (t, logarithm of each one's growth since then) at
@@ -42,16 +37,13 @@ class TangentBundle:
     """
 
     def __init__(self, scene, kit, flow, count, begin=0.0):
-        self.scene, self.kit, self.count = scene, kit, count
-        self.flow = flow
-        flows = (flow.taylor, flow.closed)
-        self.tangents: Any = {of.method: TANGENTS[of.method](scene, kit, of) for of in flows}
+        super().__init__(scene, kit, flow)
+        self.count = count
         self.complete = count == dimension(scene)
         self.begin = kit.number(begin)
         self.weights, self.gauge = weights(scene, kit), Gauge(scene)
-        self.tangencies = Tangencies(scene, kit)
         self.residual = kit.number(0)  # growth of the logarithm of the volume that nothing explains
-        self.rows, self.next_row, self.losses, self.pieces = [], 0, 0, 0
+        self.rows, self.next_row, self.losses = [], 0, 0
         self._start_to_count()
 
     def _start_to_count(self):
@@ -69,55 +61,31 @@ class TangentBundle:
         self.space = TangentSpace(self.scene, self.kit, rows)
         self.losses = len(self.space.outside)
         if self.space.outside:
-            self.vectors = [joined(self.scene, self.kit, rows, state, vector) for vector in self.vectors]
+            self._join(state, rows)
             self._fit()
         self._start_to_count()
         self._mark_waiting()
         self._record(state.t)
 
-    def gather(self, start, end, state):
-        """Carry the disturbances over the stretch from the state `start` to `state` at the time `end`.
+    def _moved(self, t, ahead):
+        for i in range(self.possible):
+            self.vectors[i] = self.gauge.apply(self.kit, self.vectors[i])
+        volume = self.renormalise()
+        if self.complete:
+            grown = log_volume(self.scene, self.kit, self.flow.now, t, ahead)
+            self.residual = self.residual + (volume - grown)
+        self._record(ahead)
 
-        A generator, which yields how far it is [s] after every piece.
-        """
-        t, tangent = start.t, self.tangents[self.flow.now.method]
-        while t < end:
-            ahead = tangent.piece_end(t, end, self._mark())
-            tangent.prepare(t, ahead)
-            for i in range(self.possible):
-                self.vectors[i] = self.gauge.apply(self.kit, tangent.moved(self.vectors[i]))
-            volume = self.renormalise()
-            if self.complete:
-                grown = log_volume(self.scene, self.kit, self.flow.now, t, ahead)
-                self.residual = self.residual + (volume - grown)
-            self.pieces += 1
-            t = ahead
-            self._record(t)
-            yield t
-        self.tangencies.pass_by(state)
-
-    def cross(self, event, state, before, after):
-        """Take `event` at `state` from the mode of the rows `before` to that of `after`."""
-        if before is after:
-            return
-        self.tangencies.judge(event, state, before, after)
-        jump = saltation(self.scene, self.kit, state, before, after, event)
-        if jump is not None:
-            for i in range(self.possible):
-                self.vectors[i] = jump.applied(self.vectors[i])
-        if before.leader != after.leader:
-            self._change_ties(state, after)
-        elif jump is not None:
-            volume, determinant = self.renormalise(), abs(jump.determinant)
-            if self.complete and determinant > FLAT:
-                self.residual = self.residual + (volume - self.kit.log(determinant))
+    def _jumped(self, jump):
+        volume, determinant = self.renormalise(), abs(jump.determinant)
+        if self.complete and determinant > FLAT:
+            self.residual = self.residual + (volume - self.kit.log(determinant))
 
     def _change_ties(self, state, after):
         outside = len(self.space.outside)
         self.space = TangentSpace(self.scene, self.kit, after)
         self.losses += max(len(self.space.outside) - outside, 0)
-        for i in range(self.possible):
-            self.vectors[i] = joined(self.scene, self.kit, after, state, self.vectors[i])
+        self._join(state, after)
         self._fit()
 
     def _fit(self):
@@ -187,7 +155,10 @@ class TangentBundle:
             total = total + self.weights[k] * (a[k] * b[k])
         return total
 
-    def _mark(self):
+    def _mark(self, end):
+        return self._next_mark()
+
+    def _next_mark(self):
         """Time [s] of the next row."""
         if self.next_row >= SPANS:
             return self.scene.t_end
@@ -195,7 +166,7 @@ class TangentBundle:
 
     def _record(self, t):
         """Keep a row where one is due at t [s]."""
-        if self.next_row > SPANS or t < self._mark():
+        if self.next_row > SPANS or t < self._next_mark():
             return
         if self.next_row == 0:
             self._start_to_count()
@@ -206,7 +177,7 @@ class TangentBundle:
         for column, total in zip(self.columns, self.sums, strict=True):
             row[column] = total
         self.rows.append((t, *row))
-        while self.next_row <= SPANS and self._mark() <= t:
+        while self.next_row <= SPANS and self._next_mark() <= t:
             self.next_row += 1
 
     def entries(self):

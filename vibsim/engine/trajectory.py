@@ -60,6 +60,15 @@ def compiled():
     return find_spec("vibsim.engine._engine") is not None
 
 
+def chosen_engine(engine):
+    """ "c" or "python", by one of ENGINES; errors as of `open_trajectory`."""
+    if engine not in ENGINES:
+        raise ValueError(f"engine must be one of {', '.join(ENGINES)}, got {engine!r}")
+    if engine == "c" and not compiled():
+        raise RuntimeError("the C engine was not built; install with a C compiler, or use engine python")
+    return "python" if engine == "python" or not compiled() else "c"
+
+
 def open_trajectory(
     scene,
     engine="auto",
@@ -90,11 +99,7 @@ def open_trajectory(
     the scene has directions, RuntimeError for "c" where it was not built.
     """
     check_tangent(scene, tangent)
-    if engine not in ENGINES:
-        raise ValueError(f"engine must be one of {', '.join(ENGINES)}, got {engine!r}")
-    if engine == "c" and not compiled():
-        raise RuntimeError("the C engine was not built; install with a C compiler, or use engine python")
-    trajectory = PythonTrajectory if engine == "python" or not compiled() else CTrajectory
+    trajectory = {"c": CTrajectory, "python": PythonTrajectory}[chosen_engine(engine)]
     return trajectory(scene, resume, section, ledger, momentum, (tangent, tangent_from))
 
 

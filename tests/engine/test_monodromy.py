@@ -1,0 +1,152 @@
+"""Disturbances carried as they are: closed forms, both engines, and difference quotients in 40 digits."""
+
+from dataclasses import replace
+from math import cos, exp, pi, sin, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.engine.bundles import course, finished, in_digits, started
+from tests.engine.random_parts import part_scenes
+from tests.engine.runs import same_bits
+from tests.engine.test_closed_cases import harmonic, scene
+from tests.engine.test_tangent_jacobian import DIGITS, SCENES, SHIFT, numbers
+from tests.engine.two_blocks import parts_of
+from tests.scenes import paper
+from vibsim.engine.errors import EngineError
+from vibsim.engine.monodromy import Carrier
+from vibsim.engine.rows import RowMaker
+from vibsim.engine.tangent_space import TangentSpace, length
+from vibsim.physics.multiprecision import Balls
+from vibsim.physics.numbers import Doubles
+from vibsim.physics.parts import COMPRESSION, GROUND, Body, Force, Friction, Link, Stop
+
+ENGINES, METHODS = ("c", "python"), ("auto", "taylor")
+
+
+def start_of(of):
+    """Components of the start of a scene."""
+    rotor = (of.motor.phi, of.motor.phidot) if of.motor is not None else ()
+    return [*(b.x for b in of.bodies), *(b.v for b in of.bodies), *rotor]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("method", METHODS)
+def test_a_damped_oscillator(engine, method):
+    """y'' + 2 a y' + w^2 y = F(t): the load is none of the matrix's business."""
+    m, k, c, T = 2.0, 50.0, 0.8, 3.0
+    force = Force("F", 0, 0.2, (harmonic(0.3, 0.7),))
+    of = scene([Body("m", m, 0.0, 0.0)], method, links=(Link("l", 0, GROUND, k, c),), forces=(force,))
+    a, w = c / (2 * m), sqrt(k / m)
+    wd = sqrt(w * w - a * a)
+    C, S = exp(-a * T) * cos(wd * T), exp(-a * T) * sin(wd * T) / wd
+    expected = [[C + a * S, S], [-w * w * S, C - a * S]]
+    carried = Carrier(of, engine).carry([0.01, -0.02], T)
+    np.testing.assert_allclose(carried.matrix, expected, rtol=0, atol=1e-13)
+    at_end = 0.2 / m + 0.3 / m * sin(2 * pi * 0.7 * T) - 2 * a * carried.state[1] - w * w * carried.state[0]
+    np.testing.assert_allclose(carried.rate, [carried.state[1], at_end], rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("method", METHODS)
+def test_a_throw_at_a_wall_turns_the_velocity_and_the_shift(engine, method):
+    """Half a wave of contact: x = d - v (t - t2) with t2 = d / v + pi / w."""
+    d, v, k, m, T = 0.1, 0.7, 800.0, 2.0, 1.0
+    stop = Stop("wall", 0, GROUND, d, COMPRESSION, k, 0.0)
+    carried = Carrier(scene([Body("m", m, 0.0, 0.0)], method, stops=(stop,)), engine).carry([0.0, v], T)
+    expected = [[-1.0, -T + pi / sqrt(k / m)], [0.0, -1.0]]
+    np.testing.assert_allclose(carried.matrix, expected, rtol=0, atol=1e-13)
+    assert carried.events == (("contact_begin", 0), ("contact_end", 0)) and carried.uncertified == 0
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_body_that_sticks_forgets_its_speed(engine):
+    """It stops at x0 + v^2 m / (2 N): the column of v keeps where, that of x keeps all."""
+    of = scene([Body("m", 2.0, 0.0, 0.0)], frictions=(Friction("f", 0, GROUND, 3.0, 3.0, 0.0),))
+    carried = Carrier(of, engine).carry([0.1, 0.6], 2.0)
+    np.testing.assert_allclose(carried.matrix, [[1.0, 0.6 * 2.0 / 3.0], [0.0, 0.0]], rtol=0, atol=1e-15)
+    assert carried.events == (("stick_begin", 0),)
+    held = Carrier(of, engine).carry([0.1, 0.0], 2.0)  # from the start
+    assert held.matrix.tolist() == [[1.0, 0.0], [0.0, 0.0]]
+
+
+def assert_same(one, other):
+    assert all(same_bits(getattr(one, name), getattr(other, name)) for name in ("state", "rate", "vectors"))
+    assert (one.events, one.uncertified, one.margin) == (other.events, other.uncertified, other.margin)
+
+
+def outcome(carrier, *options):
+    try:
+        return carrier.carry(*options)
+    except EngineError as error:
+        return str(error)
+
+
+@settings(max_examples=40)
+@given(part_scenes(), st.sampled_from(METHODS), st.data())
+def test_engines_agree(of, method, data):
+    """From one start, then from others on the same carrier, which keeps its modes."""
+    of = replace(of, method=method)
+    fast, slow = Carrier(of, "c"), Carrier(of, "python")
+    vectors = [data.draw(st.lists(st.floats(-1, 1), min_size=length(of), max_size=length(of)))]
+    for start, given_vectors in ((start_of(of), None), ([0.9 * one for one in start_of(of)], vectors)):
+        results = [outcome(carrier, start, of.t_end, given_vectors) for carrier in (fast, slow)]
+        if isinstance(results[0], str) or isinstance(results[1], str):
+            assert results[0] == results[1]
+        else:
+            assert_same(*results)
+
+
+@pytest.mark.parametrize("name", ["I-A", "I-B-eq211", "II-B", "II-C"])
+def test_engines_agree_on_the_papers_cases(name):
+    of = parts_of(paper(name), Doubles)
+    one, other = (Carrier(of, engine).carry(start_of(of), 3.0) for engine in ENGINES)
+    assert_same(one, other)
+    assert len(one.events) > 3
+
+
+@pytest.mark.parametrize("label", SCENES)
+def test_difference_quotients(label):
+    """In 40 digits; without a gauge: all components."""
+    of, _ = SCENES[label]
+    kit = Balls(DIGITS)
+    exact, shift = in_digits(of, kit), kit.number(SHIFT)
+    base = finished(exact, kit)
+    rows, columns = RowMaker(exact, kit).rows(base.events[0][-1]), 0
+    for vector in TangentSpace(exact, kit, rows).inside:
+        moved = finished(started(exact, [shift * value for value in vector]), kit)
+        if course(moved) != course(base):
+            continue
+        ends = zip(numbers(moved), numbers(base), strict=True)
+        quotients = np.array([float(((after - before) / shift).mid()) for after, before in ends])
+        floats = [[float(value.mid()) for value in vector]]
+        carried = Carrier(of).carry(start_of(of), of.t_end, floats)
+        # rounding of the state at an event counts by the jump of the field over the rate: here at most 1e3
+        np.testing.assert_allclose(
+            carried.vectors[0], quotients, rtol=0, atol=1e-11 * max(abs(quotients).max(), 1)
+        )
+        columns += 1
+    assert columns >= 3
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_state_alone(engine):
+    of = parts_of(paper("II-B"), Doubles)
+    plain, full = (Carrier(of, engine).carry(start_of(of), 2.0, vectors) for vectors in ([], None))
+    assert plain.vectors.shape == (0, 6) and same_bits(plain.state, full.state)
+
+
+@pytest.mark.parametrize(
+    ("state", "end", "vectors", "message"),
+    [
+        ([0.0], 1.0, None, "a state of this scene is 2 finite numbers"),
+        ([0.0, float("nan")], 1.0, None, "a state of this scene is 2 finite numbers"),
+        ([0.0, 0.0], 0.0, None, "the end must be after the start, got 0.0 s"),
+        ([0.0, 0.0], 1.0, [[1.0]], "a disturbance of this scene is 2 finite numbers"),
+    ],
+)
+def test_what_cannot_be_carried(state, end, vectors, message):
+    with pytest.raises(ValueError, match=message):
+        Carrier(scene([Body("m", 1.0, 0.0, 0.0)])).carry(state, end, vectors)

@@ -1,0 +1,84 @@
+"""Small disturbances that are carried through modes and events: the derivative of the motion.
+
+Between events they obey the equations of the mode, linearised; an event multiplies them by its saltation
+matrix; ties that begin give tied bodies one velocity, momentum kept.
+"""
+
+from typing import Any
+
+from vibsim.engine.accelerations import joined
+from vibsim.engine.saltation import saltation
+from vibsim.engine.tangencies import Tangencies
+from vibsim.engine.tangent_closed_form import ClosedFormTangent
+from vibsim.engine.tangent_taylor import TaylorTangent
+
+TANGENTS = {"closed_form": ClosedFormTangent, "taylor": TaylorTangent}
+
+
+class Disturbances:
+    """Carries `vectors`, rows (dx of each body, dv of each body, dphi, dw), over the stretches of a run, as
+    they are.
+
+    possible : how many of them move
+    pieces : stretches that they moved over at once
+    """
+
+    def __init__(self, scene, kit, flow, vectors=()):
+        self.scene, self.kit, self.flow = scene, kit, flow
+        self.vectors, self.possible = [list(vector) for vector in vectors], len(vectors)
+        flows = (flow.taylor, flow.closed)
+        self.tangents: Any = {of.method: TANGENTS[of.method](scene, kit, of) for of in flows}
+        self.tangencies = Tangencies(scene, kit)
+        self.pieces = 0
+
+    def open(self, state, rows):
+        """At the start: what the ties of the mode allow of the disturbances."""
+        self._join(state, rows)
+
+    def gather(self, start, end, state):
+        """Carry the disturbances over the stretch from the state `start` to `state` at the time `end`.
+
+        A generator, which yields how far it is [s] after every piece.
+        """
+        t, tangent = start.t, self.tangents[self.flow.now.method]
+        while t < end:
+            ahead = tangent.piece_end(t, end, self._mark(end))
+            tangent.prepare(t, ahead)
+            for i in range(self.possible):
+                self.vectors[i] = tangent.moved(self.vectors[i])
+            self.pieces += 1
+            self._moved(t, ahead)
+            t = ahead
+            yield t
+        self.tangencies.pass_by(state)
+
+    def cross(self, event, state, before, after):
+        """Take `event` at `state` from the mode of the rows `before` to that of `after`."""
+        if before is after:
+            return
+        self.tangencies.judge(event, state, before, after)
+        jump = saltation(self.scene, self.kit, state, before, after, event)
+        if jump is not None:
+            for i in range(self.possible):
+                self.vectors[i] = jump.applied(self.vectors[i])
+        if before.leader != after.leader:
+            self._change_ties(state, after)
+        elif jump is not None:
+            self._jumped(jump)
+
+    def _join(self, state, rows):
+        for i in range(self.possible):
+            self.vectors[i] = joined(self.scene, self.kit, rows, state, self.vectors[i])
+
+    def _mark(self, end):
+        """Time [s] that no piece goes beyond."""
+        return end
+
+    def _moved(self, t, ahead):
+        """What is done after a piece from t to `ahead` [s]."""
+
+    def _jumped(self, jump):
+        """What is done after an event that changed no ties."""
+
+    def _change_ties(self, state, after):
+        self._join(state, after)

@@ -1,0 +1,127 @@
+"""The derivative of a motion by its start: where small disturbances have moved by a later time.
+
+Unit disturbances of all components make the monodromy matrix M(T) = d state(T) / d state(0), with the
+saltation of every event on the way. Components are x of each body, v of each body, then phi and w with a
+motor. Where ties hold at the start, disturbances are first made possible: tied bodies get one velocity.
+"""
+
+from dataclasses import dataclass, replace
+from math import isfinite
+
+import numpy as np
+
+from vibsim.engine.accelerations import accelerations
+from vibsim.engine.driver import Driver
+from vibsim.engine.state import State
+from vibsim.engine.tangent_space import length
+from vibsim.engine.trajectory import chosen_engine
+from vibsim.physics.modes import EVENT_NAMES
+from vibsim.physics.numbers import Doubles
+
+PIECES = 4096  # of the Python engine at once
+
+
+@dataclass(frozen=True)
+class Carried:
+    """A motion from a start to a time, and disturbances of its start.
+
+    state : components at the end [m, m/s, rad, rad/s]; rate : their rates of change there
+    vectors : the disturbances at the end, one per row
+    events : (kind, part) of what happened on the way, in order; part: number among its sort, -1 for none
+    uncertified : number of doubts of the certificate; 0 where it is sure that no event was missed
+    margin : smallest gap at a turn without contact [m], inf without any
+    """
+
+    state: np.ndarray
+    rate: np.ndarray
+    vectors: np.ndarray
+    events: tuple[tuple[str, int], ...]
+    uncertified: int
+    margin: float
+
+    @property
+    def matrix(self):
+        """Column j: what became of disturbance j. The monodromy matrix where these were the unit ones."""
+        return self.vectors.T
+
+
+class Carrier:
+    """Carries states of one scene over any times, with disturbances. What the C engine knows of the scene's
+    modes it keeps from one to the next.
+
+    scene : a `vibsim.physics.parts.Scene`, whose start and end do not matter
+    engine : "auto" (C where it was built, else Python), "c" or "python"; equal bit for bit
+    """
+
+    def __init__(self, scene, engine="auto"):
+        stops = tuple(replace(stop, at_start=False) for stop in scene.stops)
+        clearances = tuple(replace(one, at_start=False) for one in scene.clearances)
+        of = {"stops": stops, "clearances": clearances, "stop_on_violation": False}
+        self.scene = replace(scene, **of, every_num=10**9, every_den=1)
+        self.engine, self.size, self.run = chosen_engine(engine), length(scene), None
+
+    def carry(self, state, end, vectors=None):
+        """The motion from `state`, the components at t = 0, to `end` [s], as `Carried`.
+
+        vectors: disturbances of the start, one per row; all unit ones where they are left out. Raises
+        ValueError for components that are not as many as the scene has or not finite, or an end that is not
+        after the start, EngineError where the run fails.
+        """
+        vectors = np.eye(self.size) if vectors is None else np.array(vectors, dtype="f8")
+        vectors = vectors.reshape(-1, self.size) if vectors.size == 0 else vectors
+        state = np.asarray(state, dtype="f8")
+        if state.shape != (self.size,) or not np.all(np.isfinite(state)):
+            raise ValueError(f"a state of this scene is {self.size} finite numbers")
+        if vectors.ndim != 2 or vectors.shape[1] != self.size or not np.all(np.isfinite(vectors)):
+            raise ValueError(f"a disturbance of this scene is {self.size} finite numbers")
+        if not (isfinite(end) and end > 0):
+            raise ValueError(f"the end must be after the start, got {end} s")
+        return self._carried(self._started(state.tolist(), float(end)), vectors)
+
+    def _started(self, state, end):
+        """The scene from the components of a state to `end` [s]."""
+        n, motor = len(self.scene.bodies), self.scene.motor
+        bodies = tuple(
+            replace(body, x=x, v=v)
+            for body, x, v in zip(self.scene.bodies, state[:n], state[n : 2 * n], strict=True)
+        )
+        if motor is not None:
+            motor = replace(motor, phi=state[-2], phidot=state[-1])
+        return replace(self.scene, bodies=bodies, motor=motor, t_end=end)
+
+    def _carried(self, scene, vectors):
+        if self.engine == "python":
+            return self._by_python(scene, vectors)
+        from vibsim.engine.c_engine import CRun
+
+        self.run = self.run or CRun(scene)
+        self.run.restart(scene, vectors)
+        codes = [codes[:2] for _, _, _, codes, *_ in self.run.blocks()]
+        tally = self.run.tally
+        uncertified, _, margin, _ = tally["certificate"]
+        moved = self.run.disturbances["vectors"] if len(vectors) else []
+        rows = self.run.rows[tally["mode"]]
+        pairs = np.concatenate(codes, axis=1).T.tolist()
+        return self._told(State(*tally["state"]), rows, moved, pairs, uncertified, margin)
+
+    def _by_python(self, scene, vectors):
+        driver = Driver(scene, Doubles, carry=vectors.tolist())
+        while not driver.finished:
+            driver.run(PIECES)
+        pairs = [(kind, part) for kind, part, *_ in driver.events]
+        kept, rows = driver.flow.certificate, driver.maker.rows(driver.status)
+        moved = driver.tangent.vectors if driver.tangent else []
+        return self._told(driver.state, rows, moved, pairs, kept.uncertified, kept.margin)
+
+    def _told(self, state, rows, moved, pairs, uncertified, margin):
+        a, alpha = accelerations(self.scene, Doubles, rows, state)
+        n, motor = len(self.scene.bodies), self.scene.motor is not None
+        rotor = (Doubles.unwind(state.phase, state.turns), state.w) if motor else ()
+        return Carried(
+            np.array([*state.x, *state.v, *rotor]),
+            np.array([*state.v, *a[:n], *((state.w, alpha) if motor else ())]),
+            np.array(moved, dtype="f8").reshape(-1, self.size),
+            tuple((EVENT_NAMES[kind], part) for kind, part in pairs[1:-1]),  # without start and end
+            int(uncertified),
+            margin,
+        )
