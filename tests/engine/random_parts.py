@@ -38,6 +38,11 @@ def harmonics(draw, size, least=0):
     return tuple(terms)
 
 
+def holds(slipping):
+    """Limits while sticking: None, as much as while slipping, or more."""
+    return st.sampled_from((None, None, 1.0, 1.3, 3.0)).map(lambda ratio: ratio and ratio * slipping)
+
+
 @st.composite
 def part_scenes(draw, motor=None, radians=12.0, bodies=4):
     """A scene of 1 to `bodies` bodies. motor: True, False or None (either)."""
@@ -76,7 +81,8 @@ def part_scenes(draw, motor=None, radians=12.0, bodies=4):
     for i in range(count):
         N = draw(decades(-1.5, 0)) * RATE**2 * LENGTH
         belt = draw(st.sampled_from((0.0, 0.0, 0.2))) * RATE * LENGTH
-        frictions.append(Friction(f"f{i}", *ends(), N, N * draw(st.sampled_from((1.0, 0.5))), belt))
+        slip = N, N * draw(st.sampled_from((1.0, 0.5)))
+        frictions.append(Friction(f"f{i}", *ends(), *slip, belt, *(draw(holds(force)) for force in slip)))
     forces = tuple(
         Force(
             f"F{i}",

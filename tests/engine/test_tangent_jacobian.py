@@ -112,6 +112,32 @@ SCENES = {
         ),
         {"stick_begin", "stick_end"},
     ),
+    "friction that drops where it begins to slip": (
+        Scene(
+            (Body("a", 1.0, 0.0, 0.3), Body("b", 0.5, 0.0, 0.1)),
+            links=(Link("k", 0, GROUND, 50.0, 0.3), Link("l", 1, BASE, 30.0, 0.1)),
+            frictions=(
+                Friction("f", 0, GROUND, 2.0, 2.0, 0.3, 3.5, 3.5),
+                Friction("g", 1, 0, 0.4, 0.4, 0.0, 0.6, 0.6),
+            ),
+            base=(harmonic(0.02, 1.1, 0.5),),
+            t_end=1.5,
+        ),
+        {"stick_begin", "stick_end"},
+    ),
+    "motor on a body that drops": (
+        Scene(
+            (Body("a", 1.0, 0.0, 0.1), Body("b", 2.0, 0.0, 0.0)),
+            links=(Link("k", 1, GROUND, 90.0, 0.3),),
+            frictions=(
+                Friction("f", 0, 1, 0.5, 0.5, 0.0, 0.7, 0.7),
+                Friction("g", 1, GROUND, 0.4, 0.4, 0.0, 0.6, 0.6),
+            ),
+            motor=Motor(0, 0.1, 0.05, 3e-4, 2e-2, 15.0, 0.4, 12.0),
+            t_end=0.6,
+        ),
+        {"stick_begin", "stick_end"},
+    ),
 }
 
 

@@ -5,7 +5,7 @@ from collections.abc import Collection
 ALTERNATIVES: dict[str, tuple[tuple[frozenset[str], frozenset[str]], ...]] = {
     "friction": (
         (frozenset({"N"}), frozenset({"g"})),
-        (frozenset({"mu"}), frozenset({"plus", "minus"})),
+        (frozenset({"mu", "static"}), frozenset({"plus", "minus"})),
     ),
     "forces": ((frozenset({"terms"}), frozenset({"A", "omega", "phase"})),),
     "base": ((frozenset({"terms"}), frozenset({"a", "omega", "phase"})),),

@@ -3,6 +3,7 @@
 from math import pi, sqrt
 from typing import NamedTuple
 
+from vibsim.physics.parts import Friction
 from vibsim.physics.parts import Scene as PartsScene
 from vibsim.physics.rates import natural_rates
 from vibsim.physics.scene import Scene
@@ -33,10 +34,21 @@ def facts_of_parts(scene: PartsScene) -> list[Fact]:
                 Fact(f"{words.split()[1]} {i}", rate / (2 * pi), "Hz", f"natural frequency, {words}")
             )
     for friction in scene.frictions:
-        sides = [("", friction.forward)]
-        if friction.forward != friction.backward:
-            sides = [(" plus", friction.forward), (" minus", friction.backward)]
-        facts += [Fact(friction.name + side, limit, "N", "limit friction force") for side, limit in sides]
+        facts += _friction_forces(friction)
+    return facts
+
+
+def _friction_forces(friction: Friction) -> list[Fact]:
+    """Limits while sticking, and the forces while slipping where these are lower."""
+    slipping = friction.forward, friction.backward
+    both = friction.limits[0] == friction.limits[1] and slipping[0] == slipping[1]
+    facts = []
+    for side, limit, force in zip(
+        ("",) if both else (" plus", " minus"), friction.limits, slipping, strict=False
+    ):
+        facts.append(Fact(friction.name + side, limit, "N", "limit friction force"))
+        if force != limit:
+            facts.append(Fact(f"{friction.name}{side} slipping", force, "N", "friction force while slipping"))
     return facts
 
 

@@ -7,7 +7,7 @@ decision that rounding could turn is in doubt, and the certificate counts it. Tw
 taken one after the other.
 """
 
-from itertools import product
+from itertools import combinations, product
 
 from vibsim.engine.harmonics import value_and_rate
 from vibsim.engine.rows import CLEARANCE, COUPLING, DIFFERENCE, GAP, HOLD, PUSH, SLIDE
@@ -258,7 +258,24 @@ class Automaton:
         if self._crossing(state, status, event.key) <= 0:
             return status, [], {event.key: 1}
         slips = {i: orientation * event.direction for i, orientation in cut.ties}
-        return status.with_frictions(slips), [("stick_end", i) for i in slips], {(SLIDE, i): 2 for i in slips}
+        after = status.with_frictions(slips)
+        if not any(self.scene.frictions[i].drops(sense) for i, sense in slips.items()):
+            return after, [("stick_end", i) for i in slips], {(SLIDE, i): 2 for i in slips}
+        known: dict[tuple, int] = {}
+        after = self._settle_behind(state, status, after)
+        return after, self._changes(status.frictions, after.frictions, known), known
+
+    def _settle_behind(self, state, status, after):
+        """The mode behind a release at which a friction force drops: the jump of the accelerations may tear
+        other ties too. after: the status with the ties of the cut slipping.
+        """
+        standing = [i for i, value in enumerate(status.frictions) if value == STICK]
+        settled = self._release(state, after, standing)
+        if settled is not None:
+            return settled
+        self._doubt(state)
+        found = self._first_consistent(state, after, standing, besides=status)
+        return after if found is None else found
 
     # -- friction at rest
 
@@ -266,17 +283,26 @@ class Automaton:
         """The status in which the frictions `standing` (v_rel = 0) stick or slip consistently."""
         possible = self._possible(self.maker.rows(status.with_frictions(dict.fromkeys(standing, STICK))))
         if possible:
-            after = self._release(state, status, standing)
+            after = self._release(state, status.with_frictions(dict.fromkeys(standing, STICK)), standing)
             if after is not None:
                 return after
             self._doubt(state)
-        for choice in product((STICK, FORWARD, BACKWARD), repeat=len(standing)):
-            candidate = status.with_frictions(dict(zip(standing, choice, strict=True)))
-            if self._consistent(state, candidate, standing):
-                return candidate
+        consistent = self._first_consistent(state, status, standing)
+        if consistent is not None:
+            return consistent
         if not possible:
             self._doubt(state)
         return status.with_frictions(dict.fromkeys(standing, STICK))
+
+    def _first_consistent(self, state, status, standing, besides=None):
+        """The first consistent combination of the frictions `standing`, those with most ties first; None
+        without any. besides: a status that has been left.
+        """
+        for choice in combinations_of(standing):
+            candidate = status.with_frictions(choice)
+            if candidate != besides and self._consistent(state, candidate, standing):
+                return candidate
+        return None
 
     def _possible(self, rows):
         """Whether the ties of a mode can last: a base that moves cannot be tied to the ground, though it may
@@ -286,11 +312,10 @@ class Automaton:
         tied = rows.leader[ground + 1] == ground
         return not (tied and any(term.amplitude != 0 for term in self.scene.base))
 
-    def _release(self, state, status, standing):
-        """All stick; then the ties of the cut that is overloaded most slip, and so on. None where that is not
+    def _release(self, state, candidate, standing):
+        """As long as cuts are overloaded, the ties of the one that is so most slip. None where that is not
         consistent in the end.
         """
-        candidate = status.with_frictions(dict.fromkeys(standing, STICK))
         for _ in range(len(standing) + 1):
             rows = self._enter(state, candidate)
             broken = self._overloaded(state, rows)
@@ -376,6 +401,14 @@ def _difference_error(a, b, difference):
 def sign(value):
     """-1, 0 or +1."""
     return 1 if value > 0 else -1 if value < 0 else 0
+
+
+def combinations_of(standing):
+    """Statuses {index: status} that frictions at rest may go on with: those with most ties first."""
+    for count in range(len(standing) + 1):
+        for chosen in combinations(standing, count):
+            for senses in product((FORWARD, BACKWARD), repeat=count):
+                yield dict.fromkeys(standing, STICK) | dict(zip(chosen, senses, strict=True))
 
 
 def first_sign(values):

@@ -234,8 +234,11 @@ class CRun:
             return None
         tie, orientation = cut.ties[0]
         after = status.with_frictions({tie: orientation * event.direction})
-        number = self._mode(after)
-        return (CROSS, number, 0, -1, EVENT_KINDS["stick_end"], tie, self.keys[SLIDE, tie], 2)
+        drops = self.scene.frictions[tie].drops(after.frictions[tie])
+        if drops and STICK in after.frictions:  # the drop may tear those too
+            return None
+        number, order = self._mode(after), 1 if drops else 2
+        return (CROSS, number, 0, -1, EVENT_KINDS["stick_end"], tie, self.keys[SLIDE, tie], order)
 
     def _cross(self, status, kind, part, key, order):
         return (CROSS, self._mode(status), 0, -1, EVENT_KINDS[kind], part, key, order)

@@ -23,9 +23,22 @@ def resume_point(scene, row):
     known: dict[tuple, int] = {}
     for one in rows:
         _check(scene, one)
+    jumps = any(_makes_forces_jump(scene, one) for one in rows)
+    for one in rows:
         state, status = _state(scene, one), _status(scene, one)
-        known |= _zeros(scene, one, state, status)
+        known |= _zeros(scene, one, state, status, 1 if jumps else 2)
     return state, status, known
+
+
+def _makes_forces_jump(scene, row):
+    """Whether forces jump at the event of a row: a friction that drops where it begins to slip, a damped
+    stop.
+    """
+    kind, part = EVENT_NAMES[int(row["kind"])], int(row["part"])
+    if kind == "stick_end":
+        friction = part - len(scene.stops)
+        return scene.frictions[friction].drops(_status(scene, row).frictions[friction])
+    return kind in ("contact_begin", "contact_end") and scene.stops[part].c != 0
 
 
 def _check(scene, row):
@@ -62,8 +75,10 @@ def _status(scene, row):
     return Status(tuple(codes[:first]), tuple(codes[first:second]), tuple(codes[second:]))
 
 
-def _zeros(scene, row, state, status):
-    """Orders of the zeros that the event of a row leaves, by key."""
+def _zeros(scene, row, state, status, released):
+    """Orders of the zeros that the event of a row leaves, by key; released: that of a sliding velocity
+    where sticking ends.
+    """
     kind, part = EVENT_NAMES[int(row["kind"])], int(row["part"])
     friction = part - len(scene.stops)
     clearance = friction - len(scene.frictions)
@@ -71,7 +86,7 @@ def _zeros(scene, row, state, status):
         return {(_watched(scene, kind, part, state, status), part): 1}
     if kind in ("violation_begin", "violation_end"):
         return {(CLEARANCE, clearance): 1}
-    return {"reversal": {(SLIDE, friction): 1}, "stick_end": {(SLIDE, friction): 2}}.get(kind, {})
+    return {"reversal": {(SLIDE, friction): 1}, "stick_end": {(SLIDE, friction): released}}.get(kind, {})
 
 
 def _watched(scene, kind, part, state, status):

@@ -231,7 +231,7 @@ class RowMaker:
         """
         scene, status = self.scene, rows.status
         held: dict[int, list[Cut]] = {}
-        limits = {i: (f.forward, f.backward) for i, f in enumerate(scene.frictions)}
+        limits = {i: f.limits for i, f in enumerate(scene.frictions)}
         for leader, members in rows.groups.members.items():
             ties = [tie for tie in stuck if rows.leader[tie[1]] == leader]
             if ties:

@@ -4,13 +4,15 @@ A disturbed motion meets the event function h a little earlier or later, and mov
 for so long: S = I + (f+ - f-) n^T / (n^T f- + dh/dt), with n = grad h and f-, f+ the vector fields before and
 after (Aizerman & Gantmakher 1958; Mueller 1995). Displacements, velocities and the rotor's angle and speed go
 on without a jump, so f+ - f- consists of accelerations.
-    clearance; force of ties at their limit; damper that would have to pull; stop without damper
+    clearance; ties at a limit that slip holds too; damper that would have to pull; stop without damper
                       f+ = f-, so S = I
     stop with damper  its force is c g' on one side and 0 on the other, dh/dt = +-g': their ratio is c,
                       however slow the contact
     sticking          f+ - f- is what a force between the two bodies makes, n^T f+ + dh/dt = 0: whatever the
                       forces, S gives the bodies their common velocity and keeps momentum
     reversal          friction jumps by its sum in both directions
+    release           where a tie at its limit begins to slip with less force than that, f+ - f- is what
+                      the drop makes and n the gradient of the force that the tie passes
 """
 
 from dataclasses import dataclass
@@ -18,8 +20,11 @@ from typing import Any
 
 from vibsim.engine.accelerations import accelerations, joined, response
 from vibsim.engine.harmonics import value_and_rate
-from vibsim.engine.rows import DIFFERENCE, GAP, SLIDE
+from vibsim.engine.rows import DIFFERENCE, GAP, HOLD, SLIDE
 from vibsim.engine.status import CONTACT, FORWARD, STICK
+from vibsim.engine.tangent_taylor import TaylorTangent
+from vibsim.engine.taylor import Taylor
+from vibsim.events.certificate import Certificate
 
 
 @dataclass
@@ -46,6 +51,17 @@ class Saltation:
 
     def _along(self, vector):
         return gradient(self.event, vector, self.bodies)
+
+
+@dataclass
+class Release(Saltation):
+    """S where ties begin to slip with less force; flow: Taylor's, at the event in the mode before."""
+
+    flow: Any
+
+    def _along(self, vector):
+        tangent = TaylorTangent(self.flow.scene, self.flow.kit, self.flow)
+        return tangent.value(self.event, vector)
 
 
 @dataclass
@@ -97,6 +113,8 @@ def saltation(scene, kit, state, before, after, event):
         return _rank_one(scene, kit, state, before, event, forces, None)
     if event.kind in (SLIDE, GAP):
         return _general(scene, kit, state, before, after, event)
+    if event.kind == HOLD and any(scene.frictions[i].drops(new.frictions[i]) for i in turned):
+        return _released(scene, kit, state, before, after, event)
     return None
 
 
@@ -159,17 +177,47 @@ def event_rate(scene, kit, state, rows, event):
 
 def _general(scene, kit, state, before, after, event):
     """S by the vector fields on both sides."""
-    (one, rotor), (other, turned) = (accelerations(scene, kit, rows, state) for rows in (before, after))
-    jump = [b - a for a, b in zip(one, other, strict=True)], turned - rotor
+    jump = _jump(scene, kit, state, before, after)
     return _saltation(scene, kit, event, jump, event_rate(scene, kit, state, before, event))
+
+
+def _jump(scene, kit, state, before, after):
+    """Jump of the accelerations (bodies, rotor) between two modes."""
+    (one, rotor), (other, turned) = (accelerations(scene, kit, rows, state) for rows in (before, after))
+    return [b - a for a, b in zip(one, other, strict=True)], turned - rotor
+
+
+def _released(scene, kit, state, before, after, event):
+    """S where ties begin to slip with less force than they held."""
+    flow, rate = expanded(scene, kit, state, before), tie_rate(scene, kit, state, before, event)
+    change = _change(scene, kit, _jump(scene, kit, state, before, after), rate)
+    return change and Release(event, change, len(scene.bodies), flow)
+
+
+def expanded(scene, kit, state, rows):
+    """The Taylor flow at `state` in the mode of `rows`."""
+    flow = Taylor(scene, kit, Certificate(kit))
+    flow.enter(state, rows, {})
+    return flow
+
+
+def tie_rate(scene, kit, state, rows, event):
+    """Rate of the event function of a tie along the motion in the mode of `rows` [N/s]."""
+    return expanded(scene, kit, state, rows).derivatives(event, 1)[1]
 
 
 def _saltation(scene, kit, event, jump, rate):
     """S from the jump of accelerations; None at a tangency, where first order says nothing."""
+    change = _change(scene, kit, jump, rate)
+    return change and Saltation(event, change, len(scene.bodies))
+
+
+def _change(scene, kit, jump, rate):
+    """(f+ - f-) / rate as a disturbance; None at a tangency."""
     if rate == 0:
         return None
     n, zero = len(scene.bodies), kit.number(0)
     change = [zero] * n + [a / rate for a in jump[0][:n]]
     if scene.motor is not None:
         change += [zero, jump[1] / rate]
-    return Saltation(event, change, n)
+    return change

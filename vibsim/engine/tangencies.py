@@ -7,8 +7,8 @@ the depth of the deepest one. A share below CLOSE counts as a tangency.
 """
 
 from vibsim.engine.harmonics import value_and_rate
-from vibsim.engine.rows import GAP, SLIDE
-from vibsim.engine.saltation import event_rate, forced, gradient, reversal
+from vibsim.engine.rows import GAP, HOLD, SLIDE
+from vibsim.engine.saltation import event_rate, forced, gradient, reversal, tie_rate
 from vibsim.engine.status import STICK
 from vibsim.engine.tangent_space import natural_rate
 
@@ -54,6 +54,10 @@ class Tangencies:
             share = rate / self.fastest[i]
         elif event.kind == SLIDE and after.status.frictions[i] == STICK:
             share = self._stopping_share(event, state, before)
+        elif event.kind == HOLD and before.leader != after.leader:
+            share = self._tearing_share(event, state, before, after)
+            if share is None:
+                return
         else:
             return
         share = share * share
@@ -61,6 +65,15 @@ class Tangencies:
             self.count += 1
         if share < self.closest:
             self.closest, self.time = share, state.t
+
+    def _tearing_share(self, event, state, before, after):
+        """How fast the force of ties comes to a limit at which it drops, over a sweep through all that they
+        can hold at the natural rate [-]; None where it does not drop, so that nothing depends on the instant.
+        """
+        cut, frictions = before.cuts[event.part], self.scene.frictions
+        if not any(frictions[i].drops(after.status.frictions[i]) for i, _ in cut.ties):
+            return None
+        return -tie_rate(self.scene, self.kit, state, before, event) / ((cut.above + cut.below) * self.rate)
 
     def _stopping_share(self, event, state, before):
         """Deceleration of a sliding that ends, over the largest with which it can end in sticking [-]: with

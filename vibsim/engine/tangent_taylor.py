@@ -12,6 +12,7 @@ may take steps that are too long for its disturbances: then these go in pieces.
 
 from math import log
 
+from vibsim.engine.rows import ACCELERATION, COUPLING, DIFFERENCE, LOAD
 from vibsim.engine.taylor import Taylor
 from vibsim.physics.numbers import horner
 
@@ -105,6 +106,36 @@ class TaylorTangent:
             self._advance(order)
         series = [*self.x[:n], *self.v[:n], *([self.phi, self.w] if self.motor else [])]
         return [horner(coefficients, self.tau) for coefficients in series]
+
+    def value(self, event, vector):
+        """How much `vector`, a disturbance at the expansion point, changes an event function there [N]."""
+        self.prepare(self.flow.t0, self.flow.t0)
+        self.moved(vector)
+        total = None
+        for term in event.terms:
+            part = term.coefficient * self._term(term)
+            total = part if total is None else total + part
+        return self.kit.number(0) if total is None else total
+
+    def _term(self, term):
+        P, Q = term.P, term.Q
+        if term.kind == ACCELERATION:
+            return self.v[P][1]
+        if term.kind == LOAD:
+            return self._thrust() if self.motor and self.motor.on == P else self.kit.number(0)
+        if term.kind == COUPLING:
+            one = self.flow.rows.couplings[P]
+            P, Q, k, c = one.P, one.Q, one.k, one.c
+            return k * (self.x[P][0] - self.x[Q][0]) + c * (self.v[P][0] - self.v[Q][0])
+        series = self.x if term.kind == DIFFERENCE else self.v
+        return series[P][0] - series[Q][0]
+
+    def _thrust(self):
+        """Disturbed force of the motor on its body, m3 e d(s w)/dt - m3 a1."""
+        flow, phi, w = self.base, self.phi[0], self.w[0]
+        s, c, speed, turn = flow.s[0], flow.c[0], flow.w[0], flow.w[1]
+        pulled = (c * turn - s * speed * speed) * phi + 2 * c * speed * w + s * self.w[1]
+        return flow.unbalance * pulled - self.motor.m3 * self.a1[0]
 
     def _advance(self, n):
         """Coefficients n + 1 from those of order n and below."""

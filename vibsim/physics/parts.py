@@ -66,8 +66,12 @@ class Stop:
 
 @dataclass(frozen=True)
 class Friction:
-    """Coulomb friction of P on Q, v_rel = v_P - v_Q - belt: force -forward (v_rel > 0) or +backward
-    (v_rel < 0) on P [N], up to these while sticking.
+    """Dry friction of P on Q, v_rel = v_P - v_Q - belt.
+
+    forward, backward : force while slipping [N], -forward on P where v_rel > 0, +backward where v_rel < 0
+    belt : velocity of the surface of Q against Q [m/s]
+    hold_forward, hold_backward : the most that it can hold against the start of slip in either direction [N],
+        not below the force while slipping; None: as much as that
     """
 
     name: str
@@ -76,6 +80,21 @@ class Friction:
     forward: Number
     backward: Number
     belt: Number
+    hold_forward: Number | None = None
+    hold_backward: Number | None = None
+
+    @property
+    def limits(self) -> tuple[Number, Number]:
+        """The most that it holds against slip forwards and backwards [N]."""
+        return (
+            self.forward if self.hold_forward is None else self.hold_forward,
+            self.backward if self.hold_backward is None else self.hold_backward,
+        )
+
+    def drops(self, sense: int) -> bool:
+        """Whether its force jumps where it begins to slip: sense > 0 forwards, < 0 backwards."""
+        limit, force = (self.limits[0], self.forward) if sense > 0 else (self.limits[1], self.backward)
+        return bool(limit > force)
 
 
 @dataclass(frozen=True)

@@ -42,9 +42,9 @@ def test_every_part_of_the_long_form():
             Stop("wall", 1, BASE, -0.001, EXTENSION, 1e6, 20.0, AT_FORCE),
         ),
         frictions=(
-            Friction("guide", 1, GROUND, 0.6, 0.6, 0.0),
+            Friction("guide", 1, GROUND, 0.6, 0.6, 0.0, 0.78, 0.78),
             Friction("weight", 0, 1, 1.962, 1.962, 0.0),
-            Friction("moon", 0, BASE, 0.5508, 1.0368, -0.2),
+            Friction("moon", 0, BASE, 0.5508, 1.0368, -0.2, 0.66096, None),
         ),
         forces=(
             Force("drive", 0, -2.0, (Harmonic(10.0, 50 * pi, 25.0, 0.0, pi / 2),)),

@@ -4,6 +4,7 @@ from typing import Any
 
 from vibsim.cases.parts.ends import BASE as BASE_END
 from vibsim.cases.parts.ends import GROUND as GROUND_END
+from vibsim.cases.parts.friction_laws import Direction, directions
 from vibsim.cases.quantities import Quantity
 from vibsim.cases.scene_building import DOUBLES, NumberType, rule_value
 from vibsim.physics.parts import (
@@ -83,14 +84,18 @@ class _SceneBuilder:
         return Stop(name, *self.ends(part), gap, SENSES[part["acts"]], k, c, part["release"], at_start)
 
     def friction(self, name: str, part: Values) -> Friction | None:
-        """Limit forces mu N or mu m g, multiplied exactly and rounded once; None where both are 0."""
+        """Forces coefficient times N or m g, multiplied exactly and rounded once; None where all are 0."""
         load = part["N"].value if "N" in part else self.weight(part)
-        both = part.get("mu")
-        plus, minus = (both or part[side]["mu"] for side in ("plus", "minus"))
-        if not (load and (plus.value or minus.value)):
+        sides = directions(part)
+        if not (load and any(side.hold for side in sides)):
             return None
-        forward, backward = (self.numbers.convert(mu.value * load, 0) for mu in (plus, minus))
-        return Friction(name, *self.ends(part), forward, backward, self.numbers.of(part["belt"]))
+        forward, backward = (self.numbers.convert(side.slip * load, 0) for side in sides)
+        holds = (self.hold(side, load) for side in sides)
+        return Friction(name, *self.ends(part), forward, backward, self.numbers.of(part["belt"]), *holds)
+
+    def hold(self, side: Direction, load: Any) -> Number | None:
+        """The most that a friction holds in one direction; None where that is what it slips with."""
+        return None if side.hold == side.slip else self.numbers.convert(side.hold * load, 0)
 
     def weight(self, part: Values) -> Any:
         """m g [N] of the first-named end, as an exact fraction."""

@@ -20,26 +20,6 @@ def links_do_something(draft: Draft) -> Iterator[Finding]:
             yield Finding(key, "a link needs k, c or both", of_the_name=True)
 
 
-def friction_has_a_coefficient(draft: Draft) -> Iterator[Finding]:
-    """mu for both directions, or plus and minus for one each."""
-    for key, part in draft.parts("friction"):
-        sides = [name for name in ("plus", "minus") if name in part]
-        if part.get("law", "coulomb") != "coulomb":
-            continue
-        if "mu" in part and sides:
-            message = f"mu holds for both directions, so {' and '.join(sides)} must be left out"
-            yield Finding(f"{key}.{sides[0]}", message, of_the_name=True)
-        elif not sides and "mu" not in part and not set(part) & LATER_COEFFICIENTS:
-            yield Finding(key, "needs mu, or plus: {mu: ...} and minus: {mu: ...}", of_the_name=True)
-        elif len(sides) == 1:
-            other = "minus" if sides == ["plus"] else "plus"
-            message = f"{other} is missing; a friction needs both directions, or mu for both"
-            yield Finding(f"{key}.{sides[0]}", message, of_the_name=True)
-
-
-LATER_COEFFICIENTS = {"mu_s", "mu_d"}  # told by the schema
-
-
 def friction_has_a_load(draft: Draft) -> Iterator[Finding]:
     """N, or the weight m g of the first end."""
     for key, part in draft.parts("friction"):
@@ -108,8 +88,10 @@ def _products(draft: Draft) -> Iterator[tuple[str, str, list[Quantity | None]]]:
         if "N" not in part:
             mass = draft.quantity(f"bodies.{ends.P}") if ends else None
             load = [mass, *([draft.quantity(f"{key}.g")] if "g" in part else [])]
-        for mu in ("mu", "plus.mu", "minus.mu"):
-            yield key, "the limit force mu N", [draft.quantity(f"{key}.{mu}"), *load]
+        for side in (key, f"{key}.plus", f"{key}.minus"):
+            mu, ratio = draft.quantity(f"{side}.mu"), draft.quantity(f"{side}.static")
+            yield key, "the limit force mu N", [mu, *load]
+            yield key, "the limit force static mu N", [mu, ratio, *load]
     for key, part in draft.parts("forces"):
         for term in [key, *(f"{key}.terms.{number}" for number in _dict(part.get("terms")))]:
             omega = draft.quantity(f"{term}.omega")

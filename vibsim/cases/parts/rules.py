@@ -12,7 +12,6 @@ from vibsim.cases.parts.connections import (
 )
 from vibsim.cases.parts.contents import (
     closed_form_is_there,
-    friction_has_a_coefficient,
     friction_has_a_load,
     links_do_something,
     products_fit,
@@ -20,6 +19,7 @@ from vibsim.cases.parts.contents import (
     there_is_a_body,
 )
 from vibsim.cases.parts.draft import Draft, Finding
+from vibsim.cases.parts.friction_laws import coefficients_fit_the_law
 from vibsim.cases.parts.names import names_are_different, names_are_names, names_are_no_columns
 
 RULES: tuple[Callable[[Draft], Iterator[Finding]], ...] = (
@@ -33,7 +33,7 @@ RULES: tuple[Callable[[Draft], Iterator[Finding]], ...] = (
     loads_act_on_bodies,
     states_exist,
     links_do_something,
-    friction_has_a_coefficient,
+    coefficients_fit_the_law,
     friction_has_a_load,
     sources_are_harmonic,
     closed_form_is_there,

@@ -30,16 +30,22 @@ from vibsim.cases.schema import (
 Stiffness = Annotated[Quantity, Measured("stiffness", least="0")]
 Damping = Annotated[Quantity, Measured("damping", least="0")]
 FrictionCoefficient = Annotated[Quantity, Measured("number", least="0")]
+StaticRatio = Annotated[Quantity, Measured("number", least="1")]
 
+STATIC = Field(
+    default=None,
+    description="limit while sticking over the force while slipping, at least 1; left out: 1",
+    examples=["1.3"],
+)
 BETWEEN = Field(description="the two ends: bodies, ground or base", examples=["[ram, ground]"])
 ON = Field(description="the body that it acts on", examples=["ram"])
 RIGID = "rigid stops are not in this version yet"
-FALLING = "friction that depends on speed, or with static > kinetic, is not in this version yet"
+FALLING = "friction that depends on speed is not in this version yet"
 
 
 def _later(law: str, message: str) -> BeforeValidator:
     """Refuse the laws that are planned, `law` excepted, with a message of their own."""
-    planned = ("rigid", "static", "stribeck hyperbolic", "stribeck exponential")
+    planned = ("rigid", "stribeck hyperbolic", "stribeck exponential")
 
     def check(value: object) -> object:
         if value in planned:
@@ -87,23 +93,27 @@ class ElasticStop(Section):
 class OneWay(Section):
     """Friction in one direction of slip."""
 
-    later: ClassVar[dict[str, str]] = {"static": FALLING}
-
-    mu: FrictionCoefficient = Field(description="friction coefficient", examples=["0.17"])
+    mu: FrictionCoefficient | None = Field(
+        default=None, description="friction coefficient while slipping", examples=["0.17"]
+    )
+    static: StaticRatio | None = STATIC
 
 
 class DryFriction(Section):
-    """Coulomb friction of P on Q; v_rel = v_P - v_Q - belt."""
+    """Dry friction of P on Q; v_rel = v_P - v_Q - belt."""
 
-    later: ClassVar[dict[str, str]] = dict.fromkeys(("static", "mu_s", "mu_d", "d", "v0"), FALLING)
+    later: ClassVar[dict[str, str]] = dict.fromkeys(("mu_s", "mu_d", "d", "v0"), FALLING)
 
     between: Ends = BETWEEN
     law: Annotated[Literal["coulomb"], _later("coulomb", FALLING)] = Field(
         default="coulomb", description="law of friction"
     )
     mu: FrictionCoefficient | None = Field(
-        default=None, description="friction coefficient, the same in both directions", examples=["0.2"]
+        default=None,
+        description="friction coefficient while slipping, the same in both directions",
+        examples=["0.2"],
     )
+    static: StaticRatio | None = STATIC
     plus: OneWay | None = Field(default=None, description="where v_rel > 0; with minus, in place of mu")
     minus: OneWay | None = Field(default=None, description="where v_rel < 0; with plus, in place of mu")
     N: Annotated[Quantity, Measured("force", least="0")] | None = Field(

@@ -1,0 +1,233 @@
+"""Friction that holds more than it slips with, against closed forms of mechanics."""
+
+from dataclasses import replace
+from math import atan, pi
+
+import numpy as np
+import pytest
+
+from tests.engine.bundles import totals
+from tests.engine.runs import differences, run
+from tests.engine.test_published_numbers import oscillator
+from tests.engine.test_restart import assert_restarts
+from vibsim.engine.columns import part_columns, state_columns
+from vibsim.engine.driver import Driver
+from vibsim.engine.resume import resume_point
+from vibsim.engine.rows import SLIDE
+from vibsim.engine.truth import open_truth
+from vibsim.physics.modes import EVENT_KINDS, EVENT_NAMES
+from vibsim.physics.numbers import Doubles
+from vibsim.physics.parts import (
+    BASE,
+    COMPRESSION,
+    GROUND,
+    Body,
+    Force,
+    Friction,
+    Harmonic,
+    Link,
+    Scene,
+    Stop,
+)
+
+M, K, BELT = 2.0, 50.0, 0.3
+SLIP, HOLD = 4.0, 7.0
+RATE = (K / M) ** 0.5
+
+
+def block_on_belt(sign=1, method="auto", t_end=12.0):
+    """A block on a spring, carried along by a belt."""
+    friction = Friction("belt", 0, GROUND, SLIP, SLIP, sign * BELT, HOLD, HOLD)
+    return Scene(
+        (Body("m", M, 0.0, sign * BELT),),
+        (Link("spring", 0, GROUND, K, 0.0),),
+        frictions=(friction,),
+        t_end=t_end,
+        every_num=1,
+        every_den=10,
+        method=method,
+    )
+
+
+def times(result, kind):
+    return result.events["t"][result.events["kind"] == EVENT_KINDS[kind]]
+
+
+@pytest.mark.parametrize("sign", (1, -1))
+@pytest.mark.parametrize("engine", ("c", "python"))
+@pytest.mark.parametrize("method", ("closed_form", "taylor"))
+def test_block_on_a_belt(method, engine, sign):
+    """Carried to k x = F_s, the block slips about F_k / k with the amplitude of (F_s - F_k) / k and v / rate,
+    until it has the speed of the belt again: then rate x is as far below F_k / k as it was above.
+    """
+    result = run(block_on_belt(sign, method), engine, ledger=True)
+    drop = (HOLD - SLIP) / K
+    slips = (2 * pi - 2 * atan(RATE * drop / BELT)) / RATE
+    sticks = 2 * drop / BELT
+    ends, begins = times(result, "stick_end"), times(result, "stick_begin")
+    assert len(ends) >= 6
+    expected = HOLD / K / BELT + (slips + sticks) * np.arange(len(ends))
+    assert ends == pytest.approx(expected, rel=1e-14)
+    assert begins == pytest.approx(expected[: len(begins)] + slips, rel=1e-14)
+    assert sign * result.events["x_m"][result.events["kind"] == EVENT_KINDS["stick_end"]] == pytest.approx(
+        HOLD / K, rel=1e-14
+    )
+    assert result.totals["uncertified"] == 0
+    assert abs(result.totals["energy_residual"]) < 1e-13
+
+
+def test_block_on_a_belt_in_many_digits():
+    """The same to 38 digits."""
+    flint = pytest.importorskip("flint")
+    scene = block_on_belt()
+
+    def exact(number, _pi):
+        def converted(part):
+            named = {k: number(v) for k, v in vars(part).items() if isinstance(v, float)}
+            return replace(part, **named)
+
+        parts = {
+            name: tuple(map(converted, getattr(scene, name))) for name in ("bodies", "links", "frictions")
+        }
+        return replace(scene, **parts, t_end=number(scene.t_end))
+
+    trajectory = open_truth(exact, 40)
+    blocks = list(trajectory.blocks())
+    digits = [d for b in blocks for k, d in zip(b.events["kind"], b.event_digits["t"], strict=True)
+              if k == EVENT_KINDS["stick_end"]]  # fmt: skip
+    drop = flint.arb(HOLD - SLIP) / K
+    belt = flint.arb(BELT)
+    period = (2 * flint.arb.pi() - 2 * (5 * drop / belt).atan()) / 5 + 2 * drop / belt
+    for n, text in enumerate(digits):
+        assert abs(flint.arb(text.decode()) - (flint.arb(HOLD) / K / belt + n * period)) < 1e-37
+
+
+def test_friction_oscillator_of_pwsdde_cont():
+    """x'' + 0.1 x' + x = 1.5 cos(0.9 t) - friction, 1 while slipping and 1.1 while sticking: the symmetric
+    orbit without sticking has the amplitude 2.42023635057437 (independent solver).
+    """
+    friction = Friction("f", 0, GROUND, 1.0, 1.0, 0.0, 1.1, 1.1)
+    result = run(oscillator(0.9, 1.5, 0.1, 100 * 2 * pi / 0.9, frictions=(friction,)))
+    turns = result.events["kind"] == EVENT_KINDS["reversal"]
+    assert abs(result.events["x_m"][turns][-1]) == pytest.approx(2.42023635057437, abs=1e-11)
+    assert times(result, "stick_begin").max() < 20 * 2 * pi / 0.9  # in the transient only
+
+
+def carriage(lid, hold=8.0):
+    """A block that a growing force tears off the ground, and one that rubs on it."""
+    growing = Harmonic(40.0, 0.5, 0.5 / (2 * pi), 0.0, 0.0)
+    return Scene(
+        (Body("lower", 1.0, 0.0, 0.0), Body("upper", 0.5, 0.0, 0.0)),
+        frictions=(
+            Friction("ground", 0, GROUND, 2.0, 2.0, 0.0, hold, hold),
+            Friction("lid", 1, 0, lid, lid, 0.0),
+        ),
+        forces=(Force("pull", 0, 0.0, (growing,)),),
+        t_end=1.0,
+        every_num=1,
+        every_den=1000,
+    )
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+def test_what_a_release_tears_with_it(engine):
+    """At the release the accelerations jump from 0 to (F_s - F_k) / (m1 + m2) = 4 m/s^2: a lid that holds
+    less than m2 a = 2 N slips at the same instant, one that holds more goes along.
+    """
+    release = np.arcsin(8.0 / 40.0) / 0.5
+    torn = run(carriage(1.9), engine)
+    ends = torn.events["kind"] == EVENT_KINDS["stick_end"]
+    assert torn.events["t"][ends] == pytest.approx([release] * 2, rel=1e-14)
+    assert (torn.events["ground"][ends].tolist(), torn.events["lid"][ends].tolist()) == ([1, 1], [-1, -1])
+    t, v = torn.samples["time"], torn.samples["v_upper"]
+    assert v[t > release] == pytest.approx(1.9 / 0.5 * (t[t > release] - release), abs=1e-13)
+    held = run(carriage(2.1), engine)
+    first = held.events["t"][held.events["kind"] == EVENT_KINDS["stick_end"]]
+    assert first[0] == pytest.approx(release, rel=1e-14)
+    assert first[1] > release + 1e-3
+    assert torn.totals["uncertified"] == held.totals["uncertified"] == 0
+
+
+def test_a_limit_as_high_as_the_slipping_force_changes_nothing():
+    friction = Friction("f", 0, GROUND, 1.0, 0.7, 0.1)
+    plain = oscillator(0.9, 1.5, 0.1, 100.0, frictions=(friction,))
+    told = replace(plain, frictions=(replace(friction, hold_forward=1.0, hold_backward=0.7),))
+    assert differences(run(plain), run(told)) == []
+
+
+def test_limits_of_the_two_directions():
+    """A block on a shaken table that lets it slip easily forwards only is carried one way."""
+    table = Harmonic(0.01, 30.0, 30.0 / (2 * pi), 0.0, 0.0)
+
+    def drift(friction):
+        scene = Scene((Body("m", 1.0, 0.0, 0.0),), frictions=(friction,), base=(table,), t_end=5.0)
+        return run(scene).samples["x_m"][-1]
+
+    assert drift(Friction("f", 0, BASE, 3.0, 3.0, 0.0, 8.0, 20.0)) > 0.05
+    assert drift(Friction("f", 0, BASE, 3.0, 3.0, 0.0, 20.0, 8.0)) < -0.05
+
+
+def struck_and_torn():
+    """A block that holds on to a table until it meets a damped stop, whose force tears it off."""
+    return Scene(
+        (Body("m", 1.0, 0.0, 0.5),),
+        stops=(Stop("wall", 0, GROUND, 0.01, COMPRESSION, 10.0, 20.0),),
+        frictions=(Friction("belt", 0, GROUND, 1.0, 1.0, 0.5),),
+        t_end=0.5,
+        every_num=1,
+        every_den=1000,
+    )
+
+
+SCENES = (block_on_belt(), carriage(1.9), carriage(2.1), struck_and_torn())
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+def test_a_run_goes_on_from_a_release(engine):
+    for scene in SCENES:
+        assert_restarts(scene, engine)
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_a_release_with_a_jump_leaves_a_simple_zero_of_the_sliding_velocity(scene):
+    """The orders that a run goes on with are those that it had."""
+    driver, compared = Driver(replace(scene, every_num=1000, every_den=1), Doubles), set()
+    while not driver.finished:
+        before, t = len(driver.events), driver.state.t
+        driver.run(1)
+        happened = driver.events[before:]
+        if happened and not driver.finished and driver.state.t > t:
+            rows = [row_of(driver.scene, *one) for one in happened]
+            assert resume_point(scene, rows)[2] == driver.known
+            compared |= set(driver.known.items())
+    assert any(kind == SLIDE and order == 1 for (kind, _), order in compared)
+
+
+def row_of(scene, kind, part, state, status):
+    """An event of the driver as a row of the table."""
+    row = {"t": state.t, "kind": kind, "part": part + len(scene.stops) * (kind >= EVENT_KINDS["reversal"])}
+    names = [name for name in state_columns(scene) if name not in ("phi", "phidot")]
+    moving = [value for pair in zip(state.x, state.v, strict=True) for value in pair]
+    return (
+        row
+        | dict(zip(names, moving, strict=True))
+        | dict(zip(part_columns(scene), status.codes, strict=True))
+    )
+
+
+def test_a_damped_stop_tears_a_block_off():
+    """Carried at 0.5 m/s against c = 20 N s/m the force jumps by 10 N: slip begins where contact does."""
+    result = run(struck_and_torn())
+    kinds = [EVENT_NAMES[kind] for kind in result.events["kind"]]
+    assert kinds[:3] == ["start", "contact_begin", "stick_end"]
+    assert result.events["t"][1] == result.events["t"][2] == pytest.approx(0.02, rel=1e-14)
+
+
+@pytest.mark.parametrize("method", ("closed_form", "taylor"))
+def test_the_stick_slip_cycle_is_found_at_once_and_kept(method):
+    """Sticking takes all disturbances of a block on a belt: its exponents are 0, along the motion without
+    drive, and minus infinity.
+    """
+    result = totals(block_on_belt(method=method, t_end=20.0), begin=5.0)
+    assert result["exponents"][0] == pytest.approx(0, abs=1e-12)
+    assert result["exponents"][1] == -np.inf
