@@ -13,7 +13,7 @@ from vibsim.engine.packing import coupled, pack_mode, pack_scene, pack_state
 from vibsim.engine.packing_meters import pack_ledger, pack_meters, terms_of
 from vibsim.engine.packing_tangent import pack_bundle, pack_disturbances
 from vibsim.engine.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, RowMaker
-from vibsim.engine.saltation import saltation
+from vibsim.engine.saltation import released_frictions, saltation
 from vibsim.engine.state import State
 from vibsim.engine.status import CONTACT, LIFTED, OPEN, STICK
 from vibsim.engine.tangencies import Tangencies
@@ -182,7 +182,7 @@ class CRun:
         """Whether C knows what `event` does to disturbances between the modes of two rows: saltation.c and
         tangencies.c, against `saltation.py` and `tangencies.py`.
         """
-        return True
+        return event.kind != HOLD or not released_frictions(self.scene, before, after)
 
     def _rule_jumps_in_c(self, rows, rule, event):
         """The same for all that a rule may lead to."""

@@ -113,9 +113,16 @@ def saltation(scene, kit, state, before, after, event):
         return _rank_one(scene, kit, state, before, event, forces, None)
     if event.kind in (SLIDE, GAP):
         return _general(scene, kit, state, before, after, event)
-    if event.kind == HOLD and any(scene.frictions[i].drops(new.frictions[i]) for i in turned):
+    if event.kind == HOLD and released_frictions(scene, before, after):
         return _released(scene, kit, state, before, after, event)
     return None
+
+
+def released_frictions(scene, before, after):
+    """Frictions that begin to slip between two modes with less force than they held."""
+    pairs = zip(before.status.frictions, after.status.frictions, strict=True)
+    changed = [(i, new) for i, (old, new) in enumerate(pairs) if old == STICK and new != STICK]
+    return [i for i, sense in changed if scene.frictions[i].drops(sense)]
 
 
 def _damper(scene, old, new, event):

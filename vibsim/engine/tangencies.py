@@ -8,7 +8,7 @@ the depth of the deepest one. A share below CLOSE counts as a tangency.
 
 from vibsim.engine.harmonics import value_and_rate
 from vibsim.engine.rows import GAP, HOLD, SLIDE
-from vibsim.engine.saltation import event_rate, forced, gradient, reversal, tie_rate
+from vibsim.engine.saltation import event_rate, forced, gradient, released_frictions, reversal, tie_rate
 from vibsim.engine.status import STICK
 from vibsim.engine.tangent_space import natural_rate
 
@@ -70,8 +70,8 @@ class Tangencies:
         """How fast the force of ties comes to a limit at which it drops, over a sweep through all that they
         can hold at the natural rate [-]; None where it does not drop, so that nothing depends on the instant.
         """
-        cut, frictions = before.cuts[event.part], self.scene.frictions
-        if not any(frictions[i].drops(after.status.frictions[i]) for i, _ in cut.ties):
+        cut = before.cuts[event.part]
+        if not released_frictions(self.scene, before, after):
             return None
         return -tie_rate(self.scene, self.kit, state, before, event) / ((cut.above + cut.below) * self.rate)
 
