@@ -4,10 +4,10 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/installed
-KERNEL := $(wildcard vibsim/kernel/*.[ch] vibsim/engine/*.[ch])
+ENGINE := $(wildcard vibsim/engine/*.[ch])
 PAPER := I-A I-B I-C I-A-eq211 I-B-eq211 I-C-eq211 II-A II-B II-C
 BUILD_ENGINE := $(BIN)/python setup.py -q build_ext --inplace --force
-SANITIZED := tests/kernel tests/events tests/flows tests/tangent tests/engine tests/sweeps
+SANITIZED := tests/engine tests/kernel tests/events tests/flows tests/tangent tests/sweeps
 
 .PHONY: help env run paper test fuzz sanitize verify lint figures sweep sommerfeld bench budgets truths clean
 .DEFAULT_GOAL := help
@@ -17,7 +17,7 @@ help: ## list the targets
 
 env: $(STAMP) ## set up .venv with vibsim, its C engine and the development tools
 
-$(STAMP): pyproject.toml setup.py $(KERNEL)
+$(STAMP): pyproject.toml setup.py $(ENGINE)
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	VIBSIM_BUILD=strict $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
 	touch $@
@@ -88,4 +88,4 @@ budgets: $(STAMP) ## measure the speed budgets on this machine
 clean: ## remove the environment, builds, results and figures
 	rm -rf $(VENV) build *.egg-info results figures .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find vibsim tests -name __pycache__ -type d -prune -exec rm -rf {} +
-	rm -f vibsim/kernel/*.so vibsim/engine/*.so
+	rm -f vibsim/engine/*.so

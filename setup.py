@@ -11,7 +11,7 @@ from glob import glob
 
 from setuptools import Extension, setup
 
-ROOMS = {"vibsim.kernel._kernel": "vibsim/kernel", "vibsim.engine._engine": "vibsim/engine"}
+ROOM = "vibsim/engine"
 GCC_FLAGS = ["-std=c99", "-O3", "-ffp-contract=off", "-fno-fast-math", "-Wall"]
 STRICT = ["-Wextra", "-Werror"]
 SANITIZED = ["-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
@@ -19,17 +19,13 @@ EXTRA = {"": [], "strict": STRICT, "sanitize": STRICT + SANITIZED}
 
 kind = os.environ.get("VIBSIM_BUILD", "")
 
-extensions = [
-    Extension(
-        name,
-        sources=sorted(glob(f"{room}/*.c")),
-        depends=sorted(glob("vibsim/*/*.h")),
-        extra_compile_args=["/O2", "/fp:strict"] if os.name == "nt" else GCC_FLAGS + EXTRA[kind],
-        extra_link_args=[flag for flag in EXTRA[kind] if flag.startswith("-fsanitize")],
-        optional=not kind,
-    )
-    for name, room in ROOMS.items()
-    if glob(f"{room}/*.c")
-]
+engine = Extension(
+    "vibsim.engine._engine",
+    sources=sorted(glob(f"{ROOM}/*.c")),
+    depends=sorted(glob(f"{ROOM}/*.h")),
+    extra_compile_args=["/O2", "/fp:strict"] if os.name == "nt" else GCC_FLAGS + EXTRA[kind],
+    extra_link_args=[flag for flag in EXTRA[kind] if flag.startswith("-fsanitize")],
+    optional=not kind,
+)
 
-setup(ext_modules=extensions)
+setup(ext_modules=[engine])

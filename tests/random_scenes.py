@@ -8,7 +8,7 @@ import math
 from hypothesis import strategies as st
 
 from tests.scenes import NO_SOURCE, RUN, START
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 
 RADIANS = 40.0  # length of a run in radians of its fastest rate
 
@@ -66,7 +66,7 @@ def scenes(draw, sources=("none", "harmonic", "motor"), radians=RADIANS, feature
     fields["t_end"] = radians / fastest
     fields["every_num"] = 1 + int(fields["t_end"] * 1e6 / draw(st.integers(3, 60)))
     fields["every_den"] = 10**6
-    return Scene(**fields)
+    return TwoBlocks(**fields)
 
 
 def damping(stiffness, mobility):

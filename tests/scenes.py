@@ -3,7 +3,7 @@
 import math
 from fractions import Fraction
 
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 
 LIMIT_FRICTION = float(Fraction("0.001") * Fraction("2.94") * Fraction("9.81"))  # mu m2 g [N]
 M3_E = 0.03 * 0.11
@@ -59,7 +59,7 @@ def motor(frequency):
 def scene(source=None, **changes):
     """The paper's blocks, stop and friction, at rest, under `source` (fields; none by default)."""
     source = source or {**NO_SOURCE, "source": "none"}
-    return Scene(**{**BLOCKS, **START, **RUN, **source, **changes})
+    return TwoBlocks(**{**BLOCKS, **START, **RUN, **source, **changes})
 
 
 def paper(name, **changes):

@@ -4,8 +4,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from vibsim.kernel import open_trajectory
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.modes import EVENT_NAMES
+from vibsim.physics.two_blocks import TwoBlocks
 
 ENGINES = ("c", "python")
 
@@ -37,9 +38,15 @@ class Run:
         return {name: column[i] for name, column in self.events.items()}
 
 
+def opened(scene, engine="c", resume=None, **options):
+    """A run of `scene`, of two blocks or made of parts, not yet computed."""
+    parts = scene.as_parts() if isinstance(scene, TwoBlocks) else scene
+    return open_trajectory(parts, engine, resume, **options)
+
+
 def run(scene, engine="c", resume=None):
     """Run `scene` to its end."""
-    return collect(open_trajectory(scene, engine, resume))
+    return collect(opened(scene, engine, resume))
 
 
 def collect(trajectory):

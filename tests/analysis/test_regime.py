@@ -9,7 +9,7 @@ from tests.trust.random_cases import driven_hard
 from vibsim.analysis.regime.section import amplitudes, section_of
 from vibsim.analysis.regime.verdict import judge_regime, word_period
 from vibsim.analysis.span import Span
-from vibsim.kernel import open_trajectory
+from vibsim.engine.trajectory import open_trajectory
 
 LINEAR = {"blocks__m2": "fixed", "friction": "none", "stop": "none"}
 
@@ -21,7 +21,7 @@ LINEAR = {"blocks__m2": "fixed", "friction": "none", "stop": "none"}
 def test_the_section_is_the_one_of_the_engine(name, changes):
     run = short_run(name, "30 s", **changes)
     section = section_of(run, Span(5.0, 30.0))
-    blocks = [block.section for block in open_trajectory(run.case.scene(), section=True).blocks()]
+    blocks = [block.section for block in open_trajectory(run.case.two_blocks(), section=True).blocks()]
     exact = {key: np.concatenate([block[key] for block in blocks]) for key in blocks[0]}
     rows = (exact["time"] >= 5) & (exact["time"] <= 30)
     exact = {key: column[rows] for key, column in exact.items()}
@@ -55,7 +55,7 @@ def test_the_periodic_cases_of_the_paper(name, period):
     found = judge_regime(short_run(name, "300 s"))
     assert (found.verdict, found.period, found.word_period) == ("periodic", period, period)
     run = short_run(name, "300 s")
-    times = 300 - np.array([0, period]) / run.case.scene().cycles
+    times = 300 - np.array([0, period]) / run.case.two_blocks().cycles
     v1 = run.at(times)["v1"]
     assert abs(v1[0] - v1[1]) < 1e-7
 

@@ -7,11 +7,11 @@ import pytest
 from tests.results.made import short_run
 from vibsim.analysis import judge_capture, judge_regime
 from vibsim.analysis.streaming import StreamedVerdicts
-from vibsim.kernel import open_trajectory
+from vibsim.engine.trajectory import open_trajectory
 
 
 def streamed(run, begin):
-    scene = run.case.scene()
+    scene = run.case.two_blocks()
     verdicts = StreamedVerdicts(scene, begin)
     for block in open_trajectory(scene, section=True).blocks():
         verdicts.update(block)
@@ -45,6 +45,6 @@ def test_as_from_the_whole_run(name, changes):
 
 
 def test_nothing_taken():
-    scene = short_run("II-B").case.scene()
+    scene = short_run("II-B").case.two_blocks()
     assert StreamedVerdicts(scene).capture().verdict == "undecided"
     assert StreamedVerdicts(scene).regime().verdict == "undecided"

@@ -8,9 +8,9 @@ import numpy as np
 from tests.budgets.row import Row, stopwatch
 from tests.budgets.true_states import error_of
 from vibsim.cases import load_case
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.evidence.peers.time_limit import TimeLimit
 from vibsim.evidence.verification.event_matching import match_events
-from vibsim.kernel import open_trajectory
 from vibsim.physics.modes import EVENT_NAMES
 
 STATES = ("x1", "v1", "x2", "v2", "phi", "phidot")
@@ -37,7 +37,7 @@ def case_rows(name):
     """Time of vibsim / time of heyoka, both with 60,001 samples, taken in turns; errors; events."""
     from vibsim.evidence.peers.heyoka_events import HeyokaEvents
 
-    scene = load_case(name).scene()
+    scene = load_case(name).two_blocks()
     times = np.array([scene.sample_time(i) for i in range(scene.sample_count)])
     made = []
     jit = stopwatch(lambda: made.append(HeyokaEvents(scene, FULL)))

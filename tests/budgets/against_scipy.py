@@ -9,10 +9,10 @@ from tests.budgets.engine_clock import run_through, without_samples
 from tests.budgets.row import Row, stopwatch
 from tests.budgets.true_states import error_of
 from vibsim.cases import load_case
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.evidence.peers.solve_ivp_eventless import EventlessSolver
 from vibsim.evidence.peers.solve_ivp_events import EventSolver
 from vibsim.evidence.peers.time_limit import TimeLimit
-from vibsim.kernel import open_trajectory
 
 SPAN = 20  # s
 LADDER = (1e-10, 1e-12, 2.3e-14)  # rtol; the last is the tightest that solve_ivp takes
@@ -21,7 +21,7 @@ REPETITIONS = 3
 
 def rows():
     for name in ("II-B", "I-C"):
-        scene = without_samples(replace(load_case(name).scene(), t_end=float(SPAN)))
+        scene = without_samples(replace(load_case(name).two_blocks(), t_end=float(SPAN)))
         ours = median(
             stopwatch(lambda scene=scene: run_through(open_trajectory(scene, "c"))) for _ in range(15)
         )

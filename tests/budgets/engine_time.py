@@ -2,11 +2,12 @@
 
 from statistics import median
 
+from vibsim.kernel.c_engine import CTrajectory
+
 from tests.budgets.engine_clock import EngineClock, run_through, without_samples
 from tests.budgets.row import Row, stopwatch
 from vibsim.cases import load_case
-from vibsim.kernel import open_trajectory
-from vibsim.kernel.c_engine import CTrajectory
+from vibsim.engine.trajectory import open_trajectory
 
 REPETITIONS = 15
 CASE_I, CASE_II = ("I-A", "I-B", "I-C"), ("II-A", "II-B", "II-C")
@@ -21,7 +22,7 @@ def rows():
 
 
 def _case_rows(name, method, floor, most_ms, most_us):
-    scene = load_case(name).scene()
+    scene = load_case(name).two_blocks()
     assert scene.sample_count == 60_001
     in_engine, whole = [], []
     for _ in range(REPETITIONS):

@@ -9,11 +9,12 @@ import time
 from dataclasses import replace
 from statistics import median
 
+from vibsim.kernel import _kernel
+from vibsim.kernel import c_engine as on_blocks
+
 from tests.budgets.row import Row
 from vibsim.cases import load_case
 from vibsim.engine import c_engine as on_rows
-from vibsim.kernel import _kernel
-from vibsim.kernel import c_engine as on_blocks
 from vibsim.physics.parts import GROUND, Body, Link, Scene, Stop
 
 CASES = ("I-A", "I-B", "I-C", "II-A", "II-B", "II-C")
@@ -68,7 +69,7 @@ def by_blocks(scene, method):
 def rows():
     for name in CASES:
         case = load_case(name)
-        parts, scene = case.parts(), case.scene()
+        parts, scene = case.scene(), case.two_blocks()
         method = "closed_form" if name in CASES[:3] else "taylor"
         pairs = [(by_rows(parts)[:2], by_blocks(scene, method)) for _ in range(REPETITIONS)]
         for i, what in enumerate(("in the engine", "whole run")):

@@ -59,7 +59,7 @@ def computing():
 
     def engine():
         for index in indices:
-            scene = sampled_for_statistics(plan.point_case(index).scene())
+            scene = sampled_for_statistics(plan.point_case(index).two_blocks())
             for _ in MeasuredRun(scene, scene.t_end / 2, "c").blocks():
                 pass
 

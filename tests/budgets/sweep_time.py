@@ -36,7 +36,7 @@ def rows():
 
 def engine_seconds(frequency):
     """Time in the C engine [s] of II-B with the motor constant `frequency` [Hz], as a point of a sweep."""
-    scene = sampled_for_statistics(load_case("II-B", {"excitation.Omega0": f"{frequency} Hz"}).scene())
+    scene = sampled_for_statistics(load_case("II-B", {"excitation.Omega0": f"{frequency} Hz"}).two_blocks())
     with EngineClock() as clock:
         for _ in MeasuredRun(scene, scene.t_end / 2, "c").blocks():
             pass

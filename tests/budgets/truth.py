@@ -6,9 +6,10 @@ python -m tests.budgets.truth prints the table of `true_states.py`. Needs python
 import math
 from dataclasses import replace
 
-from vibsim.cases import load_case
 from vibsim.flows.taylor import Taylor
 from vibsim.kernel.driver import Driver
+
+from vibsim.cases import load_case
 from vibsim.physics.multiprecision import Balls
 
 INSTANTS = {"I-C": (20,), "II-A": (20, 40), "II-B": (20, 50), "II-C": (20, 40)}  # s
@@ -17,7 +18,7 @@ INSTANTS = {"I-C": (20,), "II-A": (20, 40), "II-B": (20, 50), "II-C": (20, 40)} 
 def true_states(name, times):
     """{(name, t): state} at `times` [s]."""
     kit = Balls(40)
-    scene = load_case(name).scene()
+    scene = load_case(name).two_blocks()
     numbers = {key: kit.number(value) for key, value in vars(scene).items() if isinstance(value, float)}
     if scene.source == "harmonic":
         numbers["omega"] = kit.two_pi * (numbers["cycles"] + numbers["cycles_lo"])

@@ -44,7 +44,7 @@ def test_any_valid_case_reads_back_from_its_resolved_text(overrides):
     case = BASE.with_values(overrides)
     again = Case.from_resolved_json(case.resolved_json())
     assert again.values == case.values
-    assert again.scene() == case.scene()
+    assert again.two_blocks() == case.two_blocks()
     assert again.sha256 == case.sha256
     assert again.resolved_json() == case.resolved_json()
 
@@ -56,7 +56,7 @@ def only_case_or_problems(text):
         assert error.problems
         assert all(str(problem).count("\n") == 0 and problem.message for problem in error.problems)
     else:
-        assert case.scene().m1 > 0
+        assert case.two_blocks().m1 > 0
 
 
 @given(st.text(max_size=300))

@@ -17,8 +17,8 @@ def test_resolved_text_is_canonical_and_complete(name):
     case = load_case(name)
     again = Case.from_resolved_json(case.resolved_json())
     assert again.resolved_json() == case.resolved_json()
-    assert (again.scene(), again.sha256, again.name, again.title) == (
-        case.scene(), case.sha256, case.name, case.title,
+    assert (again.two_blocks(), again.sha256, again.name, again.title) == (
+        case.two_blocks(), case.sha256, case.name, case.title,
     )  # fmt: skip
     assert json.loads(case.resolved_json())["run"]["order"] == 20
 
@@ -76,7 +76,7 @@ def test_case_and_error_pickle():
     assert case.values and case.sha256
     again = pickle.loads(pickle.dumps(case))
     assert again == case
-    assert again.with_values({"omega": "4 Hz"}).scene() == case.with_values({"omega": "4 Hz"}).scene()
+    assert again.with_values({"omega": "4 Hz"}).two_blocks() == case.with_values({"omega": "4 Hz"}).two_blocks()
     with pytest.raises(CaseError) as caught:
         load_case("nothing")
     assert pickle.loads(pickle.dumps(caught.value)).problems == caught.value.problems
@@ -90,7 +90,7 @@ def test_a_case_does_not_change():
 
 
 def test_rates_in_radians_give_cycles_as_a_double_double():
-    scene = load_case("I-A", {"omega": "22 rad/s"}).scene()
+    scene = load_case("I-A", {"omega": "22 rad/s"}).two_blocks()
     with mpmath.workdps(60):
         exact = 22 / (2 * mpmath.pi)
         assert scene.omega == 22.0
@@ -99,21 +99,21 @@ def test_rates_in_radians_give_cycles_as_a_double_double():
 
 
 def test_rates_in_hertz_that_are_no_double_give_the_rest():
-    scene = load_case("I-A", {"omega": "3.7 Hz"}).scene()
+    scene = load_case("I-A", {"omega": "3.7 Hz"}).two_blocks()
     assert scene.cycles == 3.7
     assert scene.cycles_lo == float(Fraction("3.7") - Fraction(3.7))
 
 
 def test_friction_force_is_rounded_once():
     case = load_case("II-B", {"mu": "0.1", "m2": "0.3 kg", "g": "9.81 m/s^2"})
-    assert float(Fraction("0.1") * Fraction("0.3") * Fraction("9.81")) == case.scene().N
+    assert float(Fraction("0.1") * Fraction("0.3") * Fraction("9.81")) == case.two_blocks().N
 
 
 @pytest.mark.parametrize("omega", ["3.7 Hz", "22.1 rad/s"])
 def test_exact_scene_in_mpmath(omega):
     case = load_case("I-A-eq211", {"omega": omega})
     with mpmath.workdps(60):
-        exact = case.exact_scene(lambda value: mpmath.mpf(value.numerator) / value.denominator, mpmath.pi)
+        exact = case.exact_two_blocks(lambda value: mpmath.mpf(value.numerator) / value.denominator, mpmath.pi)
         per_second = mpmath.mpf(omega.split()[0]) * (2 * mpmath.pi if "Hz" in omega else 1)
         assert abs(exact.omega - per_second) < mpmath.mpf(10) ** -57
         assert abs(exact.A - mpmath.mpf("0.0033") * per_second**2) < mpmath.mpf(10) ** -57
@@ -121,13 +121,13 @@ def test_exact_scene_in_mpmath(omega):
             assert exact.cycles == Fraction("3.7")
         else:
             assert abs(exact.cycles * 2 * mpmath.pi - 22.1) < 1e-14
-    double = case.scene()
+    double = case.two_blocks()
     assert (float(exact.omega), float(exact.A), float(exact.N)) == (double.omega, double.A, double.N)
     assert (exact.every_num, exact.every_den, exact.source, exact.k2) == (1, 200, "harmonic", 12400)
 
 
 def test_exact_scene_without_pi_takes_enough_digits():
-    scene = load_case("II-B").exact_scene(Fraction)
+    scene = load_case("II-B").exact_two_blocks(Fraction)
     with mpmath.workdps(1050):
         exact = 11 * mpmath.pi
         given_value = mpmath.mpf(scene.Omega0.numerator) / scene.Omega0.denominator
@@ -155,7 +155,7 @@ def test_fingerprints_of_stored_files_stay(name):
 
 def test_a_case_of_two_blocks_does_not_load_the_long_form():
     code = (
-        "import sys; from vibsim import load_case; load_case('II-B').parts(); "
+        "import sys; from vibsim import load_case; load_case('II-B').scene(); "
         "print('vibsim.cases.parts.schema' in sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

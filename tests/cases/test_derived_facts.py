@@ -9,7 +9,7 @@ from vibsim.cases.derived_facts import derived_facts
 
 
 def facts(name, overrides=None):
-    return {fact.name: fact.value for fact in derived_facts(load_case(name, overrides).scene())}
+    return {fact.name: fact.value for fact in derived_facts(load_case(name, overrides).two_blocks())}
 
 
 def test_case_one():
@@ -28,7 +28,7 @@ def test_case_two():
     assert found["bilinear"] == pytest.approx(7.37, abs=5e-3)
     inertia = 0.001 + 0.03 * 0.11**2
     assert found["run-up time constant"] == pytest.approx(11 * pi * inertia / 0.005, rel=1e-14)
-    assert found["full force"] == pytest.approx(load_case("I-B-eq211").scene().A, rel=1e-14)
+    assert found["full force"] == pytest.approx(load_case("I-B-eq211").two_blocks().A, rel=1e-14)
 
 
 def test_a_wall_without_stop_and_friction():

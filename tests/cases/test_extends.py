@@ -32,7 +32,7 @@ def child(folder, text, name="child.yaml"):
 
 def test_a_child_with_nothing_of_its_own_is_its_parent(folder):
     case = child(folder, "extends: parent.yaml\n")
-    assert case.scene() == load_case(folder / "parent.yaml").scene()
+    assert case.two_blocks() == load_case(folder / "parent.yaml").two_blocks()
     assert case.sha256 == load_case(folder / "parent.yaml").sha256
 
 
@@ -51,20 +51,20 @@ def test_keys_are_replaced_one_by_one(folder):
 def test_a_value_replaces_a_rule_and_a_rule_a_value(folder):
     assert child(folder, "extends: parent.yaml\nexcitation: {A: 0.1 N}\n").number("A") == 0.1
     text = "extends: I-A\nexcitation: {A: {rule: m3 e omega^2, m3: 0.03 kg, e: 0.11 m}}\n"
-    assert child(folder, text).scene().A == load_case("I-A-eq211").scene().A
+    assert child(folder, text).two_blocks().A == load_case("I-A-eq211").two_blocks().A
 
 
 def test_another_kind_replaces_the_excitation(folder):
     text = "extends: parent.yaml\nexcitation: {kind: none}\n"
-    assert child(folder, text).scene().source == "none"
+    assert child(folder, text).two_blocks().source == "none"
     same = child(folder, "extends: parent.yaml\nexcitation: {kind: harmonic, omega: 7 Hz}\n")
     assert same.number("A") == pytest.approx(4 * load_case(folder / "parent.yaml").number("A"), rel=1e-15)
 
 
 def test_none_switches_a_section_off_and_a_grandchild_on_again(folder):
-    assert not child(folder, "extends: parent.yaml\nstop: none\n", "off.yaml").scene().has_stop
+    assert not child(folder, "extends: parent.yaml\nstop: none\n", "off.yaml").two_blocks().has_stop
     on = child(folder, "extends: off.yaml\nstop: {k2: 1 N/m, G: 0 m}\n")
-    assert on.scene().k2 == 1.0
+    assert on.two_blocks().k2 == 1.0
 
 
 def test_paths_count_from_the_file_that_extends(folder, monkeypatch):

@@ -72,7 +72,7 @@ def test_a_file_of_exactly_one_megabyte_is_read(tmp_path):
     path = tmp_path / "trial.yaml"
     text = "blocks: {m1: 1 kg, m2: 1 kg}\ncoupling: {k1: 1 N/m}\n"
     path.write_text(text + "#" * (1_000_000 - len(text)))
-    assert load_case(path).scene().m1 == 1.0
+    assert load_case(path).two_blocks().m1 == 1.0
 
 
 @pytest.mark.parametrize(

@@ -35,7 +35,7 @@ def problems_of(overrides, source="II-B"):
 def test_override_sets_the_value(overrides, key, number):
     case = load_case("II-B", overrides)
     assert case.number(key) == number
-    assert load_case("II-B").with_values(overrides).scene() == case.scene()
+    assert load_case("II-B").with_values(overrides).two_blocks() == case.two_blocks()
     assert case.text == load_case("II-B").text
 
 
@@ -126,25 +126,25 @@ def test_problems_of_file_and_overrides_come_together(tmp_path):
 
 def test_the_amplitude_by_rule_follows_omega():
     case = load_case("I-A-eq211")
-    assert pytest.approx(4 * case.scene().A, rel=1e-15) == case.with_values({"omega": "7 Hz"}).scene().A
+    assert pytest.approx(4 * case.two_blocks().A, rel=1e-15) == case.with_values({"omega": "7 Hz"}).two_blocks().A
     assert (
         case.with_values({"omega": "7 Hz"}).number("excitation.A")
-        == case.with_values({"omega": "7 Hz"}).scene().A
+        == case.with_values({"omega": "7 Hz"}).two_blocks().A
     )
 
 
 def test_with_values_leaves_the_case_alone():
     case = load_case("II-B")
-    before = case.scene(), case.resolved_json(), dict(case.values)
+    before = case.two_blocks(), case.resolved_json(), dict(case.values)
     case.with_values({"c": "0.03 N s/m", "stop": "none"})
-    assert (case.scene(), case.resolved_json(), dict(case.values)) == before
+    assert (case.two_blocks(), case.resolved_json(), dict(case.values)) == before
 
 
 def test_a_reloaded_case_takes_the_same_overrides():
     case = load_case("II-B")
     again = Case.from_resolved_json(case.resolved_json())
     changes = {"m2": "fixed", "friction": "none", "excitation.kind": "none"}
-    assert again.with_values(changes).scene() == case.with_values(changes).scene()
+    assert again.with_values(changes).two_blocks() == case.with_values(changes).two_blocks()
 
 
 def test_number_and_numeric_keys():

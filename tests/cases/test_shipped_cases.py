@@ -38,8 +38,8 @@ def test_the_paper_s_and_the_readings():
 @pytest.mark.parametrize(("name", "printed"), READINGS.items())
 def test_a_reading_changes_two_numbers_and_says_why(name, printed):
     reading, as_printed = load_case(name), load_case(printed)
-    changed = {**vars(as_printed.scene()), "c": 0.0035, "J": 0.0085}
-    assert vars(reading.scene()) == changed
+    changed = {**vars(as_printed.two_blocks()), "c": 0.0035, "J": 0.0085}
+    assert vars(reading.two_blocks()) == changed
     assert "Why these two" in reading.text
     assert "(printed: 0.001)" in reading.text and "(printed: 0.001)" in reading.text
 
@@ -47,16 +47,16 @@ def test_a_reading_changes_two_numbers_and_says_why(name, printed):
 @pytest.mark.parametrize("name", sorted(set(shipped_case_names()) - set(READINGS)))
 def test_common_values_name_and_title(name):
     case = load_case(name)
-    assert fields(case.scene(), COMMON) == COMMON
+    assert fields(case.two_blocks(), COMMON) == COMMON
     assert case.name == name
     assert f"{FREQUENCIES[name.split('-')[1]]} Hz" in case.title
     assert "Table 1, column" in case.text
-    assert float(Fraction("0.001") * Fraction("2.94") * Fraction("9.81")) == case.scene().N
+    assert float(Fraction("0.001") * Fraction("2.94") * Fraction("9.81")) == case.two_blocks().N
 
 
 @pytest.mark.parametrize("letter", "ABC")
 def test_ideal_source(letter):
-    scene = load_case(f"I-{letter}").scene()
+    scene = load_case(f"I-{letter}").two_blocks()
     hertz = FREQUENCIES[letter]
     assert (scene.source, scene.F0, scene.A) == ("harmonic", 0.0, AMPLITUDES[letter])
     assert (scene.omega, scene.cycles, scene.cycles_lo) == (radians_per_second(hertz), float(hertz), 0.0)
@@ -68,7 +68,7 @@ def test_ideal_source(letter):
 @pytest.mark.parametrize("letter", "ABC")
 def test_ideal_source_with_the_amplitude_of_eq_2_11(letter):
     """A = m3 e omega^2 with the motor's m3 and e; 22 to 41 times what Table 1 prints."""
-    printed, by_rule = load_case(f"I-{letter}").scene(), load_case(f"I-{letter}-eq211").scene()
+    printed, by_rule = load_case(f"I-{letter}").two_blocks(), load_case(f"I-{letter}-eq211").two_blocks()
     with mpmath.workdps(50):
         omega = 2 * mpmath.pi * mpmath.mpf(FREQUENCIES[letter])
         assert float(mpmath.mpf("0.03") * mpmath.mpf("0.11") * omega**2) == by_rule.A
@@ -78,7 +78,7 @@ def test_ideal_source_with_the_amplitude_of_eq_2_11(letter):
 
 @pytest.mark.parametrize("letter", "ABC")
 def test_motor(letter):
-    scene = load_case(f"II-{letter}").scene()
+    scene = load_case(f"II-{letter}").two_blocks()
     assert scene.source == "motor"
     assert scene.Omega0 == radians_per_second(FREQUENCIES[letter])
     assert fields(scene, MOTOR) == MOTOR

@@ -21,7 +21,7 @@ def expected_numbers(path):
 @pytest.mark.parametrize("name", FILES)
 def test_valid_file_gives_its_numbers(name):
     path = FOLDER / name
-    scene = load_case(path).scene()
+    scene = load_case(path).two_blocks()
     expected = expected_numbers(path)
     assert expected
     assert {key: getattr(scene, key) for key in expected} == expected
@@ -31,7 +31,7 @@ def test_valid_file_gives_its_numbers(name):
 def test_resolved_text_gives_the_same_case(name):
     case = load_case(FOLDER / name)
     again = Case.from_resolved_json(case.resolved_json())
-    assert again.scene() == case.scene()
+    assert again.two_blocks() == case.two_blocks()
     assert again.values == case.values
     assert again.sha256 == case.sha256
     assert again.resolved_json() == case.resolved_json()
@@ -42,7 +42,7 @@ def test_windows_line_ends_and_byte_order_mark(tmp_path):
     path = tmp_path / "windows.yaml"
     path.write_bytes(b"\xef\xbb\xbf" + text.encode())
     case = load_case(path)
-    assert (case.scene().m1, case.scene().k1, case.text) == (0.297, 200.0, text)
+    assert (case.two_blocks().m1, case.two_blocks().k1, case.text) == (0.297, 200.0, text)
 
 
 def test_name_comes_from_the_file_where_it_is_not_given(tmp_path):
@@ -66,4 +66,4 @@ def test_standard_input(monkeypatch):
 
     monkeypatch.setattr(sys, "stdin", Stdin)
     case = load_case("-")
-    assert (case.name, case.source, case.scene().m1) == ("stdin", "stdin", 1.0)
+    assert (case.name, case.source, case.two_blocks().m1) == ("stdin", "stdin", 1.0)

@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 from tests.command_line.made import call
+from vibsim.engine.choice import compiled
 from vibsim.evidence.benchmark import open_bench
 from vibsim.evidence.benchmark.families import FAMILIES
-from vibsim.kernel import compiled
 
 SHORT = ("--t-end", "1s", "--methods", "python,dop853,rk4")
 

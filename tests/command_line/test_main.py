@@ -9,14 +9,14 @@ from pathlib import Path
 
 import click
 import pytest
+from vibsim.physics.state import State
 
 import vibsim
 from tests.command_line.made import call, process
 from vibsim.cases import CaseError, Problem
 from vibsim.command_line.errors import exit_code_of
 from vibsim.command_line.main import COMMANDS, group
-from vibsim.kernel import KernelError
-from vibsim.physics.state import State
+from vibsim.engine.errors import EngineError
 from vibsim.plots.errors import PlotError
 from vibsim.results import ResultFileError
 
@@ -116,7 +116,7 @@ def test_version():
 STATE = State(1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 USERS_ERRORS = [
     (CaseError([Problem("a.yaml", 1, 2, "k1", "must be >= 0")]), 3, "a.yaml:1:2: k1: must be >= 0\n"),
-    (KernelError("diverged", STATE), 4, "Error: t = 1.0 s: the state is no longer finite"),
+    (EngineError("diverged", STATE), 4, "Error: t = 1.0 s: the state is no longer finite"),
     (ResultFileError("a.h5: is empty"), 6, "Error: a.h5: is empty\n"),
     (PlotError("no such kind"), 2, "Error: no such kind\n"),
     (click.UsageError("wrong"), 2, "Error: wrong\n"),

@@ -53,5 +53,5 @@ def test_lengths_and_durations_in_words():
     assert [metres(x) for x in (-0.0, 0.0, -2e-6, math.nan)] == ["0 m", "0 m", "-2 um", "nan nm"]
     texts = [seconds(t) for t in (0.0, 1.0, 0.005, 2e-6, 3e-9, 1e-20)]
     assert texts == ["0 s", "1 s", "5 ms", "2 us", "3 ns", "1e-20 s"]
-    (span,) = (text for label, text in case_lines(short_run("I-A", "1 ms").case.scene()) if label == "span")
+    (span,) = (text for label, text in case_lines(short_run("I-A", "1 ms").case) if label == "span")
     assert span == "1 ms, a sample every 5 ms: 1 sample"

@@ -5,12 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from vibsim.kernel.python_engine import PythonTrajectory
+from vibsim.physics.state import State
 
 import vibsim
 from tests.command_line.made import call
-from vibsim.kernel import KernelError, compiled
-from vibsim.kernel.python_engine import PythonTrajectory
-from vibsim.physics.state import State
+from vibsim.engine.choice import compiled
+from vibsim.engine.errors import EngineError
 
 
 @pytest.fixture(autouse=True)
@@ -124,7 +125,7 @@ def test_options_become_part_of_the_case():
         "taylor",
     )
     case = vibsim.open_result("II-B.h5").case
-    scene = case.scene()
+    scene = case.two_blocks()
     assert scene.Omega0 == pytest.approx(2 * np.pi * 6.5, rel=1e-15)
     assert (scene.c, scene.t_end, scene.every_num / scene.every_den) == (0.03, 5.0, 0.001)
     assert scene.method == "taylor"
@@ -259,7 +260,7 @@ def test_a_run_that_fails_is_told_and_the_others_go_on(monkeypatch):
     def failing_in_case_2(self):
         yield from blocks(self)
         if self.scene.has_motor:
-            raise KernelError("diverged", State(4.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+            raise EngineError("diverged", State(4.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
 
     monkeypatch.setattr(PythonTrajectory, "blocks", failing_in_case_2)
     done = run("II-A", "I-A", "--t-end", "1s", "--engine", "python", code=4)

@@ -13,7 +13,7 @@ from tests.engine.random_parts import LENGTH, RATE, part_scenes
 from tests.engine.runs import Run, outcome, run
 from tests.engine.two_blocks import parts_of
 from tests.scenes import CASE_NAMES, MOTORS, paper
-from vibsim.kernel import open_trajectory as open_two_blocks
+from vibsim.engine.trajectory import open_trajectory as open_two_blocks
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import (
     AT_FORCE,

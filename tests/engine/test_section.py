@@ -8,7 +8,7 @@ import pytest
 from tests.engine.runs import run, same_bits
 from tests.engine.two_blocks import parts_of
 from tests.scenes import CASE_NAMES, paper
-from vibsim.kernel import open_trajectory as open_two_blocks
+from vibsim.engine.trajectory import open_trajectory as open_two_blocks
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import BASE, GROUND, Body, Force, Harmonic, Link, Scene
 from vibsim.physics.period import common_period

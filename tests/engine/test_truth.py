@@ -89,8 +89,8 @@ def apart(one, other):
 @pytest.mark.parametrize("name", ["I-B", "drifting-capsule", "percussive-drill", "stack-of-blocks"])
 def test_two_precisions_agree(name):
     case = load_case(place(name), {"run.t_end": "0.5 s", "run.every": "50 s"})
-    coarse, _ = ends(case.exact_parts, 30)
-    fine, totals = ends(case.exact_parts, 45)
+    coarse, _ = ends(case.exact_scene, 30)
+    fine, totals = ends(case.exact_scene, 45)
     assert apart(coarse, fine) < 1e-26
     assert totals["events"] > 5
 
@@ -100,17 +100,17 @@ def test_closed_form_and_taylor_agree(name):
     found = []
     for method in ("auto", "taylor"):
         case = load_case(place(name), {"run.t_end": "0.5 s", "run.every": "50 s", "run.method": method})
-        found.append(ends(case.exact_parts, 40))
+        found.append(ends(case.exact_scene, 40))
     assert apart(found[0][0], found[1][0]) < 1e-36
     assert found[0][1]["events"] == found[1][1]["events"] > 5
 
 
 def test_mpmath_agrees_with_flint(monkeypatch):
     case = load_case(place("drifting-capsule"), {"run.t_end": "0.1 s", "run.every": "50 s"})
-    balls, _ = ends(case.exact_parts, 30)
+    balls, _ = ends(case.exact_scene, 30)
     without = {name: kit for name, kit in number_kits.KITS.items() if name != "flint"}
     monkeypatch.setattr(number_kits, "KITS", without)  # put back, flint would come second
-    floats, totals = ends(case.exact_parts, 30)
+    floats, totals = ends(case.exact_scene, 30)
     assert apart(balls, floats) < 1e-28
     assert totals["events"] > 2
 

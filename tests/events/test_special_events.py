@@ -11,7 +11,7 @@ import pytest
 
 from tests.scenes import NO_SOURCE, fixed_block, harmonic, scene
 from tests.trajectories import ENGINES, run
-from vibsim.kernel import state_at
+from vibsim.engine.trajectory import state_at
 
 EPS = 2.0**-53
 K1, M1, M2 = 200.0, 0.297, 2.94

@@ -4,10 +4,11 @@ from dataclasses import dataclass, fields, replace
 
 from vibsim.kernel.driver import Driver
 from vibsim.kernel.python_engine import FLOWS
+from vibsim.physics.state import State
+
 from vibsim.physics.modes import EVENT_NAMES
 from vibsim.physics.number_kits import number_kit
 from vibsim.physics.numbers import Doubles
-from vibsim.physics.state import State
 
 DIGITS = 40
 WHOLE = ("stop_sign", "order", "every_num", "every_den")  # whole numbers stay what they are

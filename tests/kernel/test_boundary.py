@@ -4,10 +4,10 @@ import threading
 
 import numpy as np
 import pytest
-
-from tests.scenes import harmonic, paper, scene
 from vibsim.kernel import _kernel, open_trajectory, state_at
 from vibsim.kernel.c_engine import PACKED, CTrajectory, pack
+
+from tests.scenes import harmonic, paper, scene
 
 ROW = dict.fromkeys(("t", "kind", "x1", "v1", "x2", "v2", "phi", "phidot", "phase"), 0.0)
 ORDER = len(PACKED) + 1  # places in the packed scene

@@ -5,10 +5,10 @@ from itertools import islice
 
 import numpy as np
 import pytest
-
-from tests.scenes import fixed_block, harmonic, paper, scene
 from vibsim.kernel import _kernel, open_trajectory, state_at
 from vibsim.kernel.c_engine import CTrajectory
+
+from tests.scenes import fixed_block, harmonic, paper, scene
 
 WORK_AT_ONCE = 100_000  # evaluations of the motion, as kernel.h has it
 # one stretch without events of 1e10 quadrature pieces, or tangent pieces

@@ -8,10 +8,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-
 import vibsim.kernel
+
 from tests.scenes import fixed_block, paper
-from vibsim.kernel import KernelError, engine_name, flow_method, open_trajectory
+from vibsim.engine.choice import engine_name, flow_of
+from vibsim.engine.errors import EngineError
+from vibsim.engine.trajectory import open_trajectory
 
 ROOT = Path(__file__).parents[2]
 
@@ -58,27 +60,27 @@ def test_unknown_engine():
 
 def test_the_c_engine_is_there_before_any_thread_can_ask_for_it(monkeypatch):
     """A module of C stands among the modules before its specification does: who looked it up then failed."""
-    monkeypatch.setattr(sys.modules["vibsim.kernel._kernel"], "__spec__", None)
+    monkeypatch.setattr(sys.modules["vibsim.engine._engine"], "__spec__", None)
     assert engine_name("auto") == "c"
-    program = "import sys, vibsim.kernel; print(sys.modules['vibsim.kernel._kernel'].__spec__.name)"
+    program = "import sys, vibsim.kernel; print(sys.modules['vibsim.engine._engine'].__spec__.name)"
     done = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True)
-    assert done.stdout == "vibsim.kernel._kernel\n"
+    assert done.stdout == "vibsim.engine._engine\n"
 
 
 def test_methods():
-    assert flow_method(paper("I-A")) == "closed_form"
-    assert flow_method(paper("II-A")) == "taylor"
-    assert flow_method(paper("I-A", method="taylor")) == "taylor"
+    assert flow_of(paper("I-A")) == "closed_form"
+    assert flow_of(paper("II-A")) == "taylor"
+    assert flow_of(paper("I-A", method="taylor")) == "taylor"
     with pytest.raises(ValueError, match=r"closed_form .* motor"):
-        flow_method(paper("II-A", method="closed_form"))
+        flow_of(paper("II-A", method="closed_form"))
     with pytest.raises(ValueError, match="got 'euler'"):
-        flow_method(paper("I-A", method="euler"))
+        flow_of(paper("I-A", method="euler"))
 
 
 @pytest.mark.parametrize("engine", ("c", "python"))
 def test_a_failing_run_says_what_when_where_and_what_to_do(engine):
     wild = fixed_block(x1=1e308, v1=1e308, G=None, t_end=1.0)
-    with pytest.raises(KernelError) as failure:
+    with pytest.raises(EngineError) as failure:
         list(open_trajectory(wild, engine).blocks())
     message = str(failure.value)
     assert message.startswith("t = 0.0 s: the state is no longer finite")

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from tests.random_scenes import scenes
 from tests.scenes import CASE_NAMES, MOTORS, TABLE_1, fixed_block, paper
 from tests.trajectories import Run, assert_same_bits, run
-from vibsim.kernel import KernelError
+from vibsim.engine.errors import EngineError
 
 IDEAL_NAMES = tuple(name for name in CASE_NAMES if name not in MOTORS)
 TAYLOR_SETTINGS = ((20, 2.0**-53), (12, 1e-9), (30, 2.0**-53), (8, 1e-6), (40, 1e-20))
@@ -19,7 +19,7 @@ def outcome(scene, engine):
     """The run, or the sentence with which it failed."""
     try:
         return run(scene, engine)
-    except KernelError as error:
+    except EngineError as error:
         return str(error)
 
 

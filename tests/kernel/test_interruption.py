@@ -10,7 +10,7 @@ from itertools import islice
 import pytest
 
 from tests.scenes import fixed_block, harmonic, paper, scene
-from vibsim.kernel import open_trajectory
+from vibsim.engine.trajectory import open_trajectory
 
 QUIET = scene(harmonic(3.5, 1e-9), N=None, G=1.0, t_end=1e9, every_num=10**8)
 BUSY = fixed_block(k2=1e9, G=0.0, c=0.0, v1=-1.0, t_end=1e9, every_num=10**8)
@@ -44,7 +44,7 @@ def test_blocks_go_forward_and_join_without_gap_or_overlap(engine):
 
 PROGRAM = """
 from tests.kernel.test_interruption import {name}
-from vibsim.kernel import open_trajectory
+from vibsim.engine.trajectory import open_trajectory
 print("ready", flush=True)
 for block in open_trajectory({name}, {engine!r}).blocks():
     pass

@@ -8,7 +8,7 @@ import pytest
 
 from tests.scenes import fixed_block, motor, paper, scene
 from tests.trajectories import run
-from vibsim.kernel import state_at
+from vibsim.engine.trajectory import state_at
 
 TURN = 2 * math.pi
 

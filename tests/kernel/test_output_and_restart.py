@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from tests.random_scenes import scenes
 from tests.scenes import fixed_block, paper
 from tests.trajectories import ENGINES, assert_same_columns, bits, run
-from vibsim.kernel import state_at
+from vibsim.engine.trajectory import state_at
 
 CASES = [("I-A", "closed_form"), ("I-A", "taylor"), ("II-B", "taylor")]
 

@@ -7,8 +7,9 @@ import numpy as np
 from hypothesis import HealthCheck, given, settings
 
 from tests.random_scenes import scenes
-from vibsim.kernel import KernelError, open_trajectory, state_at
-from vibsim.physics.disturbance import dimension
+from vibsim.engine.errors import EngineError
+from vibsim.engine.tangent_space import dimension
+from vibsim.engine.trajectory import open_trajectory, state_at
 
 COUNT = int(os.environ.get("VIBSIM_SCENES", "25"))
 BLOCKS = 10  # a scene may run for ever
@@ -26,7 +27,7 @@ def test_a_scene_runs_with_all_that_goes_with_it(scene):
             rows += [
                 dict(zip(block.events, row, strict=True)) for row in zip(*block.events.values(), strict=True)
             ]
-    except KernelError:
+    except EngineError:
         pass
     assert trajectory.totals["growth"].shape[1] == 1 + dimension(scene)
     for row, following in list(pairwise(rows))[:5]:

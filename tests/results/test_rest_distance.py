@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tests.results.made import short_case, short_run
 from vibsim.results.rest_distance import LARGEST_STEP, RestDistance, largest_of_cubics
 
-SCENE = short_case().scene()
+SCENE = short_case().two_blocks()
 
 
 def rows(clock, t, y, v):

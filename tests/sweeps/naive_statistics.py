@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from vibsim.kernel import open_trajectory
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.modes import EVENT_KINDS
 
 

@@ -8,7 +8,7 @@ import pytest
 from tests.scenes import fixed_block, harmonic, motor, paper
 from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
 from vibsim.cases.loading import load_case_text
-from vibsim.kernel import open_trajectory
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.opening import open_result
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.sweeps.computations.impact_velocity import QUANTILES

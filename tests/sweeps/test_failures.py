@@ -9,13 +9,15 @@ from vibsim.sweeps.sweeping import run_stored
 
 
 def test_a_failed_point_is_kept_with_its_reason_and_tried_again(tmp_path, monkeypatch):
-    from vibsim.kernel import KernelError, open_trajectory
     from vibsim.physics.state import State
+
+    from vibsim.engine.errors import EngineError
+    from vibsim.engine.trajectory import open_trajectory
     from vibsim.sweeps.statistics import measured_run
 
     def failing(scene, *arguments, **options):
         if abs(scene.Omega0 / 2 / np.pi - 4) < 1e-9:
-            raise KernelError("diverged", State(*[1.5] * 8))
+            raise EngineError("diverged", State(*[1.5] * 8))
         return open_trajectory(scene, *arguments, **options)
 
     plan, path = short_plan({OMEGA0: "3, 4, 5 Hz"}, carry_state=True), tmp_path / "sweep.h5"

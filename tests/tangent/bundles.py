@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from vibsim.kernel import open_trajectory
-from vibsim.kernel.tangent import exponents_of
-from vibsim.physics.disturbance import dimension
+from vibsim.engine.lyapunov import exponents_of
+from vibsim.engine.tangent_space import dimension
+from vibsim.engine.trajectory import open_trajectory
 
 
 def totals(scene, engine="c", count=None, begin=0.0, resume=None):

@@ -10,15 +10,16 @@ from tests.random_scenes import scenes
 from tests.scenes import CASE_NAMES, MOTORS, paper
 from tests.tangent.bundles import same_bits, totals
 from tests.trajectories import assert_same_bits, collect, run
-from vibsim.kernel import KernelError, open_trajectory
-from vibsim.physics.disturbance import dimension
+from vibsim.engine.errors import EngineError
+from vibsim.engine.tangent_space import dimension
+from vibsim.engine.trajectory import open_trajectory
 
 
 def outcome(scene, engine, count, begin):
     """Totals of the run, or the sentence with which it failed."""
     try:
         return totals(scene, engine, count, begin)
-    except KernelError as error:
+    except EngineError as error:
         return str(error)
 
 

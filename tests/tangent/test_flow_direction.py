@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-
-from tests.scenes import paper, scene
 from vibsim.kernel.driver import Driver
 from vibsim.kernel.python_engine import FLOWS
+
+from tests.scenes import paper, scene
 from vibsim.physics.forces import motor_accelerations, transmitted_force
 from vibsim.physics.modes import EVENT_NAMES
 from vibsim.physics.numbers import Doubles

@@ -3,11 +3,11 @@
 from dataclasses import replace
 
 import pytest
-
-from tests.scenes import paper
 from vibsim.kernel.driver import Driver
 from vibsim.kernel.python_engine import FLOWS
-from vibsim.physics.disturbance import components
+
+from tests.scenes import paper
+from vibsim.engine.tangent_space import components
 from vibsim.physics.modes import EVENT_NAMES
 from vibsim.physics.multiprecision import Balls
 

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from vibsim.kernel.tangent_bundle import TangentBundle
 
 from tests.random_scenes import scenes
 from tests.scenes import CASE_NAMES, MOTORS, paper
 from tests.tangent.bundles import totals
 from tests.trajectories import run
-from vibsim.kernel.tangent_bundle import TangentBundle
 from vibsim.physics.modes import EVENT_KINDS
 
 # a series of order 20 is cut off at 1.65**20 / 20! = 9e-15 of the disturbance; rounding adds some eps times

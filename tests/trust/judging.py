@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-
 from vibsim.flows.closed_form import ClosedForm
 from vibsim.flows.taylor import Taylor
 from vibsim.kernel.driver import Driver
+
 from vibsim.results import simulate
 
 DIGITS = 45  # chaos takes 1e16 from the first error in the longest of these runs
@@ -67,7 +67,7 @@ def true_error(case, run):
     from vibsim.physics.multiprecision import Balls
 
     kit = Balls(DIGITS)
-    scene = case.exact_scene(kit.number)
+    scene = case.exact_two_blocks(kit.number)
     driver = Driver(scene, kit, (Taylor if scene.has_motor else ClosedForm)(scene, kit))
     rows = []
     while not driver.finished:

@@ -5,11 +5,12 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from vibsim.physics.state import State
 
 from tests.trajectories import run
 from vibsim.cases import load_case
-from vibsim.kernel import KernelError, open_trajectory
-from vibsim.physics.state import State
+from vibsim.engine.errors import EngineError
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.results import trust_companion
 from vibsim.results.trust_companion import Companion, companion_scene, described
 
@@ -18,7 +19,7 @@ LONG = {"run.t_end": "100000 s"}
 
 def companion_of(name, method="taylor", **changes):
     case = load_case(name, {key.replace("__", "."): value for key, value in changes.items()})
-    return case, companion_scene(case, case.scene(), method)
+    return case, companion_scene(case, case.two_blocks(), method)
 
 
 @pytest.fixture
@@ -38,7 +39,7 @@ def companions():
 
 def test_data_that_are_no_doubles_move_one_ulp_towards_their_decimals():
     case, other = companion_of("II-B")
-    scene, exact = case.scene(), case.exact_scene(Fraction)
+    scene, exact = case.two_blocks(), case.exact_two_blocks(Fraction)
     for name in ("m1", "m2", "c", "G", "N", "m3", "e", "J", "M0", "Omega0"):
         ours, theirs, true = getattr(scene, name), getattr(other, name), getattr(exact, name)
         assert abs(theirs - ours) == np.spacing(min(ours, theirs))
@@ -61,7 +62,7 @@ def test_data_that_are_no_doubles_move_one_ulp_towards_their_decimals():
 def test_the_companion_steps_otherwise_and_at_full_tolerance(name, method, changes, expected):
     case, other = companion_of(name, method, **changes)
     assert (other.method, other.order) == expected
-    assert (other.method, other.order) != (method, case.scene().order)
+    assert (other.method, other.order) != (method, case.two_blocks().order)
     assert other.method == "closed_form" or other.tol == 2.0**-53
     assert ("closed form" in described(other)) == (other.method == "closed_form")
 
@@ -69,7 +70,7 @@ def test_the_companion_steps_otherwise_and_at_full_tolerance(name, method, chang
 def test_the_companion_goes_on_where_the_rest_distance_ends_the_run():
     changes = {"rest_distance__value": "1 mm", "rest_distance__on_violation": "stop"}
     case, other = companion_of("I-B", "closed_form", run__t_end="10 s", **changes)
-    assert run(case.scene()).events["t"][-1] < 10 == run(other).events["t"][-1]
+    assert run(case.two_blocks()).events["t"][-1] < 10 == run(other).events["t"][-1]
 
 
 @pytest.mark.parametrize("name", ["I-A", "II-B"])
@@ -121,7 +122,7 @@ def failing(monkeypatch, companions):
 
 def test_of_a_companion_that_fails_nothing_is_known(failing):
     _, other = companion_of("I-A", "closed_form")
-    companion = failing(other, KernelError("diverged", State(*[0.0] * 8)))
+    companion = failing(other, EngineError("diverged", State(*[0.0] * 8)))
     got = companion.take(60_000)
     known = int(np.count_nonzero(~np.isnan(got[0])))
     assert 0 < known < 60_000

@@ -4,7 +4,7 @@ from decimal import Decimal
 from functools import cache
 
 import vibsim
-from vibsim.kernel.truth import open_truth
+from vibsim.engine.truth import open_truth
 
 SPARSE = "50 s"  # samples cost as much as events; where only the end counts there need not be any
 
@@ -18,7 +18,7 @@ def case(name, t_end, method="auto", every=SPARSE, **changes):
 @cache
 def true_end(name, t_end, digits, method="auto"):
     """Totals of a run, and its end state by name, as Decimals of all its digits."""
-    trajectory = open_truth(case(name, t_end, method).exact_scene, digits)
+    trajectory = open_truth(case(name, t_end, method).exact_two_blocks, digits)
     for block in trajectory.blocks():
         last = block.event_digits
     return trajectory.totals, {name: Decimal(texts[-1].decode()) for name, texts in last.items()}

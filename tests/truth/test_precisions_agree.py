@@ -6,9 +6,9 @@ import pytest
 import vibsim
 from tests.truth.made import case, true_end
 from vibsim.cases import shipped_case_names
-from vibsim.kernel import open_trajectory
-from vibsim.kernel.error_growth import error_growth
-from vibsim.kernel.truth import open_truth
+from vibsim.engine.error_growth import error_growth
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.engine.truth import open_truth
 from vibsim.physics import number_kits
 from vibsim.results.right_digits import agreement
 
@@ -36,7 +36,7 @@ def test_mpmath_agrees_with_flint(name, method, monkeypatch):
     _, balls = true_end(name, t_end, 30, method)
     without = {name: kit for name, kit in number_kits.KITS.items() if name != "flint"}
     monkeypatch.setattr(number_kits, "KITS", without)  # put back, flint would come second
-    trajectory = open_truth(case(name, t_end, method).exact_scene, 30)
+    trajectory = open_truth(case(name, t_end, method).exact_two_blocks, 30)
     assert trajectory.kit.name == "mpf"
     *_, last = trajectory.blocks()
     end = {key: texts[-1].decode() for key, texts in last.event_digits.items()}
@@ -49,9 +49,9 @@ def test_doubles_follow_the_truth(name):
     """Their distance stays below rounding times the growth that kicks find; in ideal cases below 1e-12 m."""
     span = "8 s" if name.startswith("II") else "20 s"  # 30 digits of a motor cost half a second a second
     short = case(name, span)
-    *_, last = open_trajectory(short.scene()).blocks()
+    *_, last = open_trajectory(short.two_blocks()).blocks()
     _, end = true_end(name, span, 30)
-    bound = 100 * 2.0**-53 * 10 ** error_growth(short.scene())
+    bound = 100 * 2.0**-53 * 10 ** error_growth(short.two_blocks())
     for column in ("x1", "x2"):
         apart = abs(float(end[column]) - last.events[column][-1])
         assert apart < bound
@@ -63,7 +63,7 @@ def test_doubles_follow_the_truth(name):
 def test_doubles_take_the_same_events(engine):
     short = case("II-C", "12 s")
     expected, _ = true_end("II-C", "12 s", 30)
-    trajectory = open_trajectory(short.scene(), engine)
+    trajectory = open_trajectory(short.two_blocks(), engine)
     list(trajectory.blocks())
     for key in ("impacts", "sticks", "reversals"):
         assert trajectory.totals[key] == expected[key]

@@ -7,7 +7,7 @@ import pytest
 import vibsim
 from tests.engine.runs import run as run_parts
 from tests.trajectories import ENGINES, run
-from vibsim.kernel.truth import open_truth
+from vibsim.engine.truth import open_truth
 from vibsim.physics.modes import EVENT_NAMES
 
 CASE = """
@@ -47,18 +47,18 @@ def test_the_places_lie_on_both_sides():
 def test_doubles_and_digits_start_in_one_mode(place, v1, acts, tmp_path):
     case = case_at(place, v1, acts, tmp_path)
     touches = (v1 > 0) == (acts == "compression")
-    *_, block = open_truth(case.exact_scene, 40).blocks()
+    *_, block = open_truth(case.exact_two_blocks, 40).blocks()
     truth = [EVENT_NAMES[kind] for kind in block.events["kind"]]
     assert truth == ["start", "end"]
     assert block.events["contact"].tolist() == [touches] * 2
     for engine in ENGINES:
         for method in ("closed_form", "taylor"):
-            doubles = run(replace(case.scene(), method=method), engine)
+            doubles = run(replace(case.two_blocks(), method=method), engine)
             assert doubles.kinds == []
             assert doubles.events["contact"].tolist() == [touches] * 2
             assert doubles.totals["uncertified"] == 0
             assert doubles.totals["violations"] == 0
-        parts = run_parts(case.parts(), engine)
+        parts = run_parts(case.scene(), engine)
         assert parts.events["kind"].tolist() == block.events["kind"].tolist()
         contact = parts.samples["contact"]
         assert contact.tolist() == [touches] * len(contact)
@@ -67,6 +67,6 @@ def test_doubles_and_digits_start_in_one_mode(place, v1, acts, tmp_path):
 
 def test_what_is_moved_from_the_stop_is_not_there(tmp_path):
     """A sweep that starts elsewhere from a scene made for the stop is judged by its numbers."""
-    scene = replace(case_at("below", 0.1, "compression", tmp_path).scene(), x1=0.25)
+    scene = replace(case_at("below", 0.1, "compression", tmp_path).two_blocks(), x1=0.25)
     for engine in ENGINES:
         assert run(scene, engine).events["contact"][0] == 0

@@ -69,7 +69,7 @@ def analyse(
         raise ValueError(f"{unknown[0]!r} is not one of {', '.join(WHAT)}")
     result = as_result(result)
     span, steady = span_of(result, window), later_part(result, window, discard)
-    scene = result.case.scene()
+    scene = result.case.two_blocks()
     found: dict[str, Any] = {}
     if "capture" in what and scene.has_motor:
         found["capture"] = judge_capture(result, span.window)

@@ -13,8 +13,8 @@ from math import pi, sqrt
 import numpy as np
 
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.scene import Scene
 from vibsim.physics.sums import dot, mean
+from vibsim.physics.two_blocks import TwoBlocks
 from vibsim.results.result import Result
 from vibsim.results.windows import rows_within
 
@@ -45,7 +45,7 @@ def blocks_of(span: Span, period: float) -> list[Span]:
     return list(pairwise(edges))
 
 
-def period_of(scene: Scene) -> float:
+def period_of(scene: TwoBlocks) -> float:
     """Period of the source [s], of the free vibration where there is none; inf where nothing vibrates."""
     rate = {"none": 0.0, "harmonic": scene.omega, "motor": scene.Omega0}[scene.source]
     mobility = 1 / scene.m1 + (1 / scene.m2 if scene.has_block2 else 0.0)

@@ -8,7 +8,7 @@ from math import ceil, floor, pi
 
 import numpy as np
 
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 from vibsim.results.result import Result
 from vibsim.results.windows import Window, pieces, rows_within
 
@@ -18,13 +18,13 @@ ROWS = 1 << 20  # samples read at a time
 
 def cycle_ends(result: Result, window: Window) -> np.ndarray:
     """Ascending times within the window at which a cycle of the source ends [s]; none without a source."""
-    scene = result.case.scene()
+    scene = result.case.two_blocks()
     if scene.has_motor:
         return _turn_ends(result, window)
     return _period_ends(scene, window)
 
 
-def _period_ends(scene: Scene, window: Window) -> np.ndarray:
+def _period_ends(scene: TwoBlocks, window: Window) -> np.ndarray:
     if scene.source != "harmonic" or not scene.cycles:
         return np.empty(0)
     first, last = ceil(window[0] * scene.cycles), floor(window[1] * scene.cycles)

@@ -16,9 +16,9 @@ import numpy as np
 from vibsim.analysis.cycles import cycle_ends
 from vibsim.analysis.resonances import resonances
 from vibsim.analysis.span import Span, steady_span
-from vibsim.physics.scene import Scene
 from vibsim.physics.sines import sine_cosine
 from vibsim.physics.sums import dot, mean
+from vibsim.physics.two_blocks import TwoBlocks
 from vibsim.results.result import Result
 from vibsim.results.windows import Window, rows_within
 
@@ -86,7 +86,7 @@ def find_frequencies(
     if rows.stop - rows.start < FEWEST:
         reason = f"{rows.stop - rows.start} samples are too few, {FEWEST} are needed"
         return DominantFrequencies("undecided", reason, span, of)
-    scene = result.case.scene()
+    scene = result.case.two_blocks()
     every = scene.every_num / scene.every_den
     source = source_hz(result, span)
     if every * fastest(scene, source) > 1 / PER_PERIOD:
@@ -103,7 +103,7 @@ def find_frequencies(
     return DominantFrequencies(verdict, reason, span, of, lines, resolution, source)
 
 
-def fastest(scene: Scene, source: float | None) -> float:
+def fastest(scene: TwoBlocks, source: float | None) -> float:
     """The higher of the frequencies of the source and of the free vibration [Hz]."""
     return max(source or 0.0, *(one.hz for one in resonances(scene, False)), 0.0)
 

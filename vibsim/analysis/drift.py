@@ -58,7 +58,7 @@ def measure_drift(result: Result, window: Window | None = None, of: str = "x2") 
     """
     if of not in OF:
         raise ValueError(f"of must be one of {', '.join(OF)}, got {of!r}")
-    if not result.case.scene().has_block2:
+    if not result.case.two_blocks().has_block2:
         raise ValueError("nothing can drift: block 2 is fixed")
     span = steady_span(result, window)
     edges = block_edges(result, span)
@@ -86,8 +86,8 @@ def drift_of_blocks(means: np.ndarray, middles: np.ndarray, span: Span, of: str 
 def block_edges(result: Result, span: Span) -> np.ndarray:
     """Ends of blocks of a whole number of cycles [s]; without a source, of vibrations."""
     ends = cycle_ends(result, span.window)
-    if result.case.scene().source == "none":
-        period = period_of(result.case.scene())
+    if result.case.two_blocks().source == "none":
+        period = period_of(result.case.two_blocks())
         ends = np.arange(span.begin, span.end, period) if np.isfinite(period) else np.empty(0)
     groups = (len(ends) - 1) // CYCLES
     step = CYCLES * max(1, groups // MOST_BLOCKS)
@@ -99,7 +99,7 @@ def displacement(result: Result, rows: slice, of: str) -> np.ndarray:
     x2 = np.asarray(result.column("x2")[rows])
     if of == "x2":
         return x2
-    scene = result.case.scene()
+    scene = result.case.two_blocks()
     x1 = np.asarray(result.column("x1")[rows])
     moment, mass = scene.m1 * x1 + scene.m2 * x2, scene.m1 + scene.m2
     if scene.has_motor:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibsim.analysis.regime.largest_exponent import exponent_of
-from vibsim.kernel.tangent import LyapunovExponents, lyapunov_exponents
+from vibsim.engine.lyapunov import LyapunovExponents, lyapunov_exponents
 from vibsim.results.result import Result
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def lyapunov(
     discard : time [s] that is left out at the start, for the motion to settle; None: half of the run
 
     Raises ValueError for a count that the case has not got and for a transient that leaves nothing,
-    KernelError (in `vibsim.kernel`) when the run fails.
+    EngineError (in `vibsim.engine.errors`) when the run fails.
     """
     from vibsim.cases.loading import as_case
 

@@ -12,8 +12,8 @@ from math import inf, log
 import numpy as np
 
 from vibsim.analysis.cycles import TURN
-from vibsim.physics.scene import Scene
 from vibsim.physics.sums import mean
+from vibsim.physics.two_blocks import TwoBlocks
 
 TURNS = 12  # to average over: a multiple of the periods 1, 2, 3, 4 and 6 that the motion may have
 BAND = 0.03  # half width of the band, relative; beside a resonance the mean speed beats by about 2 %
@@ -57,12 +57,12 @@ def mean_speeds(turn_times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return (first + last) / 2, TURNS / (last - first)
 
 
-def run_up_time(scene: Scene) -> float:
+def run_up_time(scene: TwoBlocks) -> float:
     """Time constant of the motor without vibration [s]: Omega0 (J + m3 e^2)/M0; inf without torque."""
     return scene.Omega0 * (scene.J + scene.m3 * scene.e**2) / scene.M0 if scene.M0 else inf
 
 
-def holds_of(times: np.ndarray, speeds: np.ndarray, scene: Scene) -> list[Hold]:
+def holds_of(times: np.ndarray, speeds: np.ndarray, scene: TwoBlocks) -> list[Hold]:
     """All holds among the mean speeds [Hz] at `times` [s], the longest taken first, in order of time."""
     spans = [(0, len(speeds))]
     found = []
@@ -77,7 +77,7 @@ def holds_of(times: np.ndarray, speeds: np.ndarray, scene: Scene) -> list[Hold]:
     return sorted(found, key=lambda hold: hold.begin)
 
 
-def _hold(times: np.ndarray, speeds: np.ndarray, first: int, last: int, scene: Scene) -> Hold | None:
+def _hold(times: np.ndarray, speeds: np.ndarray, first: int, last: int, scene: TwoBlocks) -> Hold | None:
     """The means from `first` to `last` as a hold; None where it has too few turns."""
     if last <= first:
         return None
@@ -97,7 +97,7 @@ def _hold(times: np.ndarray, speeds: np.ndarray, first: int, last: int, scene: S
     )
 
 
-def free_passage(scene: Scene, speed: float) -> float:
+def free_passage(scene: TwoBlocks, speed: float) -> float:
     """Time in which the motor would pass the band about `speed` [Hz] without vibration [s]; inf: never."""
     low, high = speed * (1 - BAND), speed * (1 + BAND)
     no_load = scene.Omega0 / TURN

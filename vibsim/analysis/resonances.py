@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from vibsim.cases.derived_facts import frequency, reduced_mass
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 
 
 @dataclass(frozen=True)
@@ -14,7 +14,7 @@ class Resonance:
     hz: float
 
 
-def resonances(scene: Scene, impacting: bool) -> tuple[Resonance, ...]:
+def resonances(scene: TwoBlocks, impacting: bool) -> tuple[Resonance, ...]:
     """Where the relative vibration answers most, ascending.
 
     Without impacts its natural frequency f1 = sqrt(k1/m)/2 pi, m the reduced mass. With impacts, in the limit

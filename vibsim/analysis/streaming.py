@@ -8,9 +8,9 @@ from vibsim.analysis.capture import Capture, capture_of_turns
 from vibsim.analysis.regime.points import Exponent, Judged, judge_points
 from vibsim.analysis.regime.section import MOST, relative, scaled
 from vibsim.analysis.span import Span
-from vibsim.kernel import Block
+from vibsim.engine.trajectory import Block
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 
 
 class StreamedVerdicts:
@@ -21,7 +21,7 @@ class StreamedVerdicts:
     The blocks carry the stroboscopic section. Memory grows with the cycles and impacts, not with the samples.
     """
 
-    def __init__(self, scene: Scene, begin: float = 0.0):
+    def __init__(self, scene: TwoBlocks, begin: float = 0.0):
         self.scene, self.begin = scene, begin
         self._points: list[dict[str, np.ndarray]] = []
         self._impacts: list[np.ndarray] = []

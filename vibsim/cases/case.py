@@ -16,12 +16,12 @@ from vibsim.cases.parts.text import long_text
 from vibsim.cases.problems import CaseError, Problem
 from vibsim.cases.quantities import Quantity
 from vibsim.cases.resolved import fingerprint, flat_values, nested_values, resolved_text, resolved_values
-from vibsim.cases.scene_building import DOUBLES, amplitude_value, build_scene, exact_numbers
+from vibsim.cases.scene_building import DOUBLES, amplitude_value, build_two_blocks, exact_numbers
 from vibsim.cases.schema import CaseFile, CaseHead, Harmonic
 from vibsim.cases.validation import validated
 from vibsim.cases.yaml_nodes import Place
-from vibsim.physics.parts import Scene as PartsScene
-from vibsim.physics.scene import Scene
+from vibsim.physics.parts import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 
 
 @dataclass(frozen=True)
@@ -53,11 +53,8 @@ class Case:
         return not isinstance(self.model, CaseFile)
 
     def scene(self) -> Scene:
-        """The numbers of the case in SI and rad/s, each the double nearest to the exact value.
-
-        Raises CaseError for a case in the long form: those are `parts()`.
-        """
-        return build_scene(self._two_blocks(), DOUBLES)
+        """The scene as a list of parts, for both forms of case: SI and rad/s, each number rounded once."""
+        return build_parts(self.long_values(), DOUBLES)
 
     def exact_scene(self, number: Callable[[Fraction], Any], pi: Any = None) -> Scene:
         """The scene in another number type, such as flint.arb or mpmath.mpf.
@@ -68,21 +65,20 @@ class Case:
         pi : pi in that type; without it, a fraction right to 1100 digits is converted
 
         A frequency given per turn stays an exact Fraction in `cycles`; one given in rad/s is divided by 2 pi
-        in the number type. `cycles_lo` is 0. Raises CaseError for a case in the long form.
+        in the number type. `cycles_lo` is 0.
         """
-        return build_scene(self._two_blocks(), exact_numbers(number, pi))
-
-    def parts(self) -> PartsScene:
-        """The scene as a list of parts, for both forms of case: SI and rad/s, each number rounded once."""
-        return build_parts(self.long_values(), DOUBLES)
-
-    def exact_parts(self, number: Callable[[Fraction], Any], pi: Any = None) -> PartsScene:
-        """The same in another number type; arguments as of `exact_scene`."""
         return build_parts(self.long_values(), exact_numbers(number, pi))
 
-    def simulated_scene(self) -> Scene | PartsScene:
-        """The scene that is run: that of two blocks for the short form, that of parts for the long one."""
-        return self.parts() if self.is_long else self.scene()
+    def two_blocks(self) -> TwoBlocks:
+        """The numbers of a case in the short form by the symbols of the paper, SI and rad/s.
+
+        Raises CaseError for a case in the long form.
+        """
+        return build_two_blocks(self._short_form(), DOUBLES)
+
+    def exact_two_blocks(self, number: Callable[[Fraction], Any], pi: Any = None) -> TwoBlocks:
+        """The same in another number type; arguments as of `exact_scene`."""
+        return build_two_blocks(self._short_form(), exact_numbers(number, pi))
 
     def long_values(self) -> dict[str, Any]:
         """Nested values of the case in the long form, defaults filled in."""
@@ -92,7 +88,7 @@ class Case:
         """The case as YAML text in the long form, defaults filled in."""
         return long_text(self.long_values())
 
-    def _two_blocks(self) -> CaseFile:
+    def _short_form(self) -> CaseFile:
         if isinstance(self.model, CaseFile):
             return self.model
         what = (

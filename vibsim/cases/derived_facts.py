@@ -6,7 +6,7 @@ from typing import NamedTuple
 from vibsim.physics.parts import Friction
 from vibsim.physics.parts import Scene as PartsScene
 from vibsim.physics.rates import natural_rates
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 
 
 class Fact(NamedTuple):
@@ -18,7 +18,7 @@ class Fact(NamedTuple):
     meaning: str
 
 
-def derived_facts(scene: Scene) -> list[Fact]:
+def derived_facts(scene: TwoBlocks) -> list[Fact]:
     """Facts of a scene; those that need what it has not got are left out."""
     return [*_frequencies(scene), *_damping(scene), *_forces(scene)]
 
@@ -26,8 +26,8 @@ def derived_facts(scene: Scene) -> list[Fact]:
 def facts_of_parts(scene: PartsScene) -> list[Fact]:
     """Natural frequencies with all stops open and closed, and friction limits, of named parts."""
     facts = []
-    for words, closed in (("stops open", False), ("stops closed", True)):
-        if closed and not scene.stops:
+    for words, closed in (("stops open", ()), ("stops closed", scene.stops)):
+        if words == "stops closed" and not scene.stops:
             continue
         for i, rate in enumerate(natural_rates(scene, closed), 1):
             facts.append(
@@ -52,12 +52,12 @@ def _friction_forces(friction: Friction) -> list[Fact]:
     return facts
 
 
-def excited_mass(scene: Scene) -> float:
+def excited_mass(scene: TwoBlocks) -> float:
     """Mass that moves with block 1 [kg]: m1, with a motor m1 + m3."""
     return scene.m1 + (scene.m3 if scene.has_motor else 0.0)
 
 
-def reduced_mass(scene: Scene) -> float:
+def reduced_mass(scene: TwoBlocks) -> float:
     """Mass of the relative motion [kg]: 1/(1/m1 + 1/m2), or m1 before a wall; with a motor m1 + m3."""
     mass = excited_mass(scene)
     return 1 / (1 / mass + 1 / scene.m2) if scene.has_block2 else mass
@@ -68,7 +68,7 @@ def frequency(stiffness: float, mass: float) -> float:
     return sqrt(stiffness / mass) / (2 * pi)
 
 
-def _frequencies(scene: Scene) -> list[Fact]:
+def _frequencies(scene: TwoBlocks) -> list[Fact]:
     block, mass = excited_mass(scene), reduced_mass(scene)
     name = "(m1 + m3)" if scene.has_motor else "m1"
     facts = [Fact("block 1 on its spring", frequency(scene.k1, block), "Hz", f"sqrt(k1/{name})/(2 pi)")]
@@ -86,14 +86,14 @@ def _frequencies(scene: Scene) -> list[Fact]:
     return facts
 
 
-def _damping(scene: Scene) -> list[Fact]:
+def _damping(scene: TwoBlocks) -> list[Fact]:
     if scene.k1 == 0:
         return []
     ratio = scene.c / (2 * sqrt(scene.k1 * reduced_mass(scene)))
     return [Fact("damping ratio", ratio, "", "c/(2 sqrt(k1 m)), stop open")]
 
 
-def _forces(scene: Scene) -> list[Fact]:
+def _forces(scene: TwoBlocks) -> list[Fact]:
     facts = []
     if scene.has_friction:
         facts.append(Fact("limit friction force", scene.N, "N", "mu m2 g"))

@@ -1,4 +1,4 @@
-"""The one seam between case and kernel: exact quantities become the numbers of a Scene, each rounded once."""
+"""The seam between case and engine: exact quantities become the numbers of a scene, each rounded once."""
 
 from collections.abc import Callable, Mapping
 from fractions import Fraction
@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from vibsim.cases.pi import times_two_pi, two_pi_fraction
 from vibsim.cases.quantities import Quantity
 from vibsim.cases.schema import AmplitudeRule, CaseFile, Harmonic, Motor
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 
 Number = Any
 PI_DIGITS = 1100  # of the fraction that stands for pi where a number type brings none
@@ -65,10 +65,10 @@ def rule_value(rule: Mapping[str, Any], omega: Quantity) -> tuple[Fraction, int]
     return rule["m3"].value * rule["e"].value * omega.value**2, 2 * _turns(omega)
 
 
-def build_scene(case: CaseFile, numbers: NumberType = DOUBLES) -> Scene:
+def build_two_blocks(case: CaseFile, numbers: NumberType = DOUBLES) -> TwoBlocks:
     """The scene of a case [SI, rad/s]; what the case has not got is None."""
     every = case.run.every.value
-    return Scene(
+    return TwoBlocks(
         **_blocks(case, numbers),
         **_source(case, numbers),
         **_initial_state(case, numbers),

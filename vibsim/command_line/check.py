@@ -73,7 +73,7 @@ def _print_facts(case) -> None:
 def _facts(case):
     from vibsim.cases.derived_facts import derived_facts, facts_of_parts
 
-    return facts_of_parts(case.parts()) if case.is_long else derived_facts(case.scene())
+    return facts_of_parts(case.scene()) if case.is_long else derived_facts(case.two_blocks())
 
 
 def _described(report) -> dict:

@@ -78,7 +78,7 @@ def _print_trajectory(result: Result, path: str, settings: Settings) -> None:
     say(heading(attrs["case_name"], attrs["title"]))
     print_lines(
         [
-            *result_lines(result, result.case.simulated_scene()),
+            *result_lines(result),
             ("samples", f"{len(result)} x {', '.join(result.keys())}"),
             ("events", f"{len(result.events['t'])} x {', '.join(result.events)}"),
             ("written", written_text(attrs)),

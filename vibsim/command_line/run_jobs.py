@@ -48,7 +48,7 @@ def _run_one(
     digits: int | str | None,
 ) -> None:
     began = time.perf_counter()
-    t_end = job.case.simulated_scene().t_end
+    t_end = job.case.scene().t_end
     progress = Progress(job.case.name, t_end, wanted=not settings.quiet)
     slow = SlowRun(job.case.name, t_end, wanted=not settings.quiet)
 
@@ -71,7 +71,7 @@ def _run_one(
 
 def _print_summary(job: Job, result: Result, took: float, settings: Settings) -> None:
     attrs = result.attrs
-    lines = result_lines(result, job.case.simulated_scene())
+    lines = result_lines(result)
     if settings.verbose:
         lines.append(("work", f"{attrs['steps']} steps, {attrs['evaluations']} evaluations"))
         lines.append(("fingerprint", attrs["case_sha256"]))

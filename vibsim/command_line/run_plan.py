@@ -73,7 +73,7 @@ def read_case(source: str, changes: dict[str, str]) -> "Case":
 
 def check_engine(engine: str) -> None:
     """Usage error where the C engine is asked for and was not built."""
-    from vibsim.kernel import compiled
+    from vibsim.engine.choice import compiled
 
     if engine == "c" and not compiled():
         raise click.UsageError("--engine c: this installation has no C engine; leave --engine out")
@@ -111,7 +111,7 @@ def with_exponents(
 
 
 def _tangent(case: "Case", count: int | str, discard: str | None) -> tuple[int, float]:
-    from vibsim.physics.disturbance import dimension
+    from vibsim.engine.tangent_space import dimension
     from vibsim.sweeps.plan.discard import HALF, parse_discard
 
     scene = case.scene()
@@ -153,7 +153,7 @@ def print_plan(jobs: list[Job], settings: Settings) -> None:
             continue
         say(heading(job.case.name, job.case.title))
         file = f"{job.output} (not written: dry run{_in_the_way(job)})"
-        print_lines([*case_lines(job.case.simulated_scene()), ("file", file)])
+        print_lines([*case_lines(job.case), ("file", file)])
         print_json(resolved, indent=2)
 
 

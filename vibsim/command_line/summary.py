@@ -1,18 +1,19 @@
 """What a trajectory came to, for people (lines) and for programs (JSON)."""
 
 import json
-import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from vibsim.cases.plain_text import one_line
 from vibsim.command_line.quantity_text import counted, metres, seconds
-from vibsim.command_line.scene_text import clearance_lines, count_lines, scene_lines
+from vibsim.command_line.scene_text import clearance_lines, count_lines, motor_text, scene_lines
 from vibsim.command_line.terminal import plain, say, style
-from vibsim.physics.parts import Scene as PartsScene
-from vibsim.physics.scene import Scene as TwoBlocks
+from vibsim.physics.parts import Scene
 from vibsim.results import Result
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
 
 LABEL_WIDTH = 16
 METHODS = {"closed_form": "closed form", "auto": "closed form or Taylor"}  # as one reads them
@@ -25,27 +26,28 @@ def heading(name: str, title: str) -> str:
     return style(one_line(name), bold=True) + (f"  {title}" if title and title != name else "")
 
 
-def case_lines(scene: TwoBlocks | PartsScene) -> list[tuple[str, str]]:
-    """Label and text of what is run: bodies and parts of a scene made of them, source and span."""
+def case_lines(case: "Case") -> list[tuple[str, str]]:
+    """Label and text of what is run: bodies and parts of the long form, source and span."""
+    scene = case.scene()
     every = seconds(scene.every_num / scene.every_den)
     return [
-        *([("source", source_text(scene))] if isinstance(scene, TwoBlocks) else scene_lines(scene)),
+        *(scene_lines(scene) if case.is_long else [("source", source_text(scene))]),
         ("span", f"{seconds(scene.t_end)}, a sample every {every}: {counted(scene.sample_count, 'sample')}"),
     ]
 
 
-def result_lines(result: Result, scene: TwoBlocks | PartsScene) -> list[tuple[str, str]]:
+def result_lines(result: Result) -> list[tuple[str, str]]:
     """Label and text of everything that is known of a trajectory; what is not known has no line."""
-    attrs = result.attrs
-    lines = [*case_lines(scene), ("engine", engine_text(attrs))]
+    attrs, case, scene = result.attrs, result.case, result.case.scene()
+    lines = [*case_lines(case), ("engine", engine_text(attrs))]
     if not result.complete:
         lines.append(("incomplete", style(f"samples end at {last_sample(result):g} s", fg="yellow")))
     elif result.t_reached < scene.t_end:
-        limit = "the rest distance" if isinstance(scene, TwoBlocks) else "a clearance"
+        limit = "a clearance" if case.is_long else "the rest distance"
         lines.append(("stopped", style(f"at {result.t_reached:.6g} s, by {limit}", fg="yellow")))
     if "events" in attrs:
         lines.append(("motion", motion_text(attrs)))
-    counts = counts_of(result, scene)
+    counts = counts_of(result)
     lines += count_lines(counts)
     if "digits" in attrs:
         lines.append(("digits", digits_text(attrs)))
@@ -63,20 +65,20 @@ def result_lines(result: Result, scene: TwoBlocks | PartsScene) -> list[tuple[st
         from vibsim.command_line.exponent_text import exponent_lines
 
         lines += exponent_lines(result)
-    if not isinstance(scene, TwoBlocks):
+    if case.is_long:
         lines += clearance_lines(scene, attrs, counts)
-    elif "rest_distance_needed" in attrs or scene.rest_distance is not None:
+    elif "rest_distance_needed" in attrs or scene.clearances:
         lines.append(("rest distance", rest_distance_text(attrs, scene)))
     return lines
 
 
-def counts_of(result: Result, scene: TwoBlocks | PartsScene) -> dict[str, dict[str, int]]:
-    """How often what happened to each part; nothing of two blocks, which have one of each."""
-    if isinstance(scene, TwoBlocks):
+def counts_of(result: Result) -> dict[str, dict[str, int]]:
+    """How often what happened to each part; nothing of the short form, which has one of each."""
+    if not result.case.is_long:
         return {}
     from vibsim.results.part_counts import part_counts
 
-    return part_counts(result, scene)
+    return part_counts(result, result.case.scene())
 
 
 def certificate_text(attrs: Mapping[str, Any]) -> str:
@@ -112,15 +114,15 @@ def last_sample(result: Result) -> float:
     return float(result.column("time")[-1]) if len(result) else 0.0
 
 
-def source_text(scene: TwoBlocks) -> str:
-    """The source of excitation, its frequency in Hz and in rad/s."""
-    if scene.source == "harmonic":
-        constant = f" + {scene.F0:g} N" if scene.F0 else ""
-        frequency = f"{scene.cycles + scene.cycles_lo:.7g} Hz ({scene.omega:.6g} rad/s)"
-        return f"harmonic force, {scene.A:.6g} N{constant} at {frequency}"
-    if scene.source == "motor":
-        hertz = scene.Omega0 / (2 * math.pi)
-        return f"motor, no-load speed {hertz:.7g} Hz ({scene.Omega0:.6g} rad/s), torque {scene.M0:g} N m"
+def source_text(scene: Scene) -> str:
+    """The source of excitation of the short form, its frequency in Hz and in rad/s."""
+    if scene.motor is not None:
+        return f"motor, {motor_text(scene.motor)}"
+    for force in scene.forces:
+        (term,) = force.terms
+        constant = f" + {force.constant:g} N" if force.constant else ""
+        frequency = f"{term.cycles + term.cycles_lo:.7g} Hz ({term.omega:.6g} rad/s)"
+        return f"harmonic force, {term.amplitude:.6g} N{constant} at {frequency}"
     return "none"
 
 
@@ -150,13 +152,13 @@ def motion_text(attrs: dict[str, Any]) -> str:
     return ", ".join(counted(attrs[f"{word}s"], word) for word in ("impact", "stick", "event"))
 
 
-def rest_distance_text(attrs: dict[str, Any], scene: TwoBlocks) -> str:
+def rest_distance_text(attrs: dict[str, Any], scene: Scene) -> str:
     """What the run needs, and what the case has."""
     needed = attrs.get("rest_distance_needed")
     text = "unknown: the samples are too far apart" if needed is None else f"needs {metres(needed)}"
-    if scene.rest_distance is None:
+    if not scene.clearances:
         return text
-    text += f", has {metres(scene.rest_distance)}"
+    text += f", has {metres(scene.clearances[0].distance)}"
     violations = attrs.get("violations", 0)
     if not violations:
         return text
@@ -179,7 +181,7 @@ def summary_object(result: Result, path: str | Path) -> dict[str, Any]:
         from vibsim.command_line.exponent_text import exponent_object
 
         attrs |= plain(exponent_object(result))
-    counts = counts_of(result, result.case.simulated_scene())
+    counts = counts_of(result)
     if counts:
         attrs["parts"] = counts
     return {"file": str(path), **attrs, "samples": len(result), "case": resolved}

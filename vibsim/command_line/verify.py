@@ -36,9 +36,9 @@ def command(ctx, names, list_checks, engine):
     """
     from vibsim.command_line.run_plan import check_engine
     from vibsim.command_line.verification_table import print_list, print_verification
+    from vibsim.engine.choice import engine_name
     from vibsim.evidence.verification import UnknownCheckError
     from vibsim.evidence.verification.verifying import chosen_checks
-    from vibsim.kernel import engine_name
 
     check_engine(engine)
     computed_by = engine_name(engine)

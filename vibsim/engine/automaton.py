@@ -12,10 +12,10 @@ from itertools import combinations, product
 from vibsim.engine.harmonics import value_and_rate
 from vibsim.engine.rows import CLEARANCE, COUPLING, DIFFERENCE, GAP, HOLD, PUSH, SLIDE
 from vibsim.engine.status import BACKWARD, CONTACT, FORWARD, KEPT, LIFTED, OPEN, STICK, VIOLATED, Status
-from vibsim.events.automaton import START_ROUNDING
 from vibsim.physics.parts import AT_FORCE
 
 JET = 7  # order of the highest derivative consulted where lower ones vanish
+START_ROUNDING = 16  # at least: each of three numbers and of two differences is rounded once
 
 
 class Automaton:

@@ -1,4 +1,4 @@
-/* Doubts of a run and its grazing margin; twin of vibsim/events/certificate.py. */
+/* Doubts of a run and its grazing margin; twin of vibsim/engine/certificate.py. */
 #ifndef VIBSIM_CERTIFICATE_H
 #define VIBSIM_CERTIFICATE_H
 

@@ -7,8 +7,8 @@ between them.
 
 from vibsim.engine.closed_form_search import ClosedFormSearch
 from vibsim.engine.modal import modal_of, pitch, sounding
+from vibsim.engine.responses import UNHURRIED, Oscillator, free_harmonic_response
 from vibsim.engine.state import State
-from vibsim.flows.responses import UNHURRIED, Oscillator, free_harmonic_response
 
 JET_ORDER = 9  # derivatives taken at the start of a segment: enough for a zero of order 6
 

@@ -2,10 +2,10 @@
 
 from math import inf
 
+from vibsim.engine.certificate import crosses, latest_zero, may_vanish_by
 from vibsim.engine.event_functions import EventFunctions, reaches
-from vibsim.events.certificate import crosses, latest_zero, may_vanish_by
-from vibsim.events.first_root import deflated_step, leading_order, safe_step
-from vibsim.events.turning_point import extreme_of_slope, turning_point
+from vibsim.engine.first_root import deflated_step, leading_order, safe_step
+from vibsim.engine.turning_point import extreme_of_slope, turning_point
 
 JET_ORDER = 9  # derivatives taken at the start of a segment: enough for a zero of order 6
 STEPS_PER_CALL = 4096

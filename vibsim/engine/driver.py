@@ -27,15 +27,24 @@ class Driver:
     end.
 
     tangent : disturbances whose growth is told, and from when [s]; carry : disturbances that are carried as
-    they are
+    they are; flow : one of the scene that does more than its own
     """
 
     def __init__(
-        self, scene, kit, resume=None, section=False, ledger=False, momentum=False, tangent=(0, 0.0), carry=()
+        self,
+        scene,
+        kit,
+        resume=None,
+        section=False,
+        ledger=False,
+        momentum=False,
+        tangent=(0, 0.0),
+        carry=(),
+        flow=None,
     ):
         self.scene, self.kit = scene, kit
         self.maker = RowMaker(scene, kit)
-        self.flow = Flow(scene, kit)
+        self.flow = flow or Flow(scene, kit)
         self.automaton = Automaton(scene, self.maker, Flow(scene, kit, self.flow.certificate, JET + 1), kit)
         self.section = StroboscopicSection(scene, self.flow) if section else None
         self.ledger = Ledger(scene, kit, self.maker, self.flow, momentum) if ledger or momentum else None

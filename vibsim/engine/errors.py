@@ -9,6 +9,10 @@ REASONS = {
         "the state is no longer finite",
         "check the parameters for values far outside each other's scale",
     ),
+    "precision": (
+        "more than 1000 digits would be needed to know the end of the run",
+        "end it earlier: digits are lost in proportion to its length",
+    ),
 }
 MOST_NUMBERS = 4  # of displacements and of velocities, told in the sentence
 

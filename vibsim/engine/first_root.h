@@ -1,4 +1,4 @@
-/* Steps that no root can hide in; twin of vibsim/events/first_root.py. */
+/* Steps that no root can hide in; twin of vibsim/engine/first_root.py. */
 #ifndef VIBSIM_FIRST_ROOT_H
 #define VIBSIM_FIRST_ROOT_H
 

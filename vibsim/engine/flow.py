@@ -1,8 +1,8 @@
 """The flow of a run: closed form in the modes that have one, Taylor series in the others."""
 
+from vibsim.engine.certificate import Certificate
 from vibsim.engine.closed_form import ClosedForm
 from vibsim.engine.taylor import Taylor
-from vibsim.events.certificate import Certificate
 
 
 class Flow:

@@ -1,4 +1,4 @@
-/* Responses of one damped oscillator; twin of vibsim/flows/responses.py. */
+/* Responses of one damped oscillator; twin of vibsim/engine/responses.py. */
 #include "engine.h"
 #include "numbers.h"
 #include "responses.h"

@@ -1,4 +1,4 @@
-/* Responses of one damped oscillator, where they are evaluated at every step; twin of vibsim/flows/responses.py. */
+/* Responses of one damped oscillator, where they are evaluated at every step; twin of vibsim/engine/responses.py. */
 #ifndef VIBSIM_RESPONSES_H
 #define VIBSIM_RESPONSES_H
 

@@ -41,6 +41,20 @@ def _makes_forces_jump(scene, row):
     return kind in ("contact_begin", "contact_end") and scene.stops[part].c != 0
 
 
+def rows_of_instant(events, i, earlier=()):
+    """The rows of the instant of row `i` of a table of events up to it, values by column name; what
+    `resume_point` takes.
+
+    earlier: rows that went before the table, of one instant, which may be the same
+    """
+    times = events["t"]
+    first = i
+    while first > 0 and times[first - 1] == times[i]:
+        first -= 1
+    rows = [{name: column[k].item() for name, column in events.items()} for k in range(first, i + 1)]
+    return [*earlier, *rows] if first == 0 and earlier and earlier[-1]["t"] == times[i] else rows
+
+
 def _check(scene, row):
     for name in ("t", *state_columns(scene), *(("phase",) if scene.motor else ())):
         if not isfinite(row[name]):

@@ -10,11 +10,11 @@ products of series only, because
 from math import inf
 from typing import Any
 
+from vibsim.engine.certificate import latest_zero, may_vanish_by
 from vibsim.engine.harmonics import quarter_turns, sine_and_cosine
+from vibsim.engine.polynomial_root import PolynomialSearch
 from vibsim.engine.rows import ACCELERATION, COUPLING, DIFFERENCE, RATE
 from vibsim.engine.state import State
-from vibsim.events.certificate import latest_zero, may_vanish_by
-from vibsim.events.polynomial_root import PolynomialSearch
 from vibsim.physics.numbers import horner
 
 LEADING = 4  # coefficients that set the scale of a series in the step control

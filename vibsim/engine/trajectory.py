@@ -6,11 +6,11 @@ trajectory.totals
 """
 
 from dataclasses import dataclass
-from importlib.util import find_spec
 from math import nan
 
 import numpy as np
 
+from vibsim.engine.choice import engine_name
 from vibsim.engine.columns import (
     event_columns,
     part_columns,
@@ -30,7 +30,6 @@ from vibsim.physics.numbers import Doubles
 
 SAMPLES, PIECES = 2048, 4096  # of the Python engine between two blocks
 SECONDS = 0.1  # the same: Ctrl-C is heard there
-ENGINES = ("auto", "c", "python")
 OFFSETS = {
     "contact_begin": "stops",
     "contact_end": "stops",
@@ -53,20 +52,6 @@ class Block:
     section: dict[str, np.ndarray]
     t_reached: float
     worked_to: float
-
-
-def compiled():
-    """Whether the C engine was built with this installation."""
-    return find_spec("vibsim.engine._engine") is not None
-
-
-def chosen_engine(engine):
-    """ "c" or "python", by one of ENGINES; errors as of `open_trajectory`."""
-    if engine not in ENGINES:
-        raise ValueError(f"engine must be one of {', '.join(ENGINES)}, got {engine!r}")
-    if engine == "c" and not compiled():
-        raise RuntimeError("the C engine was not built; install with a C compiler, or use engine python")
-    return "python" if engine == "python" or not compiled() else "c"
 
 
 def open_trajectory(
@@ -99,7 +84,7 @@ def open_trajectory(
     the scene has directions, RuntimeError for "c" where it was not built.
     """
     check_tangent(scene, tangent)
-    trajectory = {"c": CTrajectory, "python": PythonTrajectory}[chosen_engine(engine)]
+    trajectory = PythonTrajectory if engine_name(engine) == "python" else CTrajectory
     return trajectory(scene, resume, section, ledger, momentum, (tangent, tangent_from))
 
 

@@ -1,6 +1,6 @@
 """Runs of many digits of scenes made of parts: the Python engine on python-flint's or mpmath's numbers.
 
-    trajectory = open_truth(case.exact_parts, 40)
+    trajectory = open_truth(case.exact_scene, 40)
     for block in trajectory.blocks(): ...
 
 Sampled states and events come twice: as doubles, like those of any run, and as decimal texts of all digits.
@@ -108,12 +108,12 @@ class TruthTrajectory(PythonTrajectory):
         return totals
 
 
-def open_truth(exact_parts: Callable[..., Scene], digits: int, **options: bool) -> TruthTrajectory:
+def open_truth(exact_scene: Callable[..., Scene], digits: int, **options: bool) -> TruthTrajectory:
     """A run of `digits` decimal digits, not yet computed.
 
     Parameters
     ----------
-    exact_parts : makes the scene from (number, pi), as `Case.exact_parts` does
+    exact_scene : makes the scene from (number, pi), as `Case.exact_scene` does
     digits : 20 to 1000
     options : ledger, momentum, as of `open_trajectory`; their quadrature is that of doubles, 16 digits
 
@@ -121,7 +121,7 @@ def open_truth(exact_parts: Callable[..., Scene], digits: int, **options: bool) 
     ValueError for other digits, MultiprecisionMissing where neither python-flint nor mpmath is installed.
     """
     kit = number_kit(digits)
-    scene = exact_parts(kit.number, kit.pi)
+    scene = exact_scene(kit.number, kit.pi)
     return TruthTrajectory(bare(scene, kit), kit, **options)
 
 

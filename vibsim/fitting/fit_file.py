@@ -13,10 +13,10 @@ import h5py
 import numpy as np
 
 from vibsim import __version__
+from vibsim.engine.choice import engine_name
 from vibsim.fitting.free_parameter import FreeParameter
 from vibsim.fitting.plan import FitPlan
 from vibsim.fitting.reading import Candidate
-from vibsim.kernel import engine_name
 from vibsim.results.hdf5_image import write_hdf5
 from vibsim.results.provenance import FORMAT
 from vibsim.sweeps.statistics.columns import MISSING, STATUS_FLAGS

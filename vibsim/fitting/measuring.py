@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from vibsim.cases import CaseError
+from vibsim.engine.errors import EngineError
 from vibsim.fitting.statement import Asked
-from vibsim.kernel import KernelError
 from vibsim.results.recording import MemorySink, Recording
 from vibsim.results.result import Result
 from vibsim.sweeps.points.point import Point, described_bug
@@ -68,7 +68,7 @@ def _measured(work: Work, task: Task, engine: str, go_on: Callable[[], bool] | N
         if result.trust_horizon is not None:
             return Point(task.index, DONE, sha256, "", {HORIZON: result.trust_horizon})
         values = measure(result, work.asked[task.case])
-    except (CaseError, KernelError) as error:
+    except (CaseError, EngineError) as error:
         return Point(task.index, FAILED, sha256, str(error))
     except Exception as error:  # a bug that shows at one run must not cost all the others
         return Point(task.index, FAILED, sha256, described_bug(error))

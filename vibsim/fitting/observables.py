@@ -12,7 +12,7 @@ from vibsim.analysis.drift import CYCLES
 from vibsim.analysis.holds import BAND, LEAST_TURNS, TURNS
 from vibsim.fitting import measures as by
 from vibsim.fitting.measures import CAPTURES, NONE, REGIMES, Measure
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ OBSERVABLES: dict[str, Observable] = {
 }  # fmt: skip
 
 
-def missing_of(observable: Observable, scene: Scene) -> list[str]:
+def missing_of(observable: Observable, scene: TwoBlocks) -> list[str]:
     """What a scene has not got that an observable needs."""
     has = {
         "motor": scene.has_motor,

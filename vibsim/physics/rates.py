@@ -5,6 +5,7 @@ with its body. What sets cadences and time scales of results is rounded to three
 machine in the last ones.
 """
 
+from collections.abc import Iterable
 from math import inf, pi, sqrt
 
 import numpy as np
@@ -14,12 +15,12 @@ from vibsim.physics.parts import Link, Scene, Stop
 RIGID = 1e-12  # of the largest squared rate, below which one is that of a rigid motion, 0 but for rounding
 
 
-def natural_rates(scene: Scene, in_contact: bool = False) -> list[float]:
+def natural_rates(scene: Scene, closed: Iterable[Stop] = ()) -> list[float]:
     """Natural angular rates [rad/s], ascending, those of rigid motions left out.
 
-    in_contact : whether all stops are closed; else none
+    closed : the stops that are in contact
     """
-    springs: list[Link | Stop] = [*scene.links, *(scene.stops if in_contact else ())]
+    springs: list[Link | Stop] = [*scene.links, *closed]
     share = 1 / np.sqrt(masses(scene))  # of each body in coordinates in which all masses are 1
     stiffness = np.zeros((len(share), len(share)))
     for spring in springs:
@@ -54,10 +55,13 @@ def longest_period(scene: Scene) -> float:
     return _rounded(max((2 * pi / rate for rate in rates), default=inf))
 
 
-def fastest_rate(scene: Scene) -> float:
-    """The fastest of sources, rotor at the start and vibration with all stops closed [rad/s]; 0 without."""
+def fastest_rate(scene: Scene, closed: Iterable[Stop] | None = None) -> float:
+    """The fastest of sources, rotor at the start and vibration with stops closed, all unless told [rad/s];
+    0 without any.
+    """
+    closed = scene.stops if closed is None else closed
     spin = [abs(scene.motor.phidot)] if scene.motor is not None else []
-    return _rounded(max([*source_rates(scene), *spin, *natural_rates(scene, in_contact=True)], default=0.0))
+    return _rounded(max([*source_rates(scene), *spin, *natural_rates(scene, closed)], default=0.0))
 
 
 def _rounded(value: float) -> float:

@@ -25,7 +25,7 @@ def dense(
     """
     names = tuple(name for name in names if name != "time")
     stored = samples(result, ("time", *names), span)
-    between = _instants_between(stored["time"], span, step or _fine_step(result.case.simulated_scene()))
+    between = _instants_between(stored["time"], span, step or _fine_step(result.case.scene()))
     if between is None:
         return stored
     between = between[between <= result.t_reached]  # of a run that was killed, samples may reach further
@@ -45,7 +45,7 @@ def states_at(result: Any, names: tuple[str, ...], times: np.ndarray) -> dict[st
     if not len(times):
         return {name: np.empty(0) for name in names}
     events = events_within(result, None, (float(times[0]), float(times[-1])), before=1)
-    states = restarted(result.case.simulated_scene(), events, times, result.t_reached)
+    states = restarted(result.case.scene(), events, times, result.t_reached)
     return {name: states[name] for name in names}
 
 

@@ -85,7 +85,7 @@ def _passages(subjects: Sequence[Subject], spans: Sequence[Span], column: str) -
 
     found = []
     for i, (subject, span) in enumerate(zip(subjects, spans, strict=True)):
-        if column in subject.scene.columns():
+        if column in subject.tables.samples:
             colour = overlay(i)["color"] if len(subjects) > 1 else BLUE
             loops = trace(subject.result, ("phidot", column), plane, span)
             extremes = turn_extremes(subject.result, column, span)

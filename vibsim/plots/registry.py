@@ -228,7 +228,7 @@ def choose(names: Sequence[str] | None, subjects: Sequence[Subject]) -> list[Kin
         names = [kind.name for kind in fit if kind.name in preferred] or [kind.name for kind in fit[:1]]
         if not names:
             for subject in subjects:
-                subject.case.scene()  # a case of named parts has no picture yet, only its runs have
+                subject.case.two_blocks()  # a case of named parts has no picture yet, only its runs have
             raise PlotError(f"no kind shows {', '.join(subject.path for subject in subjects)} together")
     elif "all" in names:
         return fit

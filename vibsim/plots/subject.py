@@ -8,7 +8,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vibsim.physics.parts import Scene as PartsScene
 from vibsim.plots.user_text import as_text
 
 if TYPE_CHECKING:
@@ -48,20 +47,20 @@ class Subject:
 
     @cached_property
     def scene(self) -> Any:
-        """The Scene behind it, of two blocks or made of parts."""
-        return self.case.simulated_scene()
+        """The scene behind it: the two blocks of the short form by their symbols, the parts of the long."""
+        return self.case.scene() if self.is_of_parts else self.case.two_blocks()
 
     @property
     def is_of_parts(self) -> bool:
         """Whether it is of a scene of named parts."""
-        return isinstance(self.scene, PartsScene)
+        return bool(self.case.is_long)
 
     @cached_property
     def tables(self) -> Tables:
         """The columns of its run."""
         from vibsim.results.columns import tables_of
 
-        return tables_of(self.scene)
+        return tables_of(self.case.scene())
 
     def columns_in(self, unit: str) -> tuple[str, ...]:
         """Names of the sampled states of bodies in a unit: displacements in m, velocities in m/s."""

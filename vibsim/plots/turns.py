@@ -24,7 +24,7 @@ def turn_times(result: Any, span: Span) -> np.ndarray:
     phi between two samples (phi and phidot are stored, so its error is of fourth order in the output
     interval).
     """
-    scene = result.case.simulated_scene()
+    scene = result.case.scene()
     if scene.has_motor:
         found = [_motor_turns(part) for part in _joined_blocks(result, ("time", "phi", "phidot"), span)]
         return np.concatenate([np.empty(0), *found])

@@ -5,10 +5,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from vibsim.engine.columns import FLAGS, part_columns
-from vibsim.physics.modes import CONTACT_FLAGS, EVENT_KINDS, FRICTION_FLAGS
-from vibsim.physics.parts import Scene as PartsScene
-from vibsim.physics.parts import columns_of
-from vibsim.physics.scene import Scene as TwoBlocks
+from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.parts import Scene, columns_of
 
 
 @dataclass(frozen=True)
@@ -35,22 +33,9 @@ ROTOR = {
 PHASE = {
     "phase": Column("f8", "rad", "rotor angle reduced to one turn"),
 }
-STATES = {
-    "x1": Column("f8", "m", "displacement of block 1"),
-    "v1": Column("f8", "m s-1", "velocity of block 1"),
-    "x2": Column("f8", "m", "displacement of block 2"),
-    "v2": Column("f8", "m s-1", "velocity of block 2"),
-    **ROTOR,
-    **PHASE,
-}
-MODES = {
-    "contact": Column("i1", None, "contact at the stop", CONTACT_FLAGS),
-    "friction": Column("i1", None, "friction mode of block 2", FRICTION_FLAGS),
-}
 JUDGEMENTS = {
     "error_estimate": Column("f8", "m", "estimated error of the displacements"),
 }
-COLUMNS = {**TIMES, **KINDS, **STATES, **MODES, **JUDGEMENTS}  # of two blocks, in file order
 NO_PART = "none"  # to which an event belongs: start, end
 
 
@@ -79,39 +64,29 @@ class Tables:
         return replace(self, samples=self.samples | {name: JUDGEMENTS[name] for name in judgements})
 
 
-def tables_of(scene: TwoBlocks | PartsScene) -> Tables:
+def tables_of(scene: Scene) -> Tables:
     """The columns of a run of `scene`."""
-    return _tables_of_two_blocks(scene) if isinstance(scene, TwoBlocks) else _tables_of_parts(scene)
-
-
-def _tables(states: dict[str, Column], parts: dict[str, Column], of_event: dict[str, Column]) -> Tables:
-    phase = PHASE if "phi" in states else {}
+    states: dict[str, Column] = {}
+    for body in scene.bodies:
+        x, v = columns_of(body.name)
+        states[x] = Column("f8", "m", f"displacement of {_called(body.name)}")
+        states[v] = Column("f8", "m s-1", f"velocity of {_called(body.name)}")
+    if scene.has_motor:
+        states |= ROTOR
+    parts = dict(zip(part_columns(scene), _part_states(scene), strict=True))
+    phase = PHASE if scene.has_motor else {}
     return Tables(
         {"time": TIMES["time"], **states, **parts},
-        {"t": TIMES["t"], **KINDS, **of_event, **states, **phase, **parts},
+        {"t": TIMES["t"], **KINDS, "part": _part_of_event(scene), **states, **phase, **parts},
         tuple(states),
     )
 
 
-def _tables_of_two_blocks(scene: TwoBlocks) -> Tables:
-    names = scene.columns()
-    states, modes = ({name: known[name] for name in names if name in known} for known in (STATES, MODES))
-    return _tables(states, modes, {})
+def _called(body: str) -> str:
+    return f"block {body}" if body.isdigit() else body
 
 
-def _tables_of_parts(scene: PartsScene) -> Tables:
-    states: dict[str, Column] = {}
-    for body in scene.bodies:
-        x, v = columns_of(body.name)
-        states[x] = Column("f8", "m", f"displacement of {body.name}")
-        states[v] = Column("f8", "m s-1", f"velocity of {body.name}")
-    if scene.has_motor:
-        states |= ROTOR
-    parts = dict(zip(part_columns(scene), _part_states(scene), strict=True))
-    return _tables(states, parts, {"part": _part_of_event(scene)})
-
-
-def _part_states(scene: PartsScene) -> Iterable[Column]:
+def _part_states(scene: Scene) -> Iterable[Column]:
     """A column of flags for each part that has states, in the order of `part_columns`."""
     kinds: tuple[tuple[str, str, tuple[Any, ...]], ...] = (
         ("stops", "stop", scene.stops),
@@ -120,17 +95,18 @@ def _part_states(scene: PartsScene) -> Iterable[Column]:
     )
     for kind, word, parts in kinds:
         for part in parts:
-            ends = f"{scene.end_name(part.P)} and {scene.end_name(part.Q)}"
-            yield Column("i1", None, f"state of the {word} {part.name} between {ends}", FLAGS[kind])
+            called = word if part.name == word else f"{word} {part.name}"
+            ends = f"{_called(scene.end_name(part.P))} and {_called(scene.end_name(part.Q))}"
+            yield Column("i1", None, f"state of the {called} between {ends}", FLAGS[kind])
 
 
-def part_names(scene: PartsScene) -> tuple[str, ...]:
+def part_names(scene: Scene) -> tuple[str, ...]:
     """Names of the parts that have states, in the order of `part_columns`."""
     parts: tuple[Any, ...] = (*scene.stops, *scene.frictions, *scene.clearances)
     return tuple(part.name for part in parts)
 
 
-def _part_of_event(scene: PartsScene) -> Column:
+def _part_of_event(scene: Scene) -> Column:
     """The part that an event is of, by its number among those that have states."""
     flags = {NO_PART: -1} | {name: i for i, name in enumerate(part_names(scene))}
     return Column("i1" if len(flags) < 128 else "i2", None, "part that the event is of", flags)

@@ -4,8 +4,6 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from vibsim.results.columns import STATES, TIMES
-
 Table = Mapping[str, np.ndarray]
 
 
@@ -18,7 +16,6 @@ class Digits(Mapping[str, np.ndarray]):
 
     def __init__(self, table: Table, events: Table | None = None):
         self.table = table
-        self._names = [name for name in table if name in STATES or name in TIMES]
         self.event_table = {} if events is None else events
 
     @property
@@ -27,12 +24,12 @@ class Digits(Mapping[str, np.ndarray]):
         return Digits(self.event_table)
 
     def __getitem__(self, name: str) -> np.ndarray:
-        if name not in self._names:
-            raise KeyError(f"no digits of {name}; there are those of {', '.join(self._names)}")
+        if name not in self.table:
+            raise KeyError(f"no digits of {name}; there are those of {', '.join(self.table)}")
         return np.char.decode(self.table[name], "ascii")
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
+        return iter(self.table)
 
     def __len__(self) -> int:
-        return len(self._names)
+        return len(self.table)

@@ -1,13 +1,13 @@
 """Decimal texts written to an HDF5 group in batches: fixed-length ASCII strings along a dimension scale."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import h5py
 import numpy as np
 
 from vibsim.results.attributes import write_attrs
-from vibsim.results.columns import COLUMNS
+from vibsim.results.columns import Column
 
 CHUNK = 1024  # rows that HDF5 reads at a time
 ROWS = "event"  # scale of a table that has no other: its rows counted
@@ -18,19 +18,24 @@ class DigitsStream:
 
     Parameters
     ----------
-    group : h5py group; names : columns; width : characters of a text
+    group : h5py group; columns : what they mean, by name; width : characters of a text
     batch : rows written at a time, a multiple of CHUNK
     scale : scale of the rows; None: the rows are counted in a scale of this group
     """
 
-    def __init__(self, group: h5py.Group, names: Sequence[str], width: int, batch: int, scale: Any = None):
+    def __init__(
+        self, group: h5py.Group, columns: Mapping[str, Column], width: int, batch: int, scale: Any = None
+    ):
         self.batch, self.width = batch, width
         self.rows = self.waiting = 0
         self._parts: list[Mapping[str, np.ndarray]] = []
         self._counter = _create(group, ROWS, "i4", "row of the table of events") if scale is None else None
         if self._counter is not None:
             self._counter.make_scale(ROWS)
-        self._datasets = {name: _create(group, name, f"S{width}", *_meaning(name)) for name in names}
+        self._datasets = {
+            name: _create(group, name, f"S{width}", f"{column.long_name}, decimal digits", column.units)
+            for name, column in columns.items()
+        }
         for dataset in self._datasets.values():
             dataset.dims[0].attach_scale(scale if scale is not None else self._counter)
 
@@ -70,6 +75,3 @@ def _create(group: Any, name: str, dtype: str, long_name: str, units: str | None
     write_attrs(dataset.id, {"long_name": long_name, "units": units})
     return dataset
 
-
-def _meaning(name: str) -> tuple[str, str | None]:
-    return f"{COLUMNS[name].long_name}, decimal digits", COLUMNS[name].units

@@ -36,7 +36,7 @@ def write_csv(
 
 def _words(result: Result) -> dict[str, dict[int, str]]:
     """Columns of events that are written as words: names of their values."""
-    columns = tables_of(result.case.simulated_scene()).events
+    columns = tables_of(result.case.scene()).events
     return {
         name: {code: word for word, code in columns[name].flags.items()}
         for name in ("kind", "part")

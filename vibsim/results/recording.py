@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from vibsim.engine.choice import flow_of
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.results.cadence import Thinning, instants_per_sample, sampled_finer
 from vibsim.results.columns import Column, Tables, tables_of
-from vibsim.results.engines import flow_of, open_run
 from vibsim.results.exponent_attributes import exponent_attributes
 from vibsim.results.provenance import origin, outcome
-from vibsim.results.rest_distance import watched_distances
+from vibsim.results.rest_distance import Distances
 from vibsim.results.trust import NoTrust, Trust
 
 if TYPE_CHECKING:
@@ -37,18 +38,19 @@ class Recording:
     def __init__(
         self, case: "Case", engine: str = "auto", trust: bool = True, tangent: tuple[int, float] = (0, 0.0)
     ):
-        self.scene = case.simulated_scene()
+        self.scene = case.scene()
         self.began = time.perf_counter()
         instants = instants_per_sample(self.scene) if trust else 1
         judged = sampled_finer(self.scene, instants)
         self._thinning = Thinning(instants)
-        self.trajectory = open_run(judged, engine, ledger=True, **_exponents(case, *tangent))
+        count, begin = tangent
+        self.trajectory = open_trajectory(judged, engine, ledger=True, tangent=count, tangent_from=begin)
         method, engine = flow_of(self.scene), self.trajectory.engine
         self.start = origin(case, self.scene, engine, method)
         self.t_reached = self._known_to = self._worked_to = 0.0
         self.complete = False
-        self._distances = watched_distances(self.scene)
-        self._trust = Trust(case, judged, method, engine) if trust else NoTrust()
+        self._distances = Distances(case, self.scene)
+        self._trust = Trust(case, judged, engine) if trust else NoTrust()
         self.tables = tables_of(self.scene).judged(self._trust.columns)
 
     def into(self, sink: Sink, watch: Watch | None = None) -> None:
@@ -83,14 +85,6 @@ class Recording:
         totals = self.trajectory.totals
         known = outcome(totals, self.t_reached, self._distances.attrs, wall_time, self.complete)
         return {**known, **exponent_attributes(totals), **self._trust.attrs(self.t_reached)}
-
-
-def _exponents(case: "Case", count: int, begin: float) -> dict[str, Any]:
-    """The wish for Lyapunov exponents; CaseError for a scene of named parts, which has none yet."""
-    if not count:
-        return {}
-    case.scene()
-    return {"tangent": count, "tangent_from": begin}
 
 
 class MemorySink:

@@ -7,16 +7,18 @@ the displacements and velocities of both; so a maximum between samples is not mi
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.physics.parts import Scene as PartsScene
+from vibsim.physics.parts import COMPRESSION, EXTENSION, Scene, Stop
 from vibsim.physics.rates import fastest_rate
-from vibsim.physics.sampling import Sampled
-from vibsim.physics.scene import Scene as TwoBlocks
 from vibsim.results.relative_motion import RelativeMotion
 
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+REST_DISTANCE = "rest_distance"
 Relative = Callable[[Mapping[str, np.ndarray], str], np.ndarray]
 
 # A cubic over h misses at most h^4/384 max|y''''| (Hermite remainder), that is (w h)^4/384 of an amplitude at
@@ -53,48 +55,44 @@ class Largest:
             self._last = rows[:, -1:]
 
 
-class RestDistance(Largest):
-    """Running maximum of x1 - x2 (x1 alone if block 2 is fixed) over blocks of samples and events.
+class Distances:
+    """The distances that a run of `case` needs: those of its clearances, and x1 - x2 of the short form."""
 
-    `needed` is None while nothing was seen, and always when the output interval is too long to tell.
-    """
-
-    def __init__(self, scene: TwoBlocks):
-        super().__init__(_relative_motion, _is_close(scene, _fastest_rate(scene)))
-
-    @property
-    def attrs(self) -> dict[str, Any]:
-        """Attributes of the file."""
-        return {} if self.needed is None else {"rest_distance_needed": self.needed}
-
-
-class Clearances:
-    """The same for every clearance of a scene made of parts: the distance that it needs."""
-
-    def __init__(self, scene: PartsScene):
-        known = _is_close(scene, fastest_rate(scene))
-        self._distances = [Largest(RelativeMotion(scene, part), known) for part in scene.clearances]
+    def __init__(self, case: "Case", scene: Scene):
+        watched = {clearance.name: clearance for clearance in scene.clearances}
+        pair = {} if case.is_long else {REST_DISTANCE: scene.links[0]}
+        self._distances = {name: _largest(scene, part) for name, part in {**pair, **watched}.items()}
+        self._clearances = tuple(watched) if case.is_long else ()
 
     def update(self, samples: Mapping[str, np.ndarray], events: Mapping[str, np.ndarray]) -> None:
         """Take the next block of samples and events."""
-        for distance in self._distances:
+        for distance in self._distances.values():
             distance.update(samples, events)
 
     @property
     def attrs(self) -> dict[str, Any]:
-        """Attributes of the file: distances needed [m], in the order of the clearances; all, or none."""
-        needed = [distance.needed for distance in self._distances]
-        return {} if not needed or None in needed else {"clearances_needed": np.array(needed, dtype="f8")}
+        """Attributes of the file, in m: rest_distance_needed of the short form; clearances_needed of the
+        long one, in the order of its clearances, all or none.
+        """
+        if REST_DISTANCE in self._distances and not self._clearances:
+            needed = self._distances[REST_DISTANCE].needed
+            return {} if needed is None else {"rest_distance_needed": needed}
+        all_needed = [self._distances[name].needed for name in self._clearances]
+        known = bool(all_needed) and None not in all_needed
+        return {"clearances_needed": np.array(all_needed, dtype="f8")} if known else {}
 
 
-def watched_distances(scene: TwoBlocks | PartsScene) -> RestDistance | Clearances:
-    """What keeps account of the distances that a run of `scene` needs."""
-    return RestDistance(scene) if isinstance(scene, TwoBlocks) else Clearances(scene)
+def _largest(scene: Scene, part: Any) -> Largest:
+    """The largest x_P - x_Q of a part; stops that it opens are open near it."""
+    opened = [stop for stop in scene.stops if _acts_against(stop, part)]
+    rate = fastest_rate(scene, [stop for stop in scene.stops if stop not in opened])
+    return Largest(RelativeMotion(scene, part), scene.every_num / scene.every_den * rate <= LARGEST_STEP)
 
 
-def _is_close(scene: Sampled, rate: float) -> bool:
-    """Whether a sample follows another soon enough for motions at `rate` [rad/s]."""
-    return scene.every_num / scene.every_den * rate <= LARGEST_STEP
+def _acts_against(stop: Stop, part: Any) -> bool:
+    """Whether the stop is in contact where x_P - x_Q of the part is small."""
+    same, mirrored = (stop.P, stop.Q) == (part.P, part.Q), (stop.Q, stop.P) == (part.P, part.Q)
+    return (same and stop.sense == EXTENSION) or (mirrored and stop.sense == COMPRESSION)
 
 
 def largest_of_cubics(t: np.ndarray, y: np.ndarray, v: np.ndarray) -> float:
@@ -123,25 +121,7 @@ def _largest_inside(y0: float, y1: float, d0: float, d1: float) -> float:
     return float(max(y0, y1, y0 + s * (d0 + s * (b + s * a))))
 
 
-def _relative_motion(rows: Mapping[str, np.ndarray], clock: str) -> np.ndarray:
-    """Rows t, x1 - x2, v1 - v2 (shape 3 x n)."""
-    y, v = rows["x1"], rows["v1"]
-    if "x2" in rows:
-        y, v = y - rows["x2"], v - rows["v2"]
-    return np.stack([rows[clock], y, v])
-
-
 def _merge(samples: np.ndarray, events: np.ndarray) -> np.ndarray:
     rows = np.concatenate([samples, events], axis=1)
     return rows[:, np.argsort(rows[0], kind="stable")]
 
-
-def _fastest_rate(scene: TwoBlocks) -> float:
-    """Highest angular rate [rad/s] that x1 - x2 shows near its maximum."""
-    stiffness = scene.k1
-    if scene.has_stop and scene.stop_sign < 0:  # contact is where x1 - x2 is large
-        stiffness += scene.k2
-    mobility = 1 / scene.m1 + (1 / scene.m2 if scene.has_block2 else 0.0)
-    source = {"none": 0.0, "harmonic": scene.omega, "motor": scene.Omega0}[scene.source]
-    spin = abs(scene.phidot) if scene.has_motor else 0.0
-    return max(math.sqrt(stiffness * mobility), abs(source), spin)

@@ -1,19 +1,18 @@
 """States between samples: the engine restarted from stored events."""
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
+from vibsim.engine.resume import rows_of_instant
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.parts import Scene as PartsScene
-from vibsim.physics.scene import Scene as TwoBlocks
+from vibsim.physics.parts import Scene
 from vibsim.results.columns import tables_of
-from vibsim.results.engines import open_run
 
 
 def states_at(
-    scene: TwoBlocks | PartsScene, events: Mapping[str, np.ndarray], t: float | np.ndarray, t_reached: float
+    scene: Scene, events: Mapping[str, np.ndarray], t: float | np.ndarray, t_reached: float
 ) -> dict[str, np.ndarray]:
     """Columns at the instants `t` [s], each computed from the last of the `events` that is not after it.
 
@@ -29,19 +28,10 @@ def states_at(
     last_event = np.searchsorted(starts, ascending, side="right") - 1
     pieces = []
     for event in np.unique(last_event):
-        rows = _rows_of_one_instant(events, starts, event)
-        resume = rows[-1] if isinstance(scene, TwoBlocks) else rows
-        pieces.append(open_run(scene, resume=resume).state_at(ascending[last_event == event]))
+        rows = rows_of_instant(events, int(event))
+        pieces.append(open_trajectory(scene, resume=rows).state_at(ascending[last_event == event]))
     columns = {name: [piece[name] for piece in pieces] for name in tables_of(scene).samples}
     return {name: _in_order(parts, order, times.shape) for name, parts in columns.items()}
-
-
-def _rows_of_one_instant(
-    events: Mapping[str, np.ndarray], starts: np.ndarray, event: int
-) -> list[dict[str, Any]]:
-    """The rows of the events at the instant of number `event`, up to it, values by column name."""
-    first = int(np.searchsorted(starts, starts[event], side="left"))
-    return [{name: column[i].item() for name, column in events.items()} for i in range(first, int(event) + 1)]
 
 
 def _in_order(pieces: list[np.ndarray], order: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:

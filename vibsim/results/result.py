@@ -114,7 +114,7 @@ class Result:
         """
         from vibsim.results.restart import states_at
 
-        return states_at(self.case.simulated_scene(), self.events, t, self.t_reached)
+        return states_at(self.case.scene(), self.events, t, self.t_reached)
 
     def save(self, path: str | Path, force: bool = False) -> Path:
         """Write the trajectory to an HDF5 file and return its path.
@@ -138,7 +138,7 @@ class Result:
         from vibsim.results.columns import JUDGEMENTS, tables_of
 
         judgements = [name for name in JUDGEMENTS if name in self]
-        return tables_of(self.case.simulated_scene()).judged(judgements)
+        return tables_of(self.case.scene()).judged(judgements)
 
     def _truth_writer(self, path: str | Path, digits: "Digits", force: bool):
         """A writer that has the digits already."""

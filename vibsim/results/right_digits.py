@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.kernel import KernelError
-from vibsim.kernel.block import EVENT_STATE
-from vibsim.kernel.error_growth import error_growth, last_states
-from vibsim.kernel.truth import open_truth
-from vibsim.physics.state import State
+from vibsim.engine.columns import state_columns
+from vibsim.engine.error_growth import error_growth, last_states
+from vibsim.engine.errors import EngineError
+from vibsim.engine.state import State
+from vibsim.engine.truth import open_truth
 from vibsim.physics.working_precision import FEWEST_DIGITS, MOST_DIGITS
 from vibsim.results.recording import Watch
 
@@ -57,7 +57,7 @@ class DigitsPlan:
         if self._growth is None:
             try:
                 self._growth = error_growth(self.scene)
-            except KernelError:
+            except EngineError:
                 self._growth = 2 * DOUBLE_DIGITS
         return self._growth
 
@@ -74,9 +74,8 @@ class DigitsPlan:
     def _within_reach(self, digits: float) -> int:
         if digits > MOST_DIGITS:
             scene = self.scene
-            raise KernelError(
-                "precision", State(scene.t_end, scene.x1, scene.v1, scene.x2, scene.v2, 0.0, 0.0, 0.0)
-            )
+            x, v = [body.x for body in scene.bodies], [body.v for body in scene.bodies]
+            raise EngineError("precision", State(scene.t_end, x, v, 0.0, 0.0, 0.0))
         return ceil(digits)
 
     def verdict(self, end: EndState | None, events: Mapping[str, np.ndarray]) -> dict[str, Any]:
@@ -129,9 +128,9 @@ def end_in_doubles(scene) -> EndState | None:
     """Time and state at the end of a run in doubles; None where it fails."""
     try:
         table = last_states(scene)
-    except KernelError:
+    except EngineError:
         return None
-    return {name: Decimal(float(column[-1])) for name, column in table.items() if name in ("t", *EVENT_STATE)}
+    return {name: Decimal(float(table[name][-1])) for name in ("t", *state_columns(scene))}
 
 
 def end_in_digits(case: "Case", digits: int, watch: Watch | None = None) -> EndState | None:

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
+from vibsim.physics.parts import Scene
 from vibsim.results.attributes import read_attrs
 from vibsim.results.columns import Tables, tables_of
 from vibsim.results.digits import Digits
 from vibsim.results.hdf5_file import damage_named, open_hdf5
+from vibsim.results.older_files import CompletedEvents, older_tables
 from vibsim.results.structure import Dataset, check_datasets, check_values, checked_attributes
 from vibsim.results.trajectory_structure import (
     ATTRIBUTES,
@@ -49,12 +51,17 @@ class TrajectoryFile:
         t_end = inf
         if tables is None:
             tables, t_end = self._promised()
+        older = self._scene_of_an_older_file()
+        if older is not None:
+            tables = older_tables(tables, older)
         samples, events = sample_datasets(tables, t_end), event_datasets(tables, t_end)
         digits = digit_datasets(tables) if "digits" in self._file else []
         if self.case is not None:
             check_datasets(self.path, self._file, [*samples, *events, *digits])
         self.samples = FileColumns(self.path, self._file, samples)
-        self.events = FileColumns(self.path, self._file, events)
+        self.events: Mapping[str, np.ndarray] = FileColumns(self.path, self._file, events)
+        if older is not None:
+            self.events = CompletedEvents(self.events, older)
         self.digits = self._digits(digits)
 
     def _promised(self) -> tuple[Tables, float]:
@@ -63,10 +70,16 @@ class TrajectoryFile:
 
         self.attrs = checked_attributes(self.path, read_attrs(self._file), ATTRIBUTES)
         self.case = stored_case(self.path, self.attrs)
-        scene = self.case.simulated_scene()
+        scene = self.case.scene()
         known = ERROR_ESTIMATE in self._file or "trust_horizon_s" in self.attrs
         tables = tables_of(scene)
         return (tables.judged() if known else tables), scene.t_end
+
+    def _scene_of_an_older_file(self) -> Scene | None:
+        """The scene, where the file is from before events named their part."""
+        if self.case is None or self.case.is_long or "part" in self._file.get("events", ("part",)):
+            return None
+        return self.case.scene()
 
     def _digits(self, datasets: list[Dataset]) -> Digits | None:
         if not datasets:

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.physics.parts import Scene as PartsScene
-from vibsim.physics.scene import Scene as TwoBlocks
+from vibsim.physics.parts import Scene
 from vibsim.results.columns import tables_of
 from vibsim.results.trust_companion import Companion, companion_scene, described
 from vibsim.results.trust_estimate import ErrorEstimate
@@ -43,14 +42,13 @@ class NoTrust:
 class Trust(NoTrust):
     """Judges a run of `case` while it is computed, by a companion on the same engine.
 
-    case, scene : what is run; method : flow that it is run by, "closed_form" or "taylor". To be entered for
-    as long as the run goes.
+    case, scene : what is run. To be entered for as long as the run goes.
     """
 
     columns = (COLUMN,)
 
-    def __init__(self, case: "Case", scene: TwoBlocks | PartsScene, method: str, engine: str):
-        other = companion_scene(case, scene, method)
+    def __init__(self, case: "Case", scene: Scene, engine: str):
+        other = companion_scene(case, scene)
         self._method = described(other)
         self._estimate = ErrorEstimate(scene, case.number("run.trust_tolerance"))
         self._companion = Companion(other, engine)

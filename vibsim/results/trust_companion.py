@@ -20,18 +20,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.cases.pi import FIRST_BITS, two_pi_bounds
-from vibsim.physics.parts import Scene as PartsScene
-from vibsim.physics.scene import Scene as TwoBlocks
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.physics.parts import Scene
 from vibsim.results.columns import tables_of
-from vibsim.results.engines import open_run
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
 
-BLOCKS = ("m1", "m2", "k1", "c", "k2", "G", "N")
-SOURCE = ("A", "F0", "omega", "m3", "e", "J", "M0", "Omega0")
-DATA = (*BLOCKS, *SOURCE, "x1", "v1", "x2", "v2", "phi", "phidot")
-PARTS = ("bodies", "links", "stops", "frictions", "forces", "base", "motor")  # of a scene made of parts
+PARTS = ("bodies", "links", "stops", "frictions", "forces", "base", "motor")
 TURNS = ("cycles", "cycles_lo")
 USUAL_ORDER, OTHER_ORDER = 20, 25  # of the Taylor flow; both cost the same
 TOLERANCE = 2.0**-53
@@ -39,14 +35,12 @@ PATIENCE = 0.1  # seconds between two questions whether to wait on
 BLOCKS_AHEAD = 8  # bounds the memory of a companion that is faster than the run
 
 
-def companion_scene(case: "Case", scene: TwoBlocks | PartsScene, method: str) -> Any:
-    """The scene of the companion of a run of `case` by `method` ("closed_form" or "taylor").
+def companion_scene(case: "Case", scene: Scene) -> Scene:
+    """The scene of the companion of a run of `scene`, that of `case`.
 
     Samples are at the same times. Limits that are only watched are left out: they never change the motion.
     """
-    if isinstance(scene, TwoBlocks):
-        return _companion_of_two_blocks(case, scene, method)
-    exact = case.exact_parts(Fraction, pi=two_pi_bounds(FIRST_BITS)[0] / 2)
+    exact = case.exact_scene(Fraction, pi=two_pi_bounds(FIRST_BITS)[0] / 2)
     other_flow = "auto" if scene.has_motor or scene.method == "taylor" else "taylor"
     return replace(
         scene,
@@ -58,27 +52,11 @@ def companion_scene(case: "Case", scene: TwoBlocks | PartsScene, method: str) ->
     )
 
 
-def _companion_of_two_blocks(case: "Case", scene: TwoBlocks, method: str) -> TwoBlocks:
-    if scene.has_motor:
-        stepping: dict[str, Any] = {
-            "method": "taylor",
-            "order": _other_order(scene.order),
-            "tol": TOLERANCE,
-        }
-    elif method == "taylor":
-        stepping = {"method": "closed_form"}
-    else:
-        stepping = {"method": "taylor", "order": USUAL_ORDER, "tol": TOLERANCE}
-    exact = case.exact_scene(Fraction, pi=two_pi_bounds(FIRST_BITS)[0] / 2)
-    data = {name: moved(getattr(scene, name), getattr(exact, name)) for name in DATA}
-    return replace(scene, **stepping, **data, rest_distance=None, stop_on_violation=False)
-
-
 def _other_order(order: int) -> int:
     return OTHER_ORDER if order < (USUAL_ORDER + OTHER_ORDER) // 2 else USUAL_ORDER
 
 
-def described(companion: TwoBlocks | PartsScene) -> str:
+def described(companion: Scene) -> str:
     """The companion in words, for the file."""
     series = f"Taylor series of order {companion.order}"
     both = f"closed form or {series}"
@@ -108,8 +86,8 @@ class Companion:
     The C engine lets go of the interpreter while it computes: on two cores it costs hardly any time.
     """
 
-    def __init__(self, scene: TwoBlocks | PartsScene, engine: str):
-        self._trajectory = open_run(scene, engine)
+    def __init__(self, scene: Scene, engine: str):
+        self._trajectory = open_trajectory(scene, engine)
         self._names = tables_of(scene).displacements
         self._queue: SimpleQueue[np.ndarray | BaseException | None] = SimpleQueue()
         self._room = threading.Semaphore(BLOCKS_AHEAD)

@@ -15,13 +15,12 @@ the two runs have nothing to do with each other any more, the estimate says how 
 it saturates at the size of the motion.
 """
 
-from math import inf, log, log10, pi, sqrt
+from math import log, log10
 
 import numpy as np
 
-from vibsim.physics import rates
-from vibsim.physics.parts import Scene as PartsScene
-from vibsim.physics.scene import Scene as TwoBlocks
+from vibsim.physics.parts import Scene
+from vibsim.physics.rates import longest_period
 
 ULP = 2.0**-52
 DECADES = 4.0  # of growth for which the distance counts once more
@@ -31,22 +30,13 @@ UNIT = 2.0 ** (52 - BITS_BELOW)  # of the logarithm: so many to a power of two
 BITS_DROPPED = 43  # of 52: three digits are more than an estimate has, and zeros take no room on file
 
 
-def longest_period(scene: TwoBlocks | PartsScene) -> float:
-    """The longest of the periods of the sources and of free vibration [s]; infinite without any."""
-    if not isinstance(scene, TwoBlocks):
-        return rates.longest_period(scene)
-    mobility = 1 / scene.m1 + (1 / scene.m2 if scene.has_block2 else 0.0)
-    source = {"none": 0.0, "harmonic": scene.omega, "motor": scene.Omega0}[scene.source]
-    return max((2 * pi / rate for rate in (abs(source), sqrt(scene.k1 * mobility)) if rate), default=inf)
-
-
 class ErrorEstimate:
     """Running estimate over blocks of samples, and the horizon: until when it is within `tolerance` [m].
 
     scene : what is run; it sets the time for which a distance is held
     """
 
-    def __init__(self, scene: TwoBlocks | PartsScene, tolerance: float):
+    def __init__(self, scene: Scene, tolerance: float):
         self.tolerance = tolerance
         self.largest = 0.0  # estimate so far [m]
         self._fading = 1 / (PERIODS_HELD * longest_period(scene))  # [1/s]

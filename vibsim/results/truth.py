@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from vibsim.kernel.truth import digit_columns, open_truth
+from vibsim.engine.choice import flow_of
+from vibsim.engine.columns import state_columns
+from vibsim.engine.truth import open_truth
 from vibsim.results.columns import tables_of
 from vibsim.results.digits import Digits
 from vibsim.results.provenance import origin, outcome
 from vibsim.results.recording import MemorySink, Rows, Sink, Watch
-from vibsim.results.rest_distance import RestDistance
+from vibsim.results.rest_distance import Distances
 from vibsim.results.result import Result
 from vibsim.results.right_digits import DigitsPlan, EndState, end_of
 
@@ -39,7 +41,7 @@ class TruthRecording:
         self.trajectory = open_truth(case.exact_scene, digits)
         kit = self.trajectory.kit
         self.start = {
-            **origin(case, self.scene, self.trajectory.engine, self.trajectory.method),
+            **origin(case, self.scene, self.trajectory.engine, flow_of(self.scene)),
             "digits": digits,
             "precision_bits": kit.bits,
             "number_type": kit.name,
@@ -51,10 +53,10 @@ class TruthRecording:
         self.t_reached, self.complete = 0.0, False
         self.end_state: EndState | None = None
         self._events: list[Rows] = []
-        self._rest = RestDistance(self.scene)
+        self._rest = Distances(case, self.scene)
 
     def into(self, sink: TruthSink, watch: Watch | None = None) -> None:
-        """Run to the end, or until `watch` says stop; raises KernelError when the run fails."""
+        """Run to the end, or until `watch` says stop; raises EngineError when the run fails."""
         for block in self.trajectory.blocks():
             sink.append_digits(block.sample_digits, block.event_digits)
             sink.append(block.samples, block.events)
@@ -81,7 +83,7 @@ class TruthMemory(MemorySink):
 
     def __init__(self, recording: TruthRecording):
         super().__init__(tables_of(recording.scene))
-        names = digit_columns(recording.scene)
+        names = state_columns(recording.scene)
         self._sample_digits: dict[str, list[np.ndarray]] = {name: [] for name in names}
         self._event_digits: dict[str, list[np.ndarray]] = {name: [] for name in ("t", *names)}
 

@@ -24,14 +24,15 @@ class TruthWriter(TrajectoryWriter):
         force: bool = False,
     ):
         super().__init__(path, tables, attrs, force)
-        names = list(tables.states)
+        states = {name: tables.samples[name] for name in tables.states}
+        happened = {name: tables.events[name] for name in ("t", *tables.states)}
         width = text_width(digits)
         group = self._file.create_group("digits")
         time = self._file["time"]
-        self.sample_digits = DigitsStream(group, names, width, SAMPLE_CHUNK, time)
-        self.event_digits = DigitsStream(group.create_group("events"), ["t", *names], width, EVENT_CHUNK)
+        self.sample_digits = DigitsStream(group, states, width, SAMPLE_CHUNK, time)
+        self.event_digits = DigitsStream(group.create_group("events"), happened, width, EVENT_CHUNK)
         self.streams += [self.sample_digits, self.event_digits]
-        self._besides += FOR_COLUMN * (2 * len(names) + 2)
+        self._besides += FOR_COLUMN * (2 * len(states) + 2)
         self._file.flush()
 
     def append_digits(self, samples: Mapping[str, np.ndarray], events: Mapping[str, np.ndarray]) -> None:

@@ -117,7 +117,7 @@ def make_plan(
             discard=parse_discard(discard),
             section=section,
             every=None if every is None else _interval(every),
-            compute=read_computations(compute, case.scene()),
+            compute=read_computations(compute, case.two_blocks()),
         )
     except ValueError as error:
         raise error if isinstance(error, PlanError) else PlanError(str(error)) from None

@@ -21,7 +21,7 @@ def only_case_or_problems(text, overrides):
         assert error.problems
         assert all(problem.message and str(problem).count("\n") == 0 for problem in error.problems)
     else:
-        assert load_case_text(case.long_text()).parts() == case.parts()
+        assert load_case_text(case.long_text()).scene() == case.scene()
 
 
 @settings(max_examples=150)

@@ -24,7 +24,7 @@ def test_a_case_of_the_gallery(name):
     assert case.title
     assert "# Source: " in case.text
     assert "# What to look at: " in case.text
-    assert load_case_text(case.long_text()).parts() == case.parts()
+    assert load_case_text(case.long_text()).scene() == case.scene()
 
 
 def only(parts):
@@ -34,7 +34,7 @@ def only(parts):
 
 def test_bilinear_oscillator_has_the_parameters_of_its_source():
     zeta, beta, f, omega = 0.01, 29.0, 0.9 * 0.8**2 / 1.26, 0.8
-    scene = load_case("gallery/bilinear-oscillator").parts()
+    scene = load_case("gallery/bilinear-oscillator").scene()
     body, link, stop, force = (only(p) for p in (scene.bodies, scene.links, scene.stops, scene.forces))
     assert (body.m, link.k, link.c, stop.k, stop.c, stop.gap) == (1.0, 1.0, 2 * zeta, beta, 0.0, 1.0)
     assert only(force.terms).amplitude == pytest.approx(f, rel=1e-15)
@@ -42,28 +42,28 @@ def test_bilinear_oscillator_has_the_parameters_of_its_source():
 
 
 def test_friction_oscillator_has_the_parameters_of_its_source():
-    scene = load_case("gallery/friction-oscillator").parts()
+    scene = load_case("gallery/friction-oscillator").scene()
     link, friction, force = (only(p) for p in (scene.links, scene.frictions, scene.forces))
     assert (link.k, link.c, friction.forward, friction.backward) == (1.0, 2 * 0.05, 1.0, 1.0)
     assert (only(force.terms).amplitude, only(force.terms).omega, scene.bodies[0].v) == (1.5, 0.9, 5.0)
 
 
 def test_two_masses_have_the_parameters_of_their_source():
-    scene = load_case("gallery/two-masses-with-friction").parts()
+    scene = load_case("gallery/two-masses-with-friction").scene()
     assert [(link.P, link.Q, link.k, link.c) for link in scene.links] == [(0, -1, 1.0, 0.0), (0, 1, 1.0, 0.0)]
     assert (only(scene.frictions).P, only(scene.frictions).forward) == (1, 0.5)
     assert [(body.m, body.x) for body in scene.bodies] == [(1.0, 1.0), (1.0, 0.0)]
 
 
 def test_a_force_inside_the_capsule_has_its_reaction():
-    scene = load_case("gallery/drifting-capsule").parts()
+    scene = load_case("gallery/drifting-capsule").scene()
     push, reaction = (only(force.terms) for force in scene.forces)
     assert (push.amplitude, push.omega, push.phase) == (reaction.amplitude, reaction.omega, 0.0)
     assert reaction.phase == pytest.approx(3.141592653589793, rel=1e-15)
 
 
 def test_loads_of_the_stack_are_the_weights_above():
-    scene = load_case("gallery/stack-of-blocks").parts()
+    scene = load_case("gallery/stack-of-blocks").scene()
     masses = [body.m for body in scene.bodies]
     weights = [sum(masses[i:]) * 9.81 for i in range(3)]
     limits = [mu * weight for mu, weight in zip((0.35, 0.5, 0.1), weights, strict=True)]

@@ -17,7 +17,7 @@ FILES = sorted(VALID.glob("*.yaml"))
 
 def reads_back(case):
     again = load_case_text(case.long_text(), name=case.name)
-    assert again.parts() == case.parts()
+    assert again.scene() == case.scene()
     assert again.long_text() == case.long_text()
     assert (again.name, again.title) == (case.name, case.title)
     if case.is_long:
@@ -29,8 +29,8 @@ def test_a_long_case(path):
     case = load_case(path)
     reads_back(case)
     again = Case.from_resolved_json(case.resolved_json())
-    assert (again.values, again.sha256, again.parts()) == (case.values, case.sha256, case.parts())
-    assert again.with_values({}).parts() == case.parts()
+    assert (again.values, again.sha256, again.scene()) == (case.values, case.sha256, case.scene())
+    assert again.with_values({}).scene() == case.scene()
 
 
 @pytest.mark.parametrize("name", [*shipped_case_names(), *hard_case_names()])
@@ -99,7 +99,7 @@ def long_cases(draw):
 def test_any_case_of_the_long_form(case):
     reads_back(case)
     again = Case.from_resolved_json(case.resolved_json())
-    assert (again.values, again.parts()) == (case.values, case.parts())
+    assert (again.values, again.scene()) == (case.values, case.scene())
 
 
 def test_resolved_text_of_a_shipped_case():

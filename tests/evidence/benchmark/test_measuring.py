@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from tests.evidence.benchmark.made import plan, truth
+from vibsim.engine.choice import compiled
 from vibsim.evidence.benchmark.families import Family, family_of
 from vibsim.evidence.benchmark.measuring import MOST_RUNS, measure
 from vibsim.evidence.benchmark.own_engine import OwnEngine
 from vibsim.evidence.benchmark.row import DONE, FAILED, SLOWER
 from vibsim.evidence.peers.attempt import EVERY_KIND
 from vibsim.evidence.peers.time_limit import TimeLimit
-from vibsim.kernel import compiled
 from vibsim.physics.modes import EVENT_KINDS
 
 
@@ -28,7 +28,7 @@ FAILS = Family(
 
 
 def row(method, setting, limit=20.0, going_on=lambda: True, name="II-B"):
-    scene = plan(name).case.scene()
+    scene = plan(name).case.two_blocks()
     return measure(family_of(method), setting, scene, truth(name), limit, going_on)
 
 
@@ -52,7 +52,7 @@ def test_what_is_slow_is_stopped_and_judged_so_far():
 
 
 def test_what_fails_says_so():
-    found = measure(FAILS, "as it is", plan().case.scene(), truth(), 1.0, lambda: True)
+    found = measure(FAILS, "as it is", plan().case.two_blocks(), truth(), 1.0, lambda: True)
     assert (found.status, found.problem) == (FAILED, "the step is too small")
     assert found.runs == 0 and np.isnan(found.error).all() and found.counted() is None
 

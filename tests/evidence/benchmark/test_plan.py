@@ -13,7 +13,7 @@ from vibsim.evidence.benchmark.plan import make_plan
 def test_about_2000_instants_of_the_case(t_end, samples, last):
     times = plan(t_end=t_end).times
     assert len(times) == samples and times[-1] == last
-    whole = load_case("II-B").scene()
+    whole = load_case("II-B").two_blocks()
     assert set(times.tolist()) <= {whole.sample_time(i) for i in range(whole.sample_count)}
 
 
@@ -60,7 +60,7 @@ def test_the_closed_form_needs_an_ideal_source():
 
 def test_a_rest_distance_stops_no_run():
     found = plan(rest_distance__value="1 mm", rest_distance__on_violation="stop")
-    assert not found.case.scene().stop_on_violation
+    assert not found.case.two_blocks().stop_on_violation
 
 
 def test_what_is_not_installed_is_left_out(monkeypatch):

@@ -6,9 +6,9 @@ from functools import cache
 import numpy as np
 
 from vibsim.cases import load_case
+from vibsim.engine.error_growth import error_growth
+from vibsim.engine.truth import open_truth
 from vibsim.evidence.peers.attempt import EVERY_KIND
-from vibsim.kernel.error_growth import error_growth
-from vibsim.kernel.truth import open_truth
 from vibsim.physics.modes import EVENT_KINDS
 
 DIGITS = 30
@@ -32,14 +32,14 @@ class Known:
 def known(name, t_end):
     """A shipped case over its first `t_end`, by the engine of any precision."""
     case = load_case(name, {"run.t_end": t_end, "run.every": "50 ms"})
-    blocks = list(open_truth(case.exact_scene, DIGITS).blocks())
+    blocks = list(open_truth(case.exact_two_blocks, DIGITS).blocks())
     columns = {key: np.concatenate([block.samples[key] for block in blocks]) for key in ("time", "x1", "x2")}
     events = np.column_stack(
         [np.concatenate([block.events[key] for block in blocks]) for key in ("t", "kind")]
     )
     events = events[np.isin(events[:, 1], CODES)]
     displacements = np.column_stack([columns["x1"], columns["x2"]])
-    scene = case.scene()
+    scene = case.two_blocks()
     return Known(scene, columns["time"], displacements, events, 10 ** error_growth(scene))
 
 

@@ -3,14 +3,14 @@
 from types import SimpleNamespace
 
 import pytest
+from vibsim.kernel.errors import REASONS
 
 from vibsim.analysis import judge_capture
 from vibsim.cases import load_case
+from vibsim.engine.errors import EngineError
 from vibsim.evidence.reports import outcomes
 from vibsim.evidence.reports.outcomes import outcome, outcomes_of, run_all
 from vibsim.evidence.reports.paper_runs import Interrupted
-from vibsim.kernel import KernelError
-from vibsim.kernel.errors import REASONS
 from vibsim.results import simulate
 
 
@@ -34,10 +34,10 @@ def test_a_run_that_fails_is_an_outcome_too(monkeypatch):
     reason, state = next(iter(REASONS)), SimpleNamespace(t=1.0, x1=0, v1=0, x2=0, v2=0)
 
     def fail(*given, **options):
-        raise KernelError(reason, state)
+        raise EngineError(reason, state)
 
     monkeypatch.setattr(outcomes, "simulate", fail)
-    assert outcome(load_case("II-A")) == {"failed": str(KernelError(reason, state))}
+    assert outcome(load_case("II-A")) == {"failed": str(EngineError(reason, state))}
 
 
 def test_work_stops_when_told():

@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 import pytest
-
 import vibsim.kernel
+
 from vibsim.evidence.verification import runs, verify
 from vibsim.evidence.verification.catalogue import all_checks
 

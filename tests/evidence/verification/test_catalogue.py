@@ -52,7 +52,7 @@ def test_every_validation_case_is_checked(number):
 def test_every_hard_topic_is_checked(topic):
     name, shows = TOPICS[topic]
     case = load_case(f"hard/{name}")
-    assert shows(case.scene())
+    assert shows(case.two_blocks())
     assert [f"hard/{name}/{flow}" for flow in flows_of(case)] == [
         n for n in NAMES if n.startswith(f"hard/{name}/")
     ]

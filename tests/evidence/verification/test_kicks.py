@@ -3,6 +3,7 @@
 from random import Random
 
 import pytest
+from vibsim.physics.state import State
 
 import vibsim
 from vibsim.evidence.verification.digits_runs import Plan, run_digits
@@ -17,7 +18,6 @@ from vibsim.evidence.verification.kicks import (
 )
 from vibsim.evidence.verification.stray import states_apart
 from vibsim.physics.number_kits import number_kit
-from vibsim.physics.state import State
 
 
 @pytest.fixture
@@ -32,7 +32,7 @@ def relative(kit, kicked, value):
 
 @pytest.mark.parametrize("name", ["I-A", "II-B", "hard/contact-lost-as-it-sticks"])
 def test_every_number_of_a_scene_is_kicked(kit, name):
-    scene = vibsim.load_case(name).exact_scene(kit.number, kit.pi)
+    scene = vibsim.load_case(name).exact_two_blocks(kit.number, kit.pi)
     kicked = kicked_scene(scene, kit, Random(1))
     signs = []
     for field in NUMBERS + START:

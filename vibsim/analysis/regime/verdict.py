@@ -57,7 +57,7 @@ def judge_regime(result: Result, window: Window | None = None, exponent: Exponen
     span = steady_span(result, window)
     if is_at_rest(result, span):
         return Regime("at rest", "nothing moves", span, exponent=exponent)
-    if result.case.scene().source == "none":
+    if result.case.two_blocks().source == "none":
         return Regime("undecided", "no source, so no stroboscopic section", span, exponent=exponent)
     section = section_of(result, span)
     judged = judge_points(section.points, exponent)

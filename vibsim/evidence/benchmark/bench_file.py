@@ -14,33 +14,39 @@ from vibsim.evidence.benchmark.row import STATUS_FLAGS, Row
 from vibsim.evidence.benchmark.truth import Truth
 from vibsim.evidence.peers.attempt import EVERY_KIND
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.results.columns import COLUMNS
+from vibsim.results.columns import Tables
 from vibsim.results.hdf5_image import write_hdf5
 
 COMPRESSED = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
 NONE = -1  # of a count that a method does not give
 
 
-def write_bench(path: Path, attrs: Mapping[str, Any], truth: Truth, rows: Sequence[Row]) -> None:
+def write_bench(
+    path: Path, attrs: Mapping[str, Any], tables: Tables, truth: Truth, rows: Sequence[Row]
+) -> None:
     """Write a bench to `path`, replacing what is there in one instant. Raises ResultFileError."""
 
     def fill(file: h5py.File) -> None:
         for name, value in {**attrs, "truth_sha256": truth.fingerprint, **truth.attrs}.items():
             file.attrs[name] = value
-        _write_truth(file.create_group("truth"), truth)
+        _write_truth(file.create_group("truth"), tables, truth)
         _write_rows(file, truth, rows)
 
     write_hdf5(path, fill)
 
 
-def _write_truth(group: h5py.Group, truth: Truth) -> None:
+def _write_truth(group: h5py.Group, tables: Tables, truth: Truth) -> None:
     events = group.create_group("events")
-    for place, table, first in ((group, truth.samples, "time"), (events, truth.events, "t")):
-        scale = _dataset(place, first, table[first], COLUMNS[first].long_name, COLUMNS[first].units)
+    for place, table, columns in (
+        (group, truth.samples, tables.samples),
+        (events, truth.events, tables.events),
+    ):
+        first = next(iter(columns))
+        scale = _dataset(place, first, table[first], columns[first].long_name, columns[first].units)
         scale.make_scale(first)
         for name in table:
             if name != first:
-                column = COLUMNS[name]
+                column = columns[name]
                 dataset = _dataset(place, name, table[name], column.long_name, column.units or "1", [scale])
                 if column.flags:
                     _describe_flags(dataset, column.flags)

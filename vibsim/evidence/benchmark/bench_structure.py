@@ -1,11 +1,11 @@
 """What a bench file must hold."""
 
+from vibsim.engine.columns import state_columns
 from vibsim.evidence.benchmark.columns import COUNTS, ROW, TEXTS
 from vibsim.evidence.benchmark.row import STATUS_FLAGS
 from vibsim.evidence.peers.attempt import EVERY_KIND
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.scene import Scene
-from vibsim.results.columns import STATES
+from vibsim.physics.parts import Scene
 from vibsim.results.structure import LIST, NUMBER, TEXT, WHOLE, Attribute, Dataset
 from vibsim.results.trajectory_structure import PROVENANCE
 
@@ -31,7 +31,7 @@ LENGTHS = {"kind": len(EVERY_KIND)}  # of the dimensions that are known
 
 def _truth(scene: Scene) -> list[Dataset]:
     times = [Dataset("truth/time", "f8", ("time",), ascending=True)]
-    states = [Dataset(f"truth/{name}", "f8", ("time",)) for name in scene.columns() if name in STATES]
+    states = [Dataset(f"truth/{name}", "f8", ("time",)) for name in state_columns(scene)]
     kinds = frozenset(EVENT_KINDS.values())
     kind = Dataset("truth/events/kind", "i1", ("event",), kinds)
     return [*times, *states, Dataset("truth/events/t", "f8", ("event",), ascending=True), kind]

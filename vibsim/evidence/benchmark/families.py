@@ -13,7 +13,7 @@ from typing import Any
 from vibsim.cases.spelling import nearest
 from vibsim.evidence.benchmark.errors import BenchError
 from vibsim.evidence.peers.tolerances import SHARE, TIGHTEST
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 
 Setting = tuple[str, Mapping[str, Any]]  # as shown, as given to the peer
 
@@ -21,7 +21,7 @@ OWN = "vibsim.evidence.benchmark.own_engine:OwnEngine"
 EVENTS = "vibsim.evidence.peers.solve_ivp_events:EventSolver"
 EVENTLESS = "vibsim.evidence.peers.solve_ivp_eventless:EventlessSolver"
 COMPILED: Any = {
-    "needs": "vibsim.kernel._kernel",
+    "needs": "vibsim.engine._engine",
     "remedy": "not in this installation: install vibsim with a C compiler",
 }
 FULL = 2.0**-53
@@ -53,7 +53,7 @@ class Family:
     source: str = "any"
     own: bool = False
 
-    def fits(self, scene: Scene) -> bool:
+    def fits(self, scene: TwoBlocks) -> bool:
         """Whether the family can run the scene."""
         return self.source == "any" or not scene.has_motor
 
@@ -62,7 +62,7 @@ class Family:
         """Whether what it needs is here."""
         return self.needs is None or find_spec(self.needs) is not None
 
-    def opener(self, scene: Scene, setting: str) -> Callable[[], Any]:
+    def opener(self, scene: TwoBlocks, setting: str) -> Callable[[], Any]:
         """What makes the peer for `scene` at a setting when called; its module is imported here."""
         module, _, name = self.peer.partition(":")
         peer, settings = getattr(import_module(module), name), dict(self.ladder)[setting]

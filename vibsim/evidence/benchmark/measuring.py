@@ -7,20 +7,20 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.engine.errors import EngineError
 from vibsim.evidence.benchmark.families import Family
 from vibsim.evidence.benchmark.row import DONE, FAILED, SLOWER, Row
 from vibsim.evidence.benchmark.scoring import score
 from vibsim.evidence.benchmark.truth import Truth
 from vibsim.evidence.peers.time_limit import TimeLimit
-from vibsim.kernel import KernelError
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 
 ENOUGH = 0.5  # s of runs of which the median is taken
 MOST_RUNS = 25
 
 
 def measure(
-    family: Family, setting: str, scene: Scene, truth: Truth, limit: float, going_on: Callable[[], bool]
+    family: Family, setting: str, scene: TwoBlocks, truth: Truth, limit: float, going_on: Callable[[], bool]
 ) -> Row:
     """The row of `family` at `setting`: timed, counted and judged by the truth.
 
@@ -36,7 +36,7 @@ def measure(
             clocks.append(clock)
             if attempt.stopped or sum(wall for wall, _ in clocks) > ENOUGH or len(clocks) == MOST_RUNS:
                 break
-    except (ArithmeticError, ValueError, KernelError) as error:
+    except (ArithmeticError, ValueError, EngineError) as error:
         return Row(family.name, setting, FAILED, _sentence(error), error=np.full(len(times), np.nan))
     judged = score(attempt, truth, scene)
     return Row(

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.evidence.peers.attempt import EVERY_KIND, Attempt
 from vibsim.evidence.peers.time_limit import OutOfTime, TimeLimit
-from vibsim.kernel import open_trajectory
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 
 STATES = ("x1", "v1", "x2", "v2", "phi", "phidot")
 COUNTED = [EVENT_KINDS[name] for name in EVERY_KIND]
@@ -17,12 +17,12 @@ COUNTED = [EVENT_KINDS[name] for name in EVERY_KIND]
 class OwnEngine:
     """A scene for the engine "c" or "python" by `method`; order and tolerance of a Taylor series."""
 
-    def __init__(self, scene: Scene, engine: str, method: str, order: int = 20, tol: float = 2.0**-53):
+    def __init__(self, scene: TwoBlocks, engine: str, method: str, order: int = 20, tol: float = 2.0**-53):
         self.scene, self.engine = replace(scene, method=method, order=order, tol=tol), engine
 
     def run(self, times: np.ndarray, limit: TimeLimit) -> Attempt:
-        """States at `times` [s], which are the instants that the scene is sampled at. Raises KernelError."""
-        trajectory = open_trajectory(self.scene, self.engine)
+        """States at `times` [s], which are the instants that the scene is sampled at. Raises EngineError."""
+        trajectory = open_trajectory(self.scene.as_parts(), self.engine)
         blocks, stopped = [], False
         try:
             for block in trajectory.blocks():

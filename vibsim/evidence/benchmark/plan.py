@@ -37,7 +37,7 @@ class Plan:
     @property
     def times(self) -> np.ndarray:
         """The instants compared [s]."""
-        scene = self.case.scene()
+        scene = self.case.two_blocks()
         return np.array([scene.sample_time(i) for i in range(scene.sample_count)])
 
     @property
@@ -54,14 +54,14 @@ class Plan:
 
     def rows(self) -> Iterator[tuple[Family, str]]:
         """Family and setting of every row that can be run here."""
-        scene = self.case.scene()
+        scene = self.case.two_blocks()
         for family in self.families:
             if family.installed and family.fits(scene):
                 yield from ((family, setting) for setting, _ in family.ladder)
 
     def absent(self) -> list[Family]:
         """Families that could run the scene and are not installed."""
-        scene = self.case.scene()
+        scene = self.case.two_blocks()
         return [family for family in self.families if family.fits(scene) and not family.installed]
 
 

@@ -14,7 +14,7 @@ PACKAGES = ("scipy", "heyoka")
 
 def origin(plan: Plan) -> dict[str, Any]:
     """Attributes that are known before the first row."""
-    scene = plan.case.scene()
+    scene = plan.case.two_blocks()
     attrs = provenance.origin(plan.case, scene, engine="", method="")
     del attrs["engine"], attrs["method"]
     return {

@@ -11,6 +11,7 @@ from vibsim.evidence.benchmark.plan import Plan
 from vibsim.evidence.benchmark.provenance import origin
 from vibsim.evidence.benchmark.row import Row
 from vibsim.evidence.benchmark.truth import Truth, compute_truth
+from vibsim.results.columns import tables_of
 from vibsim.results.output_file import check_output
 
 Watch = Callable[[str, float], bool]  # given what is done and how far it is [0 to 1]; False stops the bench
@@ -31,7 +32,7 @@ def run_bench(
     force : replace an existing file
 
     When `watch` says False the row under way is given up and the bench ends with those before it, its
-    attribute `complete` 0. Raises KernelError when the truth cannot be computed, MultiprecisionMissing
+    attribute `complete` 0. Raises EngineError when the truth cannot be computed, MultiprecisionMissing
     without a library for it, ResultFileError when the file cannot be written.
     """
     target = None if path is None else check_output(path, force)
@@ -41,13 +42,14 @@ def run_bench(
         return None
     attrs: dict[str, Any] = {**origin(plan), "complete": 0}
     rows: list[Row] = []
+    tables = tables_of(plan.case.scene())
 
     def keep() -> None:
         if target is not None:
-            write_bench(target, attrs, truth, rows)
+            write_bench(target, attrs, tables, truth, rows)
 
     keep()
-    scene, entries = plan.case.scene(), list(plan.rows())
+    scene, entries = plan.case.two_blocks(), list(plan.rows())
     for i, (family, setting) in enumerate(entries):
         at = f"{family.name}, {setting}", i / len(entries)
         if not watch(*at):

@@ -9,7 +9,7 @@ import numpy as np
 from vibsim.evidence.benchmark.event_counts import EventCount, count_events
 from vibsim.evidence.benchmark.truth import Truth
 from vibsim.evidence.peers.attempt import Attempt
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 
 FAITHFUL = 1e-3  # m: largest error of the displacements of a faithful run, a gap of the paper
 
@@ -26,7 +26,7 @@ class Score:
     events: dict[str, EventCount] = field(default_factory=dict)
 
 
-def score(attempt: Attempt, truth: Truth, scene: Scene) -> Score:
+def score(attempt: Attempt, truth: Truth, scene: TwoBlocks) -> Score:
     """Judge an attempt at the instants of the truth."""
     time = truth.samples["time"]
     error = np.full(len(time), nan)
@@ -53,7 +53,7 @@ def faithful_time(time: np.ndarray, error: np.ndarray) -> float:
     return float(time[max(lost[0] - 1, 0)] if len(lost) else time[-1])
 
 
-def shortest_period(scene: Scene) -> float:
+def shortest_period(scene: TwoBlocks) -> float:
     """Shortest period in the motion [s]: of the vibration in contact, of the free one, or of the source."""
     mass = scene.m1 + (scene.m3 if scene.has_motor else 0.0)
     mobility = 1 / mass + (1 / scene.m2 if scene.has_block2 else 0.0)

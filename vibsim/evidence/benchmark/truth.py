@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.engine.error_growth import error_growth
+from vibsim.engine.errors import EngineError
 from vibsim.evidence.benchmark.plan import Plan
-from vibsim.kernel import KernelError
-from vibsim.kernel.error_growth import error_growth
 from vibsim.results.right_digits import DigitsPlan
 from vibsim.results.truth import TruthMemory, TruthRecording
 
@@ -40,7 +40,7 @@ class Truth:
 def compute_truth(plan: Plan, watch: Callable[[float], bool] | None = None) -> Truth | None:
     """The truth of a plan; None where `watch`, given the time reached [s], says False.
 
-    Raises KernelError when the run fails, MultiprecisionMissing where no library for it is installed.
+    Raises EngineError when the run fails, MultiprecisionMissing where no library for it is installed.
     """
     began = time.perf_counter()
     digits = max(FEWEST, ceil(_lost(plan)) + RIGHT + 2)
@@ -70,5 +70,5 @@ def _lost(plan: Plan) -> float:
     """Digits lost over the span, about."""
     try:
         return error_growth(plan.case.scene())
-    except KernelError:
+    except EngineError:
         return GUESS

@@ -6,7 +6,7 @@ A readable twin: it shares no line with the kernels, only the numbers of the sce
 from collections.abc import Sequence
 from math import cos, sin
 
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 
 State = Sequence[float]  # x1, v1, x2, v2 [m, m/s] and, with a motor, phi, phidot [rad, rad/s]
 
@@ -17,7 +17,7 @@ class Equations:
     `evaluations` counts the right-hand sides evaluated.
     """
 
-    def __init__(self, scene: Scene):
+    def __init__(self, scene: TwoBlocks):
         self.scene = scene
         self.fixed = not scene.has_block2
         self.N = scene.N if scene.has_friction else 0.0

@@ -13,7 +13,7 @@ from vibsim.evidence.peers.equations import Equations
 from vibsim.evidence.peers.mode import Mode
 from vibsim.evidence.peers.time_limit import OutOfTime, TimeLimit
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 
 # run-time parameters: 1 in contact; sign of the friction force; 1 while block 2 sticks
 CONTACT, SIGMA, STUCK = range(3)
@@ -27,7 +27,7 @@ PIECE = 100  # samples between two looks at the clock
 class HeyokaEvents:
     """A scene compiled to the tolerance `tol` (relative)."""
 
-    def __init__(self, scene: Scene, tol: float):
+    def __init__(self, scene: TwoBlocks, tol: float):
         hy.llvm_state.set_diskcache_enabled(False)  # so that compiling is compiling
         self.equations = Equations(scene)
         self.start = self.equations.start()
@@ -91,7 +91,7 @@ class HeyokaEvents:
         return taken
 
 
-def expressions(scene: Scene):
+def expressions(scene: TwoBlocks):
     """Eqs. (2.1)-(2.3) or (2.8)-(2.10) with the modes as parameters, and the event functions by the names of
     those of `Mode`.
     """

@@ -11,7 +11,7 @@ from vibsim.evidence.peers.equations import Equations
 from vibsim.evidence.peers.eventless import EventlessMotion, sgn
 from vibsim.evidence.peers.sign_changes import SignChanges
 from vibsim.evidence.peers.time_limit import OutOfTime, TimeLimit
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 
 ROUNDING = 1e-9  # of a step count: 50 ms / 1 ms is 50 steps and not 51
 
@@ -19,7 +19,7 @@ ROUNDING = 1e-9  # of a step count: 50 ms / 1 ms is 50 steps and not 51
 class RungeKutta4:
     """A scene stepped by `step` [s], or by the largest smaller step that divides the sampling interval."""
 
-    def __init__(self, scene: Scene, step: float):
+    def __init__(self, scene: TwoBlocks, step: float):
         self.scene, self.step = scene, step
 
     def run(self, times: np.ndarray, limit: TimeLimit) -> Attempt:

@@ -13,7 +13,7 @@ from vibsim.evidence.peers.eventless import EventlessMotion, sgn, smoothed
 from vibsim.evidence.peers.sign_changes import SignChanges
 from vibsim.evidence.peers.solver_steps import watched
 from vibsim.evidence.peers.time_limit import OutOfTime, TimeLimit
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 
 
 class EventlessSolver:
@@ -22,7 +22,7 @@ class EventlessSolver:
     width : of the smoothed friction law tanh(v2 / width) [m/s]; None: sgn(v2)
     """
 
-    def __init__(self, scene: Scene, method: str, rtol: float, atol: float, width: float | None = None):
+    def __init__(self, scene: TwoBlocks, method: str, rtol: float, atol: float, width: float | None = None):
         self.scene, self.method = scene, method
         self.tolerances = {"rtol": rtol, "atol": atol}
         self.law: Callable[[float], float] = sgn if width is None else smoothed(width)

@@ -13,13 +13,13 @@ from vibsim.evidence.peers.solver_steps import watched
 from vibsim.evidence.peers.time_limit import OutOfTime, TimeLimit
 from vibsim.evidence.peers.tolerances import SHARE
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 
 
 class EventSolver:
     """A scene for solve_ivp with `method` ("DOP853", "Radau", "LSODA", ...) at the tolerance rtol."""
 
-    def __init__(self, scene: Scene, method: str, rtol: float):
+    def __init__(self, scene: TwoBlocks, method: str, rtol: float):
         self.scene, self.method = scene, method
         self.tolerances = {"rtol": rtol, "atol": SHARE * rtol}
 

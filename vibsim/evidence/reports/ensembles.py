@@ -10,9 +10,9 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from vibsim.analysis import count_impacts, judge_regime, measure_drift
+from vibsim.engine.errors import EngineError
 from vibsim.evidence.reports.measurements import Numbers, overall_rate, steady_amplitudes
 from vibsim.evidence.reports.outcomes import EVERY, Advance, outcome_of, run_all
-from vibsim.kernel import KernelError
 from vibsim.results import Result, simulate
 
 if TYPE_CHECKING:
@@ -40,9 +40,9 @@ def member_outcome(case: Case) -> Numbers:
     """The motion of a member and, with a motor, what becomes of it; {"failed": why} where it breaks down."""
     try:
         result = simulate(case.with_values({"run.every": EVERY}), trust=False)
-    except KernelError as error:
+    except EngineError as error:
         return {"failed": str(error)}
-    motor = outcome_of(result) if case.scene().has_motor else {}
+    motor = outcome_of(result) if case.two_blocks().has_motor else {}
     return {**motor, **motion_of(result)}
 
 

@@ -21,7 +21,7 @@ STATES = ("x1", "x2", "v1", "v2")
 
 def measure_run(result: Result) -> Numbers:
     """All that the report needs to know of one run; lengths in m, times in s, frequencies in Hz."""
-    scene, attrs = result.case.scene(), result.attrs
+    scene, attrs = result.case.two_blocks(), result.attrs
     found: Numbers = {
         "case_sha256": attrs["case_sha256"],
         "title": result.case.title,

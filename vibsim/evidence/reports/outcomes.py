@@ -12,9 +12,9 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from vibsim.analysis import judge_capture, measure_drift
+from vibsim.engine.errors import EngineError
 from vibsim.evidence.reports.measurements import Numbers, displacement_peak
 from vibsim.evidence.reports.paper_runs import Interrupted
-from vibsim.kernel import KernelError
 from vibsim.results import Result, simulate
 from vibsim.sweeps.schedule.workers import available_cores
 
@@ -50,7 +50,7 @@ def outcome(case: Case) -> Numbers:
     """What a motor run comes to; {"failed": why} where it cannot be run."""
     try:
         return outcome_of(simulate(case.with_values({"run.every": EVERY}), trust=False))
-    except KernelError as error:
+    except EngineError as error:
         return {"failed": str(error)}
 
 

@@ -62,7 +62,7 @@ def write_paper(
     fresh : simulate and measure everything again
 
     Otherwise runs and numbers that are there already and of the same cases are taken over. Raises
-    KernelError when a run fails, ResultFileError when a file cannot be written, and Interrupted when `tell`
+    EngineError when a run fails, ResultFileError when a file cannot be written, and Interrupted when `tell`
     says to stop; what was finished before is kept.
     """
     root = _made_folder(Path(folder))

@@ -83,7 +83,7 @@ def table_of(sections: Mapping[str, Any]) -> Numbers:
 
 def measure_facts(cases: Mapping[str, Case]) -> Numbers:
     """What follows from the numbers of the cases alone: natural frequencies [Hz] and amplitudes [N]."""
-    facts = {kind: {fact.name: fact.value for fact in derived_facts(cases[name].scene())}
+    facts = {kind: {fact.name: fact.value for fact in derived_facts(cases[name].two_blocks())}
              for kind, name in (("I", "I-A"), ("II", "II-A"))}  # fmt: skip
     return {
         "held_hz": facts["I"]["block 1 on its spring"],
@@ -98,7 +98,7 @@ def measure_facts(cases: Mapping[str, Case]) -> Numbers:
 
 def least_hold(case: Case, inertia: float) -> float:
     """Shortest hold near half the bilinear frequency that counts as capture [s], at an inertia [kg m^2]."""
-    scene = case.with_values({"excitation.J": inertia}).scene()
+    scene = case.with_values({"excitation.J": inertia}).two_blocks()
     no_load = scene.Omega0 / (2 * pi)
     slow, fast = (HELD_HZ * (1 + sign * BAND) for sign in (-1, 1))
     return CAPTURE * run_up_time(scene) * log((no_load - slow) / (no_load - fast))
@@ -106,12 +106,12 @@ def least_hold(case: Case, inertia: float) -> float:
 
 def unbalance(cases: Mapping[str, Case]) -> float:
     """m3 e of the motor as printed [kg m]."""
-    scene = cases[MOTORS[0]].scene()
+    scene = cases[MOTORS[0]].two_blocks()
     return float(scene.m3 * scene.e)
 
 
 def _amplitudes(printed: str, equal: str, motor: str, cases: Mapping[str, Case]) -> Numbers:
-    ideal, by_rule, scene = (cases[name].scene() for name in (printed, equal, motor))
+    ideal, by_rule, scene = (cases[name].two_blocks() for name in (printed, equal, motor))
     return {
         "omega_hz": ideal.omega / (2 * pi),
         "printed": ideal.A,

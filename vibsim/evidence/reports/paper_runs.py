@@ -34,7 +34,7 @@ def obtain_run(
 ) -> tuple[Result, bool]:
     """The run of a case in FOLDER/NAME.h5, and whether it was simulated: where it had to be, or if `fresh`.
 
-    Raises KernelError when the run fails, ResultFileError when the file cannot be written, and Interrupted
+    Raises EngineError when the run fails, ResultFileError when the file cannot be written, and Interrupted
     when `watch` returns False before the end.
     """
     path = folder / f"{case.name}.h5"

@@ -15,9 +15,9 @@ from math import pi
 from typing import TYPE_CHECKING
 
 from vibsim.analysis import judge_regime, largest_exponent
+from vibsim.engine.errors import EngineError
 from vibsim.evidence.reports.measurements import Numbers
 from vibsim.evidence.reports.outcomes import Advance, run_all
-from vibsim.kernel import KernelError
 from vibsim.results import simulate
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def at_point(case: Case, unbalance: float, law: str, hz: float, c: float) -> Cas
 def _regime(case: Case) -> Numbers:
     try:
         result = simulate(case.with_values({"run.every": "50 ms"}), trust=False)
-    except KernelError as error:
+    except EngineError as error:
         return {"regime": "failed", "period": None, "why": str(error)}
     judged = judge_regime(result, exponent=largest_exponent(result))
     return {"regime": judged.verdict, "period": judged.period}

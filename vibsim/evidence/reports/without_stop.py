@@ -27,7 +27,7 @@ def measure_without_stop(cases: Sequence[Case], advance: Advance) -> Numbers:
 
 def _measured(case: Case) -> Numbers:
     run, settled = (simulate(case.with_values(changes), trust=False) for changes in (AS_LONG, SETTLED))
-    capture = plain(judge_capture(run)) if case.scene().has_motor else None
+    capture = plain(judge_capture(run)) if case.two_blocks().has_motor else None
     return {
         "drift": plain(measure_drift(run)),
         "overall": overall_rate(run),

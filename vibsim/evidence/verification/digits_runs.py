@@ -6,14 +6,14 @@ from random import Random
 from typing import Any
 
 from vibsim.cases import Case, load_case
+from vibsim.engine.columns import state_columns
+from vibsim.engine.driver import Driver
+from vibsim.engine.truth import bare
 from vibsim.evidence.verification.event_matching import Event
 from vibsim.evidence.verification.hard_cases import PERIODIC
-from vibsim.evidence.verification.kicks import KICKED, kicked_scene
+from vibsim.evidence.verification.kicks import KickedFlow, kicked_scene
 from vibsim.evidence.verification.million_seconds import PERIOD, SETTLED
 from vibsim.evidence.verification.paper_cases import judged_case
-from vibsim.kernel.driver import Driver
-from vibsim.kernel.python_engine import FLOWS
-from vibsim.kernel.truth import digit_columns
 from vibsim.physics.modes import EVENT_NAMES
 from vibsim.physics.number_kits import number_kit
 
@@ -49,7 +49,7 @@ def plan(name: str) -> Plan:
         case = load_case(name, {"run.t_end": f"{SETTLED + PERIOD:g} s", "run.every": f"{PERIOD / 16:g} s"})
         return Plan(case, 1, True, SETTLED, PERIOD)
     case = load_case(name) if name.startswith("hard/") else judged_case(name)
-    stride = max(1, (case.scene().sample_count - 1) // INSTANTS)
+    stride = max(1, (case.two_blocks().sample_count - 1) // INSTANTS)
     return Plan(case, stride, name.startswith("hard/"))
 
 
@@ -57,29 +57,27 @@ def run_digits(how: Plan, flow: str, digits: int, seed: int | None = None) -> Ru
     """A run of many digits, kicked where a seed is given."""
     kit: Any = number_kit(digits)
     kit.activate()
-    doubles = how.case.scene()
-    scene = how.case.exact_scene(kit.number, kit.pi)
+    doubles = how.case.two_blocks()
+    scene = how.case.exact_two_blocks(kit.number, kit.pi)
     scene = replace(scene, t_end=kit.number(doubles.t_end), every_num=scene.every_num * how.stride)
-    if seed is None:
-        moving = FLOWS[flow](scene, kit)
-    else:
-        rng = Random(seed)
+    rng = None if seed is None else Random(seed)
+    if rng:
         scene = kicked_scene(scene, kit, rng)
-        moving = KICKED[flow](scene, kit, rng)
-    driver = Driver(scene, kit, moving)
+    parts = replace(bare(scene.as_parts(), kit), method=flow)
+    driver = Driver(parts, kit, flow=KickedFlow(parts, kit, rng) if rng else None)
     while not driver.finished:
         driver.run(10**9, 10**9, 10**9)
-    return _kept_part(_finished(doubles, kit, driver), how)
+    return _kept_part(_finished(kit, driver), how)
 
 
-def _finished(scene, kit, driver) -> Run:
+def _finished(kit, driver) -> Run:
     samples, events, _ = driver.take()
     states = [state for state, _ in samples]
-    columns = {
-        name: kit.texts([_value(kit, state, name) for state in states]) for name in digit_columns(scene)
-    }
-    times = kit.texts([state.t for _, state, _ in events])
-    kinds = [EVENT_NAMES[code] for code, _, _ in events]
+    names = state_columns(driver.scene)
+    rows = [_values(kit, state) for state in states]
+    columns = {name: kit.texts([row[i] for row in rows]) for i, name in enumerate(names)}
+    times = kit.texts([state.t for _, _, state, _ in events])
+    kinds = [EVENT_NAMES[code] for code, _, _, _ in events]
     return Run(
         [float(state.t) for state in states],
         {name: [Decimal(text) for text in texts] for name, texts in columns.items()},
@@ -87,10 +85,9 @@ def _finished(scene, kit, driver) -> Run:
     )
 
 
-def _value(kit, state, name):
-    if name == "phi":
-        return kit.unwind(state.phase, state.turns)
-    return state.w if name == "phidot" else getattr(state, name)
+def _values(kit, state):
+    moving = [value for pair in zip(state.x, state.v, strict=True) for value in pair]
+    return [*moving, kit.unwind(state.phase, state.turns), state.w]
 
 
 def _kept_part(run: Run, how: Plan) -> Run:

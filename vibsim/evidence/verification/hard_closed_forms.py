@@ -50,7 +50,7 @@ def checks() -> list[Check]:
 def linear(flow: str, engine: str) -> Iterator[Row]:
     """The steady state, its phase taken from the exact fraction 5.3 t of turns."""
     case = load_case(LINEAR, {"run.t_end": SHORTER} if flow == "taylor" else {})
-    result = bare_run(case.scene(), engine, flow)
+    result = bare_run(case.two_blocks(), engine, flow)
     omega, c, force = 2 * pi * 5.3, 0.3, 0.5
     size, lag = force / impedance(omega, c), atan2(c * omega, K1 - M1 * omega**2)
     bound = size * relative_rounding(result, conditioning(omega, c), memory=2 * M1 / c)
@@ -67,7 +67,7 @@ def linear(flow: str, engine: str) -> Iterator[Row]:
 
 def tiny(flow: str, engine: str) -> Iterator[Row]:
     """The amplitude of the case, and a subnormal one, which no case file may have."""
-    scene = load_case(TINY).scene()
+    scene = load_case(TINY).two_blocks()
     for amplitude in (scene.x1, SUBNORMAL):
         result = bare_run(replace(scene, x1=amplitude), engine, flow)
         yield from tiny_rows(f"{TINY}/{flow}", result, amplitude)
@@ -96,7 +96,7 @@ def tiny_rows(name: str, result: Result, size: float) -> Iterator[Row]:
 def conservative(flow: str, engine: str) -> Iterator[Row]:
     """Contacts, the time of the last one, and the energy."""
     name = f"{CONSERVATIVE}/{flow}"
-    result = bare_run(load_case(CONSERVATIVE).scene(), engine, flow)
+    result = bare_run(load_case(CONSERVATIVE).two_blocks(), engine, flow)
     count = contacts(result.t_reached)
     begins = result.events["t"][result.events["kind"] == 1]
     yield counted_row(name, "impacts", count, len(begins), "one in each period")

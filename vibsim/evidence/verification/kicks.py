@@ -8,11 +8,9 @@ the conditioning of the motion, amplification by impacts and chaos included.
 
 from dataclasses import replace
 from random import Random
-from typing import Any
 
-from vibsim.flows.closed_form import ClosedForm
-from vibsim.flows.taylor import Taylor
-from vibsim.physics.state import State
+from vibsim.engine.flow import Flow
+from vibsim.engine.state import State
 
 UNIT = 2.0**-53  # unit round-off of doubles
 # a number of the scene is rounded once, and what follows from several (k1 + k2, 1/m1 + 1/m2, w0) twice more
@@ -45,37 +43,32 @@ def kicked_state(state, kit, rng: Random):
     """Displacements and velocities off by STATE_UNITS of the larger of the two, the phase by as much of a
     radian. An exact zero stays: such are set, not computed.
     """
-    length, speed = max(abs(state.x1), abs(state.x2)), max(abs(state.v1), abs(state.v2))
-    sizes = {"x1": length, "x2": length, "v1": speed, "v2": speed, "phase": 1, "w": abs(state.w)}
-    values = dict(vars(state))
-    for name, size in sizes.items():
-        if values[name] != 0:
-            values[name] = values[name] + size * (_factor(kit, rng, STATE_UNITS) - 1)
-    return State(**values)
+
+    def kicked(value, size):
+        return value + size * (_factor(kit, rng, STATE_UNITS) - 1) if value != 0 else value
+
+    length, speed = max(map(abs, state.x)), max(map(abs, state.v))
+    return State(
+        state.t,
+        [kicked(x, length) for x in state.x],
+        [kicked(v, speed) for v in state.v],
+        kicked(state.phase, 1),
+        state.turns,
+        kicked(state.w, abs(state.w)),
+    )
 
 
-class KickedClosedForm(ClosedForm):
-    """The closed form, kicked at every event."""
-
-    def __init__(self, scene, kit, rng: Random):
-        self.rng = rng
-        super().__init__(scene, kit)
-
-    def enter(self, state, mode, known):
-        """Anchor the flow at `state`, kicked."""
-        super().enter(kicked_state(state, self.kit, self.rng), mode, known)
-
-
-class KickedTaylor(Taylor):
-    """The Taylor flow, kicked at every step."""
+class KickedFlow(Flow):
+    """The flow of a run, kicked at every event, and by Taylor series at every step."""
 
     def __init__(self, scene, kit, rng: Random):
         self.rng = rng
         super().__init__(scene, kit)
 
-    def enter(self, state, mode, known):
-        """Expand the motion at `state`, kicked."""
-        super().enter(kicked_state(state, self.kit, self.rng), mode, known)
+    def enter(self, state, rows, known):
+        """Go on from `state`, kicked."""
+        super().enter(kicked_state(state, self.kit, self.rng), rows, known)
 
-
-KICKED: dict[str, Any] = {"closed_form": KickedClosedForm, "taylor": KickedTaylor}
+    def carry_on(self, state):
+        """The next step, from `state`, kicked."""
+        self.now.carry_on(kicked_state(state, self.kit, self.rng))

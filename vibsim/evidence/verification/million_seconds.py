@@ -32,7 +32,7 @@ def rows(flow: str, engine: str) -> Iterator[Row]:
     name = f"{PERIODIC}/{flow}"
     case = load_case(PERIODIC)
     truth = read_truth(PERIODIC, case.sha256)
-    result = bare_run(case.scene(), engine, flow)
+    result = bare_run(case.two_blocks(), engine, flow)
     yield worst_row(name, state_points(truth, result, flow), BECAUSE)
     yield from event_rows(name, truth, result, flow)
 

@@ -13,15 +13,15 @@ from math import exp, log
 import numpy as np
 
 from vibsim.cases import Case, shipped_case_names
+from vibsim.engine.tangent_space import dimension
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.evidence.verification.check import Check
 from vibsim.evidence.verification.kicks import STATE_UNITS, UNIT
 from vibsim.evidence.verification.row import Row, compared, number_row
 from vibsim.evidence.verification.runs import BOTH, flows_of, made_case, named_case, run
-from vibsim.kernel import open_trajectory
-from vibsim.physics.disturbance import dimension
 from vibsim.physics.forces import transmitted_force
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 from vibsim.results import Result
 
 # one impact and two reversals a period; errors have fallen by exp(-c t / (2 m)) = 1e-39 at 100 s
@@ -72,7 +72,7 @@ def turn(engine: str) -> Iterator[Row]:
 def determinant_rows(name: str, case: Case, flow: str, engine: str, span: float) -> Iterator[Row]:
     """The determinant over `span` [s] from a contact, by the tangent flow and by Liouville."""
     result = run(case, engine, flow)
-    scene = replace(case.scene(), method=flow)
+    scene = replace(case.two_blocks(), method=flow)
     begins = np.flatnonzero(result.events["kind"] == EVENT_KINDS["contact_begin"])
     row = {column: values[begins[-3]] for column, values in result.events.items()}
     begin, end = float(row["t"]), float(row["t"]) + span
@@ -85,16 +85,16 @@ def determinant_rows(name: str, case: Case, flow: str, engine: str, span: float)
     yield number_row(name, compared(what, expected, obtained, bound), BECAUSE)
 
 
-def carried(scene: Scene, engine: str, resume=None) -> dict:
+def carried(scene: TwoBlocks, engine: str, resume=None) -> dict:
     """Totals of a run that carries all directions, from its start or from an event row."""
-    sparse = replace(scene, every_num=1000, every_den=1)
-    trajectory = open_trajectory(sparse, engine, resume, tangent=dimension(scene))
+    sparse = replace(scene.as_parts(), every_num=1000, every_den=1)
+    trajectory = open_trajectory(sparse, engine, resume, tangent=dimension(sparse))
     for _ in trajectory.blocks():
         pass
     return trajectory.totals
 
 
-def jump_logarithms(scene: Scene, result: Result, begin: float, end: float) -> tuple[list[float], float]:
+def jump_logarithms(scene: TwoBlocks, result: Result, begin: float, end: float) -> tuple[list[float], float]:
     """log (|S| - N) / (|S| + N) of the reversals, and how much rounding of S may move their sum."""
     jumps, blur = [], 0.0
     events = result.events
@@ -111,7 +111,7 @@ def jump_logarithms(scene: Scene, result: Result, begin: float, end: float) -> t
     return jumps, blur
 
 
-def smooth_logarithm(scene: Scene, result: Result, begin: float, end: float) -> float:
+def smooth_logarithm(scene: TwoBlocks, result: Result, begin: float, end: float) -> float:
     """Logarithm of the growth of a volume between the events."""
     grown = -scene.c / scene.m2 * (end - begin)
     if not scene.has_motor:
@@ -120,13 +120,13 @@ def smooth_logarithm(scene: Scene, result: Result, begin: float, end: float) -> 
     return grown - damped(scene, result, begin, end) - log(ends[1] / ends[0])
 
 
-def mass_determinant(scene: Scene, phi: np.ndarray) -> np.ndarray:
+def mass_determinant(scene: TwoBlocks, phi: np.ndarray) -> np.ndarray:
     """det M = (m1 + m3)(J + m3 e^2) - (m3 e sin phi)^2."""
     coupling = scene.m3 * scene.e * np.sin(phi)
     return (scene.m1 + scene.m3) * (scene.J + scene.m3 * scene.e**2) - coupling**2
 
 
-def damped(scene: Scene, result: Result, begin: float, end: float) -> float:
+def damped(scene: TwoBlocks, result: Result, begin: float, end: float) -> float:
     """int tr(C M^-1) dt with C = diag(c, M0 / Omega0), by Gauss quadrature between the events.
 
     phi is smooth enough there: its accelerations jump with the forces, which are continuous but for friction.
@@ -144,7 +144,7 @@ def damped(scene: Scene, result: Result, begin: float, end: float) -> float:
 
 def identity(name: str, flow: str, engine: str) -> Iterator[Row]:
     """What is missing in the identity over a whole run, sticking left out on both sides."""
-    scene = replace(named_case(name).scene(), method=flow)
+    scene = replace(named_case(name).two_blocks(), method=flow)
     totals = carried(scene, engine)
     bound = totals["tangent_pieces"] * PIECE_UNITS * UNIT
     point = compared("what is missing", 0.0, float(totals["volume_residual"]), bound)

@@ -8,8 +8,8 @@ import numpy as np
 
 from vibsim.cases import Case, load_case
 from vibsim.cases.loading import load_case_text
-from vibsim.kernel import open_trajectory
-from vibsim.physics.scene import Scene
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.physics.two_blocks import TwoBlocks
 from vibsim.results import Result, simulate
 
 BOTH = ("closed_form", "taylor")
@@ -21,9 +21,9 @@ def run(case: Case, engine: str, flow: str | None = None) -> Result:
     return simulate(wanted, engine, trust=False)
 
 
-def bare_run(scene: Scene, engine: str, flow: str) -> Result:
+def bare_run(scene: TwoBlocks, engine: str, flow: str) -> Result:
     """Run a scene by one flow, without energy ledger: a million seconds of it take longer than the run."""
-    trajectory = open_trajectory(replace(scene, method=flow), engine)
+    trajectory = open_trajectory(replace(scene.as_parts(), method=flow), engine)
     blocks = list(trajectory.blocks())
     samples, events = (_joined([getattr(block, name) for block in blocks]) for name in ("samples", "events"))
     attrs = {**trajectory.totals, "method": flow, "t_reached_s": float(scene.t_end)}
@@ -51,4 +51,4 @@ def overrides(values: Mapping[str, Any]) -> dict[str, object]:
 
 def flows_of(case: Case) -> tuple[str, ...]:
     """The flows that a case can be run by."""
-    return ("taylor",) if case.scene().has_motor else BOTH
+    return ("taylor",) if case.two_blocks().has_motor else BOTH

@@ -3,11 +3,12 @@
 from collections.abc import Iterable, Iterator, Sequence
 from math import inf
 
+from vibsim.engine.choice import engine_name
+from vibsim.engine.errors import EngineError
 from vibsim.evidence.verification.catalogue import all_checks
 from vibsim.evidence.verification.check import Check
 from vibsim.evidence.verification.row import Row
 from vibsim.evidence.verification.selection import selected
-from vibsim.kernel import KernelError, engine_name
 
 
 def verify(names: Iterable[str] | None = None, engine: str = "auto") -> Iterator[Row]:
@@ -36,7 +37,7 @@ def rows_of(checks: Sequence[Check], engine: str) -> Iterator[Row]:
     for check in checks:
         try:
             yield from check.rows(engine)
-        except KernelError as error:
+        except EngineError as error:
             yield Row(
                 check.name, "run", "its end", f"failed: {error}", inf, 0.0, "", "every run reaches its end"
             )

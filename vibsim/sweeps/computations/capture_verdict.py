@@ -8,9 +8,9 @@ import numpy as np
 
 from vibsim.analysis.capture import Capture, capture_of_turns
 from vibsim.analysis.span import Span
-from vibsim.kernel import Block
+from vibsim.engine.trajectory import Block
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 from vibsim.sweeps.statistics.columns import Column
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
 
@@ -29,7 +29,7 @@ COLUMNS = {
 class CaptureVerdict:
     """Verdict on one run of a motor. Memory grows with its turns and impacts."""
 
-    def __init__(self, scene: Scene, begin: float, section: int):
+    def __init__(self, scene: TwoBlocks, begin: float, section: int):
         self._scene = scene
         self._early: list[Block] = []
         self._late: list[Block] = []
@@ -46,7 +46,7 @@ class CaptureVerdict:
         self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]
     ) -> dict[str, float]:
         """The verdict and its times; NaN where there is none."""
-        resumed = run.row["t"] if run.row is not None else 0.0
+        resumed = run.rows[-1]["t"] if run.rows else 0.0
         turns, impacts = (self._joined(table, resumed) for table in ("section", "events"))
         return _numbers(capture_of_turns(turns, impacts, self._scene, Span(0.0, run.t_reached)))
 

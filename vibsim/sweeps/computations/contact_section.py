@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from vibsim.kernel import Block
-from vibsim.physics.scene import Scene
+from vibsim.engine.trajectory import Block
+from vibsim.physics.two_blocks import TwoBlocks
 from vibsim.sweeps.computations.contacts import Contacts
 from vibsim.sweeps.statistics.columns import Column
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
@@ -20,7 +20,7 @@ COLUMNS = {
 class ContactSection:
     """The last contacts of one run."""
 
-    def __init__(self, scene: Scene, begin: float, section: int):
+    def __init__(self, scene: TwoBlocks, begin: float, section: int):
         self._contacts, self._count = Contacts(scene, begin), section
 
     def update(self, block: Block) -> None:

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from vibsim.kernel import Block
+from vibsim.engine.trajectory import Block
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 
 TURN = 2 * math.pi
 
@@ -14,7 +14,7 @@ TURN = 2 * math.pi
 class Contacts:
     """Beginnings of contact from the time `begin` [s] on. Memory grows with their number."""
 
-    def __init__(self, scene: Scene, begin: float):
+    def __init__(self, scene: TwoBlocks, begin: float):
         self._scene, self._begin = scene, begin
         self._parts: list[dict[str, np.ndarray]] = []
 

@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.kernel import Block
-from vibsim.physics.scene import Scene
+from vibsim.engine.trajectory import Block
+from vibsim.physics.two_blocks import TwoBlocks
 from vibsim.sweeps.statistics.columns import Column
 from vibsim.sweeps.statistics.extremes import displacement_extremes, rates
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
@@ -20,7 +20,7 @@ COLUMNS = {
 class Grazing:
     """Grazing margin of one run after its transient; the engine's is that of the whole run."""
 
-    def __init__(self, scene: Scene, begin: float, section: int):
+    def __init__(self, scene: TwoBlocks, begin: float, section: int):
         self._scene, self._begin = scene, begin
         self._merger = Merger(scene)
         self._last: Rows | None = None

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.kernel import Block
-from vibsim.physics.scene import Scene
+from vibsim.engine.trajectory import Block
 from vibsim.physics.sums import mean
+from vibsim.physics.two_blocks import TwoBlocks
 from vibsim.sweeps.computations.contacts import Contacts
 from vibsim.sweeps.statistics.columns import Column
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
@@ -26,7 +26,7 @@ COLUMNS = {
 class ImpactVelocity:
     """Impact velocities |v1 - v2| [m/s] of one run."""
 
-    def __init__(self, scene: Scene, begin: float, section: int):
+    def __init__(self, scene: TwoBlocks, begin: float, section: int):
         self._contacts = Contacts(scene, begin)
 
     def update(self, block: Block) -> None:

@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 
 from vibsim.analysis.exponents import judged
-from vibsim.kernel import Block
-from vibsim.kernel.tangent import lyapunov_exponents
-from vibsim.physics.disturbance import dimension
-from vibsim.physics.scene import Scene
+from vibsim.engine.lyapunov import lyapunov_exponents
+from vibsim.engine.tangent_space import dimension
+from vibsim.engine.trajectory import Block
+from vibsim.physics.two_blocks import TwoBlocks
 from vibsim.sweeps.statistics.columns import Column
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
 
@@ -33,7 +33,7 @@ SPECTRUM_COLUMNS = {
 class Lyapunov:
     """Lyapunov exponents of one run: the largest, or `everything`."""
 
-    def __init__(self, scene: Scene, begin: float, section: int, everything: bool = False):
+    def __init__(self, scene: TwoBlocks, begin: float, section: int, everything: bool = False):
         self._scene, self._begin, self._everything = scene, begin, everything
 
     def update(self, block: Block) -> None:
@@ -41,8 +41,8 @@ class Lyapunov:
 
     def values(self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]) -> dict[str, Any]:
         """The exponents and how well they are known."""
-        count = dimension(self._scene) if self._everything else 1
-        computed = lyapunov_exponents(self._scene, count, self._begin, run.engine, run.ask)
+        count = dimension(self._scene.as_parts()) if self._everything else 1
+        computed = lyapunov_exponents(self._scene.as_parts(), count, self._begin, run.engine, run.ask)
         known = judged(computed, self._scene.tol)
         if not self._everything:
             return {
@@ -61,5 +61,5 @@ class Lyapunov:
 class Spectrum(Lyapunov):
     """All Lyapunov exponents of one run."""
 
-    def __init__(self, scene: Scene, begin: float, section: int):
+    def __init__(self, scene: TwoBlocks, begin: float, section: int):
         super().__init__(scene, begin, section, everything=True)

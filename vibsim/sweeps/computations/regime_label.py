@@ -5,8 +5,8 @@ from typing import Any
 
 from vibsim.analysis.regime.points import Exponent
 from vibsim.analysis.streaming import StreamedVerdicts
-from vibsim.kernel import Block
-from vibsim.physics.scene import Scene
+from vibsim.engine.trajectory import Block
+from vibsim.physics.two_blocks import TwoBlocks
 from vibsim.sweeps.computations.lyapunov import HALF_WIDTH, LARGEST
 from vibsim.sweeps.statistics.columns import Column
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
@@ -23,7 +23,7 @@ COLUMNS = {
 class RegimeLabel:
     """Kind of motion of one run."""
 
-    def __init__(self, scene: Scene, begin: float, section: int):
+    def __init__(self, scene: TwoBlocks, begin: float, section: int):
         self._verdicts = StreamedVerdicts(scene, begin)
 
     def update(self, block: Block) -> None:

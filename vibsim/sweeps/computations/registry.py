@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from vibsim.cases.spelling import did_you_mean
-from vibsim.kernel import Block
-from vibsim.physics.disturbance import dimension as exponents
-from vibsim.physics.scene import Scene
+from vibsim.engine.tangent_space import dimension as exponents
+from vibsim.engine.trajectory import Block
+from vibsim.physics.two_blocks import TwoBlocks
 from vibsim.sweeps.computations import (
     capture_verdict,
     certificate,
@@ -57,7 +57,7 @@ class Kind:
     columns: dict[str, Column]
     needs: str
     ledger: bool
-    make: Callable[[Scene, float, int], Computation]
+    make: Callable[[TwoBlocks, float, int], Computation]
 
 
 COMPUTATIONS = {
@@ -81,7 +81,7 @@ COMPUTATIONS = {
 }
 
 
-def read_computations(names: str | Iterable[str], scene: Scene) -> tuple[str, ...]:
+def read_computations(names: str | Iterable[str], scene: TwoBlocks) -> tuple[str, ...]:
     """The computations of these names (one, or several), each once, in the order of `COMPUTATIONS`.
 
     "all" stands for all that the scene has use for. Raises ValueError for a name that there is not.
@@ -97,17 +97,17 @@ def read_computations(names: str | Iterable[str], scene: Scene) -> tuple[str, ..
     return tuple(name for name in COMPUTATIONS if name in wanted)
 
 
-def fitting(names: Iterable[str], scene: Scene) -> tuple[str, ...]:
+def fitting(names: Iterable[str], scene: TwoBlocks) -> tuple[str, ...]:
     """Those of the computations that the scene has use for."""
     return tuple(name for name in names if columns_of(scene, COMPUTATIONS[name].columns))
 
 
-def length_of(dimension: str, scene: Scene, section: int) -> int:
+def length_of(dimension: str, scene: TwoBlocks, section: int) -> int:
     """Length of a further dimension; sections have as many points as the sweep says."""
     lengths = {
         "section": section,
         "contact": section,
         "quantile": len(impact_velocity.QUANTILES),
-        "exponent": exponents(scene),
+        "exponent": exponents(scene.as_parts()),
     }
     return lengths[dimension]

@@ -73,7 +73,7 @@ class Plan:
         self._check_carry()
         for name in self.compute:
             kind = COMPUTATIONS[name]
-            if not columns_of(self.case.scene(), kind.columns):
+            if not columns_of(self.case.two_blocks(), kind.columns):
                 raise PlanError(f"{name} needs {kind.needs}, which {self.case.name} has not got")
         if not self.discard.relative and self.discard.value >= self.case.quantity("run.t_end").value:
             raise PlanError(
@@ -142,7 +142,7 @@ class Plan:
     def columns(self) -> dict[str, Column]:
         """What is stored of each point, by name."""
         wanted = {name: column for key in self.compute for name, column in COMPUTATIONS[key].columns.items()}
-        return columns_of(self.case.scene(), {**ALWAYS, **wanted})
+        return columns_of(self.case.two_blocks(), {**ALWAYS, **wanted})
 
     def shape_of(self, name: str) -> Index:
         """Shape of a column: that of the sweep, and its further dimension where it has one."""
@@ -151,7 +151,7 @@ class Plan:
 
     def length_of(self, dimension: str) -> int:
         """Length of a further dimension."""
-        return length_of(dimension, self.case.scene(), self.section)
+        return length_of(dimension, self.case.two_blocks(), self.section)
 
     @cached_property
     def settings(self) -> dict[str, Any]:

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from vibsim.cases import CaseError
-from vibsim.kernel import Block, KernelError
-from vibsim.physics.scene import Scene
+from vibsim.engine.errors import EngineError
+from vibsim.engine.trajectory import Block
+from vibsim.physics.two_blocks import TwoBlocks
 from vibsim.sweeps.computations.registry import COMPUTATIONS, Computation
 from vibsim.sweeps.plan.recipe import Recipe, Start
 from vibsim.sweeps.plan.sweep_plan import Index
@@ -89,9 +90,9 @@ def compute_point(
     except CaseError as error:
         return Point(index, FAILED, "", str(error))
     try:
-        scene = sampled_for_statistics(case.scene(), recipe.every)
+        scene = sampled_for_statistics(case.two_blocks(), recipe.every)
         values, arrays = measure(scene, recipe, engine, go_on)
-    except (KernelError, TooFineError) as error:
+    except (EngineError, TooFineError) as error:
         return Point(index, FAILED, case.sha256, str(error))
     except GivenUpError:
         return None
@@ -110,7 +111,7 @@ def described_bug(error: Exception) -> str:
     return f"a bug in vibsim, please report it: {type(error).__name__}: {error} ({place})"
 
 
-def measure(scene: Scene, recipe: Recipe, engine: str, go_on: Callable[[], bool] | None) -> Measured:
+def measure(scene: TwoBlocks, recipe: Recipe, engine: str, go_on: Callable[[], bool] | None) -> Measured:
     """Statistics, totals and end state by name; sections and what else has a further dimension by name."""
     begin = recipe.discard.time(scene.t_end)
     kinds = [COMPUTATIONS[name] for name in recipe.compute]
@@ -146,7 +147,7 @@ def _watchers(computed: list[Computation]) -> Callable[[Block], None] | None:
     return show
 
 
-def _end_state(scene: Scene, block: Any) -> dict[str, float]:
+def _end_state(scene: TwoBlocks, block: Any) -> dict[str, float]:
     """Where a carried sweep goes on, as far as this block tells.
 
     A harmonic force begins the next point at phase 0, so the last stroboscopic point is the end whose force

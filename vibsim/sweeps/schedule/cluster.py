@@ -13,7 +13,7 @@ from types import TracebackType
 from typing import Any
 
 from vibsim import __version__
-from vibsim.kernel import engine_name
+from vibsim.engine.choice import engine_name
 from vibsim.sweeps.plan.recipe import Recipe
 from vibsim.sweeps.points.batch import Pieces, compute_batch
 from vibsim.sweeps.points.point import Point

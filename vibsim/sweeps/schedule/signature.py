@@ -9,7 +9,7 @@ from functools import cache
 
 from vibsim import __version__
 from vibsim.cases import load_case
-from vibsim.kernel import engine_name
+from vibsim.engine.choice import engine_name
 from vibsim.sweeps.computations.registry import fitting
 from vibsim.sweeps.plan.discard import HALF
 from vibsim.sweeps.plan.recipe import Recipe
@@ -40,7 +40,7 @@ def signature(engine: str, compute: tuple[str, ...]) -> dict[str, str]:
 def _bits(name: str, engine: str, compute: tuple[str, ...]) -> str:
     """All numbers of a short run of a shipped case."""
     case = load_case(name, {"run.t_end": LENGTH})
-    recipe = Recipe(case, False, HALF, 10, None, fitting(compute, case.scene()))
+    recipe = Recipe(case, False, HALF, 10, None, fitting(compute, case.two_blocks()))
     point = compute_point(recipe, (), {}, None, engine)
     assert point is not None  # nobody gave it up
     values = {key: value for key, value in point.values.items() if key not in NOT_REPRODUCIBLE}

@@ -13,7 +13,7 @@ from functools import partial
 from types import TracebackType
 from typing import Any, Protocol
 
-from vibsim.kernel import engine_name
+from vibsim.engine.choice import engine_name
 from vibsim.sweeps.points.batch import Pieces, compute_batch
 from vibsim.sweeps.points.point import Point
 

@@ -5,12 +5,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from vibsim.physics.forces import motor_accelerations, source_force, transmitted_force
-from vibsim.physics.scene import Scene
 from vibsim.physics.sines import sine_cosine
+from vibsim.physics.two_blocks import TwoBlocks
 
 
 def accelerations(
-    scene: Scene, rows: Mapping[str, np.ndarray], contact: np.ndarray, friction: np.ndarray
+    scene: TwoBlocks, rows: Mapping[str, np.ndarray], contact: np.ndarray, friction: np.ndarray
 ) -> dict[str, np.ndarray]:
     """Accelerations by the name of the velocity that they belong to: v1, v2 [m/s^2], phidot [rad/s^2].
 
@@ -38,7 +38,7 @@ def accelerations(
     return found
 
 
-def _sine(scene: Scene, time: np.ndarray) -> np.ndarray | float:
+def _sine(scene: TwoBlocks, time: np.ndarray) -> np.ndarray | float:
     """sin(omega t); the turns are taken off before the multiplication by 2 pi."""
     if scene.source != "harmonic":
         return 0.0
@@ -46,7 +46,7 @@ def _sine(scene: Scene, time: np.ndarray) -> np.ndarray | float:
     return sine_cosine(2 * np.pi * (turns - np.floor(turns)))[0]
 
 
-def _block2(scene: Scene, force: np.ndarray, friction: np.ndarray) -> np.ndarray:
+def _block2(scene: TwoBlocks, force: np.ndarray, friction: np.ndarray) -> np.ndarray:
     if not scene.has_friction:
         return force / scene.m2
     return np.where(friction == 0, 0.0, (force - friction * scene.N) / scene.m2)

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 
 MISSING, DONE, FAILED = 0, 1, 2
 STATUS_FLAGS = {"missing": MISSING, "done": DONE, "failed": FAILED}
@@ -99,7 +99,7 @@ DEFINITIONS = (
 )
 
 
-def columns_of(scene: Scene, table: dict[str, Column]) -> dict[str, Column]:
+def columns_of(scene: TwoBlocks, table: dict[str, Column]) -> dict[str, Column]:
     """Those columns that a sweep of this scene has."""
     has = {
         "motor": scene.has_motor,

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 from vibsim.sweeps.statistics.accelerations import accelerations
 from vibsim.sweeps.statistics.rows import Rows
 from vibsim.sweeps.statistics.turning_points import may_turn_twice, quintic, turn_of_cubic, turn_of_quintic
@@ -12,21 +12,21 @@ NEAR = 0.1  # of the range; between rows a ripple at w rad/s rises by (w h)^2/8 
 PLACES = np.linspace(0, 1, 18)[1:-1]
 
 
-def displacements(scene: Scene, states: dict[str, np.ndarray]) -> np.ndarray:
+def displacements(scene: TwoBlocks, states: dict[str, np.ndarray]) -> np.ndarray:
     """x1, x2 and x1 - x2 as rows of one array (3, n); x1 alone where block 2 is fixed (1, n)."""
     if not scene.has_block2:
         return states["x1"][np.newaxis]
     return np.stack([states["x1"], states["x2"], states["x1"] - states["x2"]])
 
 
-def rates(scene: Scene, found: dict[str, np.ndarray]) -> np.ndarray:
+def rates(scene: TwoBlocks, found: dict[str, np.ndarray]) -> np.ndarray:
     """Velocities or accelerations of `displacements`, from columns v1 and v2."""
     if not scene.has_block2:
         return found["v1"][np.newaxis]
     return np.stack([found["v1"], found["v2"], found["v1"] - found["v2"]])
 
 
-def displacement_extremes(scene: Scene, rows: Rows) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def displacement_extremes(scene: TwoBlocks, rows: Rows) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """`displacements` of n rows, and their least and greatest up to the next row: (quantities, n) each."""
     t, x, v = rows.states["time"], displacements(scene, rows.states), rates(scene, rows.states)
     h, low, high = np.diff(t), x.copy(), x.copy()
@@ -49,13 +49,13 @@ def _along_quintic(h, x, v, a):
     return quintic(h, x, v, a, PLACES[:, np.newaxis])
 
 
-def _accelerations_at(scene: Scene, rows: Rows, at: np.ndarray, left: np.ndarray) -> np.ndarray:
+def _accelerations_at(scene: TwoBlocks, rows: Rows, at: np.ndarray, left: np.ndarray) -> np.ndarray:
     """Accelerations in the states of rows `at`, in the mode of the interval that begins with row `left`."""
     states = {name: column[at] for name, column in rows.states.items()}
     return rates(scene, accelerations(scene, states, rows.contact[left], rows.friction[left]))
 
 
-def speed_extremes(scene: Scene, rows: Rows) -> tuple[float, float]:
+def speed_extremes(scene: TwoBlocks, rows: Rows) -> tuple[float, float]:
     """Least and greatest speed of the motor [rad/s] within the rows; no event makes its derivative jump."""
     w = rows.states["phidot"]
     low, high = float(w.min()), float(w.max())
@@ -78,6 +78,6 @@ def _around_extremes(w: np.ndarray, low: float, high: float) -> np.ndarray:
     return np.flatnonzero(crest[:-1] | crest[1:])
 
 
-def _speed_rate(scene: Scene, rows: Rows, at: np.ndarray) -> np.ndarray:
+def _speed_rate(scene: TwoBlocks, rows: Rows, at: np.ndarray) -> np.ndarray:
     states = {name: column[at] for name, column in rows.states.items()}
     return accelerations(scene, states, rows.contact[at], rows.friction[at])["phidot"]

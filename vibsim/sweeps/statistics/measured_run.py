@@ -9,10 +9,14 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
-from vibsim.kernel import Block, open_trajectory
-from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.scene import Scene
+import numpy as np
 
+from vibsim.engine.resume import rows_of_instant
+from vibsim.engine.trajectory import Block, open_trajectory
+from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.two_blocks import TwoBlocks
+
+Row = dict[str, Any]
 SUMMED = ("impacts", "sticks", "events", "uncertified")
 
 
@@ -24,14 +28,15 @@ class MeasuredRun:
     """A run of `scene`: its blocks from about the time `begin` [s] on, with stroboscopic points.
 
     `totals` are those of the whole run, up to date after the last block; `late` those of the blocks that were
-    shown, which begin with the event `row` (None: with the run), with the energy ledger if that is wanted.
+    shown, which begin with the events `rows` of one instant (None: with the run), with the energy ledger if
+    that is wanted.
     `watch_transient` is shown the blocks of the transient, which have no samples. `go_on` is asked before
     every block, those of the transient too; where it says False, GivenUpError is raised.
     """
 
     def __init__(
         self,
-        scene: Scene,
+        scene: TwoBlocks,
         begin: float,
         engine: str,
         go_on: Callable[[], bool] | None = None,
@@ -42,34 +47,35 @@ class MeasuredRun:
         self._go_on, self._watch_transient = go_on, watch_transient
         self.totals: dict[str, float] = dict.fromkeys(SUMMED, 0.0) | {"grazing_margin": math.nan}
         self.late: dict[str, Any] = {}
-        self.row: dict[str, float] | None = None
+        self.rows: list[Row] | None = None
         self.t_reached = 0.0
 
     def blocks(self) -> Iterator[Block]:
         """The blocks from the last event before `begin` on; none where the run ended before."""
-        self.row = self._transient() if self.begin > 0 else None
+        self.rows = self._transient() if self.begin > 0 else None
         if self.t_reached < self.begin:
             return
-        trajectory = open_trajectory(self.scene, self.engine, self.row, section=True, ledger=self.ledger)
+        parts = self.scene.as_parts()
+        trajectory = open_trajectory(parts, self.engine, self.rows, section=True, ledger=self.ledger)
         yield from self._asked(trajectory)
         self.late = trajectory.totals
         self._add(self.late)
 
-    def _transient(self) -> dict[str, float] | None:
-        """Run up to `begin`; the row of the last event."""
+    def _transient(self) -> list[Row] | None:
+        """Run up to `begin`; the rows of the last instant of events."""
         long = 2 * math.ceil(self.scene.t_end)
         scene = replace(self.scene, t_end=self.begin, every_num=long, every_den=1)
         watch = self._watch_transient
-        trajectory = open_trajectory(scene, self.engine, section=watch is not None)
-        row: dict[str, float] | None = None
+        trajectory = open_trajectory(scene.as_parts(), self.engine, section=watch is not None)
+        rows: list[Row] | None = None
         for block in self._asked(trajectory):
             if watch is not None:
                 watch(block)
-            before = block.events["kind"] != EVENT_KINDS["end"]
-            if before.any():
-                row = {name: float(column[before][-1]) for name, column in block.events.items()}
+            before = np.flatnonzero(block.events["kind"] != EVENT_KINDS["end"])
+            if len(before):
+                rows = rows_of_instant(block.events, int(before[-1]), rows or ())
         self._add(trajectory.totals)
-        return row
+        return rows
 
     def ask(self) -> None:
         """Raise GivenUpError where nobody wants the run any more; for those who run more of it themselves."""

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.kernel import Block
+from vibsim.engine.trajectory import Block
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.scene import Scene
 from vibsim.physics.sums import dot, mean
+from vibsim.physics.two_blocks import TwoBlocks
 from vibsim.sweeps.statistics.extremes import displacement_extremes, displacements, rates, speed_extremes
 from vibsim.sweeps.statistics.periods import PeriodExtremes
 from vibsim.sweeps.statistics.rows import Merger, Rows
@@ -24,7 +24,7 @@ TURN = 2 * math.pi
 class Statistics:
     """Running statistics of one run. Memory grows with its periods and impacts, not with its samples."""
 
-    def __init__(self, scene: Scene, begin: float):
+    def __init__(self, scene: TwoBlocks, begin: float):
         self.scene, self.begin = scene, begin
         self._merger = Merger(scene)
         self._rows: Rows | None = None  # the last row so far

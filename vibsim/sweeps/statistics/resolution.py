@@ -5,7 +5,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 from vibsim.cases.contradictions import MOST_SAMPLES
-from vibsim.physics.scene import Scene
+from vibsim.physics.two_blocks import TwoBlocks
 
 # Between rows a displacement is a quintic, off by (w h)^6/46080 of a vibration at w rad/s:
 LARGEST_ANGLE_IN_CONTACT = 1.1  # 4e-5 of the depth of penetration
@@ -16,7 +16,7 @@ class TooFineError(ValueError):
     """A motion so fast, or an output interval so short, that a run has more samples than it may."""
 
 
-def sampled_for_statistics(scene: Scene, every: Fraction | None = None) -> Scene:
+def sampled_for_statistics(scene: TwoBlocks, every: Fraction | None = None) -> TwoBlocks:
     """The scene with the output interval `every` [s], or with the longest that its motion allows.
 
     Raises TooFineError where that makes more samples than a run may have.
@@ -28,7 +28,7 @@ def sampled_for_statistics(scene: Scene, every: Fraction | None = None) -> Scene
     return replace(scene, every_num=every.numerator, every_den=every.denominator)
 
 
-def samples_per_second(scene: Scene) -> float:
+def samples_per_second(scene: TwoBlocks) -> float:
     """Samples [1/s] that resolve the free vibration, the vibration in contact and the source."""
     mass = scene.m1  # without m3: where the rotor cannot follow, m1 vibrates alone
     mobility = 1 / mass + (1 / scene.m2 if scene.has_block2 else 0.0)

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibsim.kernel import Block
-from vibsim.physics.scene import Scene
+from vibsim.engine.columns import section_columns
+from vibsim.engine.trajectory import Block
+from vibsim.physics.two_blocks import TwoBlocks
 
 
 @dataclass(frozen=True)
@@ -54,8 +55,8 @@ class Rows:
 class Merger:
     """Merges the tables of block after block; remembers the mode from one to the next."""
 
-    def __init__(self, scene: Scene):
-        self.names = [name for name in scene.columns() if name not in ("contact", "friction")]
+    def __init__(self, scene: TwoBlocks):
+        self.names = section_columns(scene.as_parts())
         self._mode = (0, 1)  # contact, friction of a scene that has neither
 
     def merge(self, block: Block) -> Rows:

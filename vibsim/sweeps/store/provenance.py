@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from vibsim import __version__
-from vibsim.kernel import engine_name, flow_method
+from vibsim.engine.choice import engine_name, flow_of
 from vibsim.results.provenance import FORMAT
 from vibsim.sweeps.plan.sweep_plan import Plan
 from vibsim.sweeps.points.table import Table
@@ -32,7 +32,7 @@ def origin(plan: Plan, engine: str) -> dict[str, Any]:
         "sweep_settings_json": json.dumps(plan.settings),
         "sweep_sha256": plan.fingerprint,
         "definitions": DEFINITIONS,
-        "method": flow_method(scene),
+        "method": flow_of(scene),
         "engine": engine_name(engine),
         "date_created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
         "platform": f"{platform.system()} {platform.release()} {platform.machine()}",

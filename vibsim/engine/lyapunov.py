@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.kernel import open_trajectory
-from vibsim.physics.disturbance import dimension
-from vibsim.physics.scene import Scene
+from vibsim.engine.tangent_space import dimension
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.physics.parts import Scene
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class LyapunovExponents:
     volume_residual : what is missing in the identity of Liouville over the whole run [-], where all exponents
         were asked for; else NaN
     tangencies : events crossed almost tangentially, turns almost in contact; `closest_tangency` [-] at
-        `closest_tangency_time` [s]; see `vibsim.events.tangencies`
+        `closest_tangency_time` [s]; see `vibsim.engine.tangencies`
     tangent_pieces : stretches that the residual adds up over
     """
 
@@ -61,8 +61,8 @@ def lyapunov_exponents(
     their directions; None: half of the run.
     between : called after every few milliseconds of work; what it raises ends the run
 
-    Two exponents that are 0 by construction are left out: see `vibsim.physics.disturbance`. Raises ValueError
-    for a count that the scene has not got, KernelError when the run fails.
+    Exponents that are 0 by construction are left out: see `vibsim.engine.tangent_space`. Raises ValueError
+    for a count that the scene has not got, EngineError when the run fails.
     """
     count = dimension(scene) if count is None else count
     begin = scene.t_end / 2 if discard is None else discard

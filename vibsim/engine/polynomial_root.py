@@ -2,9 +2,9 @@
 
 from math import inf
 
-from vibsim.events.certificate import Certificate, crosses
-from vibsim.events.first_root import safe_step
-from vibsim.events.turning_point import turning_point
+from vibsim.engine.certificate import Certificate, crosses
+from vibsim.engine.first_root import safe_step
+from vibsim.engine.turning_point import turning_point
 
 MARCH_LIMIT = 1000  # a march longer than this goes on from a new expansion, whose bounds are tighter
 PIECES = 8  # a step spans less than two radians of the fastest motion: one minimum at most

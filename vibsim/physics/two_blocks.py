@@ -1,20 +1,33 @@
-"""A scene: the numbers of one case, SI and rad/s, as the kernels read them.
+"""The machine of the paper by the symbols of the paper: two blocks, one spring, one stop, one friction.
 
-Nothing here knows of units, files or defaults; `vibsim.cases` builds scenes. What a scene has not got is None
-and is not modelled. The fields are floats for the two engines; the arbitrary-precision runs put other number
-types in.
+What a scene has not got is None and is not modelled. The fields are floats; the arbitrary-precision runs put
+other number types in. The engines read `as_parts()`.
 """
 
 from dataclasses import dataclass
 from typing import Any
 
+from vibsim.physics.parts import (
+    COMPRESSION,
+    EXTENSION,
+    GROUND,
+    Body,
+    Clearance,
+    Force,
+    Friction,
+    Harmonic,
+    Link,
+    Motor,
+    Scene,
+    Stop,
+)
 from vibsim.physics.sampling import Sampled
 
 Number = Any  # float, flint.arb or mpmath.mpf: the engines are duck-typed
 
 
 @dataclass(frozen=True)
-class Scene(Sampled):
+class TwoBlocks(Sampled):
     """Parameters, initial state and run settings of one simulation (symbols as in the paper).
 
     Attributes
@@ -89,11 +102,40 @@ class Scene(Sampled):
     def has_motor(self) -> bool:
         return self.source == "motor"
 
-    def columns(self) -> tuple[str, ...]:
-        """Names of the sampled columns that this scene has, in file order."""
-        names = ["time", "x1", "v1"]
-        names += ["x2", "v2"] if self.has_block2 else []
-        names += ["phi", "phidot"] if self.has_motor else []
-        names += ["contact"] if self.has_stop else []
-        names += ["friction"] if self.has_friction else []
-        return tuple(names)
+    def as_parts(self) -> Scene:
+        """The same scene as a list of parts; called as in the long form of a case in the short form."""
+        zero, other = self.m1 - self.m1, 1 if self.has_block2 else GROUND
+        first = Body("1", self.m1, self.x1, self.v1)
+        second = (Body("2", self.m2, self.x2, self.v2),) if self.has_block2 else ()
+        sense = EXTENSION if self.stop_sign == 1 else COMPRESSION
+        return Scene(
+            bodies=(first, *second),
+            links=(Link("coupling", 0, other, self.k1, self.c),),
+            stops=(Stop("stop", 0, other, self.G, sense, self.k2, zero, at_start=self.at_stop),)
+            if self.has_stop
+            else (),
+            frictions=(Friction("friction", 1, GROUND, self.N, self.N, zero),) if self.has_friction else (),
+            forces=self._forces(zero),
+            motor=self._motor(),
+            clearances=()
+            if self.rest_distance is None
+            else (Clearance("rest_distance", 0, other, self.rest_distance, self.at_rest_distance),),
+            stop_on_violation=self.stop_on_violation,
+            t_end=self.t_end,
+            every_num=self.every_num,
+            every_den=self.every_den,
+            method=self.method,
+            order=self.order,
+            tol=self.tol,
+        )
+
+    def _forces(self, zero: Number) -> tuple[Force, ...]:
+        if self.source != "harmonic":
+            return ()
+        term = Harmonic(self.A, self.omega, self.cycles, self.cycles_lo, zero)
+        return (Force("excitation", 0, self.F0, (term,)),)
+
+    def _motor(self) -> Motor | None:
+        if not self.has_motor:
+            return None
+        return Motor(0, self.m3, self.e, self.J, self.M0, self.Omega0, self.phi, self.phidot)

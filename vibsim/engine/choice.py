@@ -1,0 +1,66 @@
+"""Which engine runs a scene, and by which flow."""
+
+import sys
+from types import ModuleType
+
+from vibsim.physics.parts import Scene
+
+ENGINES = ("auto", "c", "python")
+
+_noticed = False
+
+
+def _built() -> ModuleType | None:
+    try:
+        from vibsim.engine import _engine
+    except ImportError:
+        return None
+    return _engine
+
+
+_c_engine = _built()  # once, with this module: threads that ask for it later never meet a half-made one
+
+
+def compiled() -> bool:
+    """Whether the C engine was built with this installation."""
+    return _c_engine is not None
+
+
+def engine_name(engine: str = "auto") -> str:
+    """The engine that `engine` ("auto", "c", "python") stands for: "c" or "python".
+
+    "auto" falls back on Python with one notice on stderr. Raises ValueError for another name, RuntimeError
+    for "c" where it was not built.
+    """
+    global _noticed
+    if engine not in ENGINES:
+        raise ValueError(f"engine must be one of {', '.join(ENGINES)}, got {engine!r}")
+    if engine == "python" or compiled():
+        return "python" if engine == "python" else "c"
+    if engine == "c":
+        raise RuntimeError("the C engine was not built; install with a C compiler, or use engine python")
+    if not _noticed:
+        print(
+            "vibsim: no C engine in this installation, running on the Python engine"
+            " (same results, some 100 times slower)",
+            file=sys.stderr,
+        )
+        _noticed = True
+    return "python"
+
+
+def flow_of(scene: Scene) -> str:
+    """The flow of a run: "closed_form" or "taylor" where all modes take it, "auto" where each is asked."""
+    if scene.has_motor or scene.method == "taylor":
+        return "taylor"
+    return "closed_form" if _always_closed(scene) else "auto"
+
+
+def _always_closed(scene: Scene) -> bool:
+    """Whether every mode has a closed form: one body, or two that links and stops join to each other only,
+    without belts, which may stretch springs for ever.
+    """
+    if any(friction.belt for friction in scene.frictions):
+        return False
+    joined = [{part.P, part.Q} for part in scene.links] + [{part.P, part.Q} for part in scene.stops]
+    return len(scene.bodies) == 1 or (len(scene.bodies) == 2 and all(ends == {0, 1} for ends in joined))
