@@ -38,7 +38,7 @@ class Run:
         return {name: column[i] for name, column in self.events.items()}
 
 
-def opened(scene, engine="c", resume=None, **options):
+def opened(scene, engine="auto", resume=None, **options):
     """A run of `scene`, of two blocks or made of parts, not yet computed."""
     parts = scene.as_parts() if isinstance(scene, TwoBlocks) else scene
     return open_trajectory(parts, engine, resume, **options)

@@ -21,7 +21,7 @@ LINEAR = {"blocks__m2": "fixed", "friction": "none", "stop": "none"}
 def test_the_section_is_the_one_of_the_engine(name, changes):
     run = short_run(name, "30 s", **changes)
     section = section_of(run, Span(5.0, 30.0))
-    blocks = [block.section for block in open_trajectory(run.case.two_blocks(), section=True).blocks()]
+    blocks = [block.section for block in open_trajectory(run.case.scene(), section=True).blocks()]
     exact = {key: np.concatenate([block[key] for block in blocks]) for key in blocks[0]}
     rows = (exact["time"] >= 5) & (exact["time"] <= 30)
     exact = {key: column[rows] for key, column in exact.items()}

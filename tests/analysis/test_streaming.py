@@ -5,15 +5,15 @@ from dataclasses import replace
 import pytest
 
 from tests.results.made import short_run
+from tests.trajectories import opened
 from vibsim.analysis import judge_capture, judge_regime
 from vibsim.analysis.streaming import StreamedVerdicts
-from vibsim.engine.trajectory import open_trajectory
 
 
 def streamed(run, begin):
     scene = run.case.two_blocks()
     verdicts = StreamedVerdicts(scene, begin)
-    for block in open_trajectory(scene, section=True).blocks():
+    for block in opened(scene, section=True).blocks():
         verdicts.update(block)
     return verdicts
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 from unittest.mock import patch
 
-from vibsim.kernel import _kernel, c_engine
+from vibsim.engine import _engine, c_engine
 
 
 class EngineClock:
@@ -14,21 +14,28 @@ class EngineClock:
 
     def __enter__(self):
         self.seconds = 0.0
-        names = ("tally", "state_at")
-        timed = {name: self._timed(getattr(_kernel, name)) for name in ("start", "advance")}
-        kernel = SimpleNamespace(**timed, **{name: getattr(_kernel, name) for name in names})
-        self._patch = patch.object(c_engine, "_kernel", kernel)
+        engine = SimpleNamespace(Run=lambda *numbers: _TimedRun(_engine.Run(*numbers), self))
+        self._patch = patch.object(c_engine, "_engine", engine)
         self._patch.start()
         return self
 
     def __exit__(self, *_):
         self._patch.stop()
 
-    def _timed(self, function):
+
+class _TimedRun:
+    """A run in C whose calls add to a clock."""
+
+    def __init__(self, run, clock):
+        self._run, self._clock = run, clock
+
+    def __getattr__(self, name):
+        function = getattr(self._run, name)
+
         def call(*arguments):
             began = time.perf_counter()
             answer = function(*arguments)
-            self.seconds += time.perf_counter() - began
+            self._clock.seconds += time.perf_counter() - began
             return answer
 
         return call

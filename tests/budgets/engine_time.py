@@ -2,8 +2,6 @@
 
 from statistics import median
 
-from vibsim.kernel.c_engine import CTrajectory
-
 from tests.budgets.engine_clock import EngineClock, run_through, without_samples
 from tests.budgets.row import Row, stopwatch
 from vibsim.cases import load_case
@@ -16,26 +14,26 @@ FLOOR_I, FLOOR_II = (5.0, 5.0), (15.0, 20.0)  # ms by flop count, from and to
 
 def rows():
     for name in CASE_I:
-        yield from _case_rows(name, "closed_form", FLOOR_I, 15.0, 2.0)
+        yield from _case_rows(name, FLOOR_I, 15.0, 2.0)
     for name in CASE_II:
-        yield from _case_rows(name, "taylor", FLOOR_II, None, None)
+        yield from _case_rows(name, FLOOR_II, None, None)
 
 
-def _case_rows(name, method, floor, most_ms, most_us):
-    scene = load_case(name).two_blocks()
+def _case_rows(name, floor, most_ms, most_us):
+    scene = load_case(name).scene()
     assert scene.sample_count == 60_001
     in_engine, whole = [], []
     for _ in range(REPETITIONS):
-        in_engine.append(engine_ms(scene, method))
+        in_engine.append(engine_ms(scene))
         whole.append(stopwatch(lambda: run_through(open_trajectory(scene, "c"))) * 1e3)
-    totals = run_through(CTrajectory(scene, method))
+    totals = run_through(open_trajectory(scene, "c"))
     events = totals["events"]
     note = (
         f"{events} events, {totals['steps']} steps; by open_trajectory, blocks copied: {median(whole):.1f} ms"
     )
     yield Row(f"{name}, 300 s, 60,001 samples, in the engine", "ms", most_ms, in_engine, [note])
     if most_us is not None:
-        bare = median(engine_ms(without_samples(scene), method) for _ in range(REPETITIONS))
+        bare = median(engine_ms(without_samples(scene)) for _ in range(REPETITIONS))
         note = f"without samples {bare:.1f} ms: {bare * 1e3 / events:.2f} us"
         yield Row(f"{name}, time per event", "us", most_us, [ms * 1e3 / events for ms in in_engine], [note])
     low, high = floor
@@ -45,8 +43,8 @@ def _case_rows(name, method, floor, most_ms, most_us):
     )
 
 
-def engine_ms(scene, method):
+def engine_ms(scene):
     """Time in the C engine [ms] of a run to its end."""
     with EngineClock() as clock:
-        run_through(CTrajectory(scene, method))
+        run_through(open_trajectory(scene, "c"))
     return clock.seconds * 1e3

@@ -1,88 +1,41 @@
-"""Budget: the engine on mode rows against the engine of two blocks, on the paper's six cases.
-
-Both run in one process, by turns, 300 s with 60,001 samples each; processor time of this thread. In the
-engine: what the compiled functions take. The whole run: from the scene to its last block, modes and their
-rows included.
+"""Budgets: no slower for being general. The paper's six cases against the build that knew two blocks only, by
+turns, 300 s with 60,001 samples each; and what a step costs in chains of bodies.
 """
 
-import time
 from dataclasses import replace
 from statistics import median
 
-from vibsim.kernel import _kernel
-from vibsim.kernel import c_engine as on_blocks
-
+from tests.budgets.engine_clock import EngineClock, run_through
+from tests.budgets.pinned_build import PINNED, engines, simulations
 from tests.budgets.row import Row
-from vibsim.cases import load_case
-from vibsim.engine import c_engine as on_rows
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import GROUND, Body, Link, Scene, Stop
 
 CASES = ("I-A", "I-B", "I-C", "II-A", "II-B", "II-C")
 REPETITIONS = 15
-LIMIT = 0.97  # of the engine of two blocks
+ENGINE_LIMIT, WHOLE_LIMIT = 0.97, 0.8  # of the pinned build
 CHAINS = (2, 5, 20, 100)  # bodies
 
 
-class Clock:
-    """Adds up the processor time [s] of the calls that go through it to what it stands for."""
-
-    def __init__(self, of):
-        self.seconds, self.of = 0.0, of
-
-    def __getattr__(self, name):
-        function = getattr(self.of, name)
-
-        def call(*arguments):
-            began = time.thread_time()
-            answer = function(*arguments)
-            self.seconds += time.thread_time() - began
-            return answer
-
-        return call
-
-
-def by_rows(scene):
-    """A scene made of parts on the engine on mode rows: in the engine [ms], whole run [ms], its tally."""
-    began = time.thread_time()
-    run = on_rows.CRun(scene)
-    inner = run.run
-    clock = run.run = Clock(inner)
-    for _ in run.blocks():
-        pass
-    return 1e3 * clock.seconds, 1e3 * (time.thread_time() - began), inner.tally()
-
-
-def by_blocks(scene, method):
-    """(in the engine, whole run) of a scene of two blocks on its engine [ms]."""
-    clock = Clock(_kernel)
-    on_blocks._kernel = clock
-    try:
-        began = time.thread_time()
-        for _ in on_blocks.CTrajectory(scene, method).blocks():
-            pass
-        whole = time.thread_time() - began
-    finally:
-        on_blocks._kernel = _kernel
-    return 1e3 * clock.seconds, 1e3 * whole
-
-
 def rows():
-    for name in CASES:
-        case = load_case(name)
-        parts, scene = case.scene(), case.two_blocks()
-        method = "closed_form" if name in CASES[:3] else "taylor"
-        pairs = [(by_rows(parts)[:2], by_blocks(scene, method)) for _ in range(REPETITIONS)]
-        for i, what in enumerate(("in the engine", "whole run")):
-            new, old = [one[i] for one, _ in pairs], [other[i] for _, other in pairs]
-            ratios = [a / b for a, b in zip(new, old, strict=True)]
-            note = f"{median(new):.2f} ms, on blocks {median(old):.2f} ms"
-            yield Row(f"{name}, rows against blocks, {what}", "x", LIMIT, ratios, [note])
+    for what, opener, limit in (("engine", engines, ENGINE_LIMIT), ("simulate", simulations, WHOLE_LIMIT)):
+        ours, theirs = opener(CASES)
+        for name in CASES:
+            pairs = [(ours.of(name), theirs.of(name)) for _ in range(REPETITIONS)]
+            ratios = [a / b for a, b in pairs]
+            new, old = (1e3 * median(each) for each in zip(*pairs, strict=True))
+            yield Row(
+                f"{name}, {what}, against {PINNED}", "x", limit, ratios, [f"{new:.2f} and {old:.2f} ms"]
+            )
+        ours.close(), theirs.close()
     for method in ("taylor", "auto"):
         for bodies in CHAINS:
-            figures = []
+            scene, figures = replace(chain(bodies), method=method), []
             for _ in range(5):
-                spent, _, tally = by_rows(replace(chain(bodies), method=method))
-                figures.append(1e3 * spent / tally["steps" if method == "taylor" else "evaluations"] / bodies)
+                with EngineClock() as clock:
+                    totals = run_through(open_trajectory(scene, "c"))
+                steps = totals["steps" if method == "taylor" else "evaluations"]
+                figures.append(1e6 * clock.seconds / steps / bodies)
             work = "step" if method == "taylor" else "evaluation"
             yield Row(f"chain of {bodies} by {method}, each {work} and body", "us", None, figures)
 

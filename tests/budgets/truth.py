@@ -6,10 +6,9 @@ python -m tests.budgets.truth prints the table of `true_states.py`. Needs python
 import math
 from dataclasses import replace
 
-from vibsim.flows.taylor import Taylor
-from vibsim.kernel.driver import Driver
-
 from vibsim.cases import load_case
+from vibsim.engine.driver import Driver
+from vibsim.engine.truth import bare
 from vibsim.physics.multiprecision import Balls
 
 INSTANTS = {"I-C": (20,), "II-A": (20, 40), "II-B": (20, 50), "II-C": (20, 40)}  # s
@@ -23,16 +22,17 @@ def true_states(name, times):
     if scene.source == "harmonic":
         numbers["omega"] = kit.two_pi * (numbers["cycles"] + numbers["cycles_lo"])
     run = {"t_end": kit.number(times[-1]), "every_num": math.gcd(*times), "every_den": 1}
-    scene = replace(scene, **{**numbers, **run})
-    driver = Driver(scene, kit, Taylor(scene, kit))
+    parts = bare(replace(scene, **{**numbers, **run}, method="taylor").as_parts(), kit)
+    driver = Driver(parts, kit)
     driver.run(math.inf, math.inf, 10**9)
     states = {round(float(state.t)): state for state, _ in driver.samples}
-    return {(name, t): _doubles(kit, scene, states[t]) for t in times}
+    return {(name, t): _doubles(kit, parts, states[t]) for t in times}
 
 
 def _doubles(kit, scene, state):
     motor = (kit.unwind(state.phase, state.turns), state.w) if scene.has_motor else ()
-    return tuple(float(value) for value in (state.x1, state.v1, state.x2, state.v2, *motor))
+    moving = (value for pair in zip(state.x, state.v, strict=True) for value in pair)
+    return tuple(float(value) for value in (*moving, *motor))
 
 
 if __name__ == "__main__":

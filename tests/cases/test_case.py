@@ -76,7 +76,9 @@ def test_case_and_error_pickle():
     assert case.values and case.sha256
     again = pickle.loads(pickle.dumps(case))
     assert again == case
-    assert again.with_values({"omega": "4 Hz"}).two_blocks() == case.with_values({"omega": "4 Hz"}).two_blocks()
+    assert (
+        again.with_values({"omega": "4 Hz"}).two_blocks() == case.with_values({"omega": "4 Hz"}).two_blocks()
+    )
     with pytest.raises(CaseError) as caught:
         load_case("nothing")
     assert pickle.loads(pickle.dumps(caught.value)).problems == caught.value.problems
@@ -113,7 +115,9 @@ def test_friction_force_is_rounded_once():
 def test_exact_scene_in_mpmath(omega):
     case = load_case("I-A-eq211", {"omega": omega})
     with mpmath.workdps(60):
-        exact = case.exact_two_blocks(lambda value: mpmath.mpf(value.numerator) / value.denominator, mpmath.pi)
+        exact = case.exact_two_blocks(
+            lambda value: mpmath.mpf(value.numerator) / value.denominator, mpmath.pi
+        )
         per_second = mpmath.mpf(omega.split()[0]) * (2 * mpmath.pi if "Hz" in omega else 1)
         assert abs(exact.omega - per_second) < mpmath.mpf(10) ** -57
         assert abs(exact.A - mpmath.mpf("0.0033") * per_second**2) < mpmath.mpf(10) ** -57

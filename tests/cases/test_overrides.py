@@ -126,7 +126,10 @@ def test_problems_of_file_and_overrides_come_together(tmp_path):
 
 def test_the_amplitude_by_rule_follows_omega():
     case = load_case("I-A-eq211")
-    assert pytest.approx(4 * case.two_blocks().A, rel=1e-15) == case.with_values({"omega": "7 Hz"}).two_blocks().A
+    assert (
+        pytest.approx(4 * case.two_blocks().A, rel=1e-15)
+        == case.with_values({"omega": "7 Hz"}).two_blocks().A
+    )
     assert (
         case.with_values({"omega": "7 Hz"}).number("excitation.A")
         == case.with_values({"omega": "7 Hz"}).two_blocks().A

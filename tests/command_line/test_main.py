@@ -9,7 +9,6 @@ from pathlib import Path
 
 import click
 import pytest
-from vibsim.physics.state import State
 
 import vibsim
 from tests.command_line.made import call, process
@@ -17,6 +16,7 @@ from vibsim.cases import CaseError, Problem
 from vibsim.command_line.errors import exit_code_of
 from vibsim.command_line.main import COMMANDS, group
 from vibsim.engine.errors import EngineError
+from vibsim.engine.state import State
 from vibsim.plots.errors import PlotError
 from vibsim.results import ResultFileError
 
@@ -113,7 +113,7 @@ def test_version():
     assert metadata.version("vibsim") == vibsim.__version__
 
 
-STATE = State(1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+STATE = State(1.0, [0.0], [0.0], 0.0, 0.0, 0.0)
 USERS_ERRORS = [
     (CaseError([Problem("a.yaml", 1, 2, "k1", "must be >= 0")]), 3, "a.yaml:1:2: k1: must be >= 0\n"),
     (EngineError("diverged", STATE), 4, "Error: t = 1.0 s: the state is no longer finite"),

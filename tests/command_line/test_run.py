@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from vibsim.kernel.python_engine import PythonTrajectory
-from vibsim.physics.state import State
 
 import vibsim
 from tests.command_line.made import call
 from vibsim.engine.choice import compiled
 from vibsim.engine.errors import EngineError
+from vibsim.engine.state import State
+from vibsim.engine.trajectory import PythonTrajectory
 
 
 @pytest.fixture(autouse=True)
@@ -260,7 +260,7 @@ def test_a_run_that_fails_is_told_and_the_others_go_on(monkeypatch):
     def failing_in_case_2(self):
         yield from blocks(self)
         if self.scene.has_motor:
-            raise EngineError("diverged", State(4.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+            raise EngineError("diverged", State(4.0, [0.0], [0.0], 0.0, 0.0, 0.0))
 
     monkeypatch.setattr(PythonTrajectory, "blocks", failing_in_case_2)
     done = run("II-A", "I-A", "--t-end", "1s", "--engine", "python", code=4)

@@ -11,10 +11,6 @@ from hypothesis import given, settings
 
 from tests.engine.random_parts import LENGTH, RATE, part_scenes
 from tests.engine.runs import Run, outcome, run
-from tests.engine.two_blocks import parts_of
-from tests.scenes import CASE_NAMES, MOTORS, paper
-from vibsim.engine.trajectory import open_trajectory as open_two_blocks
-from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import (
     AT_FORCE,
     BASE,
@@ -68,23 +64,6 @@ def test_random_scenes_close_by_taylor(scene):
 def test_many_random_scenes_close(scene):
     assert_closed(scene)
     assert_closed(replace(scene, method="taylor"))
-
-
-@pytest.mark.parametrize("name", CASE_NAMES)
-def test_papers_cases_have_the_ledger_of_two_blocks(name):
-    method = "taylor" if name in MOTORS else "closed_form"
-    two_blocks = paper(name, method=method, t_end=20.0)
-    old = open_two_blocks(two_blocks, ledger=True)
-    for _ in old.blocks():
-        pass
-    new = run(parts_of(two_blocks, Doubles), ledger=True).totals
-    size = abs(old.totals["work_source"])
-    names = ["energy_start", "energy_end", "work_source", "loss_viscous", "loss_friction"]
-    for entry in names:
-        assert new[entry] == pytest.approx(old.totals[entry], rel=1e-13, abs=1e-14 * size)
-    assert new["loss.friction.friction"] == new["loss_friction"] > 0
-    assert new["loss.links.coupling"] == new["loss_viscous"] > 0
-    assert new["work_base"] == new["work_belt"] == new["loss_stops"] == 0
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -9,10 +9,8 @@ from hypothesis import given, settings
 
 from tests.engine.random_parts import part_scenes
 from tests.engine.runs import Run, outcome, run, same_bits
-from tests.engine.two_blocks import parts_of
 from tests.scenes import CASE_NAMES, paper
 from vibsim.engine.trajectory import open_trajectory, state_at
-from vibsim.physics.numbers import Doubles
 
 
 def rows_at_each_instant(events):
@@ -54,7 +52,7 @@ def test_the_python_engine_goes_on_from_every_event(scene):
 @pytest.mark.parametrize("engine", ("c", "python"))
 @pytest.mark.parametrize("name", CASE_NAMES)
 def test_states_between_events_are_those_of_the_run(name, engine):
-    scene = parts_of(paper(name, t_end=3.0), Doubles)
+    scene = paper(name, t_end=3.0).as_parts()
     whole = run(scene, engine)
     times = whole.samples["time"]
     rows = list(rows_at_each_instant(whole.events))
@@ -79,7 +77,7 @@ def test_states_between_events_are_those_of_the_run(name, engine):
     ],
 )
 def test_no_run_goes_on_from_a_row_that_there_is_not(engine, column, value, sentence):
-    scene = parts_of(paper("I-A", t_end=1.0), Doubles)
+    scene = paper("I-A", t_end=1.0).as_parts()
     row = {name: values[0] for name, values in run(scene).events.items()}
     with pytest.raises(ValueError, match=sentence):
         open_trajectory(scene, engine, resume=row | {column: value})

@@ -6,10 +6,7 @@ import numpy as np
 import pytest
 
 from tests.engine.runs import run, same_bits
-from tests.engine.two_blocks import parts_of
-from tests.scenes import CASE_NAMES, paper
-from vibsim.engine.trajectory import open_trajectory as open_two_blocks
-from vibsim.physics.numbers import Doubles
+from tests.scenes import paper
 from vibsim.physics.parts import BASE, GROUND, Body, Force, Harmonic, Link, Scene
 from vibsim.physics.period import common_period
 
@@ -25,18 +22,6 @@ def scene(forces=(), base=(), method="auto", t_end=10.0):
     drives = tuple(Force(f"F{i}", 0, 0.0, (term,)) for i, term in enumerate(forces))
     bodies = (Body("m", 1.0, 0.01, 0.0),)
     return Scene(bodies, (link,), forces=drives, base=base, method=method, t_end=t_end, every_den=4)
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("name", CASE_NAMES)
-def test_papers_cases_have_the_section_of_two_blocks(name, engine):
-    two_blocks = paper(name, t_end=10.0)
-    old = list(open_two_blocks(two_blocks, section=True).blocks())
-    new = run(parts_of(two_blocks, Doubles), engine, section=True).section
-    for column in old[0].section:
-        expected = np.concatenate([block.section[column] for block in old])
-        assert same_bits(new[column], expected)
-        assert len(expected) > 5
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -75,7 +60,7 @@ def test_frequencies_of_no_exact_double_have_their_period():
 @pytest.mark.parametrize("engine", ENGINES)
 def test_section_of_a_run_taken_up_again(engine):
     two_blocks = paper("I-C", t_end=5.0)
-    drive = parts_of(two_blocks, Doubles)
+    drive = two_blocks.as_parts()
     whole = run(drive, engine, section=True)
     row = {name: values[20] for name, values in whole.events.items()}
     rest = run(drive, engine, resume=row, section=True)

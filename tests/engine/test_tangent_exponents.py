@@ -9,14 +9,11 @@ from hypothesis import given, settings
 from tests.engine.bundles import PER_PIECE, totals
 from tests.engine.random_parts import part_scenes
 from tests.engine.test_closed_cases import harmonic, scene
-from tests.engine.two_blocks import parts_of
-from tests.scenes import CASE_NAMES, MOTORS, paper
-from tests.tangent.bundles import totals as totals_of_two_blocks
+from tests.scenes import paper
 from vibsim.engine.errors import EngineError
 from vibsim.engine.saltation import Saltation
 from vibsim.engine.tangent_space import components, dimension, references
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import (
     AT_GAP,
     BASE,
@@ -31,23 +28,6 @@ from vibsim.physics.parts import (
 )
 
 METHODS = ("auto", "taylor")
-
-
-def methods(name):
-    return ("taylor",) if name in MOTORS else ("closed_form", "taylor")
-
-
-@pytest.mark.parametrize(("name", "method"), [(n, m) for n in CASE_NAMES for m in methods(n)])
-def test_papers_cases_as_by_the_engine_of_two_blocks(name, method):
-    case = paper(name, t_end=3.0, method=method)
-    old, new = totals_of_two_blocks(case, begin=0.5), totals(parts_of(case, Doubles), begin=0.5)
-    # sums of logarithms of some 1000 pieces, each rounded to 1e-16 of a number near 1, over 2.5 s
-    np.testing.assert_allclose(new["exponents"], old["exponents"], rtol=0, atol=1e-12)
-    np.testing.assert_allclose(new["growth"], old["growth"], rtol=0, atol=1e-12)
-    for total in ("rank_losses", "tangent_pieces", "tangencies"):
-        assert new[total] == old[total]
-    for total in ("closest_tangency", "closest_tangency_time"):
-        assert new[total] == pytest.approx(old[total], rel=1e-12, nan_ok=True)
 
 
 @settings(max_examples=25)
@@ -75,7 +55,7 @@ def test_a_reversal_that_all_but_sticks_drowns_no_volume():
 
 def test_a_wrong_saltation_is_seen(monkeypatch):
     monkeypatch.setattr(Saltation, "applied", lambda _, vector: vector)
-    result = totals(parts_of(paper("I-B", t_end=6.0), Doubles), engine="python")
+    result = totals(paper("I-B", t_end=6.0).as_parts(), engine="python")
     assert abs(result["volume_residual"]) > 1.0
 
 
@@ -177,12 +157,12 @@ def test_bodies_that_nothing_ties_to_the_ground_lose_the_shift():
 @pytest.mark.parametrize(("count", "engine"), [(-1, "auto"), (4, "python"), (4, "c")])
 def test_numbers_of_exponents_that_a_scene_has_not_got(count, engine):
     with pytest.raises(ValueError, match=f"tangent must be 0 to 3 for this scene, got {count}"):
-        open_trajectory(parts_of(paper("I-A"), Doubles), engine, tangent=count)
+        open_trajectory(paper("I-A").as_parts(), engine, tangent=count)
 
 
 @pytest.mark.parametrize("name", ["I-A", "II-B"])
 def test_a_bundle_changes_no_trajectory(name):
-    of = parts_of(paper(name, t_end=3.0), Doubles)
+    of = paper(name, t_end=3.0).as_parts()
     plain, carrying = (open_trajectory(of, "python", tangent=count) for count in (0, dimension(of)))
     for one, other in zip(whole(plain), whole(carrying), strict=True):
         assert len(one["v1"]) > 5 and list(one) == list(other)

@@ -8,12 +8,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-import vibsim.kernel
 
+import vibsim.engine.choice
 from tests.scenes import fixed_block, paper
+from tests.trajectories import opened
 from vibsim.engine.choice import engine_name, flow_of
 from vibsim.engine.errors import EngineError
-from vibsim.engine.trajectory import open_trajectory
 
 ROOT = Path(__file__).parents[2]
 
@@ -21,15 +21,15 @@ ROOT = Path(__file__).parents[2]
 @pytest.fixture
 def without_c(monkeypatch):
     """An installation that found no compiler."""
-    monkeypatch.setattr(vibsim.kernel, "compiled", lambda: False)
-    monkeypatch.setattr(vibsim.kernel, "_noticed", False)
+    monkeypatch.setattr(vibsim.engine.choice, "compiled", lambda: False)
+    monkeypatch.setattr(vibsim.engine.choice, "_noticed", False)
 
 
 def test_auto_takes_the_c_engine():
     assert engine_name("auto") == "c"
-    assert open_trajectory(paper("I-A")).engine == "c"
+    assert opened(paper("I-A")).engine == "c"
     assert engine_name("python") == "python"
-    assert open_trajectory(paper("I-A"), "python").engine == "python"
+    assert opened(paper("I-A"), "python").engine == "python"
 
 
 def test_auto_falls_back_with_one_notice(without_c, capsys):
@@ -39,7 +39,7 @@ def test_auto_falls_back_with_one_notice(without_c, capsys):
     assert "no C engine" in first.err
     assert "slower" in first.err
     assert first.err.count("\n") == 1
-    assert open_trajectory(paper("I-A")).engine == "python"
+    assert opened(paper("I-A")).engine == "python"
     assert capsys.readouterr().err == ""
 
 
@@ -62,7 +62,7 @@ def test_the_c_engine_is_there_before_any_thread_can_ask_for_it(monkeypatch):
     """A module of C stands among the modules before its specification does: who looked it up then failed."""
     monkeypatch.setattr(sys.modules["vibsim.engine._engine"], "__spec__", None)
     assert engine_name("auto") == "c"
-    program = "import sys, vibsim.kernel; print(sys.modules['vibsim.engine._engine'].__spec__.name)"
+    program = "import sys, vibsim.engine.choice; print(sys.modules['vibsim.engine._engine'].__spec__.name)"
     done = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True)
     assert done.stdout == "vibsim.engine._engine\n"
 
@@ -81,10 +81,10 @@ def test_methods():
 def test_a_failing_run_says_what_when_where_and_what_to_do(engine):
     wild = fixed_block(x1=1e308, v1=1e308, G=None, t_end=1.0)
     with pytest.raises(EngineError) as failure:
-        list(open_trajectory(wild, engine).blocks())
+        list(opened(wild, engine).blocks())
     message = str(failure.value)
     assert message.startswith("t = 0.0 s: the state is no longer finite")
-    assert "x1 = 1e+308 m" in message
+    assert "x = 1e+308 m" in message
     assert message.endswith("check the parameters for values far outside each other's scale")
     assert "\n" not in message
 
@@ -101,10 +101,11 @@ def test_without_a_compiler_the_package_builds_and_runs(tmp_path):
         build, cwd=source, env={**os.environ, "CC": "/bin/false"}, capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
-    assert not [path for path in installed.rglob("_kernel.*") if path.suffix in (".so", ".pyd")]
+    assert not [path for path in installed.rglob("_engine.*") if path.suffix in (".so", ".pyd")]
     program = (
         f"import sys; sys.path[:0] = [{str(installed)!r}, {str(ROOT)!r}]\n"
-        "import vibsim.kernel as k; from tests.scenes import paper; from tests.trajectories import run\n"
+        "import vibsim.engine.choice as k\n"
+        "from tests.scenes import paper; from tests.trajectories import run\n"
         "print(k.__file__, k.engine_name(), run(paper('I-A', t_end=1.0), 'auto').final('x1').hex())"
     )
     done = subprocess.run(
@@ -114,5 +115,5 @@ def test_without_a_compiler_the_package_builds_and_runs(tmp_path):
     assert Path(where).is_relative_to(installed)
     assert engine == "python"
     assert "no C engine" in done.stderr
-    trajectory = open_trajectory(replace(paper("I-A"), t_end=1.0), "c")
+    trajectory = opened(replace(paper("I-A"), t_end=1.0), "c")
     assert float.fromhex(x1) == list(trajectory.blocks())[-1].events["x1"][-1]

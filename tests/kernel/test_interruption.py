@@ -10,7 +10,7 @@ from itertools import islice
 import pytest
 
 from tests.scenes import fixed_block, harmonic, paper, scene
-from vibsim.engine.trajectory import open_trajectory
+from tests.trajectories import opened
 
 QUIET = scene(harmonic(3.5, 1e-9), N=None, G=1.0, t_end=1e9, every_num=10**8)
 BUSY = fixed_block(k2=1e9, G=0.0, c=0.0, v1=-1.0, t_end=1e9, every_num=10**8)
@@ -20,7 +20,7 @@ SAMPLED = fixed_block(x1=0.01, G=None, t_end=1e6, every_num=1, every_den=1000)
 @pytest.mark.parametrize("method", ("closed_form", "taylor"))
 @pytest.mark.parametrize("scene", (QUIET, BUSY, SAMPLED), ids=("quiet", "busy", "sampled"))
 def test_work_between_two_blocks_is_bounded(scene, method):
-    trajectory = open_trajectory(replace(scene, method=method), "c")
+    trajectory = opened(replace(scene, method=method), "c")
     steps = 0
     for block in islice(trajectory.blocks(), 4):
         # a step costs a microsecond or so, a sample less: 0.2 s would be 2e5 of them
@@ -34,7 +34,7 @@ def test_work_between_two_blocks_is_bounded(scene, method):
 @pytest.mark.parametrize("engine", ("c", "python"))
 def test_blocks_go_forward_and_join_without_gap_or_overlap(engine):
     previous, samples = -1.0, 0
-    for block in open_trajectory(paper("I-B", t_end=20.0, every_den=1000), engine).blocks():
+    for block in opened(paper("I-B", t_end=20.0, every_den=1000), engine).blocks():
         assert block.t_reached >= previous
         previous = block.t_reached
         samples += len(block.samples["time"])
@@ -44,9 +44,9 @@ def test_blocks_go_forward_and_join_without_gap_or_overlap(engine):
 
 PROGRAM = """
 from tests.kernel.test_interruption import {name}
-from vibsim.engine.trajectory import open_trajectory
+from tests.trajectories import opened
 print("ready", flush=True)
-for block in open_trajectory({name}, {engine!r}).blocks():
+for block in opened({name}, {engine!r}).blocks():
     pass
 """
 

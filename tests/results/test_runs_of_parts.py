@@ -4,7 +4,6 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from vibsim.results.engines import open_run
 
 import vibsim
 from vibsim.cases import CaseError, load_case
@@ -234,8 +233,3 @@ def test_a_run_that_fails_says_where_and_what_helps():
         "far outside each other's scale"
     )
     assert issubclass(EngineError, EngineError)
-
-
-def test_runs_are_opened_on_the_engine_of_their_scene():
-    assert type(open_run(hammer().scene())).__module__ == "vibsim.engine.trajectory"
-    assert type(open_run(load_case("II-B").two_blocks())).__module__.startswith("vibsim.kernel.")

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from vibsim.engine.trajectory import open_trajectory
+from tests.trajectories import opened
 from vibsim.physics.modes import EVENT_KINDS
 
 
 def dense_run(scene, per_second):
     """The whole run with so many samples per second, and its section."""
-    trajectory = open_trajectory(replace(scene, every_num=1, every_den=per_second), section=True)
+    trajectory = opened(replace(scene, every_num=1, every_den=per_second), section=True)
     blocks = list(trajectory.blocks())
     section = {name: np.concatenate([block.section[name] for block in blocks]) for name in blocks[0].section}
     samples = {name: np.concatenate([block.samples[name] for block in blocks]) for name in blocks[0].samples}

@@ -7,6 +7,7 @@ import pytest
 
 from tests.scenes import fixed_block, harmonic, motor, paper
 from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
+from tests.trajectories import opened
 from vibsim.cases.loading import load_case_text
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.opening import open_result
@@ -31,7 +32,7 @@ def computed(scene, *names, discard="50 %", section=10):
 
 def contact_begins(scene, begin):
     """Rows of the events table of the whole run, those that begin a contact from `begin` on."""
-    blocks = list(open_trajectory(sampled_for_statistics(scene), section=True).blocks())
+    blocks = list(opened(sampled_for_statistics(scene), section=True).blocks())
     events = {name: np.concatenate([block.events[name] for block in blocks]) for name in blocks[0].events}
     marks = np.concatenate([block.section["time"] for block in blocks])
     chosen = (events["kind"] == EVENT_KINDS["contact_begin"]) & (events["t"] >= begin)
@@ -62,7 +63,7 @@ def test_power_is_balanced_and_that_of_the_whole_run_in_between(name):
     _, marks = contact_begins(scene, 12.0)
     work = []
     for t_end in (float(marks[0]), float(marks[-1])):
-        trajectory = open_trajectory(paper(name, t_end=t_end), ledger=True)
+        trajectory = opened(paper(name, t_end=t_end), ledger=True)
         list(trajectory.blocks())
         work.append(trajectory.totals["work_source"])
     span = marks[-1] - marks[0]
@@ -135,7 +136,7 @@ def test_the_grazing_margin_is_the_engines_where_that_is_late(name):
     scene = paper(name, t_end=24.0)
     for begin in ("12 s", "1 s", "0 s"):
         margin = computed(scene, "grazing", discard=begin)[0].get("grazing_margin_late", math.inf)
-        trajectory = open_trajectory(sampled_for_statistics(scene))
+        trajectory = opened(sampled_for_statistics(scene))
         list(trajectory.blocks())
         totals = trajectory.totals
         assert margin > totals["grazing_margin"] - 1e-8

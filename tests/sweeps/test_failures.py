@@ -1,23 +1,22 @@
 """Points that fail: kept with their reason, tried again, and no harm to the others."""
 
 import numpy as np
+from vibsim.sweeps.columns import DONE, FAILED
 
 from tests.sweeps.made import OMEGA0, assert_same_points, complete, in_memory, short_case, short_plan
-from vibsim.sweeps.statistics.columns import DONE, FAILED
-from vibsim.sweeps.store.point_store import Store
+from vibsim.sweeps.store import Store
 from vibsim.sweeps.sweeping import run_stored
 
 
 def test_a_failed_point_is_kept_with_its_reason_and_tried_again(tmp_path, monkeypatch):
-    from vibsim.physics.state import State
-
     from vibsim.engine.errors import EngineError
+    from vibsim.engine.state import State
     from vibsim.engine.trajectory import open_trajectory
-    from vibsim.sweeps.statistics import measured_run
+    from vibsim.sweeps import measured_run
 
     def failing(scene, *arguments, **options):
-        if abs(scene.Omega0 / 2 / np.pi - 4) < 1e-9:
-            raise EngineError("diverged", State(*[1.5] * 8))
+        if abs(scene.motor.Omega0 / 2 / np.pi - 4) < 1e-9:
+            raise EngineError("diverged", State(1.5, [1.5], [1.5], 1.5, 1.5, 1.5))
         return open_trajectory(scene, *arguments, **options)
 
     plan, path = short_plan({OMEGA0: "3, 4, 5 Hz"}, carry_state=True), tmp_path / "sweep.h5"
@@ -41,7 +40,7 @@ def test_a_point_whose_case_is_not_allowed_fails_alone():
 
 
 def test_a_bug_at_one_point_does_not_stop_the_others(monkeypatch):
-    from vibsim.sweeps.points import point
+    from vibsim.sweeps import point
 
     class Faulty(point.Statistics):
         def update(self, block):

@@ -70,7 +70,7 @@ def test_capture_is_shown_every_turn_and_impact_once(monkeypatch, changes, disca
     monkeypatch.setattr(capture_verdict, "capture_of_turns", judge)
     case = short_case("II-B", t_end="30 s", **changes)
     swept(case, "capture", discard=discard)
-    blocks = list(open_trajectory(case.two_blocks(), section=True).blocks())
+    blocks = list(open_trajectory(case.scene(), section=True).blocks())
     begun = [block.events["t"][block.events["kind"] == EVENT_KINDS["contact_begin"]] for block in blocks]
     np.testing.assert_array_equal(told[0][0], np.concatenate([block.section["time"] for block in blocks]))
     np.testing.assert_array_equal(told[0][1], np.concatenate(begun))

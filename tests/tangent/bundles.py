@@ -2,21 +2,21 @@
 
 import numpy as np
 
+from tests.trajectories import opened
 from vibsim.engine.lyapunov import exponents_of
 from vibsim.engine.tangent_space import dimension
-from vibsim.engine.trajectory import open_trajectory
 
 
-def totals(scene, engine="c", count=None, begin=0.0, resume=None):
+def totals(scene, engine="auto", count=None, begin=0.0, resume=None):
     """Totals of the run of `scene` with `count` exponents (None: all) from the time `begin` [s]."""
-    count = dimension(scene) if count is None else count
-    trajectory = open_trajectory(scene, engine, resume, tangent=count, tangent_from=begin)
+    count = dimension(scene.as_parts()) if count is None else count
+    trajectory = opened(scene, engine, resume, tangent=count, tangent_from=begin)
     for _ in trajectory.blocks():
         pass
     return trajectory.totals
 
 
-def exponents(scene, engine="c", count=None, begin=0.0):
+def exponents(scene, engine="auto", count=None, begin=0.0):
     """The exponents as `LyapunovExponents`."""
     return exponents_of(totals(scene, engine, count, begin))
 

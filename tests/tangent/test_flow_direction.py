@@ -1,37 +1,39 @@
 """Without an ideal source no time occurs: the motion's own direction is carried along, through all events."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from vibsim.kernel.driver import Driver
-from vibsim.kernel.python_engine import FLOWS
 
 from tests.scenes import paper, scene
+from vibsim.engine.driver import Driver
 from vibsim.physics.forces import motor_accelerations, transmitted_force
 from vibsim.physics.modes import EVENT_NAMES
 from vibsim.physics.numbers import Doubles
 
 
-def direction(scene, state, mode):
-    """Rate of change of (y, v1, v2, phi, w), from the equations as printed."""
-    force = transmitted_force(scene, state.x1 - state.x2, state.v1 - state.v2, mode.contact)
-    a1, rotor = -force / scene.m1, 0.0
+def direction(scene, state, status):
+    """Rate of change of (x1, v1, ...), from the equations as printed, where x1 is measured from block 2."""
+    (x1, x2), (v1, v2) = state.x, state.v
+    force = transmitted_force(scene, x1 - x2, v1 - v2, status.stops[0])
+    a1, rotor = -force / scene.m1, []
     if scene.has_motor:
-        a1, rotor = motor_accelerations(scene, force, np.sin(state.phase), np.cos(state.phase), state.w)
-    stuck = scene.has_friction and mode.friction == 0
-    friction = mode.friction * scene.N if scene.has_friction else 0.0
-    a2 = 0.0 if stuck else (force - friction) / scene.m2
-    return [state.v1 - state.v2, a1, a2, state.w, rotor]
+        a1, dw = motor_accelerations(scene, force, np.sin(state.phase), np.cos(state.phase), state.w)
+        rotor = [state.w, dw]
+    slip = status.frictions[0]
+    a2 = (force - slip * scene.N) / scene.m2 if slip else 0.0
+    return [v1 - v2, 0.0, a1, a2, *rotor]
 
 
 def carried(scene, method):
     """The direction at the start, carried to the end; the direction there; kinds of the events between."""
-    driver = Driver(scene, Doubles, FLOWS[method](scene, Doubles), tangent=(1, 0.0))
-    driver.tangent.vectors = [direction(scene, driver.state, driver.mode)]
+    driver = Driver(replace(scene, method=method).as_parts(), Doubles, tangent=(1, 0.0))
+    driver.tangent.vectors = [direction(scene, driver.state, driver.status)]
     while not driver.finished:
         driver.run(10**9, 10**9, 10**6)
     ours = np.exp(driver.tangent.sums[0]) * np.array(driver.tangent.vectors[0])
-    kinds = [EVENT_NAMES[code] for code, _, _ in driver.events]
-    return ours, np.array(direction(scene, driver.state, driver.mode)), kinds
+    kinds = [EVENT_NAMES[code] for code, *_ in driver.events]
+    return ours, np.array(direction(scene, driver.state, driver.status)), kinds
 
 
 @pytest.mark.parametrize(("name", "t_end"), [("II-A", 15.0), ("II-B", 8.0), ("II-C", 6.0)])

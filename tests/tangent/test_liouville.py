@@ -5,13 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from vibsim.kernel.tangent_bundle import TangentBundle
 
 from tests.random_scenes import scenes
 from tests.scenes import CASE_NAMES, MOTORS, paper
 from tests.tangent.bundles import totals
 from tests.trajectories import run
-from vibsim.physics.modes import EVENT_KINDS
 
 # a series of order 20 is cut off at 1.65**20 / 20! = 9e-15 of the disturbance; rounding adds some eps times
 # the spread of the vectors
@@ -63,16 +61,3 @@ def test_impacts_and_reversals_by_hand():
     assert len(jumps) > 100 and np.count_nonzero(result.events["kind"] == 1) > 90
     # a jump is known to the rounding of S, eps |S|, over |S| - N > 0.01 N; there are 200 of them
     assert np.sum(growth[-1, 1:]) == pytest.approx(expected, abs=1e-10)
-
-
-def test_a_wrong_saltation_is_seen(monkeypatch):
-    right = TangentBundle.cross
-
-    def without_reversals(self, kind, state, before):
-        vectors = [list(vector) for vector in self.vectors]
-        right(self, kind, state, before)
-        if kind == EVENT_KINDS["reversal"]:
-            self.vectors = vectors
-
-    monkeypatch.setattr(TangentBundle, "cross", without_reversals)
-    assert abs(totals(paper("I-B", t_end=10.0), "python")["volume_residual"]) > 1.0

@@ -5,11 +5,11 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from vibsim.physics.state import State
 
 from tests.trajectories import run
 from vibsim.cases import load_case
 from vibsim.engine.errors import EngineError
+from vibsim.engine.state import State
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.results import trust_companion
 from vibsim.results.trust_companion import Companion, companion_scene, described
@@ -113,7 +113,8 @@ def failing(monkeypatch, companions):
     def start(scene, error):
         real = open_trajectory
         monkeypatch.setattr(
-            "vibsim.kernel.open_trajectory", lambda scene, engine: Failing(real(scene), error)
+            "vibsim.results.trust_companion.open_trajectory",
+            lambda scene, engine: Failing(real(scene), error),
         )
         return companions(scene)
 
@@ -122,7 +123,7 @@ def failing(monkeypatch, companions):
 
 def test_of_a_companion_that_fails_nothing_is_known(failing):
     _, other = companion_of("I-A", "closed_form")
-    companion = failing(other, EngineError("diverged", State(*[0.0] * 8)))
+    companion = failing(other, EngineError("diverged", State(0.0, [0.0], [0.0], 0.0, 0.0, 0.0)))
     got = companion.take(60_000)
     known = int(np.count_nonzero(~np.isnan(got[0])))
     assert 0 < known < 60_000

@@ -49,7 +49,7 @@ def test_doubles_follow_the_truth(name):
     """Their distance stays below rounding times the growth that kicks find; in ideal cases below 1e-12 m."""
     span = "8 s" if name.startswith("II") else "20 s"  # 30 digits of a motor cost half a second a second
     short = case(name, span)
-    *_, last = open_trajectory(short.two_blocks()).blocks()
+    *_, last = open_trajectory(short.scene()).blocks()
     _, end = true_end(name, span, 30)
     bound = 100 * 2.0**-53 * 10 ** error_growth(short.two_blocks())
     for column in ("x1", "x2"):
@@ -63,7 +63,7 @@ def test_doubles_follow_the_truth(name):
 def test_doubles_take_the_same_events(engine):
     short = case("II-C", "12 s")
     expected, _ = true_end("II-C", "12 s", 30)
-    trajectory = open_trajectory(short.two_blocks(), engine)
+    trajectory = open_trajectory(short.scene(), engine)
     list(trajectory.blocks())
     for key in ("impacts", "sticks", "reversals"):
         assert trajectory.totals[key] == expected[key]

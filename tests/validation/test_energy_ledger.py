@@ -7,15 +7,14 @@ from hypothesis import given
 
 from tests.random_scenes import scenes
 from tests.scenes import CASE_NAMES, MOTORS, harmonic, motor, paper, scene
-from tests.trajectories import collect
-from vibsim.engine.trajectory import open_trajectory
+from tests.trajectories import collect, opened
 
 CASE_RESIDUAL = 1e-12  # relative; measured 3e-15 ... 4e-14
 RANDOM_RESIDUAL = 1e-11  # a random scene may end with its entries cancelling to a tenth of their throughput
 
 
 def totals(a_scene, engine="c"):
-    return collect(open_trajectory(a_scene, engine, ledger=True)).totals
+    return collect(opened(a_scene, engine, ledger=True)).totals
 
 
 def methods(name):

@@ -11,10 +11,10 @@ from math import isfinite
 import numpy as np
 
 from vibsim.engine.accelerations import accelerations
+from vibsim.engine.choice import engine_name
 from vibsim.engine.driver import Driver
 from vibsim.engine.state import State
 from vibsim.engine.tangent_space import length
-from vibsim.engine.trajectory import chosen_engine
 from vibsim.physics.modes import EVENT_NAMES
 from vibsim.physics.numbers import Doubles
 
@@ -58,7 +58,7 @@ class Carrier:
         clearances = tuple(replace(one, at_start=False) for one in scene.clearances)
         of = {"stops": stops, "clearances": clearances, "stop_on_violation": False}
         self.scene = replace(scene, **of, every_num=10**9, every_den=1)
-        self.engine, self.size, self.run = chosen_engine(engine), length(scene), None
+        self.engine, self.size, self.run = engine_name(engine), length(scene), None
 
     def carry(self, state, end, vectors=None):
         """The motion from `state`, the components at t = 0, to `end` [s], as `Carried`.

@@ -74,4 +74,3 @@ def _create(group: Any, name: str, dtype: str, long_name: str, units: str | None
     )
     write_attrs(dataset.id, {"long_name": long_name, "units": units})
     return dataset
-

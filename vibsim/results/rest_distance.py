@@ -124,4 +124,3 @@ def _largest_inside(y0: float, y1: float, d0: float, d1: float) -> float:
 def _merge(samples: np.ndarray, events: np.ndarray) -> np.ndarray:
     rows = np.concatenate([samples, events], axis=1)
     return rows[:, np.argsort(rows[0], kind="stable")]
-

@@ -3,11 +3,10 @@
 from types import SimpleNamespace
 
 import pytest
-from vibsim.kernel.errors import REASONS
 
 from vibsim.analysis import judge_capture
 from vibsim.cases import load_case
-from vibsim.engine.errors import EngineError
+from vibsim.engine.errors import REASONS, EngineError
 from vibsim.evidence.reports import outcomes
 from vibsim.evidence.reports.outcomes import outcome, outcomes_of, run_all
 from vibsim.evidence.reports.paper_runs import Interrupted
@@ -31,7 +30,7 @@ def test_outcomes_come_in_order():
 
 
 def test_a_run_that_fails_is_an_outcome_too(monkeypatch):
-    reason, state = next(iter(REASONS)), SimpleNamespace(t=1.0, x1=0, v1=0, x2=0, v2=0)
+    reason, state = next(iter(REASONS)), SimpleNamespace(t=1.0, x=[0.0, 0.0], v=[0.0, 0.0])
 
     def fail(*given, **options):
         raise EngineError(reason, state)

@@ -3,9 +3,9 @@
 from random import Random
 
 import pytest
-from vibsim.physics.state import State
 
 import vibsim
+from vibsim.engine.state import State
 from vibsim.evidence.verification.digits_runs import Plan, run_digits
 from vibsim.evidence.verification.kicks import (
     NUMBERS,
@@ -47,15 +47,14 @@ def test_every_number_of_a_scene_is_kicked(kit, name):
 
 
 def test_states_are_kicked_by_the_size_of_the_motion(kit):
-    numbers = [kit.number(value) for value in (1, 3, -4, 2, 0, 0.5, 7, 9)]
-    state = State(*numbers)
+    t, x1, x2, v1, v2, phase, turns, w = (kit.number(value) for value in (1, 3, 2, -4, 0, 0.5, 7, 9))
+    state = State(t, [x1, x2], [v1, v2], phase, turns, w)
     kicked = kicked_state(state, kit, Random(2))
     size = STATE_UNITS * UNIT
-    for name, scale in (("x1", 3), ("x2", 3), ("v1", 4), ("phase", 1), ("w", 9)):
-        moved = float(getattr(kicked, name) - getattr(state, name))
-        expected = 0 if getattr(state, name) == 0 else scale * size
-        assert abs(moved) == pytest.approx(expected, rel=1e-9), name
-    assert (kicked.t, kicked.turns, kicked.v2) == (state.t, state.turns, 0)
+    pairs = [*zip(kicked.x, state.x, strict=True), (kicked.v[0], v1), (kicked.phase, phase), (kicked.w, w)]
+    for (moved, value), scale in zip(pairs, (3, 3, 4, 1, 9), strict=True):
+        assert abs(float(moved - value)) == pytest.approx(scale * size, rel=1e-9)
+    assert (kicked.t, kicked.turns, kicked.v[1]) == (t, turns, 0)
 
 
 def test_stray_is_what_conditioning_says(kit):

@@ -6,10 +6,10 @@ import signal
 
 import numpy as np
 import pytest
-from vibsim.physics.state import State
 
 from tests.command_line.made import call
 from vibsim.engine.errors import EngineError
+from vibsim.engine.state import State
 from vibsim.evidence.verification import bilinear_oscillator, free_vibration, monodromy, runs, verify
 from vibsim.evidence.verification.catalogue import all_checks
 from vibsim.results import Result
@@ -142,7 +142,7 @@ def test_a_number_that_is_none_falls_short(monkeypatch):
 
 def test_a_run_that_fails_is_a_row(monkeypatch):
     def failing(*given, **options):
-        raise EngineError("diverged", State(1.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+        raise EngineError("diverged", State(1.5, [0.0], [0.0], 0.0, 0.0, 0.0))
 
     monkeypatch.setattr(runs, "simulate", failing)
     done = call("verify", "V2/taylor")

@@ -1,0 +1,151 @@
+"""What the C engine is given from outside: every index, size and layout is checked."""
+
+import threading
+from array import array
+
+import numpy as np
+import pytest
+
+from tests.scenes import harmonic, paper, scene
+from vibsim.cases import load_case
+from vibsim.engine import _engine
+from vibsim.engine.c_engine import CRun
+from vibsim.engine.packing import pack_mode, pack_scene, pack_state
+
+HUGE = (2**31 - 1, 10**6, -(10**6), -(2**31))
+PAPER = paper("II-B").as_parts()
+DRILL = load_case("gallery/percussive-drill").scene()
+
+
+def packed(of):
+    """(scene, first mode, run) as they go into C."""
+    run = CRun(of)
+    return pack_scene(of, run.harmonics), pack_mode(run.rows[0], dict(run.keys)), run
+
+
+def opened(scene_bytes, mode_bytes):
+    """A run of packed numbers with one mode, not yet started."""
+    run = _engine.Run(*scene_bytes)
+    run.add_mode(*mode_bytes)
+    return run
+
+
+def with_int(packed_ints, place, value):
+    ints = array("i", packed_ints)
+    ints[place] = value
+    return ints.tobytes()
+
+
+@pytest.mark.parametrize("of", (PAPER, DRILL), ids=("II-B", "drill"))
+@pytest.mark.parametrize("which", (0, 1), ids=("scene", "mode"))
+def test_no_index_reaches_beyond_its_table(of, which):
+    """Each whole number in turn is far out: it is refused, or what it says does no harm."""
+    whole = packed(of)
+    refused = 0
+    for place in range(len(whole[which][0]) // 4):
+        for value in HUGE:
+            numbers = [whole[0], whole[1]]
+            numbers[which] = (with_int(whole[which][0], place, value), whole[which][1])
+            try:
+                opened(*numbers)
+            except (ValueError, MemoryError):
+                refused += 1
+    assert refused > 2 * len(whole[which][0]) // 4  # signs and switches may be anything
+
+
+@pytest.mark.parametrize("which", (0, 1), ids=("scene", "mode"))
+@pytest.mark.parametrize("part", (0, 1), ids=("ints", "doubles"))
+def test_numbers_cut_short_or_too_many_are_refused(which, part):
+    whole = packed(PAPER)
+    for change in (lambda text: text[:-8], lambda text: text + bytes(8), lambda text: b"", lambda t: t[:-1]):
+        numbers = [list(whole[0]), list(whole[1])]
+        numbers[which][part] = change(numbers[which][part])
+        with pytest.raises(ValueError, match="packed numbers"):
+            opened(*numbers)
+
+
+def misfits():
+    """Tables for the output, one of which does not fit."""
+    samples, modes = np.zeros((7, 64)), np.empty((2, 64), dtype="i1")
+    events, codes, section = np.zeros((8, 64)), np.empty((4, 64), dtype="i1"), np.empty((7, 0))
+    fit = [samples, modes, events, codes, section]
+    for name, place, array_ in (
+        ("too few rows", 0, samples[:6]),
+        ("no samples", 0, samples[:, :0].copy()),
+        ("not contiguous", 0, np.empty((7, 128))[:, ::2]),
+        ("shorter modes", 1, modes[:, :32].copy()),
+        ("no room for events", 2, np.empty((8, 4))),
+        ("shorter codes", 3, codes[:, :32].copy()),
+        ("section of one", 4, np.empty((7, 1))),
+        ("bytes", 0, bytes(7 * 64 * 8)),
+    ):
+        yield pytest.param([array_ if i == place else part for i, part in enumerate(fit)], id=name)
+
+
+@pytest.mark.parametrize("tables", list(misfits()))
+def test_tables_that_do_not_fit_are_refused(tables):
+    whole = packed(PAPER)
+    with pytest.raises((ValueError, BufferError, TypeError)):
+        whole[2].run.advance(*tables)
+    state, known = pack_state(whole[2].first[0]), bytes(4 * len(whole[2].keys))
+    fresh = opened(*whole[:2])
+    with pytest.raises((ValueError, BufferError, TypeError)):
+        fresh.start(0, state, known, *tables)
+
+
+@pytest.mark.parametrize(
+    ("mode", "state", "known"),
+    ((1, None, None), (-1, None, None), (0, b"", None), (0, None, bytes(4)), (0, bytes(8 * 7), None)),
+)
+def test_a_start_that_does_not_fit_is_refused(mode, state, known):
+    *whole, run = packed(PAPER)
+    state = pack_state(run.first[0]) if state is None else state
+    known = bytes(4 * len(run.keys)) if known is None else known
+    with pytest.raises(ValueError):
+        opened(*whole).start(mode, state, known, *run.buffers)
+
+
+def test_a_run_that_was_not_started_tells_nothing():
+    *whole, run = packed(PAPER)
+    fresh = opened(*whole)
+    for call in (
+        lambda: fresh.advance(*run.buffers),
+        fresh.pending,
+        fresh.tally,
+        lambda: fresh.state_at(1.0),
+    ):
+        with pytest.raises(ValueError, match="not been started"):
+            call()
+
+
+def test_no_rule_leads_out_of_the_table_of_modes():
+    run = packed(PAPER)[2].run
+    for rule in ((1, 99, 0, -1, 1, 0, 0, 1), (9, 0, 0, -1, 1, 0, 0, 1), (1, 0, 0, -1, 77, 0, 0, 1)):
+        with pytest.raises(ValueError, match="no such rule"):
+            run.set_rule(0, 0, rule)
+    with pytest.raises(ValueError, match="no such rule"):
+        run.set_rule(0, 99, (1, 0, 0, -1, 1, 0, 0, 1))
+
+
+def test_a_run_serves_one_caller_at_a_time():
+    """The GIL is free while it computes: a second thread gets through, and is told."""
+    quiet = scene(harmonic(3.5, 1e-9), N=None, G=1.0, t_end=1e9, every_num=10**8)
+    run = CRun(quiet.as_parts())
+    done, told = threading.Event(), []
+
+    def compute():
+        while not done.is_set():
+            try:
+                run.run.advance(*run.buffers)
+            except RuntimeError as error:
+                told.append(str(error))
+
+    threads = [threading.Thread(target=compute) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    while not told and any(thread.is_alive() for thread in threads):
+        done.wait(0.01)
+    done.set()
+    for thread in threads:
+        thread.join()
+    assert told[0] == "the run is being computed by another thread"
