@@ -24,8 +24,7 @@ def rows():
         scene = without_samples(replace(load_case(name).two_blocks(), t_end=float(SPAN)))
         parts = scene.as_parts()
         ours = median(
-            stopwatch(lambda parts=parts: run_through(open_trajectory(parts, "c")))
-            for _ in range(15)
+            stopwatch(lambda parts=parts: run_through(open_trajectory(parts, "c"))) for _ in range(15)
         )
         note = f"vibsim {ours * 1e3:.2f} ms, error {error_of(name, SPAN, final_state(scene)):.1e}"
         yield with_events(name, scene, ours, note)

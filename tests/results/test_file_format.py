@@ -35,7 +35,7 @@ def columns(group):
 
 def test_the_datasets_are_those_of_the_scene(file):
     assert set(columns(file)) == set(SAMPLES) | FLAGS | {ERROR}
-    assert set(columns(file["events"])) == {"t", "kind", "phase", *SAMPLES, *FLAGS} - {"time"}
+    assert set(columns(file["events"])) == {"t", "kind", "part", "phase", *SAMPLES, *FLAGS} - {"time"}
 
 
 def test_a_scene_without_motor_friction_and_stop_has_no_such_columns(tmp_path):
@@ -44,7 +44,7 @@ def test_a_scene_without_motor_friction_and_stop_has_no_such_columns(tmp_path):
     saved = vibsim.simulate(vibsim.load_case(tmp_path / "bare.yaml")).save(tmp_path / "bare.h5")
     with h5py.File(saved) as file:
         assert set(columns(file)) == {"time", "x1", "v1", ERROR}
-        assert set(columns(file["events"])) == {"t", "kind", "x1", "v1"}
+        assert set(columns(file["events"])) == {"t", "kind", "part", "x1", "v1"}
 
 
 def test_units_and_meanings(file):

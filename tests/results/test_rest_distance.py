@@ -1,7 +1,6 @@
 """The rest distance needed: maxima between samples count, whatever the blocks."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,9 +8,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.results.made import short_case, short_run
-from vibsim.results.rest_distance import LARGEST_STEP, RestDistance, largest_of_cubics
+from vibsim.results.rest_distance import LARGEST_STEP, Distances, largest_of_cubics
 
 SCENE = short_case().two_blocks()
+
+
+class Rest(Distances):
+    """The rest distance of a case."""
+
+    def __init__(self, case=None):
+        case = case or short_case()
+        super().__init__(case, case.scene())
+
+    @property
+    def needed(self):
+        return self.attrs["rest_distance_needed"]
 
 
 def rows(clock, t, y, v):
@@ -30,7 +41,7 @@ def test_a_maximum_between_samples_is_found():
     t = np.arange(0, 2, 0.05)
     y, v = sine(t)
     assert y.max() < 0.9999
-    rest = RestDistance(SCENE)
+    rest = Rest()
     rest.update(rows("time", t, y, v), NO_EVENTS)
     bound = (7.0 * 0.05) ** 4 / 384  # Hermite remainder for |y''''| <= w^4
     assert 1 - bound <= rest.needed <= 1 + bound
@@ -40,7 +51,7 @@ def test_a_maximum_between_samples_is_found():
 def test_a_maximum_across_two_blocks_is_found():
     t = np.array([0.1, 0.35])  # the top of the first arch, pi / 14, lies between
     y, v = sine(t)
-    rest = RestDistance(SCENE)
+    rest = Rest()
     for i in range(2):
         rest.update(rows("time", t[i : i + 1], y[i : i + 1], v[i : i + 1]), NO_EVENTS)
     assert rest.needed == pytest.approx(1, abs=(7.0 * 0.25) ** 4 / 384)
@@ -48,7 +59,7 @@ def test_a_maximum_across_two_blocks_is_found():
 
 
 def test_events_are_rows_too():
-    rest = RestDistance(SCENE)
+    rest = Rest()
     samples = rows("time", np.array([0.0, 1.0]), np.zeros(2), np.zeros(2))
     rest.update(samples, rows("t", np.array([0.4]), np.array([0.3]), np.zeros(1)))
     assert rest.needed == pytest.approx(0.3)
@@ -57,14 +68,13 @@ def test_events_are_rows_too():
 def test_events_out_of_order_with_samples_are_merged():
     t = np.linspace(0, 1, 41)
     y, v = sine(t)
-    rest, pieces = RestDistance(SCENE), np.arange(41) % 3 == 0
+    rest, pieces = Rest(), np.arange(41) % 3 == 0
     rest.update(rows("time", t[pieces], y[pieces], v[pieces]), rows("t", t[~pieces], y[~pieces], v[~pieces]))
     assert rest.needed == largest_of_cubics(t, y + 1.0 - 1.0, v)
 
 
 def test_a_fixed_block_2_leaves_x1_alone():
-    scene = replace(SCENE, m2=None, N=None)
-    rest = RestDistance(scene)
+    rest = Rest(short_case(blocks__m2="fixed", friction="none"))
     nothing = {name: np.empty(0) for name in ("t", "x1", "v1")}
     rest.update({"time": np.array([0.0]), "x1": np.array([0.25]), "v1": np.zeros(1)}, nothing)
     assert rest.needed == 0.25

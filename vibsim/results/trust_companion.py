@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.cases.pi import FIRST_BITS, two_pi_bounds
+from vibsim.engine.choice import flow_of
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import Scene
 from vibsim.results.columns import tables_of
@@ -41,15 +42,24 @@ def companion_scene(case: "Case", scene: Scene) -> Scene:
     Samples are at the same times. Limits that are only watched are left out: they never change the motion.
     """
     exact = case.exact_scene(Fraction, pi=two_pi_bounds(FIRST_BITS)[0] / 2)
-    other_flow = "auto" if scene.has_motor or scene.method == "taylor" else "taylor"
+    method, order = _other_flow(scene)
     return replace(
         scene,
-        method=other_flow,
-        order=_other_order(scene.order),
+        method=method,
+        order=order,
         tol=TOLERANCE,
         clearances=(),
         **{name: moved(getattr(scene, name), getattr(exact, name)) for name in PARTS},
     )
+
+
+def _other_flow(scene: Scene) -> tuple[str, int]:
+    """Method and order of a companion: the other flow where a run has two, else another order."""
+    if scene.has_motor:
+        return "taylor", _other_order(scene.order)
+    if scene.method == "taylor":
+        return flow_of(replace(scene, method="auto")), _other_order(scene.order)
+    return "taylor", USUAL_ORDER if flow_of(scene) == "closed_form" else _other_order(scene.order)
 
 
 def _other_order(order: int) -> int:

@@ -47,7 +47,7 @@ class TruthRecording:
             "number_type": kit.name,
             "number_library": kit.library,
         }
-        if self.trajectory.order is not None:
+        if "taylor_tolerance" in self.start:
             self.start["taylor_order"] = self.trajectory.order
             del self.start["taylor_tolerance"]  # that of doubles; here the working precision is the tolerance
         self.t_reached, self.complete = 0.0, False
