@@ -56,8 +56,6 @@ def test_cases_prints_the_long_form():
 @pytest.mark.parametrize(
     "command",
     [
-        ("run", "--digits", "30"),
-        ("run", "--lyapunov", "1"),
         ("sweep", "--param", "ram=1:2/3 kg"),
         ("bench",),
         ("plot",),

@@ -25,7 +25,7 @@ def test_info_says_what_run_said_and_more():
     assert text.startswith("II-B  Non-ideal source")
     assert f"{attrs['impacts']} impacts" in text
     assert "1001 x time, x1, v1, x2, v2, phi, phidot, contact, friction" in text
-    assert f"{attrs['events'] + 2} x t, kind, x1" in text
+    assert f"{attrs['events'] + 2} x t, kind, part, x1" in text
     for part in (attrs["case_sha256"], attrs["date_created"], attrs["numpy_version"], attrs["platform"]):
         assert part in text
 

@@ -157,7 +157,7 @@ def test_release_from_stick_follows_the_jerk(engine, method):
     jerk = K1 * 0.3 * math.cos(w * row["t"]) / M2
     late = row["t"] + 1e-6 * np.array([1.0, 2.0, 4.0])
     tau = late - row["t"]
-    v2 = state_at(swinging, row, late, engine)["v2"]
+    v2 = state_at(swinging.as_parts(), row, late, engine)["v2"]
     # next term: S'' t^3 / (6 m2), 1e-5 of the first; the closed form rounds v2 to eps of v1, 3e-17 / 1e-11
     np.testing.assert_allclose(v2, jerk * tau**2 / 2, rtol=1e-4)
     if method == "taylor":
@@ -265,7 +265,7 @@ def test_violation_stops_the_run(engine, method):
     assert result.totals["violations"] == 1
     assert result.totals["first_violation_time"] == result.events["t"][-1]
     assert result.samples["time"][-1] < crossing
-    row = state_at(stopping, result.row(-1), np.array([result.events["t"][-1]]), engine)
+    row = state_at(stopping.as_parts(), result.row(-1), np.array([result.events["t"][-1]]), engine)
     assert row["x1"][0] == pytest.approx(0.001, abs=1e-17)
 
 

@@ -1,10 +1,10 @@
 """Points that fail: kept with their reason, tried again, and no harm to the others."""
 
 import numpy as np
-from vibsim.sweeps.columns import DONE, FAILED
 
 from tests.sweeps.made import OMEGA0, assert_same_points, complete, in_memory, short_case, short_plan
-from vibsim.sweeps.store import Store
+from vibsim.sweeps.statistics.columns import DONE, FAILED
+from vibsim.sweeps.store.point_store import Store
 from vibsim.sweeps.sweeping import run_stored
 
 
@@ -12,7 +12,7 @@ def test_a_failed_point_is_kept_with_its_reason_and_tried_again(tmp_path, monkey
     from vibsim.engine.errors import EngineError
     from vibsim.engine.state import State
     from vibsim.engine.trajectory import open_trajectory
-    from vibsim.sweeps import measured_run
+    from vibsim.sweeps.statistics import measured_run
 
     def failing(scene, *arguments, **options):
         if abs(scene.motor.Omega0 / 2 / np.pi - 4) < 1e-9:
@@ -40,7 +40,7 @@ def test_a_point_whose_case_is_not_allowed_fails_alone():
 
 
 def test_a_bug_at_one_point_does_not_stop_the_others(monkeypatch):
-    from vibsim.sweeps import point
+    from vibsim.sweeps.points import point
 
     class Faulty(point.Statistics):
         def update(self, block):

@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from vibsim.flows.closed_form import ClosedForm
-from vibsim.flows.taylor import Taylor
-from vibsim.kernel.driver import Driver
 
+from vibsim.engine.driver import Driver
+from vibsim.physics.parts import columns_of
 from vibsim.results import simulate
 
 DIGITS = 45  # chaos takes 1e16 from the first error in the longest of these runs
@@ -63,20 +62,20 @@ def horizon(time, error, tolerance):
 
 
 def true_error(case, run):
-    """The larger of the errors of x1 and x2 at every sample, and the larger of |x1| and |x2| [m]."""
+    """The largest error of the displacements at every sample, and the largest of these [m]."""
     from vibsim.physics.multiprecision import Balls
 
     kit = Balls(DIGITS)
-    scene = case.exact_two_blocks(kit.number)
-    driver = Driver(scene, kit, (Taylor if scene.has_motor else ClosedForm)(scene, kit))
+    driver = Driver(case.exact_scene(kit.number), kit)
     rows = []
     while not driver.finished:
         driver.run(2000, 2000, 1000)
-        rows += [(float(state.t), *_split(state.x1), *_split(state.x2)) for state, _ in driver.take()[0]]
+        for state, _ in driver.take()[0]:
+            rows.append((float(state.t), *(part for x in state.x for part in _split(x))))
     time, *true = np.array(rows).T
     np.testing.assert_array_equal(time, run.time)
-    ours = [run["x1"], run["x2"] if "x2" in run else np.zeros(len(run))]
-    errors = [np.abs((ours[i] - true[2 * i]) - true[2 * i + 1]) for i in range(2)]
+    ours = [run[columns_of(body.name)[0]] for body in driver.scene.bodies]
+    errors = [np.abs((x - true[2 * i]) - true[2 * i + 1]) for i, x in enumerate(ours)]
     return np.max(errors, axis=0), np.max(np.abs(ours), axis=0)
 
 

@@ -80,7 +80,7 @@ def test_the_horizon_belongs_to_the_run_whatever_its_samples(every):
 
 @pytest.mark.parametrize("every", ["5 ms", "0.1 s", "1/3 s", "7 s", "1e9 s", "123456789/1000003 s"])
 def test_judged_instants_lie_at_every_sample_and_close_together(every):
-    scene = short_case("I-B", "100 s", run__every=every).two_blocks()
+    scene = short_case("I-B", "100 s", run__every=every).scene()
     count = instants_per_sample(scene)
     finer = sampled_finer(scene, count)
     assert finer.every_num / finer.every_den <= longest_period(scene) / 8 * (1 + 1e-15)

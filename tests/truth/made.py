@@ -18,7 +18,7 @@ def case(name, t_end, method="auto", every=SPARSE, **changes):
 @cache
 def true_end(name, t_end, digits, method="auto"):
     """Totals of a run, and its end state by name, as Decimals of all its digits."""
-    trajectory = open_truth(case(name, t_end, method).exact_two_blocks, digits)
+    trajectory = open_truth(case(name, t_end, method).exact_scene, digits)
     for block in trajectory.blocks():
         last = block.event_digits
     return trajectory.totals, {name: Decimal(texts[-1].decode()) for name, texts in last.items()}

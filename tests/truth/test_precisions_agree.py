@@ -36,7 +36,7 @@ def test_mpmath_agrees_with_flint(name, method, monkeypatch):
     _, balls = true_end(name, t_end, 30, method)
     without = {name: kit for name, kit in number_kits.KITS.items() if name != "flint"}
     monkeypatch.setattr(number_kits, "KITS", without)  # put back, flint would come second
-    trajectory = open_truth(case(name, t_end, method).exact_two_blocks, 30)
+    trajectory = open_truth(case(name, t_end, method).exact_scene, 30)
     assert trajectory.kit.name == "mpf"
     *_, last = trajectory.blocks()
     end = {key: texts[-1].decode() for key, texts in last.event_digits.items()}
@@ -51,7 +51,7 @@ def test_doubles_follow_the_truth(name):
     short = case(name, span)
     *_, last = open_trajectory(short.scene()).blocks()
     _, end = true_end(name, span, 30)
-    bound = 100 * 2.0**-53 * 10 ** error_growth(short.two_blocks())
+    bound = 100 * 2.0**-53 * 10 ** error_growth(short.scene())
     for column in ("x1", "x2"):
         apart = abs(float(end[column]) - last.events[column][-1])
         assert apart < bound

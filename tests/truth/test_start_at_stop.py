@@ -47,7 +47,7 @@ def test_the_places_lie_on_both_sides():
 def test_doubles_and_digits_start_in_one_mode(place, v1, acts, tmp_path):
     case = case_at(place, v1, acts, tmp_path)
     touches = (v1 > 0) == (acts == "compression")
-    *_, block = open_truth(case.exact_two_blocks, 40).blocks()
+    *_, block = open_truth(case.exact_scene, 40).blocks()
     truth = [EVENT_NAMES[kind] for kind in block.events["kind"]]
     assert truth == ["start", "end"]
     assert block.events["contact"].tolist() == [touches] * 2

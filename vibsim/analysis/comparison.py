@@ -175,7 +175,7 @@ def _distances(a: Result, b: Result) -> Iterator[Distances]:
     names = [name for name in ("x1", "x2") if name in a or name in b]
     coarse, fine = (a, b) if len(a) <= len(b) else (b, a)
     times = coarse.time[coarse.time <= fine.t_reached]
-    count = instants_per_sample(coarse.case.two_blocks()) if len(times) else 1
+    count = instants_per_sample(coarse.case.scene()) if len(times) else 1
     if count > 1:
         yield from _between_samples(coarse, fine, names, count)
         return
@@ -189,7 +189,7 @@ def _distances(a: Result, b: Result) -> Iterator[Distances]:
 
 def _between_samples(a: Result, b: Result, names: list[str], count: int) -> Iterator[Distances]:
     """The same at `count` instants to each sample of `a`, both runs restarted from their events."""
-    scene = replace(sampled_finer(a.case.two_blocks(), count), t_end=min(a.t_reached, b.t_reached))
+    scene = replace(sampled_finer(a.case.scene(), count), t_end=min(a.t_reached, b.t_reached))
     total = scene.sample_count
     for first in range(0, total, RESTARTED):
         times = np.array([scene.sample_time(i) for i in range(first, min(first + RESTARTED, total))])

@@ -1,12 +1,20 @@
 """Names of what a run of a scene made of parts gives: states of bodies and rotor, states of parts."""
 
-from vibsim.physics.parts import columns_of
+from vibsim.physics.parts import AT_FORCE, columns_of
 
 FLAGS = {
-    "stops": {"open": 0, "contact": 1, "lifted": 2},
+    "stops": {"free": 0, "contact": 1, "lifted": 2},
     "frictions": {"slip_minus": -1, "stick": 0, "slip_plus": 1},
     "clearances": {"kept": 0, "violated": 1},
 }
+
+
+def part_flags(kind, part):
+    """States of a part by name; only a stop that lets go at zero force can be lifted."""
+    flags = dict(FLAGS[kind])
+    if kind == "stops" and not (part.release == AT_FORCE and part.c != 0):
+        del flags["lifted"]
+    return flags
 
 
 def state_columns(scene):

@@ -140,8 +140,7 @@ void run_start(Run *r, int mode, Buffers *b)
     if (violated(r))
         note_violation(r, b);
     tangent_open(r);
-    if (!r->finished)
-        enter(r, &r->state);
+    enter(r, &r->state); /* though it may be finished: a state is read there */
 }
 
 /* As before the start, with another end; modes and what follows their events are kept. */

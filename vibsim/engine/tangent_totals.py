@@ -25,7 +25,7 @@ def tangent_totals(scene, entries, margin, margin_time):
     """
     columns, lost = entries["columns"], np.array(entries["lost"])
     table = np.array(entries["rows"], dtype="f8").reshape(-1, 1 + len(columns))
-    growth = table[:, [0, *(1 + column for column in columns)]]
+    growth = np.ascontiguousarray(table[:, [0, *(1 + column for column in columns)]])
     growth[1:, 1:][:, lost] = -inf
     known = len(growth) > 1
     exponents = growth[-1, 1:] / (growth[-1, 0] - growth[0, 0]) if known else np.full(len(columns), nan)

@@ -10,7 +10,7 @@ from math import nan
 
 import numpy as np
 
-from vibsim.engine.choice import engine_name
+from vibsim.engine.choice import engine_name, flow_of
 from vibsim.engine.columns import (
     event_columns,
     part_columns,
@@ -80,9 +80,10 @@ def open_trajectory(
     tangent_from : time [s] from which their growth counts
 
     Returns an object with `engine`, `blocks()` (an iterator of `Block`s; raises EngineError when the run
-    fails) and `totals`. Raises ValueError for another engine, a row that no run has or more disturbances than
-    the scene has directions, RuntimeError for "c" where it was not built.
+    fails) and `totals`. Raises ValueError for another engine or method, a row that no run has or more
+    disturbances than the scene has directions, RuntimeError for "c" where it was not built.
     """
+    flow_of(scene)
     check_tangent(scene, tangent)
     trajectory = PythonTrajectory if engine_name(engine) == "python" else CTrajectory
     return trajectory(scene, resume, section, ledger, momentum, (tangent, tangent_from))

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from vibsim.engine.columns import FLAGS, part_columns
+from vibsim.engine.columns import part_columns, part_flags
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene, columns_of
 
@@ -97,7 +97,7 @@ def _part_states(scene: Scene) -> Iterable[Column]:
         for part in parts:
             called = word if part.name == word else f"{word} {part.name}"
             ends = f"{_called(scene.end_name(part.P))} and {_called(scene.end_name(part.Q))}"
-            yield Column("i1", None, f"state of the {called} between {ends}", FLAGS[kind])
+            yield Column("i1", None, f"state of the {called} between {ends}", part_flags(kind, part))
 
 
 def part_names(scene: Scene) -> tuple[str, ...]:

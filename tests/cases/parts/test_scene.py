@@ -203,10 +203,10 @@ def test_sources_and_frequencies():
     )
 
 
-def test_the_engine_of_two_blocks_refuses_a_scene_of_parts():
-    for make in ("scene", "exact_scene"):
+def test_a_scene_of_parts_has_no_symbols_of_the_paper():
+    for make in ("two_blocks", "exact_two_blocks"):
         with pytest.raises(CaseError, match="bodies: a scene of named parts cannot do this yet"):
-            getattr(load_case(HAMMER), make)(*([Fraction] if make == "exact_scene" else []))
+            getattr(load_case(HAMMER), make)(*([Fraction] if make == "exact_two_blocks" else []))
 
 
 @pytest.mark.parametrize(

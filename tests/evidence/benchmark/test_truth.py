@@ -9,7 +9,7 @@ from vibsim.evidence.benchmark.truth import RIGHT, compute_truth
 @pytest.mark.parametrize("name", ["I-A", "II-B"])
 def test_every_double_is_the_nearest_to_a_run_of_many_more_digits(name):
     found = truth(name, "3 s")
-    blocks = list(open_truth(plan(name, "3 s").case.exact_two_blocks, 60).blocks())
+    blocks = list(open_truth(plan(name, "3 s").case.exact_scene, 60).blocks())
     for column, values in found.samples.items():
         np.testing.assert_array_equal(values, np.concatenate([block.samples[column] for block in blocks]))
     for column, values in found.events.items():

@@ -32,7 +32,7 @@ class Known:
 def known(name, t_end):
     """A shipped case over its first `t_end`, by the engine of any precision."""
     case = load_case(name, {"run.t_end": t_end, "run.every": "50 ms"})
-    blocks = list(open_truth(case.exact_two_blocks, DIGITS).blocks())
+    blocks = list(open_truth(case.exact_scene, DIGITS).blocks())
     columns = {key: np.concatenate([block.samples[key] for block in blocks]) for key in ("time", "x1", "x2")}
     events = np.column_stack(
         [np.concatenate([block.events[key] for block in blocks]) for key in ("t", "kind")]
@@ -40,7 +40,7 @@ def known(name, t_end):
     events = events[np.isin(events[:, 1], CODES)]
     displacements = np.column_stack([columns["x1"], columns["x2"]])
     scene = case.two_blocks()
-    return Known(scene, columns["time"], displacements, events, 10 ** error_growth(scene))
+    return Known(scene, columns["time"], displacements, events, 10 ** error_growth(case.scene()))
 
 
 def error(attempt, truth):
