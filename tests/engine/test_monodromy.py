@@ -13,14 +13,12 @@ from tests.engine.random_parts import part_scenes
 from tests.engine.runs import same_bits
 from tests.engine.test_closed_cases import harmonic, scene
 from tests.engine.test_tangent_jacobian import DIGITS, SCENES, SHIFT, numbers
-from tests.engine.two_blocks import parts_of
 from tests.scenes import paper
 from vibsim.engine.errors import EngineError
 from vibsim.engine.monodromy import Carrier
 from vibsim.engine.rows import RowMaker
 from vibsim.engine.tangent_space import TangentSpace, length
 from vibsim.physics.multiprecision import Balls
-from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import COMPRESSION, GROUND, Body, Force, Friction, Link, Stop
 
 ENGINES, METHODS = ("c", "python"), ("auto", "taylor")
@@ -101,7 +99,7 @@ def test_engines_agree(of, method, data):
 
 @pytest.mark.parametrize("name", ["I-A", "I-B-eq211", "II-B", "II-C"])
 def test_engines_agree_on_the_papers_cases(name):
-    of = parts_of(paper(name), Doubles)
+    of = paper(name).as_parts()
     one, other = (Carrier(of, engine).carry(start_of(of), 3.0) for engine in ENGINES)
     assert_same(one, other)
     assert len(one.events) > 3
@@ -133,7 +131,7 @@ def test_difference_quotients(label):
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_state_alone(engine):
-    of = parts_of(paper("II-B"), Doubles)
+    of = paper("II-B").as_parts()
     plain, full = (Carrier(of, engine).carry(start_of(of), 2.0, vectors) for vectors in ([], None))
     assert plain.vectors.shape == (0, 6) and same_bits(plain.state, full.state)
 

@@ -19,12 +19,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from vibsim.engine.accelerations import accelerations, joined, response
+from vibsim.engine.certificate import Certificate
 from vibsim.engine.harmonics import value_and_rate
 from vibsim.engine.rows import DIFFERENCE, GAP, HOLD, SLIDE
 from vibsim.engine.status import CONTACT, FORWARD, STICK
 from vibsim.engine.tangent_taylor import TaylorTangent
 from vibsim.engine.taylor import Taylor
-from vibsim.events.certificate import Certificate
 
 
 @dataclass
