@@ -103,7 +103,7 @@ def test_every_room_has_its_floor():
     ("room", "line"),
     [
         ("physics", "import scipy"),
-        ("kernel", "def f():\n    from vibsim.cases import Case"),
+        ("engine", "def f():\n    from vibsim.cases import Case"),
         ("cases", "from vibsim.results import Result"),
         ("results", "from vibsim import sweeps"),
         ("results", "import vibsim.plots.style"),
