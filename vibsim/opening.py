@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import Any
 
-from vibsim.results.errors import ResultFileError
+from vibsim.files.errors import ResultFileError
+from vibsim.files.signals import ended_at_once
 from vibsim.results.opening import kind_of
-from vibsim.results.signals import ended_at_once
 
 
 @ended_at_once()

@@ -45,10 +45,12 @@ def path(tmp_path_factory):
     """A bench file with rows made up."""
     file = tmp_path_factory.mktemp("bench") / "II-B-bench.h5"
     truth = {"truth_sha256": "0" * 64, "truth_library": "none", "truth_digits": 40, "truth_digits_right": 30}
-    attrs = {**origin(make_plan("II-B", "10 s")), **truth, "truth_wall_time_s": 1.0, "complete": 1}
+    plan = make_plan("II-B", "10 s")
+    attrs = {**origin(plan), **truth, "truth_wall_time_s": 1.0, "complete": 1}
     rest = dict.fromkeys(("v1", "v2", "phi", "phidot"), 0 * TIMES)
     planned = planted(TIMES, 0 * TIMES)
-    write_bench(file, attrs, replace(planned, samples={**planned.samples, **rest}), list(rows()))
+    made = replace(planned, samples={**planned.samples, **rest})
+    write_bench(file, attrs, plan.case.scene(), made, list(rows()))
     return str(file)
 
 

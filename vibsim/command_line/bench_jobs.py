@@ -19,7 +19,7 @@ from vibsim.evidence.benchmark.known_truth import truth_at_hand, truth_from
 from vibsim.evidence.benchmark.plan import Plan, make_plan
 from vibsim.evidence.benchmark.running import run_bench
 from vibsim.evidence.benchmark.truth import Truth
-from vibsim.results.output_file import check_output
+from vibsim.files.output_file import check_output
 
 SHARES = 1000  # of a bar
 

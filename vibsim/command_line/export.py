@@ -30,8 +30,8 @@ def command(ctx, file, output, events, window, force):
     All values are in SI units, to the last digit. A CSV file has one line of column names; the kinds of
     events are written as words. A MAT file holds the columns by name and a struct `events`.
     """
+    from vibsim.files.errors import ResultFileError
     from vibsim.opening import open_result
-    from vibsim.results.errors import ResultFileError
     from vibsim.results.export_csv import write_csv
     from vibsim.results.export_mat import write_mat
 

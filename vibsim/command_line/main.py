@@ -56,7 +56,7 @@ class LazyGroup(click.Group):
         if cmd_name not in COMMANDS:
             return None
         if self.owns_the_process:
-            import_module("vibsim.results.signals").of_the_command = True  # type: ignore[attr-defined]
+            import_module("vibsim.files.signals").of_the_command = True  # type: ignore[attr-defined]
         command = import_module(COMMANDS[cmd_name][0]).command
         add_global_options(command)
         refuse_repeated(command)

@@ -12,8 +12,8 @@ from vibsim.command_line.slow_run import SlowRun
 from vibsim.command_line.summary import heading, print_lines, result_lines, summary_object
 from vibsim.command_line.terminal import print_json, say
 from vibsim.engine.errors import EngineError
+from vibsim.files.output_file import partial_path
 from vibsim.results import Result, simulate_to_file
-from vibsim.results.output_file import partial_path
 
 
 def run_all(

@@ -11,10 +11,10 @@ import click
 from vibsim.command_line.settings import Settings
 from vibsim.command_line.summary import case_lines, heading, print_lines
 from vibsim.command_line.terminal import print_json, say
+from vibsim.files.errors import ResultFileError
+from vibsim.files.output_file import check_output
 from vibsim.opening import open_result
 from vibsim.results import is_result_file, kind_of
-from vibsim.results.errors import ResultFileError
-from vibsim.results.output_file import check_output
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

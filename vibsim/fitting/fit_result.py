@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.cases import Case
+from vibsim.files.output_file import check_output
 from vibsim.fitting.fit_file import write_fit
 from vibsim.fitting.judgement import Judgement, judge, values_of
 from vibsim.fitting.measuring import HORIZON, TRUST, Index
@@ -17,7 +18,6 @@ from vibsim.fitting.plan import FitPlan
 from vibsim.fitting.reading import Candidate
 from vibsim.fitting.statement import Statement
 from vibsim.fitting.stored_fit import read_fit
-from vibsim.results.output_file import check_output
 from vibsim.sweeps.points.point import Point
 
 

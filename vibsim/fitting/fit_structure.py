@@ -1,8 +1,9 @@
-"""What a fit file must hold."""
+"""What a fit file holds."""
 
+from vibsim.files.declarations import TEXT, WHOLE, Attribute, Column, Dataset
+from vibsim.files.provenance import PROVENANCE
+from vibsim.fitting.free_parameter import FreeParameter
 from vibsim.fitting.plan import FitPlan
-from vibsim.results.structure import TEXT, WHOLE, Attribute, Dataset
-from vibsim.results.trajectory_structure import PROVENANCE
 from vibsim.sweeps.statistics.columns import STATUS_FLAGS
 
 ATTRIBUTES = [
@@ -23,29 +24,47 @@ def lengths_of(plan: FitPlan) -> dict[str, int]:
 
 def datasets_of(plan: FitPlan) -> list[Dataset]:
     """The datasets of a fit: what it is read back from, and what was made of it for other readers."""
-    return [*_measured(), *_judged(plan), *(Dataset(name, "i4", (name,)) for name in DIMENSIONS)]
+    scales = [
+        Dataset(name, Column("1", f"number of the {name}", dtype="i4"), (name,)) for name in DIMENSIONS
+    ]
+    return [*scales, *_measured(), *_judged(plan), *map(_value_of, plan.free)]
 
 
 def _measured() -> list[Dataset]:
     return [
-        Dataset("origin", "text", (CANDIDATE,)),
-        Dataset("changes", "text", (CANDIDATE,)),
-        Dataset("leaving", "f8", (CANDIDATE,)),
-        Dataset("status", "i1", RUN, frozenset(STATUS_FLAGS.values())),
-        Dataset("sha256", "text", RUN),
-        Dataset("error", "text", RUN),
-        Dataset("value", "f8", (CANDIDATE, STATEMENT, START), missing=True),
-        Dataset("trust_horizon", "f8", (CANDIDATE, CASE), missing=True),
+        _text("origin", "where the candidate comes from", CANDIDATE),
+        _text("changes", "values changed, as JSON", CANDIDATE),
+        Dataset("leaving", Column("1", "price of leaving the printed values"), (CANDIDATE,)),
+        Dataset("status", Column("1", "whether it was run", dtype="i1", flags=STATUS_FLAGS), RUN),
+        _text("sha256", "SHA-256 of the case of a run", *RUN),
+        _text("error", "why a run failed", *RUN),
+        _number("value", Column("1", "what was measured, in SI units and Hz"), CANDIDATE, STATEMENT, START),
+        _number("trust_horizon", Column("s", "of the run from the case's own start"), CANDIDATE, CASE),
     ]
 
 
 def _judged(plan: FitPlan) -> list[Dataset]:
-    per_candidate = ("price", *(f"value_{free.name}" for free in plan.free))
+    of_case = frozenset(range(len(plan.cases)))
+    rank = Column("1", "place in the ranking, from 1; 0: not judged from all starts", dtype="i8")
     return [
-        Dataset("case_name", "text", (CASE,)),
-        Dataset("statement_text", "text", (STATEMENT,)),
-        Dataset("statement_case", "i8", (STATEMENT,), frozenset(range(len(plan.cases)))),
-        *(Dataset(name, "f8", (CANDIDATE,), missing=True) for name in per_candidate),
-        Dataset("rank", "i8", (CANDIDATE,)),
-        *(Dataset(name, "f8", (CANDIDATE, STATEMENT), missing=True) for name in ("share", "shortfall")),
+        _text("case_name", "name of the case", CASE),
+        _text("statement_text", "as given", STATEMENT),
+        Dataset("statement_case", Column("1", "position of its case", dtype="i8"), (STATEMENT,), of_case),
+        _number("price", Column("1", "see the attribute `definitions`"), CANDIDATE),
+        Dataset("rank", rank, (CANDIDATE,)),
+        _number("share", Column("1", "share of the starts from which it holds"), CANDIDATE, STATEMENT),
+        _number("shortfall", Column("1", "mean"), CANDIDATE, STATEMENT),
     ]
+
+
+def _value_of(free: FreeParameter) -> Dataset:
+    column = Column(free.unit or "1", f"{free.key}, as printed where NaN")
+    return _number(f"value_{free.name}", column, CANDIDATE)
+
+
+def _number(name: str, column: Column, *dims: str) -> Dataset:
+    return Dataset(name, column, dims, gaps=True)
+
+
+def _text(name: str, long_name: str, *dims: str) -> Dataset:
+    return Dataset(name, Column(None, long_name, dtype="text"), dims)

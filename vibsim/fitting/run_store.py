@@ -7,11 +7,11 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from vibsim.files.errors import ResultFileError
+from vibsim.files.output_file import check_output
 from vibsim.fitting.measuring import Index
 from vibsim.fitting.plan import FitPlan
 from vibsim.fitting.stored_fit import read_fit
-from vibsim.results.errors import ResultFileError
-from vibsim.results.output_file import check_output
 from vibsim.sweeps.points.point import Point
 from vibsim.sweeps.store.journal import Journal
 

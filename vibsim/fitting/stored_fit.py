@@ -7,54 +7,38 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
-from vibsim.cases import Case, CaseError
+from vibsim.cases import Case
+from vibsim.files.reading import opened, read_attributes, read_datasets
+from vibsim.files.stored_case import stored_case, understood
 from vibsim.fitting.fit_structure import ATTRIBUTES, datasets_of, lengths_of
 from vibsim.fitting.free_parameter import FreeParameter
 from vibsim.fitting.grammar import parse_statement
 from vibsim.fitting.measuring import HORIZON, TRUST
 from vibsim.fitting.plan import FitPlan, Search, fingerprint_of
 from vibsim.fitting.reading import Candidate
-from vibsim.results.attributes import read_attrs
-from vibsim.results.errors import ResultFileError
-from vibsim.results.hdf5_file import damage_named, open_hdf5
-from vibsim.results.stored_case import stored_case
-from vibsim.results.structure import check_datasets, check_values, checked_attributes, damaged
 from vibsim.sweeps.plan.members import Members, axis_from_plain
 from vibsim.sweeps.points.point import Point
 from vibsim.sweeps.statistics.columns import DONE, MISSING
 
 SETTINGS = "the attribute fit_settings_json"
-WRONG = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError, CaseError)
 
 Stored = tuple[dict[str, Any], FitPlan, list[Candidate], list[Point]]
 
 
 def read_fit(path: Path) -> Stored:
     """Attributes, plan, candidates and runs of a fit file, the file checked. Raises ResultFileError."""
-    with damage_named(path), open_hdf5(path) as file:
-        kind = file.attrs.get("vibsim_kind")
-        if kind != "fit":
-            raise ResultFileError(f"{path}: holds a {kind or 'trajectory'}, not a fit")
-        attrs = checked_attributes(path, read_attrs(file), ATTRIBUTES)
+    with opened(path, "fit") as file:
+        attrs = read_attributes(path, file, ATTRIBUTES)
         case = stored_case(path, attrs)
-        try:
+        with understood(path, f"{SETTINGS} and fit_sha256 describe no fit of its cases"):
             plan = _plan(case, attrs)
             plan.check()
-        except WRONG as error:
-            raise damaged(path, f"{SETTINGS} and fit_sha256 describe no fit of its cases") from error
-        declared = datasets_of(plan)
-        check_datasets(path, file, declared, lengths_of(plan))
-        for dataset in declared:
-            if dataset.dtype != "text":
-                check_values(path, dataset, file[dataset.name][...])
-        try:
-            candidates = _candidates(file, plan)
-        except WRONG as error:
-            raise damaged(path, "changes has values that its cases do not take") from error
-        return attrs, plan, candidates, _runs(file, plan)
+        values = read_datasets(path, file, datasets_of(plan), lengths_of(plan))
+    with understood(path, "changes has values that its cases do not take"):
+        candidates = _candidates(values, plan)
+    return attrs, plan, candidates, _runs(values, plan)
 
 
 def _plan(first: Case, attrs: Mapping[str, Any]) -> FitPlan:
@@ -77,21 +61,20 @@ def _plan(first: Case, attrs: Mapping[str, Any]) -> FitPlan:
     )
 
 
-def _candidates(file: h5py.File, plan: FitPlan) -> list[Candidate]:
-    origins, changes = file["origin"].asstr()[...], file["changes"].asstr()[...]
-    leaving = file["leaving"][...]
+def _candidates(stored: Mapping[str, Any], plan: FitPlan) -> list[Candidate]:
     found = []
-    for number in range(len(origins)):
-        values = dict(json.loads(changes[number]))
+    rows = zip(stored["origin"], stored["changes"], stored["leaving"], strict=True)
+    for number, (origin, changes, leaving) in enumerate(rows):
+        values = dict(json.loads(changes))
         plan.cases[0].with_values(values)
-        found.append(Candidate(number, str(origins[number]), values, float(leaving[number])))
+        found.append(Candidate(number, str(origin), values, float(leaving)))
     return found
 
 
-def _runs(file: h5py.File, plan: FitPlan) -> list[Point]:
+def _runs(stored: Mapping[str, Any], plan: FitPlan) -> list[Point]:
     """The runs, trust horizons included."""
-    status, values, horizons = file["status"][...], file["value"][...], file["trust_horizon"][...]
-    sha256, error = file["sha256"].asstr()[...], file["error"].asstr()[...]
+    names = ("status", "value", "trust_horizon", "sha256", "error")
+    status, values, horizons, sha256, error = (stored[name] for name in names)
     found = []
     for number, case, start in np.argwhere(status != MISSING).tolist():
         measured = {

@@ -66,7 +66,7 @@ def picture_suffix(out: str) -> str:
 
 def check_targets(targets: Sequence[str], force: bool) -> None:
     """Raise ResultFileError for a target that exists (unless `force`) or cannot be written."""
-    from vibsim.results.output_file import check_output
+    from vibsim.files.output_file import check_output
 
     for target in targets:
         check_output(target, force)
@@ -95,7 +95,7 @@ def _draw(
 
 def write_figure(figure: Figure, target: str, force: bool) -> None:
     """Write one figure as PNG, PDF or SVG. Raises PlotError and ResultFileError."""
-    from vibsim.results.output_file import output_file
+    from vibsim.files.output_file import output_file
 
     suffix = picture_suffix(target)
     with output_file(target, force) as partial:
@@ -128,7 +128,7 @@ def _write_opaque(figure: Figure, target: Any) -> None:
 def _write_pages(figures: Sequence[Figure], target: str, force: bool) -> None:
     from matplotlib.backends.backend_pdf import PdfPages
 
-    from vibsim.results.output_file import output_file
+    from vibsim.files.output_file import output_file
 
     with output_file(target, force) as partial:
         sheets = BytesIO()

@@ -11,14 +11,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from vibsim.results.errors import ResultFileError
+    from vibsim.files.errors import ResultFileError
     from vibsim.results.opening import is_result_file, kind_of, open_trajectory_file
     from vibsim.results.result import Result
     from vibsim.results.simulation import simulate, simulate_to_file
 
 _HOMES = {
     "Result": "vibsim.results.result",
-    "ResultFileError": "vibsim.results.errors",
+    "ResultFileError": "vibsim.files.errors",
     "is_result_file": "vibsim.results.opening",
     "kind_of": "vibsim.results.opening",
     "open_trajectory_file": "vibsim.results.opening",

@@ -1,40 +1,30 @@
 """The columns of a trajectory: what each is called, its unit and its meaning, the same in every file."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from vibsim.engine.columns import part_columns, part_flags
+from vibsim.files.declarations import Column
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene, columns_of
 
-
-@dataclass(frozen=True)
-class Column:
-    """One column: HDF5 type ("f8", "i1", "i2"), UDUNITS unit (None: a flag), meaning, names of its flags."""
-
-    dtype: str
-    units: str | None
-    long_name: str
-    flags: dict[str, int] = field(default_factory=dict)
-
-
 TIMES = {
-    "time": Column("f8", "s", "time"),
-    "t": Column("f8", "s", "time of the event"),
+    "time": Column("s", "time"),
+    "t": Column("s", "time of the event"),
 }
 KINDS = {
-    "kind": Column("i1", None, "kind of the event", EVENT_KINDS),
+    "kind": Column(None, "kind of the event", dtype="i1", flags=EVENT_KINDS),
 }
 ROTOR = {
-    "phi": Column("f8", "rad", "rotor angle"),
-    "phidot": Column("f8", "rad s-1", "rotor speed"),
+    "phi": Column("rad", "rotor angle"),
+    "phidot": Column("rad s-1", "rotor speed"),
 }
 PHASE = {
-    "phase": Column("f8", "rad", "rotor angle reduced to one turn"),
+    "phase": Column("rad", "rotor angle reduced to one turn"),
 }
 JUDGEMENTS = {
-    "error_estimate": Column("f8", "m", "estimated error of the displacements"),
+    "error_estimate": Column("m", "estimated error of the displacements"),
 }
 NO_PART = "none"  # to which an event belongs: start, end
 
@@ -69,8 +59,8 @@ def tables_of(scene: Scene) -> Tables:
     states: dict[str, Column] = {}
     for body in scene.bodies:
         x, v = columns_of(body.name)
-        states[x] = Column("f8", "m", f"displacement of {_called(body.name)}")
-        states[v] = Column("f8", "m s-1", f"velocity of {_called(body.name)}")
+        states[x] = Column("m", f"displacement of {_called(body.name)}")
+        states[v] = Column("m s-1", f"velocity of {_called(body.name)}")
     if scene.has_motor:
         states |= ROTOR
     parts = dict(zip(part_columns(scene), _part_states(scene), strict=True))
@@ -97,7 +87,8 @@ def _part_states(scene: Scene) -> Iterable[Column]:
         for part in parts:
             called = word if part.name == word else f"{word} {part.name}"
             ends = f"{_called(scene.end_name(part.P))} and {_called(scene.end_name(part.Q))}"
-            yield Column("i1", None, f"state of the {called} between {ends}", part_flags(kind, part))
+            flags = part_flags(kind, part)
+            yield Column(None, f"state of the {called} between {ends}", dtype="i1", flags=flags)
 
 
 def part_names(scene: Scene) -> tuple[str, ...]:
@@ -109,4 +100,5 @@ def part_names(scene: Scene) -> tuple[str, ...]:
 def _part_of_event(scene: Scene) -> Column:
     """The part that an event is of, by its number among those that have states."""
     flags = {NO_PART: -1} | {name: i for i, name in enumerate(part_names(scene))}
-    return Column("i1" if len(flags) < 128 else "i2", None, "part that the event is of", flags)
+    dtype = "i1" if len(flags) < 128 else "i2"
+    return Column(None, "part that the event is of", dtype=dtype, flags=flags)

@@ -6,8 +6,8 @@ does not grow with the file.
 
 from pathlib import Path
 
+from vibsim.files.output_file import output_file
 from vibsim.results.columns import tables_of
-from vibsim.results.output_file import output_file
 from vibsim.results.result import Result
 from vibsim.results.windows import Window, pieces, rows_within
 

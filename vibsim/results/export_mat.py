@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from vibsim.results.errors import ResultFileError
-from vibsim.results.output_file import output_file
+from vibsim.files.errors import ResultFileError
+from vibsim.files.output_file import output_file
 from vibsim.results.result import Result
 from vibsim.results.windows import Window, rows_within
 

@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
-from vibsim.results.errors import ResultFileError
-from vibsim.results.signals import ended_at_once
+from vibsim.files.errors import ResultFileError
+from vibsim.files.signals import ended_at_once
 
 
 @ended_at_once()
 def kind_of(path: str | Path) -> str:
     """What a result file holds: "trajectory", "sweep", "fit" or "bench"; raises as `vibsim.open_result`."""
-    from vibsim.results.hdf5_file import damage_named, open_hdf5
+    from vibsim.files.reading import damage_named, open_hdf5
 
     with damage_named(Path(path)), open_hdf5(Path(path)) as file:
         return str(file.attrs.get("vibsim_kind", "trajectory"))
@@ -17,7 +17,7 @@ def kind_of(path: str | Path) -> str:
 
 def is_result_file(path: str | Path) -> bool:
     """Whether `path` is a regular file that begins as an HDF5 file does; of a pipe nothing is read."""
-    from vibsim.results.hdf5_file import check_signature
+    from vibsim.files.reading import check_signature
 
     try:
         check_signature(Path(path))

@@ -4,18 +4,13 @@ What is not known is left out; an attribute is never a made-up number.
 """
 
 import math
-import platform
-from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from vibsim import __version__
+from vibsim.files.provenance import provenance
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
 
-FORMAT = 1  # raised when an older reader would misread a newer file
 LEDGER = (
     "energy_start",
     "energy_end",
@@ -49,22 +44,10 @@ OF_A_PART = "."  # in the name of a total: loss.stops.anvil
 def origin(case: "Case", scene: Any, engine: str, method: str) -> dict[str, Any]:
     """Attributes known before the first step: format, case, method, versions, platform."""
     attrs: dict[str, Any] = {
-        "Conventions": "CF-1.8",
-        "title": case.title or case.name,
-        "vibsim_format": FORMAT,
-        "vibsim_kind": "trajectory",
-        "vibsim_version": __version__,
-        "case_name": case.name,
-        "case_yaml": case.text,
-        "case_resolved_json": case.resolved_json(),
-        "case_sha256": case.sha256,
+        **provenance("trajectory", case),
         "method": method,
         "engine": engine,
         "t_end_s": float(scene.t_end),
-        "date_created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
-        "platform": f"{platform.system()} {platform.release()} {platform.machine()}",
-        "python_version": platform.python_version(),
-        "numpy_version": np.__version__,
         "complete": 0,
     }
     if method != "closed_form":

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
+from vibsim.files.attributes import read_attrs
+from vibsim.files.checking import Dataset, check_datasets, check_values, checked_attributes
+from vibsim.files.reading import damage_named, open_hdf5
 from vibsim.physics.parts import Scene
-from vibsim.results.attributes import read_attrs
 from vibsim.results.columns import Tables, tables_of
 from vibsim.results.digits import Digits
-from vibsim.results.hdf5_file import damage_named, open_hdf5
 from vibsim.results.older_files import CompletedEvents, older_tables
-from vibsim.results.structure import Dataset, check_datasets, check_values, checked_attributes
 from vibsim.results.trajectory_structure import (
     ATTRIBUTES,
     digit_datasets,
@@ -66,7 +66,7 @@ class TrajectoryFile:
 
     def _promised(self) -> tuple[Tables, float]:
         """Columns and end [s] that the case and the attributes promise, both checked."""
-        from vibsim.results.stored_case import stored_case
+        from vibsim.files.stored_case import stored_case
 
         self.attrs = checked_attributes(self.path, read_attrs(self._file), ATTRIBUTES)
         self.case = stored_case(self.path, self.attrs)

@@ -2,15 +2,23 @@
 
 from math import inf
 
-from vibsim.results.columns import TIMES, Column, Tables
-from vibsim.results.structure import EXTENDED, LIST, NUMBER, ROWS, TEXT, WHOLE, Attribute, Dataset
+from vibsim.files.declarations import (
+    EXTENDED,
+    LIST,
+    NUMBER,
+    ROWS,
+    TEXT,
+    WHOLE,
+    Attribute,
+    Column,
+    Dataset,
+)
+from vibsim.files.provenance import PROVENANCE
+from vibsim.results.columns import TIMES, Tables
 
-ORIGIN = ("title", "vibsim_version", "case_name", "case_yaml", "case_resolved_json", "case_sha256")
-MACHINE = ("date_created", "platform", "python_version", "numpy_version")
 COUNTS = ("impacts", "sticks", "reversals", "steps", "evaluations")
 NUMBERS = ("rest_distance_needed", "wall_time_s", "taylor_tolerance", "lyapunov_volume_residual")
 
-PROVENANCE = [Attribute(name, TEXT) for name in (*ORIGIN, *MACHINE)]
 ATTRIBUTES = [
     *PROVENANCE,
     Attribute("method", TEXT),
@@ -63,14 +71,26 @@ def event_datasets(tables: Tables, t_end: float = inf) -> list[Dataset]:
 
 def digit_datasets(tables: Tables) -> list[Dataset]:
     """The texts of sampled states, and those of the table of events."""
-    samples = [Dataset(f"digits/{name}", "S", (SAMPLE,)) for name in tables.states]
+    samples, events = digit_columns(tables)
     return [
-        *samples,
-        *(Dataset(f"digits/events/{name}", "S", (EVENT,)) for name in ("t", *tables.states)),
+        *(Dataset(f"digits/{name}", column, (SAMPLE,)) for name, column in samples.items()),
+        *(Dataset(f"digits/events/{name}", column, (EVENT,)) for name, column in events.items()),
     ]
+
+
+def digit_columns(tables: Tables) -> tuple[dict[str, Column], dict[str, Column]]:
+    """What the texts of sampled states, and those of the table of events, are, by name."""
+    return (
+        {name: _written_out(tables.samples[name]) for name in tables.states},
+        {name: _written_out(tables.events[name]) for name in ("t", *tables.states)},
+    )
+
+
+def _written_out(column: Column) -> Column:
+    return Column(column.units, f"{column.long_name}, decimal digits", dtype="S")
 
 
 def _dataset(path: str, name: str, column: Column, dimension: str, t_end: float) -> Dataset:
     if name in TIMES:
-        return Dataset(path, column.dtype, (dimension,), ascending=True, span=(0.0, t_end * ROUNDED))
-    return Dataset(path, column.dtype, (dimension,), frozenset(column.flags.values()))
+        return Dataset(path, column, (dimension,), ascending=True, span=(0.0, t_end * ROUNDED))
+    return Dataset(path, column, (dimension,))

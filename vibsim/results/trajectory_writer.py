@@ -14,12 +14,12 @@ from typing import Any, NoReturn
 import h5py
 import numpy as np
 
-from vibsim.results.attributes import write_attrs
+from vibsim.files.attributes import write_attrs
+from vibsim.files.dataset_stream import DatasetStream
+from vibsim.files.disk_space import detach, release, reserve
+from vibsim.files.errors import ResultFileError
+from vibsim.files.output_file import check_output, is_locked, partial_path, publish, reason
 from vibsim.results.columns import Tables
-from vibsim.results.dataset_stream import DatasetStream
-from vibsim.results.disk_space import detach, release, reserve
-from vibsim.results.errors import ResultFileError
-from vibsim.results.output_file import check_output, is_locked, partial_path, publish, reason
 
 SAMPLE_CHUNK = 16384  # rows: 128 kB per column, 82 s at 5 ms; a window reads few chunks, a run writes few
 EVENT_CHUNK = 2048

@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.files.digits_stream import DigitsStream
 from vibsim.physics.exact_decimals import text_width
 from vibsim.results.columns import Tables
-from vibsim.results.digits_stream import DigitsStream
+from vibsim.results.trajectory_structure import digit_columns
 from vibsim.results.trajectory_writer import EVENT_CHUNK, FOR_COLUMN, SAMPLE_CHUNK, TrajectoryWriter
 
 
@@ -24,8 +25,7 @@ class TruthWriter(TrajectoryWriter):
         force: bool = False,
     ):
         super().__init__(path, tables, attrs, force)
-        states = {name: tables.samples[name] for name in tables.states}
-        happened = {name: tables.events[name] for name in ("t", *tables.states)}
+        states, happened = digit_columns(tables)
         width = text_width(digits)
         group = self._file.create_group("digits")
         time = self._file["time"]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from vibsim.results.errors import ResultFileError
+from vibsim.files.errors import ResultFileError
 from vibsim.sweeps.plan.axis import Axis
 from vibsim.sweeps.plan.members import Members
 from vibsim.sweeps.plan.sweep_plan import Plan

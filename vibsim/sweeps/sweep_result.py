@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.cases import Case
-from vibsim.results.output_file import check_output
+from vibsim.files.output_file import check_output
 from vibsim.sweeps.ensemble import Share, Summary, share, summary
 from vibsim.sweeps.plan.axis import Axis
 from vibsim.sweeps.plan.members import Members

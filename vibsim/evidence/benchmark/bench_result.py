@@ -13,11 +13,9 @@ from vibsim.evidence.benchmark.bench_file import read_rows, read_truth
 from vibsim.evidence.benchmark.bench_structure import ATTRIBUTES, LENGTHS, datasets_of
 from vibsim.evidence.benchmark.row import Row
 from vibsim.evidence.benchmark.truth import Truth
-from vibsim.results.attributes import read_attrs
-from vibsim.results.errors import ResultFileError
-from vibsim.results.hdf5_file import damage_named, open_hdf5
-from vibsim.results.stored_case import stored_case
-from vibsim.results.structure import check_datasets, check_values, checked_attributes, damaged
+from vibsim.files.checking import damaged
+from vibsim.files.reading import opened, read_attributes, read_datasets
+from vibsim.files.stored_case import stored_case
 
 TRUSTED = 1e-6  # m: an error beyond this is the chaos of the case rather than the work of the method
 
@@ -79,18 +77,11 @@ class BenchResult:
 def open_bench(path: str | Path) -> BenchResult:
     """The BenchResult in an HDF5 file. Raises ResultFileError where it holds none."""
     path = Path(path)
-    with damage_named(path), open_hdf5(path) as file:
-        kind = file.attrs.get("vibsim_kind")
-        if kind != "bench":
-            raise ResultFileError(f"{path}: holds a {kind or 'trajectory'}, not a bench")
-        attrs = checked_attributes(path, read_attrs(file), ATTRIBUTES)
+    with opened(path, "bench") as file:
+        attrs = read_attributes(path, file, ATTRIBUTES)
         check_lists(path, attrs)
-        declared = datasets_of(stored_case(path, attrs).scene())
-        check_datasets(path, file, declared, LENGTHS)
-        for dataset in declared:
-            if dataset.dtype != "text":
-                check_values(path, dataset, file[dataset.name][...])
-        return BenchResult(attrs, read_truth(file, attrs), read_rows(file))
+        values = read_datasets(path, file, datasets_of(stored_case(path, attrs).scene()), LENGTHS)
+    return BenchResult(attrs, read_truth(values, attrs), read_rows(values))
 
 
 def check_lists(path: Path, attrs: dict[str, Any]) -> None:

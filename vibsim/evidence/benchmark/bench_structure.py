@@ -1,13 +1,11 @@
-"""What a bench file must hold."""
+"""What a bench file holds."""
 
-from vibsim.engine.columns import state_columns
-from vibsim.evidence.benchmark.columns import COUNTS, ROW, TEXTS
-from vibsim.evidence.benchmark.row import STATUS_FLAGS
+from vibsim.evidence.benchmark.columns import COUNTS, ERROR, ROW, SCALES, STATUS, TEXTS
 from vibsim.evidence.peers.attempt import EVERY_KIND
-from vibsim.physics.modes import EVENT_KINDS
+from vibsim.files.declarations import LIST, NUMBER, TEXT, WHOLE, Attribute, Dataset
+from vibsim.files.provenance import PROVENANCE
 from vibsim.physics.parts import Scene
-from vibsim.results.structure import LIST, NUMBER, TEXT, WHOLE, Attribute, Dataset
-from vibsim.results.trajectory_structure import PROVENANCE
+from vibsim.results.columns import tables_of
 
 WORDS = ("methods", "not_installed", "processor", "scipy_version", "heyoka_version")
 TRUTH = ("truth_sha256", "truth_library")
@@ -19,6 +17,7 @@ ATTRIBUTES = [
     Attribute("check_times_s", LIST),
     Attribute("complete", WHOLE, allowed=(0, 1)),
 ]
+LENGTHS = {"kind": len(EVERY_KIND)}  # of the dimensions that are known
 
 
 def datasets_of(scene: Scene) -> list[Dataset]:
@@ -26,20 +25,21 @@ def datasets_of(scene: Scene) -> list[Dataset]:
     return [*_truth(scene), *_rows()]
 
 
-LENGTHS = {"kind": len(EVERY_KIND)}  # of the dimensions that are known
-
-
 def _truth(scene: Scene) -> list[Dataset]:
-    times = [Dataset("truth/time", "f8", ("time",), ascending=True)]
-    states = [Dataset(f"truth/{name}", "f8", ("time",)) for name in state_columns(scene)]
-    kinds = frozenset(EVENT_KINDS.values())
-    kind = Dataset("truth/events/kind", "i1", ("event",), kinds)
-    return [*times, *states, Dataset("truth/events/t", "f8", ("event",), ascending=True), kind]
+    tables = tables_of(scene)
+    states = [Dataset(f"truth/{name}", tables.samples[name], ("time",)) for name in tables.states]
+    return [
+        Dataset("truth/time", tables.samples["time"], ("time",), ascending=True),
+        *states,
+        Dataset("truth/events/t", tables.events["t"], ("t",), ascending=True),
+        Dataset("truth/events/kind", tables.events["kind"], ("t",)),
+    ]
 
 
 def _rows() -> list[Dataset]:
-    texts = [Dataset(name, "text", ("row",)) for name in TEXTS]
-    status = Dataset("status", "i1", ("row",), frozenset(STATUS_FLAGS.values()))
-    numbers = [Dataset(name, column.dtype, ("row",), missing=True) for name, column in ROW.items()]
-    errors = Dataset("error", "f8", ("row", "time"), missing=True)
-    return [*texts, status, *numbers, errors, *(Dataset(name, "i8", ("row", "kind")) for name in COUNTS)]
+    scales = [Dataset(name, column, (name,)) for name, column in SCALES.items()]
+    of_rows = {**TEXTS, "status": STATUS, **ROW}
+    rows = [Dataset(name, column, ("row",), gaps=True) for name, column in of_rows.items()]
+    errors = Dataset("error", ERROR, ("row", "time"), gaps=True)
+    counts = [Dataset(name, column, ("row", "kind")) for name, column in COUNTS.items()]
+    return [*scales, *rows, errors, *counts]

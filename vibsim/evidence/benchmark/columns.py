@@ -1,40 +1,42 @@
 """The columns of a bench file: what each row of it holds."""
 
-from dataclasses import dataclass
-
+from vibsim.evidence.benchmark.row import STATUS_FLAGS
 from vibsim.evidence.benchmark.scoring import FAITHFUL
+from vibsim.evidence.peers.attempt import EVERY_KIND
+from vibsim.files.declarations import Column
+from vibsim.physics.modes import EVENT_KINDS
 
+NONE = -1  # of a count that a method does not give
 
-@dataclass(frozen=True)
-class Column:
-    """HDF5 type, UDUNITS unit and meaning of one number per row; missing : value that stands for none."""
-
-    dtype: str
-    units: str
-    long_name: str
-    missing: int | None = None
-
-
-ROW = {
-    "wall_time": Column("f8", "s", "wall time of a run, median"),
-    "cpu_time": Column("f8", "s", "CPU time of a run, median"),
-    "setup_time": Column("f8", "s", "wall time before the first run, such as compiling"),
-    "runs": Column("i4", "1", "runs of which the median is taken"),
-    "steps": Column("i8", "1", "steps of a run", -1),
-    "evaluations": Column("i8", "1", "right-hand sides evaluated in a run", -1),
-    "t_reached": Column("f8", "s", "time of the motion until which the method ran"),
-    "faithful_time": Column(
-        "f8", "s", f"time until which the error of the displacements is within {FAITHFUL:g} m"
+SCALES = {
+    "row": Column("1", "row of the bench", dtype="i4"),
+    "time": Column("s", "time"),
+    "kind": Column(
+        "1", "kind of the events", dtype="i1", flags={name: EVENT_KINDS[name] for name in EVERY_KIND}
     ),
 }
 TEXTS = {
-    "method": "family of methods",
-    "label": "family of methods in words",
-    "setting": "setting of the method",
-    "problem": "why the method failed",
+    "method": Column(None, "family of methods", dtype="text"),
+    "label": Column(None, "family of methods in words", dtype="text"),
+    "setting": Column(None, "setting of the method", dtype="text"),
+    "problem": Column(None, "why the method failed", dtype="text"),
 }
+ROW = {
+    "wall_time": Column("s", "wall time of a run, median"),
+    "cpu_time": Column("s", "CPU time of a run, median"),
+    "setup_time": Column("s", "wall time before the first run, such as compiling"),
+    "runs": Column("1", "runs of which the median is taken", dtype="i4"),
+    "steps": Column("1", "steps of a run", dtype="i8", missing=NONE),
+    "evaluations": Column("1", "right-hand sides evaluated in a run", dtype="i8", missing=NONE),
+    "t_reached": Column("s", "time of the motion until which the method ran"),
+    "faithful_time": Column("s", f"time until which the error of the displacements is within {FAITHFUL:g} m"),
+}
+STATUS = Column("1", "what came of the row", dtype="i1", flags=STATUS_FLAGS)
+ERROR = Column("m", "largest error of the displacements x1, x2")
 COUNTS = {
-    "found": "true events found, up to faithful_time",
-    "missed": "true events missed, up to faithful_time",
-    "spurious": "events reported that are not, up to faithful_time",
+    "found": Column("1", "true events found, up to faithful_time", dtype="i8", missing=NONE),
+    "missed": Column("1", "true events missed, up to faithful_time", dtype="i8", missing=NONE),
+    "spurious": Column(
+        "1", "events reported that are not, up to faithful_time", dtype="i8", missing=NONE
+    ),
 }

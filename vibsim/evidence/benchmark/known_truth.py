@@ -6,7 +6,7 @@ from vibsim.evidence.benchmark.bench_result import BenchResult, open_bench
 from vibsim.evidence.benchmark.errors import BenchError
 from vibsim.evidence.benchmark.plan import NOT_TRUTH, Plan
 from vibsim.evidence.benchmark.truth import Truth
-from vibsim.results.errors import ResultFileError
+from vibsim.files.errors import ResultFileError
 
 
 def truth_from(plan: Plan, path: str | Path) -> Truth:

@@ -6,7 +6,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from vibsim.evidence.benchmark.plan import Plan
-from vibsim.results import provenance
+from vibsim.files.provenance import provenance
 from vibsim.sweeps.schedule.workers import available_cores
 
 PACKAGES = ("scipy", "heyoka")
@@ -15,11 +15,9 @@ PACKAGES = ("scipy", "heyoka")
 def origin(plan: Plan) -> dict[str, Any]:
     """Attributes that are known before the first row."""
     scene = plan.case.two_blocks()
-    attrs = provenance.origin(plan.case, scene, engine="", method="")
-    del attrs["engine"], attrs["method"]
     return {
-        **attrs,
-        "vibsim_kind": "bench",
+        **provenance("bench", plan.case),
+        "t_end_s": float(scene.t_end),
         "check_times_s": plan.check_times,
         "limit_s": plan.limit,
         "methods": json.dumps([family.name for family in plan.families]),

@@ -11,8 +11,7 @@ from vibsim.evidence.benchmark.plan import Plan
 from vibsim.evidence.benchmark.provenance import origin
 from vibsim.evidence.benchmark.row import Row
 from vibsim.evidence.benchmark.truth import Truth, compute_truth
-from vibsim.results.columns import tables_of
-from vibsim.results.output_file import check_output
+from vibsim.files.output_file import check_output
 
 Watch = Callable[[str, float], bool]  # given what is done and how far it is [0 to 1]; False stops the bench
 
@@ -42,11 +41,10 @@ def run_bench(
         return None
     attrs: dict[str, Any] = {**origin(plan), "complete": 0}
     rows: list[Row] = []
-    tables = tables_of(plan.case.scene())
 
     def keep() -> None:
         if target is not None:
-            write_bench(target, attrs, tables, truth, rows)
+            write_bench(target, attrs, plan.case.scene(), truth, rows)
 
     keep()
     scene, entries = plan.case.two_blocks(), list(plan.rows())

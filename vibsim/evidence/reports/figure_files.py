@@ -16,10 +16,10 @@ from vibsim.evidence.reports.paper_figures import PAGE_CM, PAGE_ROWS, PaperFigur
 from vibsim.evidence.reports.paper_numbers import Tell
 from vibsim.evidence.reports.paper_runs import READINGS, Interrupted
 from vibsim.evidence.reports.search_figure import draw_search
+from vibsim.files.output_file import output_file
 from vibsim.plots.picture import DPI, drawn
 from vibsim.plots.sheet import CM
 from vibsim.plots.subject import Subject
-from vibsim.results.output_file import output_file
 
 FORMATS = ("png", "pdf")
 PNG_DPI = 200  # a figure is then 1400 pixels wide: sharp on a screen, and the report stays a few megabytes

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from vibsim import __version__
-from vibsim.results.output_file import output_file
+from vibsim.files.output_file import output_file
 
 Numbers = dict[str, Any]
 

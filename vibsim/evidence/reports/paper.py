@@ -31,10 +31,10 @@ from vibsim.evidence.reports.paper_figures import growth_figure, paper_figures
 from vibsim.evidence.reports.paper_numbers import Tell, measure_paper
 from vibsim.evidence.reports.paper_runs import PAPER_RUNS, Interrupted, obtain_run
 from vibsim.evidence.reports.text_page import render_text
+from vibsim.files.output_file import output_file, reason
 from vibsim.plots import style
 from vibsim.plots.subject import Subject
 from vibsim.results import Result, ResultFileError
-from vibsim.results.output_file import output_file, reason
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 
-from vibsim.results.errors import ResultFileError
+from vibsim.files.errors import ResultFileError
 from vibsim.sweeps.points.point import Point
 from vibsim.sweeps.points.table import Table
 from vibsim.sweeps.schedule.backlog import Backlog, Handed

@@ -1,8 +1,8 @@
 """What a sweep stores per point: names, units, definitions. The definitions go into every file."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
+from vibsim.files import declarations as files
 from vibsim.physics.two_blocks import TwoBlocks
 
 MISSING, DONE, FAILED = 0, 1, 2
@@ -10,23 +10,17 @@ STATUS_FLAGS = {"missing": MISSING, "done": DONE, "failed": FAILED}
 
 
 @dataclass(frozen=True)
-class Column:
+class Column(files.Column):
     """A number per point, or one along a further dimension.
 
     Attributes
     ----------
-    units : UDUNITS unit
-    long_name : definition
     needs : what the scene must have, of "motor", "source", "block2", "stop" and "friction"
     dimension : name of the further dimension, such as "section"; empty for a number per point
-    flags : what each value means, where the number is a verdict
     """
 
-    units: str
-    long_name: str
     needs: str = ""
     dimension: str = ""
-    flags: Mapping[str, int] | None = None
 
 
 _HALF = "half the peak-to-peak of {} in one excitation period, {} over the whole periods after the transient"

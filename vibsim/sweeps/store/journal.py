@@ -19,9 +19,9 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.results.disk_space import reserve
-from vibsim.results.errors import ResultFileError
-from vibsim.results.output_file import reason
+from vibsim.files.disk_space import reserve
+from vibsim.files.errors import ResultFileError
+from vibsim.files.output_file import reason
 from vibsim.sweeps.plan.sweep_plan import Plan
 from vibsim.sweeps.points.point import Point
 

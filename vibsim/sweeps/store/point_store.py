@@ -6,8 +6,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from vibsim.results.errors import ResultFileError
-from vibsim.results.output_file import check_output
+from vibsim.files.errors import ResultFileError
+from vibsim.files.output_file import check_output
 from vibsim.sweeps.plan.capacity import check_memory
 from vibsim.sweeps.plan.sweep_plan import Plan
 from vibsim.sweeps.points.point import Point

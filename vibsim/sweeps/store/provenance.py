@@ -1,16 +1,11 @@
 """The root attributes of a sweep file: what was swept, how, by what, and what came of it."""
 
 import json
-import platform
-from datetime import datetime, timezone
 from math import fsum, isnan
 from typing import Any
 
-import numpy as np
-
-from vibsim import __version__
 from vibsim.engine.choice import engine_name, flow_of
-from vibsim.results.provenance import FORMAT
+from vibsim.files.provenance import provenance
 from vibsim.sweeps.plan.sweep_plan import Plan
 from vibsim.sweeps.points.table import Table
 from vibsim.sweeps.statistics.columns import DEFINITIONS, DONE, FAILED
@@ -20,24 +15,12 @@ def origin(plan: Plan, engine: str) -> dict[str, Any]:
     """Attributes that are known before the first point."""
     case, scene = plan.case, plan.case.scene()
     attrs: dict[str, Any] = {
-        "Conventions": "CF-1.8",
-        "title": case.title or case.name,
-        "vibsim_format": FORMAT,
-        "vibsim_kind": "sweep",
-        "vibsim_version": __version__,
-        "case_name": case.name,
-        "case_yaml": case.text,
-        "case_resolved_json": case.resolved_json(),
-        "case_sha256": case.sha256,
+        **provenance("sweep", case),
         "sweep_settings_json": json.dumps(plan.settings),
         "sweep_sha256": plan.fingerprint,
         "definitions": DEFINITIONS,
         "method": flow_of(scene),
         "engine": engine_name(engine),
-        "date_created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
-        "platform": f"{platform.system()} {platform.release()} {platform.machine()}",
-        "python_version": platform.python_version(),
-        "numpy_version": np.__version__,
     }
     if attrs["method"] == "taylor":
         attrs |= {"taylor_order": scene.order, "taylor_tolerance": float(scene.tol)}

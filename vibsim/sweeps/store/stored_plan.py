@@ -10,46 +10,41 @@ import h5py
 import numpy as np
 
 from vibsim.cases.keys import measured_at
-from vibsim.cases.problems import CaseError
 from vibsim.cases.quantities import parse_quantity
-from vibsim.results.attributes import read_attrs
-from vibsim.results.signals import ended_at_once
-from vibsim.results.stored_case import stored_case
-from vibsim.results.structure import check_datasets, checked_attributes, damaged
+from vibsim.files.checking import check_datasets, damaged
+from vibsim.files.reading import opened, read_attributes
+from vibsim.files.signals import ended_at_once
+from vibsim.files.stored_case import stored_case, understood
 from vibsim.sweeps.plan.discard import parse_discard
 from vibsim.sweeps.plan.members import axis_from_plain
 from vibsim.sweeps.plan.sweep_plan import DIRECTION_FLAGS, Plan
-from vibsim.sweeps.store.sweep_file import opened
+from vibsim.sweeps.store.sweep_file import KIND
 from vibsim.sweeps.store.sweep_structure import (
     ATTRIBUTES,
     COUNTS,
     datasets_of,
     dimensions,
     lengths_of,
-    scales_of,
 )
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
 
 SETTINGS = "the attribute sweep_settings_json"
-WRONG = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError, CaseError)
 
 
 @ended_at_once()
 def read_sweep(path: Path) -> tuple[dict[str, Any], Plan]:
     """Root attributes and plan of a sweep file, the file checked. Raises ResultFileError."""
-    with opened(path) as file:
-        attrs = checked_attributes(path, read_attrs(file), ATTRIBUTES)
+    with opened(path, KIND) as file:
+        attrs = read_attributes(path, file, ATTRIBUTES)
         settings = _settings(path, attrs)
         _check_count(path, file, settings["axes"])
         case = stored_case(path, attrs)
-        try:
+        with understood(path, f"{SETTINGS} describes no sweep of its case"):
             plan = _plan(case, settings)
             _check_axes(case, plan)
-        except WRONG as error:
-            raise damaged(path, f"{SETTINGS} describes no sweep of its case") from error
-        check_datasets(path, file, [*scales_of(plan), *datasets_of(plan)], lengths_of(plan))
+        check_datasets(path, file, datasets_of(plan), lengths_of(plan))
         _check_scales(path, file, plan)
     if attrs["points"] != plan.count or not all(0 <= attrs[name] <= plan.count for name in COUNTS):
         raise damaged(path, f"the attribute points is {attrs['points']}, and its axes have {plan.count}")
@@ -58,13 +53,11 @@ def read_sweep(path: Path) -> tuple[dict[str, Any], Plan]:
 
 def _settings(path: Path, attrs: Mapping[str, Any]) -> Mapping[str, Any]:
     """The settings as plain data, with a list of axes."""
-    try:
+    with understood(path, f"{SETTINGS} is not that of a sweep"):
         settings = json.loads(attrs["sweep_settings_json"])
         for axis in settings["axes"]:
             _length(axis)
-    except WRONG as error:
-        raise damaged(path, f"{SETTINGS} is not that of a sweep") from error
-    return settings
+        return settings
 
 
 def _length(axis: Mapping[str, Any]) -> int:

@@ -6,11 +6,12 @@ from typing import Any
 import h5py
 import numpy as np
 
-from vibsim.results.attributes import write_attrs
-from vibsim.results.columns import Column
+from vibsim.files.attributes import write_attrs
+from vibsim.files.declarations import Column
 
 CHUNK = 1024  # rows that HDF5 reads at a time
 ROWS = "event"  # scale of a table that has no other: its rows counted
+COUNTER = Column(None, "row of the table of events", dtype="i4")
 
 
 class DigitsStream:
@@ -29,12 +30,11 @@ class DigitsStream:
         self.batch, self.width = batch, width
         self.rows = self.waiting = 0
         self._parts: list[Mapping[str, np.ndarray]] = []
-        self._counter = _create(group, ROWS, "i4", "row of the table of events") if scale is None else None
+        self._counter = _create(group, ROWS, COUNTER, "i4") if scale is None else None
         if self._counter is not None:
             self._counter.make_scale(ROWS)
         self._datasets = {
-            name: _create(group, name, f"S{width}", f"{column.long_name}, decimal digits", column.units)
-            for name, column in columns.items()
+            name: _create(group, name, column, f"S{width}") for name, column in columns.items()
         }
         for dataset in self._datasets.values():
             dataset.dims[0].attach_scale(scale if scale is not None else self._counter)
@@ -68,9 +68,9 @@ class DigitsStream:
         self._parts = [rest]
 
 
-def _create(group: Any, name: str, dtype: str, long_name: str, units: str | None = None) -> h5py.Dataset:
+def _create(group: Any, name: str, column: Column, dtype: str) -> h5py.Dataset:
     dataset = group.create_dataset(
         name, (0,), dtype, maxshape=(None,), chunks=(CHUNK,), compression=1, shuffle=True, fletcher32=True
     )
-    write_attrs(dataset.id, {"long_name": long_name, "units": units})
+    write_attrs(dataset.id, column.attributes())
     return dataset

@@ -1,65 +1,28 @@
-"""What a result file must hold, as data: its attributes and datasets; and the check of a file against it.
+"""The check of a file against the attributes and datasets that are declared of it.
 
 A file is checked once, when it is opened. The numbers in it are checked when they are read, by the same
 declarations: a long run is not read through to look at its first second.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from math import ceil, inf, isfinite, isnan, prod
+from math import ceil, isfinite, isnan, prod
 from typing import Any
 
 import h5py
 import numpy as np
 
-from vibsim.results.errors import ResultFileError
+from vibsim.files.declarations import (
+    EXTENDED,
+    LIST,
+    NUMBER,
+    ROWS,
+    TEXT,
+    WHOLE,
+    Attribute,
+    Dataset,
+)
+from vibsim.files.errors import ResultFileError
 
-
-@dataclass(frozen=True)
-class Attribute:
-    """A root attribute.
-
-    Attributes
-    ----------
-    kind : TEXT, WHOLE, NUMBER (finite), EXTENDED (a number that may be infinite), or LIST and ROWS of these
-    optional : whether a file may do without it
-    where : attribute beside which it must be, if that is there and not 0, although it is optional
-    allowed : values, where only some are
-    """
-
-    name: str
-    kind: str
-    optional: bool = False
-    where: str = ""
-    allowed: tuple[int, ...] = ()
-
-
-@dataclass(frozen=True)
-class Dataset:
-    """A dataset.
-
-    Attributes
-    ----------
-    name : path in the file, such as "events/t"
-    dtype : "f8", "i1", "i2", "i4", "i8"; "S" for texts of one length, "text" for texts of any
-    dims : names of its dimensions; datasets that share one have the same length along it
-    codes : whole numbers that may stand in it; empty: any
-    missing : whether NaN and infinity may stand in it
-    ascending : whether no value may be smaller than the one before
-    span : least and greatest value
-    """
-
-    name: str
-    dtype: str
-    dims: tuple[str, ...]
-    codes: frozenset[int] = frozenset()
-    missing: bool = False
-    ascending: bool = False
-    span: tuple[float, float] = (-inf, inf)
-
-
-TEXT, WHOLE, NUMBER, EXTENDED = "a text", "a whole number", "a finite number", "a number"
-LIST, ROWS = "a list of numbers", "a table of numbers"
 KINDS: dict[str, Callable[[Any], bool]] = {
     TEXT: lambda value: isinstance(value, str) and _encodable(value),
     WHOLE: lambda value: isinstance(value, int),
@@ -111,8 +74,8 @@ def check_datasets(
         item = _hard_linked(file, dataset.name)
         if not isinstance(item, h5py.Dataset):
             raise damaged(path, f"the dataset {dataset.name} is missing")
-        if not _of_type(item.dtype, dataset.dtype):
-            raise damaged(path, f"{dataset.name} holds {_type_name(item.dtype)}, not {TYPES[dataset.dtype]}")
+        if not _of_type(item.dtype, dtype := dataset.column.dtype):
+            raise damaged(path, f"{dataset.name} holds {_type_name(item.dtype)}, not {TYPES[dtype]}")
         if item.shape is None or len(item.shape) != len(dataset.dims):
             had = "nothing" if item.shape is None else f"{len(item.shape)}"
             raise damaged(path, f"{dataset.name} has {had} dimensions, not {len(dataset.dims)}")
@@ -128,12 +91,12 @@ def check_datasets(
 def check_values(path: object, dataset: Dataset, values: Any) -> None:
     """Raise ResultFileError where numbers read from a dataset cannot be right."""
     name, array = dataset.name, np.asarray(values)
-    if dataset.codes and (wrong := set(np.unique(array).tolist()) - dataset.codes):
-        allowed = _listed(sorted(dataset.codes))
-        raise damaged(path, f"{name} has the value {min(wrong)}; allowed: {allowed}")
-    if dataset.dtype == "S" and not set(np.unique(array.view("u1")).tolist()) <= set(DIGITS):
+    codes = dataset.allowed if array.dtype.kind in "iu" else frozenset()
+    if codes and (wrong := set(np.unique(array).tolist()) - codes):
+        raise damaged(path, f"{name} has the value {min(wrong)}; allowed: {_listed(sorted(codes))}")
+    if dataset.column.dtype == "S" and not set(np.unique(array.view("u1")).tolist()) <= set(DIGITS):
         raise damaged(path, f"{name} has a text that is no number")
-    if array.dtype.kind != "f" or dataset.missing:
+    if array.dtype.kind != "f" or dataset.gaps:
         return
     low, high = dataset.span
     wrong = array[~(np.isfinite(array) & (array >= low) & (array <= high))]

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from h5py import h5d, h5ds, h5p, h5s, h5t
 
-from vibsim.results.attributes import write_attrs
-from vibsim.results.chunk_encoding import LEAST_NOISE, encoded
-from vibsim.results.columns import Column
+from vibsim.files.attributes import write_attrs
+from vibsim.files.chunk_encoding import LEAST_NOISE, encoded
+from vibsim.files.declarations import Column
 
 FILE_TYPES = {"f8": ("<f8", h5t.IEEE_F64LE), "i1": ("i1", h5t.STD_I8LE), "i2": ("<i2", h5t.STD_I16LE)}
 
@@ -83,14 +83,5 @@ def _create(group: Any, name: str, column: Column, chunk: int) -> Any:
     filters.set_fletcher32()
     space = h5s.create_simple((0,), (h5s.UNLIMITED,))
     dataset = h5d.create(group, name.encode(), FILE_TYPES[column.dtype][1], space, filters)
-    write_attrs(dataset, _description(column))
+    write_attrs(dataset, column.attributes())
     return dataset
-
-
-def _description(column: Column) -> dict[str, Any]:
-    """CF attributes of a column."""
-    described: dict[str, Any] = {"long_name": column.long_name, "units": column.units}
-    if column.flags:
-        described["flag_values"] = np.array(list(column.flags.values()), column.dtype)
-        described["flag_meanings"] = " ".join(column.flags)
-    return described

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from vibsim.results.disk_space import DISK_FULL
-from vibsim.results.errors import ResultFileError
+from vibsim.files.disk_space import DISK_FULL
+from vibsim.files.errors import ResultFileError
 
 
 def check_output(path: str | Path, force: bool = False) -> Path:

@@ -2,17 +2,20 @@
 
 import os
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import h5py
 
 from vibsim import __version__
-from vibsim.results.errors import ResultFileError
-from vibsim.results.output_file import reason
-from vibsim.results.provenance import FORMAT
-from vibsim.results.structure import damaged
+from vibsim.files.attributes import read_attrs
+from vibsim.files.checking import check_datasets, check_values, checked_attributes, damaged
+from vibsim.files.declarations import Attribute, Dataset
+from vibsim.files.errors import ResultFileError
+from vibsim.files.output_file import reason
+from vibsim.files.provenance import FORMAT
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
@@ -31,6 +34,39 @@ def open_hdf5(path: Path) -> h5py.File:
         file.close()
         raise
     return file
+
+
+@contextmanager
+def opened(path: Path, kind: str) -> Iterator[h5py.File]:
+    """The open file of a kind, such as "sweep"; ResultFileError for everything that is not one."""
+    with damage_named(path), open_hdf5(path) as file:
+        stored = file.attrs.get("vibsim_kind", "trajectory")
+        if stored != kind:
+            raise ResultFileError(f"{path}: holds a {stored}, not a {kind}")
+        yield file
+
+
+def read_attributes(path: Path, file: h5py.File, declared: Sequence[Attribute]) -> dict[str, Any]:
+    """The root attributes as plain values, checked. Raises ResultFileError."""
+    return checked_attributes(path, read_attrs(file), declared)
+
+
+def read_datasets(
+    path: Path, file: h5py.File, declared: Sequence[Dataset], lengths: Mapping[str, int]
+) -> dict[str, Any]:
+    """What stands in each dataset, by name, checked. Raises ResultFileError."""
+    check_datasets(path, file, declared, lengths)
+    values = {dataset.name: read_values(file, dataset) for dataset in declared}
+    for dataset in declared:
+        if dataset.column.dtype != "text":
+            check_values(path, dataset, values[dataset.name])
+    return values
+
+
+def read_values(file: h5py.File, dataset: Dataset) -> Any:
+    """What stands in a dataset, as an array."""
+    item = file[dataset.name]
+    return item.asstr()[...] if dataset.column.dtype == "text" else item[...]
 
 
 def _check_format(path: Path, file: h5py.File) -> None:
