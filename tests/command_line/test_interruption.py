@@ -214,12 +214,12 @@ def test_work_that_does_not_ask_is_interrupted_after_a_while(monkeypatch):
 
 FOR_EVER = """
 import sys
-from vibsim.results import hdf5_file
+from vibsim.files import reading
 def deaf(path):
     print("opening", flush=True)
     import ctypes
     ctypes.PyDLL(None).sleep(60)  # holds the GIL, as HDF5 does
-hdf5_file.open_hdf5 = deaf
+reading.open_hdf5 = deaf
 sys.argv = ["vibsim", "info", "run.h5"]
 from vibsim.command_line.main import main
 main()

@@ -1,16 +1,15 @@
 """What `vibsim bench` does: settle everything, run it with progress and interruption, print the table."""
 
-import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import click
 
 from vibsim.command_line.bench_text import print_bench
 from vibsim.command_line.errors import told
 from vibsim.command_line.interruption import Interruption
+from vibsim.command_line.progress import Progress
 from vibsim.command_line.run_plan import check_digits, check_picture, hdf5_name, read_case
 from vibsim.command_line.settings import Settings
 from vibsim.command_line.terminal import print_json, say
@@ -20,8 +19,6 @@ from vibsim.evidence.benchmark.plan import Plan, make_plan
 from vibsim.evidence.benchmark.running import run_bench
 from vibsim.evidence.benchmark.truth import Truth
 from vibsim.files.output_file import check_output
-
-SHARES = 1000  # of a bar
 
 
 def read_plan(
@@ -50,10 +47,13 @@ def run_jobs(
     truth = _truth(plan, path, truth_file)
     began = time.perf_counter()
     with Interruption() as interruption:
-        progress = Progress(wanted=not settings.quiet)
+        progress = Progress(not settings.quiet)
 
         def watch(what: str, share: float) -> bool:
-            progress.show(what, share)
+            if what == "truth":
+                progress.show("truth", share * plan.times[-1], plan.times[-1])
+            else:
+                progress.show("methods", share, 1.0, what)
             return interruption.signum is None
 
         try:
@@ -90,40 +90,3 @@ def _truth(plan: Plan, path: Path, given: str | None) -> Truth | None:
     if found is None:
         check_digits("auto", "python")
     return found
-
-
-class Progress:
-    """A bar on stderr, on a terminal: first over the truth, then over the rows."""
-
-    def __init__(self, wanted: bool):
-        self._wanted = wanted and sys.stderr.isatty()
-        self._bar: Any = None
-        self._of_truth = True
-
-    def show(self, what: str, share: float) -> None:
-        """Say what is being done, and how far the truth or the rows are [0 to 1]."""
-        if not self._wanted:
-            return
-        of_truth = what == "truth"
-        if self._bar is None or of_truth != self._of_truth:
-            self.close()
-            self._of_truth = of_truth
-            label = "truth" if of_truth else "methods"
-            self._bar = click.progressbar(
-                length=SHARES,
-                label=label,
-                file=sys.stderr,
-                show_eta=of_truth,
-                item_show_func=lambda item: item,
-            )
-            self._bar.render_progress()
-        shown = None if of_truth else what
-        if int(SHARES * share) > self._bar.pos or shown != self._bar.current_item:
-            self._bar.update(int(SHARES * share) - self._bar.pos, current_item=shown)
-            self._bar.render_progress()
-
-    def close(self) -> None:
-        """Leave the terminal line as the bar left it."""
-        if self._bar is not None:
-            self._bar.render_finish()
-            self._bar = None

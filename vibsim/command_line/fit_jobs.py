@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from vibsim.command_line.interruption import Interruption
-from vibsim.command_line.paper_job import Steps
+from vibsim.command_line.progress import Progress
 from vibsim.command_line.quantity_text import size
 from vibsim.command_line.run_plan import read_case
 from vibsim.command_line.settings import Settings
@@ -60,7 +60,7 @@ def run_job(
     plan: FitPlan, output: str, jobs: int | None, engine: str, force: bool, settings: Settings
 ) -> int:
     """Run or complete a fit; returns the exit code."""
-    began, steps = time.perf_counter(), Steps(wanted=not settings.quiet)
+    began, steps = time.perf_counter(), Progress(not settings.quiet, listed=True)
     with Interruption() as interruption:
 
         def watch(step: str, done: int, total: int) -> bool:

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from collections import Counter
 from pathlib import Path
-from typing import Any
-
-import click
 
 from vibsim.command_line.errors import told
 from vibsim.command_line.interruption import Interruption
+from vibsim.command_line.progress import Progress
 from vibsim.command_line.quantity_text import size
 from vibsim.command_line.settings import Settings
 from vibsim.command_line.summary import print_lines
@@ -23,7 +20,7 @@ from vibsim.evidence.reports.paper_runs import Interrupted
 def write_report(folder: str, formats: tuple[str, ...], fresh: bool, settings: Settings) -> int:
     """Write the report into the folder; returns the exit code."""
     began = time.perf_counter()
-    steps = Steps(wanted=not settings.quiet)
+    steps = Progress(not settings.quiet, listed=True)
     with Interruption() as interruption:
 
         def tell(step: str, done: int, total: int) -> bool:
@@ -60,36 +57,3 @@ def _print_report(report: Report, folder: str, took: float, settings: Settings) 
             ("report", f"{report.html} ({size(report.html)}), {report.text}; {took:.1f} s"),
         ]
     )
-
-
-class Steps:
-    """What is being done, on stderr: a bar for each step on a terminal, one line for each step elsewhere."""
-
-    def __init__(self, wanted: bool):
-        self._wanted = wanted
-        self._step = ""
-        self._bar: Any = None
-
-    def show(self, step: str, done: int, total: int) -> None:
-        """Say how far a step is."""
-        if not self._wanted:
-            return
-        if step != self._step:
-            self.close()
-            self._step = step
-            self._begin(total)
-        if self._bar is not None and done > self._bar.pos:
-            self._bar.update(done - self._bar.pos)
-
-    def close(self) -> None:
-        """Leave the terminal line as the bar left it."""
-        if self._bar is not None:
-            self._bar.render_finish()
-            self._bar = None
-
-    def _begin(self, total: int) -> None:
-        if not sys.stderr.isatty():
-            say(self._step, err=True)
-            return
-        self._bar = click.progressbar(length=total, label=f"{self._step:28}", file=sys.stderr, show_pos=True)
-        self._bar.render_progress()

@@ -4,7 +4,7 @@ import time
 
 from vibsim.command_line.errors import RUN_FAILED, told
 from vibsim.command_line.interruption import Interruption
-from vibsim.command_line.progress import Progress
+from vibsim.command_line.progress import PATIENCE, Progress
 from vibsim.command_line.quantity_text import size
 from vibsim.command_line.run_plan import Job
 from vibsim.command_line.settings import Settings
@@ -49,11 +49,11 @@ def _run_one(
 ) -> None:
     began = time.perf_counter()
     t_end = job.case.scene().t_end
-    progress = Progress(job.case.name, t_end, wanted=not settings.quiet)
+    progress = Progress(not settings.quiet, PATIENCE)
     slow = SlowRun(job.case.name, t_end, wanted=not settings.quiet)
 
     def watch(t: float) -> bool:
-        progress.show(t)
+        progress.show(job.case.name, t, t_end)
         slow.note(t)
         return interruption.signum is None
 

@@ -1,6 +1,5 @@
 """What `vibsim sweep` does: make the plan, run it with progress and interruption, say what came of it."""
 
-import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,6 +10,7 @@ import click
 from vibsim.cases import Case, RangeError, UnknownKeyError
 from vibsim.command_line.errors import FAILED_POINTS
 from vibsim.command_line.interruption import Interruption
+from vibsim.command_line.progress import PATIENCE, Progress
 from vibsim.command_line.quantity_text import size
 from vibsim.command_line.run_plan import hdf5_name, read_case
 from vibsim.command_line.settings import Settings
@@ -23,11 +23,9 @@ from vibsim.sweeps.plan.shard import read_shard, shard
 from vibsim.sweeps.plan.sweep_plan import Plan, PlanError
 from vibsim.sweeps.points.table import Table
 from vibsim.sweeps.schedule.workers import Workers
-from vibsim.sweeps.statistics.columns import FAILED, MISSING
+from vibsim.sweeps.statistics.columns import DONE, FAILED, MISSING
 from vibsim.sweeps.store.point_store import FileStore
 from vibsim.sweeps.sweeping import complete, make_plan, open_workers, read_ensemble
-
-PATIENCE = 1.0  # seconds before a bar appears
 
 AxisText = tuple[str, str, str, str]  # key, range, unit of a bare range, option that it was given with
 OTHER_OPTION = {"excitation.Omega0": ("--omega", "harmonic"), "excitation.omega": ("--omega0", "motor")}
@@ -112,11 +110,11 @@ def run_sweep(plan: Plan, output: str, workers: Workers, engine: str, force: boo
         store = FileStore(plan, path, engine, force)
         for note in store.notes:
             say(f"Warning: {note}", err=True)
-        had = plan.count - store.table.count(MISSING) - store.table.count(FAILED)
-        progress = PointsProgress(store.table, wanted=not settings.quiet)
+        had, missing = store.table.count(DONE), store.table.count(MISSING)
+        progress = Progress(not settings.quiet, PATIENCE)
 
         def watch(table: Table) -> bool:
-            progress.show(table)
+            progress.show("points", missing - table.count(MISSING), missing)
             return interruption.signum is None
 
         try:
@@ -143,33 +141,3 @@ def _file_text(path: Path, had: int, count: int, took: float) -> str:
     if had == count:
         return f"{text}, was complete: nothing to compute"
     return f"{text}, {took:.2f} s" + (f", {had} points were there" if had else "")
-
-
-class PointsProgress:
-    """A bar on stderr with the points done and the time still to wait; on a terminal, after a second."""
-
-    def __init__(self, table: Table, wanted: bool):
-        self._wanted = wanted and sys.stderr.isatty()
-        self._began = time.time()
-        self._had = self._done(table)
-        self._bar: Any = None
-
-    def show(self, table: Table) -> None:
-        """Say how far the table is filled."""
-        if not self._wanted or time.time() - self._began < PATIENCE:
-            return
-        if self._bar is None:
-            self._bar = click.progressbar(
-                length=table.status.size - self._had, label="points", file=sys.stderr, show_pos=True
-            )
-            self._bar.start = self._began  # on the clock of click; it counts what came before the bar
-            self._bar.render_progress()
-        self._bar.update(self._done(table) - self._had - self._bar.pos)
-
-    def close(self) -> None:
-        """Leave the terminal line as the bar left it."""
-        if self._bar is not None:
-            self._bar.render_finish()
-
-    def _done(self, table: Table) -> int:
-        return int(table.status.size - table.count(MISSING))

@@ -1,17 +1,14 @@
 """The verification as a table for people, and as JSON for programs."""
 
-import sys
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import nullcontext
 from itertools import groupby
 from math import isfinite
 from typing import Any
 
-import click
-
 from vibsim.command_line.errors import RUN_FAILED
 from vibsim.command_line.interruption import Interruption
+from vibsim.command_line.progress import Progress
 from vibsim.command_line.quantity_text import counted
 from vibsim.command_line.settings import Settings
 from vibsim.command_line.terminal import print_json, say, style
@@ -39,7 +36,7 @@ def print_verification(
     """Compute the checks and print their rows; returns the exit code. Interrupted, it prints what it has."""
     began = time.perf_counter()
     with Interruption() as interruption:
-        rows = list(_computed(checks, engine, interruption))
+        rows = list(_computed(checks, engine, interruption, Progress(not settings.quiet)))
     took = time.perf_counter() - began
     if settings.json:
         print_json(_described(rows, left_out, engine, took))
@@ -52,18 +49,19 @@ def print_verification(
     return 0 if all(row.passed for row in rows) else RUN_FAILED
 
 
-def _computed(checks: Sequence[Check], engine: str, interruption: Interruption) -> Iterator[Row]:
-    """The rows of the checks, with a bar on stderr where that is a terminal, until an interruption."""
-    bar: Any = nullcontext()
-    if sys.stderr.isatty():
-        bar = click.progressbar(length=len(checks), label="verifying", file=sys.stderr)
-    with bar as shown:
-        for check in checks:
+def _computed(
+    checks: Sequence[Check], engine: str, interruption: Interruption, progress: Progress
+) -> Iterator[Row]:
+    """The rows of the checks, with a bar, until an interruption."""
+    try:
+        for done, check in enumerate(checks):
+            progress.show("verifying", done, len(checks))
             if interruption.signum is not None:
                 return
             yield from rows_of([check], engine)
-            if shown is not None:
-                shown.update(1)
+        progress.show("verifying", len(checks), len(checks))
+    finally:
+        progress.close()
 
 
 def print_table(rows: Sequence[Row], titles: dict[str, str], settings: Settings) -> None:
