@@ -10,7 +10,7 @@ import pytest
 import vibsim
 
 PACKAGE = Path(vibsim.__file__).parent
-GROUND = {"physics", "engine"}
+GROUND = {"lazy_names", "physics", "engine"}
 # each may import those before it
 MIDDLE = ["cases", "files", "results", "analysis"]
 MIDDLE += [f"sweeps.{room}" for room in ("statistics", "computations", "plan", "points", "store", "schedule")]

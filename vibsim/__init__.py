@@ -16,66 +16,47 @@
 Names are imported when they are used, so `import vibsim` costs next to nothing.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
+from vibsim.lazy_names import lazy_names
+
 if TYPE_CHECKING:
-    from vibsim.analysis import Analysis, Lyapunov, analyse, lyapunov
-    from vibsim.cases import Case, CaseError, load_case
-    from vibsim.fitting import FitResult, fit
-    from vibsim.opening import open_result
-    from vibsim.results import Result, ResultFileError, simulate
-    from vibsim.sweeps import SweepResult, join, sweep
+    from vibsim.analysis import (
+        Analysis as Analysis,
+    )
+    from vibsim.analysis import (
+        Lyapunov as Lyapunov,
+    )
+    from vibsim.analysis import (
+        analyse as analyse,
+    )
+    from vibsim.analysis import (
+        lyapunov as lyapunov,
+    )
+    from vibsim.cases import Case as Case
+    from vibsim.cases import CaseError as CaseError
+    from vibsim.cases import load_case as load_case
+    from vibsim.fitting import FitResult as FitResult
+    from vibsim.fitting import fit as fit
+    from vibsim.opening import open_result as open_result
+    from vibsim.results import Result as Result
+    from vibsim.results import ResultFileError as ResultFileError
+    from vibsim.results import simulate as simulate
+    from vibsim.sweeps import SweepResult as SweepResult
+    from vibsim.sweeps import join as join
+    from vibsim.sweeps import sweep as sweep
 
 __version__ = "0.1.0"
 
-_HOMES = {
-    "Analysis": "vibsim.analysis",
-    "Lyapunov": "vibsim.analysis",
-    "analyse": "vibsim.analysis",
-    "lyapunov": "vibsim.analysis",
-    "Case": "vibsim.cases",
-    "CaseError": "vibsim.cases",
-    "load_case": "vibsim.cases",
-    "FitResult": "vibsim.fitting",
-    "fit": "vibsim.fitting",
-    "Result": "vibsim.results",
-    "ResultFileError": "vibsim.results",
-    "open_result": "vibsim.opening",
-    "simulate": "vibsim.results",
-    "SweepResult": "vibsim.sweeps",
-    "join": "vibsim.sweeps",
-    "sweep": "vibsim.sweeps",
-}
-
-__all__ = [
-    "Analysis",
-    "Case",
-    "CaseError",
-    "FitResult",
-    "Lyapunov",
-    "Result",
-    "ResultFileError",
-    "SweepResult",
-    "__version__",
-    "analyse",
-    "fit",
-    "join",
-    "load_case",
-    "lyapunov",
-    "open_result",
-    "simulate",
-    "sweep",
-]
-
-
-def __getattr__(name: str):
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(_HOMES[name]), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__():
-    return sorted(__all__)
+__getattr__, __dir__, __all__ = lazy_names(
+    __name__,
+    {
+        "vibsim.analysis": ["Analysis", "Lyapunov", "analyse", "lyapunov"],
+        "vibsim.cases": ["Case", "CaseError", "load_case"],
+        "vibsim.fitting": ["FitResult", "fit"],
+        "vibsim.opening": ["open_result"],
+        "vibsim.results": ["Result", "ResultFileError", "simulate"],
+        "vibsim.sweeps": ["SweepResult", "join", "sweep"],
+    },
+)
+__all__ += ["__version__"]

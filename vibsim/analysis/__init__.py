@@ -13,74 +13,52 @@
 Names are imported when they are used: scipy takes longer to import than most runs take to run.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
+from vibsim.lazy_names import lazy_names
+
 if TYPE_CHECKING:
-    from vibsim.analysis.analysis import Analysis, analyse
-    from vibsim.analysis.capture import Capture, judge_capture
-    from vibsim.analysis.comparison import Comparison, compare
-    from vibsim.analysis.dominant_frequencies import DominantFrequencies, find_frequencies
-    from vibsim.analysis.drift import Drift, measure_drift
-    from vibsim.analysis.exponents import Lyapunov, lyapunov
-    from vibsim.analysis.impacts_per_cycle import ImpactsPerCycle, count_impacts
-    from vibsim.analysis.regime.largest_exponent import largest_exponent
-    from vibsim.analysis.regime.points import Exponent
-    from vibsim.analysis.regime.verdict import Regime, judge_regime
-    from vibsim.analysis.span import Span
+    from vibsim.analysis.analysis import Analysis as Analysis
+    from vibsim.analysis.analysis import analyse as analyse
+    from vibsim.analysis.capture import Capture as Capture
+    from vibsim.analysis.capture import judge_capture as judge_capture
+    from vibsim.analysis.comparison import Comparison as Comparison
+    from vibsim.analysis.comparison import compare as compare
+    from vibsim.analysis.dominant_frequencies import (
+        DominantFrequencies as DominantFrequencies,
+    )
+    from vibsim.analysis.dominant_frequencies import (
+        find_frequencies as find_frequencies,
+    )
+    from vibsim.analysis.drift import Drift as Drift
+    from vibsim.analysis.drift import measure_drift as measure_drift
+    from vibsim.analysis.exponents import Lyapunov as Lyapunov
+    from vibsim.analysis.exponents import lyapunov as lyapunov
+    from vibsim.analysis.impacts_per_cycle import (
+        ImpactsPerCycle as ImpactsPerCycle,
+    )
+    from vibsim.analysis.impacts_per_cycle import (
+        count_impacts as count_impacts,
+    )
+    from vibsim.analysis.regime.largest_exponent import largest_exponent as largest_exponent
+    from vibsim.analysis.regime.points import Exponent as Exponent
+    from vibsim.analysis.regime.verdict import Regime as Regime
+    from vibsim.analysis.regime.verdict import judge_regime as judge_regime
+    from vibsim.analysis.span import Span as Span
 
-_HOMES = {
-    "Analysis": "analysis",
-    "analyse": "analysis",
-    "Capture": "capture",
-    "judge_capture": "capture",
-    "Comparison": "comparison",
-    "compare": "comparison",
-    "DominantFrequencies": "dominant_frequencies",
-    "find_frequencies": "dominant_frequencies",
-    "Drift": "drift",
-    "measure_drift": "drift",
-    "Exponent": "regime.points",
-    "largest_exponent": "regime.largest_exponent",
-    "ImpactsPerCycle": "impacts_per_cycle",
-    "count_impacts": "impacts_per_cycle",
-    "Lyapunov": "exponents",
-    "lyapunov": "exponents",
-    "Regime": "regime.verdict",
-    "judge_regime": "regime.verdict",
-    "Span": "span",
-}
-
-__all__ = [
-    "Analysis",
-    "Capture",
-    "Comparison",
-    "DominantFrequencies",
-    "Drift",
-    "Exponent",
-    "ImpactsPerCycle",
-    "Lyapunov",
-    "Regime",
-    "Span",
-    "analyse",
-    "compare",
-    "count_impacts",
-    "find_frequencies",
-    "judge_capture",
-    "judge_regime",
-    "largest_exponent",
-    "lyapunov",
-    "measure_drift",
-]
-
-
-def __getattr__(name: str):
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f"vibsim.analysis.{_HOMES[name]}"), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__():
-    return sorted({*globals(), *__all__})
+__getattr__, __dir__, __all__ = lazy_names(
+    __name__,
+    {
+        "vibsim.analysis.analysis": ["Analysis", "analyse"],
+        "vibsim.analysis.capture": ["Capture", "judge_capture"],
+        "vibsim.analysis.comparison": ["Comparison", "compare"],
+        "vibsim.analysis.dominant_frequencies": ["DominantFrequencies", "find_frequencies"],
+        "vibsim.analysis.drift": ["Drift", "measure_drift"],
+        "vibsim.analysis.exponents": ["Lyapunov", "lyapunov"],
+        "vibsim.analysis.impacts_per_cycle": ["ImpactsPerCycle", "count_impacts"],
+        "vibsim.analysis.regime.largest_exponent": ["largest_exponent"],
+        "vibsim.analysis.regime.points": ["Exponent"],
+        "vibsim.analysis.regime.verdict": ["Regime", "judge_regime"],
+        "vibsim.analysis.span": ["Span"],
+    },
+)

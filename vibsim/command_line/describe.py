@@ -1,7 +1,6 @@
 """Describe a result file: a trajectory here, a sweep by the sweeps, a bench and a fit by their tables."""
 
 from collections.abc import Mapping
-from importlib import import_module
 from typing import Any
 
 from vibsim.command_line.quantity_text import size
@@ -27,8 +26,6 @@ def print_case(path: str, settings: Settings) -> None:
 def print_description(path: str, settings: Settings) -> None:
     """Print what a result file holds.
 
-    A sweep is described by `vibsim.sweeps.describe(path)`, which returns (lines, facts): labelled lines for
-    people, a dict for JSON.
     """
     kind = kind_of(path)
     if kind == "bench":
@@ -38,17 +35,23 @@ def print_description(path: str, settings: Settings) -> None:
         _print_fit(path, settings)
         return
     if kind != "trajectory":
-        lines, facts = import_module("vibsim.sweeps").describe(path)
-        if settings.json:
-            print_json({"file": path, **facts})
-        elif not settings.quiet:
-            print_lines([*lines, *(attribute_lines(facts) if settings.verbose else ())])
+        _print_sweep(path, settings)
         return
     result = open_result(path)
     if settings.json:
         print_json(summary_object(result, path))
     elif not settings.quiet:
         _print_trajectory(result, path, settings)
+
+
+def _print_sweep(path: str, settings: Settings) -> None:
+    from vibsim.sweeps import describe
+
+    lines, facts = describe(path)
+    if settings.json:
+        print_json({"file": path, **facts})
+    elif not settings.quiet:
+        print_lines([*lines, *(attribute_lines(facts) if settings.verbose else ())])
 
 
 def _print_bench(path: str, settings: Settings) -> None:

@@ -3,7 +3,6 @@
 import sys
 from collections.abc import Callable, Sequence
 from functools import partial
-from importlib import import_module
 from itertools import takewhile
 from typing import Any
 
@@ -15,6 +14,8 @@ from vibsim.command_line.examples import examples
 from vibsim.command_line.repeated_options import refuse_repeated
 from vibsim.command_line.settings import add_global_options, global_options
 from vibsim.command_line.standard_streams import open_closed_streams
+from vibsim.files import signals
+from vibsim.lazy_names import named
 
 # name -> (module, one line for the list of commands); the list is printed without importing any of them
 COMMANDS = {
@@ -56,8 +57,8 @@ class LazyGroup(click.Group):
         if cmd_name not in COMMANDS:
             return None
         if self.owns_the_process:
-            import_module("vibsim.files.signals").of_the_command = True  # type: ignore[attr-defined]
-        command = import_module(COMMANDS[cmd_name][0]).command
+            signals.of_the_command = True
+        command = named(f"{COMMANDS[cmd_name][0]}:command")
         add_global_options(command)
         refuse_repeated(command)
         return command

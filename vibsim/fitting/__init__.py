@@ -6,29 +6,23 @@
 Names are imported when they are used.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
+from vibsim.lazy_names import lazy_names
+
 if TYPE_CHECKING:
-    from vibsim.fitting.description import describe
-    from vibsim.fitting.errors import FitError
-    from vibsim.fitting.fit_result import FitResult, open_fit
-    from vibsim.fitting.fitting import fit
+    from vibsim.fitting.description import describe as describe
+    from vibsim.fitting.errors import FitError as FitError
+    from vibsim.fitting.fit_result import FitResult as FitResult
+    from vibsim.fitting.fit_result import open_fit as open_fit
+    from vibsim.fitting.fitting import fit as fit
 
-_HOMES = {
-    "FitError": "vibsim.fitting.errors",
-    "FitResult": "vibsim.fitting.fit_result",
-    "describe": "vibsim.fitting.description",
-    "fit": "vibsim.fitting.fitting",
-    "open_fit": "vibsim.fitting.fit_result",
-}
-
-__all__ = ["FitError", "FitResult", "describe", "fit", "open_fit"]
-
-
-def __getattr__(name: str):
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(_HOMES[name]), name)
-    globals()[name] = value
-    return value
+__getattr__, __dir__, __all__ = lazy_names(
+    __name__,
+    {
+        "vibsim.fitting.description": ["describe"],
+        "vibsim.fitting.errors": ["FitError"],
+        "vibsim.fitting.fit_result": ["FitResult", "open_fit"],
+        "vibsim.fitting.fitting": ["fit"],
+    },
+)

@@ -1,13 +1,13 @@
 """Which number kit a run of many digits gets: python-flint's balls, or mpmath's floats without it."""
 
-from importlib import import_module
 from importlib.util import find_spec
 
+from vibsim.lazy_names import named
 from vibsim.physics.working_precision import FEWEST_DIGITS, MOST_DIGITS
 
 KITS = {
-    "flint": ("vibsim.physics.multiprecision", "Balls"),
-    "mpmath": ("vibsim.physics.big_floats", "BigFloats"),
+    "flint": "vibsim.physics.multiprecision:Balls",
+    "mpmath": "vibsim.physics.big_floats:BigFloats",
 }
 MISSING = "digits beyond double precision need python-flint (or mpmath): pip install 'vibsim[reference]'"
 
@@ -31,5 +31,4 @@ def number_kit(digits):
     """
     if not FEWEST_DIGITS <= digits <= MOST_DIGITS:
         raise ValueError(f"digits must be {FEWEST_DIGITS} to {MOST_DIGITS}, got {digits}")
-    module, name = KITS[installed_library()]
-    return getattr(import_module(module), name)(digits)
+    return named(KITS[installed_library()])(digits)

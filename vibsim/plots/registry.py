@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from vibsim.cases.spelling import nearest
+from vibsim.lazy_names import named
 from vibsim.plots.errors import PlotError
 
 if TYPE_CHECKING:
@@ -44,8 +44,7 @@ class Kind:
     @property
     def draw(self) -> Callable[..., Any]:
         """The function that draws it; its module (and matplotlib) is imported here."""
-        module = import_module(f"vibsim.plots.{self.name.replace('-', '_')}")
-        return module.draw
+        return named(f"vibsim.plots.{self.name.replace('-', '_')}:draw")
 
 
 KINDS = (

@@ -7,39 +7,31 @@
 Names are imported when they are used: h5py takes longer to import than most runs take to run.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
+from vibsim.lazy_names import lazy_names
+
 if TYPE_CHECKING:
-    from vibsim.files.errors import ResultFileError
-    from vibsim.results.opening import is_result_file, kind_of, open_trajectory_file
-    from vibsim.results.result import Result
-    from vibsim.results.simulation import simulate, simulate_to_file
+    from vibsim.files.errors import ResultFileError as ResultFileError
+    from vibsim.results.opening import (
+        is_result_file as is_result_file,
+    )
+    from vibsim.results.opening import (
+        kind_of as kind_of,
+    )
+    from vibsim.results.opening import (
+        open_trajectory_file as open_trajectory_file,
+    )
+    from vibsim.results.result import Result as Result
+    from vibsim.results.simulation import simulate as simulate
+    from vibsim.results.simulation import simulate_to_file as simulate_to_file
 
-_HOMES = {
-    "Result": "vibsim.results.result",
-    "ResultFileError": "vibsim.files.errors",
-    "is_result_file": "vibsim.results.opening",
-    "kind_of": "vibsim.results.opening",
-    "open_trajectory_file": "vibsim.results.opening",
-    "simulate": "vibsim.results.simulation",
-    "simulate_to_file": "vibsim.results.simulation",
-}
-
-__all__ = [
-    "Result",
-    "ResultFileError",
-    "is_result_file",
-    "kind_of",
-    "open_trajectory_file",
-    "simulate",
-    "simulate_to_file",
-]
-
-
-def __getattr__(name: str):
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(_HOMES[name]), name)
-    globals()[name] = value
-    return value
+__getattr__, __dir__, __all__ = lazy_names(
+    __name__,
+    {
+        "vibsim.files.errors": ["ResultFileError"],
+        "vibsim.results.opening": ["is_result_file", "kind_of", "open_trajectory_file"],
+        "vibsim.results.result": ["Result"],
+        "vibsim.results.simulation": ["simulate", "simulate_to_file"],
+    },
+)

@@ -6,31 +6,25 @@
 Names are imported when they are used.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
+from vibsim.lazy_names import lazy_names
+
 if TYPE_CHECKING:
-    from vibsim.sweeps.description import describe
-    from vibsim.sweeps.joining import join
-    from vibsim.sweeps.plan.sweep_plan import PlanError
-    from vibsim.sweeps.sweep_result import SweepResult, open_sweep
-    from vibsim.sweeps.sweeping import sweep
+    from vibsim.sweeps.description import describe as describe
+    from vibsim.sweeps.joining import join as join
+    from vibsim.sweeps.plan.sweep_plan import PlanError as PlanError
+    from vibsim.sweeps.sweep_result import SweepResult as SweepResult
+    from vibsim.sweeps.sweep_result import open_sweep as open_sweep
+    from vibsim.sweeps.sweeping import sweep as sweep
 
-_HOMES = {
-    "PlanError": "vibsim.sweeps.plan.sweep_plan",
-    "SweepResult": "vibsim.sweeps.sweep_result",
-    "describe": "vibsim.sweeps.description",
-    "join": "vibsim.sweeps.joining",
-    "open_sweep": "vibsim.sweeps.sweep_result",
-    "sweep": "vibsim.sweeps.sweeping",
-}
-
-__all__ = ["PlanError", "SweepResult", "describe", "join", "open_sweep", "sweep"]
-
-
-def __getattr__(name: str):
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(_HOMES[name]), name)
-    globals()[name] = value
-    return value
+__getattr__, __dir__, __all__ = lazy_names(
+    __name__,
+    {
+        "vibsim.sweeps.description": ["describe"],
+        "vibsim.sweeps.joining": ["join"],
+        "vibsim.sweeps.plan.sweep_plan": ["PlanError"],
+        "vibsim.sweeps.sweep_result": ["SweepResult", "open_sweep"],
+        "vibsim.sweeps.sweeping": ["sweep"],
+    },
+)

@@ -6,13 +6,13 @@ A new peer is one entry here and one module in `vibsim.evidence.peers`. Nothing 
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
 from vibsim.cases.spelling import nearest
 from vibsim.evidence.benchmark.errors import BenchError
 from vibsim.evidence.peers.tolerances import SHARE, TIGHTEST
+from vibsim.lazy_names import named
 from vibsim.physics.two_blocks import TwoBlocks
 
 Setting = tuple[str, Mapping[str, Any]]  # as shown, as given to the peer
@@ -64,8 +64,7 @@ class Family:
 
     def opener(self, scene: TwoBlocks, setting: str) -> Callable[[], Any]:
         """What makes the peer for `scene` at a setting when called; its module is imported here."""
-        module, _, name = self.peer.partition(":")
-        peer, settings = getattr(import_module(module), name), dict(self.ladder)[setting]
+        peer, settings = named(self.peer), dict(self.ladder)[setting]
         return lambda: peer(scene, **self.fixed, **settings)
 
 

@@ -7,27 +7,21 @@ Expected values are closed forms, published figures, conservation laws and store
 follow from rounding and from the conditioning of each motion. Needs nothing but the installed package.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
+from vibsim.lazy_names import lazy_names
+
 if TYPE_CHECKING:
-    from vibsim.evidence.verification.row import Point, Row
-    from vibsim.evidence.verification.selection import UnknownCheckError
-    from vibsim.evidence.verification.verifying import verify
+    from vibsim.evidence.verification.row import Point as Point
+    from vibsim.evidence.verification.row import Row as Row
+    from vibsim.evidence.verification.selection import UnknownCheckError as UnknownCheckError
+    from vibsim.evidence.verification.verifying import verify as verify
 
-_HOMES = {
-    "Point": "vibsim.evidence.verification.row",
-    "Row": "vibsim.evidence.verification.row",
-    "UnknownCheckError": "vibsim.evidence.verification.selection",
-    "verify": "vibsim.evidence.verification.verifying",
-}
-
-__all__ = ["Point", "Row", "UnknownCheckError", "verify"]
-
-
-def __getattr__(name: str):
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(_HOMES[name]), name)
-    globals()[name] = value
-    return value
+__getattr__, __dir__, __all__ = lazy_names(
+    __name__,
+    {
+        "vibsim.evidence.verification.row": ["Point", "Row"],
+        "vibsim.evidence.verification.selection": ["UnknownCheckError"],
+        "vibsim.evidence.verification.verifying": ["verify"],
+    },
+)

@@ -1,0 +1,32 @@
+"""What is imported when it is used, so that `import vibsim` costs next to nothing."""
+
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from importlib import import_module
+from typing import Any
+
+Lazy = tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]
+
+
+def lazy_names(package: str, homes: Mapping[str, Sequence[str]]) -> Lazy:
+    """`__getattr__`, `__dir__` and `__all__` of a package.
+
+    homes : module -> names that are taken from it
+    """
+    modules = {name: module for module, names in homes.items() for name in names}
+
+    def imported(name: str) -> Any:
+        if name not in modules:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        value = getattr(import_module(modules[name]), name)
+        setattr(sys.modules[package], name, value)
+        return value
+
+    public = sorted(modules)
+    return imported, lambda: sorted(public), public
+
+
+def named(path: str) -> Any:
+    """The object of a name such as "vibsim.physics.multiprecision:Balls", its module imported."""
+    module, _, name = path.partition(":")
+    return getattr(import_module(module), name)
