@@ -27,23 +27,18 @@ OPEN = (
 
 CHAOS = (
     "Beyond its trust horizon a run is one of many that the model allows. So claims on Case II are judged "
-    "over an "
-    "ensemble as well: block 1 displaced at the start by up to {furthest} mm to either side, {count} starts "
-    "in steps "
-    "of {step} mm. A property of the system is what {most} of them have: four in five. This rule is ours."
+    "over an ensemble as well: block 1 displaced at the start by up to {furthest} mm to either side, "
+    "{count} starts in steps of {step} mm. A property of the system is what {most} of them have: four in "
+    "five. This rule is ours."
 )
 CAPTURE = (
-    "The paper does not say how a captured motor is told. Here it is held while its mean speed over 12 turns "
-    "stays "
-    "within ±3 %; a hold counts as capture from 15 times the time that the motor alone would take through "
-    "that band. "
-    "That scale is relative: a rotor with more inertia runs up more slowly, and must be held for longer to "
-    "count. "
-    "Through ±3 % about 3.69 Hz with a no-load speed of 6.5 Hz, the least hold that counts is {least}. A "
-    "reading "
-    "with a larger J can therefore do what the paper says in seconds and still be judged to have passed; so "
-    "the "
-    "claim on the escape looks at the seconds, for any hold that lingers."
+    "The paper does not say how a captured motor is told. Here it is held while its mean speed over 12 "
+    "turns stays within ±3 %; a hold counts as capture from 15 times the time that the motor alone would "
+    "take through that band. That scale is relative: a rotor with more inertia runs up more slowly, and "
+    "must be held for longer to count. Through ±3 % about 3.69 Hz with a no-load speed of 6.5 Hz, the least "
+    "hold that counts is {least}. A reading with a larger J can therefore do what the paper says in seconds "
+    "and still be judged to have passed; so the claim on the escape looks at the seconds, for any hold that "
+    "lingers."
 )
 
 
@@ -71,8 +66,7 @@ def unjudged_blocks(numbers: Numbers) -> tuple[Block, ...]:
         Said(
             said("smaller", "greater"),
             "A slip: the first says the opposite of the second, of Eqs. (2.1), (2.2) and (2.9), (2.10), and "
-            "of "
-            "Fig. 2. Here the equations stand: contact while x2 − x1 ≥ G. Eq. (2.5) itself carries no "
+            "of Fig. 2. Here the equations stand: contact while x2 − x1 ≥ G. Eq. (2.5) itself carries no "
             "condition.",
         ),
         Said(
@@ -83,8 +77,7 @@ def unjudged_blocks(numbers: Numbers) -> tuple[Block, ...]:
         Said(
             said("complete", "importance", "helped"),
             "Opinions on the value of the models; not for measurement. That the comparison is of unequal "
-            "forces is "
-            "said under its claim.",
+            "forces is said under its claim.",
         ),
     )
 
@@ -93,15 +86,13 @@ def _validity(numbers: Numbers) -> str:
     """The condition, and the rest distances that the runs need."""
     needed = [numbers["runs"][name]["rest_distance_needed"] for name in (*PRINTED, *MOTORS)]
     condition = (
-        "A condition of the model, not a claim that the motions shown meet it; the distance of the blocks at "
-        "rest is "
-        "not given. "
+        "A condition of the model, not a claim that the motions shown meet it; the distance of the blocks "
+        "at rest is not given. "
     )
     if None in needed:
         return condition + "How far apart they must be is not known for every run."
     span = between(1e3 * min(needed), 1e3 * max(needed), "mm")
     return (
-        f"{condition}The printed cases meet it if the blocks are {span} apart at rest, {mm(max(needed))} for "
-        "all of "
-        "them; with displacements counted as positions, every run breaks it."
+        f"{condition}The printed cases meet it if the blocks are {span} apart at rest, {mm(max(needed))} "
+        "for all of them; with displacements counted as positions, every run breaks it."
     )

@@ -45,8 +45,7 @@ def capture_claims() -> list[Claim]:
             "The motor reaches equilibrium, at another speed for each characteristic.",
             said("equilibrium"),
             "Each of II-A, II-B and II-C settles: the mean speed over 12 turns stays within 3 % up to the "
-            "end, from "
-            "four of five perturbed starts; their speeds differ by more than 3 %.",
+            "end, from four of five perturbed starts; their speeds differ by more than 3 %.",
             OURS,
             equilibria,
             figures=("fig-04",),

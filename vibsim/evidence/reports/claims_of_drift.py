@@ -35,9 +35,8 @@ def drift_claims() -> list[Claim]:
             "drift-grows",
             "With the ideal source the overall displacement rate grows with frequency.",
             said("overall rate"),
-            "|x2| at the end of the run grows from 3.5 to 5.5 to 6.5 Hz. (The drift rate of the second half, "
-            "a "
-            "measure of ours, is told beside it.)",
+            "|x2| at the end of the run grows from 3.5 to 5.5 to 6.5 Hz. (The drift rate of the second "
+            "half, a measure of ours, is told beside it.)",
             PAPERS,
             drift_grows,
             figures=("fig-05", "fig-06", "fig-07"),
@@ -48,8 +47,7 @@ def drift_claims() -> list[Claim]:
             "Impacts can be the cause of that displacement.",
             said("cause"),
             "With the stop out of reach the overall displacement of I-A, I-B and I-C is at most a fifth of "
-            "what it is "
-            "with it, and there is no drift in the second half.",
+            "what it is with it, and there is no drift in the second half.",
             OURS,
             impacts_cause,
         ),
@@ -57,9 +55,8 @@ def drift_claims() -> list[Claim]:
             "rates-higher",
             "The displacement rate is higher with the non-ideal source, at each frequency.",
             said("rates higher"),
-            "At each frequency II is faster than I in four of five pairs of perturbed starts, in the overall "
-            "rate or "
-            "in the drift rate of the second half.",
+            "At each frequency II is faster than I in four of five pairs of perturbed starts, in the "
+            "overall rate or in the drift rate of the second half.",
             OURS,
             rates_higher,
             figures=("fig-08", "fig-09", "fig-10"),
@@ -70,8 +67,7 @@ def drift_claims() -> list[Claim]:
             "With the motor, too, the rate tends to grow with frequency.",
             said("rate tends"),
             "A tendency: the median over the perturbed starts, of the overall rate and of the drift rate in "
-            "the "
-            "second half, grows from II-A to II-B to II-C.",
+            "the second half, grows from II-A to II-B to II-C.",
             OURS,
             motor_drift_grows,
             figures=("fig-08", "fig-09", "fig-10"),
@@ -82,8 +78,7 @@ def drift_claims() -> list[Claim]:
             "II-B has a higher displacement rate than II-C.",
             said("higher at 5.5"),
             "II-B is faster in four of five pairs of perturbed starts, in the overall rate or in the drift "
-            "rate of the "
-            "second half.",
+            "rate of the second half.",
             OURS,
             drift_b_above_c,
             figures=("fig-09", "fig-10"),
@@ -105,8 +100,7 @@ def drift_grows(numbers: Numbers) -> Finding:
     if equal and not late[EQUAL_FORCE]:
         remark += (
             " With equal forces the displacement is that of the start, a force A sin(ωt) that sets in at "
-            "full size "
-            "on blocks at rest; in the second half no growth can be told from nothing."
+            "full size on blocks at rest; in the second half no growth can be told from nothing."
         )
     condition = "the amplitudes are those of Table 1" if printed else "they follow Eq. (2.11)"
     verdict = only_if(printed, equal)
@@ -159,8 +153,7 @@ def impacts_cause(numbers: Numbers) -> Finding:
     equal = [name for name in EQUAL_FORCE if abs(without[name]["overall"]) > abs(runs[name]["overall"])]
     remark = (
         f"Not so with equal forces, where the start displaces the blocks: {words_of(equal)} get further "
-        "without "
-        "the stop than with it."
+        "without the stop than with it."
         if equal
         else ""
     )

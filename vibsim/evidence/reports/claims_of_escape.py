@@ -53,8 +53,7 @@ def escape_claims() -> list[Claim]:
             "The displacement of II-C rises until about 170 s, then falls.",
             said("until 170 s"),
             "x2, averaged over 5 s, is greatest between 150 and 190 s, and 10 % or more lower at the end, "
-            "from "
-            "four of five perturbed starts (beyond the trust horizon a single run proves nothing).",
+            "from four of five perturbed starts (beyond the trust horizon a single run proves nothing).",
             OUR_MARGIN,
             c_displacement,
             figures=("fig-10", "fig-10-reading"),
@@ -79,8 +78,7 @@ def _escape_lines(numbers: Numbers, name: str) -> tuple[str, str]:
     return (
         capture_line(numbers, name),
         f"{name}, perturbed starts: let go 67 to 150 s after the start in {at}, after a hold of 67 to 150 s "
-        "in "
-        f"{lasting}",
+        f"in {lasting}",
     )
 
 
@@ -149,8 +147,7 @@ def c_speed(numbers: Numbers) -> Finding:
     )
     remark = (
         "The motor bears the load of the vibration and settles 2 to 4 % lower. The next paragraph of the "
-        "paper has "
-        "6.2 Hz for the same motor, 4.6 % below its constant: that is nearer."
+        "paper has 6.2 Hz for the same motor, 4.6 % below its constant: that is nearer."
     )
     return Finding(HOLDS if reached else FAILS, lines, (PRINTED_C,), remark="" if reached else remark)
 
@@ -180,9 +177,8 @@ def c_displacement(numbers: Numbers) -> Finding:
 
 
 CHANCE = (
-    "The motion is chaotic by then, and ends in one of several coexisting motions: some drift back, some on. "
-    "A "
-    "single run, such as the one that the paper shows, may well do so."
+    "The motion is chaotic by then, and ends in one of several coexisting motions: some drift back, some "
+    "on. A single run, such as the one that the paper shows, may well do so."
 )
 
 

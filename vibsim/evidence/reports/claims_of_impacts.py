@@ -36,8 +36,7 @@ def impact_claims() -> list[Claim]:
             "has one.",
             said("impacts more frequent"),
             "More impacts in I-B than in I-A and in I-C than in I-B over the run; at least one in every "
-            "cycle of the "
-            "second half of I-C.",
+            "cycle of the second half of I-C.",
             PAPERS,
             impacts_every_cycle,
             figures=("fig-05", "fig-06", "fig-07"),

@@ -28,8 +28,7 @@ def models_claims() -> list[Claim]:
             "Without impacts the motion is periodic.",
             said("no transition"),
             "With the stop out of reach, each of the nine cases settles in a periodic motion (judged over "
-            "5000 to "
-            "10000 s, when the free vibration has died out).",
+            "5000 to 10000 s, when the free vibration has died out).",
             OURS,
             periodic_without_stop,
         ),
@@ -60,8 +59,7 @@ def periodic_without_stop(numbers: Numbers) -> Finding:
     periods = sorted({row["regime"]["period"] for row in rows.values() if row["regime"]["period"]})
     lines = (
         f"without the stop: {len(rows) - len(bad)} of {len(rows)} cases settle in a periodic motion, of "
-        "period "
-        f"{' or '.join(map(str, periods))} of the source",
+        f"period {' or '.join(map(str, periods))} of the source",
         *(f"{name}: {rows[name]['regime']['verdict']}: {rows[name]['regime']['reason']}" for name in bad),
     )
     remark = (
@@ -80,8 +78,7 @@ def natural_frequency(numbers: Numbers) -> Finding:
         f"non-ideal model, blocks free, stop open (m1 + m3, m2): {motor:.3f} Hz",
         f"ideal model (m1, m2): {ideal:.3f} Hz; block 1 alone with block 2 held: {held:.3f} Hz",
         f"with the stop, in the limit of large vibrations (bilinear): Case I {facts['bilinear_hz_I']:.2f} "
-        "Hz, "
-        f"Case II {facts['bilinear_hz_II']:.2f} Hz",
+        f"Hz, Case II {facts['bilinear_hz_II']:.2f} Hz",
     )
     held_way = "block 2 is held and the motor not counted"
     if _rounds_to_natural(motor):
@@ -109,7 +106,6 @@ def amplitude(numbers: Numbers) -> Finding:
     remark = (
         f"Eq. (2.11) demands {min(ratios):.0f} to {max(ratios):.0f} times as much. Table 1 is within "
         f"{100 * off:.1f} % of m3 e ω, prints m as the unit, and is used as N: unequal forces are compared. "
-        "So "
-        "Table 1 confirms m3 e = 0.0033 kg m."
+        "So Table 1 confirms m3 e = 0.0033 kg m."
     )
     return Finding(FAILS, lines, remark=remark)

@@ -24,9 +24,8 @@ def regime_claims() -> list[Claim]:
             "For certain parameters the motion is chaotic.",
             said("chaotic"),
             "Among the cases shown or beside them (frequency, damping, law of the amplitude) there are "
-            "motions "
-            "that the 0-1 test or a positive largest Lyapunov exponent calls chaotic in the second half of "
-            "300 s.",
+            "motions that the 0-1 test or a positive largest Lyapunov exponent calls chaotic in the second "
+            "half of 300 s.",
             OURS,
             chaotic_somewhere,
             pictures=("regimes",),
@@ -34,12 +33,10 @@ def regime_claims() -> list[Claim]:
         Claim(
             "three-regimes",
             "The three frequencies of Case I give periodic, quasi-periodic and chaotic motion, with and "
-            "without "
-            "impacts.",
+            "without impacts.",
             said("responses"),
-            "Each of the three regimes is found in one of I-A, I-B and I-C, in the second half of the run or "
-            "when "
-            "it is followed to 3000 s, and one of the three has no impacts.",
+            "Each of the three regimes is found in one of I-A, I-B and I-C, in the second half of the run "
+            "or when it is followed to 3000 s, and one of the three has no impacts.",
             OURS,
             three_regimes,
             figures=("fig-11", "fig-12", "fig-13"),
@@ -50,8 +47,7 @@ def regime_claims() -> list[Claim]:
             "The motion becomes more regular with frequency, for both sources.",
             said("regular"),
             "The share of perturbed starts whose motion repeats itself, or comes closer to doing so, every "
-            "cycle "
-            "(period 1) does not fall from 3.5 to 5.5 to 6.5 Hz, and grows from the first to the last.",
+            "cycle (period 1) does not fall from 3.5 to 5.5 to 6.5 Hz, and grows from the first to the last.",
             OURS,
             more_regular,
             figures=("fig-11", "fig-12", "fig-13"),
@@ -60,9 +56,8 @@ def regime_claims() -> list[Claim]:
             "period-1-ideal",
             "The ideal source at 6.5 Hz leads to a period-1 motion with one impact in every cycle.",
             said("period-1"),
-            "I-C settles in period 1 (followed to 3000 s), and four of five perturbed starts have one impact "
-            "in each "
-            "cycle of the second half.",
+            "I-C settles in period 1 (followed to 3000 s), and four of five perturbed starts have one "
+            "impact in each cycle of the second half.",
             OURS,
             period_one_ideal,
             figures=("fig-07", "fig-13"),
@@ -71,9 +66,8 @@ def regime_claims() -> list[Claim]:
             "period-1-motor",
             "So does the motor of 6.5 Hz: one impact in every turn.",
             said("period-1"),
-            "The run from rest and four of five perturbed starts of II-C have one impact in each turn of the "
-            "second "
-            "half.",
+            "The run from rest and four of five perturbed starts of II-C have one impact in each turn of "
+            "the second half.",
             OURS,
             period_one_motor,
             figures=("fig-10", "fig-13"),

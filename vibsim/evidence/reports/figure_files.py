@@ -81,32 +81,26 @@ EVIDENCE = {
         "Regime of the ideal source's motion between 150 and 300 s, from rest: rows for the law of the "
         "amplitude and the damping c in N s/m; crosses: Table 1.",
         "Four rows of coloured cells over frequency. With the amplitude of Table 1 nearly all are periodic, "
-        "some "
-        "near 3.8 to 4 Hz chaotic; with that of Eq. (2.11) most are chaotic or transient.",
+        "some near 3.8 to 4 Hz chaotic; with that of Eq. (2.11) most are chaotic or transient.",
     ),
     "drift": (
         draw_drift,
         "Drift",
         "Rates of displacement of block 2 from 48 perturbed starts in each case (points), and from rest "
-        "(rings): over "
-        "the whole run, and in its second half; less than a micrometre per second is drawn at the lower "
-        "edge.",
+        "(rings): over the whole run, and in its second half; less than a micrometre per second is drawn at "
+        "the lower edge.",
         "Two panels of point clouds on a logarithmic scale, nine cases side by side. II-A lies above I-A; "
-        "the clouds "
-        "of II-B and II-C are wide and overlap those of I-B and I-C; with equal force the ideal source is "
-        "fastest overall.",
+        "the clouds of II-B and II-C are wide and overlap those of I-B and I-C; with equal force the ideal "
+        "source is fastest overall.",
     ),
     "capture": (
         draw_capture,
         "Holds",
         "Left: mean speed of the motor while it is held, from 48 perturbed starts in each case; dashed: the "
-        "paper's "
-        "4.1 Hz. Right: final speed against the time until which it is held, 300 s being the end; shaded: 67 "
-        "to "
-        "150 s, and 6.0 to 6.4 Hz.",
+        "paper's 4.1 Hz. Right: final speed against the time until which it is held, 300 s being the end; "
+        "shaded: 67 to 150 s, and 6.0 to 6.4 Hz.",
         "Left: all clouds lie below the dashed line or far above it. Right: where the starts of each case "
-        "end "
-        "in time of release and final speed.",
+        "end in time of release and final speed.",
     ),
 }  # after the functions that they name
 

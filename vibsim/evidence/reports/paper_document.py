@@ -22,23 +22,20 @@ from vibsim.evidence.reports.search_tables import (
 
 PAPER = (
     "Fernando H. Moraes, Bento R. Pontes Jr, Marcos Silveira, José M. Balthazar, Reyolando M. L. R. F. "
-    "Brasil: "
-    "Influence of ideal and non-ideal excitation sources on the dynamics of a nonlinear vibro-impact system "
-    "(received 31 October 2012, accepted 4 February 2013)."
+    "Brasil: Influence of ideal and non-ideal excitation sources on the dynamics of a nonlinear "
+    "vibro-impact system (received 31 October 2012, accepted 4 February 2013)."
 )
 SUBTITLE = (
     "Every figure drawn again from its cases, every statement quoted and held against what was measured. "
-    "Words in "
-    "quotation marks are the paper's; all others are ours."
+    "Words in quotation marks are the paper's; all others are ours."
 )
 
 FIGURES = (
     "Panels (a) and (b) as the captions of the paper have them; these give neither windows nor ranges, so "
-    "those here "
-    "are ours. Figs. 1 and 3 are sketches of the models and not drawn again. Case I is shown with both "
-    "amplitudes, that of Table 1 and that of Eq. (2.11). Beyond a trust horizon (hatched) the motion is "
-    "one of many that the model allows. Figures marked as readings use a J and c under which the paper's "
-    "account of them holds, but for the 4.1 Hz."
+    "those here are ours. Figs. 1 and 3 are sketches of the models and not drawn again. Case I is shown "
+    "with both amplitudes, that of Table 1 and that of Eq. (2.11). Beyond a trust horizon (hatched) the "
+    "motion is one of many that the model allows. Figures marked as readings use a J and c under which the "
+    "paper's account of them holds, but for the 4.1 Hz."
 )
 MECHANISM = (
     "Two things are needed at once. The motor must not get away while the vibration is still small: a "

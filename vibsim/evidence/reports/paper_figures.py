@@ -115,11 +115,9 @@ def _motors() -> PaperFigure:
         "fig-04",
         "Fig. 4",
         "Characteristics of the motor: torque against speed, for the three motor constants. Filled points: "
-        "where "
-        "each motor runs in the end; square: where it is held on the way; open circles: no load.",
+        "where each motor runs in the end; square: where it is held on the way; open circles: no load.",
         "Three straight lines that fall from 5 mN m at standstill to zero at 3.5, 5.5 and 6.5 Hz, each with "
-        "an "
-        "operating point near its lower end; the line of 5.5 Hz has a square at 3.7 Hz as well.",
+        "an operating point near its lower end; the line of 5.5 Hz has a square at 3.7 Hz as well.",
         ("II-A", "II-B", "II-C"),
         6.0,
         draw_motors,
@@ -132,8 +130,7 @@ def _displacements_ideal(letter: str) -> PaperFigure:
         f"fig-{number:02}",
         f"Fig. {number}",
         f"Case I-{letter}, ideal source at {HERTZ[letter]} Hz: (a) displacements over 300 s, (b) a detail "
-        "with "
-        "impacts (contact shaded); above with the amplitude of Table 1, below with that of Eq. (2.11).",
+        "with impacts (contact shaded); above with the amplitude of Table 1, below with that of Eq. (2.11).",
         "Four panels. Left: x1 and x2 against time over 300 s, x1 a band that vibrates about the drifting "
         f"x2; right: about ten periods with each impact marked. Ideal source, {HERTZ[letter]} Hz.",
         (f"I-{letter}", f"I-{letter}-eq211"),
@@ -148,8 +145,7 @@ def _displacements_motor(letter: str) -> PaperFigure:
         f"fig-{number:02}",
         f"Fig. {number}",
         f"Case II-{letter}, motor constant {HERTZ[letter]} Hz: (a) displacements over 300 s, (b) a detail "
-        "with "
-        "impacts.",
+        "with impacts.",
         "Two panels: x1 and x2 against time over 300 s, and about ten turns of the motor with each impact "
         f"marked. Motor constant {HERTZ[letter]} Hz, printed parameters.",
         (f"II-{letter}",),
@@ -178,10 +174,8 @@ def _portraits(letter: str) -> PaperFigure:
         f"fig-{number}",
         f"Fig. {number}",
         f"Phase portraits at {HERTZ[letter]} Hz, the last periods: (a) ideal source, with the amplitude of "
-        "Table 1 "
-        "and with that of Eq. (2.11); (b) motor. Blocks 1 and 2, and at the right their relative motion, "
-        "which "
-        "no drift smears.",
+        "Table 1 and with that of Eq. (2.11); (b) motor. Blocks 1 and 2, and at the right their relative "
+        "motion, which no drift smears.",
         "Nine panels of velocity against displacement: rows for I as printed, I with equal force, and II; "
         "columns for blocks 1 and 2 and for x1 − x2.",
         (f"I-{letter}", f"I-{letter}-eq211", f"II-{letter}"),
