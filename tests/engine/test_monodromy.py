@@ -136,6 +136,15 @@ def test_a_state_alone(engine):
     assert plain.vectors.shape == (0, 6) and same_bits(plain.state, full.state)
 
 
+@pytest.mark.parametrize("label", SCENES)
+def test_disturbances_after_states_alone(label):
+    """What a carrier learnt on the way without disturbances does not hide what events do to them."""
+    of, _ = SCENES[label]
+    kept = Carrier(of, "c")
+    kept.carry(start_of(of), of.t_end, [])
+    assert_same(kept.carry(start_of(of), of.t_end), Carrier(of, "python").carry(start_of(of), of.t_end))
+
+
 @pytest.mark.parametrize(
     ("state", "end", "vectors", "message"),
     [

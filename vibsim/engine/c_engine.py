@@ -47,7 +47,9 @@ class Doubts:
 class CRun:
     """A run of a scene made of parts on the C engine."""
 
-    def __init__(self, scene, resume=None, section=False, ledger=False, momentum=False, tangent=(0, 0.0)):
+    def __init__(
+        self, scene, resume=None, section=False, ledger=False, momentum=False, tangent=(0, 0.0), carries=False
+    ):
         self.scene, self.n = scene, len(scene.bodies)
         self.maker = RowMaker(scene, Doubles)
         self.doubts = Doubts()
@@ -61,8 +63,13 @@ class CRun:
             names = self.meters.names
             self.run.keep_ledger(*pack_ledger(scene, names, jumps_of(scene, names), self.maker.ends))
         count, begin = tangent
-        self.tangencies, self.carries = Tangencies(scene, Doubles), count > 0
-        if self.carries:
+        # disturbances that may come along, by which rules are made; and those of now
+        self.tangencies, self.carries, self.moving = (
+            Tangencies(scene, Doubles),
+            carries or count > 0,
+            count > 0,
+        )
+        if self.moving:
             self.run.keep_tangent(*pack_bundle(scene, count, begin, self.maker.ends))
         state, status, known = resume or self._start(scene)
         self.first = state.copy(), status
@@ -81,8 +88,8 @@ class CRun:
         alone, with disturbances to be carried as they are: an array of one per row.
         """
         self.run.rewind(scene.t_end)
-        self.carries = len(vectors) > 0
-        if self.carries:
+        self.moving = len(vectors) > 0
+        if self.moving:
             self.run.keep_tangent(*pack_disturbances(scene, vectors, self.maker.ends))
         self._set_off(*self._start(scene))
 
@@ -172,7 +179,7 @@ class CRun:
         rows = self.rows[number]
         status, happened, known = self.automaton.take(state, rows.status, rows.events[event])
         target = self._mode(status)
-        if self.carries and not self._jumps_in_c(rows, self.rows[target], rows.events[event]):
+        if self.moving and not self._jumps_in_c(rows, self.rows[target], rows.events[event]):
             self._hand_jump(rows.events[event], state, rows, self.rows[target])
         kinds = array("i", (EVENT_KINDS[kind] for kind, _ in happened)).tobytes()
         parts = array("i", (part for _, part in happened)).tobytes()

@@ -94,7 +94,7 @@ class Carrier:
             return self._by_python(scene, vectors)
         from vibsim.engine.c_engine import CRun
 
-        self.run = self.run or CRun(scene)
+        self.run = self.run or CRun(scene, carries=True)
         self.run.restart(scene, vectors)
         codes = [codes[:2] for _, _, _, codes, *_ in self.run.blocks()]
         tally = self.run.tally
