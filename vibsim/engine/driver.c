@@ -355,10 +355,18 @@ static int is_finite(const Run *r, const State *s)
     return isfinite(total);
 }
 
+/* Take the state at the end of the stretch, once. */
+void run_arrive(Run *r)
+{
+    if (!r->arrived)
+        flow_state(r, r->pending_end, &r->next);
+    r->arrived = 1;
+}
+
 /* State at the end of the stretch; 0 where it is not finite. */
 static int arrive(Run *r)
 {
-    flow_state(r, r->pending_end, &r->next);
+    run_arrive(r);
     if (is_finite(r, &r->next))
         return 1;
     r->status = DIVERGED;
@@ -369,6 +377,7 @@ static void open_stretch(Run *r)
 {
     double steps = r->steps;
     r->pending_end = flow_advance(r, r->t_end, &r->pending_event);
+    r->arrived = 0;
     r->spent += r->steps - steps;
     ledger_open(r);
     tangent_begin_stretch(r);
@@ -444,6 +453,7 @@ int run_state_at(Run *r, double t, State *out)
     while (!r->finished && r->status == OK) {
         double steps = r->steps;
         r->pending_end = flow_advance(r, r->t_end, &r->pending_event);
+        r->arrived = 0;
         if (r->pending_event != NOTHING || r->pending_end >= t || r->pending_end >= r->t_end || !arrive(r))
             break;
         carry_on(r, NULL);

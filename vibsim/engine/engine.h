@@ -242,6 +242,7 @@ typedef struct Run {
     Certificate certificate;
     long long next_sample;
     int crowd, finished, status, violated_once, stage, pending_event; /* stage: of the stretch in hand, which may take many calls */
+    int arrived; /* whether `next` is the state at the end of that stretch */
     double pending_end, spent, work_at_once, *force;
     Ledger ledger;
     Section section;
@@ -312,6 +313,7 @@ void write_state(const Run *r, double *row, long room, const State *s);
 void run_rewind(Run *r, double t_end);
 void run_start(Run *r, int mode, Buffers *b);
 void run_advance(Run *r, Buffers *b);
+void run_arrive(Run *r);
 void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, const int *parts);
 double run_worked_to(const Run *r);
 int run_state_at(Run *r, double t, State *out);

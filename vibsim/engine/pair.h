@@ -107,6 +107,11 @@ static inline double second_of_pair(Pair pair)
 }
 #endif
 
+static inline Pair twice(double value)
+{
+    return make_pair(value, value);
+}
+
 static inline double sum_of_pair(Pair pair)
 {
     return first_of_pair(pair) + second_of_pair(pair);

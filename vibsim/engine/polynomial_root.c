@@ -41,12 +41,14 @@ static double newton(double tau, double value, double slope)
 static int march(Certificate *c, const double *series, int count, double error, double bound, double t0, double h, double *end)
 {
     double t = t0, stall = 1.0, floor = error, noise = error;
+    double value = series[0], slope = count > 1 ? series[1] : 0.0; /* at t0 */
     int near = 0, i;
     for (i = 0; i < MARCH_LIMIT; i++) {
-        double tau = t - t0, value, slope, room, step, ahead;
+        double tau = t - t0, room, step, ahead;
         if (tau > h)
             return POSITIVE;
-        value_and_slope(series, count, tau, &value, &slope);
+        if (i > 0)
+            value_and_slope(series, count, tau, &value, &slope);
         if (value <= error && !near) {
             if (crosses(slope, bound, 2 * error)) {
                 double zero = newton(tau, value, slope);

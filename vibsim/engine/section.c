@@ -65,7 +65,8 @@ int section_gather(Run *r, Buffers *b, double end)
         int turn;
         if (b->section_count + 2 > b->section_room)
             return 0;
-        last = angle_at(r, end);
+        run_arrive(r);
+        last = r->next.phase + (r->next.turns - r->state.turns) * TWO_PI;
         for (turn = 0; turn < 2; turn++) {
             double target = turn * TWO_PI + turn * TWO_PI_LO;
             if (first < target && target <= last)

@@ -10,11 +10,6 @@
 
 typedef double Lane[2]; /* one number of two disturbances */
 
-static inline Pair twice(double value)
-{
-    return make_pair(value, value);
-}
-
 /* Bound of the largest eigenvalue of stiffness (stiff) or damping of the couplings' differences. */
 static double fastest(const Run *r, int stiff)
 {
