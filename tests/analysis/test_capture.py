@@ -11,7 +11,7 @@ from vibsim.analysis.cycles import cycle_ends
 from vibsim.analysis.holds import BAND, TURNS, longest_stretch
 from vibsim.analysis.span import Span
 
-SCENE = scene(motor(5.5))  # time constant 9.42 s; half bilinear 3.685 Hz, free 4.149 Hz
+SCENE = scene(motor(5.5)).as_parts()  # time constant 9.42 s; half bilinear 3.685 Hz, free 4.149 Hz
 TAU = 2 * np.pi * 5.5 * (0.001 + 0.03 * 0.11**2) / 0.005
 
 
@@ -92,7 +92,7 @@ def test_a_motor_settled_under_load_above_the_resonance_has_passed():
 
 
 def test_a_motor_that_ends_below_every_resonance_has_not_met_it():
-    weak = scene(motor(3.5))
+    weak = scene(motor(3.5)).as_parts()
     turns = turns_of(lambda t: run_up(t, 3.47), 150.0)
     assert capture_of_turns(turns, IMPACTS, weak, Span(0, 150)).verdict == "not met"
 

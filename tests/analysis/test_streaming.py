@@ -11,7 +11,7 @@ from vibsim.analysis.streaming import StreamedVerdicts
 
 
 def streamed(run, begin):
-    scene = run.case.two_blocks()
+    scene = run.case.scene()
     verdicts = StreamedVerdicts(scene, begin)
     for block in opened(scene, section=True).blocks():
         verdicts.update(block)
@@ -45,6 +45,6 @@ def test_as_from_the_whole_run(name, changes):
 
 
 def test_nothing_taken():
-    scene = short_run("II-B").case.two_blocks()
+    scene = short_run("II-B").case.scene()
     assert StreamedVerdicts(scene).capture().verdict == "undecided"
     assert StreamedVerdicts(scene).regime().verdict == "undecided"

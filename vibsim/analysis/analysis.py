@@ -3,12 +3,12 @@
 from collections.abc import Collection
 from dataclasses import dataclass
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar, Union
 
 from vibsim.analysis.capture import Capture, judge_capture
-from vibsim.analysis.dominant_frequencies import DominantFrequencies, find_frequencies
-from vibsim.analysis.drift import Drift, measure_drift
-from vibsim.analysis.impacts_per_cycle import ImpactsPerCycle, count_impacts
+from vibsim.analysis.dominant_frequencies import DominantFrequencies, find_frequencies, motions_of
+from vibsim.analysis.drift import Drift, drifting, measure_drift
+from vibsim.analysis.impacts_per_cycle import ImpactsPerCycle, count_impacts, counted_parts
 from vibsim.analysis.regime.largest_exponent import largest_exponent
 from vibsim.analysis.regime.verdict import Regime, judge_regime
 from vibsim.analysis.span import Span, later_part, span_of
@@ -19,12 +19,19 @@ from vibsim.results.windows import Window
 if TYPE_CHECKING:
     from vibsim.cases import Case
 
+T = TypeVar("T")
+# a verdict, or those on several bodies or parts by their names
+OneOrNamed = Union[T, dict[str, T]]  # noqa: UP007  (mypy knows no alias of T | ... before Python 3.12)
+
 WHAT = ("capture", "drift", "impacts", "regime", "frequencies")
 
 
 @dataclass(frozen=True)
 class Analysis:
     """Verdicts on a run; None for what was not asked and for what the scene has not got.
+
+    Of drift, impacts and frequencies there is one verdict for two blocks, and for every other scene in which
+    one thing alone can be meant; where there are several, a dictionary by the names of bodies or parts.
 
     Attributes
     ----------
@@ -37,10 +44,10 @@ class Analysis:
     span: Span
     steady: Span
     capture: Capture | None = None
-    drift: Drift | None = None
-    impacts: ImpactsPerCycle | None = None
+    drift: OneOrNamed[Drift] | None = None
+    impacts: OneOrNamed[ImpactsPerCycle] | None = None
     regime: Regime | None = None
-    frequencies: DominantFrequencies | None = None
+    frequencies: OneOrNamed[DominantFrequencies] | None = None
 
 
 def analyse(
@@ -69,19 +76,31 @@ def analyse(
         raise ValueError(f"{unknown[0]!r} is not one of {', '.join(WHAT)}")
     result = as_result(result)
     span, steady = span_of(result, window), later_part(result, window, discard)
-    scene = result.case.two_blocks()
+    scene = result.case.scene()
     found: dict[str, Any] = {}
     if "capture" in what and scene.has_motor:
         found["capture"] = judge_capture(result, span.window)
-    if "drift" in what and scene.has_block2:
-        found["drift"] = measure_drift(result, steady)
+    if "drift" in what and drifting(scene):
+        drifts = {name: measure_drift(result, steady, of) for name, of in drifting(scene).items()}
+        found["drift"] = _one_or_named(drifts)
     if "impacts" in what and scene.has_stop:
-        found["impacts"] = count_impacts(result, steady)
+        of_parts = {name: count_impacts(result, steady, name) for name in counted_parts(scene)}
+        found["impacts"] = of_parts or count_impacts(result, steady)
     if "regime" in what:
         found["regime"] = _regime(result, steady, exponent)
     if "frequencies" in what:
-        found["frequencies"] = find_frequencies(result, steady)
+        several = len(motions_of(scene)) > 1
+        found["frequencies"] = (
+            {name: find_frequencies(result, steady, name) for name in motions_of(scene)}
+            if several
+            else find_frequencies(result, steady)
+        )
     return Analysis(result.attrs["case_name"], span, span_of(result, steady), **found)
+
+
+def _one_or_named(verdicts: dict[str, T]) -> OneOrNamed[T]:
+    """The only verdict, or all of several."""
+    return next(iter(verdicts.values())) if len(verdicts) == 1 else verdicts
 
 
 def _regime(result: Result, steady: Window, exponent: bool) -> Regime:

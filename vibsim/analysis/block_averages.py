@@ -5,16 +5,19 @@ scatter about the average of the whole; where they are long enough to be nearly 
 scatter tells how well it is known. What correlation is left between neighbours widens the interval.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import pi, sqrt
+from typing import Any
 
 import numpy as np
 
+from vibsim.physics.body_sets import drifting_sets, pairs_of
 from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.parts import columns_of
 from vibsim.physics.sums import dot, mean
-from vibsim.physics.two_blocks import TwoBlocks
+from vibsim.results.relative_motion import RelativeMotion
 from vibsim.results.result import Result
 from vibsim.results.windows import rows_within
 
@@ -22,6 +25,7 @@ MOST_BLOCKS, FEWEST_BLOCKS = 20, 8
 PERIODS = 5  # in a block, at least
 FEWEST_SAMPLES = 20  # in a block, four to a period, for statistics of samples
 FEWEST_INDEPENDENT = 3.0  # even of blocks that all drift one way: Student's distribution of 2 degrees
+OF = " of "  # before the name of the part or body where there are several
 UNITS = {"amplitude": "m", "drift rate": "m/s", "motor speed": "Hz", "impact rate": "1/s"}
 
 Span = tuple[float, float]
@@ -45,16 +49,17 @@ def blocks_of(span: Span, period: float) -> list[Span]:
     return list(pairwise(edges))
 
 
-def period_of(scene: TwoBlocks) -> float:
-    """Period of the source [s], of the free vibration where there is none; inf where nothing vibrates."""
-    rate = {"none": 0.0, "harmonic": scene.omega, "motor": scene.Omega0}[scene.source]
-    mobility = 1 / scene.m1 + (1 / scene.m2 if scene.has_block2 else 0.0)
-    rate = abs(rate) or sqrt(scene.k1 * mobility)
-    return 2 * pi / rate if rate else float("inf")
+def unit_of(statistic: str) -> str:
+    """The unit of a statistic of `block_values`."""
+    return UNITS[statistic.partition(OF)[0]]
 
 
 def block_values(result: Result, blocks: list[Span]) -> dict[str, np.ndarray]:
-    """Statistics of every block by name, those that the scene has and that its samples are enough for."""
+    """Statistics of every block by name, those that the scene has and that its samples are enough for.
+
+    amplitude of each relative motion (`pairs_of`), drift rate of each set of bodies that may drift, motor
+    speed, impact rate of each stop; of several the part or body is named: "impact rate of wall".
+    """
     time, event_time = result.time, result.events["t"]
     rows = [rows_within(time, block) for block in blocks]
     enough = min(part.stop - part.start for part in rows) >= FEWEST_SAMPLES
@@ -88,22 +93,41 @@ def average(blocks: np.ndarray, doubt: float) -> Average:
 
 
 def _of_samples(result: Result, rows: slice, time: np.ndarray) -> dict[str, float]:
-    """Amplitude (sqrt(2) rms of x1 - x2 about its mean), drift rate of block 2, motor speed."""
-    x1 = result.column("x1")[rows]
-    x2 = result.column("x2")[rows] if "x2" in result else np.zeros_like(x1)
-    y = x1 - x2
-    apart = y - mean(y)
-    found = {"amplitude": sqrt(2 * float(mean(apart * apart)))}
-    if "x2" in result:
-        found["drift rate"] = float(x2[-1] - x2[0]) / float(time[rows.stop - 1] - time[rows.start])
-    if "phidot" in result:
+    """Amplitude (sqrt(2) rms of x_P - x_Q about its mean), drift rate, motor speed."""
+    scene = result.case.scene()
+    clock = time[rows]
+    found: dict[str, float] = {}
+    pairs = pairs_of(scene)
+    for pair in pairs:
+        motion = RelativeMotion(scene, pair)
+        columns = {name: np.asarray(result.column(name)[rows]) for name in motion.columns}
+        y = motion({"time": clock, **columns}, "time")[1]
+        apart = y - mean(y)
+        found[_named("amplitude", pair, pairs)] = sqrt(2 * float(mean(apart * apart)))
+    moving = [scene.bodies[one.reference] for one in drifting_sets(scene)]
+    for body in moving:
+        x = result.column(columns_of(body.name)[0])[rows]
+        found[_named("drift rate", body, moving)] = float(x[-1] - x[0]) / float(clock[-1] - clock[0])
+    if scene.has_motor:
         found["motor speed"] = float(mean(result.column("phidot")[rows])) / (2 * pi)
     return found
 
 
 def _of_events(result: Result, times: np.ndarray, block: Span) -> dict[str, float]:
-    """Impacts per second, where there is a stop."""
-    if "contact" not in result:
+    """Impacts per second at each stop."""
+    stops = result.case.scene().stops
+    if not stops:
         return {}
-    kinds = result.events["kind"][rows_within(times, block)]
-    return {"impact rate": np.count_nonzero(kinds == EVENT_KINDS["contact_begin"]) / (block[1] - block[0])}
+    rows = rows_within(times, block)
+    part = result.events["part"][rows]
+    part = part[result.events["kind"][rows] == EVENT_KINDS["contact_begin"]]
+    length = block[1] - block[0]
+    return {
+        _named("impact rate", stop, stops): np.count_nonzero(part == number) / length
+        for number, stop in enumerate(stops)
+    }
+
+
+def _named(statistic: str, one: Any, among: Sequence[Any]) -> str:
+    """The name of a statistic, with that of its part or body where there are several."""
+    return statistic if len(among) == 1 else f"{statistic}{OF}{one.name}"

@@ -22,7 +22,7 @@ from vibsim.analysis.holds import BAND, DELAY, TURNS, Hold, holds_of, mean_speed
 from vibsim.analysis.resonances import Resonance, resonances
 from vibsim.analysis.span import Span, span_of
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.two_blocks import TwoBlocks
+from vibsim.physics.parts import Scene
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
 
@@ -75,7 +75,7 @@ def judge_capture(result: Result, window: Window | None = None) -> Capture:
 
     Raises ValueError where the run has no motor, or nothing within the window.
     """
-    scene, span = result.case.two_blocks(), span_of(result, window)
+    scene, span = result.case.scene(), span_of(result, window)
     if not scene.has_motor:
         raise ValueError("capture is a matter of motors, and this run has an ideal source or none")
     events = events_within(result, span.window, "t", "kind")
@@ -83,15 +83,15 @@ def judge_capture(result: Result, window: Window | None = None) -> Capture:
     return capture_of_turns(cycle_ends(result, span.window), impacts, scene, span)
 
 
-def capture_of_turns(
-    turn_times: np.ndarray, impact_times: np.ndarray, scene: TwoBlocks, span: Span
-) -> Capture:
-    """The verdict from the ends of the turns of the rotor and the impacts, ascending times [s]."""
-    no_load = scene.Omega0 / TURN
+def capture_of_turns(turn_times: np.ndarray, impact_times: np.ndarray, scene: Scene, span: Span) -> Capture:
+    """The verdict on a motor, that of `scene`, from the ends of its turns and the impacts, ascending [s]."""
+    motor = scene.motor
+    assert motor is not None
+    no_load = motor.Omega0 / TURN
     if len(turn_times) < FEWEST_TURNS:
         return Capture("undecided", f"{len(turn_times)} turns are too few to judge", span, no_load)
     times, speeds = mean_speeds(turn_times)
-    holds = holds_of(times, speeds, scene)
+    holds = holds_of(times, speeds, motor)
     passed = passages(times, speeds, scene)
     verdict, reason, hold = _verdict(holds, float(speeds[-1]), impact_times, scene, bool(passed))
     found = Capture(
@@ -111,7 +111,7 @@ def capture_of_turns(
 
 
 def _verdict(
-    holds: list[Hold], final: float, impacts: np.ndarray, scene: TwoBlocks, passed: bool
+    holds: list[Hold], final: float, impacts: np.ndarray, scene: Scene, passed: bool
 ) -> tuple[str, str, Hold | None]:
     """Verdict, reason, and the hold that decides it."""
     counting = [hold for hold in holds if counts(hold, near_resonance(hold, impacts, scene) is not None)]
@@ -128,7 +128,7 @@ def _verdict(
     return _settled(holds, last, scene, passed)
 
 
-def _settled(holds: list[Hold], last: Hold, scene: TwoBlocks, passed: bool) -> tuple[str, str, Hold | None]:
+def _settled(holds: list[Hold], last: Hold, scene: Scene, passed: bool) -> tuple[str, str, Hold | None]:
     """Verdict on a motor that ends near its no-load speed without having been captured."""
     settled = f"settled at {last.speed_hz:.3g} Hz, {100 * last.below_no_load:.2g} % below no-load speed"
     if not passed:
@@ -151,7 +151,7 @@ def _evidence(hold: Hold) -> str:
     return f"{hold.turns:.0f} turns {below}, {hold.delay:.3g} times as long as in a free run-up"
 
 
-def near_resonance(hold: Hold, impact_times: np.ndarray, scene: TwoBlocks) -> Resonance | None:
+def near_resonance(hold: Hold, impact_times: np.ndarray, scene: Scene) -> Resonance | None:
     """The resonance that a hold lies near; which ones there are depends on whether it has impacts."""
     first, last = np.searchsorted(impact_times, [hold.begin, hold.end])
     near = [one for one in resonances(scene, bool(last > first)) if is_near(hold, one)]
@@ -163,13 +163,13 @@ def is_near(hold: Hold, resonance: Resonance) -> bool:
     return abs(hold.speed_hz / resonance.hz - 1) <= NEAR
 
 
-def all_resonances(scene: TwoBlocks) -> tuple[Resonance, ...]:
+def all_resonances(scene: Scene) -> tuple[Resonance, ...]:
     """With and without impacts, ascending."""
     found = {*resonances(scene, False), *resonances(scene, True)}
     return tuple(sorted(found, key=lambda one: one.hz))
 
 
-def passages(times: np.ndarray, speeds: np.ndarray, scene: TwoBlocks) -> tuple[Passage, ...]:
+def passages(times: np.ndarray, speeds: np.ndarray, scene: Scene) -> tuple[Passage, ...]:
     """When the mean speed last rose through each resonance that it ended well above."""
     found = []
     for one in all_resonances(scene):

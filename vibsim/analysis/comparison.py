@@ -16,8 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.analysis.block_averages import UNITS, Average, averages, block_values, blocks_of, period_of
+from vibsim.analysis.block_averages import Average, averages, block_values, blocks_of, unit_of
+from vibsim.physics.rates import source_period
 from vibsim.results.cadence import instants_per_sample, sampled_finer
+from vibsim.results.columns import tables_of
 from vibsim.results.result import Result
 from vibsim.results.windows import pieces
 
@@ -168,11 +170,11 @@ def agreement(a: Result, b: Result, tolerance: float) -> tuple[float | None, boo
 
 
 def _distances(a: Result, b: Result) -> Iterator[Distances]:
-    """Common instants [s] and the larger of |dx1| and |dx2| there [m], in pieces.
+    """Common instants [s] and the largest |dx| of any body there [m], in pieces.
 
     They are the samples of the run that has fewer; where those are too far apart to judge by, others between.
     """
-    names = [name for name in ("x1", "x2") if name in a or name in b]
+    names = list(dict.fromkeys(name for run in (a, b) for name in displacements(run)))
     coarse, fine = (a, b) if len(a) <= len(b) else (b, a)
     times = coarse.time[coarse.time <= fine.t_reached]
     count = instants_per_sample(coarse.case.scene()) if len(times) else 1
@@ -187,6 +189,11 @@ def _distances(a: Result, b: Result) -> Iterator[Distances]:
         yield times[rows], _apart(ours, theirs, names)
 
 
+def displacements(result: Result) -> tuple[str, ...]:
+    """Names of the displacements of the bodies of a run."""
+    return tables_of(result.case.scene()).displacements
+
+
 def _between_samples(a: Result, b: Result, names: list[str], count: int) -> Iterator[Distances]:
     """The same at `count` instants to each sample of `a`, both runs restarted from their events."""
     scene = replace(sampled_finer(a.case.scene(), count), t_end=min(a.t_reached, b.t_reached))
@@ -197,7 +204,7 @@ def _between_samples(a: Result, b: Result, names: list[str], count: int) -> Iter
 
 
 def _apart(ours: Table, theirs: Table, names: list[str]) -> np.ndarray:
-    """The larger of |dx1| and |dx2| [m]; a block that does not move is at 0."""
+    """The largest |dx| [m]; a body that a run has not got is at 0."""
     still = np.zeros(len(next(iter(ours.values()))))
     return np.max([np.abs(ours.get(name, still) - theirs.get(name, still)) for name in names], axis=0)
 
@@ -210,7 +217,7 @@ def _picked(result: Result, names: list[str], rows: np.ndarray) -> dict[str, np.
 
 def compared_statistics(a: Result, b: Result, start: float, end: float) -> list[ComparedStatistic]:
     """Statistics that both runs have, over [start, end] [s]; none where that is too short."""
-    period = max(period_of(a.case.two_blocks()), period_of(b.case.two_blocks()))
+    period = max(source_period(run.case.scene()) for run in (a, b))
     blocks = blocks_of((start, end), period)
     if not blocks:
         return []
@@ -218,4 +225,4 @@ def compared_statistics(a: Result, b: Result, start: float, end: float) -> list[
         values = [block_values(result, blocks) for result in (a, b)]
         common = [name for name in values[0] if name in values[1]]
         ours, theirs = (averages(found, DOUBT / len(common)) for found in values)
-    return [ComparedStatistic(name, UNITS[name], ours[name], theirs[name]) for name in common]
+    return [ComparedStatistic(name, unit_of(name), ours[name], theirs[name]) for name in common]

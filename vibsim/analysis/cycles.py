@@ -1,14 +1,15 @@
 """Cycles of the source: the instants at which one ends and the next begins.
 
-Ideal source: the multiples of its period. Motor: the first passages of phi through multiples of 2 pi, on the
-line between two samples.
+Forces and base: the multiples of their common period. Motor: the first passages of phi through multiples of
+2 pi, on the line between two samples.
 """
 
 from math import ceil, floor, pi
 
 import numpy as np
 
-from vibsim.physics.two_blocks import TwoBlocks
+from vibsim.physics.parts import Scene
+from vibsim.physics.period import common_period
 from vibsim.results.result import Result
 from vibsim.results.windows import Window, pieces, rows_within
 
@@ -17,18 +18,22 @@ ROWS = 1 << 20  # samples read at a time
 
 
 def cycle_ends(result: Result, window: Window) -> np.ndarray:
-    """Ascending times within the window at which a cycle of the source ends [s]; none without a source."""
-    scene = result.case.two_blocks()
+    """Ascending times within the window at which a cycle of the source ends [s]; none without a source, and
+    where several have no common period.
+    """
+    scene = result.case.scene()
     if scene.has_motor:
         return _turn_ends(result, window)
-    return _period_ends(scene, window)
+    return period_ends(scene, window)
 
 
-def _period_ends(scene: TwoBlocks, window: Window) -> np.ndarray:
-    if scene.source != "harmonic" or not scene.cycles:
+def period_ends(scene: Scene, window: Window) -> np.ndarray:
+    """Ascending ends of the common periods of forces and base within the window [s]; none without one."""
+    period = common_period(scene)
+    if period is None:
         return np.empty(0)
-    first, last = ceil(window[0] * scene.cycles), floor(window[1] * scene.cycles)
-    times = np.arange(first, last + 1) / scene.cycles
+    first, last = (edge * period.cycles / period.turns for edge in window)
+    times = np.asarray(period.end(np.arange(ceil(first), floor(last) + 1)))
     return times[(times >= window[0]) & (times <= window[1])]
 
 

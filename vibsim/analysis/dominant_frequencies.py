@@ -9,20 +9,23 @@ a lone line is far better known than that.
 
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import ceil, exp, log
+from math import ceil, exp, log, pi
 
 import numpy as np
 
 from vibsim.analysis.cycles import cycle_ends
-from vibsim.analysis.resonances import resonances
 from vibsim.analysis.span import Span, steady_span
+from vibsim.physics.body_sets import Pair, pairs_of
+from vibsim.physics.parts import Scene
+from vibsim.physics.rates import natural_rates
 from vibsim.physics.sines import sine_cosine
 from vibsim.physics.sums import dot, mean
-from vibsim.physics.two_blocks import TwoBlocks
+from vibsim.results.columns import tables_of
+from vibsim.results.relative_motion import RelativeMotion
 from vibsim.results.result import Result
 from vibsim.results.windows import Window, rows_within
 
-OF = ("relative", "x1", "x2")
+RELATIVE = "relative"  # the first relative motion of a scene, x1 - x2 of two blocks
 TERMS = (0.35875, -0.48829, 0.14128, -0.01168)  # of the window (Harris 1978)
 PADDING = 4
 FLOOR = 0.01  # amplitude of the weakest line, relative to the strongest
@@ -54,7 +57,7 @@ class DominantFrequencies:
     ----------
     verdict : "lines", "still" (nothing vibrates) or "undecided"
     reason : in words
-    of : "relative" (x1 - x2), "x1" or "x2"
+    of : "relative" (x1 - x2 of two blocks), a displacement ("x1"), or a part or body (see `motions_of`)
     lines : the strongest first, those of at least 1 % of the strongest
     resolution_hz : least distance of lines that are told apart [Hz]
     source_hz : mean frequency of the source in the span [Hz]; None without one
@@ -74,10 +77,14 @@ def find_frequencies(
 ) -> DominantFrequencies:
     """Dominant frequencies within `window` [s], by default the second half of the run.
 
+    of : "relative" for the first of `motions_of`, one of these by its name, or the column of a displacement
+
     Raises ValueError for a window outside the run and an unknown `of`.
     """
-    if of not in OF:
-        raise ValueError(f"of must be one of {', '.join(OF)}, got {of!r}")
+    scene = result.case.scene()
+    allowed = (RELATIVE, *tables_of(scene).displacements, *motions_of(scene))
+    if of not in allowed:
+        raise ValueError(f"of must be one of {', '.join(allowed)}, got {of!r}")
     span = steady_span(result, window)
     rows = rows_within(result.column("time"), span.window)
     if rows.stop - rows.start > GREATEST:
@@ -86,7 +93,6 @@ def find_frequencies(
     if rows.stop - rows.start < FEWEST:
         reason = f"{rows.stop - rows.start} samples are too few, {FEWEST} are needed"
         return DominantFrequencies("undecided", reason, span, of)
-    scene = result.case.two_blocks()
     every = scene.every_num / scene.every_den
     source = source_hz(result, span)
     if every * fastest(scene, source) > 1 / PER_PERIOD:
@@ -103,9 +109,16 @@ def find_frequencies(
     return DominantFrequencies(verdict, reason, span, of, lines, resolution, source)
 
 
-def fastest(scene: TwoBlocks, source: float | None) -> float:
-    """The higher of the frequencies of the source and of the free vibration [Hz]."""
-    return max(source or 0.0, *(one.hz for one in resonances(scene, False)), 0.0)
+def motions_of(scene: Scene) -> dict[str, Pair]:
+    """The relative motions of a scene by name: x_P - x_Q of each pair of ends of links and stops, called
+    after the first part between them; of bodies without these, that of a friction or of the body itself.
+    """
+    return {pair.name: pair for pair in pairs_of(scene)}
+
+
+def fastest(scene: Scene, source: float | None) -> float:
+    """The highest of the frequencies of the source and of the free vibrations [Hz]."""
+    return max(source or 0.0, *(rate / (2 * pi) for rate in natural_rates(scene)), 0.0)
 
 
 def lines_of(x: np.ndarray, every: float, source: float | None = None) -> tuple[tuple[Line, ...], float]:
@@ -194,8 +207,11 @@ def source_hz(result: Result, span: Span) -> float | None:
 
 
 def displacement(result: Result, rows: slice, of: str) -> np.ndarray:
-    """x1 - x2, x1 or x2 [m]; a fixed block 2 does not move."""
-    names = {"relative": ("x1", "x2"), "x1": ("x1",), "x2": ("x2",)}[of]
-    columns = [np.asarray(result.column(name)[rows]) if name in result else 0.0 for name in names]
-    x = columns[0] - columns[1] if len(columns) == 2 else columns[0]
-    return np.broadcast_to(x, rows.stop - rows.start)
+    """A displacement, or x_P - x_Q of a relative motion [m]."""
+    scene = result.case.scene()
+    if of in tables_of(scene).displacements:
+        return np.asarray(result.column(of)[rows])
+    motions = motions_of(scene)
+    motion = RelativeMotion(scene, next(iter(motions.values())) if of == RELATIVE else motions[of])
+    columns = {name: np.asarray(result.column(name)[rows]) for name in ("time", *motion.columns)}
+    return motion(columns, "time")[1]

@@ -1,4 +1,4 @@
-"""How fast the blocks drift, with a confidence interval.
+"""How fast bodies drift, with a confidence interval.
 
 The span is cut into blocks of a whole number of cycles; the mean displacements of neighbouring blocks differ
 by the drift over one block and by what the motion does besides. The mean of these differences is the
@@ -12,30 +12,34 @@ from itertools import pairwise
 
 import numpy as np
 
-from vibsim.analysis.block_averages import FEWEST_BLOCKS, MOST_BLOCKS, average, period_of
+from vibsim.analysis.block_averages import FEWEST_BLOCKS, MOST_BLOCKS, average
 from vibsim.analysis.cycles import cycle_ends
 from vibsim.analysis.span import Span, steady_span
+from vibsim.physics.body_sets import drifting_sets
+from vibsim.physics.parts import Scene, columns_of
+from vibsim.physics.rates import is_driven, source_period
 from vibsim.physics.sines import sine_cosine
 from vibsim.physics.sums import mean
+from vibsim.results.columns import tables_of
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
 
 DOUBT = 0.05  # probability that the interval misses the rate
 STILL = 1e-12  # [m/s] a nanometre in a quarter of an hour: no drift
 CYCLES = 12  # a block has a multiple of this, so of the periods 1, 2, 3, 4 and 6 that the motion may have
-OF = ("x2", "centre")
+CENTRE = "centre"
 
 
 @dataclass(frozen=True)
 class Drift:
-    """Drift rate of block 2 or the centre of mass.
+    """Drift rate of a body or of the centre of mass.
 
     Attributes
     ----------
     verdict : "forward", "backward", "none" (the interval holds 0) or "undecided"
     reason : in words
     span : transient left out
-    of : "x2" or "centre"
+    of : column of the displacement of the body, such as "x2", or "centre"
     rate, half_width : [m/s]; the rate lies within +- half_width in 95 of 100 cases; None where undecided
     blocks : number of blocks that the interval rests on
     """
@@ -49,17 +53,28 @@ class Drift:
     blocks: int = 0
 
 
-def measure_drift(result: Result, window: Window | None = None, of: str = "x2") -> Drift:
+def drifting(scene: Scene) -> dict[str, str]:
+    """The bodies whose drift is that of everything that may drift, with the columns of their displacements:
+    the last body of each set that springs join, but do not hold at the ground or the base.
+    """
+    names = [scene.bodies[one.reference].name for one in drifting_sets(scene)]
+    return {name: columns_of(name)[0] for name in names}
+
+
+def measure_drift(result: Result, window: Window | None = None, of: str | None = None) -> Drift:
     """Drift rate within `window` [s], the second half of the run by default.
 
-    of : "x2", or "centre" for the centre of mass of everything that moves
+    of : column of the displacement of a body, "centre" for the centre of mass of everything that moves; None:
+        the last one of `drifting`, x2 of two blocks
 
-    Raises ValueError where block 2 is fixed, and for a window outside the run.
+    Raises ValueError where springs hold all bodies, for another `of` and a window outside the run.
     """
-    if of not in OF:
-        raise ValueError(f"of must be one of {', '.join(OF)}, got {of!r}")
-    if not result.case.two_blocks().has_block2:
-        raise ValueError("nothing can drift: block 2 is fixed")
+    free, displacements = drifting(result.case.scene()), tables_of(result.case.scene()).displacements
+    if of not in (None, CENTRE, *displacements):
+        raise ValueError(f"of must be one of {', '.join((*displacements, CENTRE))}, got {of!r}")
+    if not free:
+        raise ValueError("nothing can drift: springs hold every body")
+    of = of or list(free.values())[-1]
     span = steady_span(result, window)
     edges = block_edges(result, span)
     if len(edges) - 1 < FEWEST_BLOCKS:
@@ -86,8 +101,9 @@ def drift_of_blocks(means: np.ndarray, middles: np.ndarray, span: Span, of: str 
 def block_edges(result: Result, span: Span) -> np.ndarray:
     """Ends of blocks of a whole number of cycles [s]; without a source, of vibrations."""
     ends = cycle_ends(result, span.window)
-    if result.case.two_blocks().source == "none":
-        period = period_of(result.case.two_blocks())
+    scene = result.case.scene()
+    if not is_driven(scene):
+        period = source_period(scene)
         ends = np.arange(span.begin, span.end, period) if np.isfinite(period) else np.empty(0)
     groups = (len(ends) - 1) // CYCLES
     step = CYCLES * max(1, groups // MOST_BLOCKS)
@@ -95,15 +111,15 @@ def block_edges(result: Result, span: Span) -> np.ndarray:
 
 
 def displacement(result: Result, rows: slice, of: str) -> np.ndarray:
-    """Displacement of block 2 or of the centre of mass [m], unbalanced mass included (at x1 + e cos phi)."""
-    x2 = np.asarray(result.column("x2")[rows])
-    if of == "x2":
-        return x2
-    scene = result.case.two_blocks()
-    x1 = np.asarray(result.column("x1")[rows])
-    moment, mass = scene.m1 * x1 + scene.m2 * x2, scene.m1 + scene.m2
-    if scene.has_motor:
-        cosine = sine_cosine(np.asarray(result.column("phi")[rows]))[1]
-        moment = moment + scene.m3 * (x1 + scene.e * cosine)
-        mass += scene.m3
-    return moment / mass
+    """Displacement of a body or of the centre of mass [m], unbalanced mass included (at x + e cos phi)."""
+    if of != CENTRE:
+        return np.asarray(result.column(of)[rows])
+    scene = result.case.scene()
+    places = [np.asarray(result.column(columns_of(body.name)[0])[rows]) for body in scene.bodies]
+    moment = sum(body.m * x for body, x in zip(scene.bodies, places, strict=True))
+    mass = sum(body.m for body in scene.bodies)
+    if scene.motor is not None:
+        motor, cosine = scene.motor, sine_cosine(np.asarray(result.column("phi")[rows]))[1]
+        moment = moment + motor.m3 * (places[motor.on] + motor.e * cosine)
+        mass += motor.m3
+    return np.asarray(moment / mass)

@@ -12,8 +12,8 @@ from math import inf, log
 import numpy as np
 
 from vibsim.analysis.cycles import TURN
+from vibsim.physics.parts import Motor
 from vibsim.physics.sums import mean
-from vibsim.physics.two_blocks import TwoBlocks
 
 TURNS = 12  # to average over: a multiple of the periods 1, 2, 3, 4 and 6 that the motion may have
 BAND = 0.03  # half width of the band, relative; beside a resonance the mean speed beats by about 2 %
@@ -57,12 +57,12 @@ def mean_speeds(turn_times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return (first + last) / 2, TURNS / (last - first)
 
 
-def run_up_time(scene: TwoBlocks) -> float:
+def run_up_time(motor: Motor) -> float:
     """Time constant of the motor without vibration [s]: Omega0 (J + m3 e^2)/M0; inf without torque."""
-    return scene.Omega0 * (scene.J + scene.m3 * scene.e**2) / scene.M0 if scene.M0 else inf
+    return motor.Omega0 * (motor.J + motor.m3 * motor.e**2) / motor.M0 if motor.M0 else inf
 
 
-def holds_of(times: np.ndarray, speeds: np.ndarray, scene: TwoBlocks) -> list[Hold]:
+def holds_of(times: np.ndarray, speeds: np.ndarray, motor: Motor) -> list[Hold]:
     """All holds among the mean speeds [Hz] at `times` [s], the longest taken first, in order of time."""
     spans = [(0, len(speeds))]
     found = []
@@ -70,14 +70,14 @@ def holds_of(times: np.ndarray, speeds: np.ndarray, scene: TwoBlocks) -> list[Ho
         start, stop = spans.pop()
         first, last = longest_stretch(speeds[start:stop])
         first, last = first + start, last + start
-        hold = _hold(times, speeds, first, last, scene)
+        hold = _hold(times, speeds, first, last, motor)
         if hold is not None:
             found.append(hold)
             spans += [(start, first), (last + 1, stop)]
     return sorted(found, key=lambda hold: hold.begin)
 
 
-def _hold(times: np.ndarray, speeds: np.ndarray, first: int, last: int, scene: TwoBlocks) -> Hold | None:
+def _hold(times: np.ndarray, speeds: np.ndarray, first: int, last: int, motor: Motor) -> Hold | None:
     """The means from `first` to `last` as a hold; None where it has too few turns."""
     if last <= first:
         return None
@@ -85,23 +85,23 @@ def _hold(times: np.ndarray, speeds: np.ndarray, first: int, last: int, scene: T
     speed = float(mean(speeds[first : last + 1]))
     if speed * length < LEAST_TURNS:
         return None
-    no_load = scene.Omega0 / TURN
+    no_load = motor.Omega0 / TURN
     return Hold(
         float(times[first]),
         float(times[last]),
         speed,
         speed * length,
         1 - speed / no_load,
-        length / free_passage(scene, speed),
+        length / free_passage(motor, speed),
         last == len(speeds) - 1,
     )
 
 
-def free_passage(scene: TwoBlocks, speed: float) -> float:
+def free_passage(motor: Motor, speed: float) -> float:
     """Time in which the motor would pass the band about `speed` [Hz] without vibration [s]; inf: never."""
     low, high = speed * (1 - BAND), speed * (1 + BAND)
-    no_load = scene.Omega0 / TURN
-    return run_up_time(scene) * log((no_load - low) / (no_load - high)) if high < no_load else inf
+    no_load = motor.Omega0 / TURN
+    return run_up_time(motor) * log((no_load - low) / (no_load - high)) if high < no_load else inf
 
 
 def longest_stretch(speeds: np.ndarray) -> tuple[int, int]:

@@ -1,8 +1,9 @@
 """What happens in each cycle of the source: impacts, sticks, and the word that the events spell."""
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -10,7 +11,10 @@ from vibsim.analysis.cycles import cycle_ends
 from vibsim.analysis.event_rows import events_within
 from vibsim.analysis.span import Span, steady_span
 from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.parts import Scene
 from vibsim.physics.sums import mean
+from vibsim.results.columns import part_names
+from vibsim.results.relative_motion import RelativeMotion
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
 
@@ -37,14 +41,14 @@ class ImpactsPerCycle:
 
     Attributes
     ----------
-    verdict : "every cycle", "some cycles", "no impacts" or "undecided"
+    verdict : "every cycle", "some cycles", "no impacts" (of a friction "no sticks") or "undecided"
     reason : in words
     cycles : whole cycles counted
-    impacts, sticks : mean per cycle; None without a cycle
+    impacts, sticks : mean per cycle; None without a cycle, and of a part that has none by its kind
     impact_counts, stick_counts : number of events in a cycle -> number of such cycles
     words : the commonest words -> number of cycles, see LETTERS; "" is a cycle without events
     distinct_words : how many there are
-    velocity : relative speed of the blocks at impact [m/s]; None without impacts
+    velocity : relative speed of the ends of the stop at impact [m/s]; None without impacts
     """
 
     verdict: str
@@ -60,22 +64,41 @@ class ImpactsPerCycle:
     velocity: Spread | None = None
 
 
-def count_impacts(result: Result, window: Window | None = None) -> ImpactsPerCycle:
+def counted_parts(scene: Scene) -> tuple[str, ...]:
+    """The parts whose events are counted one by one: stops and frictions where there is a stop, and more than
+    one of either; none where all events are counted together.
+    """
+    if len(scene.stops) <= 1 and len(scene.frictions) <= 1:
+        return ()
+    parts: tuple[Any, ...] = (*scene.stops, *scene.frictions)
+    return tuple(part.name for part in parts)
+
+
+def count_impacts(result: Result, window: Window | None = None, part: str | None = None) -> ImpactsPerCycle:
     """Impacts and sticks per cycle within `window` [s], by default the second half of the run.
 
-    Raises ValueError for a window outside the run.
+    part : the stop or friction whose events count; None: all events
+
+    Raises ValueError for a window outside the run, and where there is no such part.
     """
+    scene = result.case.scene()
+    stops = [stop.name for stop in scene.stops]
+    frictions = [friction.name for friction in scene.frictions]
+    if part not in (None, *stops, *frictions):
+        raise ValueError(f"part must be one of {', '.join((*stops, *frictions))}, got {part!r}")
     span = steady_span(result, window)
     ends = cycle_ends(result, span.window)
+    speed = speeds(result, span, part)
     if len(ends) < 2:
-        return ImpactsPerCycle("undecided", "no whole cycle of a source", span, velocity=speeds(result, span))
-    words = words_of(result, ends)
+        return ImpactsPerCycle("undecided", "no whole cycle of a source", span, velocity=speed)
+    words = words_of(result, ends, part)
     impacts, sticks = ([word.count(letter) for word in words] for letter in "cs")
-    cycles, struck = len(words), sum(map(bool, impacts))
-    verdict = "no impacts" if not struck else "every cycle" if struck == cycles else "some cycles"
-    return ImpactsPerCycle(
+    own, noun = (sticks, "sticks") if part in frictions else (impacts, "impacts")
+    cycles, happened = len(words), sum(map(bool, own))
+    verdict = f"no {noun}" if not happened else "every cycle" if happened == cycles else "some cycles"
+    found = ImpactsPerCycle(
         verdict,
-        f"impacts in {struck} of {cycles} cycles",
+        f"{noun} in {happened} of {cycles} cycles",
         span,
         cycles,
         sum(impacts) / cycles,
@@ -84,26 +107,52 @@ def count_impacts(result: Result, window: Window | None = None) -> ImpactsPerCyc
         dict(sorted(Counter(sticks).items())),
         dict(Counter(words).most_common(MOST_WORDS)),
         len(set(words)),
-        speeds(result, span),
+        speed,
     )
+    if part in stops:
+        return replace(found, sticks=None, stick_counts=None)
+    return replace(found, impacts=None, impact_counts=None) if part in frictions else found
 
 
-def words_of(result: Result, ends: np.ndarray) -> list[str]:
-    """The word of each cycle between ascending `ends` [s]: an event at an end belongs to the next cycle."""
+def words_of(result: Result, ends: np.ndarray, part: str | None = None) -> list[str]:
+    """The word of each cycle between ascending `ends` [s]: an event at an end belongs to the next cycle.
+
+    part : whose events count; None: those of all parts
+    """
+    events = events_within(result, (float(ends[0]), float(ends[-1])), "t", "kind", "part")
+    if part is not None:
+        own = events["part"] == part_names(result.case.scene()).index(part)
+        events = {name: column[own] for name, column in events.items()}
     letters = {EVENT_KINDS[kind]: letter for kind, letter in LETTERS.items()}
-    events = events_within(result, (float(ends[0]), float(ends[-1])), "t", "kind")
     text = "".join(letters.get(kind, " ") for kind in events["kind"].tolist())
     edges = np.searchsorted(events["t"], ends, side="left").tolist()
     return [text[a:b].replace(" ", "") for a, b in pairwise(edges)]
 
 
-def speeds(result: Result, span: Span) -> Spread | None:
-    """|v1 - v2| at the impacts within the span; None without impacts."""
-    events = events_within(result, span.window, "kind", *(name for name in ("v1", "v2") if name in result))
+def happenings(result: Result, ends: np.ndarray) -> list[bytes]:
+    """What happens in each cycle between ascending `ends` [s]: kinds and parts of the events, in order."""
+    events = events_within(result, (float(ends[0]), float(ends[-1])), "t", "kind", "part")
+    counted = np.isin(events["kind"], [EVENT_KINDS[kind] for kind in LETTERS])
+    codes = np.stack([events["kind"], events["part"]], axis=1).astype("i4")[counted]
+    edges = np.searchsorted(events["t"][counted], ends, side="left").tolist()
+    return [codes[a:b].tobytes() for a, b in pairwise(edges)]
+
+
+def speeds(result: Result, span: Span, part: str | None = None) -> Spread | None:
+    """Relative speed |v_P - v_Q| of the ends of the stop `part`, of all stops if None, at the impacts within
+    the span; None without impacts.
+    """
+    scene = result.case.scene()
+    events = events_within(result, span.window)
     begun = events["kind"] == EVENT_KINDS["contact_begin"]
-    if not begun.any():
-        return None
-    return spread(np.abs(events["v1"] - events.get("v2", 0.0))[begun], "m/s")
+    values = np.full(len(begun), np.nan)
+    for number, stop in enumerate(scene.stops):
+        if part in (None, stop.name):
+            rows = begun & (events["part"] == number)
+            own = {name: column[rows] for name, column in events.items()}
+            values[rows] = np.abs(RelativeMotion(scene, stop)(own, "t")[2])
+    values = values[~np.isnan(values)]
+    return spread(values, "m/s") if len(values) else None
 
 
 def spread(values: np.ndarray, unit: str) -> Spread:

@@ -1,31 +1,35 @@
 """Frequencies at which a motor of limited power may be captured."""
 
 from dataclasses import dataclass
+from math import pi
 
-from vibsim.cases.derived_facts import frequency, reduced_mass
-from vibsim.physics.two_blocks import TwoBlocks
+from vibsim.physics.parts import Scene
+from vibsim.physics.rates import bilinear_frequencies, natural_rates
 
 
 @dataclass(frozen=True)
 class Resonance:
-    """A frequency [Hz] of the relative motion, friction and damping left out."""
+    """A frequency [Hz] of the vibration, friction and damping left out."""
 
     name: str
     hz: float
 
 
-def resonances(scene: TwoBlocks, impacting: bool) -> tuple[Resonance, ...]:
-    """Where the relative vibration answers most, ascending.
+def resonances(scene: Scene, impacting: bool) -> tuple[Resonance, ...]:
+    """Where the vibration answers most, ascending; numbered where there are several of a kind.
 
-    Without impacts its natural frequency f1 = sqrt(k1/m)/2 pi, m the reduced mass. With impacts, in the limit
-    of large amplitudes, the bilinear frequency 2 f1 f2/(f1 + f2), f2 = sqrt((k1 + k2)/m)/2 pi, and half of
-    it: a superharmonic resonance, in which the blocks vibrate and strike twice in a turn of the rotor.
+    Without impacts its natural frequencies f1, all stops open. With impacts, in the limit of large
+    amplitudes, the bilinear frequencies 2 f1 f2/(f1 + f2), f2 with all stops closed, and half of them:
+    superharmonic resonances, in which the bodies vibrate and strike twice in a turn of the rotor.
     """
-    if not scene.k1:
-        return ()
-    free = frequency(scene.k1, reduced_mass(scene))
     if not (impacting and scene.has_stop):
-        return (Resonance("free", free),)
-    contact = frequency(scene.k1 + scene.k2, reduced_mass(scene))
-    bilinear = 2 * free * contact / (free + contact)
-    return Resonance("half bilinear", bilinear / 2), Resonance("bilinear", bilinear)
+        return _named("free", [rate / (2 * pi) for rate in natural_rates(scene)])
+    bilinear = bilinear_frequencies(scene)
+    found = _named("half bilinear", [hz / 2 for hz in bilinear]) + _named("bilinear", bilinear)
+    return tuple(sorted(found, key=lambda one: one.hz))
+
+
+def _named(kind: str, frequencies: list[float]) -> tuple[Resonance, ...]:
+    if len(frequencies) == 1:
+        return (Resonance(kind, frequencies[0]),)
+    return tuple(Resonance(f"{kind} {i}", hz) for i, hz in enumerate(frequencies, 1))

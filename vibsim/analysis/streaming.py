@@ -1,16 +1,14 @@
 """Verdicts on a run while it is computed, for those who keep no trajectory, such as sweeps."""
 
-from math import inf
-
 import numpy as np
 
 from vibsim.analysis.capture import Capture, capture_of_turns
 from vibsim.analysis.regime.points import Exponent, Judged, judge_points
-from vibsim.analysis.regime.section import MOST, relative, scaled
+from vibsim.analysis.regime.section import MOST, Coordinates
 from vibsim.analysis.span import Span
 from vibsim.engine.trajectory import Block
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.two_blocks import TwoBlocks
+from vibsim.physics.parts import Scene
 
 
 class StreamedVerdicts:
@@ -21,12 +19,13 @@ class StreamedVerdicts:
     The blocks carry the stroboscopic section. Memory grows with the cycles and impacts, not with the samples.
     """
 
-    def __init__(self, scene: TwoBlocks, begin: float = 0.0):
+    def __init__(self, scene: Scene, begin: float = 0.0):
         self.scene, self.begin = scene, begin
         self._points: list[dict[str, np.ndarray]] = []
         self._impacts: list[np.ndarray] = []
-        self._extremes = {"x": (inf, -inf), "v": (inf, -inf)}
-        self._span = (inf, 0.0)
+        self._coordinates = Coordinates(scene)
+        self._low, self._high = np.inf, -np.inf  # of each coordinate
+        self._span = (np.inf, 0.0)
 
     def update(self, block: Block) -> None:
         """Take the next block."""
@@ -34,9 +33,9 @@ class StreamedVerdicts:
         begun = block.events["kind"] == EVENT_KINDS["contact_begin"]
         self._impacts.append(block.events["t"][begun])
         later = block.samples["time"] >= self.begin
-        for kind, (low, high) in self._extremes.items():
-            values = relative(block.samples, kind)[later]
-            self._extremes[kind] = float(values.min(initial=low)), float(values.max(initial=high))
+        values = self._coordinates.of(block.samples)[:, later]
+        self._low = np.minimum(self._low, values.min(axis=1, initial=np.inf))
+        self._high = np.maximum(self._high, values.max(axis=1, initial=-np.inf))
         first = min([self._span[0], *block.events["t"][:1].tolist(), *block.samples["time"][:1].tolist()])
         self._span = first, block.t_reached
 
@@ -54,8 +53,9 @@ class StreamedVerdicts:
         rows = np.flatnonzero(section["time"] >= self.begin)[-MOST:]
         if not len(rows):
             return Judged("undecided", "no cycle of a source")
-        length, speed = ((high - low) / 2 for low, high in self._extremes.values())
-        return judge_points(scaled({k: v[rows] for k, v in section.items()}, length, speed), exponent)
+        states = {name: column[rows] for name, column in section.items()}
+        sizes = self._coordinates.sizes(np.asarray(self._low), np.asarray(self._high))
+        return judge_points(self._coordinates.points(states, sizes), exponent)
 
     def _section(self) -> dict[str, np.ndarray]:
         """The stroboscopic points so far: time and states by name, each (n)."""

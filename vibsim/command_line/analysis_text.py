@@ -1,6 +1,7 @@
 """Verdicts on a run in lines for people."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import TypeVar
 
 from vibsim.analysis import Analysis, Capture, DominantFrequencies, Drift, ImpactsPerCycle, Regime
 from vibsim.analysis.impacts_per_cycle import Spread
@@ -13,7 +14,10 @@ COLORS = {"undecided": "yellow", "captured": "green", "chaotic": "magenta"}
 CAPTURE_WORDS = {"escaped": "captured, then escaped", "not met": "met no resonance"}
 SHOWN = 4  # frequencies
 
+MOST_NAMED = 12  # bodies or parts with verdicts of their own
+
 Line = tuple[str, str]
+T = TypeVar("T")
 
 
 def analysis_lines(source: str, result: Result, found: Analysis, verbose: bool = False) -> list[Line]:
@@ -23,15 +27,27 @@ def analysis_lines(source: str, result: Result, found: Analysis, verbose: bool =
         lines.append(("judged", _span(found.steady.window) + _trusted(found.steady.trusted)))
     if found.capture:
         lines += capture_lines(found.capture, verbose)
-    if found.drift:
-        lines.append(("drift", drift_text(found.drift)))
-    if found.impacts:
-        lines += impact_lines(found.impacts, verbose)
+    lines += _of_each(found.drift, lambda one: [("drift", drift_text(one))], "drift")
+    lines += _of_each(found.impacts, lambda one: impact_lines(one, verbose), "impacts")
     if found.regime:
         lines += regime_lines(found.regime)
-    if found.frequencies:
-        lines += list(frequency_lines(found.frequencies))
+    lines += _of_each(found.frequencies, lambda one: list(frequency_lines(one)), "frequencies")
     return lines
+
+
+def _of_each(found: T | dict[str, T] | None, lines: Callable[[T], list[Line]], label: str) -> list[Line]:
+    """The lines of a verdict; of several verdicts those of the first MOST_NAMED, each behind its name."""
+    if found is None:
+        return []
+    if not isinstance(found, dict):
+        return lines(found)
+    blocks = []
+    for name, one in list(found.items())[:MOST_NAMED]:
+        (_, first), *others = lines(one)
+        blocks += [("", f"{name}: {first}"), *(("", f"  {text}") for _, text in others)]
+    more = len(found) - MOST_NAMED
+    blocks += [("", f"and {more} more, all of them with --json")] if more > 0 else []
+    return [(label, blocks[0][1]), *blocks[1:]]
 
 
 def capture_lines(found: Capture, verbose: bool) -> list[Line]:
@@ -67,9 +83,11 @@ def drift_text(found: Drift) -> str:
 def impact_lines(found: ImpactsPerCycle, verbose: bool) -> list[Line]:
     """Verdict, means per cycle, speeds at impact."""
     text = f"{_verdict(found.verdict)}: {found.reason}"
-    if found.impacts is not None and found.sticks is not None:
+    if found.impacts is not None:
         text = f"{_verdict(found.verdict)}: {found.impacts:.4g} per cycle, {found.reason}"
         text += f"; {found.sticks:.4g} sticks per cycle" if found.sticks else ""
+    elif found.sticks is not None:
+        text = f"{_verdict(found.verdict)}: {found.sticks:.4g} per cycle, {found.reason}"
     lines = [("impacts", text)]
     if found.velocity:
         lines.append(("", f"at {_spread(found.velocity)}"))

@@ -23,7 +23,7 @@ def read_attrs(location: Any) -> dict[str, Any]:
 
 
 def _write(location: Any, name: bytes, value: Any) -> None:
-    data = np.asarray(value, TEXT if isinstance(value, str) else None)
+    data = np.asarray(value, TEXT if isinstance(value, str) else None, order="C")
     space = h5s.create_simple(data.shape) if data.shape else h5s.create(h5s.SCALAR)
     if h5a.exists(location, name):
         h5a.delete(location, name)

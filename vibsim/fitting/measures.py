@@ -21,8 +21,8 @@ from vibsim.analysis.impacts_per_cycle import count_impacts
 from vibsim.analysis.regime.verdict import judge_regime
 from vibsim.analysis.span import span_of, steady_span
 from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.parts import Scene
 from vibsim.physics.sums import mean
-from vibsim.physics.two_blocks import TwoBlocks
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
 from vibsim.sweeps.computations.capture_verdict import VERDICTS as CAPTURES
@@ -46,13 +46,14 @@ def final_speed(result: Result, window: Window | None, argument: float) -> float
 
 def longest_hold(result: Result) -> Hold | None:
     """The longest stretch within the band that lies well below the no-load speed or near a resonance."""
-    scene = result.case.two_blocks()
+    scene = result.case.scene()
+    assert scene.motor is not None
     times, speeds = _speeds(result)
-    holds = [hold for hold in holds_of(times, speeds, scene) if _is_away(hold, scene)]
+    holds = [hold for hold in holds_of(times, speeds, scene.motor) if _is_away(hold, scene)]
     return max(holds, key=lambda hold: hold.end - hold.begin, default=None)
 
 
-def _is_away(hold: Hold, scene: TwoBlocks) -> bool:
+def _is_away(hold: Hold, scene: Scene) -> bool:
     near = any(abs(hold.speed_hz / one.hz - 1) <= NEAR for one in all_resonances(scene))
     return hold.below_no_load >= FAR or (near and hold.below_no_load > BAND)
 

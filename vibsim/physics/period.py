@@ -25,10 +25,13 @@ class Period:
 
 def common_period(scene):
     """The shortest period of all forces and the base, or None where nothing moves them or their frequencies
-    have no common one: ratios count as exact within the rounding of double-doubles.
+    have no common one: ratios count as exact within the rounding of double-doubles. Amplitudes of 0 count
+    where there are no others: what a sweep begins with at 0 N has a clock already.
     """
     terms = [term for force in scene.forces for term in force.terms] + list(scene.base)
-    pitches = list(dict.fromkeys((t.cycles, t.cycles_lo) for t in terms if t.amplitude != 0))
+    terms = [term for term in terms if term.cycles != 0]
+    strong = [term for term in terms if term.amplitude != 0]
+    pitches = list(dict.fromkeys((term.cycles, term.cycles_lo) for term in strong or terms))
     if not pitches:
         return None
     exact = [Fraction(cycles) + Fraction(cycles_lo) for cycles, cycles_lo in pitches]

@@ -1,36 +1,28 @@
 """Angular rates at which a scene made of parts vibrates or is driven.
 
 The natural ones are those of M x'' + K x = 0, friction and damping left out; a motor's unbalanced mass moves
-with its body. What sets cadences and time scales of results is rounded to three digits: eigenvalues differ by
+with its body. Where one pair of ends has all the springs of a set of bodies, the rate is sqrt(k/m), m the
+reduced mass. What sets cadences and time scales of results is rounded to three digits: eigenvalues differ by
 machine in the last ones.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from math import inf, pi, sqrt
 
 import numpy as np
 
-from vibsim.physics.parts import Link, Scene, Stop
+from vibsim.physics.body_sets import body_sets
+from vibsim.physics.parts import Harmonic, Link, Scene, Stop
+from vibsim.physics.period import common_period
 
 RIGID = 1e-12  # of the largest squared rate, below which one is that of a rigid motion, 0 but for rounding
 
+Spring = Link | Stop
 
-def natural_rates(scene: Scene, closed: Iterable[Stop] = ()) -> list[float]:
-    """Natural angular rates [rad/s], ascending, those of rigid motions left out.
 
-    closed : the stops that are in contact
-    """
-    springs: list[Link | Stop] = [*scene.links, *closed]
-    share = 1 / np.sqrt(masses(scene))  # of each body in coordinates in which all masses are 1
-    stiffness = np.zeros((len(share), len(share)))
-    for spring in springs:
-        row = np.zeros(len(share))
-        for end, sign in ((spring.P, 1.0), (spring.Q, -1.0)):
-            if end >= 0:
-                row[end] = sign * share[end]
-        stiffness += spring.k * (row[:, None] * row)
-    squares = np.linalg.eigvalsh(stiffness).tolist()
-    return [sqrt(square) for square in squares if square > RIGID * max(squares)]
+def frequency(stiffness: float, mass: float) -> float:
+    """Natural frequency [Hz] of a mass [kg] on a spring [N/m]."""
+    return sqrt(stiffness / mass) / (2 * pi)
 
 
 def masses(scene: Scene) -> np.ndarray:
@@ -41,12 +33,105 @@ def masses(scene: Scene) -> np.ndarray:
     return values
 
 
+def reduced_mass(scene: Scene, P: int, Q: int) -> float:
+    """Mass of the motion of two ends against each other [kg]: 1/(1/m_P + 1/m_Q), or that of the one body
+    where the other end is the ground or the base.
+    """
+    own = masses(scene).tolist()
+    moving = [own[end] for end in (P, Q) if end >= 0]
+    return float(1 / (1 / moving[0] + 1 / moving[1]) if len(moving) == 2 else moving[0])
+
+
+def natural_rates(scene: Scene, closed: Iterable[Stop] = ()) -> list[float]:
+    """Natural angular rates [rad/s], ascending, those of rigid motions left out.
+
+    closed : the stops that are in contact
+    """
+    return [rate for rate in all_rates(scene, closed) if rate]
+
+
+def all_rates(scene: Scene, closed: Iterable[Stop] = ()) -> list[float]:
+    """The same with a 0 for each rigid motion: one for each body."""
+    every: list[Spring] = [*scene.links, *closed]
+    springs = [spring for spring in every if spring.k]
+    found: list[float] = []
+    for one in body_sets(scene, springs):
+        own = [spring for spring in springs if {spring.P, spring.Q} & set(one.bodies)]
+        if not own:
+            found.append(0.0)  # a body alone
+        elif len({frozenset((spring.P, spring.Q)) for spring in own}) == 1:
+            found += _of_pair(scene, own)
+        else:
+            found += _eigenvalues(scene, own, one.bodies)
+    return sorted(found)
+
+
+def _of_pair(scene: Scene, springs: Sequence[Spring]) -> list[float]:
+    """Rates of the one or two bodies between which all the springs are."""
+    P, Q = springs[0].P, springs[0].Q
+    rate = sqrt(sum(spring.k for spring in springs) / reduced_mass(scene, P, Q))
+    return [0.0, rate] if P >= 0 and Q >= 0 else [rate]
+
+
+def _eigenvalues(scene: Scene, springs: Sequence[Spring], bodies: Sequence[int]) -> list[float]:
+    """Rates of a set of bodies, those of rigid motions 0."""
+    share = 1 / np.sqrt(masses(scene)[list(bodies)])  # of each body in coordinates in which all masses are 1
+    place = {body: i for i, body in enumerate(bodies)}
+    stiffness = np.zeros((len(share), len(share)))
+    for spring in springs:
+        row = np.zeros(len(share))
+        for end, sign in ((spring.P, 1.0), (spring.Q, -1.0)):
+            if end >= 0:
+                row[place[end]] = sign * share[place[end]]
+        stiffness += spring.k * (row[:, None] * row)
+    squares = np.linalg.eigvalsh(stiffness).tolist()
+    return [sqrt(square) if square > RIGID * max(squares) else 0.0 for square in squares]
+
+
+def bilinear_frequencies(scene: Scene) -> list[float]:
+    """Frequencies of vibrations that are large against all gaps [Hz], ascending: 2 f1 f2/(f1 + f2) for each
+    natural frequency f1 with all stops open, f2 that of its place in the order with all stops closed.
+
+    Exact for one relative motion with one stop, an estimate else. Empty without stops.
+    """
+    if not scene.stops:
+        return []
+    open_hz, closed_hz = (
+        [rate / (2 * pi) for rate in all_rates(scene, closed)] for closed in ((), scene.stops)
+    )
+    pairs = zip(open_hz, closed_hz, strict=True)
+    return [2 * free * contact / (free + contact) for free, contact in pairs if free]
+
+
+def harmonics(scene: Scene) -> list[Harmonic]:
+    """The harmonics of all forces and the base."""
+    return [term for force in scene.forces for term in force.terms] + list(scene.base)
+
+
+def is_driven(scene: Scene) -> bool:
+    """Whether there is a motor, a force that changes, or a base that moves."""
+    return scene.motor is not None or bool(harmonics(scene))
+
+
 def source_rates(scene: Scene) -> list[float]:
     """Angular rates [rad/s] of forces, base and motor (its no-load speed); those that are 0 left out."""
-    terms = [term for force in scene.forces for term in force.terms] + list(scene.base)
-    found = [abs(term.omega) for term in terms if term.amplitude]
+    found = [abs(term.omega) for term in harmonics(scene) if term.amplitude]
     found += [abs(scene.motor.Omega0)] if scene.motor is not None else []
     return [rate for rate in found if rate]
+
+
+def source_period(scene: Scene) -> float:
+    """Period of the source [s]: of the motor without load, the common one of forces and base or, without
+    any, that of the slowest of them; of the slowest free vibration where there is no source; inf where
+    nothing vibrates.
+    """
+    period = None if scene.motor is not None else common_period(scene)
+    if period is not None:
+        term = next(term for term in harmonics(scene) if term.cycles == period.cycles)
+        return float(2 * pi / abs(term.omega) * period.turns)
+    rates = source_rates(scene) if scene.motor is None else [abs(scene.motor.Omega0)]
+    rates = [rate for rate in rates if rate] or natural_rates(scene)
+    return 2 * pi / min(rates) if rates else inf
 
 
 def longest_period(scene: Scene) -> float:

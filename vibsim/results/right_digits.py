@@ -33,6 +33,7 @@ TELLING = 3  # agreement below so many digits may be chance
 ORDINARY = 30  # digits of a run without chaos
 MARGIN, SHARE = 6, 1.15  # digits beyond the growth found in doubles, which is an estimate
 FINER = 12  # digits that a run carries beyond the one it is compared with
+LEAST = Decimal("1e-6")
 EXACT = Context(prec=2 * MOST_DIGITS)
 
 
@@ -113,15 +114,23 @@ class DigitsPlan:
 def agreement(first: Mapping[str, Decimal], second: Mapping[str, Decimal]) -> float:
     """Decimal digits to which two states agree, the fewest of any quantity relative to its size.
 
-    Infinite where they are equal.
+    A displacement or velocity of a body counts by LEAST of the largest one at least: that of a body which
+    has come to rest is 0 but for rounding, and has no digits. Infinite where the states are equal.
     """
     fewest = float("inf")
     for name, value in first.items():
         apart = EXACT.abs(EXACT.subtract(value, second[name]))
         if apart:
-            size = max(abs(value), abs(second[name]))
+            size = max(abs(value), abs(second[name]), LEAST * _largest(first, name))
             fewest = min(fewest, max(float(EXACT.log10(EXACT.divide(size, apart))), 0.0))
     return fewest
+
+
+def _largest(state: Mapping[str, Decimal], name: str) -> Decimal:
+    """The largest |x|, or |v|, of all bodies where `name` is one of them; 0 else."""
+    return max(
+        (abs(value) for other, value in state.items() if other[0] == name[0] in "xv"), default=Decimal(0)
+    )
 
 
 def end_in_doubles(scene) -> EndState | None:

@@ -1,14 +1,18 @@
 """The regime of a run: periodic, quasi-periodic, chaotic, or something less settled, and what says so."""
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
 
 from vibsim.analysis.cycles import ROWS
-from vibsim.analysis.impacts_per_cycle import words_of
+from vibsim.analysis.impacts_per_cycle import happenings
 from vibsim.analysis.regime.points import Exponent, Judged, judge_points
 from vibsim.analysis.regime.section import section_of
 from vibsim.analysis.span import Span, steady_span
+from vibsim.engine.columns import state_columns
+from vibsim.engine.section import has_section
+from vibsim.physics.rates import is_driven
 from vibsim.results.result import Result
 from vibsim.results.windows import Window, pieces, rows_within
 
@@ -57,8 +61,12 @@ def judge_regime(result: Result, window: Window | None = None, exponent: Exponen
     span = steady_span(result, window)
     if is_at_rest(result, span):
         return Regime("at rest", "nothing moves", span, exponent=exponent)
-    if result.case.two_blocks().source == "none":
+    scene = result.case.scene()
+    if not is_driven(scene):
         return Regime("undecided", "no source, so no stroboscopic section", span, exponent=exponent)
+    if not has_section(scene):
+        reason = "sources without a common period, so no stroboscopic section"
+        return Regime("undecided", reason, span, exponent=exponent)
     section = section_of(result, span)
     judged = judge_points(section.points, exponent)
     since, word_period = _since(result, section.times, judged)
@@ -73,10 +81,10 @@ def _since(result: Result, times: np.ndarray, judged: Judged) -> tuple[float | N
     if judged.onset is None:
         return None, None
     later = times[(judged.onset + len(times)) // 2 :]
-    return float(times[judged.onset]), word_period(words_of(result, later))
+    return float(times[judged.onset]), word_period(happenings(result, later))
 
 
-def word_period(words: list[str]) -> int | None:
+def word_period(words: Sequence[str | bytes]) -> int | None:
     """Cycles after which the words repeat themselves all along, at least twice; None: they do not."""
     periods = range(1, len(words) // 2 + 1)
     return next((period for period in periods if words[period:] == words[:-period]), None)
@@ -87,8 +95,8 @@ def is_at_rest(result: Result, span: Span) -> bool:
     rows = rows_within(result.column("time"), span.window)
     if rows.stop - rows.start < 2:
         return False
-    for name in ("x1", "v1", "x2", "v2", "phi", "phidot"):
-        column = result.column(name) if name in result else np.zeros(rows.stop)
+    for name in state_columns(result.case.scene()):
+        column = result.column(name)
         first = float(column[rows.start])
         if any(np.abs(column[piece] - first).max() > STILL for piece in pieces(rows, ROWS)):
             return False

@@ -98,10 +98,12 @@ def measure_facts(cases: Mapping[str, Case]) -> Numbers:
 
 def least_hold(case: Case, inertia: float) -> float:
     """Shortest hold near half the bilinear frequency that counts as capture [s], at an inertia [kg m^2]."""
-    scene = case.with_values({"excitation.J": inertia}).two_blocks()
-    no_load = scene.Omega0 / (2 * pi)
+    scene = case.with_values({"excitation.J": inertia}).scene()
+    motor = scene.motor
+    assert motor is not None
+    no_load = motor.Omega0 / (2 * pi)
     slow, fast = (HELD_HZ * (1 + sign * BAND) for sign in (-1, 1))
-    return CAPTURE * run_up_time(scene) * log((no_load - slow) / (no_load - fast))
+    return CAPTURE * run_up_time(motor) * log((no_load - slow) / (no_load - fast))
 
 
 def unbalance(cases: Mapping[str, Case]) -> float:

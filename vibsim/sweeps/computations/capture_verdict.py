@@ -48,7 +48,7 @@ class CaptureVerdict:
         """The verdict and its times; NaN where there is none."""
         resumed = run.rows[-1]["t"] if run.rows else 0.0
         turns, impacts = (self._joined(table, resumed) for table in ("section", "events"))
-        return _numbers(capture_of_turns(turns, impacts, self._scene, Span(0.0, run.t_reached)))
+        return _numbers(capture_of_turns(turns, impacts, self._scene.as_parts(), Span(0.0, run.t_reached)))
 
     def _joined(self, table: str, resumed: float) -> np.ndarray:
         """Times of the whole run: those of the transient up to where the rest goes on from, then the rest."""

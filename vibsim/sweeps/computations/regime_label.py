@@ -24,7 +24,7 @@ class RegimeLabel:
     """Kind of motion of one run."""
 
     def __init__(self, scene: TwoBlocks, begin: float, section: int):
-        self._verdicts = StreamedVerdicts(scene, begin)
+        self._verdicts = StreamedVerdicts(scene.as_parts(), begin)
 
     def update(self, block: Block) -> None:
         """Take the next block."""
