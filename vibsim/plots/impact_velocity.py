@@ -12,7 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from vibsim.plots.impacts import events_of
+from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.period import common_period
+from vibsim.plots.impacts import events_within
 from vibsim.plots.quantities import Scale, scale_for, seconds
 from vibsim.plots.samples import common_window, shown, window_of
 from vibsim.plots.sheet import legend_above, letter_panels, note, sheet, time_axis
@@ -21,6 +23,7 @@ from vibsim.plots.style import BLUE, GREY, overlay
 from vibsim.plots.subject import Subject
 from vibsim.plots.time_marks import trust_marks
 from vibsim.plots.view import Span, View
+from vibsim.results.relative_motion import RelativeMotion
 
 BINS = 40
 HEADROOM = 1.1  # beyond the longest bar of the histogram
@@ -102,16 +105,23 @@ def _say(
 
 
 def impacts_of(subject: Subject, span: Span) -> Impacts:
-    """The impacts of a run within the span; the phase is that of the force, or the angle of the rotor."""
+    """The impacts of a run within the span, at all its stops; the phase is that of the common period of the
+    forces and the base, or the angle of the rotor.
+    """
     scene = subject.scene
-    names = ["v1"] + (["v2"] if scene.has_block2 else []) + (["phi"] if scene.has_motor else [])
-    t, *columns = events_of(subject.result, "contact_begin", span, *names)
-    state = dict(zip(names, columns, strict=True))
-    closing = scene.stop_sign * (state.get("v2", 0.0) - state["v1"])
+    events = events_within(subject.result, None, span)
+    t, closing = events["t"], np.full(len(events["t"]), np.nan)
+    for number, stop in enumerate(scene.stops):
+        begun = (events["kind"] == EVENT_KINDS["contact_begin"]) & (events["part"] == number)
+        own = {name: column[begun] for name, column in events.items()}
+        closing[begun] = -stop.sense * RelativeMotion(scene, stop)(own, "t")[2]
+    rows, period = ~np.isnan(closing), common_period(scene)
+    t, closing = t[rows], closing[rows]
     if scene.has_motor:
-        return Impacts(t, closing, np.mod(state["phi"] / (2 * math.pi), 1.0))
-    if scene.source == "harmonic" and scene.omega:
-        return Impacts(t, closing, np.mod(t * scene.cycles + t * scene.cycles_lo, 1.0))
+        return Impacts(t, closing, np.mod(events["phi"][rows] / (2 * math.pi), 1.0))
+    if period is not None:
+        turns = t * period.cycles + t * period.cycles_lo
+        return Impacts(t, closing, np.mod(turns / period.turns, 1.0))
     return Impacts(t, closing, None)
 
 

@@ -9,8 +9,7 @@ import numpy as np
 
 from vibsim.engine.columns import part_columns
 from vibsim.physics.modes import CONTACT_FLAGS, EVENT_KINDS
-from vibsim.physics.parts import Scene as PartsScene
-from vibsim.physics.parts import columns_of
+from vibsim.physics.parts import Scene, columns_of
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span
 
@@ -48,14 +47,12 @@ def impact_times(result: Any, span: Span) -> np.ndarray:
 
 def impacts_of(subject: Subject, span: Span, column: str, *others: str) -> tuple[np.ndarray, ...]:
     """Times [s] and columns of the impacts within the span in which the body of `column` takes part."""
-    if not subject.is_of_parts:
-        return events_of(subject.result, "contact_begin", span, column, *others)
     t, part, *values = events_of(subject.result, "contact_begin", span, "part", column, *others)
     rows = np.isin(part, stops_of(subject.scene, column))
     return (t[rows], *(value[rows] for value in values))
 
 
-def stops_of(scene: PartsScene, column: str) -> list[int]:
+def stops_of(scene: Scene, column: str) -> list[int]:
     """Numbers of the stops that end at the body of a column of states."""
     own = [i for i, body in enumerate(scene.bodies) if column in columns_of(body.name)]
     return [number for number, stop in enumerate(scene.stops) if {stop.P, stop.Q} & set(own)]
@@ -63,7 +60,7 @@ def stops_of(scene: PartsScene, column: str) -> list[int]:
 
 def contact_spans(subject: Subject, span: Span) -> list[Span]:
     """The stretches of contact at any stop that meet the span, cut to it [s]."""
-    names = part_columns(subject.scene)[: len(subject.scene.stops)] if subject.is_of_parts else ("contact",)
+    names = part_columns(subject.scene)[: len(subject.scene.stops)]
     events = events_within(subject.result, ("t", *names), span, before=1)
     touching = [events[name] == CONTACT_FLAGS["contact"] for name in names]  # a lifted stop exerts no force
     contact = np.any(touching, axis=0)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from vibsim.physics.parts import Motor
 from vibsim.plots.motor_speed import SPEED
+from vibsim.plots.natural_frequencies import motor_of
 from vibsim.plots.quantities import scale_for
 from vibsim.plots.sheet import legend_above, sheet
 from vibsim.plots.style import BLUE, nested
@@ -27,12 +28,13 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
 
 def motor_panel(axes: Axes, subjects: Sequence[Subject]) -> None:
     """The characteristic in given axes."""
-    fastest = 1.1 * max(abs(subject.scene.Omega0) for subject in subjects)
-    curves = [characteristic(subject.scene, fastest) for subject in subjects]
+    motors = [motor_of(subject.scene) for subject in subjects]
+    fastest = 1.1 * max(abs(motor.Omega0) for motor in motors)
+    curves = [characteristic(motor, fastest) for motor in motors]
     scale = scale_for("N m", *(torque for _, torque in curves))
     for i, (subject, (speed, torque)) in enumerate(zip(subjects, curves, strict=True)):
         look = nested(i, len(subjects), 1.0) if len(subjects) > 1 else {"color": BLUE, "linewidth": 1.0}
-        no_load = subject.scene.Omega0 / (2 * math.pi)
+        no_load = motors[i].Omega0 / (2 * math.pi)
         label = rf"{subject.name}: $\Omega_0$ = {no_load:.4g} Hz"
         axes.plot(speed / (2 * math.pi), scale(torque), label=label, gid="motor", **look)
         axes.plot(
@@ -44,7 +46,7 @@ def motor_panel(axes: Axes, subjects: Sequence[Subject]) -> None:
     legend_above(axes)
 
 
-def characteristic(scene: Any, fastest: float) -> tuple[np.ndarray, np.ndarray]:
+def characteristic(motor: Motor, fastest: float) -> tuple[np.ndarray, np.ndarray]:
     """Two points of the line: speeds 0 and `fastest` with the sign of Omega0 [rad/s], torques [N m]."""
-    speed = np.array([0.0, math.copysign(fastest, scene.Omega0)])
-    return speed, scene.M0 * (1 - speed / scene.Omega0)
+    speed = np.array([0.0, math.copysign(fastest, motor.Omega0)])
+    return speed, motor.M0 * (1 - speed / motor.Omega0)

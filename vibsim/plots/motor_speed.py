@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from vibsim.plots.envelope import Envelope
 from vibsim.plots.margin_labels import Level, draw_levels
-from vibsim.plots.natural_frequencies import natural_frequencies, no_load_speed
+from vibsim.plots.natural_frequencies import motor_of, natural_frequencies
 from vibsim.plots.samples import POINTS_PER_COLUMN, Series, common_window, series, window_of
 from vibsim.plots.sheet import above_wider, legend_above, pixel_columns, sheet, time_axis
 from vibsim.plots.style import BLUE, GREY, SKY, overlay
@@ -97,7 +97,7 @@ def levels_of(subjects: Sequence[Subject]) -> list[Level]:
     """Omega0 and natural frequencies [Hz] of the subjects, equal ones once, each named with its value."""
     levels: dict[tuple[str, float], Level] = {}
     for subject in subjects:
-        no_load = no_load_speed(subject.scene) / (2 * math.pi)
+        no_load = motor_of(subject.scene).Omega0 / (2 * math.pi)
         named: list[tuple[str, float, dict[str, Any]]] = [(r"$\Omega_0$", no_load, {"linestyle": "-"})]
         named += [(f.label, f.hz, {"linestyle": (0, (4, 2))}) for f in natural_frequencies(subject.scene)]
         for label, hz, look in named:

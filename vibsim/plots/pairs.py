@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from vibsim.physics.body_sets import pairs_of
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.parts import BASE, GROUND, Link
-from vibsim.physics.parts import Scene as PartsScene
-from vibsim.plots.quantities import symbol
-from vibsim.plots.relative_motion import (
-    DISPLACEMENT,
-    VELOCITY,
-    relative,
-    state_names,
-    stop_equation,
-    stop_position,
-)
+from vibsim.plots.errors import PlotError
+from vibsim.plots.relative_motion import difference, stop_label, stop_position, stops_between
 from vibsim.plots.subject import Subject
 from vibsim.plots.trace import Plane
-from vibsim.plots.user_text import as_text
 from vibsim.results.relative_motion import RelativeMotion
 
 
@@ -45,54 +37,36 @@ class Pair:
 
 
 def pair_of(subject: Subject) -> Pair:
-    """Of two blocks these; of a scene of named parts the ends of the stop that is struck most often, else of
-    the first link, else of the first friction, else the first body and ground.
+    """The ends of the stop that is struck most often, else of the first link, else of the first friction,
+    else the first body and ground.
     """
-    if subject.is_of_parts:
-        return _pair_of_parts(subject.scene, _shown_part(subject))
-    scene = subject.scene
-    stops = ((stop_position(scene), stop_equation(scene)),) if scene.has_stop else ()
-    return Pair(state_names(scene), relative, DISPLACEMENT, VELOCITY, stops)
-
-
-def _shown_part(subject: Subject) -> Any:
-    scene: PartsScene = subject.scene
-    if not scene.stops:
-        return next(iter([*scene.links, *scene.frictions, Link("", 0, GROUND, 0.0, 0.0)]))
-    events = subject.result.events
-    part = np.asarray(events["part"])[np.asarray(events["kind"]) == EVENT_KINDS["contact_begin"]]
-    return scene.stops[int(np.argmax(np.bincount(part, minlength=len(scene.stops))))]
-
-
-def _pair_of_parts(scene: PartsScene, part: Any) -> Pair:
+    scene, part = subject.scene, _shown_part(subject)
     motion = RelativeMotion(scene, part)
 
     def plane(block: Any) -> tuple[np.ndarray, np.ndarray]:
         _, x, v = motion(block, "time")
         return x, v
 
-    x, v = (_difference(scene, part, letter) for letter in "xv")
-    return Pair(("time", *motion.columns), plane, x, v, tuple(_stops(scene, part)))
+    x, v = (difference(scene, part, letter) for letter in "xv")
+    stops = [(stop_position(stop, part), stop_label(stop)) for stop in stops_between(scene, part)]
+    return Pair(("time", *motion.columns), plane, x, v, tuple(stops))
 
 
-def _difference(scene: PartsScene, part: Any, letter: str) -> str:
-    """x_P - x_Q in symbols; a term at rest left out, the base in capitals."""
-    first, second = (
-        "" if end == GROUND else f"${letter.upper()}$" if end == BASE else _symbol(scene, end, letter)
-        for end in (part.P, part.Q)
-    )
-    return f"{first} \N{MINUS SIGN} {second}" if first and second else first or f"\N{MINUS SIGN}{second}"
+def common_pairs(subjects: Sequence[Subject]) -> list[Pair]:
+    """The pair of each subject; PlotError where they are not the motion of the same ends."""
+    pairs = [pair_of(subject) for subject in subjects]
+    if len({pair.displacement for pair in pairs}) > 1:
+        several = ", ".join(pair.displacement for pair in pairs)
+        raise PlotError(f"no relative motion is common to the runs: {several}; draw them one by one")
+    return pairs
 
 
-def _symbol(scene: PartsScene, end: int, letter: str) -> str:
-    return symbol(f"{letter}_{scene.end_name(end)}")
-
-
-def _stops(scene: PartsScene, part: Any) -> list[tuple[float, str]]:
-    """Where x_P - x_Q of `part` meets each stop between the same ends [m], and its name."""
-    found = []
-    for stop in scene.stops:
-        if {stop.P, stop.Q} == {part.P, part.Q}:
-            position = -stop.sense * stop.gap
-            found.append((position if stop.P == part.P else -position, as_text(stop.name)))
-    return found
+def _shown_part(subject: Subject) -> Any:
+    scene = subject.scene
+    if not scene.stops:
+        return pairs_of(scene)[0]
+    if len(scene.stops) == 1:
+        return scene.stops[0]
+    events = subject.result.events
+    part = np.asarray(events["part"])[np.asarray(events["kind"]) == EVENT_KINDS["contact_begin"]]
+    return scene.stops[int(np.argmax(np.bincount(part, minlength=len(scene.stops))))]

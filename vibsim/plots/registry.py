@@ -30,7 +30,7 @@ class Kind:
     needs : keys of NEEDS; what the subject must have
     width : "column" or "page", the width unless the user says otherwise
     alone : whether it shows one file at a time
-    any_scene : whether it shows scenes of named parts too, and not only two blocks
+    any_scene : whether it shows sweeps of named parts too, and not only of two blocks
     """
 
     name: str
@@ -53,36 +53,32 @@ KINDS = (
         "trajectory",
         "one page: displacements, detail, relative portrait, speed",
         width="page",
-        any_scene=True,
     ),
     Kind(
         "displacement",
         "trajectory",
         "displacements of the bodies against time, impacts marked, with a detail",
-        any_scene=True,
     ),
     Kind(
         "velocity",
         "trajectory",
         "velocities of the bodies against time, impacts marked, with a detail",
-        any_scene=True,
     ),
-    Kind("phase", "trajectory", "phase portrait of each body, impacts marked", any_scene=True),
+    Kind("phase", "trajectory", "phase portrait of each body, impacts marked"),
     Kind("phase-drift-free", "trajectory", "the same, less the drift of each block", ("excitation",)),
-    Kind("relative", "trajectory", "phase portrait of the relative motion, with the stop", any_scene=True),
+    Kind("relative", "trajectory", "phase portrait of the relative motion, with the stop"),
     Kind(
         "motor-speed",
         "trajectory",
         "motor speed against time, with the natural frequencies",
         ("motor",),
-        any_scene=True,
     ),
     Kind("displacement-frequency", "trajectory", "displacements against the motor's speed", ("motor",)),
     Kind(
         "impact-velocity", "trajectory", "closing velocity of each impact: time, phase, histogram", ("stop",)
     ),
     Kind("stroboscopic", "trajectory", "relative motion once per period of the source", ("excitation",)),
-    Kind("stiffness", "case", "force of the two springs against the relative displacement"),
+    Kind("stiffness", "case", "force of springs and stops against the relative displacement", ("springs",)),
     Kind("motor", "case", "torque of the motor against its speed", ("motor",)),
     Kind("sommerfeld", "sweep", "steady speed of the motor against its no-load speed", ("motor", "Omega0")),
     Kind("amplitude", "sweep", "amplitudes against the frequency, or whatever was swept"),
@@ -115,6 +111,7 @@ KINDS = (
 NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
     "motor": ("a motor", lambda subject: subject.scene.has_motor),
     "stop": ("a stop", lambda subject: subject.scene.has_stop),
+    "springs": ("springs or stops", lambda subject: bool(subject.scene.links or subject.scene.stops)),
     "excitation": ("a periodic source", lambda subject: _is_periodic(subject.scene)),
     "Omega0": (
         "a sweep over Omega0",
@@ -159,7 +156,9 @@ def _is_along_speed(subject: Subject) -> bool:
 
 
 def _is_periodic(scene: Any) -> bool:
-    return scene.has_motor or (scene.source == "harmonic" and scene.omega != 0)
+    from vibsim.engine.section import has_section
+
+    return has_section(scene)
 
 
 def _has(subject: Subject, column: str) -> bool:
@@ -190,8 +189,8 @@ def misfit(kind: Kind, subject: Subject) -> str | None:
         return f"it shows a {kind.reads}, and {subject.path} is a {subject.reads}"
     if kind.reads == "case" and subject.reads == "sweep":
         return f"it shows one case, and {subject.path} is a sweep"
-    if subject.is_of_parts and not kind.any_scene:
-        return f"it shows two blocks, and {subject.path} is a scene of named parts"
+    if kind.reads == "sweep" and subject.case.is_long and not kind.any_scene:
+        return f"it shows sweeps of two blocks, and {subject.path} is one of named parts"
     for need in kind.needs:
         words, has = NEEDS[need]
         if not has(subject):
@@ -226,8 +225,6 @@ def choose(names: Sequence[str] | None, subjects: Sequence[Subject]) -> list[Kin
         preferred = DEFAULTS.get(subjects[0].reads, ())
         names = [kind.name for kind in fit if kind.name in preferred] or [kind.name for kind in fit[:1]]
         if not names:
-            for subject in subjects:
-                subject.case.two_blocks()  # a case of named parts has no picture yet, only its runs have
             raise PlotError(f"no kind shows {', '.join(subject.path for subject in subjects)} together")
     elif "all" in names:
         return fit

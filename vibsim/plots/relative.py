@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vibsim.plots.errors import PlotError
-from vibsim.plots.pairs import pair_of
+from vibsim.plots.pairs import common_pairs
 from vibsim.plots.quantities import scale_for, seconds
 from vibsim.plots.relative_motion import draw_stop_line
 from vibsim.plots.samples import shown
@@ -39,10 +38,7 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
 def relative_panel(axes: Axes, subjects: Sequence[Subject], view: View) -> None:
     """The portrait in given axes."""
     spans = [shown(subject, view.window, steady_span) for subject in subjects]
-    pairs = [pair_of(subject) for subject in subjects]
-    if len({pair.displacement for pair in pairs}) > 1:
-        several = ", ".join(pair.displacement for pair in pairs)
-        raise PlotError(f"no relative motion is common to the runs: {several}; draw them one by one")
+    pairs = common_pairs(subjects)
     traces = [
         trace(subject.result, pair.names, pair.plane, span)
         for subject, pair, span in zip(subjects, pairs, spans, strict=True)
@@ -59,5 +55,5 @@ def relative_panel(axes: Axes, subjects: Sequence[Subject], view: View) -> None:
     axes.set_ylabel(scales[1].label(f"Relative velocity {pairs[0].velocity}"))
     said = [*dict.fromkeys(map(seconds, spans)), trust_remark(subjects, spans)]
     text = "; ".join(filter(None, said))
-    crowded = len(text) > BESIDE_STOP or any(subject.is_of_parts for subject in subjects)
+    crowded = len(text) > BESIDE_STOP or len(stops) > 1
     note(axes, text, above=1 if len(subjects) == 1 and stops and crowded else 0)

@@ -1,45 +1,53 @@
-"""The relative motion of the blocks, and the stop in its plane."""
+"""The stops in the plane of a relative motion, and what motions of two ends against each other are called."""
 
 from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 from matplotlib.axes import Axes
 
-from vibsim.plots.quantities import Scale
+from vibsim.physics.parts import BASE, GROUND, Scene, Stop
+from vibsim.plots.quantities import Scale, symbol
 from vibsim.plots.style import GREY
-from vibsim.plots.trace import Block
+from vibsim.plots.user_text import as_text
 
 DISPLACEMENT = "$x_1 - x_2$"
 VELOCITY = "$v_1 - v_2$"
+STOP = "stop"  # what the short form of a case calls its stop
+PAPERS = (STOP, "coupling")  # and all that is between its blocks
 
 
-def state_names(scene: Any) -> tuple[str, ...]:
-    """Columns that the relative motion needs; a fixed block 2 has none."""
-    return ("x1", "v1", "x2", "v2") if scene.has_block2 else ("x1", "v1")
+def difference(scene: Scene, part: Any, letter: str) -> str:
+    """x_P - x_Q, or with v, in symbols; a term at rest left out, the base in capitals."""
+    if scene.end_name(part.P) == "1" and part.name in PAPERS:
+        return {"x": DISPLACEMENT, "v": VELOCITY}[letter]  # a fixed block 2 too
+    first, second = (
+        "" if end == GROUND else letter.upper() if end == BASE else _symbol(scene, end, letter)
+        for end in (part.P, part.Q)
+    )
+    return f"${first} - {second}$" if first and second else f"${first}$" if first else f"$-{second}$"
 
 
-def relative(block: Block) -> tuple[np.ndarray, np.ndarray]:
-    """Relative displacement x1 - x2 [m] and velocity v1 - v2 [m/s], block 2 at rest or moving."""
-    if "x2" not in block:
-        return block["x1"], block["v1"]
-    return block["x1"] - block["x2"], block["v1"] - block["v2"]
+def _symbol(scene: Scene, end: int, letter: str) -> str:
+    return symbol(f"{letter}_{scene.end_name(end)}").strip("$")
 
 
-def stop_position(scene: Any) -> float:
-    """The relative displacement x1 - x2 at which the stop is met [m]: -G in extension, +G in compression."""
-    return -scene.stop_sign * scene.G
+def stop_position(stop: Stop, part: Any) -> float:
+    """Where x_P - x_Q of a part between the same ends meets the stop [m]."""
+    position = -stop.sense * stop.gap
+    return float(position if stop.P == part.P else -position)
 
 
-def draw_stop(axes: Axes, scene: Any, scale: Scale, label: bool = True) -> None:
-    """The stop of two blocks as a dashed line across the axes, its equation above it."""
-    draw_stop_line(axes, stop_position(scene), scale, stop_equation(scene) if label else "")
+def stops_between(scene: Scene, part: Any) -> list[Stop]:
+    """The stops between the ends of a part."""
+    return [stop for stop in scene.stops if {stop.P, stop.Q} == {part.P, part.Q}]
 
 
-def stop_equation(scene: Any) -> str:
-    """Where the stop of two blocks is met, as an equation."""
-    return "$x_2 - x_1 = G$" if scene.stop_sign > 0 else "$x_1 - x_2 = G$"
+def stop_label(stop: Stop) -> str:
+    """What a stop is called beside its line: its name; the paper's is told by its equation."""
+    if stop.name != STOP:
+        return as_text(stop.name)
+    return "$x_2 - x_1 = G$" if stop.sense > 0 else "$x_1 - x_2 = G$"
 
 
 def draw_stop_line(axes: Axes, position: float, scale: Scale, text: str) -> None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from vibsim.plots.user_text import as_text
 
 if TYPE_CHECKING:
+    from vibsim.physics.parts import Scene
     from vibsim.results.columns import Tables
 
 RESULT_SUFFIXES = (".h5", ".hdf5", ".partial")
@@ -46,21 +47,16 @@ class Subject:
         return self.case.name if self.reads == "case" else file_stem(self.path)
 
     @cached_property
-    def scene(self) -> Any:
-        """The scene behind it: the two blocks of the short form by their symbols, the parts of the long."""
-        return self.case.scene() if self.is_of_parts else self.case.two_blocks()
-
-    @property
-    def is_of_parts(self) -> bool:
-        """Whether it is of a scene of named parts."""
-        return bool(self.case.is_long)
+    def scene(self) -> Scene:
+        """The scene behind it, made of parts."""
+        return self.case.scene()
 
     @cached_property
     def tables(self) -> Tables:
         """The columns of its run."""
         from vibsim.results.columns import tables_of
 
-        return tables_of(self.case.scene())
+        return tables_of(self.scene)
 
     def columns_in(self, unit: str) -> tuple[str, ...]:
         """Names of the sampled states of bodies in a unit: displacements in m, velocities in m/s."""

@@ -51,7 +51,7 @@ def turn_extremes(result: Any, column: str, span: Span) -> TurnExtremes:
 
 def _stretches(result: Any, column: str, span: Span, turns: int) -> Iterator[dict[str, np.ndarray]]:
     """The samples block by block; where they are sparse and the turns not too many, instants between."""
-    if samples_are_sparse(result.case.two_blocks()) and 0 < turns <= PERIODS_AT_MOST:
+    if samples_are_sparse(result.case.scene()) and 0 < turns <= PERIODS_AT_MOST:
         yield dense(result, (column,), span, step=(span[1] - span[0]) / (turns * PER_TURN))
     else:
         yield from blocks(result, ("time", column), span)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.physics.period import common_period
 from vibsim.plots import dense
 from vibsim.plots.hermite import hermite, root_time
 from vibsim.plots.samples import blocks
@@ -18,18 +19,22 @@ TURNS = 12  # to average over: a multiple of the periods 1, 2, 3, 4 and 6 that t
 
 
 def turn_times(result: Any, span: Span) -> np.ndarray:
-    """Instants within the span at which the source begins a period [s], ascending.
+    """Instants within the span at which the source begins a period [s], ascending; none without a period.
 
-    Harmonic source: multiples of its period. Motor: phi = 2 pi k, located on the cubic Hermite interpolant of
-    phi between two samples (phi and phidot are stored, so its error is of fourth order in the output
-    interval).
+    Forces and base: multiples of their common period. Motor: phi = 2 pi k, located on the cubic Hermite
+    interpolant of phi between two samples (phi and phidot are stored, so its error is of fourth order in the
+    output interval).
     """
     scene = result.case.scene()
     if scene.has_motor:
         found = [_motor_turns(part) for part in _joined_blocks(result, ("time", "phi", "phidot"), span)]
         return np.concatenate([np.empty(0), *found])
-    first, last = math.ceil(span[0] * scene.cycles - 1e-9), math.floor(span[1] * scene.cycles + 1e-9)
-    return np.clip(np.arange(first, last + 1) / scene.cycles, *span)
+    period = common_period(scene)
+    if period is None:
+        return np.empty(0)
+    rate = period.cycles / period.turns
+    first, last = math.ceil(span[0] * rate - 1e-9), math.floor(span[1] * rate + 1e-9)
+    return np.clip(period.end(np.arange(first, last + 1)), *span)
 
 
 def _joined_blocks(result: Any, names: tuple[str, ...], span: Span) -> Iterator[dict[str, np.ndarray]]:
