@@ -1,4 +1,4 @@
-"""Random scenes of named parts in decimals, as YAML: chains of bodies with every kind of part, driven hard."""
+"""Random scenes of named parts in decimals, as YAML: chains of bodies, parts of every kind, driven hard."""
 
 import random
 from math import exp, log
@@ -44,7 +44,9 @@ def _links(rng, joints):
     for i, (P, Q) in enumerate(joints):
         if i == 0 or rng.random() < 0.6:
             damper = rng.choice(["0", _spread(rng, 1e-3, 0.3), _spread(rng, 1e-2, 1)])
-            found.append(f"spring_{i}: {{between: [{P}, {Q}], k: {_spread(rng, 50, 500)} N/m, c: {damper} N s/m}}")
+            found.append(
+                f"spring_{i}: {{between: [{P}, {Q}], k: {_spread(rng, 50, 500)} N/m, c: {damper} N s/m}}"
+            )
     return found
 
 
@@ -80,7 +82,9 @@ def _forces(rng, bodies):
     body, constant = rng.choice(bodies), rng.choice(["0", "0", _even(rng, -0.2, 0.2)])
     found = [f"drive: {{on: {body}, A: {_spread(rng, 0.5, 8)} N, omega: {_rate(rng)} Hz, F0: {constant} N}}"]
     if rng.random() < 0.25:
-        found.append(f"other: {{on: {rng.choice(bodies)}, A: {_spread(rng, 0.2, 4)} N, omega: {_rate(rng)} Hz}}")
+        found.append(
+            f"other: {{on: {rng.choice(bodies)}, A: {_spread(rng, 0.2, 4)} N, omega: {_rate(rng)} Hz}}"
+        )
     return found
 
 

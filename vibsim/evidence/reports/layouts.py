@@ -15,6 +15,7 @@ from vibsim.plots.displacement import DISPLACEMENT
 from vibsim.plots.displacement_frequency import displacement_frequency_panels
 from vibsim.plots.motor import motor_panel
 from vibsim.plots.motor_speed import SPEED, motor_speed_panel
+from vibsim.plots.natural_frequencies import motor_of
 from vibsim.plots.phase import moving, phase_panels
 from vibsim.plots.relative import relative_panel
 from vibsim.plots.samples import common_window
@@ -55,8 +56,8 @@ def draw_motors(sheet: Figure, subjects: Sequence[Subject]) -> None:
 
 def _point(subject: Subject, speed_hz: float) -> tuple[float, float]:
     """Mean speed [Hz] and torque [mN m]: the torque is linear in the speed, and so are their means."""
-    scene = subject.scene
-    return speed_hz, 1e3 * scene.M0 * (1 - 2 * np.pi * speed_hz / scene.Omega0)
+    motor = motor_of(subject.scene)
+    return speed_hz, 1e3 * motor.M0 * (1 - 2 * np.pi * speed_hz / motor.Omega0)
 
 
 def draw_displacements(sheet: Figure, subjects: Sequence[Subject]) -> None:
