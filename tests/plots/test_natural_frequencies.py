@@ -9,7 +9,7 @@ from vibsim.plots.natural_frequencies import fractions, natural_frequencies, sho
 
 
 def named(case):
-    return {frequency.name: frequency.hz for frequency in natural_frequencies(case.two_blocks())}
+    return {frequency.name: frequency.hz for frequency in natural_frequencies(case.scene())}
 
 
 def test_ideal_source():
@@ -31,7 +31,7 @@ def test_without_stop_there_is_no_bilinear_frequency(subject):
 
 
 def test_fractions_are_those_of_a_motion_with_impacts(subject):
-    found = {frequency.name: frequency.hz for frequency in fractions(load_case("II-B").two_blocks())}
+    found = {frequency.name: frequency.hz for frequency in fractions(load_case("II-B").scene())}
     assert found["⅔ bilinear"] == pytest.approx(2 / 3 * 7.37, abs=4e-3)
     assert found["½ free-free"] == pytest.approx(4.149 / 2, abs=3e-4)
     assert fractions(subject("bare").scene) == []
@@ -44,9 +44,9 @@ def test_fixed_block(subject):
 
 
 def test_periods():
-    scene = load_case("I-C").two_blocks()
+    scene = load_case("I-C").scene()
     assert source_period(scene) == pytest.approx(1 / 6.5)
     assert shortest_period(scene) == pytest.approx(1 / 34.397, rel=1e-4)
-    motor = load_case("II-B").two_blocks()
+    motor = load_case("II-B").scene()
     assert source_period(motor) == pytest.approx(1 / 5.5)
     assert source_period(motor, phidot=2 * math.pi * 4) == pytest.approx(0.25)

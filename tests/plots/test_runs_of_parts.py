@@ -107,11 +107,19 @@ def test_a_stop_that_has_let_go_by_force_is_not_shaded():
     assert 0 < shaded < 0.5
 
 
-def test_kinds_that_show_two_blocks_only_say_so(row):
+def test_kinds_that_need_a_source_say_so(row):
     names = [kind.name for kind in fitting([row])]
-    assert names == ["overview", "displacement", "velocity", "phase", "relative"]
-    with pytest.raises(PlotError, match=r"it shows two blocks, and run\.h5 is a scene of named parts"):
-        choose(["impact-velocity"], [row])
+    assert names == [
+        "overview",
+        "displacement",
+        "velocity",
+        "phase",
+        "relative",
+        "impact-velocity",
+        "stiffness",
+    ]
+    with pytest.raises(PlotError, match=r"it needs a periodic source, and run\.h5 has none"):
+        choose(["stroboscopic"], [row])
 
 
 @pytest.mark.parametrize("kind", ["overview", "phase", "motor-speed"])
@@ -128,3 +136,79 @@ def test_runs_without_a_common_relative_motion_are_told(row):
     with pytest.raises(PlotError, match="no relative motion is common"):
         figure_of("relative", [row, other])
     figure_of("displacement", [row, other])
+
+
+def test_impact_velocities_are_those_of_every_stop(row):
+    """The chain of equal bodies: each blow has the whole 1 m/s, in whatever sense and order the ends stand."""
+    chain = subject_of(load_case("gallery/chain-with-gaps"))
+    (dots,) = [line for line in figure_of("impact-velocity", [chain]).axes[0].get_lines() if line.get_gid()]
+    t, closing = points(dots)
+    half = np.pi * np.sqrt(1 / 2e6)  # of a contact [s]
+    np.testing.assert_allclose(t, 5e-3 + np.arange(4) * (5e-3 + half / 2), rtol=1e-9)
+    np.testing.assert_allclose(closing, 1.0, rtol=1e-9)
+    figure = figure_of("impact-velocity", [row])
+    assert (points(lines(figure, "impacts")[0])[1] > 0).all()
+
+
+def test_the_stroboscopic_section_has_the_published_orbit_of_the_bilinear_oscillator():
+    """One impact in two periods: two points, which the run meets in turn."""
+    run = subject_of(load_case("gallery/bilinear-oscillator", {"run.t_end": "2000 s"}))
+    figure = figure_of("stroboscopic", [run], window=(1900.0, 2000.0))
+    (dots,) = lines(figure, "section")
+    x, v = points(dots)
+    period = 2 * np.pi / 0.8
+    exact = run.result.at(period * np.arange(np.ceil(1900 / period), np.floor(2000 / period) + 1))
+    scale = np.ptp(x) / np.ptp(exact["x_mass"])
+    np.testing.assert_allclose(x, scale * exact["x_mass"], atol=1e-6 * np.ptp(x))
+    assert len({round(float(one), 4) for one in x / np.ptp(x)}) == 2
+    assert len(v) == len(x)
+
+
+def test_the_base_is_part_of_the_relative_motion():
+    """The lowest of the blocks against the shaken table: x - X(t)."""
+    stack = subject_of(load_case("gallery/stack-of-blocks", {"run.t_end": "2 s"}))
+    (curve,) = lines(figure_of("relative", [stack], window=(0.0, 2.0)), "relative")
+    x, _ = points(curve)
+    run = stack.result
+    base = 0.02 * np.sin(2 * np.pi * 4 * run.time)
+    drawn = 1000 * (run["x_lower"] - base)
+    assert x.min() <= drawn.min() + 1e-6
+    assert x.max() >= drawn.max() - 1e-6
+    assert np.ptp(x) == pytest.approx(np.ptp(drawn), rel=1e-3)
+
+
+@pytest.mark.parametrize("kind", ["phase-drift-free", "overview", "velocity"])
+def test_pictures_of_the_capsule_are_laid_out(kind):
+    capsule = subject_of(load_case("gallery/drifting-capsule", {"run.t_end": "4 s"}))
+    figure = figure_of(kind, [capsule])
+    figure.draw_without_rendering()
+    assert {line.get_gid() for axes in figure.axes for line in axes.get_lines()} & {"x_capsule", "v_capsule"}
+
+
+def test_the_characteristic_of_links_and_stops_has_a_panel_for_each_pair_of_ends():
+    damper = load_case("gallery/impact-damper")
+    figure = kind_named("stiffness").draw([Subject("d", "d", "case", damper)], View())
+    assert len(figure.axes) == 2
+    spring, cage = (points(lines_in(axes)) for axes in figure.axes)
+    slopes = np.diff(spring[1]) / np.diff(spring[0])
+    np.testing.assert_allclose(slopes, 394.78, rtol=1e-9)  # mN/mm
+    y, force = cage  # mm, N (or kN): 0 between the stops, 50 kN/m beyond either
+    inside = np.abs(y) <= 10
+    assert (force[inside] == 0).all()
+    assert force[-1] == -force[0] > 0
+    named = [text.get_text() for text in figure.axes[1].texts if text.get_gid() == "slope"]
+    assert sorted(named) == ["slope 0 N/m", "slope 50 kN/m", "slope 50 kN/m"]
+    assert {text.get_text() for text in figure.axes[1].texts} >= {"left", "right"}
+
+
+def lines_in(axes):
+    (line,) = [line for line in axes.get_lines() if line.get_gid() == "stiffness"]
+    return line
+
+
+def test_a_case_of_parts_without_springs_has_no_characteristic():
+    stack = load_case("gallery/stack-of-blocks")
+    with pytest.raises(PlotError, match="no kind shows"):
+        choose(None, [Subject("stack", "stack", "case", stack)])
+    with pytest.raises(PlotError, match="it needs springs or stops"):
+        choose(["stiffness"], [Subject("stack", "stack", "case", stack)])

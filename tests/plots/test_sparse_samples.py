@@ -21,7 +21,7 @@ def sparse():
 
 def test_which_samples_are_sparse(sparse):
     assert samples_are_sparse(sparse.scene)
-    assert not samples_are_sparse(load_case("I-C").two_blocks())
+    assert not samples_are_sparse(load_case("I-C").scene())
 
 
 def test_vibrations_between_samples_are_drawn_and_the_interval_is_stated(sparse):

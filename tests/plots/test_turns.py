@@ -44,7 +44,7 @@ def test_several_turns_between_samples():
 @pytest.mark.parametrize("name", ["ideal", "motor", "fixed"])
 def test_many_states_are_interpolated(subject, name):
     one = subject(name)
-    names = tuple(column for column in ("x1", "v1", "x2", "v2") if column in one.scene.columns())
+    names = tuple(column for column in ("x1", "v1", "x2", "v2") if column in one.result)
     times = np.linspace(0.013, 7.9, 500)
     exact, near = (states_at(one.result, names, times, limit) for limit in (500, 10))
     for column in names:

@@ -116,7 +116,7 @@ def _name_slopes(axes: Axes, scene: Scene, pair: Pair, reach: float, scales: tup
     knots, _ = characteristic(scene, pair, reach)
     stops = corners(scene, pair)
     named = []
-    for low, high in pairwise(knots.tolist()):
+    for low, high in sorted(pairwise(knots.tolist()), key=lambda part: not part[0] < 0 < part[1]):
         near, far = sorted((low, high), key=abs)
         text = _slope(scene, pair, (low + high) / 2)
         named.append(_named(text, scene, pair, scales, 0.0 if low < 0 < high else near, far))
