@@ -44,7 +44,8 @@ def _of_each(found: T | dict[str, T] | None, lines: Callable[[T], list[Line]], l
     blocks = []
     for name, one in list(found.items())[:MOST_NAMED]:
         (_, first), *others = lines(one)
-        blocks += [("", f"{name}: {first}"), *(("", f"  {text}") for _, text in others)]
+        blocks += [("", f"{name}: {first}")]
+        blocks += [("", f"  {word} {text}" if word else f"  {text}") for word, text in others]
     more = len(found) - MOST_NAMED
     blocks += [("", f"and {more} more, all of them with --json")] if more > 0 else []
     return [(label, blocks[0][1]), *blocks[1:]]
