@@ -51,7 +51,7 @@ KINDS = (
     Kind(
         "overview",
         "trajectory",
-        "one page: displacements, detail, relative portrait, speed",
+        "one page: the machine, displacements, detail, relative portrait, speed",
         width="page",
     ),
     Kind(

@@ -55,5 +55,5 @@ def relative_panel(axes: Axes, subjects: Sequence[Subject], view: View) -> None:
     axes.set_ylabel(scales[1].label(f"Relative velocity {pairs[0].velocity}"))
     said = [*dict.fromkeys(map(seconds, spans)), trust_remark(subjects, spans)]
     text = "; ".join(filter(None, said))
-    crowded = len(text) > BESIDE_STOP or len(stops) > 1
+    crowded = len(text) > BESIDE_STOP or any(not name.startswith("$") for _, name in stops)
     note(axes, text, above=1 if len(subjects) == 1 and stops and crowded else 0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from string import ascii_lowercase
 from typing import Any
@@ -45,7 +46,7 @@ def legend_above(axes: Axes, **options: Any) -> None:
     if not handles:
         return
     room = int(_width(axes) * CHARACTERS_PER_INCH)
-    in_a_row = max(1, room // (max(map(len, labels)) + HANDLE_CHARACTERS))
+    in_a_row = max(1, room // (max(map(_shown, labels)) + HANDLE_CHARACTERS))
     needed = sum(len(label) + HANDLE_CHARACTERS for label in labels)
     remark = axes.get_title(loc="right").split("\n")
     beside_note = needed + max(map(len, remark)) > room and remark != [""]
@@ -58,6 +59,11 @@ def legend_above(axes: Axes, **options: Any) -> None:
     for line in legend.get_lines():
         line.set_linewidth(1.2)
         line.set_alpha(1.0)
+
+
+def _shown(label: str) -> int:
+    """Characters that are seen of a label, the marks of mathtext left out."""
+    return len(re.sub(r"\\mathrm|[$_{}\\]", "", label))
 
 
 def legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[str], **options: Any) -> None:

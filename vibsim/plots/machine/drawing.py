@@ -35,17 +35,33 @@ def machine_figure(values: dict[str, Any]) -> Figure:
     """The drawing of the nested values of a case in the long form, at its final size."""
     from matplotlib.figure import Figure
 
-    plan = layout(values)
-    low = -_depth(values) - MARGIN_CM
-    left, right = _outer_edges(values, plan)
-    size = (right - left + 2 * MARGIN_CM, plan.top - low + MARGIN_CM)
-    figure = Figure(figsize=(size[0] * CM, size[1] * CM))
-    axes = figure.add_axes((0, 0, 1, 1))
-    axes.set_axis_off()
-    axes.set_xlim(left - MARGIN_CM, right + MARGIN_CM)
-    axes.set_ylim(low, plan.top + MARGIN_CM)
-    draw_machine(axes, values, plan)
+    width, height = machine_size(values)
+    figure = Figure(figsize=(width * CM, height * CM))
+    machine_panel(figure.add_axes((0, 0, 1, 1)), values)
     return figure
+
+
+def machine_size(values: dict[str, Any]) -> tuple[float, float]:
+    """Width and height of the drawing [cm]."""
+    left, bottom, right, top = _frame(values, layout(values))
+    return right - left, top - bottom
+
+
+def machine_panel(axes: Axes, values: dict[str, Any]) -> None:
+    """The drawing in given axes, to scale: in its final size where they have that room."""
+    plan = layout(values)
+    left, bottom, right, top = _frame(values, plan)
+    axes.set_axis_off()
+    axes.set_aspect("equal")
+    axes.set_xlim(left, right)
+    axes.set_ylim(bottom, top)
+    draw_machine(axes, values, plan)
+
+
+def _frame(values: dict[str, Any], plan: Layout) -> tuple[float, float, float, float]:
+    """Left, lower, right and upper edge of the drawing [cm]."""
+    left, right = _outer_edges(values, plan)
+    return left - MARGIN_CM, -_depth(values) - MARGIN_CM, right + MARGIN_CM, plan.top + MARGIN_CM
 
 
 def draw_machine(axes: Axes, values: dict[str, Any], plan: Layout) -> None:
