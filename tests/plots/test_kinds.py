@@ -27,7 +27,7 @@ def assert_fit_to_print(figure):
             assert not label or label == "Count" or UNIT.search(label), label
     assert any(axes.get_xlabel() for axes in figure.axes)
     assert any(axes.get_ylabel() for axes in figure.axes)
-    panels = [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
+    panels = [axes for axes in figure.axes if axes.get_label() not in ("<colorbar>", "<machine>")]
     expected = [f"({letter})" for letter in ascii_lowercase[: len(panels)]] if len(panels) > 1 else []
     assert sorted(letters(figure)) == expected
     figure.draw_without_rendering()

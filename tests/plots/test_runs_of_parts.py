@@ -139,7 +139,7 @@ def test_runs_without_a_common_relative_motion_are_told(row):
 
 
 def test_impact_velocities_are_those_of_every_stop(row):
-    """The chain of equal bodies: each blow has the whole 1 m/s, in whatever sense and order the ends stand."""
+    """The chain of equal bodies: each blow has the whole 1 m/s, into the stop."""
     chain = subject_of(load_case("gallery/chain-with-gaps"))
     (dots,) = [line for line in figure_of("impact-velocity", [chain]).axes[0].get_lines() if line.get_gid()]
     t, closing = points(dots)
@@ -212,3 +212,27 @@ def test_a_case_of_parts_without_springs_has_no_characteristic():
         choose(None, [Subject("stack", "stack", "case", stack)])
     with pytest.raises(PlotError, match="it needs springs or stops"):
         choose(["stiffness"], [Subject("stack", "stack", "case", stack)])
+
+
+@pytest.mark.parametrize(("name", "width"), [("impact-damper", "page"), ("chain-with-gaps", "page")])
+def test_the_machine_heads_the_overview_in_its_own_size(name, width):
+    """Beside the portrait where there is room, else above all; a centimetre of it is one on paper."""
+    case = load_case(f"gallery/{name}")
+    run = subject_of(case.with_values({"run.t_end": "2 s"}) if name == "impact-damper" else case)
+    figure = figure_of("overview", [run], width=width)
+    figure.draw_without_rendering()
+    (machine,) = [axes for axes in figure.axes if axes.get_label() == "<machine>"]
+    drawn = {artist.get_gid() for artist in machine.get_children()}
+    assert {f"bodies.{body.name}" for body in run.scene.bodies} <= drawn
+    box = machine.get_window_extent()
+    scale = box.width / figure.dpi * 2.54 / np.ptp(machine.get_xlim())
+    assert scale == pytest.approx(1.0, rel=0.03)
+    others = [axes for axes in figure.axes if axes is not machine]
+    covered = [axes for axes in others if axes.get_tightbbox().overlaps(machine.get_window_extent())]
+    assert covered == []
+
+
+def test_runs_laid_over_each_other_have_no_machine():
+    runs = [subject_of(load_case("gallery/friction-oscillator", {"run.t_end": "20 s"})) for _ in range(2)]
+    figure = figure_of("overview", runs, width="page")
+    assert not [axes for axes in figure.axes if axes.get_label() == "<machine>"]

@@ -174,10 +174,12 @@ def _distances(a: Result, b: Result) -> Iterator[Distances]:
 
     They are the samples of the run that has fewer; where those are too far apart to judge by, others between.
     """
-    names = list(dict.fromkeys(name for run in (a, b) for name in displacements(run)))
     coarse, fine = (a, b) if len(a) <= len(b) else (b, a)
     times = coarse.time[coarse.time <= fine.t_reached]
-    count = instants_per_sample(coarse.case.scene()) if len(times) else 1
+    if not len(times):
+        return
+    names = list(dict.fromkeys(name for run in (a, b) for name in displacements(run)))
+    count = instants_per_sample(coarse.case.scene())
     if count > 1:
         yield from _between_samples(coarse, fine, names, count)
         return

@@ -139,7 +139,8 @@ def _head(figure: Figure, size: tuple[float, float]) -> Axes:
     """Axes of a width and height [cm] under the heading, outside the layout of the others."""
     sheet_cm = figure.get_figwidth() / CM, figure.get_figheight() / CM
     width, height = min(size[0] / sheet_cm[0], 1.0), size[1] / sheet_cm[1]
-    axes = figure.add_axes((0, 1 - HEADING_CM / sheet_cm[1] - height, width, height))
+    place = (0, 1 - HEADING_CM / sheet_cm[1] - height, width, height)
+    axes = figure.add_axes(place, label="<machine>")
     axes.set_in_layout(False)
     return axes
 
@@ -150,9 +151,8 @@ def _beside(view: View, size: tuple[float, float], groups: int, whole: bool) -> 
     figure = sheet(view, sum(heights))
     ratios = (size[0] + LABEL_CM, view.width_cm - size[0] - LABEL_CM)
     grid = figure.add_gridspec(len(heights), 2, height_ratios=heights, width_ratios=ratios)
-    portrait = figure.add_subplot(grid[0, 1])
-    *axes, bottom = [figure.add_subplot(grid[row, :]) for row in range(1, len(heights))]
-    page = _named([*axes, portrait, bottom], groups, whole)
+    *cells, last = [grid[row, :] for row in range(1, len(heights))]
+    page = _named([figure.add_subplot(cell) for cell in (*cells, grid[0, 1], last)], groups, whole)
     return replace(page, machine=_head(figure, size), portrait_first=True)
 
 
