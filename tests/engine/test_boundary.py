@@ -11,6 +11,8 @@ from vibsim.cases import load_case
 from vibsim.engine import _engine
 from vibsim.engine.c_engine import CRun
 from vibsim.engine.packing import pack_mode, pack_scene, pack_state
+from vibsim.engine.packing_tangent import pack_bundle, pack_disturbances
+from vibsim.engine.tangent_space import dimension, length
 
 HUGE = (2**31 - 1, 10**6, -(10**6), -(2**31))
 PAPER = paper("II-B").as_parts()
@@ -62,6 +64,44 @@ def test_numbers_cut_short_or_too_many_are_refused(which, part):
         numbers[which][part] = change(numbers[which][part])
         with pytest.raises(ValueError, match="packed numbers"):
             opened(*numbers)
+
+
+def bundles(of, run):
+    """Disturbances as they go into C: those whose growth is told, and given ones."""
+    ends, size = run.maker.ends, length(of)
+    return pack_bundle(of, dimension(of), 0.0, ends), pack_disturbances(of, np.eye(size), ends)
+
+
+@pytest.mark.parametrize("of", (PAPER, DRILL), ids=("II-B", "drill"))
+@pytest.mark.parametrize("which", (0, 1), ids=("bundle", "given"))
+def test_no_index_of_disturbances_reaches_beyond_its_table(of, which):
+    *whole, run = packed(of)
+    ints, doubles = bundles(of, run)[which]
+    state, known = pack_state(run.first[0]), bytes(4 * len(run.keys))
+    refused = 0
+    for place in range(len(ints) // 4):
+        for value in (*HUGE, 0, 1, 2):
+            fresh = opened(*whole)
+            try:
+                fresh.keep_tangent(with_int(ints, place, value), doubles)
+            except (ValueError, MemoryError):
+                refused += 1
+                continue
+            fresh.start(0, state, known, *run.buffers)
+            fresh.advance(*run.buffers)
+            fresh.disturbances()
+    assert refused > 3 * len(ints) // 4
+
+
+def test_disturbances_cut_short_or_too_many_are_refused():
+    *whole, run = packed(PAPER)
+    for numbers in bundles(PAPER, run):
+        for part, text in enumerate(numbers):
+            for changed in (text[:-8], text + bytes(8), b"", text[:-1]):
+                fresh = opened(*whole)
+                with pytest.raises(ValueError, match="packed numbers"):
+                    fresh.keep_tangent(*(changed if i == part else other for i, other in enumerate(numbers)))
+                fresh.keep_tangent(*numbers)  # nothing of the refused ones is left
 
 
 def misfits():

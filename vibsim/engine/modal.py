@@ -532,8 +532,9 @@ def _rotate(kit, A, V, p, q, small):
     if max((abs(M[p][q]) for M in A), default=0) <= small / 64:
         return False
     h = [(M[p][p] - M[q][q], 2 * M[p][q]) for M in A]
-    on = sum(a * a - b * b for a, b in h)
-    off = sum(2 * a * b for a, b in h)
+    on = off = kit.number(0)
+    for a, b in h:  # one by one: sum() of floats compensates from Python 3.12 on
+        on, off = on + (a * a - b * b), off + 2 * a * b
     root = kit.sqrt(on * on + off * off)
     if root == 0:
         return False

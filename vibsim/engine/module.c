@@ -129,8 +129,11 @@ static PyObject *keep_tangent(RunObject *self, PyObject *args)
         return NULL;
     if (self->started || self->run.tangent)
         PyErr_SetString(PyExc_ValueError, "too late for disturbances");
-    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = tangent_read(&self->run, &in)))
+    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = tangent_read(&self->run, &in))) {
+        tangent_free(self->run.tangent);
+        self->run.tangent = NULL;
         PyErr_SetString(PyExc_ValueError, "the packed numbers are no disturbances");
+    }
     PyBuffer_Release(&v[0]);
     PyBuffer_Release(&v[1]);
     if (!kept)

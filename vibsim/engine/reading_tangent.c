@@ -43,7 +43,7 @@ static int room_for_all(const Run *r, Tangent *b)
     b->vectors = room(2 * size * stride, sizeof(double));
     b->sums = room(2 * count, sizeof(double));
     b->rows = room((SPANS + 1) * (1 + count), sizeof(double));
-    b->fitted = room((count + size + 2) * size, sizeof(double));
+    b->fitted = room((count + size + columns + 1) * size, sizeof(double));
     b->q = room((2 * coordinates + 2) * stride, sizeof(double));
     b->accelerations = room(3 * columns + size, sizeof(double));
     b->moving = room(coordinates, sizeof(Moving));
@@ -57,7 +57,7 @@ static int room_for_all(const Run *r, Tangent *b)
     b->over = b->sums + count;
     b->moved = b->vectors + size * stride;
     b->candidates = b->fitted + count * size;
-    b->vector = b->candidates + (size + 1) * size;
+    b->vector = b->candidates + (size + columns) * size;
     b->u = b->q + coordinates * stride;
     b->line = b->u + coordinates * stride;
     b->zeros = b->line + stride;
@@ -100,7 +100,7 @@ static int read_bundle(Run *r, Tangent *b, Reader *in)
     b->component_count = read_index(in, b->given ? 1 : b->count, b->size);
     b->shift_count = read_index(in, 0, r->bodies);
     b->reference_count = read_index(in, 0, r->bodies);
-    if (in->short_of || (!b->given && b->count > b->component_count))
+    if (in->short_of || (!b->given && b->count > b->component_count) || (b->given && b->count > in->double_count / b->size))
         return 0;
     b->stride = b->count + b->count % 2;
     b->complete = !b->given && b->count == b->component_count;

@@ -315,13 +315,19 @@ static Handed note_handed(Run *r)
     return b->handed;
 }
 
+/* Whether a stop or friction that an event is of is among those of the scene. */
+static int known_part(const Tangent *b, const Event *e)
+{
+    return e->kind == GAP ? e->part < b->stop_count : e->kind != SLIDE || e->part < b->friction_count;
+}
+
 /* Take the event at r->next from one mode to another. */
 void tangent_cross(Run *r, int event, const Mode *before, const Mode *after)
 {
     Tangent *b = r->tangent;
     const Event *e = &before->events[event];
     Handed done;
-    if (!b || before == after)
+    if (!b || before == after || !known_part(b, e))
         return;
     done = b->handed.here ? note_handed(r) : jump(r, e, before, after);
     b->handed.here = 0;

@@ -2,6 +2,7 @@
 
 from math import inf, nan
 
+from vibsim.engine.closed_form import total_of
 from vibsim.engine.ledger import momenta, stored_energy
 from vibsim.physics.modes import EVENT_KINDS
 
@@ -85,7 +86,7 @@ def momentum_balance(kit, ledger, start, end):
     moves, which may cancel.
     """
     sizes = [*start, *end]
-    start, end = sum(start, kit.number(0)), sum(end, kit.number(0))
+    start, end = total_of(kit, start), total_of(kit, end)
     sums = dict.fromkeys(IMPULSES.values(), kit.number(0))
     for (quantity, section, _), value in ledger.items():
         if quantity == "impulse":
