@@ -7,6 +7,7 @@ import math
 from hypothesis import strategies as st
 
 from tests.random_scenes import between, decades, signed
+from vibsim.physics.friction_laws import LAWS
 from vibsim.physics.parts import (
     AT_FORCE,
     AT_GAP,
@@ -15,6 +16,7 @@ from vibsim.physics.parts import (
     EXTENSION,
     GROUND,
     Body,
+    Fall,
     Force,
     Friction,
     Harmonic,
@@ -41,6 +43,17 @@ def harmonics(draw, size, least=0):
 def holds(slipping):
     """Limits while sticking: None, as much as while slipping, or more."""
     return st.sampled_from((None, None, 1.0, 1.3, 3.0)).map(lambda ratio: ratio and ratio * slipping)
+
+
+@st.composite
+def falls(draw, slipping):
+    """Laws that fall with speed, in one direction or both; their drops beside the forces `slipping`."""
+    laws = []
+    for force in slipping:
+        law = draw(st.sampled_from((None, *LAWS)))
+        drop, rate = force * draw(decades(-1, 0.5)), draw(decades(-0.5, 1.5)) / (RATE * LENGTH)
+        laws.append(law and Fall(law, drop, rate))
+    return (None, None, *laws)
 
 
 @st.composite
@@ -82,7 +95,8 @@ def part_scenes(draw, motor=None, radians=12.0, bodies=4):
         N = draw(decades(-1.5, 0)) * RATE**2 * LENGTH
         belt = draw(st.sampled_from((0.0, 0.0, 0.2))) * RATE * LENGTH
         slip = N, N * draw(st.sampled_from((1.0, 0.5)))
-        frictions.append(Friction(f"f{i}", *ends(), *slip, belt, *(draw(holds(force)) for force in slip)))
+        laws = draw(falls(slip)) if draw(st.booleans()) else tuple(draw(holds(force)) for force in slip)
+        frictions.append(Friction(f"f{i}", *ends(), *slip, belt, *laws))
     forces = tuple(
         Force(
             f"F{i}",

@@ -1,5 +1,5 @@
 /* The vector field of a mode at a state; twin of vibsim/engine/accelerations.py. */
-#include "numbers.h"
+#include "friction_laws.h"
 #include "tangent.h"
 
 static void value_and_rate(const Harmonic *terms, int count, double t, double *value, double *rate)
@@ -46,6 +46,14 @@ static double coupling_force(const Run *r, const Coupling *q, const State *state
     return q->k * (xP - xQ) + q->c * (vP - vQ) + q->offset;
 }
 
+static double fall_force(const Run *r, const Falling *one, const State *state, double X, double V)
+{
+    double xP, xQ, vP, vQ;
+    motion_of(r, state, one->P, X, V, &xP, &vP);
+    motion_of(r, state, one->Q, X, V, &xQ, &vQ);
+    return one->on_P * law_start(one->law, one->rate * ((vP - vQ) - one->drift));
+}
+
 double accelerations(const Run *r, const Mode *m, const State *state, double *out)
 {
     double X, V, value, rate, torque = 0.0, *F = r->tangent->force;
@@ -68,6 +76,12 @@ double accelerations(const Run *r, const Mode *m, const State *state, double *ou
     for (i = 0; i < m->constant_count; i++) {
         int leader = m->leader[m->constant_columns[i]];
         F[leader] = F[leader] + m->constants[i];
+    }
+    for (i = 0; i < m->fall_count; i++) {
+        const Falling *one = &m->falls[i];
+        double force = fall_force(r, one, state, X, V);
+        F[one->to_P] = F[one->to_P] + force;
+        F[one->to_Q] = F[one->to_Q] - force;
     }
     if (r->has_motor) {
         int on = m->leader[r->motor_on];

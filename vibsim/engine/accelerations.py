@@ -32,6 +32,10 @@ def accelerations(scene, kit, rows, state):
         F[leader[q.Q]] = F[leader[q.Q]] + value
     for column, value in rows.constants:
         F[leader[column]] = F[leader[column]] + value
+    for fall in rows.falls:
+        force = fall.on_P * fall.law.start(kit, fall.rate * ((v[fall.P] - v[fall.Q]) - fall.drift))
+        F[leader[fall.P]] = F[leader[fall.P]] + force
+        F[leader[fall.Q]] = F[leader[fall.Q]] - force
     motor = scene.motor
     if motor is not None:
         on = leader[motor.on]

@@ -19,8 +19,8 @@
 #define EPS 1.1102230246251565e-16 /* 2^-53, unit round-off */
 
 enum { GAP, PUSH, SLIDE, HOLD, CLEARANCE };                     /* kinds of event functions */
-enum { DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION };        /* kinds of terms */
-enum { SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP };         /* kinds of meters, see meters.py */
+enum { DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL };  /* kinds of terms */
+enum { SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB };    /* kinds of meters, see meters.py */
 enum { IN_CONTACT = 1 };                                        /* code of a stop */
 enum { ADVANCE, SAMPLE, SECTION, ARRIVE, LEDGER, TANGENT, STAGES }; /* of a stretch */
 enum { ASK, CROSS, STAND };                                     /* rules for what follows an event */
@@ -32,6 +32,12 @@ typedef struct {
     double k, c, offset;
     int P, Q, pair, to_P, to_Q, from, to; /* ends; their difference in the closed form; leading columns; places in the table */
 } Coupling;
+
+/* Friction that falls with speed: force on_P f(s) on P, s = rate (v_P - v_Q - drift). */
+typedef struct {
+    double on_P, rate, drift;
+    int law, P, Q, to_P, to_Q, from, to; /* ...; leading columns; places of the rates in the table, -1 for the ground */
+} Falling;
 
 typedef struct {
     double coefficient;
@@ -134,12 +140,13 @@ typedef struct {
 
 typedef struct {
     Coupling *couplings;
+    Falling *falls;
     Event *events;
     Term *terms;
     Slope *slopes;
     double *mobility, *group_mass, *drift, *constants, *slope_constants, carried;
     int *leader, *constant_columns, *codes, *tied; /* tied: bodies under forces that are tied to another column */
-    int tied_count, coupling_count, event_count, constant_count, untied, shape;
+    int tied_count, coupling_count, fall_count, event_count, constant_count, untied, shape;
     Coupling small;            /* the one coupling of a small scene; zero without one */
     double small_constants[2]; /* forces of slipping frictions by column */
     Meters meters;
@@ -172,6 +179,7 @@ typedef struct {
 typedef struct {
     double *table, *values;
     double *load, **loaded_on; /* series of the forces, by column; NULL where there is none */
+    double (*arguments)[SERIES], (*falls)[SERIES]; /* of falling frictions: what the recurrence takes of s, and f */
     double inverse[SERIES + 1], sine[SERIES], cosine[SERIES], w_back[SERIES], a1_back[SERIES]; /* w_back[order - n]: order n */
     double unbalance, inertia, drag, h, turns, longest; /* longest: piece of a step that one quadrature rule takes [s] */
     int order, rates, stride, *loaded, loaded_count;
@@ -229,7 +237,7 @@ typedef struct {
 /* A run: everything between two calls. */
 typedef struct Run {
     int bodies, columns, parts, clearances, harmonic_count, key_count, mode_count, force_count, base_count;
-    int has_motor, motor_on, rest_columns, force_taylor, stop_on_violation, closed; /* closed: the flow in use */
+    int fall_room, has_motor, motor_on, rest_columns, force_taylor, stop_on_violation, closed; /* closed: the flow in use */
     double m3, e, J, M0, Omega0, tolerance_exponent, t_end, every_num, every_den;
     Harmonic *harmonics, *base;
     Force *forces;

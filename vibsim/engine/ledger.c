@@ -119,6 +119,10 @@ static double integral(const Run *r, const Meter *m)
         for (n = 0; n < NODE_COUNT; n++)
             total = total + WEIGHTS[n] * ((at->v[m->P][n] - at->v[m->Q][n]) - m->drift);
         return total;
+    case RUB:
+        for (n = 0; n < NODE_COUNT; n++)
+            total = total + WEIGHTS[n] * (at->function[m->source][n] * ((at->v[m->P][n] - at->v[m->Q][n]) - m->drift));
+        return total;
     case IMPULSE:
         for (n = 0; n < NODE_COUNT; n++)
             total = total + WEIGHTS[n] * at->force[m->source][n];

@@ -9,7 +9,7 @@ that stored - stored(0) - work + losses is zero but for rounding: a check on eve
 """
 
 from vibsim.engine.harmonics import value_and_rate
-from vibsim.engine.meters import IMPULSE, NOTHING, SLIP, SQUARE, TORQUE, WORK, MeterMaker, jumps_of
+from vibsim.engine.meters import IMPULSE, NOTHING, RUB, SLIP, SQUARE, TORQUE, WORK, MeterMaker, jumps_of
 from vibsim.engine.status import CONTACT
 from vibsim.physics.gauss_nodes import NODES, WEIGHTS
 
@@ -70,6 +70,8 @@ class Ledger:
         if meter.kind == IMPULSE:
             return forces[meter.source]
         value = functions[meter.source]
+        if meter.kind == RUB:
+            return value * ((v[meter.P] - v[meter.Q]) - meter.drift)
         return value if meter.P == NOTHING else value * v[meter.P]
 
     def _places(self, state):

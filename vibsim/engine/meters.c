@@ -69,8 +69,8 @@ static void read_functions(Run *r, Mode *m, Reader *in, int first)
         e->constant = read_double(in);
         for (k = 0; k < count && !in->short_of; k++) {
             Term *t = &m->terms[first++];
-            t->kind = read_index(in, COUPLING, ACCELERATION);
-            t->P = read_index(in, 0, t->kind == COUPLING ? m->coupling_count - 1 : r->columns - 1);
+            t->kind = read_index(in, COUPLING, FALL);
+            t->P = read_index(in, 0, (t->kind == COUPLING ? m->coupling_count : t->kind == FALL ? m->fall_count : r->columns) - 1);
             t->Q = t->pair = -1;
             t->coefficient = read_double(in);
         }
@@ -105,12 +105,12 @@ int meters_read(Run *r, Mode *m, Reader *in)
     for (i = 0; i < to->count; i++) {
         Meter *one = &to->meters[i];
         int of_force;
-        one->kind = read_index(in, SQUARE, SLIP);
+        one->kind = read_index(in, SQUARE, RUB);
         of_force = one->kind == WORK || one->kind == IMPULSE;
         one->entry = read_index(in, 0, r->ledger.count - 1);
         one->P = read_index(in, one->kind == FUNCTION || one->kind == IMPULSE || one->kind == TORQUE ? -1 : 0, r->columns - 1);
-        one->Q = read_index(in, one->kind == SQUARE || one->kind == SLIP ? 0 : -1, r->columns - 1);
-        one->source = read_index(in, of_force || one->kind == FUNCTION ? 0 : -1, (of_force ? r->force_count : to->function_count) - 1);
+        one->Q = read_index(in, one->kind == SQUARE || one->kind == SLIP || one->kind == RUB ? 0 : -1, r->columns - 1);
+        one->source = read_index(in, of_force || one->kind == FUNCTION || one->kind == RUB ? 0 : -1, (of_force ? r->force_count : to->function_count) - 1);
         one->factor = read_double(in);
         one->drift = read_double(in);
     }

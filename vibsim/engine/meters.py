@@ -8,17 +8,18 @@ A meter adds factor times an integral over each stretch of the mode to one entry
     FUNCTION  a function of the mode's rows, times the velocity of column P where that is not NOTHING
     IMPULSE   force number `source`
     SLIP      v_P - v_Q - drift: from velocities, whose digits do not drown in displacements
+    RUB       a function of the mode's rows, times v_P - v_Q - drift
 """
 
 from dataclasses import dataclass, field
 from typing import Any
 
-from vibsim.engine.rows import COUPLING, HOLD, Event, Term
+from vibsim.engine.rows import COUPLING, FALL, HOLD, Event, Term
 from vibsim.engine.status import CONTACT, STICK
 from vibsim.engine.ties import Groups, beyond
 from vibsim.physics.parts import AT_FORCE
 
-SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP = range(6)
+SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB = range(7)
 NOTHING = -1
 
 
@@ -45,8 +46,8 @@ class Meters:
     @property
     def columns(self):
         """Bodies whose velocities are read, and the base where its velocity is."""
-        read = {m.P for m in self.meters if m.kind in (SQUARE, WORK, FUNCTION, SLIP)}
-        read |= {m.Q for m in self.meters if m.kind in (SQUARE, SLIP)}
+        read = {m.P for m in self.meters if m.kind in (SQUARE, WORK, FUNCTION, SLIP, RUB)}
+        read |= {m.Q for m in self.meters if m.kind in (SQUARE, SLIP, RUB)}
         return sorted(read - {NOTHING})
 
     @property
@@ -122,6 +123,8 @@ class MeterMaker:
         for i, friction in enumerate(self.scene.frictions):
             if rows.status.frictions[i] != STICK:
                 self._slipping(i, friction, rows.status.frictions[i])
+        for k, fall in enumerate(rows.falls):
+            self._falling(k, fall)
         for i, function, orientation in self._ties(rows):
             self._sticking(i, function, orientation)
         return self.now
@@ -189,6 +192,14 @@ class MeterMaker:
         on_P = -friction.forward if sign > 0 else friction.backward
         self._add(SLIP, ("loss", "friction", friction.name), -on_P, P=P, Q=Q, drift=friction.belt)
         self._driven((P, Q), on_P, friction.belt, friction.name, SLIP, NOTHING)
+
+    def _falling(self, k, fall):
+        """Loss and work of what falls with speed, beside those of the constant part."""
+        zero, name = self.kit.number(0), self.scene.frictions[fall.part].name
+        source = self._function([Term(FALL, 1, k)], zero)
+        loss = ("loss", "friction", name)
+        self._add(RUB, loss, -fall.on_P, P=fall.P, Q=fall.Q, source=source, drift=fall.drift)
+        self._driven((fall.P, fall.Q), fall.on_P, fall.drift, name, FUNCTION, source)
 
     def _sticking(self, i, function, orientation):
         friction = self.scene.frictions[i]

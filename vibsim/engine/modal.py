@@ -74,7 +74,7 @@ def modal_of(scene, kit, rows, harmonics):
 
     harmonics: the distinct (omega, cycles, cycles_lo, phase) of forces and base.
     """
-    if scene.motor is not None:
+    if scene.motor is not None or rows.falls:
         return None
     return _Builder(scene, kit, rows, harmonics).build()
 

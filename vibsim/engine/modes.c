@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "certificate.h"
+#include "friction_laws.h"
 #include "modes.h"
 #include "numbers.h"
 
@@ -138,12 +139,12 @@ static void place_term(const Run *r, Term *t)
         t->to = column_in_table(r, t->Q) + rates;
 }
 
-static void read_terms(Reader *in, Term *terms, int count, const Run *r, int couplings, int pairs)
+static void read_terms(Reader *in, Term *terms, int count, const Run *r, const Mode *m, int pairs)
 {
     int i;
     for (i = 0; i < count; i++) {
-        terms[i].kind = read_index(in, DIFFERENCE, ACCELERATION);
-        terms[i].P = read_index(in, 0, terms[i].kind == COUPLING ? couplings - 1 : r->columns - 1);
+        terms[i].kind = read_index(in, DIFFERENCE, FALL);
+        terms[i].P = read_index(in, 0, (terms[i].kind == COUPLING ? m->coupling_count : terms[i].kind == FALL ? m->fall_count : r->columns) - 1);
         terms[i].Q = read_index(in, -1, r->columns - 1);
         if ((terms[i].kind == DIFFERENCE || terms[i].kind == RATE) && terms[i].Q < 0)
             in->short_of = 1;
@@ -344,7 +345,7 @@ static void prepare_events(Mode *m)
 /* The shape of the recurrences that suits a mode: at most one coupling, of body 0 and one other column. */
 static void take_shape(const Run *r, Mode *m)
 {
-    int small = r->base_count == 0 && m->coupling_count < 2 && m->leader[0] == 0, i;
+    int small = r->base_count == 0 && m->coupling_count < 2 && m->fall_count == 0 && m->leader[0] == 0, i;
     m->untied = 1;
     for (i = 0; i < r->bodies; i++)
         m->untied = m->untied && m->leader[i] == i;
@@ -362,6 +363,42 @@ static void take_shape(const Run *r, Mode *m)
             m->small_constants[m->constant_columns[i]] = m->constants[i];
 }
 
+int room_for_series(double (**series)[SERIES], int count)
+{
+    double(*more)[SERIES] = realloc(*series, sizeof *more * (size_t)count);
+    *series = more ? more : *series;
+    return more != NULL;
+}
+
+/* Room for the series of so many falling frictions. */
+static int room_for_falls(Run *r, int count)
+{
+    if (count <= r->fall_room)
+        return 1;
+    if (!room_for_series(&r->taylor.arguments, count) || !room_for_series(&r->taylor.falls, count))
+        return 0;
+    if (r->tangent && !tangent_room_for_falls(r->tangent, count))
+        return 0;
+    r->fall_room = count;
+    return 1;
+}
+
+static void read_fall(Reader *in, const Run *r, const Mode *m, Falling *one)
+{
+    one->law = read_index(in, 0, LAWS - 1);
+    one->P = read_index(in, 0, r->columns - 1);
+    one->Q = read_index(in, 0, r->columns - 1);
+    one->on_P = read_double(in);
+    one->rate = read_double(in);
+    one->drift = read_double(in);
+    one->to_P = m->leader[one->P];
+    one->to_Q = m->leader[one->Q];
+    one->from = one->P == r->bodies ? -1 : column_in_table(r, one->P) + r->taylor.rates;
+    one->to = one->Q == r->bodies ? -1 : column_in_table(r, one->Q) + r->taylor.rates;
+    if (one->from >= r->taylor.stride || one->to >= r->taylor.stride)
+        in->short_of = 1;
+}
+
 Mode *mode_read(Run *r, Reader *in)
 {
     Mode *m = room(1, sizeof *m);
@@ -369,6 +406,7 @@ Mode *mode_read(Run *r, Reader *in)
     if (!m)
         return NULL;
     m->coupling_count = read_index(in, 0, MOST);
+    m->fall_count = read_index(in, 0, r->parts);
     m->event_count = read_index(in, 0, MOST);
     m->constant_count = read_index(in, 0, MOST);
     terms = read_index(in, 0, MOST);
@@ -378,13 +416,14 @@ Mode *mode_read(Run *r, Reader *in)
     if (in->short_of)
         return m;
     m->couplings = room((size_t)m->coupling_count, sizeof(Coupling));
+    m->falls = room((size_t)m->fall_count, sizeof(Falling));
     m->events = room((size_t)m->event_count, sizeof(Event));
     m->terms = room((size_t)terms, sizeof(Term));
     m->slopes = room((size_t)slopes, sizeof(Slope));
     m->mobility = room((size_t)(3 * r->columns), sizeof(double));
     m->constants = room((size_t)(m->constant_count + slope_constants), sizeof(double));
     m->leader = room((size_t)(r->columns + m->constant_count + r->parts + r->bodies), sizeof(int));
-    if (!m->couplings || !m->events || !m->terms || !m->slopes || !m->mobility || !m->constants || !m->leader) {
+    if (!m->couplings || !m->falls || !room_for_falls(r, m->fall_count) || !m->events || !m->terms || !m->slopes || !m->mobility || !m->constants || !m->leader) {
         in->short_of = 1;
         return m;
     }
@@ -425,6 +464,8 @@ Mode *mode_read(Run *r, Reader *in)
         if (c->from >= r->taylor.rates || c->to >= r->taylor.rates)
             in->short_of = 1;
     }
+    for (i = 0; i < m->fall_count; i++)
+        read_fall(in, r, m, &m->falls[i]);
     for (i = 0; i < m->constant_count; i++) {
         m->constant_columns[i] = read_index(in, 0, r->bodies - 1);
         m->constants[i] = read_double(in);
@@ -432,7 +473,7 @@ Mode *mode_read(Run *r, Reader *in)
     take_shape(r, m);
     for (i = 0; i < slope_constants; i++)
         m->slope_constants[i] = read_double(in);
-    read_terms(in, m->terms, terms, r, m->coupling_count, pairs);
+    read_terms(in, m->terms, terms, r, m, pairs);
     for (i = 0; i < slopes; i++) {
         Slope *s = &m->slopes[i];
         s->first = read_index(in, 0, terms);
@@ -484,6 +525,7 @@ void mode_free(Mode *m)
     }
     meters_free(&m->meters);
     free(m->couplings);
+    free(m->falls);
     free(m->events);
     free(m->terms);
     free(m->slopes);
@@ -546,6 +588,8 @@ void run_free(Run *r)
     free(r->state.x);
     free(r->taylor.table);
     free(r->taylor.load);
+    free(r->taylor.arguments);
+    free(r->taylor.falls);
     free(r->taylor.loaded_on);
     free(r->taylor.loaded);
     free(r->closed_form.motions);

@@ -9,8 +9,12 @@ int scene_read(Run *r, Reader *in);       /* whether the numbers made a scene */
 Mode *mode_read(Run *r, Reader *in);      /* NULL without memory; look at the reader for what else was wrong */
 int mode_add(Run *r, Mode *m);
 void function_prepare(Mode *m, Event *e);  /* in the closed form of its mode, where it has one */
+int room_for_series(double (**series)[SERIES], int count);
 void mode_free(Mode *m);
 void run_free(Run *r);
+
+/* reading_tangent.c */
+int tangent_room_for_falls(struct Tangent *b, int count);
 
 /* meters.c; 0 without memory, or where the numbers are not what they should be (look at the reader) */
 int ledger_read(Run *r, Reader *in);

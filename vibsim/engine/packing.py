@@ -81,7 +81,15 @@ def pack_mode(rows, keys):
         events.append((event, key, first, len(event.terms), first_slope, len(slopes) - first_slope))
     pairs = {pair: i for i, pair in enumerate(modal.pairs)} if modal else {}
     pack.put(
-        (len(rows.couplings), len(events), len(rows.constants), len(terms), len(slopes), len(slope_constants))
+        (
+            len(rows.couplings),
+            len(rows.falls),
+            len(events),
+            len(rows.constants),
+            len(terms),
+            len(slopes),
+            len(slope_constants),
+        )
     )
     pack.put((len(pairs),))
     pack.put(rows.status.codes)
@@ -89,6 +97,8 @@ def pack_mode(rows, keys):
         pack.put((leader,), (mobility, 0.0 if mass is None else mass, drift))
     for q in rows.couplings:
         pack.put((q.P, q.Q, pairs.get((q.P, q.Q), -1)), (q.k, q.c, q.offset))
+    for fall in rows.falls:
+        pack.put((fall.law.NUMBER, fall.P, fall.Q), (fall.on_P, fall.rate, fall.drift))
     for column, value in rows.constants:
         pack.put((column,), (value,))
     pack.put((), slope_constants)

@@ -29,7 +29,7 @@ def _pack(scene, given, count, begin, ends):
     for stop in scene.stops:
         pack.put(ends(stop), (stop.c,))
     for friction in scene.frictions:
-        pack.put(ends(friction), (friction.forward, friction.backward))
+        pack.put(ends(friction), friction.starts)
     farthest = reach(Doubles, scene.order, log2(scene.tol))
     pack.put((), (begin, farthest, natural_rate(scene, Doubles), *weights(scene, Doubles)))
     return pack.ints.tobytes(), pack.doubles.tobytes()

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "modes.h"
 #include "tangent.h"
 
 static void *room(size_t count, size_t size)
@@ -23,6 +24,7 @@ static int room_for_spare(const Run *r, TaylorTangent *of)
     size_t row = 2 * ((size_t)r->bodies + 3), columns = (size_t)r->columns, i;
     Taylor *f = &of->spare;
     *f = r->taylor;
+    f->arguments = f->falls = NULL;
     f->table = room((SERIES + 1) * row, sizeof(double));
     f->load = room(columns * SERIES, sizeof(double));
     f->loaded_on = room(columns, sizeof(double *));
@@ -64,7 +66,7 @@ static int room_for_all(const Run *r, Tangent *b)
     b->other_accelerations = b->accelerations + columns;
     b->force = b->other_accelerations + columns;
     b->jump = b->force + columns;
-    return room_for_spare(r, &b->taylor);
+    return room_for_spare(r, &b->taylor) && (r->fall_room == 0 || tangent_room_for_falls(b, r->fall_room));
 }
 
 /* Ends and laws of stops and frictions. */
@@ -124,6 +126,13 @@ static int read_bundle(Run *r, Tangent *b, Reader *in)
     return read_through(in);
 }
 
+/* Room for the series of so many falling frictions; 0 without memory. */
+int tangent_room_for_falls(Tangent *b, int count)
+{
+    TaylorTangent *of = &b->taylor;
+    return room_for_series(&of->slopes, count) && room_for_series(&of->spare.arguments, count) && room_for_series(&of->spare.falls, count);
+}
+
 int tangent_read(Run *r, Reader *in)
 {
     r->tangent = room(1, sizeof(Tangent));
@@ -154,6 +163,9 @@ void tangent_free(Tangent *b)
     free(b->taylor.force);
     free(b->taylor.spare.table);
     free(b->taylor.spare.load);
+    free(b->taylor.spare.arguments);
+    free(b->taylor.spare.falls);
+    free(b->taylor.slopes);
     free(b->taylor.spare.loaded_on);
     free(b->tangencies.fastest);
     free(b);

@@ -4,6 +4,7 @@
     difference
                  d = x_P - x_Q; -S on P, +S on Q
     constants    forces of slipping frictions
+    falls        what of these falls with speed
     events       functions that are positive inside the mode and end it at zero: sums of differences, their
     rates,
                  couplings, loads and accelerations
@@ -16,10 +17,11 @@ from typing import Any
 
 from vibsim.engine.status import CONTACT, LIFTED, OPEN, STICK
 from vibsim.engine.ties import Cut, Groups, cuts
+from vibsim.physics.friction_laws import LAWS
 from vibsim.physics.parts import AT_GAP, BASE, GROUND
 
 GAP, PUSH, SLIDE, HOLD, CLEARANCE = range(5)  # kinds of event functions
-DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION = range(5)  # kinds of terms
+DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL = range(6)  # kinds of terms
 
 
 @dataclass
@@ -34,9 +36,24 @@ class Coupling:
 
 
 @dataclass(frozen=True)
+class Falling:
+    """Friction that falls with speed: the force on_P f(s) on P [N], the opposite on Q, s = rate (v_P - v_Q -
+    drift), which is positive while it slips; law: module of vibsim.physics.friction_laws.
+    """
+
+    law: Any
+    P: int
+    Q: int
+    on_P: Any
+    rate: Any
+    drift: Any
+    part: int
+
+
+@dataclass(frozen=True)
 class Term:
     """coefficient times what `kind` names: the difference of columns (P, Q), its rate, coupling number P, the
-    load on column P, or its acceleration.
+    load on column P, its acceleration, or f of falling friction number P.
     """
 
     kind: int
@@ -79,6 +96,7 @@ class ModeRows:
     mobility: list[Any]  # 1 / mass, 0 where it does not move on its own; by column
     couplings: list[Coupling]
     constants: list[tuple[int, Any]]
+    falls: list[Falling] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
     cuts: list[Cut] = field(default_factory=list)
     drift: list[Any] = field(default_factory=list)  # velocity of a column against its leader [m/s]
@@ -131,6 +149,7 @@ class RowMaker:
         rows = ModeRows(
             status, groups, groups.leader, mass, mobility, self._couplings(status), self._constants(status)
         )
+        rows.falls = self._falls(status)
         rows.drift = self._drifts(groups, stuck)
         rows.tied = [c for c in range(self.n) if len(groups.members[groups.leader[c]]) > 1]
         for i, stop in enumerate(scene.stops):
@@ -203,6 +222,17 @@ class RowMaker:
                     if column < self.n:
                         constants[column] = value if column not in constants else constants[column] + value
         return sorted(constants.items())
+
+    def _falls(self, status):
+        """What falls with speed of the slipping frictions, in their order."""
+        falls = []
+        for i, friction in enumerate(self.scene.frictions):
+            sense = status.frictions[i]
+            fall = friction.fall(sense)
+            if sense != STICK and fall is not None:
+                on_P, rate = (-fall.drop, fall.rate) if sense > 0 else (fall.drop, -fall.rate)
+                falls.append(Falling(LAWS[fall.law], *self.ends(friction), on_P, rate, friction.belt, i))
+        return falls
 
     def _stop_events(self, i, stop, state):
         P, Q = self.ends(stop)
@@ -278,6 +308,9 @@ class RowMaker:
             if (coupling.P in members) != (coupling.Q in members):
                 terms.append(Term(COUPLING, 1 if coupling.Q in members else -1, q))
         terms += [Term(LOAD, 1, c) for c in sorted(members) if self._loaded(c)]
+        for k, fall in enumerate(rows.falls):
+            if (fall.P in members) != (fall.Q in members):
+                terms.append(Term(FALL, fall.on_P if fall.P in members else -fall.on_P, k))
         return tuple(terms), tuple(value for column, value in rows.constants if column in members)
 
     def _loaded(self, column):

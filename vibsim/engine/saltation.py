@@ -139,13 +139,17 @@ def _damper(scene, old, new, event):
 
 
 def _friction(friction, status):
-    """Force of a slipping friction on P; one that sticks acts within a group, where it does not count."""
-    return 0 if status == STICK else -friction.forward if status == FORWARD else friction.backward
+    """Force of a slipping friction on P at v_rel = 0; one that sticks acts within a group, where it does not
+    count.
+    """
+    forward, backward = friction.starts
+    return 0 if status == STICK else -forward if status == FORWARD else backward
 
 
 def reversal(friction, status):
     """Forces [(P, Q, force)] that a friction gains where it turns round from `status`."""
-    total = friction.forward + friction.backward
+    forward, backward = friction.starts
+    total = forward + backward
     return [(friction.P, friction.Q, total if status == FORWARD else -total)]
 
 

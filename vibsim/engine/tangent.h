@@ -48,7 +48,7 @@ typedef struct {
     Joint joint[SERIES];
     double first_turning[2];
     double to_a1, to_w, cross, tau, reach;
-    double (*series)[2], (*force)[2];
+    double (*series)[2], (*force)[2], (*slopes)[SERIES]; /* slopes: series of df/ds by falling friction */
     Taylor spare; /* for an expansion within the step */
     double *spare_values;
 } TaylorTangent;

@@ -1,7 +1,7 @@
 /* Disturbances along a step of the Taylor flow, two at a time; twin of vibsim/engine/tangent_taylor.py. */
 #include <stddef.h>
 
-#include "numbers.h"
+#include "friction_laws.h"
 #include "tangent.h"
 
 #define REACH 1.25
@@ -47,12 +47,26 @@ static double dragging(const Run *r)
     return f->drag * mass / (mass * f->inertia - f->unbalance * f->unbalance);
 }
 
+/* Rate at which falling friction k makes disturbances grow, at the start or the end of the stretch. */
+static double rising(const Run *r, int k, double end)
+{
+    const Mode *m = r->mode;
+    const Falling *one = &m->falls[k];
+    const double *f = r->taylor.falls[k];
+    double start = fabs(law_slope(one->law, f[0]));
+    double last = fabs(law_slope(one->law, horner(f, r->taylor.order, end - r->t0)));
+    double mobility = m->mobility[one->to_P] + m->mobility[one->to_Q];
+    return fabs(one->on_P * one->rate) * (start > last ? start : last) * mobility;
+}
+
 double taylor_piece_end(const Run *r, double t, double end)
 {
     double rates[4], rate, ahead;
     int count = 2, i;
     rates[0] = sqrt(fastest(r, 1)) / REACH;
     rates[1] = fastest(r, 0);
+    for (i = 0; i < r->mode->fall_count; i++)
+        rates[1] = rates[1] + rising(r, i, end);
     if (r->has_motor) {
         rates[2] = dragging(r);
         rates[3] = fabs(r->taylor.w_back[r->taylor.order]) / REACH;
@@ -94,8 +108,18 @@ static void prepare_motor(Run *r)
     }
 }
 
+static void prepare_here(Run *r)
+{
+    const Mode *m = r->mode;
+    int k;
+    if (r->has_motor)
+        prepare_motor(r);
+    for (k = 0; k < m->fall_count; k++)
+        law_slopes(m->falls[k].law, r->taylor.falls[k], r->taylor.order, r->tangent->taylor.slopes[k]);
+}
+
 /* The same with the flow expanded anew at t, within its step. */
-static void prepare_motor_at(Run *r, double t)
+static void prepare_at(Run *r, double t)
 {
     TaylorTangent *of = &r->tangent->taylor;
     Taylor flow = r->taylor;
@@ -103,7 +127,7 @@ static void prepare_motor_at(Run *r, double t)
     flow_state(r, t, &r->scratch);
     r->taylor = of->spare;
     taylor_enter(r, &r->scratch);
-    prepare_motor(r);
+    prepare_here(r);
     of->spare = r->taylor;
     r->taylor = flow;
     r->t0 = t0;
@@ -113,12 +137,12 @@ static void prepare_motor_at(Run *r, double t)
 static void prepare(Run *r, double t, double end)
 {
     r->tangent->taylor.tau = end - t;
-    if (!r->has_motor)
+    if (!r->has_motor && r->mode->fall_count == 0)
         return;
     if (t != r->t0)
-        prepare_motor_at(r, t);
+        prepare_at(r, t);
     else
-        prepare_motor(r);
+        prepare_here(r);
 }
 
 /* Series of the components: displacements of the bodies, phi, 0; then their rates; then the acceleration of the motor's group.
@@ -216,6 +240,23 @@ INLINE Pair turn(const TaylorTangent *of, const Law *law, Lane *series, int bodi
     return pushed;
 }
 
+/* Coefficient n of the disturbed force of falling friction k on its P. */
+static Pair fall(const Run *r, Lane *series, int k, int n)
+{
+    const Falling *one = &r->mode->falls[k];
+    const double *slopes = r->tangent->taylor.slopes[k];
+    const int bodies = r->bodies, zero = bodies + 1, rates = bodies + 2;
+    const Lane *P = component(series, rates + (one->P < bodies ? one->P : zero)) + n;
+    const Lane *Q = component(series, rates + (one->Q < bodies ? one->Q : zero)) + n;
+    Pair sums[2] = {make_pair(0, 0), make_pair(0, 0)};
+    int i;
+    for (i = 0; i <= n; i++) {
+        Pair s = multiply_pair(twice(one->rate), subtract_pair(load_pair(P[-i]), load_pair(Q[-i])));
+        sums[i % 2] = add_product(sums[i % 2], twice(slopes[i]), s);
+    }
+    return multiply_pair(twice(one->on_P), add_pair(sums[0], sums[1]));
+}
+
 /* Coefficients n + 1 from those of order n and below. */
 static void advance(const Run *r, const Law *law, Lane *series, int n)
 {
@@ -233,6 +274,12 @@ static void advance(const Run *r, const Law *law, Lane *series, int n)
         force = add_product(force, twice(q->c), subtract_pair(load_pair(P[rates * SERIES]), load_pair(Q[rates * SERIES])));
         store_pair(F[q->to_P], subtract_pair(load_pair(F[q->to_P]), force));
         store_pair(F[q->to_Q], add_pair(load_pair(F[q->to_Q]), force));
+    }
+    for (i = 0; i < m->fall_count; i++) {
+        const Falling *one = &m->falls[i];
+        Pair force = fall(r, series, i, n);
+        store_pair(F[one->to_P], add_pair(load_pair(F[one->to_P]), force));
+        store_pair(F[one->to_Q], subtract_pair(load_pair(F[one->to_Q]), force));
     }
     for (c = 0; c < bodies; c++)
         if (c != on)

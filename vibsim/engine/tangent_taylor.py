@@ -1,6 +1,7 @@
 """How small disturbances move along one step of the Taylor flow.
 
-The recurrences of the flow, linearised: loads and constants drop out, couplings pass dS = k dd + c dd'. With
+The recurrences of the flow, linearised: loads and constants drop out, couplings pass dS = k dd + c dd', falling
+frictions df = f' ds. With
 s = sin phi, c = cos phi, a1 the acceleration of the motor's group, b = m3 e and dS the sum of the coupling
 forces on the group,
     (m + m3) A1 - b s dw' = b (q' - s dw') - dS,            q = c w dphi + s dw
@@ -11,8 +12,9 @@ may take steps that are too long for its disturbances: then these go in pieces.
 """
 
 from math import log
+from typing import Any
 
-from vibsim.engine.rows import ACCELERATION, COUPLING, DIFFERENCE, LOAD
+from vibsim.engine.rows import ACCELERATION, COUPLING, DIFFERENCE, FALL, LOAD
 from vibsim.engine.taylor import Taylor
 from vibsim.physics.numbers import horner
 
@@ -41,6 +43,8 @@ class TaylorTangent:
     def piece_end(self, t, end, _mark):
         """End [s] of the piece from t that is moved at once: as a rule the whole step."""
         rates = [self.kit.sqrt(self._fastest("k")) / REACH, self._fastest("c")]
+        for k in range(len(self.flow.falls)):
+            rates[1] = rates[1] + self._rising(k, end)
         if self.motor:
             rates += [self._dragging(), abs(self.flow.w[0]) / REACH]
         rate = max(rates)
@@ -65,6 +69,15 @@ class TaylorTangent:
                 largest = row if row > largest else largest
         return largest
 
+    def _rising(self, k, end):
+        """Rate at which falling friction k makes disturbances grow, at the start or the end of the stretch
+        [1/s].
+        """
+        one, f, rows = self.flow.rows.falls[k], self.flow.falls[k], self.flow.rows
+        ends = abs(one.law.slope(f[0])), abs(one.law.slope(horner(f, end - self.flow.t0)))
+        mobility = rows.mobility[rows.leader[one.P]] + rows.mobility[rows.leader[one.Q]]
+        return abs(one.on_P * one.rate) * (ends[0] if ends[0] > ends[1] else ends[1]) * mobility
+
     def _dragging(self):
         """Rate at which the motor's drag damps the rotor, at most [1/s]."""
         mass = self.flow.rows.mass[self.flow.rows.leader[self.motor.on]]
@@ -76,9 +89,12 @@ class TaylorTangent:
     def prepare(self, t, end):
         """What the recurrences of all disturbances share over the piece from t to `end` [s]."""
         self.tau, self.base = end - t, self.flow
+        if t != self.flow.t0 and (self.motor or self.flow.falls):
+            self.base = self._expanded_at(t)
+        self.slopes = [
+            one.law.slopes(f) for one, f in zip(self.flow.rows.falls, self.base.falls, strict=True)
+        ]
         if self.motor:
-            if t != self.flow.t0:
-                self.base = self._expanded_at(t)
             self._prepare_motor()
 
     def _expanded_at(self, t):
@@ -100,6 +116,7 @@ class TaylorTangent:
         n, zero = self.n, self.kit.number(0)
         self.x = [[value] for value in (*vector[:n], zero, zero)]
         self.v = [[value] for value in (*vector[n : 2 * n], zero, zero)]
+        self.sliding = [[] for _ in self.slopes]
         if self.motor:
             self.phi, self.w, self.a1 = [vector[-2]], [vector[-1]], []
         for order in range(self.flow.order - 1):
@@ -123,6 +140,8 @@ class TaylorTangent:
             return self.v[P][1]
         if term.kind == LOAD:
             return self._thrust() if self.motor and self.motor.on == P else self.kit.number(0)
+        if term.kind == FALL:
+            return self.slopes[P][0] * self.sliding[P][0]
         if term.kind == COUPLING:
             one = self.flow.rows.couplings[P]
             P, Q, k, c = one.P, one.Q, one.k, one.c
@@ -145,6 +164,10 @@ class TaylorTangent:
             force = q.k * (self.x[q.P][n] - self.x[q.Q][n]) + q.c * (self.v[q.P][n] - self.v[q.Q][n])
             F[leader[q.P]] = F[leader[q.P]] - force
             F[leader[q.Q]] = F[leader[q.Q]] + force
+        for k, one in enumerate(rows.falls):
+            force = one.on_P * self._fall(k, n)
+            F[leader[one.P]] = F[leader[one.P]] + force
+            F[leader[one.Q]] = F[leader[one.Q]] - force
         acceleration = [force * mobility for force, mobility in zip(F, rows.mobility, strict=True)]
         if self.motor:
             on = leader[self.motor.on]
@@ -152,6 +175,12 @@ class TaylorTangent:
         for c in range(self.n + 2):
             self.x[c].append(self.v[c][n] * inverse)
             self.v[c].append(acceleration[leader[c]] * inverse)
+
+    def _fall(self, k, n):
+        """Coefficient n of the disturbed f of falling friction k, f' ds."""
+        one, sliding = self.flow.rows.falls[k], self.sliding[k]
+        sliding.append(one.rate * (self.v[one.P][n] - self.v[one.Q][n]))
+        return chained(self.kit.number(0), self.slopes[k], sliding, n)
 
     def _turn(self, n, force):
         """Disturbed acceleration of the motor's group; advances the rotor."""

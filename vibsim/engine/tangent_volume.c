@@ -1,6 +1,6 @@
 /* How a volume of disturbances grows within a mode; twin of vibsim/engine/tangent_volume.py. */
+#include "friction_laws.h"
 #include "gauss_nodes.h"
-#include "numbers.h"
 #include "tangent.h"
 
 #define POINTS (NODE_COUNT + 2) /* the nodes, then end and start */
@@ -40,6 +40,44 @@ static void determinants(const Run *r, double mass, double inertia, const double
     }
 }
 
+/* Force of falling friction k by the rate v_P' - v_Q', negative, a time `at` after the expansion point; 0 within a group. */
+static double damping_of_fall(const Run *r, int k, double at)
+{
+    const Falling *one = &r->mode->falls[k];
+    return one->to_P == one->to_Q ? 0.0 : -(one->on_P * one->rate * law_slope(one->law, horner(r->taylor.falls[k], r->taylor.order, at)));
+}
+
+/* Sum of falling frictions' damping by mass, of all groups but `on`. */
+static double slowed(const Run *r, double at, int on)
+{
+    const Mode *m = r->mode;
+    double total = 0.0;
+    int k;
+    for (k = 0; k < m->fall_count; k++) {
+        const Falling *one = &m->falls[k];
+        double damping = damping_of_fall(r, k, at);
+        if (one->to_P == one->to_Q)
+            continue;
+        if (one->to_P != on)
+            total = total + damping * m->mobility[one->to_P];
+        if (one->to_Q != on)
+            total = total + damping * m->mobility[one->to_Q];
+    }
+    return total;
+}
+
+/* Sum of falling frictions' damping of the group `on`. */
+static double slowed_with_rotor(const Run *r, double at, int on)
+{
+    const Mode *m = r->mode;
+    double total = 0.0;
+    int k;
+    for (k = 0; k < m->fall_count; k++)
+        if (m->falls[k].to_P != m->falls[k].to_Q && (m->falls[k].to_P == on || m->falls[k].to_Q == on))
+            total = total + damping_of_fall(r, k, at);
+    return total;
+}
+
 static double with_rotor(const Run *r, double mass, double inertia, double damping, double drag, double t, double tau)
 {
     double share = 0.0, damped, start = t - r->t0, points[POINTS], values[POINTS];
@@ -52,6 +90,12 @@ static double with_rotor(const Run *r, double mass, double inertia, double dampi
     for (i = 0; i < NODE_COUNT; i++)
         share = share + WEIGHTS[i] / values[i];
     damped = (damping * inertia + drag * mass) * (tau * share);
+    if (r->mode->fall_count > 0) {
+        double mean = 0.0;
+        for (i = 0; i < NODE_COUNT; i++)
+            mean = mean + WEIGHTS[i] * (slowed_with_rotor(r, points[i], r->mode->leader[r->motor_on]) / values[i]);
+        damped = damped + inertia * (tau * mean);
+    }
     return -damped - log(values[NODE_COUNT] / values[NODE_COUNT + 1]);
 }
 
@@ -73,6 +117,12 @@ double log_volume(const Run *r, double t, double end)
         }
     }
     fixed = -(rate * tau);
+    if (m->fall_count > 0) {
+        double mean = 0.0;
+        for (i = 0; i < NODE_COUNT; i++)
+            mean = mean + WEIGHTS[i] * slowed(r, (t - r->t0) + NODES[i] * tau, on);
+        fixed = fixed - tau * mean;
+    }
     if (!r->has_motor)
         return fixed;
     drag = r->M0 / r->Omega0;

@@ -5,6 +5,7 @@ differs from it by det M, which depends on the angle of a rotor. The disturbance
 """
 
 from vibsim.physics.gauss_nodes import NODES, WEIGHTS
+from vibsim.physics.numbers import horner
 
 
 def log_volume(scene, kit, flow, t, end):
@@ -22,12 +23,39 @@ def log_volume(scene, kit, flow, t, end):
             else:
                 rate = rate + q.c * rows.mobility[end_column]
     fixed = -(rate * tau)
+    if rows.falls:
+        fixed = fixed - tau * _mean(kit, lambda at: _slowed(flow, (t - flow.t0) + at, on), tau)
     if motor is None:
         return fixed
     drag, inertia = motor.M0 / motor.Omega0, motor.J + motor.m3 * motor.e * motor.e
     if rows.mass[on] is None:
         return fixed - drag / inertia * tau
     return fixed + _with_rotor(kit, flow, motor, (rows.mass[on] + motor.m3, inertia, damping, drag), t, tau)
+
+
+def _mean(kit, value, tau):
+    """Mean over a piece of length tau."""
+    total = kit.number(0)
+    for node, weight in zip(NODES, WEIGHTS, strict=True):
+        total = total + weight * value(node * tau)
+    return total
+
+
+def _dampings(flow, at):
+    """(falling friction, its force by the rate v_P' - v_Q' [N s/m], negative) at a time within the step."""
+    for one, f in zip(flow.rows.falls, flow.falls, strict=True):
+        if flow.rows.leader[one.P] != flow.rows.leader[one.Q]:
+            yield one, -(one.on_P * one.rate * one.law.slope(horner(f, at)))
+
+
+def _slowed(flow, at, on):
+    """Sum of falling frictions' damping by mass, of all groups but `on` [1/s]."""
+    total = 0 * at
+    for one, damping in _dampings(flow, at):
+        for column in (flow.rows.leader[one.P], flow.rows.leader[one.Q]):
+            if column != on:
+                total = total + damping * flow.rows.mobility[column]
+    return total
 
 
 def _with_rotor(kit, flow, motor, numbers, t, tau):
@@ -39,8 +67,18 @@ def _with_rotor(kit, flow, motor, numbers, t, tau):
         coupling = motor.m3 * motor.e * kit.sin(flow.state_after((t - flow.t0) + at).phase)
         return mass * inertia - coupling * coupling
 
+    def falling(at):
+        """What falling frictions on the motor's group add to its damping, by det M."""
+        total, on = kit.number(0), flow.rows.leader[motor.on]
+        for one, extra in _dampings(flow, (t - flow.t0) + at):
+            if on in (flow.rows.leader[one.P], flow.rows.leader[one.Q]):
+                total = total + extra
+        return total / determinant(at)
+
     share = kit.number(0)
     for node, weight in zip(NODES, WEIGHTS, strict=True):
         share = share + weight / determinant(node * tau)
     damped = (damping * inertia + drag * mass) * (tau * share)
+    if flow.rows.falls:
+        damped = damped + inertia * (tau * _mean(kit, falling, tau))
     return -damped - kit.log(determinant(tau) / determinant(kit.number(0)))

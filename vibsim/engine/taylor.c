@@ -78,6 +78,20 @@ INLINE double longest_step(const Run *r, int (*size)(const Run *, int, int), int
     return longest;
 }
 
+/* Step that the last terms of a falling friction allow, compared with f(0) = 1. */
+static double step_of_fall(const Run *r, const double *f, double longest)
+{
+    int last;
+    for (last = r->taylor.order - 2; last < r->taylor.order; last++) {
+        int size = binary_exponent(fabs(f[last]));
+        if (size > -2000) {
+            double step = (r->tolerance_exponent + (1 - size)) / last;
+            longest = step < longest ? step : longest;
+        }
+    }
+    return longest;
+}
+
 static double step_length(const Run *r)
 {
     double longest = longest_step(r, size_of_rates, 0, r->taylor.order, 1000.0);
@@ -89,6 +103,8 @@ static double step_length(const Run *r)
     }
     for (i = 0; i < r->mode->tied_count; i++)
         longest = longest_step(r, size_of_load, r->mode->tied[i], r->taylor.order - 1, longest);
+    for (i = 0; i < r->mode->fall_count; i++)
+        longest = step_of_fall(r, r->taylor.falls[i], longest);
     return longest < 1000.0 ? power_of_two(longest) : INFINITY;
 }
 

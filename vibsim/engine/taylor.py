@@ -13,7 +13,7 @@ from typing import Any
 from vibsim.engine.certificate import latest_zero, may_vanish_by
 from vibsim.engine.harmonics import quarter_turns, sine_and_cosine
 from vibsim.engine.polynomial_root import PolynomialSearch
-from vibsim.engine.rows import ACCELERATION, COUPLING, DIFFERENCE, RATE
+from vibsim.engine.rows import ACCELERATION, COUPLING, DIFFERENCE, FALL, RATE
 from vibsim.engine.state import State
 from vibsim.physics.numbers import horner
 
@@ -66,6 +66,7 @@ class Taylor:
             if leader >= self.n:  # moves as the ground or the base, and its belts, say
                 self.v[c][0] = self.v[leader][0] + self.rows.drift[c]
         self._expand_loads(state.t)
+        self.arguments, self.falls = ([[] for _ in self.rows.falls] for _ in range(2))
         if self.motor:
             self._expand_motor(state)
         for n in range(p):
@@ -108,6 +109,22 @@ class Taylor:
         force = coupling.k * (self.x[P][n] - self.x[Q][n]) + coupling.c * (self.v[P][n] - self.v[Q][n])
         return force + coupling.offset if n == 0 else force
 
+    def _fall(self, k, n):
+        """Coefficient n of the force of falling friction k on its P."""
+        one, arguments, f = self.rows.falls[k], self.arguments[k], self.falls[k]
+        difference = self.v[one.P][n] - self.v[one.Q][n]
+        if n == 0:
+            s = one.rate * (difference - one.drift)
+            arguments.append(s)
+            f.append(one.law.start(self.kit, s))
+        else:
+            arguments.append(one.law.argument(n, one.rate * difference))
+            sums = [self.kit.number(0), self.kit.number(0)]
+            for i in range(1, n + 1):  # two chains that a processor takes side by side
+                sums[i % 2] = sums[i % 2] + arguments[i] * f[n - i]
+            f.append(one.law.following(sums[1] + sums[0], f, self.inverse[n]))
+        return one.on_P * f[n]
+
     def _advance(self, n):
         """Coefficients n + 1 of displacements and velocities from those of order n."""
         rows, zero, inverse = self.rows, self.kit.number(0), self.inverse[n + 1]
@@ -126,6 +143,10 @@ class Taylor:
         if n == 0:
             for column, value in rows.constants:
                 F[leader[column]] = F[leader[column]] + value
+        for k, fall in enumerate(rows.falls):
+            force, P, Q = self._fall(k, n), leader[fall.P], leader[fall.Q]
+            F[P] = F[P] + force
+            F[Q] = F[Q] - force
         acceleration = [force * mobility for force, mobility in zip(F, rows.mobility, strict=True)]
         if self.motor:
             acceleration[leader[self.motor.on]] = self._turn(n, F)
@@ -204,7 +225,7 @@ class Taylor:
 
     def _step_length(self):
         """Longest step whose last two terms stay below tol times the largest leading one (after Jorba &
-        Zou 2005), of velocities, rotor and the loads that ties must carry, which move nothing.
+        Zou 2005), of velocities, rotor, what ties must carry, which moves nothing, and falling friction.
         """
         blocks = [(self.v[: self.n], self.order)]
         if self.scene.base:
@@ -225,6 +246,11 @@ class Taylor:
                         if sizes[m] > self.kit.no_exponent
                     ]
                     longest = min(longest, max(candidates, default=longest))
+        for f in self.falls:  # compared with f(0) = 1, of which they are a part
+            for last in (self.order - 2, self.order - 1):
+                size = self.kit.exponent(abs(f[last]))
+                if size > self.kit.no_exponent:
+                    longest = min(longest, (self.tolerance_exponent + (1 - size)) / last)
         return self.kit.power_of_two(longest) if longest < 1000.0 else inf
 
     def _size(self, block, n):
@@ -253,6 +279,8 @@ class Taylor:
             return [factor * self.coupling_force(self.rows.couplings[P], n) for n in range(p + 1)]
         if term.kind == ACCELERATION:
             return [factor * ((n + 1) * self.v[P][n + 1]) for n in range(p)]
+        if term.kind == FALL:
+            return [factor * value for value in self.falls[P]]
         return [factor * value for value in self._load_on(P)]
 
     def _load_on(self, column):
@@ -340,7 +368,15 @@ class Taylor:
             return one.k * places + one.c * speeds + abs(one.offset)
         if term.kind == ACCELERATION:
             return abs(self.v[term.P][1])
+        if term.kind == FALL:
+            return self._magnitude_of_fall(term.P)
         return abs(self._load_on(term.P)[0])
+
+    def _magnitude_of_fall(self, k):
+        """f, and what its argument, a difference, may be wrong by in units of the rounding of one."""
+        one, f = self.rows.falls[k], self.falls[k][0]
+        speeds = abs(self.v[one.P][0]) + abs(self.v[one.Q][0]) + abs(one.drift)
+        return abs(f) + abs(one.law.slope(f)) * (abs(one.rate) * speeds)
 
     def longest_piece(self, _tau):
         """Longest stretch [s] that one quadrature rule integrates to round-off: a whole step, or 3 rad of the

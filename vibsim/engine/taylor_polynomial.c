@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "engine.h"
+#include "friction_laws.h"
 
 /* Series of the load on a column: its forces, and what a motor on it exerts while it is tied to the ground or the base. */
 static void load_on(const Run *r, int column, double *out)
@@ -74,6 +75,10 @@ static int term_series(const Run *r, const Term *t, double *out)
         for (n = 0; n < p; n++)
             out[n] = t->coefficient * ((n + 1) * row[(n + 1) * f->stride]);
         return p;
+    case FALL:
+        for (n = 0; n < p; n++)
+            out[n] = t->coefficient * f->falls[t->P][n];
+        return p;
     default:
         load_on(r, t->P, out);
         for (n = 0; n < p; n++)
@@ -120,6 +125,12 @@ static double magnitude_of(const Run *r, const Term *t)
     }
     case ACCELERATION:
         return fabs(row[f->stride + f->rates + column_in_table(r, t->P)]);
+    case FALL: {
+        const Falling *one = &r->mode->falls[t->P];
+        double value = f->falls[t->P][0];
+        double speeds = (one->from < 0 ? 0.0 : fabs(row[one->from])) + (one->to < 0 ? 0.0 : fabs(row[one->to])) + fabs(one->drift);
+        return fabs(value) + fabs(law_slope(one->law, value)) * (fabs(one->rate) * speeds);
+    }
     default:
         load_on(r, t->P, series);
         return fabs(series[0]);

@@ -28,6 +28,10 @@ class BigFloats(WorkingPrecision):
         self.sinh, self.cosh, self.log = context.sinh, context.cosh, context.log
         self.finite = context.isfinite
 
+    def decay(self, s):
+        """exp(-s)."""
+        return self.context.exp(-s)
+
     def activate(self):
         """Nothing to do: the precision belongs to the numbers' context."""
 

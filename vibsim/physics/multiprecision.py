@@ -47,6 +47,7 @@ class Balls(WorkingPrecision):
     sin = staticmethod(lambda x: x.sin())
     cos = staticmethod(lambda x: x.cos())
     exp = staticmethod(lambda x: x.exp())
+    decay = staticmethod(lambda x: (-x).exp())
     expm1 = staticmethod(lambda x: x.expm1())
     log = staticmethod(lambda x: x.log())
     sinh = staticmethod(lambda x: x.sinh())

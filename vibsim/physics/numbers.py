@@ -9,6 +9,8 @@ import math
 
 TWO_PI = 6.283185307179586
 TWO_PI_LO = 2.4492935982947064e-16  # 2 pi = TWO_PI + TWO_PI_LO to 107 bits
+LN_2, LN_2_LO = 0.6931471803691238, 1.9082149292705877e-10  # their sum; of the first, the last 21 bits are 0
+EXPONENTIAL = [1 / math.factorial(n) for n in range(2, 14)]  # left out: 0.35^14 / 14! < 5e-18
 VELTKAMP = 134217729.0  # 2**27 + 1: splits a double into two halves of 26 bits
 
 
@@ -64,6 +66,23 @@ class Doubles:
     def power_of_two(y):
         """2**y for a real y [-]."""
         return math.exp(y * 0.6931471805599453)
+
+    @staticmethod
+    def decay(s):
+        """exp(-s), right to one unit in the last place, with the same bits on every machine: additions and
+        products only.
+
+        With k the whole number nearest to -s / ln 2, exp(-s) = 2^k exp(r), |r| < 0.35; k times the first part
+        of ln 2 is exact.
+        """
+        if not -709.0 < s < 746.0:
+            return math.inf if s <= -709.0 else 0.0 if s >= 746.0 else s
+        k = math.floor(0.5 - s * 1.4426950408889634)
+        r = (-s - k * LN_2) - k * LN_2_LO
+        value = EXPONENTIAL[-1]
+        for coefficient in EXPONENTIAL[-2::-1]:
+            value = value * r + coefficient
+        return math.ldexp(1 + (r + r * r * value), k)
 
     @staticmethod
     def turn_angle(cycles, cycles_lo, t):

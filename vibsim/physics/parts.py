@@ -65,13 +65,26 @@ class Stop:
 
 
 @dataclass(frozen=True)
+class Fall:
+    """What of a friction force falls with the speed of slip: drop f(s) [N], s = rate |v_rel|, rate in s/m.
+
+    law : of vibsim.physics.friction_laws, f(0) = 1
+    """
+
+    law: str
+    drop: Number
+    rate: Number
+
+
+@dataclass(frozen=True)
 class Friction:
     """Dry friction of P on Q, v_rel = v_P - v_Q - belt.
 
-    forward, backward : force while slipping [N], -forward on P where v_rel > 0, +backward where v_rel < 0
+    forward, backward : force while slipping [N], -forward on P where v_rel > 0, +backward where v_rel < 0;
+        more of it that falls with speed is in fall_forward and fall_backward
     belt : velocity of the surface of Q against Q [m/s]
     hold_forward, hold_backward : the most that it can hold against the start of slip in either direction [N],
-        not below the force while slipping; None: as much as that
+        not below the force with which slip begins; None: as much as that
     """
 
     name: str
@@ -82,19 +95,35 @@ class Friction:
     belt: Number
     hold_forward: Number | None = None
     hold_backward: Number | None = None
+    fall_forward: Fall | None = None
+    fall_backward: Fall | None = None
 
     @property
     def limits(self) -> tuple[Number, Number]:
         """The most that it holds against slip forwards and backwards [N]."""
+        forward, backward = self.starts
         return (
-            self.forward if self.hold_forward is None else self.hold_forward,
-            self.backward if self.hold_backward is None else self.hold_backward,
+            forward if self.hold_forward is None else self.hold_forward,
+            backward if self.hold_backward is None else self.hold_backward,
         )
 
+    @property
+    def starts(self) -> tuple[Number, Number]:
+        """The force with which slip begins and ends forwards and backwards [N]."""
+        forward, backward = self.fall_forward, self.fall_backward
+        return (
+            self.forward if forward is None else self.forward + forward.drop,
+            self.backward if backward is None else self.backward + backward.drop,
+        )
+
+    def fall(self, sense: int) -> Fall | None:
+        """What falls with speed while it slips: sense > 0 forwards, < 0 backwards."""
+        return self.fall_forward if sense > 0 else self.fall_backward
+
     def drops(self, sense: int) -> bool:
-        """Whether its force jumps where it begins to slip: sense > 0 forwards, < 0 backwards."""
-        limit, force = (self.limits[0], self.forward) if sense > 0 else (self.limits[1], self.backward)
-        return bool(limit > force)
+        """Whether its force jumps where it begins to slip."""
+        limits, starts = self.limits, self.starts
+        return bool(limits[0] > starts[0] if sense > 0 else limits[1] > starts[1])
 
 
 @dataclass(frozen=True)
