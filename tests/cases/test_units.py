@@ -23,6 +23,8 @@ EXACT = [
     ("velocity", "6 m/min", "0.1"),
     ("acceleration", "6 m/s^2", "6"), ("acceleration", "6 mm/s^2", "0.006"),
     ("acceleration", "6 cm/s^2", "0.06"),
+    ("inverse velocity", "6 s/m", "6"), ("inverse velocity", "6 s/mm", "6000"),
+    ("inverse velocity", "6 s/cm", "600"),
     ("force", "7 N", "7"), ("force", "7 mN", "0.007"), ("force", "7 kN", "7000"),
     ("stiffness", "8 N/m", "8"), ("stiffness", "8 N/mm", "8000"), ("stiffness", "8 kN/m", "8000"),
     ("stiffness", "8 kN/mm", "8000000"),

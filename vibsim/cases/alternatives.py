@@ -5,7 +5,9 @@ from collections.abc import Collection
 ALTERNATIVES: dict[str, tuple[tuple[frozenset[str], frozenset[str]], ...]] = {
     "friction": (
         (frozenset({"N"}), frozenset({"g"})),
-        (frozenset({"mu", "static"}), frozenset({"plus", "minus"})),
+        (frozenset({"mu", "static", "mu_s", "mu_d", "d", "v0"}), frozenset({"plus", "minus"})),
+        (frozenset({"mu", "static"}), frozenset({"mu_s", "mu_d", "d", "v0"})),
+        (frozenset({"d"}), frozenset({"v0"})),
     ),
     "forces": ((frozenset({"terms"}), frozenset({"A", "omega", "phase"})),),
     "base": ((frozenset({"terms"}), frozenset({"a", "omega", "phase"})),),

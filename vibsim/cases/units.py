@@ -26,6 +26,7 @@ FACTORS: dict[str, dict[str, str]] = {
     "length": {"m": "1", "mm": "1e-3", "um": "1e-6", "cm": "1e-2"},
     "time": {"s": "1", "ms": "1e-3", "us": "1e-6", "min": "60", "h": "3600"},
     "velocity": {"m/s": "1", "mm/s": "1e-3", "cm/s": "1e-2", "m/min": "1/60"},
+    "inverse velocity": {"s/m": "1", "s/mm": "1e3", "s/cm": "1e2"},
     "acceleration": {"m/s^2": "1", "mm/s^2": "1e-3", "cm/s^2": "1e-2"},
     "force": {"N": "1", "mN": "1e-3", "kN": "1e3"},
     "stiffness": {"N/m": "1", "N/mm": "1e3", "kN/m": "1e3", "kN/mm": "1e6", "MN/m": "1e6", "N/cm": "1e2"},

@@ -231,7 +231,8 @@ class RowMaker:
             fall = friction.fall(sense)
             if sense != STICK and fall is not None:
                 on_P, rate = (-fall.drop, fall.rate) if sense > 0 else (fall.drop, -fall.rate)
-                falls.append(Falling(LAWS[fall.law], *self.ends(friction), on_P, rate, friction.belt, i))
+                P, Q = self.ends(friction)
+                falls.append(Falling(LAWS[fall.law], P, Q, on_P, rate, friction.belt, i))
         return falls
 
     def _stop_events(self, i, stop, state):

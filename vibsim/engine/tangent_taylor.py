@@ -1,9 +1,8 @@
 """How small disturbances move along one step of the Taylor flow.
 
-The recurrences of the flow, linearised: loads and constants drop out, couplings pass dS = k dd + c dd', falling
-frictions df = f' ds. With
-s = sin phi, c = cos phi, a1 the acceleration of the motor's group, b = m3 e and dS the sum of the coupling
-forces on the group,
+The recurrences of the flow, linearised: loads and constants drop out, couplings pass dS = k dd + c dd',
+falling frictions df = f' ds. With s = sin phi, c = cos phi, a1 the acceleration of the motor's group,
+b = m3 e and dS the sum of these forces on the group,
     (m + m3) A1 - b s dw' = b (q' - s dw') - dS,            q = c w dphi + s dw
     (J + m3 e^2) dw' - b s A1 = b c a1 dphi - (M0 / Omega0) dw
 with s dw' on the left at the expansion point. The series of a disturbance end one order below the flow's,
@@ -116,7 +115,7 @@ class TaylorTangent:
         n, zero = self.n, self.kit.number(0)
         self.x = [[value] for value in (*vector[:n], zero, zero)]
         self.v = [[value] for value in (*vector[n : 2 * n], zero, zero)]
-        self.sliding = [[] for _ in self.slopes]
+        self.sliding: list[Any] = [[] for _ in self.slopes]
         if self.motor:
             self.phi, self.w, self.a1 = [vector[-2]], [vector[-1]], []
         for order in range(self.flow.order - 1):

@@ -66,7 +66,8 @@ class Taylor:
             if leader >= self.n:  # moves as the ground or the base, and its belts, say
                 self.v[c][0] = self.v[leader][0] + self.rows.drift[c]
         self._expand_loads(state.t)
-        self.arguments, self.falls = ([[] for _ in self.rows.falls] for _ in range(2))
+        self.arguments: list[Any] = [[] for _ in self.rows.falls]
+        self.falls: list[Any] = [[] for _ in self.rows.falls]
         if self.motor:
             self._expand_motor(state)
         for n in range(p):

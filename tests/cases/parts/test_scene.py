@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from vibsim.cases import CaseError, hard_case_names, load_case, shipped_case_names
+from vibsim.physics.friction_laws import EXPONENTIAL, HYPERBOLIC
 from vibsim.physics.parts import (
     AT_FORCE,
     AT_GAP,
@@ -17,6 +18,7 @@ from vibsim.physics.parts import (
     GROUND,
     Body,
     Clearance,
+    Fall,
     Force,
     Friction,
     Harmonic,
@@ -32,6 +34,8 @@ VALID = Path(__file__).parent / "valid"
 HAMMER = VALID / "hammer.yaml"
 RPM = 2 * pi * 3.5  # 210 rpm
 
+RAIL = Fall(HYPERBOLIC, 0.36, 18.0)
+
 
 def test_every_part_of_the_long_form():
     assert load_case(HAMMER).scene() == Scene(
@@ -45,6 +49,8 @@ def test_every_part_of_the_long_form():
             Friction("guide", 1, GROUND, 0.6, 0.6, 0.0, 0.78, 0.78),
             Friction("weight", 0, 1, 1.962, 1.962, 0.0),
             Friction("moon", 0, BASE, 0.5508, 1.0368, -0.2, 0.66096, None),
+            Friction("rail", 0, GROUND, 0.38, 0.38, 0.0, None, None, RAIL, RAIL),
+            Friction("seal", 1, GROUND, 0.38, 0.8, 0.0, None, None, Fall(EXPONENTIAL, 0.28, 4.0)),
         ),
         forces=(
             Force("drive", 0, -2.0, (Harmonic(10.0, 50 * pi, 25.0, 0.0, pi / 2),)),
@@ -80,7 +86,10 @@ def test_a_child_replaces_what_it_names_and_what_stands_in_its_place():
     scene = load_case(VALID / "child.yaml").scene()
     assert [stop.name for stop in scene.stops] == ["anvil"]
     assert scene.motor is None
-    guide, weight, moon = scene.frictions
+    guide, weight, moon, rail, seal = scene.frictions
+    assert rail == Friction("rail", 0, GROUND, 0.6, 0.6, 0.0)
+    assert (seal.forward, seal.fall_forward) == (0.5, Fall(HYPERBOLIC, 0.5, 2.0))
+    assert seal.fall_backward == seal.fall_forward
     assert (guide.forward, guide.backward) == (0.05, 0.15)
     assert (moon.forward, moon.backward, weight.forward) == (2.0, 2.0, 1.962)
     drive, _, _, chord = scene.forces

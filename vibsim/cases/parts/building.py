@@ -14,6 +14,7 @@ from vibsim.physics.parts import (
     GROUND,
     Body,
     Clearance,
+    Fall,
     Force,
     Friction,
     Harmonic,
@@ -91,11 +92,20 @@ class _SceneBuilder:
             return None
         forward, backward = (self.numbers.convert(side.slip * load, 0) for side in sides)
         holds = (self.hold(side, load) for side in sides)
-        return Friction(name, *self.ends(part), forward, backward, self.numbers.of(part["belt"]), *holds)
+        falls = (self.fall(part, side, load) for side in sides)
+        belt = self.numbers.of(part["belt"])
+        return Friction(name, *self.ends(part), forward, backward, belt, *holds, *falls)
 
     def hold(self, side: Direction, load: Any) -> Number | None:
-        """The most that a friction holds in one direction; None where that is what it slips with."""
-        return None if side.hold == side.slip else self.numbers.convert(side.hold * load, 0)
+        """The most that a friction holds in one direction; None where that is what slip begins with."""
+        return None if side.hold == side.slip + side.drop else self.numbers.convert(side.hold * load, 0)
+
+    def fall(self, part: Values, side: Direction, load: Any) -> Fall | None:
+        """What of a friction falls with speed in one direction."""
+        if not side.drop:
+            return None
+        drop, rate = self.numbers.convert(side.drop * load, 0), self.numbers.convert(side.rate, 0)
+        return Fall(part["law"], drop, rate)
 
     def weight(self, part: Values) -> Any:
         """m g [N] of the first-named end, as an exact fraction."""

@@ -6,6 +6,7 @@ from typing import Any
 
 from vibsim.cases.parts.draft import Draft, Finding
 from vibsim.cases.parts.ends import NO_BODIES, Ends
+from vibsim.cases.parts.friction_laws import COULOMB
 from vibsim.cases.quantities import LARGEST, SMALLEST, Quantity
 
 
@@ -66,9 +67,15 @@ def _numbers(terms: dict[str, Any]) -> list[str]:
 
 
 def closed_form_is_there(draft: Draft) -> Iterator[Finding]:
-    if draft.flat.get("run.method") == "closed_form" and "motor" in draft.values:
-        what = "a motor has no closed form; with one, run.method must be auto or taylor, got closed_form"
-        yield Finding("run.method", what)
+    laws = {key: part.get("law", COULOMB) for key, part in draft.parts("friction")}
+    falling = [key for key, law in laws.items() if law != COULOMB]
+    if draft.flat.get("run.method") != "closed_form":
+        return
+    allowed = "run.method must be auto or taylor, got closed_form"
+    if "motor" in draft.values:
+        yield Finding("run.method", f"a motor has no closed form; with one, {allowed}")
+    elif falling:
+        yield Finding("run.method", f"{falling[0]} falls with speed and has no closed form; {allowed}")
 
 
 def products_fit(draft: Draft) -> Iterator[Finding]:
@@ -92,6 +99,8 @@ def _products(draft: Draft) -> Iterator[tuple[str, str, list[Quantity | None]]]:
             mu, ratio = draft.quantity(f"{side}.mu"), draft.quantity(f"{side}.static")
             yield key, "the limit force mu N", [mu, *load]
             yield key, "the limit force static mu N", [mu, ratio, *load]
+            for name in ("mu_s", "mu_d"):
+                yield key, f"the force {name} N", [draft.quantity(f"{side}.{name}"), *load]
     for key, part in draft.parts("forces"):
         for term in [key, *(f"{key}.terms.{number}" for number in _dict(part.get("terms")))]:
             omega = draft.quantity(f"{term}.omega")

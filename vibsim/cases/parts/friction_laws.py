@@ -6,6 +6,7 @@ from fractions import Fraction
 from typing import Any
 
 from vibsim.cases.parts.draft import Draft, Finding
+from vibsim.physics.friction_laws import EXPONENTIAL, HYPERBOLIC
 
 COULOMB = "coulomb"
 SIDES = ("plus", "minus")  # of v_rel: keys that hold the coefficients of one direction each
@@ -23,30 +24,55 @@ class Coefficients:
         return self.needed + self.optional
 
 
-LAWS = {COULOMB: Coefficients(("mu",), ("static",))}
+LAWS = {
+    COULOMB: Coefficients(("mu",), ("static",)),
+    HYPERBOLIC: Coefficients(("mu_s", "mu_d", "d")),
+    EXPONENTIAL: Coefficients(("mu_s", "mu_d", "v0")),
+}
 KEYS = tuple(dict.fromkeys(key for law in LAWS.values() for key in law.all))
 
 
 @dataclass(frozen=True)
 class Direction:
-    """Friction in one direction of slip as multiples of the load, exact.
+    """Friction in one direction of slip, exact; forces as multiples of the load.
 
-    slip : force while slipping; hold : the most that it holds
+    slip : what slips at all speeds; hold : the most that it holds; drop, rate : of what falls with speed, s/m
     """
 
     slip: Fraction
     hold: Fraction
+    drop: Fraction = Fraction(0)
+    rate: Fraction = Fraction(0)
 
 
 def directions(part: dict[str, Any]) -> tuple[Direction, Direction]:
     """What the coefficients of a friction say of slip forwards and backwards."""
-    forwards, backwards = (_direction(part.get(side) or part) for side in SIDES)
+    of_law = DIRECTIONS[part.get("law", COULOMB)]
+    forwards, backwards = (of_law(part.get(side) or part) for side in SIDES)
     return forwards, backwards
 
 
-def _direction(given: dict[str, Any]) -> Direction:
+def _coulomb(given: dict[str, Any]) -> Direction:
     mu = given["mu"].value
     return Direction(mu, mu * (given["static"].value if "static" in given else 1))
+
+
+def _falling(mu_s: Fraction, mu_d: Fraction, rate: Fraction) -> Direction:
+    """mu_d + (mu_s - mu_d) f(rate |v|); where nothing falls, mu_s at all speeds."""
+    if mu_s == mu_d or rate == 0:
+        return Direction(mu_s, mu_s)
+    return Direction(mu_d, mu_s, mu_s - mu_d, rate)
+
+
+def _hyperbolic(given: dict[str, Any]) -> Direction:
+    return _falling(given["mu_s"].value, given["mu_d"].value, given["d"].value)
+
+
+def _exponential(given: dict[str, Any]) -> Direction:
+    return _falling(given["mu_s"].value, given["mu_d"].value, 1 / given["v0"].value)
+
+
+DIRECTIONS = {COULOMB: _coulomb, HYPERBOLIC: _hyperbolic, EXPONENTIAL: _exponential}
 
 
 def coefficients_fit_the_law(draft: Draft) -> Iterator[Finding]:
@@ -59,6 +85,7 @@ def coefficients_fit_the_law(draft: Draft) -> Iterator[Finding]:
 
 def _of_both(key: str, part: dict[str, Any], law: Coefficients) -> Iterator[Finding]:
     sides = [name for name in SIDES if name in part]
+    yield from _of_other_laws(key, part, law)
     common = [name for name in law.all if name in part]
     if common and sides:
         what = f"{common[0]} holds for both directions, so {' and '.join(sides)} must be left out"
@@ -72,7 +99,17 @@ def _of_both(key: str, part: dict[str, Any], law: Coefficients) -> Iterator[Find
     else:
         for name in sides:
             if isinstance(part[name], dict):
+                yield from _of_other_laws(f"{key}.{name}", part[name], law)
                 yield from _of_one(f"{key}.{name}", part[name], law, or_sides=False)
+
+
+def _of_other_laws(key: str, given: dict[str, Any], law: Coefficients) -> Iterator[Finding]:
+    name = next(name for name, one in LAWS.items() if one is law)
+    for other in KEYS:
+        if other in given and other not in law.all:
+            owners = " and ".join(one for one, coefficients in LAWS.items() if other in coefficients.all)
+            what = f"belongs to law {owners}; {name} has {', '.join(law.all)}"
+            yield Finding(f"{key}.{other}", what, of_the_name=True)
 
 
 def _of_one(key: str, given: dict[str, Any], law: Coefficients, or_sides: bool) -> Iterator[Finding]:
@@ -80,4 +117,16 @@ def _of_one(key: str, given: dict[str, Any], law: Coefficients, or_sides: bool) 
     if missing:
         listed = ", ".join(f"{name}: ..." for name in law.needed)
         more = f", or plus: {{{listed}}} and minus: {{{listed}}}" if or_sides else ""
-        yield Finding(key, f"needs {' and '.join(missing)}{more}", of_the_name=True)
+        *first, last = missing
+        needed = f"{', '.join(first)} and {last}" if first else last
+        yield Finding(key, f"needs {needed}{more}", of_the_name=True)
+
+
+def friction_falls(draft: Draft) -> Iterator[Finding]:
+    """mu_s >= mu_d."""
+    for key, part in draft.parts("friction"):
+        for side in (key, *(f"{key}.{name}" for name in SIDES if name in part)):
+            static, dynamic = draft.quantity(f"{side}.mu_s"), draft.quantity(f"{side}.mu_d")
+            if static is not None and dynamic is not None and static.value < dynamic.value:
+                what = f"must be <= mu_s, since friction falls with speed; got {dynamic} > {static}"
+                yield Finding(f"{side}.mu_d", what)

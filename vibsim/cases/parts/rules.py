@@ -19,7 +19,7 @@ from vibsim.cases.parts.contents import (
     there_is_a_body,
 )
 from vibsim.cases.parts.draft import Draft, Finding
-from vibsim.cases.parts.friction_laws import coefficients_fit_the_law
+from vibsim.cases.parts.friction_laws import coefficients_fit_the_law, friction_falls
 from vibsim.cases.parts.names import names_are_different, names_are_names, names_are_no_columns
 
 RULES: tuple[Callable[[Draft], Iterator[Finding]], ...] = (
@@ -34,6 +34,7 @@ RULES: tuple[Callable[[Draft], Iterator[Finding]], ...] = (
     states_exist,
     links_do_something,
     coefficients_fit_the_law,
+    friction_falls,
     friction_has_a_load,
     sources_are_harmonic,
     closed_form_is_there,

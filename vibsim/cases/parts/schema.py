@@ -32,20 +32,40 @@ Damping = Annotated[Quantity, Measured("damping", least="0")]
 FrictionCoefficient = Annotated[Quantity, Measured("number", least="0")]
 StaticRatio = Annotated[Quantity, Measured("number", least="1")]
 
+MU = Field(default=None, description="law coulomb: friction coefficient while slipping", examples=["0.2"])
+MU_S = Field(
+    default=None,
+    description="laws stribeck: friction coefficient at speed 0, and of the limit while sticking",
+    examples=["0.37"],
+)
+MU_D = Field(
+    default=None,
+    description="laws stribeck: friction coefficient at high speed, at most mu_s",
+    examples=["0.19"],
+)
+D = Field(
+    default=None,
+    description="law stribeck hyperbolic: mu = mu_d + (mu_s - mu_d) / (1 + d |v_rel|)",
+    examples=["18 s/m"],
+)
+V0 = Field(
+    default=None,
+    description="law stribeck exponential: mu = mu_d + (mu_s - mu_d) exp(-|v_rel| / v0)",
+    examples=["0.26 m/s"],
+)
 STATIC = Field(
     default=None,
-    description="limit while sticking over the force while slipping, at least 1; left out: 1",
+    description="law coulomb: limit while sticking over the force while slipping, at least 1; left out: 1",
     examples=["1.3"],
 )
 BETWEEN = Field(description="the two ends: bodies, ground or base", examples=["[ram, ground]"])
 ON = Field(description="the body that it acts on", examples=["ram"])
 RIGID = "rigid stops are not in this version yet"
-FALLING = "friction that depends on speed is not in this version yet"
 
 
 def _later(law: str, message: str) -> BeforeValidator:
     """Refuse the laws that are planned, `law` excepted, with a message of their own."""
-    planned = ("rigid", "stribeck hyperbolic", "stribeck exponential")
+    planned = ("rigid",)
 
     def check(value: object) -> object:
         if value in planned:
@@ -91,31 +111,35 @@ class ElasticStop(Section):
 
 
 class OneWay(Section):
-    """Friction in one direction of slip."""
+    """Friction in one direction of slip: the coefficients of the law."""
 
-    mu: FrictionCoefficient | None = Field(
-        default=None, description="friction coefficient while slipping", examples=["0.17"]
-    )
+    mu: FrictionCoefficient | None = MU
     static: StaticRatio | None = STATIC
+    mu_s: FrictionCoefficient | None = MU_S
+    mu_d: FrictionCoefficient | None = MU_D
+    d: Annotated[Quantity, Measured("inverse velocity", least="0")] | None = D
+    v0: Annotated[Quantity, Measured("velocity", above="0")] | None = V0
 
 
 class DryFriction(Section):
     """Dry friction of P on Q; v_rel = v_P - v_Q - belt."""
 
-    later: ClassVar[dict[str, str]] = dict.fromkeys(("mu_s", "mu_d", "d", "v0"), FALLING)
-
     between: Ends = BETWEEN
-    law: Annotated[Literal["coulomb"], _later("coulomb", FALLING)] = Field(
+    law: Literal["coulomb", "stribeck hyperbolic", "stribeck exponential"] = Field(
         default="coulomb", description="law of friction"
     )
-    mu: FrictionCoefficient | None = Field(
-        default=None,
-        description="friction coefficient while slipping, the same in both directions",
-        examples=["0.2"],
-    )
+    mu: FrictionCoefficient | None = MU
     static: StaticRatio | None = STATIC
-    plus: OneWay | None = Field(default=None, description="where v_rel > 0; with minus, in place of mu")
-    minus: OneWay | None = Field(default=None, description="where v_rel < 0; with plus, in place of mu")
+    mu_s: FrictionCoefficient | None = MU_S
+    mu_d: FrictionCoefficient | None = MU_D
+    d: Annotated[Quantity, Measured("inverse velocity", least="0")] | None = D
+    v0: Annotated[Quantity, Measured("velocity", above="0")] | None = V0
+    plus: OneWay | None = Field(
+        default=None, description="where v_rel > 0; with minus, in place of coefficients for both directions"
+    )
+    minus: OneWay | None = Field(
+        default=None, description="where v_rel < 0; with plus, in place of coefficients for both directions"
+    )
     N: Annotated[Quantity, Measured("force", least="0")] | None = Field(
         default=None, description="normal load; left out: m g of the first end", examples=["3 N"]
     )
