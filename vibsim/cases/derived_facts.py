@@ -40,15 +40,15 @@ def facts_of_parts(scene: PartsScene) -> list[Fact]:
 
 def _friction_forces(friction: Friction) -> list[Fact]:
     """Limits while sticking, and the forces while slipping where these are lower."""
-    slipping = friction.forward, friction.backward
-    both = friction.limits[0] == friction.limits[1] and slipping[0] == slipping[1]
+    limits, forces = friction.limits, (friction.forward, friction.backward)
+    falls = friction.fall_forward, friction.fall_backward
+    alike = limits[0] == limits[1] and forces[0] == forces[1] and falls[0] == falls[1]
     facts = []
-    for side, limit, force in zip(
-        ("",) if both else (" plus", " minus"), friction.limits, slipping, strict=False
-    ):
-        facts.append(Fact(friction.name + side, limit, "N", "limit friction force"))
-        if force != limit:
-            facts.append(Fact(f"{friction.name}{side} slipping", force, "N", "friction force while slipping"))
+    for i, side in enumerate(("",) if alike else (" plus", " minus")):
+        facts.append(Fact(friction.name + side, limits[i], "N", "limit friction force"))
+        if forces[i] != limits[i]:
+            words = "at high speed" if falls[i] else "while slipping"
+            facts.append(Fact(f"{friction.name}{side}", forces[i], "N", f"friction force {words}"))
     return facts
 
 

@@ -8,12 +8,14 @@ import pytest
 from tests.command_line.made import call
 from vibsim.cases import CaseError, gallery_case_names, load_case
 from vibsim.cases.loading import load_case_text
+from vibsim.physics.friction_laws import EXPONENTIAL, HYPERBOLIC
+from vibsim.physics.parts import Fall
 
 NAMES = gallery_case_names()
 
 
 def test_the_gallery_has_its_cases():
-    assert len(NAMES) >= 8
+    assert len(NAMES) >= 10
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -46,6 +48,19 @@ def test_friction_oscillator_has_the_parameters_of_its_source():
     link, friction, force = (only(p) for p in (scene.links, scene.frictions, scene.forces))
     assert (link.k, link.c, friction.forward, friction.backward) == (1.0, 2 * 0.05, 1.0, 1.0)
     assert (only(force.terms).amplitude, only(force.terms).omega, scene.bodies[0].v) == (1.5, 0.9, 5.0)
+
+
+def test_blocks_on_belts_have_the_parameters_of_their_sources():
+    scene = load_case("gallery/block-on-belt").scene()
+    link, friction = only(scene.links), only(scene.frictions)
+    assert (scene.bodies[0].m, link.k, link.c, friction.belt) == (1.0, 1.0, 0.0, 0.2)
+    assert friction.limits == (1.0, 1.0) and friction.forward == friction.backward == 0.0
+    assert friction.fall_forward == friction.fall_backward == Fall(HYPERBOLIC, 1.0, 3.0)
+    scene = load_case("gallery/belt-oscillator").scene()
+    friction = only(scene.frictions)
+    assert (scene.bodies[0].m, only(scene.links).k, only(scene.links).c) == (1.0, 1.0, 2 * 0.05)
+    assert friction.limits == (1.0, 1.0) and friction.forward == friction.backward == 0.5
+    assert friction.fall_forward == friction.fall_backward == Fall(EXPONENTIAL, 1.0 - 0.5, 1 / 0.5)
 
 
 def test_two_masses_have_the_parameters_of_their_source():

@@ -98,12 +98,18 @@ def _placed(ends: Any, order: dict[str, int], toward: int) -> tuple[str, str, bo
     return left, right, in_order == (toward == RIGHT)
 
 
+def _coefficients(friction: dict[str, Any]) -> str:
+    """The coefficient while slipping, or those at rest and at high speed."""
+    if "mu_s" in friction:
+        return f"{friction['mu_s']} … {friction['mu_d']}"
+    static = f" (static × {friction['static']})" if "static" in friction else ""
+    return f"{friction['mu']}{static}"
+
+
 def friction_label(friction: dict[str, Any]) -> str:
-    """Coefficient and load of a friction, and the velocity of its belt."""
-    if "mu" in friction:
-        label = f"µ = {friction['mu']}"
-    else:
-        label = f"µ = {friction['plus']['mu']} / {friction['minus']['mu']}"
+    """Coefficients and load of a friction, and the velocity of its belt."""
+    sides = [friction[side] for side in ("plus", "minus") if side in friction] or [friction]
+    label = f"µ = {' / '.join(map(_coefficients, sides))}"
     load = f"N = {friction['N']}" if "N" in friction else ""
     belt = f"belt {friction['belt']}" if friction["belt"].value else ""
     return ", ".join(part for part in (label, load, belt) if part)

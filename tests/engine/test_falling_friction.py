@@ -1,0 +1,180 @@
+"""Friction that falls with the speed of slip, against closed forms and numbers that vibsim did not make."""
+
+from dataclasses import replace
+from math import exp, log
+
+import mpmath
+import numpy as np
+import pytest
+
+from tests.engine.runs import run
+from vibsim.cases import load_case
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.physics.friction_laws import EXPONENTIAL, HYPERBOLIC
+from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.numbers import Doubles
+from vibsim.physics.parts import GROUND, Body, Fall, Friction, Link, Scene
+
+ENGINES = ("c", "python")
+DEATH = 1.836600972207926  # of the stick-slip cycle of the belt oscillator, by an independent solver [m/s]
+
+
+def times(result, kind):
+    return result.events["t"][result.events["kind"] == EVENT_KINDS[kind]]
+
+
+def gallery(name, **changes):
+    return load_case(
+        f"gallery/{name}", {key.replace("__", "."): value for key, value in changes.items()}
+    ).scene()
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_block_on_a_belt_of_leine(engine):
+    """Period 12.001031294830, of which it sticks for 7.705031769350; release at x = 1."""
+    result = run(gallery("block-on-belt"), engine, ledger=True, momentum=True)
+    ends, begins = times(result, "stick_end"), times(result, "stick_begin")
+    assert np.diff(ends) == pytest.approx([12.001031294830] * 7, abs=2e-12)
+    assert ends[1:] - begins[:7] == pytest.approx([7.705031769350] * 7, abs=2e-12)
+    assert result.events["x_block"][result.events["kind"] == EVENT_KINDS["stick_end"]] == pytest.approx(
+        [1.0] * 8, abs=1e-14
+    )
+    assert result.totals["uncertified"] == 0
+    assert result.totals["energy_residual_relative"] < 1e-14
+    assert result.totals["momentum_residual_relative"] < 1e-14
+
+
+@pytest.mark.parametrize(("shift", "lives"), ((-1e-9, True), (1e-9, False)))
+def test_the_stick_slip_cycle_dies_where_it_should(shift, lives):
+    """From the belt it returns to the belt, time and again, up to a speed of 1.836600972207926 m/s."""
+    speed = DEATH + shift
+    scene = gallery(
+        "belt-oscillator", friction__belt__belt=f"{speed!r} m/s", initial__block__v=f"{speed!r} m/s"
+    )
+    result = run(scene)
+    assert (result.totals["sticks"] > 20) == lives
+    assert result.totals["sticks"] > 20 or result.totals["sticks"] == 0
+    assert result.totals["uncertified"] == 0
+
+
+@pytest.mark.parametrize("belt", (1.10, 1.14, 1.16, 1.30))
+def test_rest_on_the_belt_loses_its_stability_at_half_the_logarithm_of_ten(belt):
+    """x = mu(v_belt): small vibrations there grow by exp((exp(-2 v_belt) - 0.1) t / 2)."""
+    amplitude, t_end = 1e-7, 60.0
+    rest = 0.5 + 0.5 * exp(-2 * belt)
+    scene = gallery("belt-oscillator", friction__belt__belt=f"{belt} m/s")
+    scene = replace(scene, bodies=(Body("block", 1.0, rest + amplitude, 0.0),), t_end=t_end, every_den=1000)
+    result = run(scene)
+    v, t = result.samples["v_block"], result.samples["time"]
+    early, late = np.abs(v[t < 10]).max(), np.abs(v[t > 50]).max()
+    assert log(late / early) == pytest.approx((exp(-2 * belt) - 0.1) / 2 * 50, abs=0.05)
+    assert (late > early) == (belt < log(10) / 2)
+
+
+FALLS = {
+    HYPERBOLIC: (Fall(HYPERBOLIC, 3.0, 2.5), lambda v: (v + 2.5 * v * v / 2) / 3.0),
+    EXPONENTIAL: (Fall(EXPONENTIAL, 3.0, 2.5), lambda v: (exp(2.5 * v) - 1) / 2.5 / 3.0),
+}
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("sign", (1, -1))
+@pytest.mark.parametrize("law", FALLS)
+def test_a_sliding_block_stops_when_it_should_and_stays(law, sign, engine):
+    """m v' = -D f(rate v): the time left is m/D (v + rate v^2 / 2), and m/D (exp(rate v) - 1) / rate."""
+    fall, left = FALLS[law]
+    mass, start = 2.0, 1.3
+    friction = Friction("floor", 0, GROUND, 0.0, 0.0, 0.0, None, None, fall, fall)
+    scene = Scene((Body("m", mass, 0.0, sign * start),), frictions=(friction,), t_end=12.0, every_den=50)
+    result = run(scene, engine, ledger=True)
+    assert times(result, "stick_begin") == pytest.approx([mass * left(start)], rel=1e-14)
+    v, t = sign * result.samples["v_m"], result.samples["time"]
+    for speed, time in zip(v[::20], t[::20], strict=True):
+        assert speed == 0 or mass * (left(start) - left(speed)) == pytest.approx(
+            time, abs=2e-14 * left(start)
+        )
+    assert len(times(result, "stick_end")) == 0 and v[-1] == 0
+    assert result.totals["loss.friction.floor"] == pytest.approx(mass * start**2 / 2, rel=1e-14)
+
+
+@pytest.mark.parametrize("law", FALLS)
+def test_the_mirrored_scene_moves_mirrored_bit_for_bit(law):
+    one, other = Fall(law, 1.2, 3.0), Fall(law, 0.7, 9.0)
+    plain = Scene(
+        (Body("a", 1.0, 0.0, 0.3), Body("b", 0.5, 0.1, 0.0)),
+        links=(Link("k", 0, GROUND, 30.0, 0.1), Link("l", 1, 0, 20.0, 0.0)),
+        frictions=(
+            Friction("f", 0, GROUND, 0.5, 0.6, 0.3, None, None, one, other),
+            Friction("g", 1, 0, 0.1, 0.0, 0.0, None, None, None, other),
+        ),
+        t_end=10.0,
+        every_den=20,
+    )
+    mirrored = replace(
+        plain,
+        bodies=tuple(replace(body, x=-body.x, v=-body.v) for body in plain.bodies),
+        frictions=(
+            Friction("f", 0, GROUND, 0.6, 0.5, -0.3, None, None, other, one),
+            Friction("g", 1, 0, 0.0, 0.1, 0.0, None, None, other, None),
+        ),
+    )
+    left, right = run(plain), run(mirrored)
+    assert left.totals["sticks"] > 2
+    assert all((left.samples[name] == -right.samples[name]).all() for name in ("x_a", "v_a", "x_b", "v_b"))
+    assert (left.events["t"] == right.events["t"]).all()
+
+
+def test_a_fall_at_no_rate_is_a_constant():
+    """f(0) = 1 throughout: the drop is as good as force."""
+    fall = Fall(HYPERBOLIC, 0.5, 0.0)
+    constant = Friction("f", 0, GROUND, 1.0, 1.0, 0.2)
+    scene = Scene(
+        (Body("m", 1.0, 0.0, 0.0),), (Link("k", 0, GROUND, 9.0, 0.0),), frictions=(constant,),
+        t_end=20.0, every_den=20, method="taylor",
+    )  # fmt: skip
+    falling = replace(constant, forward=0.5, backward=0.5, fall_forward=fall, fall_backward=fall)
+    one, other = run(scene), run(replace(scene, frictions=(falling,)))
+    assert one.events["kind"].tolist() == other.events["kind"].tolist()
+    assert np.abs(one.samples["x_m"] - other.samples["x_m"]).max() < 1e-15
+
+
+def test_equal_coefficients_are_coulombs_law():
+    text = {"friction.belt.mu_d": "1"}
+    parts = load_case("gallery/belt-oscillator", text).scene().frictions
+    assert parts == (Friction("belt", 0, GROUND, 1.0, 1.0, 1.5),)
+
+
+def test_the_exponential_is_right_to_a_unit_in_the_last_place():
+    for s in [*np.linspace(-1.0, 40.0, 4001), 100.0, 600.0, 700.0]:
+        exact = mpmath.exp(-mpmath.mpf(s))
+        assert abs(mpmath.mpf(Doubles.decay(s)) - exact) < 2.0**-52 * exact
+    assert (Doubles.decay(0.0), Doubles.decay(1e4), Doubles.decay(-1e4)) == (1.0, 0.0, float("inf"))
+    assert Doubles.decay(740.0) == pytest.approx(exp(-740.0), abs=5e-324)
+
+
+@pytest.mark.parametrize("law", FALLS)
+def test_steep_laws_are_followed(law):
+    """A law that has fallen at 1 um/s: every stretch is proved, and slip is that of what is left."""
+    fall = Fall(law, 1.0, 1e6)
+    friction = Friction("belt", 0, GROUND, 1.0, 1.0, 0.2, None, None, fall, fall)
+    scene = Scene(
+        (Body("m", 1.0, 0.0, 0.2),), (Link("k", 0, GROUND, 1.0, 0.0),), frictions=(friction,), t_end=60.0,
+        every_den=1,
+    )  # fmt: skip
+    drop = Friction("belt", 0, GROUND, 1.0, 1.0, 0.2, 2.0, 2.0)
+    steep, jump = run(scene), run(replace(scene, frictions=(drop,)))
+    assert steep.totals["uncertified"] == 0
+    assert times(steep, "stick_end") == pytest.approx(times(jump, "stick_end"), abs=1e-3)
+    assert len(times(steep, "stick_end")) == len(times(jump, "stick_end")) >= 3
+
+
+def test_disturbances_of_the_belt_oscillator():
+    """Rest on a fast belt: both exponents are half the trace, (exp(-2 v) - 0.1) / 2."""
+    rest = 0.5 + 0.5 * exp(-3.0)
+    scene = replace(gallery("belt-oscillator"), bodies=(Body("block", 1.0, rest, 0.0),), t_end=400.0)
+    trajectory = open_trajectory(scene, tangent=2, tangent_from=100.0)
+    for _ in trajectory.blocks():
+        pass
+    rate = (exp(-3.0) - 0.1) / 2
+    assert sum(trajectory.totals["exponents"]) == pytest.approx(2 * rate, rel=1e-10)
+    assert trajectory.totals["exponents"] == pytest.approx([rate, rate], abs=1e-3)
