@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from vibsim.files import chunk_encoding
 from vibsim.files.chunk_encoding import encoded, fletcher32
-from vibsim.results import chunk_encoding
 
 CHUNK = 4096
 
