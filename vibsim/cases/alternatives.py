@@ -9,10 +9,11 @@ ALTERNATIVES: dict[str, tuple[tuple[frozenset[str], frozenset[str]], ...]] = {
         (frozenset({"mu", "static"}), frozenset({"mu_s", "mu_d", "d", "v0"})),
         (frozenset({"d"}), frozenset({"v0"})),
     ),
+    "stops": ((frozenset({"e"}), frozenset({"k", "c", "release"})),),
     "forces": ((frozenset({"terms"}), frozenset({"A", "omega", "phase"})),),
     "base": ((frozenset({"terms"}), frozenset({"a", "omega", "phase"})),),
 }
-DEPTH = {"friction": 2, "forces": 2, "base": 1}  # of the dotted key of the part that has them
+DEPTH = {"stops": 2, "friction": 2, "forces": 2, "base": 1}  # of the dotted key of the part that has them
 
 
 def superseded(part: str, given: Collection[str]) -> set[str]:

@@ -26,8 +26,9 @@ def derived_facts(scene: TwoBlocks) -> list[Fact]:
 def facts_of_parts(scene: PartsScene) -> list[Fact]:
     """Natural frequencies with all stops open and closed, and friction limits, of named parts."""
     facts = []
-    for words, closed in (("stops open", ()), ("stops closed", scene.stops)):
-        if words == "stops closed" and not scene.stops:
+    elastic = [stop for _, stop in scene.elastic_stops]
+    for words, closed in (("stops open", []), ("stops closed", elastic)):
+        if words == "stops closed" and not elastic:
             continue
         for i, rate in enumerate(natural_rates(scene, closed), 1):
             facts.append(

@@ -62,12 +62,17 @@ def motor_text(motor: Motor) -> str:
 def count_lines(counts: Mapping[str, Mapping[str, int]]) -> Lines:
     """What happened to each part, as counted by `part_counts`."""
     texts = [
-        f"{name}: {', '.join(counted(number, word[:-1]) for word, number in of_part.items())}"
+        f"{name}: {', '.join(happened(number, word) for word, number in of_part.items())}"
         for name, of_part in counts.items()
         if of_part
     ]
     for i, text in enumerate(shortened(texts)):
         yield ("" if i else "by part"), text
+
+
+def happened(number: int, word: str) -> str:
+    """1 impact, 2 impacts; 2 transmitted."""
+    return counted(number, word[:-1]) if word.endswith("s") else f"{number} {word}"
 
 
 def clearance_lines(scene: Scene, attrs: Mapping[str, Any], counts: Mapping[str, Mapping[str, int]]) -> Lines:

@@ -148,8 +148,12 @@ def digits_text(attrs: dict[str, Any]) -> str:
 
 
 def motion_text(attrs: dict[str, Any]) -> str:
-    """How often what happened."""
-    return ", ".join(counted(attrs[f"{word}s"], word) for word in ("impact", "stick", "event"))
+    """How often what happened; blows passed on, ends of infinite sequences of impacts and rests, if any."""
+    texts = [counted(attrs["impacts"], "impact")]
+    if attrs.get("transmitted"):
+        texts.append(f"{attrs['transmitted']} transmitted")
+    texts += [counted(attrs[f"{word}s"], word) for word in ("chatter", "rest") if attrs.get(f"{word}s")]
+    return ", ".join([*texts, *(counted(attrs[f"{word}s"], word) for word in ("stick", "event"))])
 
 
 def rest_distance_text(attrs: dict[str, Any], scene: Scene) -> str:

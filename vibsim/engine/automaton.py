@@ -10,9 +10,21 @@ taken one after the other.
 from itertools import combinations, product
 
 from vibsim.engine.harmonics import value_and_rate
-from vibsim.engine.rows import CLEARANCE, COUPLING, DIFFERENCE, GAP, HOLD, PUSH, SLIDE
-from vibsim.engine.status import BACKWARD, CONTACT, FORWARD, KEPT, LIFTED, OPEN, STICK, VIOLATED, Status
-from vibsim.physics.parts import AT_FORCE
+from vibsim.engine.rigid_stops import RigidStops
+from vibsim.engine.rows import CLEARANCE, COUPLING, DIFFERENCE, GAP, HOLD, PUSH, SLIDE, STRIKE
+from vibsim.engine.status import (
+    BACKWARD,
+    CONTACT,
+    FORWARD,
+    KEPT,
+    LIFTED,
+    OPEN,
+    RESTING,
+    STICK,
+    VIOLATED,
+    Status,
+)
+from vibsim.physics.parts import AT_FORCE, RigidStop, Stop
 
 JET = 7  # order of the highest derivative consulted where lower ones vanish
 START_ROUNDING = 16  # at least: each of three numbers and of two differences is rounded once
@@ -23,6 +35,7 @@ class Automaton:
 
     def __init__(self, scene, maker, flow, kit):
         self.scene, self.maker, self.flow, self.kit = scene, maker, flow, kit
+        self.rigid = RigidStops(self)
 
     # -- start
 
@@ -31,20 +44,29 @@ class Automaton:
         scene = self.scene
         depths = [self._depth(stop, state) for stop in scene.stops]
         met = [self._met(stop, g, state, stop.gap) for stop, g in zip(scene.stops, depths, strict=True)]
-        stops = tuple(CONTACT if g > 0 and not at else OPEN for g, at in zip(depths, met, strict=True))
+        deep = [
+            g > 0 and not at and isinstance(s, Stop)
+            for g, at, s in zip(depths, met, scene.stops, strict=True)
+        ]
+        stops = tuple(CONTACT if inside else OPEN for inside in deep)
         slacks = [self._excess(c, state) for c in scene.clearances]
         clearances = tuple(VIOLATED if over > 0 else KEPT for over in slacks)
         rates = [self._slip(f, state) for f in scene.frictions]
         frictions = tuple(sign(rate) for rate in rates)
         status = Status(stops, frictions, clearances)
         known: dict[tuple, int] = {}
+        touching, seated = self.rigid.at_start(state, [i for i, at in enumerate(met) if at])
         standing = [i for i, sense in enumerate(frictions) if sense == 0]
+        standing += [len(frictions) + i for i in seated]
         if standing:
             status = self._settle(state, status, standing)
-            known |= {(SLIDE, i): 1 for i in standing if status.frictions[i] != STICK}
+            known |= {(SLIDE, i): 1 for i in standing if i < len(frictions) and status.frictions[i] != STICK}
+        known |= {(STRIKE, i): order for i, order in touching.items() if status.stops[i] == OPEN}
         for i, (g, stop) in enumerate(zip(depths, scene.stops, strict=True)):
             if not met[i] and self._blurred(g, stop, state, stop.sense * stop.gap):
                 self._doubt(state)
+            if isinstance(stop, RigidStop):
+                continue
             if met[i]:
                 open_ = status.with_stop(i, OPEN)
                 turning = -self._leading_sign(state, open_, (GAP, i))
@@ -134,6 +156,8 @@ class Automaton:
         """
         if event.kind == GAP:
             return self._contact_switch(state, status, event)
+        if event.kind == STRIKE:
+            return self.rigid.meet(state, status, event.part)
         if event.kind == PUSH:
             return self._push_switch(state, status, event)
         if event.kind == CLEARANCE:
@@ -141,6 +165,10 @@ class Automaton:
         if event.kind == SLIDE:
             return self._sliding_ends(state, status, event)
         return self._hold_ends(state, status, event)
+
+    def blows(self, event):
+        """The impulses that rigid stops passed at `event`, taken just now."""
+        return self.rigid.passed if event.kind == STRIKE else ()
 
     def _contact_switch(self, state, status, event):
         i = event.part
@@ -154,22 +182,30 @@ class Automaton:
         if after != before and before != LIFTED:
             happened.append(("contact_begin" if after == CONTACT else "contact_end", i))
         known = {event.key: 1}
-        if after != before and stop.c != 0 and STICK in status.frictions:
-            stuck = status.frictions
-            status = self._settle(state, status, [k for k, value in enumerate(stuck) if value == STICK])
-            happened += self._changes(stuck, status.frictions, known)
+        if after != before and stop.c != 0 and status.tied:
+            tied = status
+            status = self._settle(state, status, tied.tied)
+            happened += self._changes(tied, status, known)
         return status, happened, known
 
     @staticmethod
     def _changes(before, after, known):
-        """Events of frictions whose status differs; adds the zeros of those that begin to slip to `known`."""
+        """Events of frictions and rigid stops whose status differs; adds the zeros of those that begin to
+        slip or part to `known`.
+        """
         happened = []
-        for i, (old, new) in enumerate(zip(before, after, strict=True)):
+        for i, (old, new) in enumerate(zip(before.frictions, after.frictions, strict=True)):
             if new != STICK and new != old:
-                known[SLIDE, i] = 1
+                known.setdefault((SLIDE, i), 1)
                 happened.append(("stick_end" if old == STICK else "reversal", i))
             elif new != old:
                 happened.append(("stick_begin", i))
+        for i, (old, new) in enumerate(zip(before.stops, after.stops, strict=True)):
+            if (old, new) == (RESTING, OPEN):
+                known[STRIKE, i] = 2
+                happened.append(("rest_end", i))
+            elif (old, new) == (OPEN, RESTING):
+                happened.append(("rest_begin", i))
         return happened
 
     def _crossing(self, state, status, key):
@@ -224,7 +260,7 @@ class Automaton:
         return status.with_clearance(i, after), happened, {event.key: 1}
 
     def _sliding_ends(self, state, status, event):
-        i, before = event.part, status.frictions
+        i = event.part
         standing = self._standing(status, i)
         after = self._settle(state, status, standing)
         known = {}
@@ -232,15 +268,15 @@ class Automaton:
             self._join(state, self.maker.rows(after), i)
         else:
             known[SLIDE, i] = 1
-        return after, self._changes(before, after.frictions, known), known
+        return after, self._changes(status, after, known), known
 
     def _standing(self, status, i):
-        """Frictions at v_rel = 0 in the moment in which friction `i` comes to it: those that stick, and those
-        that others which stick then keep from sliding.
+        """Ties that stand in the moment in which friction `i` comes to v_rel = 0: those that hold, and
+        frictions that others which hold then keep from sliding.
         """
-        standing = {i, *(k for k, value in enumerate(status.frictions) if value == STICK)}
+        standing = {i, *status.tied}
         while True:
-            tied = status.with_frictions(dict.fromkeys(standing, STICK))
+            tied = status.with_ties(dict.fromkeys(standing, STICK))
             leader, drift = self.maker.ties(tied)
             more = {
                 k
@@ -258,18 +294,22 @@ class Automaton:
         if self._crossing(state, status, event.key) <= 0:
             return status, [], {event.key: 1}
         slips = {i: orientation * event.direction for i, orientation in cut.ties}
-        after = status.with_frictions(slips)
-        if not any(self.scene.frictions[i].drops(sense) for i, sense in slips.items()):
-            return after, [("stick_end", i) for i in slips], {(SLIDE, i): 2 for i in slips}
-        known: dict[tuple, int] = {}
+        count = len(status.frictions)
+        after = status.with_ties(slips)
+        drops = [i for i, sense in slips.items() if i < count and self.scene.frictions[i].drops(sense)]
+        if not drops:
+            happened = [("stick_end", i) if i < count else ("rest_end", i - count) for i in slips]
+            known = {(SLIDE, i) if i < count else (STRIKE, i - count): 2 if i < count else 3 for i in slips}
+            return after, happened, known
+        known = {}
         after = self._settle_behind(state, status, after)
-        return after, self._changes(status.frictions, after.frictions, known), known
+        return after, self._changes(status, after, known), known
 
     def _settle_behind(self, state, status, after):
         """The mode behind a release at which a friction force drops: the jump of the accelerations may tear
-        other ties too. after: the status with the ties of the cut slipping.
+        other ties too. after: the status with the ties of the cut let go.
         """
-        standing = [i for i, value in enumerate(status.frictions) if value == STICK]
+        standing = status.tied
         settled = self._release(state, after, standing)
         if settled is not None:
             return settled
@@ -280,10 +320,12 @@ class Automaton:
     # -- friction at rest
 
     def _settle(self, state, status, standing):
-        """The status in which the frictions `standing` (v_rel = 0) stick or slip consistently."""
-        possible = self._possible(self.maker.rows(status.with_frictions(dict.fromkeys(standing, STICK))))
+        """The status in which the ties `standing` (frictions with v_rel = 0, rigid stops with g = g' = 0)
+        hold or let go consistently.
+        """
+        possible = self._possible(self.maker.rows(status.with_ties(dict.fromkeys(standing, STICK))))
         if possible:
-            after = self._release(state, status.with_frictions(dict.fromkeys(standing, STICK)), standing)
+            after = self._release(state, status.with_ties(dict.fromkeys(standing, STICK)), standing)
             if after is not None:
                 return after
             self._doubt(state)
@@ -292,14 +334,14 @@ class Automaton:
             return consistent
         if not possible:
             self._doubt(state)
-        return status.with_frictions(dict.fromkeys(standing, STICK))
+        return status.with_ties(dict.fromkeys(standing, STICK))
 
     def _first_consistent(self, state, status, standing, besides=None):
-        """The first consistent combination of the frictions `standing`, those with most ties first; None
+        """The first consistent combination of the ties `standing`, those with most ties first; None
         without any. besides: a status that has been left.
         """
-        for choice in combinations_of(standing):
-            candidate = status.with_frictions(choice)
+        for choice in combinations_of(standing, len(status.frictions)):
+            candidate = status.with_ties(choice)
             if candidate != besides and self._consistent(state, candidate, standing):
                 return candidate
         return None
@@ -313,7 +355,7 @@ class Automaton:
         return not (tied and any(term.amplitude != 0 for term in self.scene.base))
 
     def _release(self, state, candidate, standing):
-        """As long as cuts are overloaded, the ties of the one that is so most slip. None where that is not
+        """As long as cuts are overloaded, the ties of the one that is so most let go. None where that is not
         consistent in the end.
         """
         for _ in range(len(standing) + 1):
@@ -323,13 +365,19 @@ class Automaton:
                 break
             cut = rows.cuts[broken.part]
             slips = {i: orientation * broken.direction for i, orientation in cut.ties}
-            candidate = candidate.with_frictions(slips)
+            candidate = candidate.with_ties(slips)
         else:
             return None
-        slipping = [i for i in standing if candidate.frictions[i] != STICK]
+        slipping = self._apart(candidate, standing)
         if len(standing) == 1 or self._slips_as_said(state, candidate, slipping):
             return candidate
         return None
+
+    @staticmethod
+    def _apart(status, standing):
+        """The ties among `standing` that do not hold."""
+        tied = set(status.tied)
+        return [k for k in standing if k not in tied]
 
     def _overloaded(self, state, rows):
         """The HOLD event furthest below zero behind the instant, or None."""
@@ -358,12 +406,15 @@ class Automaton:
         return size
 
     def _slips_as_said(self, state, status, slipping):
-        """Whether the frictions that begin to slip do so in the direction of their status."""
+        """Whether the ties that let go do so in the direction of their status, and stops part."""
         if not slipping:
             return True
-        rows = self._enter(state, status)
-        signs = [first_sign(self.flow.derivatives(self._event(rows, (SLIDE, i)), JET)[1:]) for i in slipping]
-        return all(one >= 0 for one in signs)
+        rows, count = self._enter(state, status), len(status.frictions)
+        for k in slipping:
+            key, order = ((SLIDE, k), 1) if k < count else ((STRIKE, k - count), 2)
+            if first_sign(self.flow.derivatives(self._event(rows, key), JET)[order:]) < 0:
+                return False
+        return True
 
     def _consistent(self, state, status, standing):
         if not self._possible(self.maker.rows(status)):
@@ -371,7 +422,7 @@ class Automaton:
         rows = self._enter(state, status)
         if self._overloaded(state, rows) is not None:
             return False
-        return self._slips_as_said(state, status, [i for i in standing if status.frictions[i] != STICK])
+        return self._slips_as_said(state, status, self._apart(status, standing))
 
     def _join(self, state, rows, i):
         """Give the bodies that friction `i` ties their common velocity; momentum is kept where they move
@@ -403,11 +454,13 @@ def sign(value):
     return 1 if value > 0 else -1 if value < 0 else 0
 
 
-def combinations_of(standing):
-    """Statuses {index: status} that frictions at rest may go on with: those with most ties first."""
+def combinations_of(standing, frictions):
+    """Statuses {number: status} that ties may go on with: those where most hold first. A tie behind the
+    `frictions` is a stop, which opens one way only.
+    """
     for count in range(len(standing) + 1):
         for chosen in combinations(standing, count):
-            for senses in product((FORWARD, BACKWARD), repeat=count):
+            for senses in product(*((FORWARD, BACKWARD) if k < frictions else (FORWARD,) for k in chosen)):
                 yield dict.fromkeys(standing, STICK) | dict(zip(chosen, senses, strict=True))
 
 

@@ -66,9 +66,9 @@ def flow_of(scene: Scene) -> str:
 
 def _always_closed(scene: Scene) -> bool:
     """Whether every mode has a closed form: one body, or two that links and stops join to each other only,
-    without belts, which may stretch springs for ever.
+    without belts, which may stretch springs for ever, and without rigid stops, on which they hop.
     """
-    if any(friction.belt for friction in scene.frictions):
+    if any(friction.belt for friction in scene.frictions) or scene.rigid_stops:
         return False
     joined = [{part.P, part.Q} for part in scene.links] + [{part.P, part.Q} for part in scene.stops]
     return len(scene.bodies) == 1 or (len(scene.bodies) == 2 and all(ends == {0, 1} for ends in joined))

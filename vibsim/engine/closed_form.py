@@ -284,6 +284,13 @@ class ClosedForm:
                         factor = factor * term.omega
         return d
 
+    def value_and_slope(self, event, tau):
+        """Value and slope of an event function a time tau after the anchor."""
+        self.evaluate(tau)
+        of = self.search.functions_of
+        of.here(4)
+        return of.derivative(event, 0), of.derivative(event, 1)
+
     def derivatives(self, event, count):
         """Derivatives of order 0 to `count` of an event function at the anchor."""
         self.evaluate(self.kit.number(0))

@@ -5,6 +5,7 @@ from math import inf
 from vibsim.engine.certificate import crosses, latest_zero, may_vanish_by
 from vibsim.engine.event_functions import EventFunctions, reaches
 from vibsim.engine.first_root import deflated_step, leading_order, safe_step
+from vibsim.engine.rows import STRIKE
 from vibsim.engine.turning_point import extreme_of_slope, turning_point
 
 JET_ORDER = 9  # derivatives taken at the start of a segment: enough for a zero of order 6
@@ -67,6 +68,8 @@ class ClosedFormSearch:
                 self.events = [other for other in self.events if other is not event]
                 continue
             lead, bound = derivatives[order], of.bound(event, order + 2, self.window)
+            if event.kind == STRIKE and order > known and lead < 0:  # closes from exactly zero
+                return event
             if order == 0:
                 noise = of.noise(event)
                 if lead <= noise and derivatives[1] <= 0:

@@ -1,7 +1,8 @@
 """Names of what a run of a scene made of parts gives: states of bodies and rotor, states of parts."""
 
-from vibsim.physics.parts import AT_FORCE, columns_of
+from vibsim.physics.parts import AT_FORCE, RigidStop, columns_of
 
+RIGID_FLAGS = {"open": 0, "resting": 3}
 FLAGS = {
     "stops": {"free": 0, "contact": 1, "lifted": 2},
     "frictions": {"slip_minus": -1, "stick": 0, "slip_plus": 1},
@@ -11,6 +12,8 @@ FLAGS = {
 
 def part_flags(kind, part):
     """States of a part by name; only a stop that lets go at zero force can be lifted."""
+    if isinstance(part, RigidStop):
+        return dict(RIGID_FLAGS)
     flags = dict(FLAGS[kind])
     if kind == "stops" and not (part.release == AT_FORCE and part.c != 0):
         del flags["lifted"]
@@ -19,13 +22,34 @@ def part_flags(kind, part):
 
 def state_columns(scene):
     """Displacement and velocity of each body, then angle and speed of the rotor."""
-    names = [name for body in scene.bodies for name in columns_of(body.name)]
-    return (*names, "phi", "phidot") if scene.motor is not None else tuple(names)
+    names = moving_columns(scene)
+    return names if scene.motor is not None else names[:-2]
+
+
+def moving_columns(scene):
+    """Displacement and velocity of each body, then angle and speed of a rotor, whether there is one or not:
+    what the engines store.
+    """
+    return (*(name for body in scene.bodies for name in columns_of(body.name)), "phi", "phidot")
 
 
 def stop_column(name):
     """The column of a stop: its name; `contact` for the paper's, which is called stop."""
     return "contact" if name == "stop" else name
+
+
+def flags_of_parts(scene):
+    """The states that each part can be in, by name, in the order of `Status.codes`."""
+    parts = {"stops": scene.stops, "frictions": scene.frictions, "clearances": scene.clearances}
+    return [part_flags(kind, part) for kind, of_kind in parts.items() for part in of_kind]
+
+
+def before_columns(scene):
+    """Velocities in front of an event, of scenes with rigid stops: those jump."""
+    if not scene.rigid_stops:
+        return ()
+    velocities = [columns_of(body.name)[1] for body in scene.bodies]
+    return tuple(f"before_{name}" for name in velocities + ["phidot"] * scene.has_motor)
 
 
 def part_columns(scene):
@@ -44,7 +68,8 @@ def event_columns(scene):
     -1.
     """
     phase = ("phase",) if scene.motor is not None else ()
-    return ("t", "kind", "part", *state_columns(scene), *phase, *part_columns(scene))
+    states = (*state_columns(scene), *phase, *before_columns(scene))
+    return ("t", "kind", "part", *states, *part_columns(scene))
 
 
 def section_columns(scene):

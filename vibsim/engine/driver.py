@@ -12,7 +12,7 @@ from vibsim.engine.disturbances import Disturbances
 from vibsim.engine.errors import EngineError
 from vibsim.engine.flow import Flow
 from vibsim.engine.ledger import Ledger
-from vibsim.engine.rows import RowMaker
+from vibsim.engine.rows import STRIKE, RowMaker
 from vibsim.engine.section import StroboscopicSection
 from vibsim.engine.state import State
 from vibsim.engine.tangent_bundle import TangentBundle
@@ -123,7 +123,7 @@ class Driver:
             end, event = self.flow.advance(self.scene.t_end)
             if end >= t or end >= self.scene.t_end:
                 return self.flow.state_at(t)
-            state = self.flow.state_at(end).settled(self.kit)
+            state, _ = self._arrive(end, event)
             if not self.kit.finite(sum(state.x) + sum(state.v) + state.w):
                 return self.flow.state_at(t)
             if event is None:
@@ -144,11 +144,11 @@ class Driver:
         yield from self._sample_until(end, last=end >= self.scene.t_end)
         if self.section:
             yield from self.section.gather(self.state, end)
-        state = self.flow.state_at(end).settled(self.kit)
+        state, tau = self._arrive(end, event)
         if not self.kit.finite(sum(state.x) + sum(state.v) + state.w):
             raise EngineError("diverged", self.state)
         if self.ledger:
-            for worked_to in self.ledger.gather(self.state, state, self.maker.rows(self.status)):
+            for worked_to in self.ledger.gather(self.state, tau, self.maker.rows(self.status)):
                 self.worked_to = worked_to
                 yield
         if self.tangent:
@@ -163,6 +163,18 @@ class Driver:
                 self.flow.carry_on(state)
         if not self.finished and end >= self.scene.t_end:
             self._finish()
+
+    def _arrive(self, end, event):
+        """State at the end of a stretch, and how long after its start that is [s]: there, or at the very
+        instant of an impact. So a speed grows or shrinks by nothing but the impact, however short the stretch
+        is against the grid of time.
+        """
+        if event is None or event.kind != STRIKE:
+            return self.flow.state_at(end).settled(self.kit), end - self.flow.t0
+        tau = self.flow.meeting(event, end)
+        state = self.flow.state_after(tau)
+        state.t = end
+        return state.settled(self.kit), tau
 
     def _sample_until(self, end, last):
         """Samples in [now, end), or up to and including the end of the run.
@@ -179,7 +191,7 @@ class Driver:
 
     def _switch(self, state, event):
         """Take the event: new mode, record, new segment."""
-        before = self.status
+        before, before_velocities = self.status, (list(state.v), state.w)
         status, happened, known = self.automaton.take(state, self.status, event)
         if self.tangent:
             self.tangent.cross(event, state, self.maker.rows(before), self.maker.rows(status))
@@ -193,8 +205,9 @@ class Driver:
         self.state, self.status, self.known, self.known_since = state, status, known, state.t
         if self.ledger:
             self.ledger.cross(state, before, status)
+            self.ledger.strike(state, self.automaton.blows(event))
         for kind, part in happened:
-            self._record(kind, part)
+            self._record(kind, part, before_velocities)
             if kind == "violation_begin":
                 self._note_violation()
         if not self.finished:
@@ -218,6 +231,8 @@ class Driver:
             section, self.section.states = self.section.states, []
         return samples, events, section
 
-    def _record(self, kind, part):
+    def _record(self, kind, part, before=None):
+        """Keep an event; before: velocities of the bodies and speed of the rotor in front of it."""
         self.counts[EVENT_KINDS[kind]] += 1
-        self.events.append((EVENT_KINDS[kind], part, self.state.copy(), self.status))
+        before = before or (list(self.state.v), self.state.w)
+        self.events.append((EVENT_KINDS[kind], part, self.state.copy(), self.status, before))

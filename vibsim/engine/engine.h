@@ -18,13 +18,14 @@
 #define WORK_AT_ONCE 100000 /* evaluations of the motion of two bodies between two returns to Python */
 #define EPS 1.1102230246251565e-16 /* 2^-53, unit round-off */
 
-enum { GAP, PUSH, SLIDE, HOLD, CLEARANCE };                     /* kinds of event functions */
+enum { GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE };             /* kinds of event functions */
 enum { DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL };  /* kinds of terms */
 enum { SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB };    /* kinds of meters, see meters.py */
 enum { IN_CONTACT = 1 };                                        /* code of a stop */
 enum { ADVANCE, SAMPLE, SECTION, ARRIVE, LEDGER, TANGENT, STAGES }; /* of a stretch */
 enum { ASK, CROSS, STAND };                                     /* rules for what follows an event */
-enum { START, CONTACT_BEGIN, CONTACT_END, REVERSAL, STICK_BEGIN, STICK_END, VIOLATION_BEGIN, VIOLATION_END, END, KINDS };
+enum { START, CONTACT_BEGIN, CONTACT_END, REVERSAL, STICK_BEGIN, STICK_END, VIOLATION_BEGIN, VIOLATION_END, END,
+       IMPACT, TRANSMITTED, CHATTER, REST_BEGIN, REST_END, KINDS };
 enum { OK, ACCUMULATION, DIVERGED, UNDECIDED, NO_MEMORY };      /* status of a run */
 enum { NOTHING = -1, RATE_ALONE = -JET };
 

@@ -12,6 +12,7 @@ from vibsim.engine.harmonics import value_and_rate
 from vibsim.engine.meters import IMPULSE, NOTHING, RUB, SLIP, SQUARE, TORQUE, WORK, MeterMaker, jumps_of
 from vibsim.engine.status import CONTACT
 from vibsim.physics.gauss_nodes import NODES, WEIGHTS
+from vibsim.physics.parts import GROUND
 
 
 class Ledger:
@@ -25,13 +26,13 @@ class Ledger:
         self.entries = [kit.number(0)] * len(self.names)
         self.jumps = jumps_of(scene, self.names)
 
-    def gather(self, start, end, rows):
-        """Add the stretch from the state `start` to the state `end` in the mode of `rows`.
+    def gather(self, start, last, rows):
+        """Add the stretch from the state `start` in the mode of `rows` to `last` [s] after the flow's start.
 
         A generator, which yields how far it is [s] after every piece; the entries change when all are done.
         """
         meters, t0 = self.maker.meters(rows), self.flow.t0
-        tau, last = start.t - t0, end.t - t0
+        tau = start.t - t0
         entries = list(self.entries)
         self.flow.open_nodes(meters)
         while tau < last:
@@ -74,6 +75,13 @@ class Ledger:
             return value * ((v[meter.P] - v[meter.Q]) - meter.drift)
         return value if meter.P == NOTHING else value * v[meter.P]
 
+    def strike(self, state, passed):
+        """Count the blows of rigid stops at `state`."""
+        if passed:
+            V = value_and_rate(self.kit, self.scene.base, state.t)[1]
+            for entry, value in struck_entries(self.scene, self.names, passed, V):
+                self.entries[entry] = self.entries[entry] + value
+
     def _places(self, state):
         """Displacements of all columns."""
         zero = self.kit.number(0)
@@ -88,6 +96,27 @@ class Ledger:
                 held = stop_energy(self.scene.stops[jump.stop], self._places(state), self.ground)
                 entry = self.entries[jump.entry]
                 self.entries[jump.entry] = entry + held if pressed[0] else entry - held
+
+
+def struck_entries(scene, names, passed, V):
+    """What blows add to the entries `names`, as [(number of the entry, value)]: loss at the stops, work and
+    impulses of ground and base.
+
+    passed: the `Impulse`s; V: velocity of the base [m/s]. A blow takes L (g' before + g' after) / 2; the base
+    gives V times its impulse.
+    """
+    added = []
+    for one in passed:
+        stop = scene.stops[one.stop]
+        added.append((names.index(("loss", "stops", stop.name)), one.impulse * (one.before + one.after) / 2))
+        for end, other, sign in ((stop.P, stop.Q, stop.sense), (stop.Q, stop.P, -stop.sense)):
+            if end >= 0 > other:
+                impulse, place = sign * one.impulse, "ground" if other == GROUND else "base"
+                if place == "base":
+                    added.append((names.index(("work", "base", "")), V * impulse))
+                if ("impulse", place, "") in names:
+                    added.append((names.index(("impulse", place, "")), impulse))
+    return added
 
 
 def stop_energy(stop, places, ground):

@@ -81,7 +81,8 @@ def entries_of(scene, momentum=False):
     names += [("work", "base", "")] if scene.base else []
     names += [("work", "friction", name) for name in belts]
     names += [("loss", "links", link.name) for link in scene.links if link.c != 0]
-    names += [("loss", "stops", stop.name) for stop in scene.stops if stop.c != 0]
+    rigid = [i for i, _ in scene.rigid_stops]
+    names += [("loss", "stops", s.name) for i, s in enumerate(scene.stops) if i in rigid or s.c != 0]
     names += [("loss", "friction", friction.name) for friction in scene.frictions]
     if momentum:
         names += [("impulse", "forces", force.name) for force in scene.forces]
@@ -95,7 +96,7 @@ def jumps_of(scene, names):
     """The stops whose stored energy jumps where they let go by force."""
     return [
         Jump(i, names.index(("loss", "stops", stop.name)))
-        for i, stop in enumerate(scene.stops)
+        for i, stop in scene.elastic_stops
         if stop.release == AT_FORCE and stop.c != 0
     ]
 
@@ -125,8 +126,8 @@ class MeterMaker:
                 self._slipping(i, friction, rows.status.frictions[i])
         for k, fall in enumerate(rows.falls):
             self._falling(k, fall)
-        for i, function, orientation in self._ties(rows):
-            self._sticking(i, function, orientation)
+        for k, function, orientation in self._ties(rows):
+            self._holding(k, function, orientation)
         return self.now
 
     def _add(self, kind, name, factor, **more):
@@ -201,21 +202,23 @@ class MeterMaker:
         self._add(RUB, loss, -fall.on_P, P=fall.P, Q=fall.Q, source=source, drift=fall.drift)
         self._driven((fall.P, fall.Q), fall.on_P, fall.drift, name, FUNCTION, source)
 
-    def _sticking(self, i, function, orientation):
-        friction = self.scene.frictions[i]
-        P, Q = self.maker.ends(friction)
-        if friction.belt != 0 or self.base in (P, Q) or (self.momentum and max(P, Q) >= self.ground):
+    def _holding(self, k, function, orientation):
+        part, belt = self.maker.tie(k), self.maker.belt(k)
+        P, Q = self.maker.ends(part)
+        if belt != 0 or self.base in (P, Q) or (self.momentum and max(P, Q) >= self.ground):
             on_P = self.kit.number(1) if orientation > 0 else -self.kit.number(1)
             source = self._function(*function)
-            self._driven((P, Q), on_P, friction.belt, friction.name, FUNCTION, source)
+            self._driven((P, Q), on_P, belt, part.name, FUNCTION, source)
 
     def _ties(self, rows):
-        """(friction, (terms, constant) of the force T that it passes, +1 where T acts on P and -1 on Q).
+        """(number of the tie, (terms, constant) of the force T that it passes, +1 where T acts on P and -1 on
+        Q).
 
-        Where ties are redundant the split of the force is not unique: the first ones that hold the group
-        together are taken to carry it. The sums of the ledgers do not depend on that.
+        Where ties are redundant the split of the force is not unique: stops carry it, then the first
+        frictions that hold the group together. The sums of the ledgers do not depend on that.
         """
-        stuck = self.maker.stuck(rows.status)
+        frictions = len(self.scene.frictions)
+        stuck = sorted(self.maker.stuck(rows.status), key=lambda tie: tie[0] < frictions)
         tree: list[tuple[int, int, int]] = []
         joined = 0
         for tie in stuck:

@@ -42,6 +42,13 @@ class PolynomialSearch:
             self._watch_turns(coefficients, t0, h if end is None else end - t0)
         return end, zero
 
+    def value_and_slope(self, coefficients, known, tau):
+        """Value and slope at tau of the polynomial without its known zeros (see `first_root`)."""
+        order = known
+        while order < len(coefficients) - 1 and coefficients[order] == 0:
+            order += 1
+        return self._value_and_slope(coefficients[order:], tau)
+
     def near_zero(self, coefficients, known, tau, size):
         """(value, slope, rounding bound) at tau of the polynomial without its known zeros (see `first_root`);
         None where it rests at zero.

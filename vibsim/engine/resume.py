@@ -2,14 +2,17 @@
 
 from math import isfinite
 
-from vibsim.engine.columns import FLAGS, part_columns, state_columns
+from vibsim.engine.columns import flags_of_parts, part_columns, state_columns
 from vibsim.engine.harmonics import value_and_rate
-from vibsim.engine.rows import CLEARANCE, GAP, PUSH, SLIDE
+from vibsim.engine.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE
 from vibsim.engine.state import State
-from vibsim.engine.status import LIFTED, Status
-from vibsim.physics.modes import EVENT_NAMES
+from vibsim.engine.status import LIFTED, OPEN, Status
+from vibsim.physics.modes import EVENT_NAMES, RIGID_KINDS
 from vibsim.physics.numbers import TWO_PI, Doubles
-from vibsim.physics.parts import AT_FORCE, BASE
+from vibsim.physics.parts import AT_FORCE, BASE, columns_of
+
+JUMPS = ("impact", "transmitted", "chatter", "stick_begin", "reversal")
+ROUNDING = 2.0**-40  # of a velocity, above which its change is a jump [-]
 
 
 def resume_point(scene, row):
@@ -26,15 +29,17 @@ def resume_point(scene, row):
     jumps = any(_makes_forces_jump(scene, one) for one in rows)
     for one in rows:
         state, status = _state(scene, one), _status(scene, one)
-        known |= _zeros(scene, one, state, status, 1 if jumps else 2)
+        known |= _zeros(scene, one, state, status, jumps)
     return state, status, known
 
 
 def _makes_forces_jump(scene, row):
-    """Whether forces jump at the event of a row: a friction that drops where it begins to slip, a damped
-    stop.
+    """Whether forces jump at the event of a row: a friction that drops where it begins to slip, turns or
+    begins to stick, a damped stop, a blow.
     """
     kind, part = EVENT_NAMES[int(row["kind"])], int(row["part"])
+    if kind in JUMPS:
+        return True
     if kind == "stick_end":
         friction = part - len(scene.stops)
         return scene.frictions[friction].drops(_status(scene, row).frictions[friction])
@@ -63,9 +68,7 @@ def _check(scene, row):
         raise ValueError(f"event row: t must be 0 to {scene.t_end:g} s, got {row['t']:g} s")
     names = part_columns(scene)
     allowed = {"kind": tuple(EVENT_NAMES), "part": tuple(range(-1, len(names)))}
-    sorts = ("stops", "frictions", "clearances")
-    sizes = (len(scene.stops), len(scene.frictions), len(scene.clearances))
-    codes = [tuple(FLAGS[sort].values()) for sort, n in zip(sorts, sizes, strict=True) for _ in range(n)]
+    codes = [tuple(flags.values()) for flags in flags_of_parts(scene)]
     for name, values in (allowed | dict(zip(names, codes, strict=True))).items():
         if row[name] not in values:
             raise ValueError(
@@ -89,9 +92,10 @@ def _status(scene, row):
     return Status(tuple(codes[:first]), tuple(codes[first:second]), tuple(codes[second:]))
 
 
-def _zeros(scene, row, state, status, released):
-    """Orders of the zeros that the event of a row leaves, by key; released: that of a sliding velocity
-    where sticking ends.
+def _zeros(scene, row, state, status, jumps):
+    """Orders of the zeros that the event of a row leaves, by key; jumps: whether forces jump at its instant.
+
+    What a tie held for long enough parts with a zero of one order more where no force jumps.
     """
     kind, part = EVENT_NAMES[int(row["kind"])], int(row["part"])
     friction = part - len(scene.stops)
@@ -100,7 +104,27 @@ def _zeros(scene, row, state, status, released):
         return {(_watched(scene, kind, part, state, status), part): 1}
     if kind in ("violation_begin", "violation_end"):
         return {(CLEARANCE, clearance): 1}
+    if kind in RIGID_KINDS:
+        return _zeros_of_rigid_stop(scene, part, state, status, 2 if jumps else 3)
+    if kind in ("reversal", "stick_end") and _struck(scene, scene.frictions[friction], row):
+        return {}
+    released = 1 if jumps else 2
     return {"reversal": {(SLIDE, friction): 1}, "stick_end": {(SLIDE, friction): released}}.get(kind, {})
+
+
+def _zeros_of_rigid_stop(scene, stop, state, status, released):
+    """The order of the zero of a depth; released: without a blow, rate and depth being zero."""
+    if status.stops[stop] != OPEN:
+        return {}
+    return {(STRIKE, stop): 1 if _closing(scene, scene.stops[stop], state) != 0 else released}
+
+
+def _struck(scene, friction, row):
+    """Whether a blow moved the ends of a friction against each other."""
+    ends = [columns_of(scene.bodies[end].name)[1] for end in (friction.P, friction.Q) if end >= 0]
+    jumps = [abs(row[name] - row.get(f"before_{name}", row[name])) for name in ends]
+    sizes = [abs(row[name]) for name in ends]
+    return any(jump > ROUNDING * (max(sizes) + abs(friction.belt)) for jump in jumps)
 
 
 def _watched(scene, kind, part, state, status):
@@ -110,11 +134,11 @@ def _watched(scene, kind, part, state, status):
         return GAP
     if kind == "contact_end":
         return PUSH if status.stops[part] == LIFTED else GAP
-    return GAP if _deepening(scene, stop, state) else PUSH
+    return GAP if _closing(scene, stop, state) > 0 else PUSH
 
 
-def _deepening(scene, stop, state):
-    """Whether the depth of a stop grows: contact at zero force begins while it shrinks."""
+def _closing(scene, stop, state):
+    """Rate of the depth of a stop [m/s]: contact at zero force begins while it shrinks."""
     V = value_and_rate(Doubles, scene.base, state.t)[1]
     vP, vQ = (state.v[end] if end >= 0 else V if end == BASE else 0.0 for end in (stop.P, stop.Q))
-    return stop.sense * (vQ - vP) > 0
+    return stop.sense * (vQ - vP)

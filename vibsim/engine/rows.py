@@ -5,6 +5,7 @@
                  d = x_P - x_Q; -S on P, +S on Q
     constants    forces of slipping frictions
     falls        what of these falls with speed
+    ties         frictions that stick and rigid stops at rest, numbered in this order: frictions, stops
     events       functions that are positive inside the mode and end it at zero: sums of differences, their
     rates,
                  couplings, loads and accelerations
@@ -15,12 +16,12 @@ Columns are the bodies in order, then ground and base.
 from dataclasses import dataclass, field
 from typing import Any
 
-from vibsim.engine.status import CONTACT, LIFTED, OPEN, STICK
+from vibsim.engine.status import CONTACT, LIFTED, OPEN, RESTING, STICK
 from vibsim.engine.ties import Cut, Groups, cuts
 from vibsim.physics.friction_laws import LAWS
-from vibsim.physics.parts import AT_GAP, BASE, GROUND
+from vibsim.physics.parts import AT_GAP, BASE, EXTENSION, GROUND, RigidStop
 
-GAP, PUSH, SLIDE, HOLD, CLEARANCE = range(5)  # kinds of event functions
+GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE = range(6)  # kinds of event functions; STRIKE: of a rigid stop
 DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL = range(6)  # kinds of terms
 
 
@@ -131,10 +132,25 @@ class RowMaker:
         return self.made[status]
 
     def stuck(self, status):
-        """The frictions that stick: (index, columns of P and Q)."""
-        return [
-            (i, *self.ends(f)) for i, f in enumerate(self.scene.frictions) if status.frictions[i] == STICK
-        ]
+        """The ties that hold: (number, columns of P and Q)."""
+        return [(k, *self.ends(self.tie(k))) for k in status.tied]
+
+    def tie(self, k):
+        """The part that is tie number k: a friction, or a stop."""
+        count = len(self.scene.frictions)
+        return self.scene.frictions[k] if k < count else self.scene.stops[k - count]
+
+    def limits(self, k):
+        """What tie number k holds against P going forwards and backwards against Q [N]; None: any force."""
+        part = self.tie(k)
+        if isinstance(part, RigidStop):
+            return (self.zero, None) if part.sense == EXTENSION else (None, self.zero)
+        return part.limits
+
+    def belt(self, k):
+        """Velocity of P against Q where tie number k holds [m/s]."""
+        part = self.tie(k)
+        return self.zero if isinstance(part, RigidStop) else part.belt
 
     def ties(self, status):
         """Leading column of each column, and its velocity against that one [m/s]."""
@@ -180,7 +196,7 @@ class RowMaker:
         while ahead:
             c = ahead.pop()
             for i, P, Q in stuck:
-                belt = self.scene.frictions[i].belt
+                belt = self.belt(i)
                 if c == Q and P not in reached:
                     drift[P] = drift[Q] + belt
                     reached.add(P)
@@ -248,6 +264,8 @@ class RowMaker:
             constant = -sign * (stop.k * gap)
             return Event(PUSH, i, sign, (PUSH, i), terms, constant, abs(constant))
 
+        if isinstance(stop, RigidStop):
+            return [] if state == RESTING else [self._strike_event(i, stop)]
         if state == OPEN:
             return [depth(-1)]
         if state == LIFTED:
@@ -256,23 +274,26 @@ class RowMaker:
             return [depth(1)]
         return [push(1)]
 
+    def _strike_event(self, i, stop):
+        P, Q = self.ends(stop)
+        terms = (Term(DIFFERENCE, stop.sense, P, Q),)
+        return Event(STRIKE, i, -1, (STRIKE, i), terms, stop.gap, abs(stop.gap), turns=True)
+
     def _friction_events(self, rows, stuck):
-        """SLIDE of each slipping friction, HOLD of each cut through a group; in the order of the
-        frictions.
-        """
+        """SLIDE of each slipping friction, HOLD of each cut through a group; in the order of the ties."""
         scene, status = self.scene, rows.status
         held: dict[int, list[Cut]] = {}
-        limits = {i: f.limits for i, f in enumerate(scene.frictions)}
+        limits = {k: self.limits(k) for k, _, _ in stuck}
         for leader, members in rows.groups.members.items():
             ties = [tie for tie in stuck if rows.leader[tie[1]] == leader]
             if ties:
                 for cut in cuts(members, ties, limits, self.reference(leader, members)):
                     first = min(i for i, _ in cut.ties)
                     held.setdefault(first, []).append(cut)
-        for i, friction in enumerate(scene.frictions):
-            if status.frictions[i] != STICK:
-                rows.events.append(self._slide_event(rows, i, friction, status.frictions[i]))
-            for cut in held.get(i, ()):
+        for k in range(len(scene.frictions) + len(scene.stops)):
+            if k < len(scene.frictions) and status.frictions[k] != STICK:
+                rows.events.append(self._slide_event(rows, k, scene.frictions[k], status.frictions[k]))
+            for cut in held.get(k, ()):
                 rows.cuts.append(cut)
                 rows.events += self._hold_events(rows, len(rows.cuts) - 1, cut)
 
@@ -322,12 +343,14 @@ class RowMaker:
 
     def _hold_events(self, rows, number, cut):
         """above - T and below + T of the force T = m a - F that the ties of a cut must pass to its
-        columns.
+        columns, the one without where it is not limited.
         """
         terms, constants = self._unbalanced(rows, cut.columns)
         # slipping forwards (the columns of the cut overtake) comes first: there T = -below
         events = []
         for direction, limit in ((1, cut.below), (-1, cut.above)):
+            if limit is None:
+                continue
             turned = tuple(Term(t.kind, -direction * t.coefficient, t.P, t.Q) for t in terms)
             constant = limit
             for value in constants:

@@ -5,6 +5,7 @@ scene.
 from dataclasses import dataclass
 
 OPEN, CONTACT, LIFTED = 0, 1, 2  # a stop; LIFTED: depth above zero, but the damper would have to pull
+RESTING = 3  # a rigid stop; the others of these are open
 FORWARD, STICK, BACKWARD = 1, 0, -1  # a friction: sign of v_rel
 KEPT, VIOLATED = 0, 1  # a clearance
 
@@ -24,6 +25,24 @@ class Status:
         """values: {index: status}."""
         frictions = tuple(values.get(i, old) for i, old in enumerate(self.frictions))
         return Status(self.stops, frictions, self.clearances)
+
+    def with_ties(self, values):
+        """values: {number of the tie: status of a friction}; ties are the frictions, then the stops, of which
+        those that do not stick are open.
+        """
+        count = len(self.frictions)
+        stops = tuple(
+            old if count + i not in values else RESTING if values[count + i] == STICK else OPEN
+            for i, old in enumerate(self.stops)
+        )
+        return Status(stops, self.with_frictions(values).frictions, self.clearances)
+
+    @property
+    def tied(self):
+        """Numbers of the ties that hold: frictions that stick, then stops that rest."""
+        count = len(self.frictions)
+        sticking = [i for i, value in enumerate(self.frictions) if value == STICK]
+        return sticking + [count + i for i, value in enumerate(self.stops) if value == RESTING]
 
     def with_clearance(self, i, value):
         return Status(self.stops, self.frictions, replaced(self.clearances, i, value))

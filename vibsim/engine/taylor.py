@@ -13,7 +13,7 @@ from typing import Any
 from vibsim.engine.certificate import latest_zero, may_vanish_by
 from vibsim.engine.harmonics import quarter_turns, sine_and_cosine
 from vibsim.engine.polynomial_root import PolynomialSearch
-from vibsim.engine.rows import ACCELERATION, COUPLING, DIFFERENCE, FALL, RATE
+from vibsim.engine.rows import ACCELERATION, COUPLING, DIFFERENCE, FALL, RATE, STRIKE
 from vibsim.engine.state import State
 from vibsim.physics.numbers import horner
 
@@ -300,6 +300,12 @@ class Taylor:
         ]
         return [a + b for a, b in zip(series, thrust, strict=True)]
 
+    def value_and_slope(self, event, tau):
+        """Value and slope of an event function a time tau after the expansion point, but for its known zeros
+        there: divided by that power of tau.
+        """
+        return self.search.value_and_slope(self.polynomial(event), self.known.get(event.key, 0), tau)
+
     def derivatives(self, event, count):
         """Derivatives of order 0 to `count` of an event function at the expansion point."""
         factorial, found = 1, []
@@ -320,7 +326,10 @@ class Taylor:
         first = NOTHING
         for event in self.rows.events:
             known = self.known.get(event.key, 0)
-            t, zero = self.search.first_root(self.polynomial(event), known, self.t0, h, event.turns)
+            polynomial = self.polynomial(event)
+            if event.kind == STRIKE and known == 0 == polynomial[0] and closes(polynomial):
+                return self.t0, event
+            t, zero = self.search.first_root(polynomial, known, self.t0, h, event.turns)
             if t is not None and (t < end or (zero and first is NOTHING)):
                 end, first = t, event if zero else NOTHING
                 h = end - self.t0
@@ -424,3 +433,8 @@ class Taylor:
             return State(self.t0 + tau, x, v, zero, zero, zero)
         phase, turns = kit.reduce_angle(horner(self.phi, tau))
         return State(self.t0 + tau, x, v, phase, self.start.turns + turns, horner(self.w, tau))
+
+
+def closes(polynomial):
+    """Whether a function falls from where it is: its first coefficient that is not zero is negative."""
+    return next((value < 0 for value in polynomial if value != 0), False)

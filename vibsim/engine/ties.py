@@ -1,10 +1,11 @@
 """Bodies that are tied move as one group; what its ties must carry, cut by cut.
 
-Sticking frictions tie their ends. A group with the ground (or the base) in it does not move on its own. Where
-ties are redundant the split of the force among them is not unique, but whether some split is admissible is:
-by the max-flow min-cut theorem it is where, for every way of cutting the group in two connected sets, the
-force that must pass the cut is within the sum of the limits of the ties that cross it (Ford & Fulkerson
-1956). So each such cut is watched, and where it gives way all ties across it slip.
+Sticking frictions and rigid stops at rest tie their ends; such a stop only pushes. A group with the ground
+(or the base) in it does not move on its own. Where ties are redundant the split of the force among them is
+not unique, but whether some split is admissible is: by the max-flow min-cut theorem it is where, for every
+way of cutting the group in two connected sets, the force that must pass the cut is within the sum of the
+limits of the ties that cross it (Ford & Fulkerson 1956). So each such cut is watched, and where it gives way
+all ties across it slip or open.
 """
 
 from dataclasses import dataclass
@@ -17,8 +18,8 @@ LARGEST = 12  # bodies of a group with redundant ties, whose cuts are enumerated
 class Cut:
     """A set of columns on one side of ties.
 
-    ties : indices of the frictions that cross, with +1 where P is in the set, -1 where Q is
-    above, below : the largest force on the set that they can pass in either direction [N]
+    ties : numbers of the ties that cross, with +1 where P is in the set, -1 where Q is
+    above, below : the largest force on the set that they can pass in either direction [N]; None: any
     """
 
     columns: tuple[int, ...]
@@ -28,7 +29,7 @@ class Cut:
 
 
 class Groups:
-    """Groups of columns tied by `ties` = [(friction index, P, Q)].
+    """Groups of columns tied by `ties` = [(number, P, Q)].
 
     columns: number of bodies n; column n is the ground, n + 1 the base. leader[c]: the column that stands for
     the group of c: the ground, the base, or the first body.
@@ -77,7 +78,7 @@ def connected(columns, edges):
 def cuts(members, ties, limits, reference):
     """The cuts of one group.
 
-    members: its columns; ties: its [(friction index, P, Q)]; limits: {friction index: (forward, backward)};
+    members: its columns; ties: its [(number, P, Q)]; limits: {number: (forward, backward)} [N], None: none;
     reference: the column that stays on the other side. Raises ValueError for a group with redundant ties of
     more than LARGEST bodies.
     """
@@ -113,10 +114,19 @@ def beyond(edges, k, reference):
 
 def _cut(side, ties, limits):
     crossing = [(i, 1 if P in side else -1) for i, P, Q in ties if (P in side) != (Q in side)]
-    above = below = None
+    ups, downs = [], []
     for i, orientation in crossing:
         forward, backward = limits[i]
-        up, down = (backward, forward) if orientation > 0 else (forward, backward)
-        above = up if above is None else above + up
-        below = down if below is None else below + down
-    return Cut(tuple(side), tuple(crossing), above, below)
+        ups.append(backward if orientation > 0 else forward)
+        downs.append(forward if orientation > 0 else backward)
+    return Cut(tuple(side), tuple(crossing), _together(ups), _together(downs))
+
+
+def _together(limits):
+    """Sum of limits in their order; None where one of them is none."""
+    if None in limits:
+        return None
+    total = limits[0]
+    for limit in limits[1:]:
+        total = total + limit
+    return total

@@ -33,7 +33,7 @@ def totals_of(counts, certificate, work, first_violation):
     by_kind = dict(zip(EVENT_KINDS, counts, strict=True))
     uncertified, first_doubt, margin, margin_time = certificate
     return {
-        "impacts": by_kind["contact_begin"],
+        "impacts": by_kind["contact_begin"] + by_kind["impact"],
         "sticks": by_kind["stick_begin"],
         "reversals": by_kind["reversal"],
         "events": sum(counts) - by_kind["start"] - by_kind["end"],
@@ -45,6 +45,23 @@ def totals_of(counts, certificate, work, first_violation):
         "grazing_time": margin_time if margin != inf else nan,
         "violations": by_kind["violation_begin"],
         "first_violation_time": first_violation,
+    }
+
+
+def rigid_totals(scene, counts, cut_off):
+    """Counts of what only rigid stops do, by name, of scenes that have some.
+
+    counts: as of `totals_of`; cut_off: time [s], speed [m/s] and distance [m] that the ends of infinite
+    sequences of impacts left out, each summed over the run
+    """
+    if not scene.rigid_stops:
+        return {}
+    by_kind = dict(zip(EVENT_KINDS, counts, strict=True))
+    return {
+        "transmitted": by_kind["transmitted"],
+        "chatters": by_kind["chatter"],
+        "rests": by_kind["rest_begin"],
+        **dict(zip(("chatter_time", "chatter_speed", "chatter_distance"), cut_off, strict=True)),
     }
 
 

@@ -12,7 +12,9 @@ import numpy as np
 
 from vibsim.engine.choice import engine_name, flow_of
 from vibsim.engine.columns import (
+    before_columns,
     event_columns,
+    moving_columns,
     part_columns,
     sample_columns,
     section_columns,
@@ -24,8 +26,8 @@ from vibsim.engine.state import State
 from vibsim.engine.status import LIFTED
 from vibsim.engine.tangent_space import dimension
 from vibsim.engine.tangent_totals import tangent_totals
-from vibsim.engine.totals import ledger_totals, totals_of
-from vibsim.physics.modes import EVENT_KINDS
+from vibsim.engine.totals import ledger_totals, rigid_totals, totals_of
+from vibsim.physics.modes import EVENT_KINDS, RIGID_KINDS
 from vibsim.physics.numbers import Doubles
 
 SAMPLES, PIECES = 2048, 4096  # of the Python engine between two blocks
@@ -35,6 +37,7 @@ OFFSETS = {
     "contact_end": "stops",
     "violation_begin": "clearances",
     "violation_end": "clearances",
+    **dict.fromkeys(RIGID_KINDS, "stops"),
 }
 
 
@@ -85,7 +88,8 @@ def open_trajectory(
     """
     flow_of(scene)
     check_tangent(scene, tangent)
-    trajectory = PythonTrajectory if engine_name(engine) == "python" else CTrajectory
+    python = scene.rigid_stops or engine_name(engine) == "python"
+    trajectory = PythonTrajectory if python else CTrajectory
     return trajectory(scene, resume, section, ledger, momentum, (tangent, tangent_from))
 
 
@@ -115,13 +119,14 @@ class Trajectory:
         self.first_part = part_offsets(scene)
 
     def block(self, samples, sample_codes, events, event_codes, section, reached):
-        """A block from rows: (time, states), part states; (t, states, phase), (kind, part, part states);
-        (time, states); (time reached, time worked out to).
+        """A block from rows: (time, states), part states; (t, states, phase, velocities before), (kind, part,
+        part states); (time, states); (time reached, time worked out to).
         """
         states, parts = state_columns(self.scene), part_columns(self.scene)
         table = dict(zip(("time", *states), samples, strict=False))
         table |= dict(zip(parts, sample_codes, strict=True))
-        happened = dict(zip(("t", *states), events, strict=False)) | {"phase": events[-1]}
+        names = ("t", *moving_columns(self.scene), "phase", *before_columns(self.scene))
+        happened = dict(zip(names, events, strict=False))
         happened |= {"kind": event_codes[0], "part": self._parts(event_codes[0], event_codes[1])}
         happened |= dict(zip(parts, event_codes[2:], strict=True))
         return Block(
@@ -173,13 +178,13 @@ class PythonTrajectory(Trajectory):
                 return
 
     def _block(self, samples, events, section):
-        pairs = np.array([[kind, part] for kind, part, _, _ in events], dtype="i2")
+        pairs = np.array([[kind, part] for kind, part, *_ in events], dtype="i2")
         kinds = pairs.astype("i1").reshape(-1, 2).T
         return self.block(
             self._states([state for state, _ in samples]),
             self._codes([status for _, status in samples]),
-            self._states([state for _, _, state, _ in events], phase=True),
-            np.vstack([kinds, self._codes([status for *_, status in events])]),
+            np.vstack([self._states([one[2] for one in events], phase=True), self._before(events)]),
+            np.vstack([kinds, self._codes([one[3] for one in events])]),
             self._states(section),
             self._reached(),
         )
@@ -194,6 +199,16 @@ class PythonTrajectory(Trajectory):
             rows.append((s.t, *moving, Doubles.unwind(s.phase, s.turns), s.w, *([s.phase] if phase else [])))
         width = 3 + 2 * len(self.scene.bodies) + phase
         return np.array(rows, dtype="f8").reshape(-1, width).T
+
+    def _before(self, events):
+        """Velocities of bodies and rotor in front of events, one row each; none where nothing is struck."""
+        count = len(before_columns(self.scene))
+        rows = [self._numbers([*v, w])[:count] for *_, (v, w) in events]
+        return np.array(rows, dtype="f8").reshape(len(events), count).T
+
+    def _numbers(self, values):
+        """Numbers of the engine as doubles."""
+        return values
 
     def _codes(self, statuses):
         parts = len(part_columns(self.scene))
@@ -210,6 +225,8 @@ class PythonTrajectory(Trajectory):
             (driver.flow.taylor.steps + driver.flow.closed.steps, driver.flow.closed.evaluations),
             nan if violated is None else violated,
         )
+        cut = driver.automaton.rigid.cut_off
+        totals |= rigid_totals(self.scene, driver.counts, (cut.time, cut.speed, cut.distance))
         if driver.ledger:
             where = driver.start, (driver.state, driver.status)
             totals |= ledger_totals(self.scene, Doubles, driver.ledger.names, driver.ledger.entries, *where)

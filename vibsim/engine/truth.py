@@ -18,7 +18,7 @@ from vibsim.engine.columns import state_columns
 from vibsim.engine.driver import Driver
 from vibsim.engine.errors import EngineError
 from vibsim.engine.state import State
-from vibsim.engine.totals import ledger_totals, totals_of
+from vibsim.engine.totals import ledger_totals, rigid_totals, totals_of
 from vibsim.engine.trajectory import Block, PythonTrajectory, Trajectory
 from vibsim.physics.exact_decimals import text_width
 from vibsim.physics.number_kits import number_kit
@@ -62,7 +62,7 @@ class TruthTrajectory(PythonTrajectory):
             block = self._block(samples, events, section)
             names = state_columns(self.scene)
             at = self._texts(names, [self._row(state)[1:] for state, _ in samples])
-            after = self._texts(("t", *names), [self._row(state) for _, _, state, _ in events])
+            after = self._texts(("t", *names), [self._row(one[2]) for one in events])
             yield TruthBlock(**vars(block), sample_digits=at, event_digits=after)
             if self.driver.finished:
                 return
@@ -85,6 +85,9 @@ class TruthTrajectory(PythonTrajectory):
         moving = [value for pair in zip(s.x, s.v, strict=True) for value in pair]
         return (s.t, *moving, self.kit.unwind(s.phase, s.turns), s.w, *([s.phase] if phase else []))
 
+    def _numbers(self, values):
+        return self.kit.rounded(values)
+
     def _texts(self, names, rows):
         width = text_width(self.kit.digits)
         return {
@@ -101,6 +104,9 @@ class TruthTrajectory(PythonTrajectory):
         violated = nan if driver.first_violation is None else self.kit.rounded([driver.first_violation])[0]
         work = driver.flow.taylor.steps + driver.flow.closed.steps, driver.flow.closed.evaluations
         totals = totals_of(driver.counts, (kept.uncertified, times[0], margin, times[1]), work, violated)
+        cut = driver.automaton.rigid.cut_off
+        lost = self.kit.rounded([cut.time, cut.speed, cut.distance])
+        totals |= rigid_totals(self.scene, driver.counts, lost)
         if driver.ledger:
             where = driver.start, (driver.state, driver.status)
             ledger = ledger_totals(self.scene, self.kit, driver.ledger.names, driver.ledger.entries, *where)

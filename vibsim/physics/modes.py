@@ -16,5 +16,11 @@ EVENT_KINDS = {
     "violation_begin": 6,
     "violation_end": 7,
     "end": 8,
+    "impact": 9,
+    "transmitted": 10,
+    "chatter": 11,
+    "rest_begin": 12,
+    "rest_end": 13,
 }
+RIGID_KINDS = ("impact", "transmitted", "chatter", "rest_begin", "rest_end")  # of rigid stops alone
 EVENT_NAMES = {code: name for name, code in EVENT_KINDS.items()}

@@ -77,6 +77,23 @@ class Fall:
 
 
 @dataclass(frozen=True)
+class RigidStop:
+    """Rigid stop between P and Q: depth g = sense (x_Q - x_P) - gap <= 0 always [m]; restitution e, 0 to 1.
+
+    An impact turns the rate of g round and multiplies it by e; at rest, g = g' = 0, the stop pushes as hard
+    as it must. `at_start` as of an elastic stop.
+    """
+
+    name: str
+    P: int
+    Q: int
+    gap: Number
+    sense: int
+    e: Number
+    at_start: bool = False
+
+
+@dataclass(frozen=True)
 class Friction:
     """Dry friction of P on Q, v_rel = v_P - v_Q - belt.
 
@@ -192,7 +209,7 @@ class Scene(Sampled):
 
     bodies: tuple[Body, ...]
     links: tuple[Link, ...] = ()
-    stops: tuple[Stop, ...] = ()
+    stops: tuple[Stop | RigidStop, ...] = ()
     frictions: tuple[Friction, ...] = ()
     forces: tuple[Force, ...] = ()
     base: tuple[Harmonic, ...] = ()
@@ -213,6 +230,16 @@ class Scene(Sampled):
     @property
     def has_stop(self) -> bool:
         return bool(self.stops)
+
+    @property
+    def elastic_stops(self) -> list[tuple[int, Stop]]:
+        """The elastic stops, each with its number among all stops."""
+        return [(i, stop) for i, stop in enumerate(self.stops) if isinstance(stop, Stop)]
+
+    @property
+    def rigid_stops(self) -> list[tuple[int, RigidStop]]:
+        """The rigid stops, each with its number among all stops."""
+        return [(i, stop) for i, stop in enumerate(self.stops) if isinstance(stop, RigidStop)]
 
     def end_name(self, end: int) -> str:
         """What an end of a part is called: a body's name, ground or base."""

@@ -12,7 +12,7 @@ from math import inf, pi, sqrt
 import numpy as np
 
 from vibsim.physics.body_sets import body_sets
-from vibsim.physics.parts import Harmonic, Link, Scene, Stop
+from vibsim.physics.parts import Harmonic, Link, RigidStop, Scene, Stop
 from vibsim.physics.period import common_period
 
 RIGID = 1e-12  # of the largest squared rate, below which one is that of a rigid motion, 0 but for rounding
@@ -42,17 +42,17 @@ def reduced_mass(scene: Scene, P: int, Q: int) -> float:
     return float(1 / (1 / moving[0] + 1 / moving[1]) if len(moving) == 2 else moving[0])
 
 
-def natural_rates(scene: Scene, closed: Iterable[Stop] = ()) -> list[float]:
+def natural_rates(scene: Scene, closed: Iterable[Stop | RigidStop] = ()) -> list[float]:
     """Natural angular rates [rad/s], ascending, those of rigid motions left out.
 
-    closed : the stops that are in contact
+    closed : the stops that are in contact; rigid ones are left out
     """
     return [rate for rate in all_rates(scene, closed) if rate]
 
 
-def all_rates(scene: Scene, closed: Iterable[Stop] = ()) -> list[float]:
+def all_rates(scene: Scene, closed: Iterable[Stop | RigidStop] = ()) -> list[float]:
     """The same with a 0 for each rigid motion: one for each body."""
-    every: list[Spring] = [*scene.links, *closed]
+    every: list[Spring] = [*scene.links, *(stop for stop in closed if isinstance(stop, Stop))]
     springs = [spring for spring in every if spring.k]
     found: list[float] = []
     for one in body_sets(scene, springs):
@@ -92,9 +92,9 @@ def bilinear_frequencies(scene: Scene) -> list[float]:
     """Frequencies of vibrations that are large against all gaps [Hz], ascending: 2 f1 f2/(f1 + f2) for each
     natural frequency f1 with all stops open, f2 that of its place in the order with all stops closed.
 
-    Exact for one relative motion with one stop, an estimate else. Empty without stops.
+    Exact for one relative motion with one stop, an estimate else. Empty without elastic stops.
     """
-    if not scene.stops:
+    if not scene.elastic_stops:
         return []
     open_hz, closed_hz = (
         [rate / (2 * pi) for rate in all_rates(scene, closed)] for closed in ((), scene.stops)
@@ -140,7 +140,7 @@ def longest_period(scene: Scene) -> float:
     return _rounded(max((2 * pi / rate for rate in rates), default=inf))
 
 
-def fastest_rate(scene: Scene, closed: Iterable[Stop] | None = None) -> float:
+def fastest_rate(scene: Scene, closed: Iterable[Stop | RigidStop] | None = None) -> float:
     """The fastest of sources, rotor at the start and vibration with stops closed, all unless told [rad/s];
     0 without any.
     """

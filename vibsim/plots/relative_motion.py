@@ -6,7 +6,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
-from vibsim.physics.parts import BASE, GROUND, Scene, Stop
+from vibsim.physics.parts import BASE, GROUND, RigidStop, Scene, Stop
 from vibsim.plots.quantities import Scale, symbol
 from vibsim.plots.style import GREY
 from vibsim.plots.user_text import as_text
@@ -32,18 +32,18 @@ def _symbol(scene: Scene, end: int, letter: str) -> str:
     return symbol(f"{letter}_{scene.end_name(end)}").strip("$")
 
 
-def stop_position(stop: Stop, part: Any) -> float:
+def stop_position(stop: Stop | RigidStop, part: Any) -> float:
     """Where x_P - x_Q of a part between the same ends meets the stop [m]."""
     position = -stop.sense * stop.gap
     return float(position if stop.P == part.P else -position)
 
 
-def stops_between(scene: Scene, part: Any) -> list[Stop]:
+def stops_between(scene: Scene, part: Any) -> list[Stop | RigidStop]:
     """The stops between the ends of a part."""
     return [stop for stop in scene.stops if {stop.P, stop.Q} == {part.P, part.Q}]
 
 
-def stop_label(stop: Stop) -> str:
+def stop_label(stop: Stop | RigidStop) -> str:
     """What a stop is called beside its line: its name; the paper's is told by its equation."""
     if stop.name != STOP:
         return as_text(stop.name)

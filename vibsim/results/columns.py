@@ -4,16 +4,20 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from vibsim.engine.columns import part_columns, part_flags
+from vibsim.engine.columns import before_columns, flags_of_parts, part_columns
 from vibsim.files.declarations import Column
-from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.modes import EVENT_KINDS, RIGID_KINDS
 from vibsim.physics.parts import Scene, columns_of
 
 TIMES = {
     "time": Column("s", "time"),
     "t": Column("s", "time of the event"),
 }
+COMMON_KINDS = {name: code for name, code in EVENT_KINDS.items() if name not in RIGID_KINDS}
 KINDS = {
+    "kind": Column(None, "kind of the event", dtype="i1", flags=COMMON_KINDS),
+}
+KINDS_OF_RIGID_STOPS = {
     "kind": Column(None, "kind of the event", dtype="i1", flags=EVENT_KINDS),
 }
 ROTOR = {
@@ -64,10 +68,12 @@ def tables_of(scene: Scene) -> Tables:
     if scene.has_motor:
         states |= ROTOR
     parts = dict(zip(part_columns(scene), _part_states(scene), strict=True))
-    phase = PHASE if scene.has_motor else {}
+    kinds = KINDS_OF_RIGID_STOPS if scene.rigid_stops else KINDS
+    in_full = {**states, **(PHASE if scene.has_motor else {})}
+    in_full |= {name: _before(states[name.removeprefix("before_")]) for name in before_columns(scene)}
     return Tables(
         {"time": TIMES["time"], **states, **parts},
-        {"t": TIMES["t"], **KINDS, "part": _part_of_event(scene), **states, **phase, **parts},
+        {"t": TIMES["t"], **kinds, "part": _part_of_event(scene), **in_full, **parts},
         tuple(states),
     )
 
@@ -76,19 +82,19 @@ def _called(body: str) -> str:
     return f"block {body}" if body.isdigit() else body
 
 
+def _before(column: Column) -> Column:
+    return replace(column, long_name=f"{column.long_name} in front of the event")
+
+
 def _part_states(scene: Scene) -> Iterable[Column]:
     """A column of flags for each part that has states, in the order of `part_columns`."""
-    kinds: tuple[tuple[str, str, tuple[Any, ...]], ...] = (
-        ("stops", "stop", scene.stops),
-        ("frictions", "friction", scene.frictions),
-        ("clearances", "clearance", scene.clearances),
-    )
-    for kind, word, parts in kinds:
-        for part in parts:
-            called = word if part.name == word else f"{word} {part.name}"
-            ends = f"{_called(scene.end_name(part.P))} and {_called(scene.end_name(part.Q))}"
-            flags = part_flags(kind, part)
-            yield Column(None, f"state of the {called} between {ends}", dtype="i1", flags=flags)
+    words = ["stop"] * len(scene.stops) + ["friction"] * len(scene.frictions)
+    words += ["clearance"] * len(scene.clearances)
+    parts: tuple[Any, ...] = (*scene.stops, *scene.frictions, *scene.clearances)
+    for word, part, flags in zip(words, parts, flags_of_parts(scene), strict=True):
+        called = word if part.name == word else f"{word} {part.name}"
+        ends = f"{_called(scene.end_name(part.P))} and {_called(scene.end_name(part.Q))}"
+        yield Column(None, f"state of the {called} between {ends}", dtype="i1", flags=flags)
 
 
 def part_names(scene: Scene) -> tuple[str, ...]:

@@ -12,15 +12,18 @@ if TYPE_CHECKING:
     from vibsim.results.result import Result
 
 COUNTED = {
-    "impacts": "contact_begin",
-    "sticks": "stick_begin",
-    "reversals": "reversal",
-    "violations": "violation_begin",
+    "impacts": ("contact_begin", "impact"),
+    "transmitted": ("transmitted",),
+    "chatters": ("chatter",),
+    "rests": ("rest_begin",),
+    "sticks": ("stick_begin",),
+    "reversals": ("reversal",),
+    "violations": ("violation_begin",),
 }
 
 
 def part_counts(result: "Result", scene: Scene) -> dict[str, dict[str, int]]:
-    """By name of the part: numbers of impacts, sticks, reversals and violations; those that are 0 left out
+    """By name of the part: numbers of impacts, sticks, reversals and so on; those that are 0 left out
     but for the impacts of a stop and the sticks of a friction.
     """
     names = part_names(scene)
@@ -28,8 +31,8 @@ def part_counts(result: "Result", scene: Scene) -> dict[str, dict[str, int]]:
     counts: dict[str, dict[str, int]] = {name: {} for name in names}
     counts |= {stop.name: {"impacts": 0} for stop in scene.stops}
     counts |= {friction.name: {"sticks": 0} for friction in scene.frictions}
-    for word, event in COUNTED.items():
-        of_kind: Any = part[(kind == EVENT_KINDS[event]) & (part >= 0)]
+    for word, events in COUNTED.items():
+        of_kind: Any = part[np.isin(kind, [EVENT_KINDS[event] for event in events]) & (part >= 0)]
         for name, count in zip(names, np.bincount(of_kind, minlength=len(names)).tolist(), strict=True):
             if count:
                 counts[name][word] = count

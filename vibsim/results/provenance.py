@@ -23,6 +23,7 @@ LEDGER = (
     "energy_residual",
     "energy_residual_relative",
 )
+RIGID_TOTALS = ("transmitted", "chatters", "rests", "chatter_time", "chatter_speed", "chatter_distance")
 TOTALS = (
     "impacts",
     "sticks",
@@ -36,6 +37,7 @@ TOTALS = (
     "grazing_time",
     "violations",
     "first_violation_time",
+    *RIGID_TOTALS,
     *LEDGER,
 )
 OF_A_PART = "."  # in the name of a total: loss.stops.anvil

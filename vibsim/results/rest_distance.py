@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.physics.parts import COMPRESSION, EXTENSION, Scene, Stop
+from vibsim.physics.parts import COMPRESSION, EXTENSION, RigidStop, Scene, Stop
 from vibsim.physics.rates import fastest_rate
 from vibsim.results.relative_motion import RelativeMotion
 
@@ -89,7 +89,7 @@ def _largest(scene: Scene, part: Any) -> Largest:
     return Largest(RelativeMotion(scene, part), scene.every_num / scene.every_den * rate <= LARGEST_STEP)
 
 
-def _acts_against(stop: Stop, part: Any) -> bool:
+def _acts_against(stop: Stop | RigidStop, part: Any) -> bool:
     """Whether the stop is in contact where x_P - x_Q of the part is small."""
     same, mirrored = (stop.P, stop.Q) == (part.P, part.Q), (stop.Q, stop.P) == (part.P, part.Q)
     return (same and stop.sense == EXTENSION) or (mirrored and stop.sense == COMPRESSION)

@@ -17,6 +17,8 @@ from vibsim.files.provenance import PROVENANCE
 from vibsim.results.columns import TIMES, Tables
 
 COUNTS = ("impacts", "sticks", "reversals", "steps", "evaluations")
+STRUCK = ("transmitted", "chatters", "rests")  # of scenes with rigid stops
+LEFT_OUT = ("chatter_time", "chatter_speed", "chatter_distance")
 NUMBERS = ("rest_distance_needed", "wall_time_s", "taylor_tolerance", "lyapunov_volume_residual")
 
 ATTRIBUTES = [
@@ -28,6 +30,8 @@ ATTRIBUTES = [
     Attribute("t_reached_s", NUMBER, optional=True, where="complete"),
     Attribute("events", WHOLE, optional=True),
     *(Attribute(name, WHOLE, optional=True, where="events") for name in COUNTS),
+    *(Attribute(name, WHOLE, optional=True) for name in STRUCK),
+    *(Attribute(name, NUMBER, optional=True) for name in LEFT_OUT),
     Attribute("certified", WHOLE, optional=True, allowed=(0, 1)),
     Attribute("uncertified", WHOLE, optional=True, where="certified"),
     Attribute("first_uncertified_time", NUMBER, optional=True, where="uncertified"),

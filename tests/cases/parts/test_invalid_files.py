@@ -57,9 +57,9 @@ def test_each_invalid_file_expects_something():
              "allowed: ram, tool, ground, base"],
         ),
         ({"stops.anvil": "off"}, ["--set stops.anvil: must be a mapping of between, gap, acts, law, k, c, "
-                                  "release, or none; got off"]),
-        ({"stops.anvil.law": "rigid"}, ["--set stops.anvil.law: rigid stops are not in this version yet; "
-                                        "allowed: elastic; got rigid"]),
+                                  "release, e, or none; got off"]),
+        ({"stops.anvil.e": "0.5"}, ["--set stops.anvil.e: belongs to law: rigid; "
+                                    "this stop has law: elastic"]),
         ({"run.method": "closed_form"}, ["--set run.method: a motor has no closed form; with one, run.method "
                                          "must be auto or taylor, got closed_form"]),
     ],

@@ -21,6 +21,7 @@ from vibsim.physics.parts import (
     Link,
     Motor,
     Number,
+    RigidStop,
     Scene,
     Stop,
 )
@@ -78,11 +79,14 @@ class _SceneBuilder:
     def link(self, name: str, part: Values) -> Link:
         return Link(name, *self.ends(part), *self.several(part, "k", "c"))
 
-    def stop(self, name: str, part: Values) -> Stop:
-        gap, k, c = self.several(part, "gap", "k", "c")
-        ahead = self.distance(part)
-        at_start = ahead is not None and part["gap"].value == -SENSES[part["acts"]] * ahead
-        return Stop(name, *self.ends(part), gap, SENSES[part["acts"]], k, c, part["release"], at_start)
+    def stop(self, name: str, part: Values) -> Stop | RigidStop:
+        ahead, sense = self.distance(part), SENSES[part["acts"]]
+        at_start = ahead is not None and part["gap"].value == -sense * ahead
+        gap = self.numbers.of(part["gap"])
+        if part["law"] == "rigid":
+            return RigidStop(name, *self.ends(part), gap, sense, self.numbers.of(part["e"]), at_start)
+        k, c = self.several(part, "k", "c")
+        return Stop(name, *self.ends(part), gap, sense, k, c, part["release"], at_start)
 
     def friction(self, name: str, part: Values) -> Friction | None:
         """Forces coefficient times N or m g, multiplied exactly and rounded once; None where all are 0."""

@@ -16,6 +16,8 @@ HARMONIC_KEYS = ("on", "A", "a", "omega", "phase")  # in the order in which they
 def with_defaults(values: dict[str, Any]) -> dict[str, Any]:
     """The nested values of a case of parts with every default filled in: what is simulated, in full."""
     filled = dict(values)
+    if "stops" in values:
+        filled["stops"] = {name: _of_its_law(part) for name, part in values["stops"].items()}
     if "friction" in values:
         filled["friction"] = {name: _loaded(part) for name, part in values["friction"].items()}
     if "forces" in values:
@@ -30,6 +32,12 @@ def _order(values: dict[str, Any]) -> list[str]:
     """The sections in file order: the state at t = 0 comes before what is watched and the run."""
     last = [name for name in ("initial", "clearances", "run") if name in values]
     return [name for name in values if name not in last] + last
+
+
+def _of_its_law(stop: dict[str, Any]) -> dict[str, Any]:
+    """A stop without the defaults of the other law."""
+    elastic = ("k", "c", "release")
+    return {name: value for name, value in stop.items() if stop["law"] != "rigid" or name not in elastic}
 
 
 def _loaded(friction: dict[str, Any]) -> dict[str, Any]:

@@ -10,7 +10,17 @@ from vibsim.physics.parts import columns_of
 
 LONGEST = 24  # characters: x_NAME stays a variable name in MATLAB
 WORDS = (*NO_BODIES, "motor", "none")  # with a meaning of their own
-COLUMNS = ("time", "t", "kind", "part", "phi", "phidot", "contact", "error_estimate")  # of every file
+COLUMNS = (
+    "time",
+    "t",
+    "kind",
+    "part",
+    "phi",
+    "phidot",
+    "contact",
+    "error_estimate",
+    "before_phidot",
+)  # of every file
 _BODY = re.compile(r"[A-Za-z0-9][A-Za-z0-9_]*", re.ASCII)
 _PART = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
 
@@ -50,6 +60,7 @@ def names_are_different(draft: Draft) -> Iterator[Finding]:
 def names_are_no_columns(draft: Draft) -> Iterator[Finding]:
     """A part named x_ram would share its column with the displacement of the body ram."""
     taken = {column: body for body in draft.bodies for column in columns_of(body)}
+    taken |= {f"before_{columns_of(body)[1]}": body for body in draft.bodies}
     for section in PARTS:
         for name in draft.section(section):
             if name in taken:

@@ -20,6 +20,7 @@ from vibsim.cases.parts.contents import (
 )
 from vibsim.cases.parts.draft import Draft, Finding
 from vibsim.cases.parts.friction_laws import coefficients_fit_the_law, friction_falls
+from vibsim.cases.parts.laws_of_stops import starts_are_outside, stops_have_their_law
 from vibsim.cases.parts.names import names_are_different, names_are_names, names_are_no_columns
 
 RULES: tuple[Callable[[Draft], Iterator[Finding]], ...] = (
@@ -35,6 +36,8 @@ RULES: tuple[Callable[[Draft], Iterator[Finding]], ...] = (
     links_do_something,
     coefficients_fit_the_law,
     friction_falls,
+    stops_have_their_law,
+    starts_are_outside,
     friction_has_a_load,
     sources_are_harmonic,
     closed_form_is_there,

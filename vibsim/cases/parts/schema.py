@@ -3,10 +3,9 @@
 What concerns several keys at once stands in the modules of rules beside this one.
 """
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, ConfigDict, Field
-from pydantic_core import PydanticCustomError
+from pydantic import ConfigDict, Field
 
 from vibsim.cases.measured import Measured
 from vibsim.cases.parts.ends import Ends
@@ -60,20 +59,6 @@ STATIC = Field(
 )
 BETWEEN = Field(description="the two ends: bodies, ground or base", examples=["[ram, ground]"])
 ON = Field(description="the body that it acts on", examples=["ram"])
-RIGID = "rigid stops are not in this version yet"
-
-
-def _later(law: str, message: str) -> BeforeValidator:
-    """Refuse the laws that are planned, `law` excepted, with a message of their own."""
-    planned = ("rigid",)
-
-    def check(value: object) -> object:
-        if value in planned:
-            what = f"{message}; allowed: {law}; got {value}"
-            raise PydanticCustomError("later", "{what}", {"what": what})
-        return value
-
-    return BeforeValidator(check)
 
 
 class Link(Section):
@@ -84,10 +69,10 @@ class Link(Section):
     c: Damping = optional("0 N s/m", "damping", "2 N s/m")
 
 
-class ElasticStop(Section):
-    """A stop that pushes its ends back with k g + c g' while they are in contact, g the depth."""
-
-    later: ClassVar[dict[str, str]] = {"e": RIGID}
+class AnyStop(Section):
+    """A stop: an elastic one pushes its ends back with k g + c g' in contact, g the depth; a rigid one turns
+    the rate of g round in an impact.
+    """
 
     between: Ends = BETWEEN
     gap: Length = Field(
@@ -97,16 +82,18 @@ class ElasticStop(Section):
         description="extension: contact while x_Q - x_P >= gap; compression: while x_P - x_Q >= gap",
         examples=["compression"],
     )
-    law: Annotated[Literal["elastic"], _later("elastic", RIGID)] = Field(
-        default="elastic", description="law of contact"
+    law: Literal["elastic", "rigid"] = Field(default="elastic", description="law of contact")
+    k: Annotated[Quantity, Measured("stiffness", above="0")] | None = Field(
+        default=None, description="stiffness in contact (elastic only)", examples=["1 MN/m"]
     )
-    k: Annotated[Quantity, Measured("stiffness", above="0")] = Field(
-        description="stiffness in contact", examples=["1 MN/m"]
-    )
-    c: Damping = optional("0 N s/m", "damping in contact", "20 N s/m")
+    c: Damping = optional("0 N s/m", "damping in contact (elastic only)", "20 N s/m")
     release: Literal["gap", "force"] = Field(
         default="gap",
-        description="gap: in contact while the depth g >= 0; force: pushes max(0, k g + c g') while g > 0",
+        description="gap: in contact while the depth g >= 0; force: pushes max(0, k g + c g') while g > 0 "
+        "(elastic only)",
+    )
+    e: Annotated[Quantity, Measured("number", least="0", most="1")] | None = Field(
+        default=None, description="coefficient of restitution (rigid only)", examples=["0.8"]
     )
 
 
@@ -241,7 +228,7 @@ class PartsFile(CaseHead):
 
     bodies: dict[str, Mass] = Field(description="name and mass of each body", examples=["{ram: 2 kg}"])
     links: dict[str, Link] = Field(default={}, description="springs and dampers, by name")
-    stops: dict[str, ElasticStop] = Field(default={}, description="stops, by name")
+    stops: dict[str, AnyStop] = Field(default={}, description="stops, by name")
     friction: dict[str, DryFriction] = Field(default={}, description="dry frictions, by name")
     forces: dict[str, BodyForce] = Field(default={}, description="forces on bodies, by name")
     base: BaseMotion | None = Field(default=None, description="motion of base; left out: there is none")

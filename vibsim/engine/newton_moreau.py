@@ -1,0 +1,217 @@
+"""The law of rigid impacts (Newton, Moreau): impulses of all rigid stops that touch at one instant.
+
+With the rates g' of their depths before and after, restitutions e and impulses L,
+
+    L_j >= 0,    w_j = g'_j(after) + e_j g'_j(before) <= 0,    L_j w_j = 0,    g'(after) = g'(before) - G L
+
+G = N M^-1 N' from the gradients N of the rates and the mass matrix M (Moreau 1988; Glocker 2001). It is the
+condition of a minimum: L is the solution of non-negative least squares that the active-set method of Lawson
+and Hanson (1974) finds exactly, in a fixed order. What is not tied to a stop goes on: friction, springs and
+elastic stops have finite forces and give no impulse.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+ROUNDING = 8  # roundings of a sum of a few products, in units of eps
+MOST_BLOWS = 1000  # one after the other at one instant; behind them the rest is taken as plastic
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A rigid stop that touches: number of the stop, columns of its ends, sense and restitution."""
+
+    stop: int
+    P: int
+    Q: int
+    sense: int
+    e: Any
+
+
+@dataclass(frozen=True)
+class Impulse:
+    """What a stop passed in a blow: impulse [N s], rates of its depth before and after it [m/s]."""
+
+    stop: int
+    impulse: Any
+    before: Any
+    after: Any
+
+
+@dataclass
+class Masses:
+    """What impulses meet: 1 / mass by column, 0 for ground and base; with a motor the body it is on, and the
+    speed that its rotor gains per unit of impulse on that body.
+    """
+
+    mobility: list[Any]
+    on: int = -1
+    turning: Any = 0
+
+
+def masses(scene, kit, phase):
+    """The `Masses` of a scene whose rotor stands at the angle `phase` [rad]; of every body by itself."""
+    zero = kit.number(0)
+    mobility = [1 / body.m for body in scene.bodies] + [zero, zero]
+    motor = scene.motor
+    if motor is None:
+        return Masses(mobility)
+    inertia = motor.J + motor.m3 * motor.e * motor.e
+    coupling = motor.m3 * motor.e * kit.sin(phase)
+    determinant = (scene.bodies[motor.on].m + motor.m3) * inertia - coupling * coupling
+    mobility[motor.on] = inertia / determinant
+    return Masses(mobility, motor.on, coupling / determinant)
+
+
+def rate_of(kit, contact, v):
+    """Rate of the depth of a stop [m/s], from the velocities of all columns; 0 where rounding cannot tell it
+    from that.
+    """
+    rate = -(contact.sense * (v[contact.P] - v[contact.Q]))
+    noise = ROUNDING * kit.eps * (abs(v[contact.P]) + abs(v[contact.Q]))
+    return rate if abs(rate) > noise else 0 * rate
+
+
+def blow(kit, bodies, contacts, v, w):
+    """One blow: (velocities of all columns behind it, speed of the rotor, [`Impulse`]).
+
+    bodies: `Masses`; contacts: the stops that touch; v: velocities of all columns, w: speed of the rotor.
+    The rate that the law gives a stop is exact in its `Impulse`, where those of the velocities are rounded.
+    """
+    before = [rate_of(kit, contact, v) for contact in contacts]
+    demands = [(1 + c.e) * rate for c, rate in zip(contacts, before, strict=True)]
+    couplings = [[_coupling(bodies, a, b) for b in contacts] for a in contacts]
+    active, impulses = _least(kit, couplings, demands)
+    if len(active) == 1:
+        return _single(kit, bodies, contacts[active[0]], v, w)
+    after, moved = list(v), kit.number(0)
+    for j, impulse in zip(active, impulses, strict=True):
+        c = contacts[j]
+        for column, sign in ((c.P, c.sense), (c.Q, -c.sense)):
+            after[column] = after[column] + sign * impulse * bodies.mobility[column]
+            if column == bodies.on:
+                moved = moved + sign * impulse
+    passed = [
+        Impulse(contacts[j].stop, impulse, before[j], -(contacts[j].e * before[j]))
+        for j, impulse in zip(active, impulses, strict=True)
+    ]
+    return after, w + bodies.turning * moved, passed
+
+
+def _single(kit, bodies, c, v, w):
+    """A blow at one stop: both ends go on with what they have in common, and part with e times what they
+    had not. So the speed of a body before a wall is turned round to the bit where e = 1.
+    """
+    own, other = bodies.mobility[c.P], bodies.mobility[c.Q]
+    between, together = v[c.P] - v[c.Q], own + other
+    after = list(v)
+    if other == 0:
+        after[c.P] = v[c.Q] - c.e * between
+    elif own == 0:
+        after[c.Q] = v[c.P] + c.e * between
+    else:
+        common = (other * v[c.P] + own * v[c.Q]) / together
+        after[c.P] = common - c.e * (own / together * between)
+        after[c.Q] = common + c.e * (other / together * between)
+    rate = -(c.sense * between)
+    impulse = (1 + c.e) * rate / together
+    if bodies.on in (c.P, c.Q):
+        on_body = c.sense * impulse if bodies.on == c.P else -(c.sense * impulse)
+        w = w + bodies.turning * on_body
+    return after, w, [Impulse(c.stop, impulse, rate, -(c.e * rate))]
+
+
+def _coupling(bodies, a, b):
+    """By how much an impulse 1 at stop b slows the depth of stop a [1/kg]."""
+    total = 0 * bodies.mobility[a.P]
+    for column, sign in ((a.P, -a.sense), (a.Q, a.sense)):
+        for other, factor in ((b.P, -b.sense), (b.Q, b.sense)):
+            if column == other:
+                total = total + sign * factor * bodies.mobility[column]
+    return total
+
+
+def _least(kit, couplings, demands):
+    """Active stops and their impulses: L >= 0, z = G L - demand >= 0, L z = 0."""
+    active: list[int] = []
+    impulses: list[Any] = []
+    barred: set[int] = set()
+    for _ in range(3 * len(demands) + 1):
+        lacking = {
+            j: _lack(kit, couplings[j], demands[j], active, impulses)
+            for j in range(len(demands))
+            if j not in active and j not in barred
+        }
+        needy = [j for j, lack in lacking.items() if lack > 0]
+        if not needy:
+            break
+        joining = max(needy, key=lambda j: (lacking[j], -j))
+        tried, solution = _solved(kit, couplings, demands, [*active, joining])
+        if solution is None:  # that stop is held by the others already
+            barred.add(joining)
+            continue
+        impulses.append(kit.number(0))
+        active.append(joining)
+        while any(value <= 0 for value in solution):
+            active, impulses = _step_back(active, impulses, solution)
+            tried, solution = _solved(kit, couplings, demands, active)
+        active, impulses = tried, solution
+        barred.clear()
+    order = sorted(range(len(active)), key=lambda k: active[k])
+    return [active[k] for k in order], [impulses[k] for k in order]
+
+
+def _lack(kit, row, demand, active, impulses):
+    """How much of its demand a stop lacks; 0 where that is rounding."""
+    lack, size = demand, abs(demand)
+    for j, impulse in zip(active, impulses, strict=True):
+        lack = lack - row[j] * impulse
+        size = size + abs(row[j] * impulse)
+    return lack if lack > ROUNDING * kit.eps * size else 0 * lack
+
+
+def _step_back(active, impulses, solution):
+    """As far towards the solution as no impulse becomes negative; those that become zero leave."""
+    reach, leaving = None, -1
+    for k, (now, then) in enumerate(zip(impulses, solution, strict=True)):
+        if then <= 0:
+            share = now / (now - then) if now > then else 0 * now
+            if reach is None or share < reach:
+                reach, leaving = share, k
+    moved = [now + reach * (then - now) for now, then in zip(impulses, solution, strict=True)]
+    kept = [k for k in range(len(active)) if k != leaving and moved[k] >= 0]
+    return [active[k] for k in kept], [moved[k] for k in kept]
+
+
+def _solved(kit, couplings, demands, active):
+    """(active, impulses) with G L = demand on the active stops; impulses None where they depend on each
+    other. Cholesky's factorisation without square roots.
+    """
+    n = len(active)
+    lower: list[list[Any]] = []
+    pivots: list[Any] = []
+    for i in range(n):
+        row: list[Any] = []
+        pivot = couplings[active[i]][active[i]]
+        for k in range(i):
+            value = couplings[active[i]][active[k]]
+            for m in range(k):
+                value = value - row[m] * lower[k][m] * pivots[m]
+            row.append(value / pivots[k])
+        for k in range(i):
+            pivot = pivot - row[k] * row[k] * pivots[k]
+        if not pivot > ROUNDING * n * kit.eps * couplings[active[i]][active[i]]:
+            return active, None
+        lower.append(row)
+        pivots.append(pivot)
+    solution: list[Any] = []
+    for i in range(n):
+        value = demands[active[i]]
+        for k in range(i):
+            value = value - lower[i][k] * solution[k]
+        solution.append(value)
+    solution = [value / pivot for value, pivot in zip(solution, pivots, strict=True)]
+    for i in reversed(range(n)):
+        for k in range(i + 1, n):
+            solution[i] = solution[i] - lower[k][i] * solution[k]
+    return active, solution

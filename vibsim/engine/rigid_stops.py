@@ -1,0 +1,309 @@
+"""What follows where rigid stops touch: impacts, rest, and the end of infinite sequences of impacts.
+
+Within one instant, in this order: the law of impacts over all rigid stops that touch, again as long as one of
+them still closes; frictions and damped stops as the new velocities say; what is at rest sticks, rests or
+parts as the accelerations say. A stop that would be struck again within the resolution of time is at the end
+of such a sequence and comes to rest.
+
+Resolution of time: behind a blow with the speed w, against the acceleration a that drives the ends together,
+the next blow comes after 2 w / a and the last one after 2 w / (a (1 - e)), as long as a stays what it is. The
+former cannot be told from now below NEXT units in the last place of t, the latter is not worth waiting for
+below LAST of them. Where the approach itself was as slow as that there was no impact, but a touch that stays.
+"""
+
+from dataclasses import dataclass, field
+from math import inf
+from typing import Any
+
+from vibsim.engine.newton_moreau import (
+    MOST_BLOWS,
+    Contact,
+    Impulse,
+    blow,
+    masses,
+    rate_of,
+)
+from vibsim.engine.rows import PUSH, SLIDE, STRIKE
+from vibsim.engine.status import BACKWARD, CONTACT, FORWARD, LIFTED, OPEN, RESTING, STICK
+from vibsim.engine.ties import Groups
+from vibsim.physics.parts import AT_FORCE
+
+NEXT, LAST = 2, 8  # units in the last place of the time
+ROUNDING = 8  # of a sum or a difference of two numbers, in units of eps
+
+
+@dataclass
+class Touch:
+    """The rigid stops that touch at an instant, and what blows did there.
+
+    before : rates of their depths before the first blow; rates : behind the last one, exactly 0 where the law
+    or rounding says so; passed : the impulses, blow by blow; moved : columns whose velocities they changed
+    ended : by stop, the accelerations that ended infinite sequences of impacts
+    """
+
+    contacts: list[Contact]
+    before: dict[int, Any]
+    rates: dict[int, Any]
+    passed: list[Impulse] = field(default_factory=list)
+    moved: set[int] = field(default_factory=set)
+    ended: dict[int, Any] = field(default_factory=dict)
+
+
+@dataclass
+class CutOff:
+    """What the ends of infinite sequences of impacts left out, summed: time [s], speed [m/s], distance
+    [m].
+    """
+
+    time: Any
+    speed: Any
+    distance: Any
+
+
+class RigidStops:
+    """Decides for the `Automaton` what rigid stops do.
+
+    passed : the impulses of the event taken last; cut_off : see `CutOff`
+    """
+
+    def __init__(self, automaton):
+        self.automaton = automaton
+        self.scene, self.maker, self.kit = automaton.scene, automaton.maker, automaton.kit
+        self.frictions = len(self.scene.frictions)
+        self.passed: list[Impulse] = []
+        zero = self.kit.number(0)
+        self.cut_off = CutOff(zero, zero, zero)
+
+    def meet(self, state, status, i):
+        """What follows where stop `i` touches, as `Automaton.take`: (status, what happened, known zeros)."""
+        touch = self._touching(state, status, i)
+        self._strike(state, touch)
+        after, lifts = self._lifted(state, self._turned(state, status, touch), touch)
+        settled = self._settled(state, after, touch)
+        while self._ends(state, settled, touch):
+            settled = self._settled(state, after, touch)
+        resting = [j for j in touch.rates if status.stops[j] == OPEN != settled.stops[j]]
+        self._seat(state, sorted({*resting, *(one.stop for one in touch.passed)}))
+        for k, (old, new) in enumerate(zip(status.frictions, settled.frictions, strict=True)):
+            if old != STICK == new:
+                self.automaton._join(state, self.maker.rows(settled), k)
+        self.passed = touch.passed
+        known = self._forgotten(touch, after)
+        changes = self.automaton._changes(status, settled, known)
+        opened = {j for j in touch.rates if status.stops[j] == RESTING}
+        for j in {i, *opened, *(one.stop for one in touch.passed)}:
+            if settled.stops[j] == OPEN:
+                known[STRIKE, j] = 2 if touch.rates[j] == 0 else 1
+        return settled, [*self._happened(state, touch), *lifts, *changes], known
+
+    def at_start(self, state, met):
+        """Of the stops `met` at the start: ({stop: order of the zero of its depth}, those that neither close
+        nor part). One that closes is struck at once.
+        """
+        orders, standing = {}, []
+        for j, _ in self.scene.rigid_stops:
+            if j in met:
+                rate = rate_of(self.kit, self._contact(j), self._velocities(state))
+                if rate == 0:
+                    standing.append(j)
+                if rate <= 0:
+                    orders[j] = 2 if rate == 0 else 1
+        self._join(state, [self.maker.ends(self.scene.stops[j]) for j in standing])
+        self._seat(state, standing)
+        return orders, standing
+
+    # -- who touches
+
+    def _velocities(self, state):
+        return [*state.v, self.kit.number(0), self.automaton._base(state, "v")]
+
+    def _contact(self, j):
+        stop = self.scene.stops[j]
+        P, Q = self.maker.ends(stop)
+        return Contact(j, P, Q, stop.sense, stop.e)
+
+    def _touching(self, state, status, i):
+        """The stops that rest, and those that meet stop `i` within the resolution of time and length."""
+        v, kit = self._velocities(state), self.kit
+        within = LAST * self._unit_of(state.t)
+        contacts = []
+        for j, stop in self.scene.rigid_stops:
+            contact, room = self._contact(j), -self.automaton._depth(stop, state)
+            blur = ROUNDING * kit.eps * self._size(stop, state)
+            if j == i or status.stops[j] == RESTING or room <= abs(rate_of(kit, contact, v)) * within + blur:
+                contacts.append(contact)
+        rates = {c.stop: rate_of(kit, c, v) for c in contacts}
+        return Touch(contacts, dict(rates), rates)
+
+    def _size(self, stop, state):
+        xP, xQ = self.automaton._ends(stop, state, "x")
+        return abs(xP) + abs(xQ) + abs(stop.gap)
+
+    def _unit_of(self, t):
+        """One unit in the last place of a time [s]."""
+        return self.kit.next_after(t, inf) - t
+
+    # -- blows
+
+    def _strike(self, state, touch):
+        """Blows as long as a stop closes; the last of too many are plastic."""
+        v, w = self._velocities(state), state.w
+        bodies, contacts = masses(self.scene, self.kit, state.phase), touch.contacts
+        for count in range(MOST_BLOWS + len(contacts)):
+            if not any(rate > 0 for rate in touch.rates.values()):
+                break
+            if count == MOST_BLOWS:
+                self.automaton._doubt(state)
+                contacts = [Contact(c.stop, c.P, c.Q, c.sense, self.kit.number(0)) for c in contacts]
+            v, w, passed = blow(self.kit, bodies, contacts, v, w)
+            touch.rates = {c.stop: rate_of(self.kit, c, v) for c in contacts}
+            touch.rates |= {one.stop: one.after for one in passed}
+            touch.passed += passed
+        ends = [(c.P, c.Q) for one in touch.passed for c in contacts if c.stop == one.stop]
+        touch.moved = {column for pair in ends for column in pair if column < self.maker.n}
+        state.v[:] = [self.kit.exact(value) for value in v[: self.maker.n]]
+        state.w = self.kit.exact(w)
+
+    def _forgotten(self, touch, status):
+        """Zeros of functions of velocities that blows have changed: none any more, but for what stands."""
+        known: dict[tuple, int] = {}
+        for i, friction in enumerate(self.scene.frictions):
+            if touch.moved & set(self.maker.ends(friction)) and status.frictions[i] != STICK:
+                known[SLIDE, i] = 0
+        for i, stop in self.scene.elastic_stops:
+            if touch.moved & set(self.maker.ends(stop)):
+                known[PUSH, i] = 0
+        return known
+
+    def _turned(self, state, status, touch):
+        """The status with the frictions as the velocities behind the blows say."""
+        v, turned = self._velocities(state), {}
+        for i, friction in enumerate(self.scene.frictions):
+            P, Q = self.maker.ends(friction)
+            if touch.moved & {P, Q}:
+                slip = (v[P] - v[Q]) - friction.belt
+                noise = ROUNDING * self.kit.eps * (abs(v[P]) + abs(v[Q]) + abs(friction.belt))
+                turned[i] = STICK if abs(slip) <= noise else FORWARD if slip > 0 else BACKWARD
+        return status.with_frictions(turned)
+
+    def _lifted(self, state, status, touch):
+        """The status with the damped stops that let go at zero force as the velocities say; what happened."""
+        happened, auto = [], self.automaton
+        for i, stop in self.scene.elastic_stops:
+            pressed = stop.release == AT_FORCE and stop.c != 0 and status.stops[i] != OPEN
+            if pressed and touch.moved & set(self.maker.ends(stop)):
+                (vP, vQ), depth = auto._ends(stop, state, "v"), auto._depth(stop, state)
+                pushes = stop.k * depth - stop.c * (stop.sense * (vP - vQ)) >= 0
+                after = CONTACT if pushes else LIFTED
+                if after != status.stops[i]:
+                    happened.append(("contact_begin" if pushes else "contact_end", i))
+                status = status.with_stop(i, after)
+        return status, happened
+
+    # -- rest
+
+    def _settled(self, state, status, touch):
+        """The status in which all that stands sticks, rests or parts consistently; tied bodies get their
+        common velocities.
+        """
+        rests = {self.frictions + j: STICK if rate == 0 else FORWARD for j, rate in touch.rates.items()}
+        status = status.with_ties(rests)
+        standing = status.tied
+        self._join(state, [self.maker.ends(self.maker.tie(k)) for k in standing if k >= self.frictions])
+        return self.automaton._settle(state, status, standing) if standing else status
+
+    def _join(self, state, edges):
+        """Give bodies that touch without closing one velocity; momentum is kept where they move freely."""
+        n, zero = self.maker.n, self.kit.number(0)
+        groups = Groups(n, [(0, *edge) for edge in edges])
+        for leader, members in groups.members.items():
+            bodies = [c for c in members if c < n]
+            if len(members) > 1 and bodies:
+                if leader >= n:
+                    common = zero if leader == n else self.automaton._base(state, "v")
+                else:
+                    common = self._mean(bodies, [state.v[c] for c in bodies])
+                for c in bodies:
+                    state.v[c] = common
+
+    def _mean(self, bodies, values):
+        """Mean of values of bodies, weighted by their masses; equal ones are their mean."""
+        if all(value == values[0] for value in values):
+            return values[0]
+        total = weight = self.kit.number(0)
+        for c, value in zip(bodies, values, strict=True):
+            m = self.scene.bodies[c].m
+            total, weight = total + m * value, weight + m
+        return self.kit.exact(total / weight)
+
+    def _ends(self, state, status, touch):
+        """Bring open stops to rest that would be struck again within the resolution of time; whether there
+        are any.
+        """
+        unit, found = self._unit_of(state.t), False
+        for c in touch.contacts:
+            speed = -touch.rates[c.stop]
+            if status.stops[c.stop] != OPEN or speed == 0:
+                continue
+            drive = self._drive(state, status, c.stop)
+            if drive <= 0:
+                continue
+            after = 2 * speed / drive
+            if after <= NEXT * unit or (c.e < 1 and after <= (1 - c.e) * (LAST * unit)):
+                last = after if c.e == 1 else after / (1 - c.e)
+                cut = self.cut_off
+                cut.time, cut.speed = cut.time + last, cut.speed + speed
+                cut.distance = cut.distance + speed * after / 8
+                touch.rates[c.stop], touch.ended[c.stop] = self.kit.number(0), drive
+                found = True
+        return found
+
+    def _drive(self, state, status, j):
+        """Acceleration that drives the ends of an open stop together [m/s^2]."""
+        rows = self.automaton._enter(state, status)
+        event = self.automaton._event(rows, (STRIKE, j))
+        return -self.automaton.flow.derivatives(event, 2)[2]
+
+    def _seat(self, state, stops):
+        """Take what rounding left of the depths of stops that were struck or come to rest: the ends move
+        onto each other, their centre of mass stays where they move freely.
+        """
+        n, edges = self.maker.n, []
+        for j in stops:
+            stop = self.scene.stops[j]
+            depth = self.automaton._depth(stop, state)
+            ends = self.maker.ends(stop)
+            edges.append((0, *ends))
+            if depth != 0:
+                self._shift(state, Groups(n, edges[:-1]), ends, stop.sense * depth)
+
+    def _shift(self, state, groups, ends, distance):
+        """Move the group of P by `distance` against that of Q, shared as their masses say."""
+        sides = [groups.members[groups.leader[end]] for end in ends]
+        if set(sides[0]) & set(sides[1]):
+            return
+        held = [any(c >= self.maker.n for c in side) for side in sides]
+        if any(held):
+            shares: Any = [int(not one) for one in held]
+        else:
+            own, other = (sum(self.scene.bodies[c].m for c in side) for side in sides)
+            shares = [other / (own + other), own / (own + other)]
+        for side, share, sign in zip(sides, shares, (1, -1), strict=True):
+            for c in side:
+                if c < self.maker.n:
+                    state.x[c] = self.kit.exact(state.x[c] + sign * (share * distance))
+
+    # -- what is told
+
+    def _happened(self, state, touch):
+        """Impacts, blows passed on and ends of infinite sequences, by stop."""
+        unit, happened, ended = self._unit_of(state.t), [], []
+        for j in sorted({one.stop for one in touch.passed}):
+            approach = touch.before[j]
+            slow = j in touch.ended and 2 * approach <= NEXT * unit * touch.ended[j]
+            if approach <= 0:
+                happened.append(("transmitted", j))
+            elif not slow:
+                happened.append(("impact", j))
+                ended += [("chatter", j)] if j in touch.ended and self.scene.stops[j].e > 0 else []
+        return happened + ended
