@@ -2,7 +2,7 @@
 
 from vibsim.physics.parts import AT_FORCE, RigidStop, columns_of
 
-RIGID_FLAGS = {"open": 0, "resting": 3}
+RIGID_FLAGS = {"free": 0, "resting": 3}
 FLAGS = {
     "stops": {"free": 0, "contact": 1, "lifted": 2},
     "frictions": {"slip_minus": -1, "stick": 0, "slip_plus": 1},
