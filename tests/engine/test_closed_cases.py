@@ -226,3 +226,28 @@ def test_body_between_ground_and_moving_base_follows_the_stronger_friction(metho
         assert result.events["t"][turns] == pytest.approx([0.5, 1.5, 2.5, 3.5, 4.5, 5.5], rel=1e-14)
         assert (result.events["part"][turns] == part).all()
         assert result.totals["uncertified"] == 0
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+@pytest.mark.parametrize("method", METHODS)
+def test_body_that_touches_a_stop_at_rest_is_in_contact_as_soon_as_it_is_pushed(method, engine):
+    """The table turns round where friction on it then tears the body off the ground, into the stop."""
+    limit = 0.01 * (2 * pi) ** 2
+    rate = 7.264067453591843
+    table = Harmonic(0.00369, rate, rate / (2 * pi), 0.0, 2.0)
+    scene = Scene(
+        (Body("m", 10**0.006, 0.0, 0.0),),
+        stops=(Stop("wall", GROUND, 0, 0.0, EXTENSION, (2 * pi) ** 2, 0.0),),
+        frictions=(
+            Friction("ground", GROUND, 0, limit, limit / 2, 0.0),
+            Friction("table", BASE, 0, limit, limit, 0.0),
+        ),
+        base=(table,),
+        t_end=0.4775,
+        method=method,
+    )
+    result = run(scene, engine, ledger=True)
+    turn = (1.5 * pi - 2.0) / rate
+    begins = result.events["t"][result.events["kind"] == 1]
+    assert begins[0] == pytest.approx(turn, rel=1e-14)
+    assert abs(result.totals["energy_residual"]) < 1e-17

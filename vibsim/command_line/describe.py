@@ -24,9 +24,7 @@ def print_case(path: str, settings: Settings) -> None:
 
 
 def print_description(path: str, settings: Settings) -> None:
-    """Print what a result file holds.
-
-    """
+    """Print what a result file holds."""
     kind = kind_of(path)
     if kind == "bench":
         _print_bench(path, settings)

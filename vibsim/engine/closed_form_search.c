@@ -103,6 +103,10 @@ static int lead(Run *r)
         s->events[s->event_count++] = i;
         first = event_derivative(r, e, order);
         bound = event_bound(r, e, order + 2, s->window);
+        if (known == 0 && order > 0 && first < 0) { /* zero, by no event, and on its way below */
+            doubt(&r->certificate, r->t0);
+            return i;
+        }
         if (order == 0) {
             double noise = event_noise(r, e), slope = event_derivative(r, e, 1);
             if (first <= noise && slope <= 0) {

@@ -70,6 +70,9 @@ class ClosedFormSearch:
             lead, bound = derivatives[order], of.bound(event, order + 2, self.window)
             if event.kind == STRIKE and order > known and lead < 0:  # closes from exactly zero
                 return event
+            if known == 0 < order and lead < 0:  # zero, by no event, and on its way below
+                self.certificate.doubt(self.t0)
+                return event
             if order == 0:
                 noise = of.noise(event)
                 if lead <= noise and derivatives[1] <= 0:

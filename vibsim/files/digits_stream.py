@@ -33,9 +33,7 @@ class DigitsStream:
         self._counter = _create(group, ROWS, COUNTER, "i4") if scale is None else None
         if self._counter is not None:
             self._counter.make_scale(ROWS)
-        self._datasets = {
-            name: _create(group, name, column, f"S{width}") for name, column in columns.items()
-        }
+        self._datasets = {name: _create(group, name, column, f"S{width}") for name, column in columns.items()}
         for dataset in self._datasets.values():
             dataset.dims[0].attach_scale(scale if scale is not None else self._counter)
 

@@ -24,9 +24,7 @@ def lengths_of(plan: FitPlan) -> dict[str, int]:
 
 def datasets_of(plan: FitPlan) -> list[Dataset]:
     """The datasets of a fit: what it is read back from, and what was made of it for other readers."""
-    scales = [
-        Dataset(name, Column("1", f"number of the {name}", dtype="i4"), (name,)) for name in DIMENSIONS
-    ]
+    scales = [Dataset(name, Column("1", f"number of the {name}", dtype="i4"), (name,)) for name in DIMENSIONS]
     return [*scales, *_measured(), *_judged(plan), *map(_value_of, plan.free)]
 
 

@@ -20,7 +20,6 @@ from vibsim.physics.parts import Scene
 OWN = ("method", "setting", "problem", "status", *ROW, "error")  # what a Row has by the same name
 
 
-
 def write_bench(
     path: Path, attrs: Mapping[str, Any], scene: Scene, truth: Truth, rows: Sequence[Row]
 ) -> None:

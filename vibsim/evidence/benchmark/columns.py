@@ -36,7 +36,5 @@ ERROR = Column("m", "largest error of the displacements x1, x2")
 COUNTS = {
     "found": Column("1", "true events found, up to faithful_time", dtype="i8", missing=NONE),
     "missed": Column("1", "true events missed, up to faithful_time", dtype="i8", missing=NONE),
-    "spurious": Column(
-        "1", "events reported that are not, up to faithful_time", dtype="i8", missing=NONE
-    ),
+    "spurious": Column("1", "events reported that are not, up to faithful_time", dtype="i8", missing=NONE),
 }
