@@ -10,7 +10,7 @@ from vibsim.engine.errors import EngineError
 from vibsim.engine.flow import Flow
 from vibsim.engine.meters import MeterMaker, jumps_of
 from vibsim.engine.packing import coupled, pack_mode, pack_scene, pack_state
-from vibsim.engine.packing_meters import pack_ledger, pack_meters, terms_of
+from vibsim.engine.packing_meters import pack_extremes, pack_ledger, pack_meters, terms_of
 from vibsim.engine.packing_tangent import pack_bundle, pack_disturbances
 from vibsim.engine.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, RowMaker
 from vibsim.engine.saltation import released_frictions, saltation
@@ -48,7 +48,15 @@ class CRun:
     """A run of a scene made of parts on the C engine."""
 
     def __init__(
-        self, scene, resume=None, section=False, ledger=False, momentum=False, tangent=(0, 0.0), carries=False
+        self,
+        scene,
+        resume=None,
+        section=False,
+        ledger=False,
+        momentum=False,
+        tangent=(0, 0.0),
+        carries=False,
+        extremes=None,
     ):
         self.scene, self.n = scene, len(scene.bodies)
         self.maker = RowMaker(scene, Doubles)
@@ -71,6 +79,9 @@ class CRun:
         )
         if self.moving:
             self.run.keep_tangent(*pack_bundle(scene, count, begin, self.maker.ends))
+        if extremes:
+            self.run.keep_extremes(*pack_extremes(*extremes))
+        self.extremes = (len(extremes[0]) + (scene.motor is not None)) if extremes else 0
         state, status, known = resume or self._start(scene)
         self.first = state.copy(), status
         self._buffers(len(status.codes), SECTION_ROOM if section and self._keep_section() else 0)
@@ -113,7 +124,7 @@ class CRun:
         self.sample_modes = np.empty((parts, SAMPLE_ROOM), dtype="i1")
         self.events = np.empty((4 + 2 * self.n, EVENT_ROOM))
         self.event_codes = np.empty((2 + parts, EVENT_ROOM), dtype="i1")
-        self.section = np.empty((3 + 2 * self.n, section_room))
+        self.section = np.empty((3 + 2 * self.n + 2 * self.extremes, section_room))
         self.buffers = self.samples, self.sample_modes, self.events, self.event_codes, self.section
 
     def _mode(self, status):

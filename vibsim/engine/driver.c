@@ -379,6 +379,7 @@ static void open_stretch(Run *r)
     r->pending_end = flow_advance(r, r->t_end, &r->pending_event);
     r->arrived = 0;
     r->spent += r->steps - steps;
+    extremes_open(r);
     ledger_open(r);
     tangent_begin_stretch(r);
 }
@@ -395,6 +396,7 @@ static int stretch(Run *r, Buffers *b)
         case SAMPLE: done = sample(r, b); break;
         case SECTION: done = section_gather(r, b, r->pending_end); break;
         case ARRIVE: done = arrive(r); break;
+        case EXTREMES: done = extremes_until(r, r->next.t, 1); break;
         case LEDGER: done = ledger_gather(r); break;
         case TANGENT: done = tangent_gather(r); break;
         }

@@ -10,6 +10,7 @@ from typing import Any
 from vibsim.engine.automaton import JET, Automaton
 from vibsim.engine.disturbances import Disturbances
 from vibsim.engine.errors import EngineError
+from vibsim.engine.extremes import Extremes
 from vibsim.engine.flow import Flow
 from vibsim.engine.ledger import Ledger
 from vibsim.engine.rows import STRIKE, RowMaker
@@ -41,6 +42,7 @@ class Driver:
         tangent=(0, 0.0),
         carry=(),
         flow=None,
+        extremes=None,
     ):
         self.scene, self.kit = scene, kit
         self.maker = RowMaker(scene, kit)
@@ -48,6 +50,7 @@ class Driver:
         self.automaton = Automaton(scene, self.maker, Flow(scene, kit, self.flow.certificate, JET + 1), kit)
         self.section = StroboscopicSection(scene, self.flow) if section else None
         self.ledger = Ledger(scene, kit, self.maker, self.flow, momentum) if ledger or momentum else None
+        self.extremes = Extremes(scene, kit, self.flow, *extremes) if extremes else None
         self.tangent: Any = None
         if tangent[0]:
             self.tangent = TangentBundle(scene, kit, self.flow, *tangent)
@@ -141,12 +144,20 @@ class Driver:
     def _stretch(self):
         """One stretch of the flow: its samples, section and ledger, then its event."""
         end, event = self.flow.advance(self.scene.t_end)
+        if self.extremes:
+            self.extremes.open(self.state.t, self.status)
         yield from self._sample_until(end, last=end >= self.scene.t_end)
         if self.section:
-            yield from self.section.gather(self.state, end)
+            for mark in self.section.gather(self.state, end):
+                if self.extremes:
+                    yield from self.extremes.until(mark)
+                    self.extremes.close()
+                yield
         state, tau = self._arrive(end, event)
         if not self.kit.finite(sum(state.x) + sum(state.v) + state.w):
             raise EngineError("diverged", self.state)
+        if self.extremes:
+            yield from self.extremes.until(state.t)
         if self.ledger:
             for worked_to in self.ledger.gather(self.state, tau, self.maker.rows(self.status)):
                 self.worked_to = worked_to
@@ -224,12 +235,15 @@ class Driver:
         self.finished = True
 
     def take(self):
-        """The samples, events and section points collected since the last call."""
-        samples, events, section = self.samples, self.events, []
+        """The samples, events, section points and rows of extremes collected since the last call."""
+        samples, events, section, extremes = self.samples, self.events, [], []
         self.samples, self.events = [], []
-        if self.section:
-            section, self.section.states = self.section.states, []
-        return samples, events, section
+        if self.extremes:
+            extremes, self.extremes.rows = self.extremes.rows, []
+        if self.section:  # a point whose period is still worked out waits for its row
+            count = len(extremes) if self.extremes else len(self.section.states)
+            section, self.section.states = self.section.states[:count], self.section.states[count:]
+        return samples, events, section, extremes
 
     def _record(self, kind, part, before=None):
         """Keep an event; before: velocities of the bodies and speed of the rotor in front of it."""

@@ -22,7 +22,7 @@ enum { GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE };             /* kinds of even
 enum { DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL };  /* kinds of terms */
 enum { SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB };    /* kinds of meters, see meters.py */
 enum { IN_CONTACT = 1 };                                        /* code of a stop */
-enum { ADVANCE, SAMPLE, SECTION, ARRIVE, LEDGER, TANGENT, STAGES }; /* of a stretch */
+enum { ADVANCE, SAMPLE, SECTION, ARRIVE, EXTREMES, LEDGER, TANGENT, STAGES }; /* of a stretch */
 enum { ASK, CROSS, STAND };                                     /* rules for what follows an event */
 enum { START, CONTACT_BEGIN, CONTACT_END, REVERSAL, STICK_BEGIN, STICK_END, VIOLATION_BEGIN, VIOLATION_END, END,
        IMPACT, TRANSMITTED, CHATTER, REST_BEGIN, REST_END, KINDS };
@@ -235,6 +235,21 @@ typedef struct {
     double cycles, cycles_lo, turns, next;
 } Section;
 
+/* A stop whose gap is watched: its place among the parts and among the pairs. */
+typedef struct {
+    int stop, pair, sense;
+    double gap;
+} Gap;
+
+/* Extremes of x_P - x_Q of `pairs` pairs of columns and of the rotor's speed: low and high in the present period, least and
+ * greatest in all; node: values, then rates, where the stretch is worked out to; count is 0 where nothing is kept.
+ */
+typedef struct {
+    int pairs, count, gap_count, based, has_node, *P, *Q;
+    double since, at, *numbers, *low, *high, *least, *greatest, *node, *ahead, *here, *margins;
+    Gap *gaps;
+} Extremes;
+
 /* A run: everything between two calls. */
 typedef struct Run {
     int bodies, columns, parts, clearances, harmonic_count, key_count, mode_count, force_count, base_count;
@@ -255,6 +270,7 @@ typedef struct Run {
     double pending_end, spent, work_at_once, *force;
     Ledger ledger;
     Section section;
+    Extremes extremes;
     Taylor taylor;
     ClosedForm closed_form;
     struct Tangent *tangent; /* small disturbances that it carries along; NULL where there are none */
@@ -288,6 +304,7 @@ void taylor_set(Run *r);
 void taylor_enter(Run *r, const State *state);
 double taylor_advance(Run *r, double limit, int *event);
 void taylor_state_after(Run *r, double tau, State *out);
+double taylor_spin_rate(const Run *r, double tau);
 
 /* taylor_loads.c, taylor_expansion.c, taylor_polynomial.c */
 void taylor_expand_base(Run *r, double t);
@@ -313,7 +330,7 @@ typedef struct {
     signed char *sample_modes; /* rows of sample_room: one per part */
     double *events;            /* rows of event_room: t, x, v of each body, phi, w, phase */
     signed char *event_codes;  /* rows of event_room: kind, part, one per part */
-    double *section;           /* rows of section_room, as samples; none where section_room is 0 */
+    double *section;           /* rows of section_room, as samples, then extremes; none where section_room is 0 */
     long sample_room, event_room, section_room, sample_count, event_count, section_count;
 } Buffers;
 
@@ -330,6 +347,7 @@ int run_state_at(Run *r, double t, State *out);
 /* ledger.c; gather returns 0 when the work of one call is spent before the stretch is done */
 void ledger_open(Run *r);
 int ledger_gather(Run *r);
+double longest_piece(const Run *r, double tau);
 void ledger_cross(Run *r, const State *state, const int *before, const int *after);
 
 /* tangent_bundle.c, reading_tangent.c; gather returns 0 when the work of one call is spent before the stretch is done */
@@ -339,6 +357,12 @@ int tangent_gather(Run *r);
 void tangent_cross(Run *r, int event, const Mode *before, const Mode *after);
 double tangent_worked_to(const Run *r);
 void tangent_free(struct Tangent *b);
+
+/* extremes.c; `until` returns 0 when the work of one call is spent before, where that is bounded */
+void extremes_open(Run *r);
+int extremes_until(Run *r, double end, int bounded);
+void extremes_close(Run *r, double *row, long room);
+void extremes_free(Extremes *e);
 
 /* section.c; gather returns 0 when the buffer is full before the stretch is done */
 void section_start(Run *r);

@@ -168,7 +168,7 @@ static double base_place(const Run *r, double t)
 }
 
 /* Longest stretch from tau that one quadrature rule integrates to round-off. */
-static double longest_piece(const Run *r, double tau)
+double longest_piece(const Run *r, double tau)
 {
     double longest;
     int m;

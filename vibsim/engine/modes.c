@@ -577,6 +577,7 @@ void run_free(Run *r)
         free(r->forces[i].terms);
     ledger_free(&r->ledger);
     tangent_free(r->tangent);
+    extremes_free(&r->extremes);
     free(r->modes);
     free(r->known);
     free(r->behind);

@@ -19,6 +19,7 @@ int tangent_room_for_falls(struct Tangent *b, int count);
 /* meters.c; 0 without memory, or where the numbers are not what they should be (look at the reader) */
 int ledger_read(Run *r, Reader *in);
 int meters_read(Run *r, Mode *m, Reader *in);
+int extremes_read(Run *r, Reader *in); /* extremes.c */
 void ledger_free(Ledger *l);
 void meters_free(Meters *m);
 

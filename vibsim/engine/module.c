@@ -141,6 +141,24 @@ static PyObject *keep_tangent(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
+static PyObject *keep_extremes(RunObject *self, PyObject *args)
+{
+    Py_buffer v[2];
+    Reader in;
+    int kept = 0;
+    if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
+        return NULL;
+    if (self->started || self->run.extremes.numbers)
+        PyErr_SetString(PyExc_ValueError, "too late for extremes");
+    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = extremes_read(&self->run, &in)))
+        PyErr_SetString(PyExc_ValueError, "the packed numbers are no extremes");
+    PyBuffer_Release(&v[0]);
+    PyBuffer_Release(&v[1]);
+    if (!kept)
+        return NULL;
+    Py_RETURN_NONE;
+}
+
 static PyObject *keep_section(RunObject *self, PyObject *args)
 {
     Section *s = &self->run.section;
@@ -187,7 +205,7 @@ static PyObject *set_rule(RunObject *self, PyObject *args)
 
 static int buffers_of(const Run *r, Py_buffer *views, Buffers *b)
 {
-    Py_ssize_t state = 3 + 2 * r->bodies, row = (Py_ssize_t)sizeof(double);
+    Py_ssize_t state = 3 + 2 * r->bodies, row = (Py_ssize_t)sizeof(double), section = state + 2 * r->extremes.count;
     memset(b, 0, sizeof *b);
     b->samples = views[0].buf;
     b->sample_modes = views[1].buf;
@@ -196,10 +214,10 @@ static int buffers_of(const Run *r, Py_buffer *views, Buffers *b)
     b->section = views[4].buf;
     b->sample_room = (long)(views[0].len / (state * row));
     b->event_room = (long)(views[2].len / ((state + 1) * row));
-    b->section_room = (long)(views[4].len / (state * row));
+    b->section_room = (long)(views[4].len / (section * row));
     if (b->sample_room < 1 || b->event_room < 8 + r->parts || views[0].len != b->sample_room * state * row ||
         views[2].len != b->event_room * (state + 1) * row || views[1].len != (Py_ssize_t)b->sample_room * r->parts ||
-        views[3].len != (Py_ssize_t)b->event_room * (2 + r->parts) || views[4].len != b->section_room * state * row ||
+        views[3].len != (Py_ssize_t)b->event_room * (2 + r->parts) || views[4].len != b->section_room * section * row ||
         b->section_room == 1) {
         PyErr_SetString(PyExc_ValueError, "buffers do not fit together");
         return -1;
@@ -447,6 +465,15 @@ static PyObject *table_of(const double *values, int count, int width, int step, 
     return list;
 }
 
+static PyObject *extremes(RunObject *self, PyObject *none)
+{
+    const Extremes *e = &self->run.extremes;
+    (void)none;
+    if (!ready(self))
+        return NULL;
+    return Py_BuildValue("NNN", list_of(e->least, e->count, 1), list_of(e->greatest, e->count, 1), list_of(e->margins, e->gap_count, 1));
+}
+
 static PyObject *disturbances(RunObject *self, PyObject *none)
 {
     const Tangent *b = self->run.tangent;
@@ -493,6 +520,7 @@ static PyMethodDef methods[] = {
     {"keep_ledger", (PyCFunction)keep_ledger, METH_VARARGS, "keep_ledger(ints, doubles): before the start"},
     {"set_meters", (PyCFunction)set_meters, METH_VARARGS, "set_meters(mode, ints, doubles): what the ledger integrates there"},
     {"keep_tangent", (PyCFunction)keep_tangent, METH_VARARGS, "keep_tangent(ints, doubles): before the start"},
+    {"keep_extremes", (PyCFunction)keep_extremes, METH_VARARGS, "keep_extremes(ints, doubles): before the start"},
     {"keep_section", (PyCFunction)keep_section, METH_VARARGS,
      "keep_section(cycles, cycles_lo, turns): the period; before the start"},
     {"set_rule", (PyCFunction)set_rule, METH_VARARGS,
@@ -511,6 +539,7 @@ static PyMethodDef methods[] = {
     {"doubt", (PyCFunction)doubt_here, METH_VARARGS, "doubt(t): count what happened at t as not proved"},
     {"state_at", (PyCFunction)state_at, METH_VARARGS,
      "state_at(t) -> state before the next event, or None where more work is to do; t ascending from call to call"},
+    {"extremes", (PyCFunction)extremes, METH_NOARGS, "extremes() -> lists of the least, the greatest, the smallest gaps"},
     {"disturbances", (PyCFunction)disturbances, METH_NOARGS, "disturbances() -> dict of what a TangentBundle tells"},
     {"hand_jump", (PyCFunction)hand_jump, METH_VARARGS,
      "hand_jump(jumps, determinant, tangencies, closest, vectors): what the pending event, which Python takes, did to disturbances"},

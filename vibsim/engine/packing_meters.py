@@ -1,4 +1,4 @@
-"""Ledgers, meters and sections as flat numbers, in the order in which meters.c reads them."""
+"""Ledgers, meters, extremes and sections as flat numbers, in the order in which meters.c reads them."""
 
 from vibsim.engine.packing import Packer
 
@@ -10,6 +10,16 @@ def pack_ledger(scene, names, jumps, ends):
     for jump in jumps:
         stop = scene.stops[jump.stop]
         pack.put((jump.stop, jump.entry, *ends(stop), stop.sense), (stop.gap, stop.k))
+    return pack.ints.tobytes(), pack.doubles.tobytes()
+
+
+def pack_extremes(pairs, gaps, since):
+    """The pairs of columns whose extremes are kept, the stops whose gaps are, and the time they begin at."""
+    pack = Packer()
+    pack.put((len(pairs), len(gaps), *(column for pair in pairs for column in pair)))
+    for stop, pair, sense, gap in gaps:
+        pack.put((stop, pair, sense), (gap,))
+    pack.put((), (since,))
     return pack.ints.tobytes(), pack.doubles.tobytes()
 
 

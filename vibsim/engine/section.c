@@ -1,4 +1,4 @@
-/* The stroboscopic section; twin of vibsim/engine/section.py. */
+/* The stroboscopic section, and where the extremes of a period end; twin of vibsim/engine/section.py. */
 #include "engine.h"
 #include "numbers.h"
 
@@ -39,8 +39,10 @@ static double passage(Run *r, double end, double target)
 
 static void keep(Run *r, Buffers *b, double t)
 {
+    double *row = b->section + b->section_count++;
     flow_state(r, t, &r->scratch);
-    write_state(r, b->section + b->section_count++, b->section_room, &r->scratch);
+    write_state(r, row, b->section_room, &r->scratch);
+    extremes_close(r, row + (3 + 2 * r->bodies) * b->section_room, b->section_room);
 }
 
 void section_start(Run *r)
@@ -69,13 +71,16 @@ int section_gather(Run *r, Buffers *b, double end)
         last = r->next.phase + (r->next.turns - r->state.turns) * TWO_PI;
         for (turn = 0; turn < 2; turn++) {
             double target = turn * TWO_PI + turn * TWO_PI_LO;
-            if (first < target && target <= last)
-                keep(r, b, passage(r, end, target));
+            if (first < target && target <= last) {
+                double t = passage(r, end, target);
+                extremes_until(r, t, 0);
+                keep(r, b, t);
+            }
         }
         return 1;
     }
     for (; s->turns > 0 && period_end(s) <= end && s->next < LAST_PERIOD; s->next += 1) {
-        if (b->section_count >= b->section_room)
+        if (b->section_count >= b->section_room || !extremes_until(r, period_end(s), 1))
             return 0;
         keep(r, b, period_end(s));
     }

@@ -34,17 +34,17 @@ class StroboscopicSection:
 
     def gather(self, start, end):
         """Section points within (start.t, end], on the stretch that the flow has just done from the state
-        `start`; a generator, which yields now and then.
+        `start`; a generator, which yields the time of each.
         """
         if self.turning:
-            self._gather_turns(start, end)
+            yield from self._gather_turns(start, end)
         elif self.period is not None:
             t = self.period.end(self.next)
             while t <= end and self.next < LAST_PERIOD:
                 self.states.append(self.flow.state_at(t))
+                yield t
                 self.next += 1
                 t = self.period.end(self.next)
-                yield
 
     def _gather_turns(self, start, end):
         """Forward passages of phi through whole turns, by bisection safeguarded Newton steps."""
@@ -53,7 +53,9 @@ class StroboscopicSection:
         for turn in (0, 1):
             target = turn * TWO_PI + turn * TWO_PI_LO
             if first < target <= last:
-                self.states.append(self.flow.state_at(self._passage(start, end, target)))
+                t = self._passage(start, end, target)
+                self.states.append(self.flow.state_at(t))
+                yield t
 
     def _passage(self, start, end, target):
         """Time at which the rotor angle, counted in the turn of `start`, passes `target`."""

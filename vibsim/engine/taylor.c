@@ -222,6 +222,18 @@ static void dense_output(const Taylor *f, double tau, double *out)
         dense_block(f->table + 2 * k, rows, 1, f->stride, tau, out + 2 * k);
 }
 
+/* Rate of the speed of the rotor. */
+double taylor_spin_rate(const Run *r, double tau)
+{
+    const Taylor *f = &r->taylor;
+    const double *w = f->table + f->rates + r->bodies;
+    double rate = f->order * w[f->order * f->stride];
+    int n;
+    for (n = f->order - 1; n > 0; n--)
+        rate = rate * tau + n * w[n * f->stride];
+    return rate;
+}
+
 void taylor_state_after(Run *r, double tau, State *out)
 {
     Taylor *f = &r->taylor;

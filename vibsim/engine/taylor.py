@@ -417,6 +417,13 @@ class Taylor:
             total = total + term.amplitude * sine
         return total
 
+    def spin_rate(self, tau):
+        """Rate of the speed of the rotor [rad/s^2] a time tau after the expansion point."""
+        rate = self.order * self.w[self.order]
+        for n in range(self.order - 1, 0, -1):
+            rate = rate * tau + n * self.w[n]
+        return rate
+
     def state_at(self, t):
         """State at time t within the step."""
         state = self.state_after(t - self.t0)

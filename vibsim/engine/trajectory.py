@@ -29,6 +29,7 @@ from vibsim.engine.tangent_totals import tangent_totals
 from vibsim.engine.totals import ledger_totals, rigid_totals, totals_of
 from vibsim.physics.modes import EVENT_KINDS, RIGID_KINDS
 from vibsim.physics.numbers import Doubles
+from vibsim.physics.parts import BASE, GROUND
 
 SAMPLES, PIECES = 2048, 4096  # of the Python engine between two blocks
 SECONDS = 0.1  # the same: Ctrl-C is heard there
@@ -47,7 +48,8 @@ class Block:
 
     section: time [s] and states at the ends of the periods, empty unless asked for. t_reached: time up to
     which the motion is known [s]; worked_to: time up to which all that goes with it is worked out, the
-    ledger say [s]; within a long stretch without events that is further.
+    ledger say [s]; within a long stretch without events that is further. extremes: least, then greatest of
+    every pair in the period that each section point ends, (2 * pairs, points); empty unless asked for.
     """
 
     samples: dict[str, np.ndarray]
@@ -55,6 +57,7 @@ class Block:
     section: dict[str, np.ndarray]
     t_reached: float
     worked_to: float
+    extremes: np.ndarray
 
 
 def open_trajectory(
@@ -66,6 +69,7 @@ def open_trajectory(
     momentum=False,
     tangent=0,
     tangent_from=0.0,
+    extremes=None,
 ):
     """A run of `scene` (a `vibsim.physics.parts.Scene`) from its start, not yet computed.
 
@@ -81,6 +85,10 @@ def open_trajectory(
     momentum : whether they carry the momentum ledger, and with it that of energy
     tangent : number of disturbances to carry along, for as many Lyapunov exponents in the totals
     tangent_from : time [s] from which their growth counts
+    extremes : (pairs of ends P, Q as of a part, time [s] from which on), or None. Least and greatest
+        x_P - x_Q of each pair, then of the rotor's speed, exact to rounding: by period in the blocks, where
+        they carry the section, and of all in `extremes` of the object returned, with the smallest gap at a
+        turn without contact of each stop between the ends of a pair
 
     Returns an object with `engine`, `blocks()` (an iterator of `Block`s; raises EngineError when the run
     fails) and `totals`. Raises ValueError for another engine or method, a row that no run has or more
@@ -90,7 +98,22 @@ def open_trajectory(
     check_tangent(scene, tangent)
     python = scene.rigid_stops or engine_name(engine) == "python"
     trajectory = PythonTrajectory if python else CTrajectory
-    return trajectory(scene, resume, section, ledger, momentum, (tangent, tangent_from))
+    kept = extremes_of(scene, *extremes) if extremes else None
+    return trajectory(scene, resume, section, ledger, momentum, (tangent, tangent_from), kept)
+
+
+def extremes_of(scene, ends, since):
+    """What `Extremes` is told: columns of the pairs, the stops whose gap is told by one of them, the time."""
+    columns = {GROUND: len(scene.bodies), BASE: len(scene.bodies) + 1}
+    pairs = [(columns.get(P, P), columns.get(Q, Q)) for P, Q in ends]
+    gaps = []
+    for i, stop in enumerate(scene.stops):
+        P, Q = columns.get(stop.P, stop.P), columns.get(stop.Q, stop.Q)
+        if (P, Q) in pairs:
+            gaps.append((i, pairs.index((P, Q)), stop.sense, stop.gap))
+        elif (Q, P) in pairs:
+            gaps.append((i, pairs.index((Q, P)), -stop.sense, stop.gap))
+    return pairs, gaps, since
 
 
 def state_at(scene, row, times, engine="auto"):
@@ -129,11 +152,14 @@ class Trajectory:
         happened = dict(zip(names, events, strict=False))
         happened |= {"kind": event_codes[0], "part": self._parts(event_codes[0], event_codes[1])}
         happened |= dict(zip(parts, event_codes[2:], strict=True))
+        width = 3 + 2 * len(self.scene.bodies)  # of a state
         return Block(
             {name: table[name] for name in self.names},
             {name: happened[name] for name in event_columns(self.scene)},
             dict(zip(section_columns(self.scene), section, strict=False)),
-            *reached,
+            reached[0],
+            reached[1],
+            section[width:],
         )
 
     def columns_of(self, states, codes):
@@ -164,10 +190,19 @@ class PythonTrajectory(Trajectory):
 
     engine = "python"
 
-    def __init__(self, scene, resume=None, section=False, ledger=False, momentum=False, tangent=(0, 0.0)):
+    def __init__(
+        self,
+        scene,
+        resume=None,
+        section=False,
+        ledger=False,
+        momentum=False,
+        tangent=(0, 0.0),
+        extremes=None,
+    ):
         super().__init__(scene)
         point = resume_point(scene, resume) if resume is not None else None
-        self.driver = Driver(scene, Doubles, point, section, ledger, momentum, tangent)
+        self.driver = Driver(scene, Doubles, point, section, ledger, momentum, tangent, extremes=extremes)
 
     def blocks(self):
         """Yield `Block`s until the run ends."""
@@ -177,17 +212,42 @@ class PythonTrajectory(Trajectory):
             if self.driver.finished:
                 return
 
+<<<<<<< HEAD
     def _block(self, samples, events, section):
         pairs = np.array([[kind, part] for kind, part, *_ in events], dtype="i2")
+=======
+    @property
+    def extremes(self):
+        """Least and greatest of every pair so far, and the smallest gap of every stop that is watched."""
+        kept = self.driver.extremes
+        return (kept.least, kept.greatest, kept.margins) if kept else ([], [], [])
+
+    def _block(self, samples, events, section, extremes):
+        pairs = np.array([[kind, part] for kind, part, _, _ in events], dtype="i2")
+>>>>>>> bc5a84e (Keep extremes by period in both engines while they run)
         kinds = pairs.astype("i1").reshape(-1, 2).T
         return self.block(
             self._states([state for state, _ in samples]),
             self._codes([status for _, status in samples]),
+<<<<<<< HEAD
             np.vstack([self._states([one[2] for one in events], phase=True), self._before(events)]),
             np.vstack([kinds, self._codes([one[3] for one in events])]),
             self._states(section),
+=======
+            self._states([state for _, _, state, _ in events], phase=True),
+            np.vstack([kinds, self._codes([status for *_, status in events])]),
+            self._section(section, extremes),
+>>>>>>> bc5a84e (Keep extremes by period in both engines while they run)
             self._reached(),
         )
+
+    def _section(self, states, extremes):
+        """Rows of states, and behind them those of extremes where they are kept."""
+        rows = self._states(states)
+        if self.driver.extremes is None:
+            return rows
+        width = 2 * self.driver.extremes.count
+        return np.vstack([rows, np.array(extremes, dtype="f8").reshape(-1, width).T])
 
     def _reached(self):
         return self.driver.state.t, self.driver.worked_to
@@ -248,14 +308,28 @@ class CTrajectory(Trajectory):
 
     engine = "c"
 
-    def __init__(self, scene, resume=None, section=False, ledger=False, momentum=False, tangent=(0, 0.0)):
+    def __init__(
+        self,
+        scene,
+        resume=None,
+        section=False,
+        ledger=False,
+        momentum=False,
+        tangent=(0, 0.0),
+        extremes=None,
+    ):
         super().__init__(scene)
         from vibsim.engine.c_engine import CRun
 
         point = resume_point(scene, resume) if resume is not None else None
         self.resume, self.starts_lifted = resume, point is not None and LIFTED in point[1].stops
-        self.run = CRun(scene, point, section, ledger, momentum, tangent)
+        self.run = CRun(scene, point, section, ledger, momentum, tangent, extremes=extremes)
         self.carries = tangent[0] > 0
+
+    @property
+    def extremes(self):
+        """Least and greatest of every pair so far, and the smallest gap of every stop that is watched."""
+        return self.run.run.extremes()
 
     def blocks(self):
         """Yield `Block`s until the run ends; raises EngineError when it fails."""

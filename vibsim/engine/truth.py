@@ -58,8 +58,8 @@ class TruthTrajectory(PythonTrajectory):
                 self.driver.run(PIECES, SAMPLES, SECONDS)
             except EngineError as error:
                 raise EngineError(error.reason, self._rounded(error.state)) from error
-            samples, events, section = self.driver.take()
-            block = self._block(samples, events, section)
+            samples, events, section, _ = self.driver.take()
+            block = self._block(samples, events, section, ())
             names = state_columns(self.scene)
             at = self._texts(names, [self._row(state)[1:] for state, _ in samples])
             after = self._texts(("t", *names), [self._row(one[2]) for one in events])

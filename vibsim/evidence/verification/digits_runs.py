@@ -71,7 +71,7 @@ def run_digits(how: Plan, flow: str, digits: int, seed: int | None = None) -> Ru
 
 
 def _finished(kit, driver) -> Run:
-    samples, events, _ = driver.take()
+    samples, events, *_ = driver.take()
     states = [state for state, _ in samples]
     names = state_columns(driver.scene)
     rows = [_values(kit, state) for state in states]

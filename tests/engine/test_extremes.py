@@ -1,0 +1,122 @@
+"""Extremes that the engine keeps as it runs: against closed forms, fine samples, and the other engine."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+
+from tests.engine.random_parts import part_scenes
+from tests.scenes import fixed_block, harmonic, motor
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.physics.parts import GROUND, Body, Force, Harmonic, Link, Scene, Stop
+
+RARELY = {"every_num": 10**6, "every_den": 1}  # no samples
+
+
+def run(scene, ends, since=0.0, engine="auto"):
+    """Extremes by period (2 * pairs, periods), those of all, and the section's times."""
+    scene = replace(scene, **RARELY)
+    trajectory = open_trajectory(scene, engine, section=True, extremes=(ends, since))
+    blocks = list(trajectory.blocks())
+    rows = np.concatenate([block.extremes for block in blocks], axis=1)
+    return rows, trajectory.extremes, np.concatenate([block.section["time"] for block in blocks])
+
+
+def free(x, v=0.0, t_end=10.0, method="auto", **parts):
+    """A mass of 1 kg on a spring of 4 pi^2 N/m: 1 Hz."""
+    links = (Link("s", 0, GROUND, 4 * math.pi**2, 0.0),)
+    return Scene((Body("a", 1.0, x, v),), links, t_end=t_end, method=method, **parts)
+
+
+@pytest.mark.parametrize("method", ["auto", "taylor"])
+def test_the_amplitude_of_a_free_vibration_is_exact_to_rounding(method):
+    scene = free(0.001, 2 * math.pi * 0.002, method=method)
+    _, (least, greatest, _), _ = run(scene, [(0, GROUND)], 1.234)
+    amplitude = math.hypot(0.001, 0.002)
+    assert greatest == pytest.approx([amplitude], rel=4e-15)
+    assert least == pytest.approx([-amplitude], rel=4e-15)
+
+
+def test_each_period_has_its_own():
+    """A force that moves a heavy mass steadily on: x = v t + ripple; every period begins where one ended."""
+    term = Harmonic(1.0, 2 * math.pi, 1.0, 0.0, 0.0)
+    scene = Scene((Body("a", 1e3, 0.0, 0.5),), forces=(Force("f", 0, 0.0, (term,)),), t_end=6.5)
+    rows, (least, greatest, _), times = run(scene, [(0, GROUND)], 2.5)
+    assert times.tolist() == [1, 2, 3, 4, 5, 6]
+    mean = 0.5 + 1 / (1e3 * 2 * math.pi)  # x = mean t - sin(2 pi t) / (1000 (2 pi)^2), ascending
+    assert rows[:, :2].tolist() == [[math.inf] * 2, [-math.inf] * 2]
+    np.testing.assert_allclose(rows[0, 3:], mean * np.array([3, 4, 5]), rtol=1e-15)
+    np.testing.assert_allclose(rows[1, 2:], mean * np.array([3, 4, 5, 6]), rtol=1e-15)
+    assert (least[0], greatest[0]) == (rows[0, 2], pytest.approx(6.5 * mean, rel=1e-6))
+
+
+def test_what_turns_twice_between_two_nodes_is_found():
+    """A drift slower than the ripple on it turns twice a period, however short the way back."""
+    term = Harmonic(1.0, 2 * math.pi, 1.0, 0.0, math.pi / 2)
+    ripple = 1 / (2 * math.pi)  # of the velocity, F / (m w)
+    for excess in (1e-2, 1e-4, 1e-6):
+        speed = ripple * (1 - excess)
+        scene = Scene((Body("a", 1.0, 0.0, speed),), forces=(Force("f", 0, 0.0, (term,)),), t_end=1.0)
+        fine = open_trajectory(replace(scene, every_num=1, every_den=10**6))
+        x = np.concatenate([block.samples["x_a"] for block in fine.blocks()])
+        _, (least, greatest, _), _ = run(scene, [(0, GROUND)])
+        turn = math.asin(-speed / ripple)  # v = speed + ripple sin(2 pi t) = 0
+        assert least[0] <= x.min() and greatest[0] >= x.max()
+        if excess == 1e-2:
+            places = [(math.pi - turn) / (2 * math.pi), (2 * math.pi + turn) / (2 * math.pi)]
+            values = [speed * t + ripple * (1 - math.cos(2 * math.pi * t)) / (2 * math.pi) for t in places]
+            assert max(values) <= greatest[0] * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+def test_the_smallest_gap_is_kept_of_open_stops_alone(sense):
+    stops = (Stop("near", 0, GROUND, 0.0011, sense, 1e5, 0.0), Stop("far", 0, GROUND, 0.004, sense, 1e5, 0.0))
+    _, (_, _, margins), _ = run(free(0.001, stops=stops), [(0, GROUND)])
+    assert margins == pytest.approx([0.0001, 0.003], rel=1e-12)
+    touching = replace(free(0.002, stops=stops), t_end=3.0)
+    _, (_, _, margins), _ = run(touching, [(0, GROUND)])
+    assert margins[0] == math.inf and 0.00199 < margins[1] < 0.003
+
+
+def test_the_speed_of_a_motor_is_followed():
+    """A rotor of no unbalance on a fixed mass runs up: w = Omega0 (1 - exp(-t / T)), greatest at the end."""
+    scene = fixed_block(motor(5.5) | {"m3": 1e-12}, m1=1e9, k1=0.0, c=0.0, t_end=2.0).as_parts()
+    _, (least, greatest, _), _ = run(scene, [(0, GROUND)], 1.0)
+    constant = scene.motor.Omega0 * scene.motor.J / scene.motor.M0
+    for value, t in ((least[-1], 1.0), (greatest[-1], 2.0)):
+        assert value == pytest.approx(scene.motor.Omega0 * -math.expm1(-t / constant), rel=1e-9)
+
+
+def test_a_driven_oscillator_has_its_amplitude_in_every_period():
+    driven = fixed_block(harmonic(4.0, 0.1), c=1.0, t_end=30.0).as_parts()
+    rows, _, times = run(driven, [(0, GROUND)], 20.0)
+    w = 2 * math.pi * 4.0
+    amplitude = 0.1 / math.hypot(driven.links[0].k - driven.bodies[0].m * w * w, w)
+    np.testing.assert_allclose(rows[1, times > 20.25], amplitude, rtol=1e-13)
+    np.testing.assert_allclose(rows[0, times > 20.25], -amplitude, rtol=1e-13)
+
+
+@settings(max_examples=25, deadline=None)
+@given(part_scenes())
+def test_random_scenes(scene):
+    """Both engines give the same bits; samples stay within, and miss an extreme by a step at most."""
+    ends = [(i, GROUND) for i in range(len(scene.bodies))]
+    ends += [(stop.P, stop.Q) for stop in scene.stops if GROUND not in (stop.P, stop.Q)]
+    since = scene.t_end / 3
+    c, python = (run(scene, ends, since, engine) for engine in ("c", "python"))
+    np.testing.assert_array_equal(c[0], python[0])
+    assert [list(one) for one in c[1]] == [list(other) for other in python[1]]
+    fine = replace(scene, every_num=1, every_den=math.ceil(20_000 / scene.t_end))
+    blocks = list(open_trajectory(fine).blocks())
+    time = np.concatenate([block.samples["time"] for block in blocks])
+    for i, body in enumerate(scene.bodies):
+        separator = "" if body.name.isdigit() else "_"
+        x, v = (
+            np.concatenate([b.samples[f"{s}{separator}{body.name}"] for b in blocks])[time >= since]
+            for s in "xv"
+        )
+        missed = np.abs(v).max() / fine.every_den + 1e-15  # where it begins or ends between two samples
+        assert c[1][0][i] <= x.min() <= c[1][0][i] + missed
+        assert c[1][1][i] - missed <= x.max() <= c[1][1][i]

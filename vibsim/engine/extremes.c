@@ -1,0 +1,263 @@
+/* Least and greatest displacements, period by period; twin of vibsim/engine/extremes.py. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "modes.h"
+#include "numbers.h"
+
+#define NODES_OF_CLOSED_FORM 4
+#define ORDERS_TO_A_NODE 10
+#define NEARLY 0.2
+#define HALVINGS 4
+#define ITERATIONS 8
+#define ROUNDING 0x1p-55
+
+typedef struct {
+    double t, value, rate;
+} Node;
+
+static void base_motion(const Run *r, double t, double *X, double *V)
+{
+    int i;
+    *X = *V = 0.0;
+    for (i = 0; i < r->base_count; i++) {
+        const Harmonic *term = &r->base[i];
+        double angle = turn_angle(term->cycles, term->cycles_lo, t) + term->phase;
+        *X = *X + term->amplitude * sin(angle);
+        *V = *V + term->amplitude * term->omega * cos(angle);
+    }
+}
+
+static double column(const Run *r, const double *values, int c, double base)
+{
+    return c < r->bodies ? values[c] : c == r->bodies ? 0.0 : base;
+}
+
+/* Displacements and their rates at t; of pair `only` alone where that is not negative. */
+static void measure(Run *r, double t, int only, double *values, double *rates)
+{
+    Extremes *e = &r->extremes;
+    double X = 0.0, V = 0.0;
+    int q;
+    flow_state(r, t, &r->scratch);
+    if (e->based)
+        base_motion(r, t, &X, &V);
+    for (q = only < 0 ? 0 : only; q < (only < 0 ? e->count : only + 1); q++) {
+        if (q < e->pairs) {
+            values[q] = column(r, r->scratch.x, e->P[q], X) - column(r, r->scratch.x, e->Q[q], X);
+            rates[q] = column(r, r->scratch.v, e->P[q], V) - column(r, r->scratch.v, e->Q[q], V);
+        } else {
+            values[q] = r->scratch.w;
+            rates[q] = taylor_spin_rate(r, t - r->t0);
+        }
+    }
+}
+
+static Node measured(Run *r, int q, double t)
+{
+    Extremes *e = &r->extremes;
+    Node node;
+    measure(r, t, q, e->here, e->here + e->count);
+    node.t = t;
+    node.value = e->here[q];
+    node.rate = e->here[e->count + q];
+    return node;
+}
+
+static void take(Extremes *e, int q, double value)
+{
+    if (value < e->low[q])
+        e->low[q] = value;
+    if (value > e->high[q])
+        e->high[q] = value;
+    if (value < e->least[q])
+        e->least[q] = value;
+    if (value > e->greatest[q])
+        e->greatest[q] = value;
+}
+
+static void note_gaps(Run *r, int q, double value, int falling)
+{
+    Extremes *e = &r->extremes;
+    int i;
+    for (i = 0; i < e->gap_count; i++) {
+        const Gap *g = &e->gaps[i];
+        if (g->pair == q && (g->sense > 0) == falling && r->mode->codes[g->stop] == 0) {
+            double left = g->gap + g->sense * value;
+            if (left < e->margins[i])
+                e->margins[i] = left;
+        }
+    }
+}
+
+static int may_turn_twice(const Node *left, const Node *right)
+{
+    double halfway = 1.5 * ((right->value - left->value) / (right->t - left->t)) - 0.25 * (left->rate + right->rate);
+    return left->rate * right->rate > 0 && halfway * left->rate < NEARLY * (left->rate * left->rate) &&
+           halfway * right->rate < NEARLY * (right->rate * right->rate);
+}
+
+static double turn_of_cubic(double length, double rise, double rate0, double rate1)
+{
+    double d0 = length * rate0, d1 = length * rate1;
+    double a = d0 + d1 - 2 * rise, b = 3 * rise - 2 * d0 - d1;
+    double square = b * b - 3 * (a * d0);
+    double root = square > 0 ? sqrt(square) : 0.0;
+    double q = b > 0 ? -(b + root) : root - b;
+    double place = q != 0 ? d0 / q : 0.0;
+    if (!(0 < place && place < 1))
+        place = a != 0 ? q / (3 * a) : 0.0;
+    return 0 < place && place < 1 ? place : d0 / (d0 - d1);
+}
+
+static void turn(Run *r, int q, Node left, Node right)
+{
+    int falling = left.rate < 0, i;
+    for (i = 0; i < ITERATIONS; i++) {
+        double length = right.t - left.t, slope;
+        double t = left.t + turn_of_cubic(length, right.value - left.value, left.rate, right.rate) * length;
+        Node node;
+        if (!(left.t < t && t < right.t))
+            return;
+        node = measured(r, q, t);
+        r->spent += 1;
+        take(&r->extremes, q, node.value);
+        note_gaps(r, q, node.value, falling);
+        slope = (right.rate - left.rate) / length;
+        if (node.rate * node.rate <= ROUNDING * (fabs(slope) * fabs(node.value)))
+            return;
+        if ((node.rate < 0) == falling)
+            left = node;
+        else
+            right = node;
+    }
+}
+
+static void span(Run *r, int q, Node left, Node right, int halvings)
+{
+    if (left.rate * right.rate < 0) {
+        turn(r, q, left, right);
+    } else if (halvings > 0 && may_turn_twice(&left, &right)) {
+        double t = left.t + (right.t - left.t) / 2;
+        if (left.t < t && t < right.t) {
+            Node middle = measured(r, q, t);
+            r->spent += 1;
+            take(&r->extremes, q, middle.value);
+            span(r, q, left, middle, halvings - 1);
+            span(r, q, middle, right, halvings - 1);
+        }
+    }
+}
+
+void extremes_open(Run *r)
+{
+    r->extremes.at = r->state.t;
+    r->extremes.has_node = 0;
+}
+
+static double step(const Run *r)
+{
+    double piece = longest_piece(r, r->extremes.at - r->t0);
+    return piece / (r->closed ? NODES_OF_CLOSED_FORM : 1 + r->taylor.order / ORDERS_TO_A_NODE);
+}
+
+static Node node_of(const Extremes *e, int q, double t, const double *values)
+{
+    Node node = {t, values[q], values[e->count + q]};
+    return node;
+}
+
+int extremes_until(Run *r, double end, int bounded)
+{
+    Extremes *e = &r->extremes;
+    int q;
+    if (!e->count || end < e->since)
+        return 1;
+    if (!e->has_node) {
+        e->at = e->at < e->since ? e->since : e->at;
+        measure(r, e->at, -1, e->node, e->node + e->count);
+        for (q = 0; q < e->count; q++)
+            take(e, q, e->node[q]);
+        e->has_node = 1;
+    }
+    while (e->at < end) {
+        double length = step(r), ahead = length < end - e->at ? e->at + length : end, *before;
+        if (bounded && r->spent > r->work_at_once)
+            return 0;
+        measure(r, ahead, -1, e->ahead, e->ahead + e->count);
+        r->spent += 1;
+        for (q = 0; q < e->count; q++)
+            span(r, q, node_of(e, q, e->at, e->node), node_of(e, q, ahead, e->ahead), HALVINGS);
+        for (q = 0; q < e->count; q++)
+            take(e, q, e->ahead[q]);
+        before = e->node;
+        e->node = e->ahead;
+        e->ahead = before;
+        e->at = ahead;
+    }
+    return 1;
+}
+
+/* End a period; its extremes go into the rows behind the state of the section. */
+void extremes_close(Run *r, double *row, long room)
+{
+    Extremes *e = &r->extremes;
+    int q;
+    for (q = 0; q < e->count; q++) {
+        row[q * room] = e->low[q];
+        row[(e->count + q) * room] = e->high[q];
+        if (e->has_node)
+            e->low[q] = e->high[q] = e->node[q];
+    }
+}
+
+int extremes_read(Run *r, Reader *in)
+{
+    Extremes *e = &r->extremes;
+    int pairs = read_index(in, 0, 1 << 16), gaps = read_index(in, 0, 1 << 16), count = pairs + (r->has_motor ? 1 : 0), i;
+    if (in->short_of)
+        return 0;
+    e->P = calloc((size_t)(2 * pairs + 1), sizeof(int));
+    e->gaps = calloc((size_t)gaps + 1, sizeof(Gap));
+    e->numbers = calloc((size_t)(10 * count + gaps + 1), sizeof(double));
+    if (!e->P || !e->gaps || !e->numbers)
+        return 0;
+    e->Q = e->P + pairs;
+    for (i = 0; i < pairs; i++) {
+        e->P[i] = read_index(in, 0, r->columns - 1);
+        e->Q[i] = read_index(in, 0, r->columns - 1);
+        e->based = e->based || e->P[i] > r->bodies || e->Q[i] > r->bodies;
+    }
+    for (i = 0; i < gaps; i++) {
+        e->gaps[i].stop = read_index(in, 0, r->parts - 1);
+        e->gaps[i].pair = read_index(in, 0, pairs - 1);
+        e->gaps[i].sense = read_index(in, -1, 1);
+        e->gaps[i].gap = read_double(in);
+    }
+    e->since = read_double(in);
+    e->low = e->numbers;
+    e->high = e->low + count;
+    e->least = e->high + count;
+    e->greatest = e->least + count;
+    e->node = e->greatest + count;
+    e->ahead = e->node + 2 * count;
+    e->here = e->ahead + 2 * count;
+    e->margins = e->here + 2 * count;
+    for (i = 0; i < count; i++) {
+        e->low[i] = e->least[i] = INFINITY;
+        e->high[i] = e->greatest[i] = -INFINITY;
+    }
+    for (i = 0; i < gaps; i++)
+        e->margins[i] = INFINITY;
+    e->pairs = pairs;
+    e->gap_count = gaps;
+    e->count = count;
+    return read_through(in);
+}
+
+void extremes_free(Extremes *e)
+{
+    free(e->P);
+    free(e->gaps);
+    free(e->numbers);
+}
