@@ -59,8 +59,8 @@ def computing():
 
     def engine():
         for index in indices:
-            scene = sampled_for_statistics(plan.point_case(index).two_blocks())
-            for _ in MeasuredRun(scene, scene.t_end / 2, "c").blocks():
+            scene = sampled_for_statistics(plan.point_case(index).scene())
+            for _ in MeasuredRun(scene, plan.recipe.of, scene.t_end / 2, "c").blocks():
                 pass
 
     def points(names):

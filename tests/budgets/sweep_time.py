@@ -10,6 +10,7 @@ from tests.budgets.row import Row
 from vibsim.cases import load_case
 from vibsim.sweeps.schedule.workers import available_cores
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
+from vibsim.sweeps.statistics.quantities import quantities_of
 from vibsim.sweeps.statistics.resolution import sampled_for_statistics
 
 POINTS, OVERHEAD = 81, 1.5
@@ -36,9 +37,10 @@ def rows():
 
 def engine_seconds(frequency):
     """Time in the C engine [s] of II-B with the motor constant `frequency` [Hz], as a point of a sweep."""
-    scene = sampled_for_statistics(load_case("II-B", {"excitation.Omega0": f"{frequency} Hz"}).two_blocks())
+    case = load_case("II-B", {"excitation.Omega0": f"{frequency} Hz"})
+    scene = sampled_for_statistics(case.scene())
     with EngineClock() as clock:
-        for _ in MeasuredRun(scene, scene.t_end / 2, "c").blocks():
+        for _ in MeasuredRun(scene, quantities_of(case), scene.t_end / 2, "c").blocks():
             pass
     return clock.seconds
 

@@ -179,3 +179,29 @@ def test_what_can_be_computed_is_listed(own_folder):
     assert lines[3] == "grazing            grazing margin after the transient: grazing_margin_late"
     listed = json.loads(call("sweep", "--list", "--json").stdout)
     assert listed["capture"]["columns"][0] == "capture" and list(own_folder.iterdir()) == []
+
+
+def test_a_scene_of_named_parts():
+    done = call("sweep", "gallery/drifting-capsule", "--omega", "4:6:1", "--param", "anvil.k=2,5kN/m", *SHORT)
+    assert done.exit_code == 0, done.stderr
+    result = open_result("drifting-capsule-push_omega-anvil_k.h5")
+    assert result["push_omega"].tolist() == [4, 5, 6] and result["anvil_k"].tolist() == [2, 5]
+    assert np.isfinite(result["amplitude_x_hammer"]).all()
+    assert result.case_at((2, 0, 0)).number("forces.reaction.omega") == pytest.approx(12 * np.pi, rel=1e-15)
+    described = call("info", "drifting-capsule-push_omega-anvil_k.h5")
+    assert "push_omega      4 to 6 Hz in steps of 1, 3 values" in described.stdout
+
+
+@pytest.mark.parametrize(
+    ("case", "options", "said"),
+    [
+        ("gallery/drifting-capsule", ("--omega0", "3,4"), "is harmonic; use --omega 3,4"),
+        ("gallery/stack-of-blocks", ("--omega0", "3,4"), "is moving base; use --omega 3,4"),
+        ("gallery/chain-with-gaps", ("--omega", "3,4"), "chain-with-gaps has no harmonic force"),
+        ("gallery/impact-damper", ("--param", "left.k=right.c=1,2"), "right.c"),
+        ("gallery/impact-damper", ("--param", "left.q=1,2"), "unknown key"),
+    ],
+)
+def test_what_a_scene_of_named_parts_has_not(case, options, said):
+    done = call("sweep", case, *options)
+    assert done.exit_code in (2, 3) and said in done.stderr

@@ -13,6 +13,7 @@ from tests.command_line.made import call
 from tests.sweeps.clusters import loopback_cluster
 from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
 from vibsim.opening import open_result
+from vibsim.sweeps.plan.sweep_plan import STATISTICS
 from vibsim.sweeps.schedule.cluster import DIED, ClusterError, ClusterWorkers
 from vibsim.sweeps.statistics.columns import FAILED
 from vibsim.sweeps.store.point_store import FileStore, Store
@@ -88,7 +89,7 @@ def test_a_worker_that_computes_other_bits_is_refused(cluster, monkeypatch):
     plan = short_plan({OMEGA0: "3, 4 Hz"})
     for key, value, message in [
         ("vibsim", "9.9", "has vibsim .*, and 9.9 asks"),
-        ("statistics", "99", "has version 2 of the statistics, and 99 asks"),
+        ("statistics", "99", f"has version {STATISTICS} of the statistics, and 99 asks"),
         ("bits", "0", "computes other last digits than this machine"),
     ]:
         workers = ClusterWorkers(plan.recipe, cluster.address)

@@ -44,7 +44,7 @@ def test_a_bug_at_one_point_does_not_stop_the_others(monkeypatch):
 
     class Faulty(point.Statistics):
         def update(self, block):
-            if abs(self.scene.Omega0 / 2 / np.pi - 4) < 1e-9:
+            if abs(self.scene.motor.Omega0 / 2 / np.pi - 4) < 1e-9:
                 raise ZeroDivisionError("by nothing")
             super().update(block)
 

@@ -11,7 +11,8 @@ from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
 from vibsim.opening import open_result
 from vibsim.results import ResultFileError
 from vibsim.sweeps import describe, sweep
-from vibsim.sweeps.statistics.columns import ALWAYS, DEFINITIONS, SECTION
+from vibsim.sweeps.statistics.columns import DEFINITIONS, always, section
+from vibsim.sweeps.statistics.quantities import quantities_of
 from vibsim.sweeps.store.point_store import FileStore
 from vibsim.sweeps.sweeping import run_stored
 
@@ -46,15 +47,16 @@ def test_the_scales(file):
 
 def test_every_dataset_lies_on_the_scales(file):
     scales = ["omega0", "G", "direction", "section"]
+    of_sections = section(quantities_of(short_case()))
     for name, dataset in file.items():
         if name not in scales:
-            expected = scales if name in SECTION else scales[:3]
+            expected = scales if name in of_sections else scales[:3]
             assert [dataset.dims[i].keys() for i in range(dataset.ndim)] == [[scale] for scale in expected]
             assert dataset.attrs["long_name"]
 
 
 def test_units_and_filters(file):
-    for name, column in ALWAYS.items():
+    for name, column in always(quantities_of(short_case())).items():
         assert file[name].attrs["units"] == column.units
         assert (file[name].compression, file[name].fletcher32) == ("gzip", True)
     assert file["status"].attrs["flag_meanings"].split() == ["missing", "done", "failed"]

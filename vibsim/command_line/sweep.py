@@ -20,7 +20,7 @@ class KeyRange(click.ParamType):
     def convert(self, value, param, ctx):
         if isinstance(value, tuple):
             return value
-        key, _, text = value.partition("=")
+        key, _, text = value.rpartition("=")  # KEY=KEY=RANGE gives several keys the same values
         if not key.strip() or not text.strip():
             self.fail(f"{value!r} is not {self.form}", param, ctx)
         return key.strip(), text.strip()
@@ -34,6 +34,7 @@ class KeyRange(click.ParamType):
         "vibsim sweep II-B --omega0 3:7:0.05 --direction both --carry-state -o hysteresis.h5",
         "vibsim sweep I-B --omega 3:7:0.1 --discard 100s",
         "vibsim sweep II-B --omega0 3:7:0.1 --param c=0.01:0.05/9",
+        "vibsim sweep drifting-capsule --param stops.anvil.k=1:10/10kN/m",
         "vibsim sweep II-B --omega0 3:7:0.1 --ensemble 20 --spread phi=0:360deg --spread x1=1mm",
         "vibsim sweep II-B --omega0 3:7:0.1 --compute power,capture,regime",
         "vibsim sweep II-B --omega0 3:7:0.001 --scheduler tcp://10.0.0.1:8786",
@@ -52,7 +53,7 @@ class KeyRange(click.ParamType):
     metavar="KEY=RANGE",
     multiple=True,
     type=KeyRange(),
-    help="Any number; repeat for a grid.",
+    help="Any number; repeat for a grid. KEY=KEY=RANGE gives several keys the same values.",
 )
 @click.option(
     "--ensemble", type=click.IntRange(min=1), metavar="N",
@@ -94,7 +95,7 @@ class KeyRange(click.ParamType):
 @set_option
 @click.option("--t-end", metavar="TIME", help="End of every run, such as 100s.")
 @click.option(
-    "--every", metavar="TIME", help="Sampling behind the statistics. [default: what the motion needs]"
+    "--every", metavar="TIME", help="Sampling behind verdicts on the regime. [default: what the motion needs]"
 )
 @click.option("--method", type=OneOf(["auto", "closed_form", "taylor"]), help="How the motion is computed.")
 @click.option("--engine", type=OneOf(["auto", "c", "python"]), default="auto", help="Who computes it.")
@@ -130,8 +131,7 @@ def command(
             say(f"no case given: sweeping {source}", err=True)
     given = {"run.t_end": t_end, "run.method": method}
     values = joined(changes, given)
-    axes = [("excitation.Omega0", omega0, "Hz", "--omega0"), ("excitation.omega", omega, "Hz", "--omega")]
-    axes = [axis for axis in axes if axis[1] is not None]
+    axes = [("", text, "Hz", option) for option, text in (("--omega0", omega0), ("--omega", omega)) if text]
     axes += [(key, text, "", "--param") for key, text in params]
     settings["compute"] = [name.strip() for name in computed.split(",") if name.strip()]
     plan = read_plan(source, values, axes, (ensemble or 0, seed, spreads), settings)

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from vibsim.cases import Case, RangeError, UnknownKeyError
+from vibsim.cases import Case, RangeError, UnknownKeyError, load_case
 from vibsim.command_line.errors import FAILED_POINTS
 from vibsim.command_line.interruption import Interruption
 from vibsim.command_line.progress import PATIENCE, Progress
@@ -24,11 +24,14 @@ from vibsim.sweeps.plan.sweep_plan import Plan, PlanError
 from vibsim.sweeps.points.table import Table
 from vibsim.sweeps.schedule.workers import Workers
 from vibsim.sweeps.statistics.columns import DONE, FAILED, MISSING
+from vibsim.sweeps.statistics.quantities import quantities_of
 from vibsim.sweeps.store.point_store import FileStore
 from vibsim.sweeps.sweeping import complete, make_plan, open_workers, read_ensemble
 
+EXAMPLE = "II-B"  # a case that has everything
+
 AxisText = tuple[str, str, str, str]  # key, range, unit of a bare range, option that it was given with
-OTHER_OPTION = {"excitation.Omega0": ("--omega", "harmonic"), "excitation.omega": ("--omega0", "motor")}
+SOURCES = {"--omega0": "motor", "--omega": "harmonic force"}  # what the options sweep; they have no key
 Ensemble = tuple[int, int, Sequence[tuple[str, str]]]  # members, seed, spreads as key and text
 
 
@@ -47,6 +50,7 @@ def read_plan(
     count, seed, spreads = ensemble
     if not axes and not count and not spreads:
         raise click.UsageError("nothing to sweep: give --omega0, --omega, --param KEY=RANGE or --ensemble N")
+    axes = [(key or source_key(case, option, text), text, unit, option) for key, text, unit, option in axes]
     try:
         members = read_ensemble(case, count, seed, dict(spreads))
         plan = make_plan(case, axes, carry_state=settings.pop("carry"), ensemble=members, **settings)
@@ -57,12 +61,31 @@ def read_plan(
     return plan
 
 
+def source_key(case: Case, option: str, text: str) -> str:
+    """The key that --omega0 (of the motor) or --omega (of all forces and the base, one value) stands for.
+
+    Raises UsageError for a case of another source, and where frequencies differ.
+    """
+    motor = case.source_kind == "motor"
+    if motor == (option == "--omega0"):
+        if motor:
+            return "motor.Omega0" if case.is_long else "excitation.Omega0"
+        keys = [key for key in case.numeric_keys() if key.rpartition(".")[2] == "omega"]
+        if case.frequency() is not None:
+            return "=".join(keys)
+        if keys:
+            listed = " and ".join(keys)
+            raise click.UsageError(f"{option}: the frequencies {listed} of {case.name} differ; use --param")
+    elif motor or case.source_kind in ("harmonic", "base"):
+        kind = {"motor": "motor", "harmonic": "harmonic", "base": "moving base"}[case.source_kind]
+        other = next(each for each in SOURCES if each != option)
+        raise click.UsageError(f"{option}: the source of {case.name} is {kind}; use {other} {text}")
+    raise click.UsageError(f"{option}: {case.name} has no {SOURCES[option]}")
+
+
 def _at_fault(case: Case, axes: Sequence[AxisText]) -> str:
     """The option that cannot be followed, as the begin of a message; empty where none is wrong by itself."""
     for key, text, unit, option in axes:
-        other, kind = OTHER_OPTION.get(key, ("", ""))
-        if option.startswith("--omega") and case.source_kind == kind:
-            raise click.UsageError(f"{option}: the source of {case.name} is {kind}; use {other} {text}")
         try:
             read_axis(case, key, text, unit, option)
         except (UnknownKeyError, RangeError):
@@ -71,14 +94,15 @@ def _at_fault(case: Case, axes: Sequence[AxisText]) -> str:
 
 
 def computations_listed(settings: Settings) -> None:
-    """Print what --compute takes, and what each stores."""
+    """Print what --compute takes, and what each stores of the paper's two blocks under a motor."""
+    of = quantities_of(load_case(EXAMPLE))
     if settings.json:
         kinds = COMPUTATIONS.items()
-        print_json({name: {"title": kind.title, "columns": list(kind.columns)} for name, kind in kinds})
+        print_json({name: {"title": kind.title, "columns": list(kind.columns(of))} for name, kind in kinds})
         return
     width = max(map(len, COMPUTATIONS))
     for name, kind in COMPUTATIONS.items():
-        say(f"{name:<{width}}  {kind.title}: {', '.join(kind.columns)}")
+        say(f"{name:<{width}}  {kind.title}: {', '.join(kind.columns(of))}")
 
 
 def sharded(plan: Plan, text: str | None, output: str | None) -> tuple[Plan, str]:

@@ -151,7 +151,7 @@ class SweepResult:
             chain = next(chain for chain in self.plan.chains() if index in chain)
             for before in chain[: chain.index(index)]:
                 point = self.table.point(before)
-                start = point.end if point.done else start
+                start = self.plan.recipe.start_after(point.values) if point.done else start
         return start
 
     def save(self, path: str | Path, force: bool = False) -> Path:

@@ -16,6 +16,7 @@ from vibsim.sweeps.plan.members import Members, read_members
 from vibsim.sweeps.plan.sweep_plan import Plan, PlanError, read_directions
 from vibsim.sweeps.schedule.runner import Watch, run
 from vibsim.sweeps.schedule.workers import LocalWorkers, Workers, available_cores
+from vibsim.sweeps.statistics.quantities import quantities_of
 from vibsim.sweeps.store.point_store import FileStore, Store
 from vibsim.sweeps.sweep_result import SweepResult
 
@@ -52,7 +53,8 @@ def sweep(
         back
     discard : transient left out of the statistics, a time ("100 s") or a share of t_end ("50 %")
     section : stroboscopic points kept per point, the last ones
-    every : output interval for the statistics, such as "1 ms"; by default what suits the motion
+    every : interval of the samples that verdicts on the regime are scaled with, such as "1 ms"; by default
+        what suits the motion. All else is exact
     compute : names of what is computed besides, see `vibsim.sweeps.computations.registry`, or "all"
     ensemble : members of an ensemble that is run at every point; 0: none
     seed : of the members' draws; member 7 of a seed is the same in an ensemble of any size
@@ -117,7 +119,7 @@ def make_plan(
             discard=parse_discard(discard),
             section=section,
             every=None if every is None else _interval(every),
-            compute=read_computations(compute, case.two_blocks()),
+            compute=read_computations(compute, quantities_of(case)),
         )
     except ValueError as error:
         raise error if isinstance(error, PlanError) else PlanError(str(error)) from None

@@ -10,27 +10,34 @@ from vibsim.analysis.capture import Capture, capture_of_turns
 from vibsim.analysis.span import Span
 from vibsim.engine.trajectory import Block
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.two_blocks import TwoBlocks
-from vibsim.sweeps.statistics.columns import Column
+from vibsim.sweeps.computations.task import Task
+from vibsim.sweeps.statistics.columns import Column, Columns
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
+from vibsim.sweeps.statistics.quantities import Quantities
 
 TITLE = "verdict on capture, with times"
 VERDICTS = {"undecided": 0, "not met": 1, "passed": 2, "escaped": 3, "captured": 4}
-COLUMNS = {
-    "capture": Column("1", "verdict on capture, from the whole run", "motor", flags=VERDICTS),
-    "capture_since": Column("s", "begin of the hold that decides the verdict", "motor"),
-    "capture_until": Column("s", "its end; NaN where it lasts to the end of the run", "motor"),
-    "capture_speed": Column("Hz", "mean speed over it", "motor"),
-    "passage_time": Column("s", "when the mean speed last rose through a resonance", "motor"),
-    "final_speed": Column("Hz", "mean speed over the last turns of the run", "motor"),
-}
+
+
+def columns(of: Quantities) -> Columns:
+    """Verdict, times and speeds; none without a motor."""
+    if not of.has_motor:
+        return {}
+    return {
+        "capture": Column("1", "verdict on capture, from the whole run", flags=VERDICTS),
+        "capture_since": Column("s", "begin of the hold that decides the verdict"),
+        "capture_until": Column("s", "its end; NaN where it lasts to the end of the run"),
+        "capture_speed": Column("Hz", "mean speed over it"),
+        "passage_time": Column("s", "when the mean speed last rose through a resonance"),
+        "final_speed": Column("Hz", "mean speed over the last turns of the run"),
+    }
 
 
 class CaptureVerdict:
     """Verdict on one run of a motor. Memory grows with its turns and impacts."""
 
-    def __init__(self, scene: TwoBlocks, begin: float, section: int):
-        self._scene = scene
+    def __init__(self, task: Task):
+        self._scene = task.scene
         self._early: list[Block] = []
         self._late: list[Block] = []
 
@@ -48,7 +55,7 @@ class CaptureVerdict:
         """The verdict and its times; NaN where there is none."""
         resumed = run.rows[-1]["t"] if run.rows else 0.0
         turns, impacts = (self._joined(table, resumed) for table in ("section", "events"))
-        return _numbers(capture_of_turns(turns, impacts, self._scene.as_parts(), Span(0.0, run.t_reached)))
+        return _numbers(capture_of_turns(turns, impacts, self._scene, Span(0.0, run.t_reached)))
 
     def _joined(self, table: str, resumed: float) -> np.ndarray:
         """Times of the whole run: those of the transient up to where the rest goes on from, then the rest."""

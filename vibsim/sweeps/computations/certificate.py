@@ -3,22 +3,24 @@
 from typing import Any
 
 from vibsim.engine.trajectory import Block
-from vibsim.physics.two_blocks import TwoBlocks
-from vibsim.sweeps.statistics.columns import Column
+from vibsim.sweeps.computations.task import Task
+from vibsim.sweeps.statistics.columns import Column, Columns
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
+from vibsim.sweeps.statistics.quantities import Quantities
 
 TITLE = "stretches without proof that no event was missed"
-COLUMNS = {
-    "uncertified": Column(
-        "1", "stretches of the whole run without proof that no event was missed; 0: all are certified"
-    )
-}
+
+
+def columns(of: Quantities) -> Columns:
+    """The number of doubtful stretches."""
+    stretches = "stretches of the whole run without proof that no event was missed; 0: all are certified"
+    return {"uncertified": Column("1", stretches)}
 
 
 class Certificate:
     """Certificate of one run."""
 
-    def __init__(self, scene: TwoBlocks, begin: float, section: int):
+    def __init__(self, task: Task):
         pass
 
     def update(self, block: Block) -> None:

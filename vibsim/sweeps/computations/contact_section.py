@@ -1,27 +1,50 @@
-"""The Poincare section at contact: the states in which the last contacts began (there g = 0)."""
+"""The Poincare section at contact: the states in which the last contacts began (there g = 0).
+
+In a scene of named parts each stop has a section of its own.
+"""
 
 from typing import Any
 
 from vibsim.engine.trajectory import Block
-from vibsim.physics.two_blocks import TwoBlocks
 from vibsim.sweeps.computations.contacts import Contacts
-from vibsim.sweeps.statistics.columns import Column
+from vibsim.sweeps.computations.task import Task
+from vibsim.sweeps.statistics.columns import Column, Columns
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
+from vibsim.sweeps.statistics.quantities import RELATIVE_RATE, Quantities
 
 TITLE = "Poincare section at the beginning of contact"
-_AT = "at the last beginnings of contact"
-COLUMNS = {
-    "contact_velocity": Column("m s-1", f"v1 - v2 (v1 where block 2 is fixed) {_AT}", "stop", "contact"),
-    "contact_phase": Column("1", f"phase of the source in turns, 0 to 1, {_AT}", "stop source", "contact"),
-    "contact_speed": Column("Hz", f"motor speed {_AT}", "stop motor", "contact"),
-}
+
+
+def columns(of: Quantities) -> Columns:
+    """Velocity, phase and motor speed at the last contacts of each stop; none without a stop."""
+    found: Columns = {}
+    for stop in _stops(of):
+        at = "at the last beginnings of contact" + (f" with {stop}" if stop else "")
+        rate = f"velocity v_P - v_Q of {stop}" if stop else RELATIVE_RATE
+        found[_name("velocity", stop)] = Column("m s-1", f"{rate} {at}", dimension="contact")
+        if of.has_source:
+            found[_name("phase", stop)] = Column(
+                "1", f"phase of the source in turns, 0 to 1, {at}", "contact"
+            )
+        if of.has_motor:
+            found[_name("speed", stop)] = Column("Hz", f"motor speed {at}", dimension="contact")
+    return found
+
+
+def _stops(of: Quantities) -> tuple[str, ...]:
+    """Names of the stops; of the two blocks' one stop, no name."""
+    return (of.stops if of.of_parts else ("",)) if of.has_stop else ()
+
+
+def _name(quantity: str, stop: str) -> str:
+    return f"contact_{quantity}_{stop}" if stop else f"contact_{quantity}"
 
 
 class ContactSection:
     """The last contacts of one run."""
 
-    def __init__(self, scene: TwoBlocks, begin: float, section: int):
-        self._contacts, self._count = Contacts(scene, begin), section
+    def __init__(self, task: Task):
+        self._contacts, self._of, self._count = Contacts(task), task.of, task.section
 
     def update(self, block: Block) -> None:
         """Take the next block."""
@@ -29,6 +52,9 @@ class ContactSection:
 
     def values(self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]) -> dict[str, Any]:
         """The last contacts, oldest first."""
-        table = self._contacts.table()
-        first = max(len(table["t"]) - self._count, 0)
-        return {f"contact_{name}": column[first:] for name, column in table.items() if name != "t"}
+        sections: dict[str, Any] = {}
+        for stop in _stops(self._of):
+            table = self._contacts.table(stop)
+            first = max(len(table["t"]) - self._count, 0)
+            sections |= {_name(name, stop): column[first:] for name, column in table.items() if name != "t"}
+        return sections

@@ -1,40 +1,69 @@
-"""The beginnings of contact of a run, block by block: when, how fast, at what phase of the source."""
+"""The beginnings of contact of a run, block by block: when, where, how fast, at what phase of the source."""
 
 import math
 
 import numpy as np
 
+from vibsim.engine.columns import part_columns, stop_column
 from vibsim.engine.trajectory import Block
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.two_blocks import TwoBlocks
+from vibsim.physics.period import Period, common_period
+from vibsim.sweeps.computations.task import Task
+from vibsim.sweeps.statistics.motions import velocities
+from vibsim.sweeps.statistics.quantities import Motion
 
 TURN = 2 * math.pi
+Contact = dict[str, np.ndarray]
 
 
 class Contacts:
     """Beginnings of contact from the time `begin` [s] on. Memory grows with their number."""
 
-    def __init__(self, scene: TwoBlocks, begin: float):
-        self._scene, self._begin = scene, begin
-        self._parts: list[dict[str, np.ndarray]] = []
+    def __init__(self, task: Task):
+        self._task, self._scene = task, task.scene
+        self._names = [stop.name for stop in task.scene.stops]
+        self._rates = [Motion("", "", "", "", stop.P, stop.Q) for stop in task.scene.stops]
+        columns = part_columns(task.scene)
+        self._numbers = [columns.index(stop_column(name)) for name in self._names]
+        self._period = None if task.scene.has_motor else common_period(task.scene)
+        self._parts: list[Contact] = []
 
     def update(self, block: Block) -> None:
         """Take the next block."""
         events = block.events
-        chosen = (events["kind"] == EVENT_KINDS["contact_begin"]) & (events["t"] >= self._begin)
+        chosen = (events["kind"] == EVENT_KINDS["contact_begin"]) & (events["t"] >= self._task.begin)
         self._parts.append(self._of({name: column[chosen] for name, column in events.items()}))
 
-    def _of(self, events: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        velocity = events["v1"] - events["v2"] if self._scene.has_block2 else events["v1"]
-        found = {"t": events["t"], "velocity": velocity}
+    def _of(self, events: Contact) -> Contact:
+        found = {"t": events["t"], "part": events["part"], "velocity": self._velocity(events)}
         if self._scene.has_motor:
             found |= {"phase": events["phase"] / TURN, "speed": events["phidot"] / TURN}
-        elif self._scene.source == "harmonic":
-            turns = events["t"] * self._scene.cycles + events["t"] * self._scene.cycles_lo
-            found["phase"] = turns - np.floor(turns)
+        elif self._period is not None:
+            found["phase"] = _phase(self._period, events["t"])
         return found
 
-    def table(self) -> dict[str, np.ndarray]:
-        """Each (n): t [s], velocity v1 - v2 [m/s], and with a source its phase [turns], speed [Hz]."""
-        names = self._parts[0] if self._parts else ("t", "velocity")
-        return {name: np.concatenate([part[name] for part in self._parts]) for name in names}
+    def _velocity(self, events: Contact) -> np.ndarray:
+        """v_P - v_Q of the stop that each contact is at [m/s] (n)."""
+        states = {**events, "time": events["t"]}
+        velocity = np.zeros(len(events["t"]))
+        for number, each in zip(self._numbers, velocities(self._scene, self._rates, states), strict=True):
+            at = events["part"] == number
+            velocity[at] = each[at]
+        return velocity
+
+    def table(self, stop: str = "") -> Contact:
+        """Each (n), of one stop or of all: t [s], velocity v_P - v_Q [m/s], with a source its phase [turns],
+        speed [Hz].
+        """
+        names = self._parts[0] if self._parts else ("t", "part", "velocity")
+        whole = {name: np.concatenate([part[name] for part in self._parts]) for name in names}
+        number = self._numbers[self._names.index(stop)] if stop else None
+        at = whole["part"] == number if stop else slice(None)
+        return {name: column[at] for name, column in whole.items() if name != "part"}
+
+
+def _phase(period: Period, t: np.ndarray) -> np.ndarray:
+    """Phase in a common period of `turns` turns [turns of the period], 0 to 1."""
+    cycles = t * period.cycles + t * period.cycles_lo
+    turns = cycles / period.turns
+    return turns - np.floor(turns)

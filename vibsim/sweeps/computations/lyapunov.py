@@ -8,41 +8,49 @@ from vibsim.analysis.exponents import judged
 from vibsim.engine.lyapunov import lyapunov_exponents
 from vibsim.engine.tangent_space import dimension
 from vibsim.engine.trajectory import Block
-from vibsim.physics.two_blocks import TwoBlocks
-from vibsim.sweeps.statistics.columns import Column
+from vibsim.sweeps.computations.task import Task
+from vibsim.sweeps.statistics.columns import Column, Columns
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
+from vibsim.sweeps.statistics.quantities import Quantities
 
 LARGEST, HALF_WIDTH = "lyapunov", "lyapunov_half_width"
 TITLE = "largest Lyapunov exponent"
-COLUMNS = {
-    LARGEST: Column("s-1", "largest Lyapunov exponent after the transient"),
-    HALF_WIDTH: Column("s-1", "half width of its 95 % interval; NaN where the span is too short"),
-    "lyapunov_warnings": Column("1", "number of reasons not to trust it, see vibsim.lyapunov"),
-}
 SPECTRUM_TITLE = "all Lyapunov exponents"
-SPECTRUM_COLUMNS = {
-    "lyapunov_spectrum": Column("s-1", "Lyapunov exponents after the transient", dimension="exponent"),
-    "lyapunov_spectrum_half_width": Column(
-        "s-1", "half widths of their 95 % intervals; NaN where unknown", dimension="exponent"
-    ),
-    "rank_losses": Column("1", "stickings after the transient that took a direction"),
-    "volume_residual": Column("1", "what is missing in the identity of Liouville over the whole run"),
-}
+
+
+def columns(of: Quantities) -> Columns:
+    """The largest exponent."""
+    return {
+        LARGEST: Column("s-1", "largest Lyapunov exponent after the transient"),
+        HALF_WIDTH: Column("s-1", "half width of its 95 % interval; NaN where the span is too short"),
+        "lyapunov_warnings": Column("1", "number of reasons not to trust it, see vibsim.lyapunov"),
+    }
+
+
+def spectrum_columns(of: Quantities) -> Columns:
+    """All exponents."""
+    half_widths = "half widths of their 95 % intervals; NaN where unknown"
+    return {
+        "lyapunov_spectrum": Column("s-1", "Lyapunov exponents after the transient", dimension="exponent"),
+        "lyapunov_spectrum_half_width": Column("s-1", half_widths, dimension="exponent"),
+        "rank_losses": Column("1", "stickings after the transient that took a direction"),
+        "volume_residual": Column("1", "what is missing in the identity of Liouville over the whole run"),
+    }
 
 
 class Lyapunov:
     """Lyapunov exponents of one run: the largest, or `everything`."""
 
-    def __init__(self, scene: TwoBlocks, begin: float, section: int, everything: bool = False):
-        self._scene, self._begin, self._everything = scene, begin, everything
+    def __init__(self, task: Task, everything: bool = False):
+        self._scene, self._begin, self._everything = task.scene, task.begin, everything
 
     def update(self, block: Block) -> None:
         """The exponents come from a run of their own."""
 
     def values(self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]) -> dict[str, Any]:
         """The exponents and how well they are known."""
-        count = dimension(self._scene.as_parts()) if self._everything else 1
-        computed = lyapunov_exponents(self._scene.as_parts(), count, self._begin, run.engine, run.ask)
+        count = dimension(self._scene) if self._everything else 1
+        computed = lyapunov_exponents(self._scene, count, self._begin, run.engine, run.ask)
         known = judged(computed, self._scene.tol)
         if not self._everything:
             return {
@@ -61,5 +69,5 @@ class Lyapunov:
 class Spectrum(Lyapunov):
     """All Lyapunov exponents of one run."""
 
-    def __init__(self, scene: TwoBlocks, begin: float, section: int):
-        super().__init__(scene, begin, section, everything=True)
+    def __init__(self, task: Task):
+        super().__init__(task, everything=True)

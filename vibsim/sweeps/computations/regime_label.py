@@ -6,25 +6,33 @@ from typing import Any
 from vibsim.analysis.regime.points import Exponent
 from vibsim.analysis.streaming import StreamedVerdicts
 from vibsim.engine.trajectory import Block
-from vibsim.physics.two_blocks import TwoBlocks
 from vibsim.sweeps.computations.lyapunov import HALF_WIDTH, LARGEST
-from vibsim.sweeps.statistics.columns import Column
+from vibsim.sweeps.computations.task import Task
+from vibsim.sweeps.statistics.columns import Column, Columns
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
+from vibsim.sweeps.statistics.quantities import Quantities
 
 TITLE = "kind of motion (periodic, quasi-periodic, chaotic)"
 VERDICTS = {"undecided": 0, "periodic": 1, "transient": 2, "quasi-periodic": 3, "chaotic": 4}
-COLUMNS = {
-    "regime": Column("1", "kind of motion after the transient", "source", flags=VERDICTS),
-    "regime_period": Column("1", "excitation periods after which it repeats itself", "source"),
-    "chaos_number": Column("1", "K of the 0-1 test, 0: regular, 1: chaotic; NaN where not needed", "source"),
-}
+
+
+def columns(of: Quantities) -> Columns:
+    """Verdict and period; none without a source."""
+    if not of.has_source:
+        return {}
+    chaos = "K of the 0-1 test, 0: regular, 1: chaotic; NaN where not needed"
+    return {
+        "regime": Column("1", "kind of motion after the transient", flags=VERDICTS),
+        "regime_period": Column("1", "excitation periods after which it repeats itself"),
+        "chaos_number": Column("1", chaos),
+    }
 
 
 class RegimeLabel:
     """Kind of motion of one run."""
 
-    def __init__(self, scene: TwoBlocks, begin: float, section: int):
-        self._verdicts = StreamedVerdicts(scene.as_parts(), begin)
+    def __init__(self, task: Task):
+        self._verdicts = StreamedVerdicts(task.scene, task.begin)
 
     def update(self, block: Block) -> None:
         """Take the next block."""

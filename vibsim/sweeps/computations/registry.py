@@ -10,7 +10,7 @@ from typing import Any, Protocol
 from vibsim.cases.spelling import did_you_mean
 from vibsim.engine.tangent_space import dimension as exponents
 from vibsim.engine.trajectory import Block
-from vibsim.physics.two_blocks import TwoBlocks
+from vibsim.physics.parts import Scene
 from vibsim.sweeps.computations import (
     capture_verdict,
     certificate,
@@ -21,17 +21,19 @@ from vibsim.sweeps.computations import (
     power,
     regime_label,
 )
-from vibsim.sweeps.statistics.columns import Column, columns_of
+from vibsim.sweeps.computations.task import Task
+from vibsim.sweeps.statistics.columns import Columns
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
+from vibsim.sweeps.statistics.quantities import Quantities
 
 Window = tuple[float, float]  # of the whole periods [s]; of everything after the transient without periods
 
 
 class Computation(Protocol):
-    """One computation of one run, made with the scene and the time [s] at which the transient ends."""
+    """One computation of one run, made for a `Task`."""
 
     def update(self, block: Block) -> None:
-        """Take the next block; the first may begin before `begin`."""
+        """Take the next block; the first may begin before the transient ends."""
 
     def values(self, window: Window, run: MeasuredRun, found: dict[str, Any]) -> dict[str, Any]:
         """By column a float, or an array where the column has a further dimension.
@@ -47,48 +49,50 @@ class Kind:
     Attributes
     ----------
     title : what it is, for the list
-    columns : what it stores
+    columns : what it stores of a scene; nothing where it makes no sense
     needs : what the scene must have for it to make sense, in words
+    make : the computation of one run
     ledger : whether the run must keep the energy ledger, which takes half as long again
-    make : from scene, `begin` and the length of sections
+    samples : whether it reads samples
     """
 
     title: str
-    columns: dict[str, Column]
+    columns: Callable[[Quantities], Columns]
     needs: str
-    ledger: bool
-    make: Callable[[TwoBlocks, float, int], Computation]
+    make: Callable[[Task], Computation]
+    ledger: bool = False
+    samples: bool = False
 
 
 COMPUTATIONS = {
-    "power": Kind(power.TITLE, power.COLUMNS, "a source", True, power.Power),
+    "power": Kind(power.TITLE, power.columns, "a source", power.Power, ledger=True),
     "impact-velocity": Kind(
-        impact_velocity.TITLE, impact_velocity.COLUMNS, "a stop", False, impact_velocity.ImpactVelocity
+        impact_velocity.TITLE, impact_velocity.columns, "a stop", impact_velocity.ImpactVelocity
     ),
     "contact-section": Kind(
-        contact_section.TITLE, contact_section.COLUMNS, "a stop", False, contact_section.ContactSection
+        contact_section.TITLE, contact_section.columns, "a stop", contact_section.ContactSection
     ),
-    "grazing": Kind(grazing.TITLE, grazing.COLUMNS, "a stop", False, grazing.Grazing),
-    "certificate": Kind(certificate.TITLE, certificate.COLUMNS, "", False, certificate.Certificate),
+    "grazing": Kind(grazing.TITLE, grazing.columns, "a stop", grazing.Grazing),
+    "certificate": Kind(certificate.TITLE, certificate.columns, "", certificate.Certificate),
     "capture": Kind(
-        capture_verdict.TITLE, capture_verdict.COLUMNS, "a motor", False, capture_verdict.CaptureVerdict
+        capture_verdict.TITLE, capture_verdict.columns, "a motor", capture_verdict.CaptureVerdict
     ),
-    "lyapunov": Kind(lyapunov.TITLE, lyapunov.COLUMNS, "", False, lyapunov.Lyapunov),
-    "lyapunov-spectrum": Kind(
-        lyapunov.SPECTRUM_TITLE, lyapunov.SPECTRUM_COLUMNS, "", False, lyapunov.Spectrum
+    "lyapunov": Kind(lyapunov.TITLE, lyapunov.columns, "", lyapunov.Lyapunov),
+    "lyapunov-spectrum": Kind(lyapunov.SPECTRUM_TITLE, lyapunov.spectrum_columns, "", lyapunov.Spectrum),
+    "regime": Kind(
+        regime_label.TITLE, regime_label.columns, "a source", regime_label.RegimeLabel, samples=True
     ),
-    "regime": Kind(regime_label.TITLE, regime_label.COLUMNS, "a source", False, regime_label.RegimeLabel),
 }
 
 
-def read_computations(names: str | Iterable[str], scene: TwoBlocks) -> tuple[str, ...]:
+def read_computations(names: str | Iterable[str], of: Quantities) -> tuple[str, ...]:
     """The computations of these names (one, or several), each once, in the order of `COMPUTATIONS`.
 
     "all" stands for all that the scene has use for. Raises ValueError for a name that there is not.
     """
     wanted = {names} if isinstance(names, str) else set(names)
     if "all" in wanted:
-        return fitting(COMPUTATIONS, scene)
+        return fitting(COMPUTATIONS, of)
     for name in sorted(wanted - set(COMPUTATIONS)):
         allowed = ", ".join([*COMPUTATIONS, "all"])
         raise ValueError(
@@ -97,17 +101,17 @@ def read_computations(names: str | Iterable[str], scene: TwoBlocks) -> tuple[str
     return tuple(name for name in COMPUTATIONS if name in wanted)
 
 
-def fitting(names: Iterable[str], scene: TwoBlocks) -> tuple[str, ...]:
+def fitting(names: Iterable[str], of: Quantities) -> tuple[str, ...]:
     """Those of the computations that the scene has use for."""
-    return tuple(name for name in names if columns_of(scene, COMPUTATIONS[name].columns))
+    return tuple(name for name in names if COMPUTATIONS[name].columns(of))
 
 
-def length_of(dimension: str, scene: TwoBlocks, section: int) -> int:
+def length_of(dimension: str, scene: Scene, section: int) -> int:
     """Length of a further dimension; sections have as many points as the sweep says."""
     lengths = {
         "section": section,
         "contact": section,
         "quantile": len(impact_velocity.QUANTILES),
-        "exponent": exponents(scene.as_parts()),
+        "exponent": exponents(scene),
     }
     return lengths[dimension]

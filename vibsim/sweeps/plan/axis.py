@@ -20,34 +20,45 @@ if TYPE_CHECKING:
 
 MOST_TRIED = 1000  # values of an axis; trying one takes 0.1 ms
 MOST_LISTED = 1000  # values written out in an attribute of the file; even steps are told in short
-SCALE_NAMES = {"excitation.Omega0": "omega0", "rest_distance.value": "rest_distance"}
+SCALE_NAMES = {
+    "excitation.Omega0": "omega0",
+    "motor.Omega0": "omega0",
+    "rest_distance.value": "rest_distance",
+}
+
+
+def scale_name(key: str) -> str:
+    """What the values of a key are called: the last part of the key, omega0 for the motor constant.
+
+    In the long form of a case with the name of the part: wall_k for stops.wall.k, m_ram for bodies.ram.
+    """
+    section, *names = key.split(".")
+    if section in LONG.named and len(names) > 1:
+        return "_".join(names)
+    return f"m_{names[0]}" if section == "bodies" else SCALE_NAMES.get(key, names[-1])
 
 
 @dataclass(frozen=True)
 class Axis:
-    """A key that is varied.
+    """A key that is varied, or several that are given the same values.
 
     Attributes
     ----------
-    key : dotted key of the case, such as "excitation.Omega0"
+    key : dotted key of the case, such as "excitation.Omega0"; the first of several
     unit : unit of the values, as the range has it; empty for a plain number
     values : exact values in that unit, in the order of the range or list, none twice
+    also : further keys that take the same values
     """
 
     key: str
     unit: str
     values: tuple[Fraction, ...]
+    also: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
-        """Name of its dimension scale: the last part of the key, omega0 for the motor constant.
-
-        In the long form of a case with the name of the part: wall_k for stops.wall.k, m_ram for bodies.ram.
-        """
-        section, *names = self.key.split(".")
-        if section in LONG.named and len(names) > 1:
-            return "_".join(names)
-        return f"m_{names[0]}" if section == "bodies" else SCALE_NAMES.get(self.key, names[-1])
+        """Name of its dimension scale, see `scale_name`."""
+        return scale_name(self.key)
 
     @property
     def way(self) -> int:
@@ -59,7 +70,7 @@ class Axis:
     @property
     def keys(self) -> tuple[str, ...]:
         """The keys of the case that the axis sets."""
-        return (self.key,)
+        return (self.key, *self.also)
 
     def __len__(self) -> int:
         return len(self.values)
@@ -74,11 +85,12 @@ class Axis:
 
     def changes(self, position: int) -> dict[str, str]:
         """What a point at this position replaces in the case: key -> text."""
-        return {self.key: self.text(position)}
+        return dict.fromkeys(self.keys, self.text(position))
 
     def plain(self) -> dict[str, Any]:
         """The axis as plain data for JSON; `from_plain` reads it back."""
-        data: dict[str, Any] = {"key": self.key, "unit": self.unit}
+        also = {"also": list(self.also)} if self.also else {}
+        data: dict[str, Any] = {"key": self.key, **also, "unit": self.unit}
         step = (self.values[-1] - self.values[0]) / max(len(self) - 1, 1)
         if len(self) > MOST_LISTED and all(high - low == step for low, high in pairwise(self.values)):
             ends = {"from": decimal_text(self.values[0]), "step": decimal_text(step)}
@@ -89,9 +101,11 @@ class Axis:
     def from_plain(data: Mapping[str, Any]) -> "Axis":
         """The axis that `plain` wrote down."""
         if "values" in data:
-            return Axis(data["key"], data["unit"], tuple(map(exact_number, data["values"])))
-        first, step = exact_number(data["from"]), exact_number(data["step"])
-        return Axis(data["key"], data["unit"], tuple(first + i * step for i in range(data["count"])))
+            values = tuple(map(exact_number, data["values"]))
+        else:
+            first, step = exact_number(data["from"]), exact_number(data["step"])
+            values = tuple(first + i * step for i in range(data["count"]))
+        return Axis(data["key"], data["unit"], values, tuple(data.get("also", ())))
 
     def part(self, begin: int, end: int) -> "Axis":
         """The axis with its values at positions `begin` to `end - 1`."""
@@ -108,23 +122,28 @@ def read_axis(case: "Case", key: str, text: str, bare_unit: str = "", option: st
 
     Parameters
     ----------
-    key : dotted or unambiguous short key of a number of the case
+    key : dotted or unambiguous short key of a number of the case; KEY=KEY for several of the same values
     text : a range, see `vibsim.cases.ranges`
     bare_unit : unit of a range that has none; by default SI, and an angular rate must have one
     option : where the user wrote it, for messages
 
     Raises UnknownKeyError, RangeError, and CaseError where the case does not allow a value.
     """
-    case.quantity(key)  # a number of this case, or UnknownKeyError
-    full = case.full_key(key)
+    full, *also = (_number_key(case, each.strip()) for each in key.split("="))
     values = _in_one_unit(parse_range(text, bare_unit or _bare_unit(full)))
     exact = [value.value for value in values]
     for low, high in pairwise(sorted(exact)):
         if low == high:
             raise RangeError(f"{text} has the value {decimal_text(low)} twice")
-    axis = Axis(full, values[0].unit, tuple(exact))
+    axis = Axis(full, values[0].unit, tuple(exact), tuple(also))
     _check(case, axis, option)
     return axis
+
+
+def _number_key(case: "Case", key: str) -> str:
+    """The dotted key of a number of the case. Raises UnknownKeyError."""
+    case.quantity(key)
+    return case.full_key(key)
 
 
 def range_text(key: str, values: object) -> str:
@@ -175,6 +194,6 @@ def _check(case: "Case", axis: Axis, option: str) -> None:
     """
     for position in sorted({round(i) for i in np.linspace(0, len(axis) - 1, min(len(axis), MOST_TRIED))}):
         try:
-            case.with_values({axis.key: axis.text(position)})
+            case.with_values(axis.changes(position))
         except CaseError as error:
             raise CaseError(replace(problem, file=option) for problem in error.problems) from None

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 NAME = "member"
 FULL_TURN = "0:1 turn"
+ROTOR_ANGLES = ("initial.phi", "initial.motor.phi")  # in the short form of a case, and in the long
 
 
 @dataclass(frozen=True)
@@ -105,8 +106,9 @@ def read_members(case: "Case", count: int, seed: int, spreads: Mapping[str, str]
         raise SpreadError(f"an ensemble needs at least 1 member, got {count}")
     if seed < 0:
         raise SpreadError(f"the seed must not be negative, got {seed}")
-    if not spreads and "initial.phi" in case.values:
-        spreads = {"initial.phi": FULL_TURN}
+    angle = next((key for key in ROTOR_ANGLES if key in case.values), None)
+    if not spreads and angle is not None:
+        spreads = {angle: FULL_TURN}
     if not spreads:
         raise SpreadError("say what varies over the ensemble, such as --spread x1=1mm")
     read = tuple(read_spread(case, key, text) for key, text in spreads.items())

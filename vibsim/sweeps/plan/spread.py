@@ -16,7 +16,7 @@ import numpy as np
 from vibsim.cases.keys import UnknownKeyError, measured_at
 from vibsim.cases.quantities import Quantity, QuantityError, decimal_text, exact_number, parse_quantity
 from vibsim.cases.units import UNITS
-from vibsim.sweeps.plan.axis import read_axis
+from vibsim.sweeps.plan.axis import read_axis, scale_name
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -49,8 +49,8 @@ class Spread:
 
     @property
     def name(self) -> str:
-        """The last part of the key."""
-        return self.key.rpartition(".")[2]
+        """What its values are called, as those of an axis."""
+        return scale_name(self.key)
 
     def draw(self, seed: int, first: int, count: int) -> np.ndarray:
         """The values of members `first` to `first + count - 1` (count), in `unit`.

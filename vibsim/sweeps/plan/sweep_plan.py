@@ -18,12 +18,12 @@ from vibsim.sweeps.plan.axis import Axis
 from vibsim.sweeps.plan.discard import HALF, Discard
 from vibsim.sweeps.plan.members import Members
 from vibsim.sweeps.plan.recipe import Recipe, Start
-from vibsim.sweeps.statistics.columns import ALWAYS, Column, columns_of
+from vibsim.sweeps.statistics.columns import Column, always, distinct
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
 
-STATISTICS = 2  # raised when a statistic is computed differently: points of two versions do not mix
+STATISTICS = 3  # raised when a statistic is computed differently: points of two versions do not mix
 UP, DOWN = 1, -1
 DIRECTIONS = ("up", "down", "both")
 DIRECTION_FLAGS = {"up": UP, "down": DOWN}
@@ -50,7 +50,8 @@ class Plan:
         point starts as its case says, and the direction makes no difference
     discard : transient left out of the statistics
     section : number of stroboscopic points kept per point, the last ones
-    every : output interval that the statistics are taken from [s]; None: what suits each point's motion
+    every : interval of the samples that verdicts on the regime are scaled with [s]; None: what suits each
+        point's motion
     compute : names of what is computed besides, in the order of `vibsim.sweeps.computations.registry`
     """
 
@@ -70,10 +71,11 @@ class Plan:
         if len(set(names)) < len(names):
             raise PlanError(f"{next(name for name in names if names.count(name) > 1)} is given twice")
         self._check_keys()
+        self._check_columns()
         self._check_carry()
         for name in self.compute:
             kind = COMPUTATIONS[name]
-            if not columns_of(self.case.two_blocks(), kind.columns):
+            if not kind.columns(self.recipe.of):
                 raise PlanError(f"{name} needs {kind.needs}, which {self.case.name} has not got")
         if not self.discard.relative and self.discard.value >= self.case.quantity("run.t_end").value:
             raise PlanError(
@@ -86,12 +88,22 @@ class Plan:
             twice = next(key for key in keys if keys.count(key) > 1)
             raise PlanError(f"{twice} is both swept and spread over the ensemble; choose one")
 
+    def _check_columns(self) -> None:
+        """No two names in a file are the same."""
+        for axis in self.axes:
+            if axis.name in self.columns:
+                raise PlanError(f"{axis.name}, which is swept, and a column of the sweep have the same name")
+
     def _check_carry(self) -> None:
         first = self.axes[0]
         if self.carry and isinstance(first, Members):
             raise PlanError("a state is carried along a range; an ensemble alone has none")
         if self.carry and first.key.startswith("initial."):
             raise PlanError(f"a carried state replaces the initial one, so {first.key} cannot be swept first")
+        scene = self.case.scene()
+        if self.carry and scene.has_motor and (scene.base or any(force.terms for force in scene.forces)):
+            what = "a motor beside forces or a base that vibrate has no state to carry: where its turns end"
+            raise PlanError(f"{what}, these are not where a run begins them")
 
     @property
     def shape(self) -> Index:
@@ -141,8 +153,9 @@ class Plan:
     @cached_property
     def columns(self) -> dict[str, Column]:
         """What is stored of each point, by name."""
-        wanted = {name: column for key in self.compute for name, column in COMPUTATIONS[key].columns.items()}
-        return columns_of(self.case.two_blocks(), {**ALWAYS, **wanted})
+        of = self.recipe.of
+        computed = (COMPUTATIONS[name].columns(of) for name in self.compute)
+        return distinct(always(of).items(), *(columns.items() for columns in computed))
 
     def shape_of(self, name: str) -> Index:
         """Shape of a column: that of the sweep, and its further dimension where it has one."""
@@ -151,7 +164,7 @@ class Plan:
 
     def length_of(self, dimension: str) -> int:
         """Length of a further dimension."""
-        return length_of(dimension, self.case.two_blocks(), self.section)
+        return length_of(dimension, self.case.scene(), self.section)
 
     @cached_property
     def settings(self) -> dict[str, Any]:

@@ -49,5 +49,5 @@ def compute_piece(
         if point is None:
             return
         if recipe.carry and point.done:
-            start = point.end
+            start = recipe.start_after(point.values)
         yield point

@@ -4,17 +4,21 @@ import math
 import time
 import traceback
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from vibsim.cases import CaseError
+from vibsim.engine.columns import state_columns
 from vibsim.engine.errors import EngineError
+from vibsim.engine.section import has_section
 from vibsim.engine.trajectory import Block
-from vibsim.physics.two_blocks import TwoBlocks
+from vibsim.physics.parts import Scene
+from vibsim.physics.rates import source_rates
 from vibsim.sweeps.computations.registry import COMPUTATIONS, Computation
+from vibsim.sweeps.computations.task import Task
 from vibsim.sweeps.plan.recipe import Recipe, Start
 from vibsim.sweeps.plan.sweep_plan import Index
 from vibsim.sweeps.statistics.columns import DONE, FAILED
@@ -27,8 +31,7 @@ Measured = tuple[dict[str, float], dict[str, np.ndarray]]
 NOTHING_TO_CARRY = (
     "the run after the transient holds no whole excitation period, so there is no state to carry on from"
 )
-SMALLEST = 2.0**-1022  # below it a case does not take a number
-UNITS = {"x1": "m", "v1": "m/s", "x2": "m", "v2": "m/s", "phi": "rad", "phidot": "rad/s"}
+NO_PERIOD = "forces and base have no common period, so there is no state to carry on from"
 
 
 @dataclass(frozen=True)
@@ -57,14 +60,6 @@ class Point:
         """Whether it was computed and did not fail."""
         return self.status == DONE
 
-    @property
-    def end(self) -> Start:
-        """The end state as initial values of the next point's case."""
-        states = {
-            name.removeprefix("end_"): value for name, value in self.values.items() if name.startswith("end_")
-        }
-        return {f"initial.{name}": f"{_storable(value)!r} {UNITS[name]}" for name, value in states.items()}
-
 
 def compute_point(
     recipe: Recipe,
@@ -90,7 +85,7 @@ def compute_point(
     except CaseError as error:
         return Point(index, FAILED, "", str(error))
     try:
-        scene = sampled_for_statistics(case.two_blocks(), recipe.every)
+        scene = sampled_for_statistics(case.scene(), recipe.every)
         values, arrays = measure(scene, recipe, engine, go_on)
     except (EngineError, TooFineError) as error:
         return Point(index, FAILED, case.sha256, str(error))
@@ -98,8 +93,8 @@ def compute_point(
         return None
     except Exception as error:  # a bug that shows at one point must not cost all the others
         return Point(index, FAILED, case.sha256, described_bug(error))
-    if recipe.carry and "end_x1" not in values:
-        return Point(index, FAILED, case.sha256, NOTHING_TO_CARRY)
+    if recipe.carry and not any(name.startswith("end_") for name in values):
+        return Point(index, FAILED, case.sha256, NOTHING_TO_CARRY if has_section(scene) else NO_PERIOD)
     values["wall_time"] = time.perf_counter() - began
     return Point(index, DONE, case.sha256, "", values, arrays)
 
@@ -111,24 +106,28 @@ def described_bug(error: Exception) -> str:
     return f"a bug in vibsim, please report it: {type(error).__name__}: {error} ({place})"
 
 
-def measure(scene: TwoBlocks, recipe: Recipe, engine: str, go_on: Callable[[], bool] | None) -> Measured:
+def measure(scene: Scene, recipe: Recipe, engine: str, go_on: Callable[[], bool] | None) -> Measured:
     """Statistics, totals and end state by name; sections and what else has a further dimension by name."""
     begin = recipe.discard.time(scene.t_end)
     kinds = [COMPUTATIONS[name] for name in recipe.compute]
-    statistics = Statistics(scene, begin)
-    computed = [kind.make(scene, begin, recipe.section) for kind in kinds]
-    run = MeasuredRun(scene, begin, engine, go_on, any(kind.ledger for kind in kinds), _watchers(computed))
+    if not any(kind.samples for kind in kinds):
+        scene = replace(scene, every_num=2 * math.ceil(scene.t_end), every_den=1)
+    statistics = Statistics(scene, recipe.of, begin)
+    computed = [kind.make(Task(scene, recipe.of, begin, recipe.section)) for kind in kinds]
+    run = MeasuredRun(
+        scene, recipe.of, begin, engine, go_on, any(kind.ledger for kind in kinds), _watchers(computed)
+    )
     end: dict[str, float] = {}
     for block in run.blocks():
         statistics.update(block)
         for computation in computed:
             computation.update(block)
         end = _end_state(scene, block) or end
-    values = {**statistics.values(), **run.totals, "t_reached": run.t_reached, **end}
-    found: dict[str, Any] = {f"section_{name}": c for name, c in statistics.section(recipe.section).items()}
+    values = {**statistics.values(run), **run.totals, "t_reached": run.t_reached, **end}
+    found: dict[str, Any] = dict(statistics.section(recipe.section))
     if run.late:
         for computation in computed:
-            found |= computation.values(statistics.window, run, found)
+            found |= computation.values(statistics.window(run), run, found)
     numbers = {name: value for name, value in found.items() if isinstance(value, float)}
     arrays = {name: value for name, value in found.items() if not isinstance(value, float)}
     return {**values, **numbers}, arrays
@@ -147,21 +146,14 @@ def _watchers(computed: list[Computation]) -> Callable[[Block], None] | None:
     return show
 
 
-def _end_state(scene: TwoBlocks, block: Any) -> dict[str, float]:
+def _end_state(scene: Scene, block: Block) -> dict[str, float]:
     """Where a carried sweep goes on, as far as this block tells.
 
-    A harmonic force begins the next point at phase 0, so the last stroboscopic point is the end whose force
-    it continues.
+    Forces and the base begin the next point as they began this one, so the last stroboscopic point is the end
+    whose motion they continue.
     """
-    table = block.section if scene.source == "harmonic" else block.events
-    names = [name for name in UNITS if name in table]
-    if not len(table["x1"]):
-        return {}
-    state = {name: float(table[name][-1]) for name in names}
+    table = block.section if scene.motor is None and source_rates(scene) else block.events
+    states = {name: table[name] for name in state_columns(scene)}
     if scene.has_motor:
-        state["phi"] = float(table["phase"][-1])
-    return {f"end_{name}": value for name, value in state.items()}
-
-
-def _storable(value: float) -> float:
-    return value if math.isfinite(value) and abs(value) >= SMALLEST else 0.0
+        states["phi"] = table["phase"]
+    return {f"end_{name}": float(column[-1]) for name, column in states.items() if len(column)}

@@ -45,7 +45,7 @@ class Chain:
     def _pass(self, point: Point) -> None:
         self._at += 1
         if self._plan.carry and point.done:
-            self._start = point.end
+            self._start = self._plan.recipe.start_after(point.values)
 
     def _missing(self, most: int) -> Piece:
         """From here up to the next stored point: whether that counts, only what comes before it can tell."""

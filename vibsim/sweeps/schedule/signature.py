@@ -16,6 +16,7 @@ from vibsim.sweeps.plan.recipe import Recipe
 from vibsim.sweeps.plan.sweep_plan import STATISTICS
 from vibsim.sweeps.points.point import compute_point
 from vibsim.sweeps.statistics.columns import NOT_REPRODUCIBLE
+from vibsim.sweeps.statistics.quantities import quantities_of
 
 RUNS = ("II-B", "I-B")  # one by Taylor series, one by the closed form
 LENGTH = "2 s"  # with impacts, in a few milliseconds
@@ -40,7 +41,7 @@ def signature(engine: str, compute: tuple[str, ...]) -> dict[str, str]:
 def _bits(name: str, engine: str, compute: tuple[str, ...]) -> str:
     """All numbers of a short run of a shipped case."""
     case = load_case(name, {"run.t_end": LENGTH})
-    recipe = Recipe(case, False, HALF, 10, None, fitting(compute, case.two_blocks()))
+    recipe = Recipe(case, False, HALF, 10, None, fitting(compute, quantities_of(case)))
     point = compute_point(recipe, (), {}, None, engine)
     assert point is not None  # nobody gave it up
     values = {key: value for key, value in point.values.items() if key not in NOT_REPRODUCIBLE}

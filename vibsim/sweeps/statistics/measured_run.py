@@ -5,16 +5,18 @@ without samples up to its end, and the part that counts begins at the last event
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from vibsim.engine.columns import section_columns
 from vibsim.engine.resume import rows_of_instant
-from vibsim.engine.trajectory import Block, open_trajectory
+from vibsim.engine.trajectory import Block, open_trajectory, state_at
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.two_blocks import TwoBlocks
+from vibsim.physics.parts import Scene
+from vibsim.sweeps.statistics.quantities import Quantities
 
 Row = dict[str, Any]
 SUMMED = ("impacts", "sticks", "events", "uncertified")
@@ -30,43 +32,63 @@ class MeasuredRun:
     `totals` are those of the whole run, up to date after the last block; `late` those of the blocks that were
     shown, which begin with the events `rows` of one instant (None: with the run), with the energy ledger if
     that is wanted.
+    `extremes` are least and greatest displacements and smallest gaps of the time from `begin` on, see
+    `vibsim.engine.extremes`, of the motions that are measured.
     `watch_transient` is shown the blocks of the transient, which have no samples. `go_on` is asked before
     every block, those of the transient too; where it says False, GivenUpError is raised.
     """
 
     def __init__(
         self,
-        scene: TwoBlocks,
+        scene: Scene,
+        of: Quantities,
         begin: float,
         engine: str,
         go_on: Callable[[], bool] | None = None,
         ledger: bool = False,
         watch_transient: Callable[[Block], None] | None = None,
     ):
-        self.scene, self.begin, self.engine, self.ledger = scene, begin, engine, ledger
+        self.scene, self.of, self.begin = scene, of, begin
+        self.engine, self.ledger = engine, ledger
         self._go_on, self._watch_transient = go_on, watch_transient
         self.totals: dict[str, float] = dict.fromkeys(SUMMED, 0.0) | {"grazing_margin": math.nan}
         self.late: dict[str, Any] = {}
+        self.extremes: tuple[Sequence[float], Sequence[float], Sequence[float]] = ([], [], [])
         self.rows: list[Row] | None = None
         self.t_reached = 0.0
+        self._start: list[Row] = []  # the first event of the run
+        self._last: Row = {}  # the last event so far
 
     def blocks(self) -> Iterator[Block]:
         """The blocks from the last event before `begin` on; none where the run ended before."""
         self.rows = self._transient() if self.begin > 0 else None
         if self.t_reached < self.begin:
             return
-        parts = self.scene.as_parts()
-        trajectory = open_trajectory(parts, self.engine, self.rows, section=True, ledger=self.ledger)
+        ends = [(motion.P, motion.Q) for motion in self.of.motions]
+        trajectory = open_trajectory(
+            self.scene,
+            self.engine,
+            self.rows,
+            section=True,
+            ledger=self.ledger,
+            extremes=(ends, self.begin),
+        )
         yield from self._asked(trajectory)
-        self.late = trajectory.totals
+        self.late, self.extremes = trajectory.totals, trajectory.extremes
         self._add(self.late)
+
+    def ends(self) -> dict[str, np.ndarray]:
+        """Time and states at `begin` and at the end of the run, each (2)."""
+        times = np.array([self.begin, self.t_reached])
+        found = state_at(self.scene, self.rows or self._start, times[:1], self.engine)
+        return {name: np.array([found[name][0], self._last[name]]) for name in section_columns(self.scene)}
 
     def _transient(self) -> list[Row] | None:
         """Run up to `begin`; the rows of the last instant of events."""
         long = 2 * math.ceil(self.scene.t_end)
         scene = replace(self.scene, t_end=self.begin, every_num=long, every_den=1)
         watch = self._watch_transient
-        trajectory = open_trajectory(scene.as_parts(), self.engine, section=watch is not None)
+        trajectory = open_trajectory(scene, self.engine, section=watch is not None)
         rows: list[Row] | None = None
         for block in self._asked(trajectory):
             if watch is not None:
@@ -86,6 +108,10 @@ class MeasuredRun:
         for block in trajectory.blocks():
             self.ask()
             self.t_reached = block.t_reached
+            if len(block.events["t"]):
+                last = {name: column[-1] for name, column in block.events.items()}
+                self._last = {**last, "time": last["t"]}
+                self._start = self._start or [{name: column[0] for name, column in block.events.items()}]
             yield block
 
     def _add(self, totals: dict[str, Any]) -> None:

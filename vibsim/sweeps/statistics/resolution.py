@@ -1,22 +1,24 @@
-"""The output interval from which the statistics of a point are taken."""
+"""The sampling of a point's run, for what is taken from samples: it resolves the motion."""
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
 from vibsim.cases.contradictions import MOST_SAMPLES
-from vibsim.physics.two_blocks import TwoBlocks
+from vibsim.physics.parts import Link, Scene, Stop
+from vibsim.physics.rates import source_rates
 
-# Between rows a displacement is a quintic, off by (w h)^6/46080 of a vibration at w rad/s:
-LARGEST_ANGLE_IN_CONTACT = 1.1  # 4e-5 of the depth of penetration
-LARGEST_ANGLE = 0.4  # 9e-8 of the amplitude
+# Samples h apart miss an extreme of a vibration at w rad/s by up to (w h)^2 / 8 of it:
+LARGEST_ANGLE_IN_CONTACT = 1.1  # 15 % of the depth of penetration
+LARGEST_ANGLE = 0.4  # 2 % of the amplitude
 
 
 class TooFineError(ValueError):
     """A motion so fast, or an output interval so short, that a run has more samples than it may."""
 
 
-def sampled_for_statistics(scene: TwoBlocks, every: Fraction | None = None) -> TwoBlocks:
+def sampled_for_statistics(scene: Scene, every: Fraction | None = None) -> Scene:
     """The scene with the output interval `every` [s], or with the longest that its motion allows.
 
     Raises TooFineError where that makes more samples than a run may have.
@@ -24,17 +26,43 @@ def sampled_for_statistics(scene: TwoBlocks, every: Fraction | None = None) -> T
     if every is None:
         every = Fraction(1, math.ceil(samples_per_second(scene)))
     if Fraction(float(scene.t_end)) / every > MOST_SAMPLES:
-        raise TooFineError("the run takes more than 1e10 samples to tell its statistics from, and may not")
+        raise TooFineError("the run takes more than 1e10 samples to resolve its motion, and may not")
     return replace(scene, every_num=every.numerator, every_den=every.denominator)
 
 
-def samples_per_second(scene: TwoBlocks) -> float:
-    """Samples [1/s] that resolve the free vibration, the vibration in contact and the source."""
-    mass = scene.m1  # without m3: where the rotor cannot follow, m1 vibrates alone
-    mobility = 1 / mass + (1 / scene.m2 if scene.has_block2 else 0.0)
-    source = {"none": 0.0, "harmonic": scene.omega, "motor": scene.Omega0}[scene.source]
-    spin = abs(scene.phidot) if scene.has_motor else 0.0
-    rate = max(math.sqrt(scene.k1 * mobility), abs(source), spin) / LARGEST_ANGLE
-    if scene.has_stop:
-        rate = max(rate, math.sqrt((scene.k1 + scene.k2) * mobility) / LARGEST_ANGLE_IN_CONTACT)
+def samples_per_second(scene: Scene) -> float:
+    """Samples [1/s] that resolve free vibration, vibration in contact and sources."""
+    spin = [abs(scene.motor.phidot)] if scene.motor is not None else []
+    rate = max([fastest(scene, scene.links), *source_rates(scene), *spin]) / LARGEST_ANGLE
+    if scene.stops:
+        rate = max(rate, fastest(scene, (*scene.links, *scene.stops)) / LARGEST_ANGLE_IN_CONTACT)
     return max(rate, 1 / scene.t_end)
+
+
+def fastest(scene: Scene, springs: Sequence[Link | Stop]) -> float:
+    """A bound of the rates [1/s] at which bodies vibrate, or creep, on springs and their dampers.
+
+    y'' + B C y' + B K y = 0 in the differences y of the pairs of ends that springs join: B_ij sums 1 / mass
+    over the bodies that pairs i and j share. By Gershgorin's theorem no eigenvalue of B K exceeds the
+    largest sum over j of B_ij k_j: exact for one pair, and for a long chain of equal bodies. A motor's m3 is
+    left out: where the rotor cannot follow, its body vibrates alone.
+    """
+    pairs: dict[frozenset[int], tuple[float, float]] = {}
+    for part in springs:
+        ends = frozenset((part.P, part.Q))
+        k, c = pairs.get(ends, (0.0, 0.0))
+        pairs[ends] = k + part.k, c + part.c
+    rates = [_rate(*(sum(_mobility(scene, ends & others) * each[i] for others, each in pairs.items())
+                     for i in (0, 1))) for ends in pairs]  # fmt: skip
+    return max(rates, default=0.0)
+
+
+def _mobility(scene: Scene, ends: Iterable[int]) -> float:
+    """Sum of 1 / mass over the bodies among `ends` [1/kg]."""
+    return sum(1 / scene.bodies[end].m for end in sorted(ends) if end >= 0)
+
+
+def _rate(stiffness: float, damping: float) -> float:
+    """The larger |s| of s^2 + damping s + stiffness = 0 [1/s]."""
+    over = damping * damping / 4 - stiffness
+    return damping / 2 + math.sqrt(over) if over > 0 else math.sqrt(stiffness)

@@ -1,0 +1,193 @@
+"""What a sweep measures of a scene: motions of bodies and of pairs of ends, events of parts, by name.
+
+Cases in the long form take the names of their bodies and parts. The short form keeps those of the paper's two
+blocks: x1, x2, and `relative` for x1 - x2, or for x1 where block 2 is fixed.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from vibsim.engine.columns import state_columns
+from vibsim.physics.parts import GROUND, Link, Scene, Stop, columns_of
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+RELATIVE = "x1 - x2 (x1 where block 2 is fixed)"
+RELATIVE_RATE = "v1 - v2 (v1 where block 2 is fixed)"
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The displacement x_P - x_Q of one end of a part against the other; Q is GROUND for that of a body.
+
+    Attributes
+    ----------
+    name, rate : of displacement and velocity in the names of columns, such as x_ram and v_ram
+    words, rate_words : what they are, for definitions
+    P, Q : the ends, as of a part of a scene
+    part : the stop or link that joins them, of a pair
+    """
+
+    name: str
+    rate: str
+    words: str
+    rate_words: str
+    P: int
+    Q: int = GROUND
+    part: str = ""
+
+
+@dataclass(frozen=True)
+class Quantities:
+    """What is measured, and how it is called.
+
+    Attributes
+    ----------
+    motions : those whose amplitudes are taken: bodies, then pairs
+    ranged : name in columns -> the motion whose least and greatest displacement is kept
+    drifting : column of the drift rate -> the motion that drifts
+    sections : column of the stroboscopic section -> (motion, whether its velocity)
+    stops, frictions : names of the parts whose events are counted one by one
+    has_stop, has_friction, has_motor, has_source : what the scene has; friction with mu = 0 too, which may
+        be swept
+    is_powered : whether something puts power in: a source, a constant force, a belt
+    powers : column of a part's mean power -> (its entry in the energy ledger, what it is)
+    starts : state (x_ram, phi) -> key of its start value in the case
+    of_parts : whether the case has the long form
+    """
+
+    motions: tuple[Motion, ...]
+    ranged: dict[str, Motion]
+    drifting: dict[str, Motion]
+    sections: dict[str, tuple[Motion, bool]]
+    stops: tuple[str, ...]
+    frictions: tuple[str, ...]
+    has_stop: bool
+    has_friction: bool
+    has_motor: bool
+    has_source: bool
+    is_powered: bool
+    powers: dict[str, tuple[str, str]]
+    starts: dict[str, str]
+    of_parts: bool
+
+
+def quantities_of(case: "Case") -> Quantities:
+    """What a sweep of a case measures."""
+    scene = case.scene()
+    if not case.is_long:
+        return of_two_blocks(scene)
+    return of_parts(scene, case.long_values().get("friction", {}))
+
+
+def of_two_blocks(scene: Scene) -> Quantities:
+    """Of the scene of a case in the short form."""
+    two = len(scene.bodies) > 1
+    x1, *x2 = _bodies(scene)
+    pair = Motion("relative", "velocity", "x1 - x2", RELATIVE_RATE, 0, 1 if two else GROUND)
+    states = state_columns(scene)
+    return Quantities(
+        motions=(x1, *x2, pair) if two else (x1,),
+        ranged={"relative": pair if two else x1},
+        drifting={"drift_rate": x2[0]} if two else {},
+        sections={"section_displacement": (pair, False), "section_velocity": (pair, True)},
+        stops=(),
+        frictions=(),
+        has_stop=bool(scene.stops),
+        has_friction=two,
+        has_motor=scene.has_motor,
+        has_source=_has_source(scene),
+        is_powered=_has_source(scene),
+        powers={},
+        starts={name: f"initial.{name}" for name in states},
+        of_parts=False,
+    )
+
+
+def of_parts(scene: Scene, frictions: Iterable[str]) -> Quantities:
+    """Of a scene of named parts; frictions: names of all, of those with mu = 0 too."""
+    bodies = tuple(_bodies(scene))
+    motions = (*bodies, *_pairs(scene))
+    frictions = tuple(frictions)
+    starts = {
+        column: f"initial.{body.name}.{state}"
+        for body in scene.bodies
+        for column, state in zip(columns_of(body.name), "xv", strict=True)
+    }
+    if scene.has_motor:
+        starts |= {name: f"initial.motor.{name}" for name in ("phi", "phidot")}
+    return Quantities(
+        motions=motions,
+        ranged={motion.name: motion for motion in motions},
+        drifting={f"drift_rate_{motion.name}": motion for motion in bodies},
+        sections={
+            f"section_{name}": (motion, is_rate)
+            for motion in motions
+            for name, is_rate in ((motion.name, False), (motion.rate, True))
+        },
+        stops=tuple(stop.name for stop in scene.stops),
+        frictions=frictions,
+        has_stop=bool(scene.stops),
+        has_friction=bool(frictions),
+        has_motor=scene.has_motor,
+        has_source=_has_source(scene),
+        is_powered=_has_source(scene) or bool(scene.forces) or any(f.belt for f in scene.frictions),
+        powers=_powers(scene, frictions),
+        starts=starts,
+        of_parts=True,
+    )
+
+
+def _bodies(scene: Scene) -> Iterator[Motion]:
+    for i, body in enumerate(scene.bodies):
+        x, v = columns_of(body.name)
+        yield Motion(x, v, x, v, i)
+
+
+def _pairs(scene: Scene) -> Iterator[Motion]:
+    """Each pair of ends that a stop or a link joins, called after the first of them, stops before links.
+
+    Ends on the ground make no pair: there the relative motion is that of the body.
+    """
+    seen = set()
+    parts: tuple[Stop | Link, ...] = (*scene.stops, *scene.links)
+    for part in parts:
+        ends = frozenset((part.P, part.Q))
+        if GROUND not in ends and ends not in seen:
+            seen.add(ends)
+            (x, v), (other_x, other_v) = (_end_columns(scene, end) for end in (part.P, part.Q))
+            names = f"relative_{part.name}", f"velocity_{part.name}"
+            yield Motion(*names, f"{x} - {other_x}", f"{v} - {other_v}", part.P, part.Q, part.name)
+
+
+def _end_columns(scene: Scene, end: int) -> tuple[str, str]:
+    """x and v of an end; those of the base are called X and V."""
+    return columns_of(scene.bodies[end].name) if end >= 0 else ("X of the base", "V of the base")
+
+
+def _has_source(scene: Scene) -> bool:
+    """Whether anything drives the scene."""
+    return scene.has_motor or bool(scene.base) or any(force.terms for force in scene.forces)
+
+
+def _powers(scene: Scene, frictions: Iterable[str]) -> dict[str, tuple[str, str]]:
+    """The parts that give or take power: forces, motor, belts; dampers, stops with one, frictions."""
+    found = {
+        f"power_force_{f.name}": (f"work.forces.{f.name}", f"force {f.name} gives") for f in scene.forces
+    }
+    if scene.has_motor:
+        found["power_motor"] = "work.motor", "the motor gives"
+    belts, damped = [f.name for f in scene.frictions if f.belt], [s.name for s in scene.stops if s.c]
+    found |= {f"power_belt_{name}": (f"work.friction.{name}", f"the belt of {name} gives") for name in belts}
+    dampers = [link.name for link in scene.links if link.c]
+    found |= {
+        f"power_damper_{name}": (f"loss.links.{name}", f"the damper of {name} takes") for name in dampers
+    }
+    found |= {f"power_stop_{name}": (f"loss.stops.{name}", f"the stop {name} takes") for name in damped}
+    found |= {
+        f"power_friction_{name}": (f"loss.friction.{name}", f"the friction {name} takes")
+        for name in frictions
+    }
+    return {name: (entry, f"mean power that {words}") for name, (entry, words) in found.items()}
