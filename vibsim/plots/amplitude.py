@@ -8,11 +8,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from vibsim.physics.parts import GROUND
 from vibsim.plots.frequency_marks import mark_frequencies
 from vibsim.plots.quantities import Scale, scale_for
+from vibsim.plots.relative_motion import difference
 from vibsim.plots.sheet import letter_panels, note, sheet
 from vibsim.plots.subject import Subject
-from vibsim.plots.sweep_axes import SPEEDS, along, axis_label
+from vibsim.plots.sweep_axes import along, axis_label, is_speed
 from vibsim.plots.sweep_curves import (
     Curve,
     curves,
@@ -22,32 +24,53 @@ from vibsim.plots.sweep_curves import (
     limit,
     name_curves,
 )
+from vibsim.plots.sweep_panels import PAGE_CM
+from vibsim.plots.user_text import as_text
 from vibsim.plots.view import View
 
 PANEL_CM = 3.1
 BANDS_UP_TO = 2
-NAMES = {"relative": r"$x_1 - x_2$", "x1": "$x_1$", "x2": "$x_2$"}
+MOST = int((PAGE_CM - 2.4) / PANEL_CM)  # panels that a page has room for
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
     """Half the peak-to-peak per excitation period [m]: its mean as a line, up to its greatest as a band."""
     drawn = curves(subjects)
-    names = [name for name in NAMES if any(f"amplitude_{name}" in subject.result for subject in subjects)]
+    every = motions_of(subjects)
+    labels = dict(list(every.items())[:MOST])
+    names = list(labels)
     figure = sheet(view, 2.4 + PANEL_CM * len(names))
     panels = figure.subplots(len(names), 1, squeeze=False, sharex=True)[:, 0]
     scale = _common_scale(drawn, names)
     for axes, name in zip(panels, names, strict=True):
         _panel(axes, [curve for curve in drawn if f"amplitude_{name}" in curve.subject.result], name, scale)
+        axes.set_ylabel(scale.label(labels[name]))
     limit(panels[0], drawn, view)
     banded = len(drawn) <= BANDS_UP_TO and any(map(_is_banded, drawn))
-    note(panels[0], ensemble_note(drawn) or ("band: up to the greatest" if banded else ""))
-    if all(subject.result.axes[along(subject.result)].key in SPEEDS for subject in subjects):
+    omitted = f"{len(labels)} of {len(every)} motions" if len(labels) < len(every) else ""
+    words = ensemble_note(drawn) or ("band: up to the greatest" if banded else "")
+    note(panels[0], "; ".join(filter(None, [omitted, words])))
+    if all(is_speed(subject.result.axes[along(subject.result)].key) for subject in subjects):
         mark_frequencies(list(panels), frequencies(subjects), (view.width_cm - 1.6) * 28)
     figure.supylabel("Amplitude", fontsize=8)
     panels[-1].set_xlabel(axis_label(subjects))
     name_curves(figure, list(panels), drawn)
     letter_panels(list(panels))
     return figure
+
+
+def motions_of(subjects: Sequence[Subject]) -> dict[str, str]:
+    """Labels of the motions of all sweeps by name: those of two ends against each other, called after the
+    stop or link between them, then those of bodies.
+    """
+    found: dict[str, str] = {}
+    for subject in subjects:
+        motions = subject.result.plan.recipe.of.motions
+        for motion in sorted(motions, key=lambda motion: motion.Q == GROUND):
+            named = motion.Q != GROUND and subject.result.plan.recipe.of.of_parts
+            label = as_text(motion.part) if named else difference(subject.scene, motion, "x")
+            found.setdefault(motion.name, label)
+    return found
 
 
 def _common_scale(drawn: Sequence[Curve], names: Sequence[str]) -> Scale:
@@ -70,7 +93,6 @@ def _panel(axes: Axes, drawn: Sequence[Curve], name: str, scale: Scale) -> None:
             )
         axes.plot(curve.x, scale(mean), label=curve.label, gid=name, zorder=3, **curve.look)
     axes.set_ylim(bottom=0)
-    axes.set_ylabel(scale.label(NAMES[name]))
     axes.margins(y=0.06)
     if all(np.isnan(mean).all() for mean in means):
         axes.set_ylim(0, 1)

@@ -11,7 +11,7 @@ from vibsim.plots.frequency_marks import mark_frequencies
 from vibsim.plots.sheet import note, sheet
 from vibsim.plots.style import BLUE, VERMILLION
 from vibsim.plots.subject import Subject
-from vibsim.plots.sweep_axes import SPEEDS, ascending, label_of, numbers, shown
+from vibsim.plots.sweep_axes import ascending, is_speed, label_of, numbers, shown
 from vibsim.plots.sweep_curves import DIRECTION_NAMES, frequencies
 from vibsim.plots.sweep_plane import missing_note
 from vibsim.plots.verdict_colours import legend_of
@@ -44,7 +44,7 @@ def draw_probability(subject: Subject, view: View) -> Figure:
     axes.set_xlabel(label_of(axis))
     axes.set_ylabel("Probability of capture")
     _say(axes, f"{len(result.members)} starts each; band: 95 %", subject)
-    if axis.key in SPEEDS:
+    if is_speed(axis.key):
         mark_frequencies([axes], frequencies([subject]), (view.width_cm - 1.6) * 28)
     if len(directions) > 1:
         figure.legend(loc="outside lower center", ncols=2)

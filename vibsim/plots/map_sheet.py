@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from vibsim.plots.frequency_marks import mark_frequencies
 from vibsim.plots.sheet import letter_panels, note, sheet
-from vibsim.plots.sweep_axes import SPEEDS, shown
+from vibsim.plots.sweep_axes import is_speed, shown
 from vibsim.plots.sweep_curves import DIRECTION_NAMES, frequencies
 from vibsim.plots.sweep_panels import PAGE_CM, finish, in_columns
 from vibsim.plots.sweep_plane import Plane, missing_note
@@ -32,7 +32,7 @@ def map_sheet(plane: Plane, each: int, view: View) -> tuple[Figure, np.ndarray]:
     for i, axes in enumerate(panels):
         axes.set_title(DIRECTION_NAMES[ways[i // each]] if len(ways) > 1 else "", loc="left", pad=3)
     note(panels[columns - 1], missing_note(plane.subject))
-    if plane.subject.result.axes[plane.across].key in SPEEDS:
+    if is_speed(plane.subject.result.axes[plane.across].key):
         for column in range(columns):
             width_pt = (view.width_cm / columns - 2.5) * 28
             mark_frequencies(list(panels[column::columns]), frequencies([plane.subject]), width_pt)

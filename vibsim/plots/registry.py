@@ -30,7 +30,6 @@ class Kind:
     needs : keys of NEEDS; what the subject must have
     width : "column" or "page", the width unless the user says otherwise
     alone : whether it shows one file at a time
-    any_scene : whether it shows sweeps of named parts too, and not only of two blocks
     """
 
     name: str
@@ -39,7 +38,6 @@ class Kind:
     needs: tuple[str, ...] = ()
     width: str = "column"
     alone: bool = False
-    any_scene: bool = False
 
     @property
     def draw(self) -> Callable[..., Any]:
@@ -150,9 +148,9 @@ DEFAULTS = {
 
 def _is_along_speed(subject: Subject) -> bool:
     """Whether the sweep is drawn along the motor constant."""
-    from vibsim.plots.sweep_axes import along
+    from vibsim.plots.sweep_axes import along, is_motor_speed
 
-    return subject.result.axes[along(subject.result)].key == "excitation.Omega0"
+    return is_motor_speed(subject.result.axes[along(subject.result)].key)
 
 
 def _is_periodic(scene: Any) -> bool:
@@ -189,8 +187,6 @@ def misfit(kind: Kind, subject: Subject) -> str | None:
         return f"it shows a {kind.reads}, and {subject.path} is a {subject.reads}"
     if kind.reads == "case" and subject.reads == "sweep":
         return f"it shows one case, and {subject.path} is a sweep"
-    if kind.reads == "sweep" and subject.case.is_long and not kind.any_scene:
-        return f"it shows sweeps of two blocks, and {subject.path} is one of named parts"
     for need in kind.needs:
         words, has = NEEDS[need]
         if not has(subject):

@@ -9,16 +9,17 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.cases.forms import LONG
 from vibsim.cases.units import UNITS
 from vibsim.plots.errors import PlotError
 from vibsim.plots.quantities import rounded
 from vibsim.plots.subject import Subject
+from vibsim.plots.user_text import as_text
 from vibsim.plots.view import Span, View
 
-SPEEDS = {
-    "excitation.Omega0": r"No-load speed $\Omega_0/2\pi$ (Hz)",
-    "excitation.omega": r"Excitation frequency $\omega/2\pi$ (Hz)",
-}
+MOTOR_SPEEDS = ("excitation.Omega0", "motor.Omega0")
+NO_LOAD = r"No-load speed $\Omega_0/2\pi$ (Hz)"
+FREQUENCY = r"Excitation frequency $\omega/2\pi$"
 WORDS = {
     "blocks.m1": "Mass $m_1$",
     "blocks.m2": "Mass $m_2$",
@@ -30,7 +31,35 @@ WORDS = {
     "excitation.M0": "Starting torque $M_0$",
     "initial.phi": r"Rotor angle at the start $\varphi(0)$",
     "initial.phidot": r"Motor speed at the start $\dot\varphi(0)$",
+    "motor.M0": "Starting torque $M_0$",
+    "initial.motor.phi": r"Rotor angle at the start $\varphi(0)$",
+    "initial.motor.phidot": r"Motor speed at the start $\dot\varphi(0)$",
+    "base.a": "Amplitude $a$ of the base",
 }
+OF_PART = {  # by the last part of a key of the long form, before the name of what it belongs to
+    "k": "Stiffness $k$",
+    "c": "Damping $c$",
+    "gap": "Gap",
+    "mu": r"Coefficient of friction $\mu$",
+    "N": "Load $N$",
+    "belt": "Belt speed",
+    "A": "Amplitude $A$",
+    "F0": "Constant force $F_0$",
+    "phase": "Phase",
+    "distance": "Distance",
+    "x": "Displacement at the start $x(0)$",
+    "v": "Velocity at the start $v(0)$",
+}
+
+
+def is_motor_speed(key: str) -> bool:
+    """Whether a key is the motor constant."""
+    return key in MOTOR_SPEEDS
+
+
+def is_speed(key: str) -> bool:
+    """Whether a key is a speed of the source: the motor constant, or a frequency of forces or the base."""
+    return is_motor_speed(key) or key.rpartition(".")[2] == "omega"
 
 
 def along(result: Any) -> int:
@@ -42,15 +71,45 @@ def along(result: Any) -> int:
 
     def rank(i: int) -> tuple[bool, bool, bool]:
         axis = result.axes[i]
-        return axis is result.members, len(axis) == 1, axis.key not in SPEEDS
+        return axis is result.members, len(axis) == 1, not is_speed(axis.key)
 
     return min(range(len(result.axes)), key=rank)
 
 
 def label_of(axis: Any) -> str:
     """Label of one axis, or of the spread of an ensemble, with its unit."""
-    words = WORDS.get(axis.key, axis.name)
-    return SPEEDS.get(axis.key) or (f"{words} ({axis.unit})" if axis.unit else words)
+    if is_motor_speed(axis.key):
+        return NO_LOAD
+    if is_speed(axis.key):
+        return f"{FREQUENCY}{_of_part(axis.key)} (Hz)"
+    words = _words(axis.key) or axis.name
+    return f"{words} ({axis.unit})" if axis.unit else words
+
+
+def _words(key: str) -> str:
+    """What a key is, in words; empty for one that has none."""
+    section, *names = key.split(".")
+    if key in WORDS or section not in LONG.named or not names:
+        return WORDS.get(key, "")
+    if section == "bodies":
+        return f"Mass $m${_owner(key)}"
+    quantity = OF_PART.get(names[-1], "")
+    return quantity and f"{quantity}{_of_part(key)}"
+
+
+def _owner(key: str) -> str:
+    """The body or part that a key of the long form belongs to, behind other words."""
+    section, *names = key.split(".")
+    return f" of {as_text(names[0])}" if section == "bodies" else _of_part(key)
+
+
+def _of_part(key: str) -> str:
+    """Which part a key of the long form belongs to, behind other words; empty for one without a name."""
+    section, *names = key.split(".")
+    if section == "base":
+        return " of the base"
+    term = f", term {names[2]}" if names[1:2] == ["terms"] else ""
+    return f" of {as_text(names[0])}{term}" if section in LONG.named and len(names) > 1 else ""
 
 
 def axis_label(subjects: Sequence[Subject]) -> str:
@@ -76,16 +135,16 @@ def positions(result: Any) -> np.ndarray:
 
 def value_texts(axis: Any) -> list[str]:
     """Every value of an axis with its symbol and unit, such as `$c$ = 0.0151 N s/m`, in rounded decimals."""
-    unit = "Hz" if axis.key in SPEEDS else axis.unit
+    unit = "Hz" if is_speed(axis.key) else axis.unit
     symbol = re.search(r"\$.*?\$", label_of(axis))
-    name = symbol.group() if symbol else axis.name
+    name = symbol.group() + _owner(axis.key) if symbol else axis.name
     return [f"{name} = {text} {unit}".strip() for text in rounded(numbers(axis).tolist())]
 
 
 def numbers(axis: Any) -> np.ndarray:
     """Values of one axis (n), a speed of the source in Hz, everything else in its unit."""
     values = axis.numbers()
-    if axis.key not in SPEEDS:
+    if not is_speed(axis.key):
         return values
     unit = UNITS[axis.unit]
     return values * float(unit.factor) / (1.0 if unit.per_turn else 2 * math.pi)

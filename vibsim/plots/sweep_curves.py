@@ -14,6 +14,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 
+from vibsim.cases.forms import LONG
 from vibsim.plots.natural_frequencies import Frequency, fractions, natural_frequencies
 from vibsim.plots.sheet import legend_below
 from vibsim.plots.style import BLUE, VERMILLION, overlay
@@ -22,13 +23,10 @@ from vibsim.plots.sweep_axes import along, label_of, numbers, positions, shown, 
 from vibsim.plots.view import View
 from vibsim.sweeps.ensemble import quantile, summary
 
-TUNING = {
-    "blocks.m1",
-    "blocks.m2",
-    "coupling.k1",
-    "stop.k2",
-    "excitation.m3",
-}  # what natural frequencies depend on
+TUNING = {  # what natural frequencies depend on, in either form of a case
+    "blocks.m1", "blocks.m2", "coupling.k1", "stop.k2", "excitation.m3",
+    "bodies.*", "links.*.k", "stops.*.k", "motor.m3",
+}  # fmt: skip
 COLOURS = 7  # curves told apart by the colours of the style; more take those of a colour map
 BRIGHTEST = 0.9  # part of the colour map in use: its end is too pale for lines
 BANDS = ((0.05, 0.95), (0.25, 0.75))  # quantiles of the members of an ensemble
@@ -198,7 +196,7 @@ def frequencies(subjects: Sequence[Subject], parts: bool = False) -> list[Freque
     """
     found: dict[tuple[str, float], Frequency] = {}
     for subject in subjects:
-        if not TUNING & {axis.key for axis in subject.result.axes}:
+        if not TUNING & {LONG.pattern(key) for axis in subject.result.axes for key in axis.keys}:
             own = [*natural_frequencies(subject.scene), *(fractions(subject.scene) if parts else [])]
             found |= {(f.label, round(f.hz, 6)): f for f in own}
     return list(found.values())
@@ -206,7 +204,7 @@ def frequencies(subjects: Sequence[Subject], parts: bool = False) -> list[Freque
 
 def name_curves(figure: Figure, panels: Sequence[Axes], drawn: Sequence[Curve], **options: Any) -> None:
     """What tells the curves apart, under the picture: a legend (`options`), or the colours of many values."""
-    subjects = list(dict.fromkeys(curve.subject for curve in drawn))
+    subjects = list({id(curve.subject): curve.subject for curve in drawn}.values())
     axis, count = _toned_axis(subjects), len({curve.family for curve in drawn})
     if axis is not None and count > COLOURS:
         shades = matplotlib.colormaps["viridis"](np.linspace(0, BRIGHTEST, 256))
