@@ -149,3 +149,18 @@ def test_what_decides_a_statement():
     assert passes.decided_at(float("nan"), 300.0) == 300.0
     assert parse_statement("captured", MOTOR).decided_at(4.0, 300.0) == 300.0
     assert parse_statement("drifts above 0 m/s over 50 to 90 s", MOTOR).decided_at(1.0, 300.0) == 90.0
+
+
+def test_statements_on_named_parts_are_those_that_need_no_numbered_blocks():
+    drill = [load_case("gallery/impact-damper")]
+    for text in ("impacts per cycle 1 to 2", "impact velocity above 1 mm/s", "periodic", "period at most 2"):
+        assert parse_statement(text, drill).bounds is not None
+    for text, needs in {
+        "vibration of x1 below 1 m": "blocks 1 and 2",
+        "drifts above 0 m/s": "a moving block 2",
+        "frequency 1 to 2 Hz": "blocks 1 and 2",
+        "captured": "a motor",
+        "sticks per cycle 1 to 2": "friction",
+    }.items():
+        with pytest.raises(FitError, match=f"needs {needs}.*, which impact-damper has not got"):
+            parse_statement(text, drill)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from vibsim.cases.keys import UnknownKeyError
 from vibsim.cases.units import UNITS
 from vibsim.fitting.errors import FitError
-from vibsim.sweeps.plan.axis import read_axis
+from vibsim.sweeps.plan.axis import read_axis, scale_name
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -49,8 +49,9 @@ class FreeParameter:
 
     @property
     def name(self) -> str:
-        """The last part of the key."""
-        return self.key.rpartition(".")[2]
+        """The last part of the key; of a named body or part as an axis of a sweep is called."""
+        section, *names = self.key.split(".")
+        return scale_name(self.key) if section == "bodies" or len(names) > 1 else names[-1]
 
     def value(self, place: float) -> float:
         """The value at a place from 0 to 1 of the range, rounded to DIGITS digits and within it."""

@@ -83,7 +83,7 @@ def _parsed(text: str, cases: Sequence[Case]) -> Statement:
     claim, share = _share(claim)
     phrase = _phrase_of(claim)
     observable = OBSERVABLES[phrase.name]
-    missing = missing_of(observable, cases[position].two_blocks())
+    missing = missing_of(observable, cases[position])
     if missing:
         raise FitError(
             f"{phrase.name} needs {' and '.join(missing)}, which {cases[position].name} has not got"

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vibsim.analysis.capture import FAR, NEAR
 from vibsim.analysis.drift import CYCLES
 from vibsim.analysis.holds import BAND, LEAST_TURNS, TURNS
+from vibsim.engine.section import has_section
 from vibsim.fitting import measures as by
 from vibsim.fitting.measures import CAPTURES, NONE, REGIMES, Measure
-from vibsim.physics.two_blocks import TwoBlocks
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
 
 
 @dataclass(frozen=True)
@@ -24,7 +28,8 @@ class Observable:
     definition : in words, for the documentation and every file
     dimension : of `vibsim.cases.units`; "share" for a number that may be written in percent; "" for a verdict
     measure : from the run, the window [s] (None: that of the definition) and the argument
-    needs : what the scene must have, of "motor", "source", "block2" and "stop"
+    needs : what the scene must have, of "motor", "source", "stop", "friction"; "blocks" and
+        "block2" are those of a case in the short form
     windowed : whether a statement may name a span of time
     argument : dimension of a further quantity in its phrase, such as the speed that is passed; or ""
     words : what each verdict is called -> its code
@@ -49,6 +54,7 @@ _HOLD = (
 _LATE = "in the second half unless a span is named"
 _MEAN_X2 = f"x2, averaged over {CYCLES} cycles,"
 _MOTOR, _SOURCE, _STOP, _DRIVEN = ("motor",), ("source",), ("stop",), ("block2", "source")
+_BLOCKS = ("blocks", "source")
 
 OBSERVABLES: dict[str, Observable] = {
     "capture": Observable(
@@ -83,7 +89,7 @@ OBSERVABLES: dict[str, Observable] = {
         f"mean number, {_LATE}", "number", by.per_cycle("impacts"), ("stop", "source"), True
     ),
     "sticks per cycle": Observable(
-        f"mean number, {_LATE}", "number", by.per_cycle("sticks"), _DRIVEN, True
+        f"mean number, {_LATE}", "number", by.per_cycle("sticks"), ("friction", "source"), True
     ),
     "impact velocity": Observable(
         f"mean closing velocity, {_LATE}", "velocity", by.mean_impact_velocity, _STOP, True
@@ -97,14 +103,14 @@ OBSERVABLES: dict[str, Observable] = {
         _SOURCE, True,
     ),
     "frequency": Observable(
-        f"strongest line of x1 - x2, {_LATE}", "angular rate", by.strongest_frequency, _SOURCE, True
+        f"strongest line of x1 - x2, {_LATE}", "angular rate", by.strongest_frequency, _BLOCKS, True
     ),
     **{
         f"vibration of {name}": Observable(
             f"half the peak-to-peak of {name} in one cycle, mean over the cycles {_LATE}", "length",
             by.vibration(name), needs, True,
         )
-        for name, needs in (("x1", _SOURCE), ("x2", _DRIVEN), ("x1 - x2", _SOURCE))
+        for name, needs in (("x1", _BLOCKS), ("x2", _DRIVEN), ("x1 - x2", _BLOCKS))
     },
     "x2 peaks": Observable(
         f"when {_MEAN_X2} is greatest", "time",
@@ -123,13 +129,18 @@ OBSERVABLES: dict[str, Observable] = {
 }  # fmt: skip
 
 
-def missing_of(observable: Observable, scene: TwoBlocks) -> list[str]:
-    """What a scene has not got that an observable needs."""
-    has = {
-        "motor": scene.has_motor,
-        "source": scene.source != "none",
-        "block2": scene.has_block2,
-        "stop": scene.has_stop,
+def missing_of(observable: Observable, case: Case) -> list[str]:
+    """What a case has not got that an observable needs.
+
+    Statements on x1 and x2 are of the two blocks of the short form; a scene of named parts has none.
+    """
+    scene = case.scene()
+    names = {
+        "motor": ("a motor", scene.has_motor),
+        "source": ("a source", has_section(scene)),
+        "blocks": ("blocks 1 and 2 (the short form of a case)", not case.is_long),
+        "block2": ("a moving block 2", not case.is_long and len(scene.bodies) > 1),
+        "friction": ("friction", bool(scene.frictions) or (not case.is_long and len(scene.bodies) > 1)),
+        "stop": ("a stop", scene.has_stop),
     }
-    names = {"motor": "a motor", "source": "a source", "block2": "a moving block 2", "stop": "a stop"}
-    return [names[need] for need in observable.needs if not has[need]]
+    return [words for words, is_there in (names[need] for need in observable.needs) if not is_there]
