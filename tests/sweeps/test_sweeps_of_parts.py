@@ -331,3 +331,24 @@ def test_what_a_scene_has_not_is_not_computed():
     ):
         with pytest.raises(PlanError, match=f"{name} needs {needs}, which free has not got"):
             short_plan({"s.k": "1, 2"}, free, compute=[name])
+
+
+def test_rigid_stops_have_impacts_with_the_velocity_in_front_of_them():
+    """A ball on a shaken rigid table: each blow takes (1 - e^2) m u^2 / 2, u the velocity in front of it."""
+    text = """
+    bodies: {ball: 0.1 kg}
+    stops: {table: {between: [ball, base], gap: 0 m, acts: extension, law: rigid, e: 0.6}}
+    forces: {weight: {on: ball, F0: -0.981 N}}
+    base: {a: 2 mm, omega: 20 Hz}
+    initial: {ball: {x: 5 mm}}
+    run: {t_end: 2 s}
+    """
+    case = load_case_text(text, name="bouncer")
+    values, arrays = measured(case, "power", "impact-velocity", "contact-section", section=1000)
+    speeds = arrays["contact_velocity_table"]
+    assert len(speeds) > 30 and (speeds < 0).all() and values["impacts"] > 60
+    assert values["impacts_per_period"] == values["impacts_per_period_table"] > 1
+    assert values["relative_table_min"] == pytest.approx(0, abs=1e-15)
+    count = round(values["impacts_per_period"] * values["periods"])
+    lost = (1 - 0.6**2) * 0.1 * np.sum(speeds[:count] ** 2) / 2  # the first whole period begins at 1 s
+    assert values["power_stop_table"] * values["periods"] / 20 == pytest.approx(lost, rel=1e-9)

@@ -212,10 +212,6 @@ class PythonTrajectory(Trajectory):
             if self.driver.finished:
                 return
 
-<<<<<<< HEAD
-    def _block(self, samples, events, section):
-        pairs = np.array([[kind, part] for kind, part, *_ in events], dtype="i2")
-=======
     @property
     def extremes(self):
         """Least and greatest of every pair so far, and the smallest gap of every stop that is watched."""
@@ -223,21 +219,14 @@ class PythonTrajectory(Trajectory):
         return (kept.least, kept.greatest, kept.margins) if kept else ([], [], [])
 
     def _block(self, samples, events, section, extremes):
-        pairs = np.array([[kind, part] for kind, part, _, _ in events], dtype="i2")
->>>>>>> bc5a84e (Keep extremes by period in both engines while they run)
+        pairs = np.array([[kind, part] for kind, part, *_ in events], dtype="i2")
         kinds = pairs.astype("i1").reshape(-1, 2).T
         return self.block(
             self._states([state for state, _ in samples]),
             self._codes([status for _, status in samples]),
-<<<<<<< HEAD
             np.vstack([self._states([one[2] for one in events], phase=True), self._before(events)]),
             np.vstack([kinds, self._codes([one[3] for one in events])]),
-            self._states(section),
-=======
-            self._states([state for _, _, state, _ in events], phase=True),
-            np.vstack([kinds, self._codes([status for *_, status in events])]),
             self._section(section, extremes),
->>>>>>> bc5a84e (Keep extremes by period in both engines while they run)
             self._reached(),
         )
 

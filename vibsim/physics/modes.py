@@ -22,5 +22,6 @@ EVENT_KINDS = {
     "rest_begin": 12,
     "rest_end": 13,
 }
+IMPACTS = ("contact_begin", "impact")  # of elastic stops, and of rigid ones
 RIGID_KINDS = ("impact", "transmitted", "chatter", "rest_begin", "rest_end")  # of rigid stops alone
 EVENT_NAMES = {code: name for name, code in EVENT_KINDS.items()}

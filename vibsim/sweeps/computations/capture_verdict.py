@@ -9,7 +9,7 @@ import numpy as np
 from vibsim.analysis.capture import Capture, capture_of_turns
 from vibsim.analysis.span import Span
 from vibsim.engine.trajectory import Block
-from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.modes import EVENT_KINDS, IMPACTS
 from vibsim.sweeps.computations.task import Task
 from vibsim.sweeps.statistics.columns import Column, Columns
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
@@ -66,7 +66,7 @@ class CaptureVerdict:
 
 def _thinned(block: Block) -> Block:
     """What the verdict needs: the times of the turns and of the impacts."""
-    begun = block.events["kind"] == EVENT_KINDS["contact_begin"]
+    begun = np.isin(block.events["kind"], [EVENT_KINDS[kind] for kind in IMPACTS])
     events, section = {"time": block.events["t"][begun]}, {"time": block.section["time"]}
     return replace(block, samples={}, events=events, section=section)
 

@@ -6,13 +6,14 @@ import numpy as np
 
 from vibsim.engine.columns import part_columns, stop_column
 from vibsim.engine.trajectory import Block
-from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.modes import EVENT_KINDS, IMPACTS
 from vibsim.physics.period import Period, common_period
 from vibsim.sweeps.computations.task import Task
 from vibsim.sweeps.statistics.motions import velocities
 from vibsim.sweeps.statistics.quantities import Motion
 
 TURN = 2 * math.pi
+BEFORE = "before_"  # of velocities in front of an event, which impacts on rigid stops change
 Contact = dict[str, np.ndarray]
 
 
@@ -31,7 +32,8 @@ class Contacts:
     def update(self, block: Block) -> None:
         """Take the next block."""
         events = block.events
-        chosen = (events["kind"] == EVENT_KINDS["contact_begin"]) & (events["t"] >= self._task.begin)
+        impacts = np.isin(events["kind"], [EVENT_KINDS[kind] for kind in IMPACTS])
+        chosen = impacts & (events["t"] >= self._task.begin)
         self._parts.append(self._of({name: column[chosen] for name, column in events.items()}))
 
     def _of(self, events: Contact) -> Contact:
@@ -43,8 +45,9 @@ class Contacts:
         return found
 
     def _velocity(self, events: Contact) -> np.ndarray:
-        """v_P - v_Q of the stop that each contact is at [m/s] (n)."""
-        states = {**events, "time": events["t"]}
+        """v_P - v_Q of the stop that each contact is at, in front of it [m/s] (n)."""
+        before = {name.removeprefix(BEFORE): c for name, c in events.items() if name.startswith(BEFORE)}
+        states = {**events, **before, "time": events["t"]}
         velocity = np.zeros(len(events["t"]))
         for number, each in zip(self._numbers, velocities(self._scene, self._rates, states), strict=True):
             at = events["part"] == number

@@ -12,7 +12,7 @@ import numpy as np
 
 from vibsim.engine.columns import part_columns, section_columns, stop_column
 from vibsim.engine.trajectory import Block
-from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.modes import EVENT_KINDS, IMPACTS
 from vibsim.physics.parts import Scene
 from vibsim.physics.sums import dot, mean
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
@@ -20,7 +20,7 @@ from vibsim.sweeps.statistics.motions import displacements, velocities
 from vibsim.sweeps.statistics.quantities import Quantities
 
 TURN = 2 * math.pi
-COUNTED = {"contact_begin": "impacts_per_period", "stick_begin": "sticks_per_period"}
+COUNTED = {"impacts_per_period": IMPACTS, "sticks_per_period": ("stick_begin",)}  # by kinds of events
 
 
 class Statistics:
@@ -30,15 +30,15 @@ class Statistics:
         self.scene, self.of, self.begin = scene, of, begin
         self._points: list[dict[str, np.ndarray]] = []
         self._extremes: list[np.ndarray] = []
-        self._begun: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {kind: [] for kind in COUNTED}
+        self._begun: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {name: [] for name in COUNTED}
 
     def update(self, block: Block) -> None:
         """Take the next block of a `MeasuredRun`."""
         late = block.section["time"] >= self.begin
         self._points.append({name: column[late] for name, column in block.section.items()})
         self._extremes.append(block.extremes[:, late])
-        for kind, begun in self._begun.items():
-            of_kind = block.events["kind"] == EVENT_KINDS[kind]
+        for name, begun in self._begun.items():
+            of_kind = np.isin(block.events["kind"], [EVENT_KINDS[kind] for kind in COUNTED[name]])
             begun.append((block.events["t"][of_kind], block.events["part"][of_kind]))
 
     def values(self, run: MeasuredRun) -> dict[str, float]:
@@ -106,13 +106,12 @@ class Statistics:
     def _per_period(self, times: np.ndarray, periods: int) -> dict[str, float]:
         """Events in the whole periods, divided by their number."""
         found: dict[str, float] = {"periods": float(periods)}
-        parts = {"contact_begin": self.of.stops, "stick_begin": self.of.frictions}
-        for kind, name in COUNTED.items():
-            begun = self._begun[kind]
+        parts = {"impacts_per_period": self.of.stops, "sticks_per_period": self.of.frictions}
+        for name, begun in self._begun.items():
             happened, part = (np.concatenate([[], *column]) for column in zip(*begun, strict=True))
             counted = (happened >= times[0]) & (happened < times[-1])
             found[name] = np.count_nonzero(counted) / periods if periods else math.nan
-            for one in parts[kind]:
+            for one in parts[name]:
                 count = np.count_nonzero(counted & (part == self._number(one)))
                 found[f"{name}_{one}"] = count / periods if periods else math.nan
         return found

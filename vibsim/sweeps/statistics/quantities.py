@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from vibsim.engine.columns import state_columns
-from vibsim.physics.parts import GROUND, Link, Scene, Stop, columns_of
+from vibsim.physics.parts import GROUND, Link, RigidStop, Scene, Stop, columns_of
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -152,7 +152,7 @@ def _pairs(scene: Scene) -> Iterator[Motion]:
     Ends on the ground make no pair: there the relative motion is that of the body.
     """
     seen = set()
-    parts: tuple[Stop | Link, ...] = (*scene.stops, *scene.links)
+    parts: tuple[Stop | RigidStop | Link, ...] = (*scene.stops, *scene.links)
     for part in parts:
         ends = frozenset((part.P, part.Q))
         if GROUND not in ends and ends not in seen:
@@ -172,6 +172,11 @@ def _has_source(scene: Scene) -> bool:
     return scene.has_motor or bool(scene.base) or any(force.terms for force in scene.forces)
 
 
+def _damped_stops(scene: Scene) -> list[str]:
+    """Names of the stops that take energy: elastic ones with a damper, and rigid ones."""
+    return [stop.name for stop in scene.stops if isinstance(stop, RigidStop) or stop.c]
+
+
 def _powers(scene: Scene, frictions: Iterable[str]) -> dict[str, tuple[str, str]]:
     """The parts that give or take power: forces, motor, belts; dampers, stops with one, frictions."""
     found = {
@@ -179,7 +184,7 @@ def _powers(scene: Scene, frictions: Iterable[str]) -> dict[str, tuple[str, str]
     }
     if scene.has_motor:
         found["power_motor"] = "work.motor", "the motor gives"
-    belts, damped = [f.name for f in scene.frictions if f.belt], [s.name for s in scene.stops if s.c]
+    belts, damped = [f.name for f in scene.frictions if f.belt], _damped_stops(scene)
     found |= {f"power_belt_{name}": (f"work.friction.{name}", f"the belt of {name} gives") for name in belts}
     dampers = [link.name for link in scene.links if link.c]
     found |= {

@@ -34,8 +34,9 @@ def samples_per_second(scene: Scene) -> float:
     """Samples [1/s] that resolve free vibration, vibration in contact and sources."""
     spin = [abs(scene.motor.phidot)] if scene.motor is not None else []
     rate = max([fastest(scene, scene.links), *source_rates(scene), *spin]) / LARGEST_ANGLE
-    if scene.stops:
-        rate = max(rate, fastest(scene, (*scene.links, *scene.stops)) / LARGEST_ANGLE_IN_CONTACT)
+    stops = [stop for _, stop in scene.elastic_stops]
+    if stops:
+        rate = max(rate, fastest(scene, (*scene.links, *stops)) / LARGEST_ANGLE_IN_CONTACT)
     return max(rate, 1 / scene.t_end)
 
 
