@@ -215,7 +215,8 @@ def test_digits_of_a_scene_are_those_of_its_closed_form():
 
 
 @pytest.mark.parametrize(
-    ("name", "t_end"), [("percussive-drill", "0.5 s"), ("two-masses-with-friction", "60 s")]
+    ("name", "t_end"),
+    [("percussive-drill", "0.5 s"), ("two-masses-with-friction", "60 s"), ("chain-with-gaps", "40 ms")],
 )
 def test_digits_are_found_by_themselves(name, t_end):
     run = vibsim.simulate(load_case(f"gallery/{name}", {"run.t_end": t_end}), digits="auto")

@@ -58,8 +58,6 @@ def test_cases_prints_the_long_form():
     [
         ("sweep", "--param", "ram=1:2/3 kg"),
         ("bench",),
-        ("plot",),
-        ("analyse",),
     ],
 )
 def test_commands_that_run_say_what_a_scene_of_parts_can_do(command, tmp_path, monkeypatch):

@@ -9,7 +9,7 @@ from vibsim.cases.derived_facts import derived_facts
 
 
 def facts(name, overrides=None):
-    return {fact.name: fact.value for fact in derived_facts(load_case(name, overrides).two_blocks())}
+    return {fact.name: fact.value for fact in derived_facts(load_case(name, overrides).scene())}
 
 
 def test_case_one():
@@ -43,3 +43,15 @@ def test_no_coupling_spring():
     found = facts("II-B", {"k1": "0 N/m", "M0": "0 N m"})
     assert found["free"] == found["bilinear"] == 0.0
     assert not {"damping ratio", "friction band", "run-up time constant"} & set(found)
+
+
+def test_scenes_of_parts():
+    """Two masses on springs in a row: w^2 = (3 +- sqrt(5))/2; bilinear: 1 and sqrt(30) rad/s."""
+    found = facts("gallery/two-masses-with-friction")
+    golden = sqrt((3 + sqrt(5)) / 2)
+    assert found["open 1"] == pytest.approx(1 / golden / (2 * pi), rel=1e-12)
+    assert found["open 2"] == pytest.approx(golden / (2 * pi), rel=1e-12)
+    assert found["floor"] == 0.5
+    bilinear = facts("gallery/bilinear-oscillator")
+    assert bilinear["closed 1"] == pytest.approx(sqrt(30) / (2 * pi), rel=1e-14)
+    assert bilinear["bilinear 1"] == pytest.approx(2 * sqrt(30) / (1 + sqrt(30)) / (2 * pi), rel=1e-14)

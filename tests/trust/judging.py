@@ -1,14 +1,16 @@
 """How good an error estimate is: against the truth, the same case in 45 digits from its exact decimals."""
 
 from dataclasses import dataclass
+from decimal import Context, Decimal
 
 import numpy as np
 
-from vibsim.engine.driver import Driver
-from vibsim.physics.parts import columns_of
+from vibsim.engine.truth import open_truth
 from vibsim.results import simulate
+from vibsim.results.columns import tables_of
 
 DIGITS = 45  # chaos takes 1e16 from the first error in the longest of these runs
+EXACT = Context(prec=1100)
 FACTOR = 30.0
 TOLERANCES = (1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4)  # [m]
 
@@ -62,24 +64,14 @@ def horizon(time, error, tolerance):
 
 
 def true_error(case, run):
-    """The largest error of the displacements at every sample, and the largest of these [m]."""
-    from vibsim.physics.multiprecision import Balls
-
-    kit = Balls(DIGITS)
-    driver = Driver(case.exact_scene(kit.number), kit)
-    rows = []
-    while not driver.finished:
-        driver.run(2000, 2000, 1000)
-        for state, _ in driver.take()[0]:
-            rows.append((float(state.t), *(part for x in state.x for part in _split(x))))
-    time, *true = np.array(rows).T
-    np.testing.assert_array_equal(time, run.time)
-    ours = [run[columns_of(body.name)[0]] for body in driver.scene.bodies]
-    errors = [np.abs((x - true[2 * i]) - true[2 * i + 1]) for i, x in enumerate(ours)]
-    return np.max(errors, axis=0), np.max(np.abs(ours), axis=0)
-
-
-def _split(x):
-    """A ball's midpoint as an unevaluated sum of two doubles."""
-    high = float(x.mid())
-    return high, float((x.mid() - high).mid())
+    """The largest error of the displacements of all bodies at every sample, and the largest of them [m]."""
+    names = tables_of(case.scene()).displacements
+    blocks = list(open_truth(case.exact_scene, DIGITS).blocks())
+    np.testing.assert_array_equal(np.concatenate([block.samples["time"] for block in blocks]), run.time)
+    errors = []
+    for name in names:
+        texts = np.concatenate([block.sample_digits[name] for block in blocks])
+        pairs = zip(run[name].tolist(), texts, strict=True)
+        exact = [EXACT.subtract(Decimal(ours), Decimal(text.decode())) for ours, text in pairs]
+        errors.append(np.abs(np.array(exact, dtype=float)))
+    return np.max(errors, axis=0), np.max([np.abs(run[name]) for name in names], axis=0)

@@ -17,6 +17,7 @@ def scene_of_parts(seed) -> Case:
     bodies = NAMES[: rng.choice([1, 2, 2, 3, 3, 4])]
     motor, base = rng.random() < 0.25, rng.random() < 0.35
     ends = ["base" if base and rng.random() < 0.6 else "ground", *bodies]
+    base = base and ends[0] == "base"
     lines = [f"bodies: {{{', '.join(f'{body}: {_spread(rng, 0.1, 5)} kg' for body in bodies)}}}"]
     joints = [(bodies[i], ends[i]) for i in range(len(bodies))]
     lines += _section("links", _links(rng, joints))

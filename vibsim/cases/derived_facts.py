@@ -1,12 +1,19 @@
-"""What the numbers of a case imply: natural frequencies and the friction band, for `vibsim check -v`."""
+"""What the numbers of a case imply: natural frequencies, friction, the motor; for `vibsim check -v`."""
 
+from collections.abc import Iterator
 from math import pi, sqrt
 from typing import NamedTuple
 
-from vibsim.physics.parts import Friction
-from vibsim.physics.parts import Scene as PartsScene
-from vibsim.physics.rates import natural_rates
-from vibsim.physics.two_blocks import TwoBlocks
+from vibsim.physics.parts import GROUND, Friction, Link, Motor, Scene
+from vibsim.physics.rates import (
+    bilinear_frequencies,
+    frequency,
+    masses,
+    natural_rates,
+    reduced_mass,
+)
+
+PAPERS = "coupling"  # what the short form of a case calls its spring
 
 
 class Fact(NamedTuple):
@@ -18,25 +25,26 @@ class Fact(NamedTuple):
     meaning: str
 
 
-def derived_facts(scene: TwoBlocks) -> list[Fact]:
-    """Facts of a scene; those that need what it has not got are left out."""
-    return [*_frequencies(scene), *_damping(scene), *_forces(scene)]
+def derived_facts(scene: Scene) -> list[Fact]:
+    """Facts of a scene, of the paper's two blocks by the paper's symbols; those that need what it has not got
+    are left out.
+    """
+    if scene.links and scene.links[0].name == PAPERS:
+        return [*_of_blocks(scene, scene.links[0]), *_of_motor(scene.motor)]
+    frictions = [fact for friction in scene.frictions for fact in _friction_forces(friction)]
+    return [*_frequencies(scene), *frictions, *_of_motor(scene.motor)]
 
 
-def facts_of_parts(scene: PartsScene) -> list[Fact]:
-    """Natural frequencies with all stops open and closed, and friction limits, of named parts."""
-    facts = []
+def _frequencies(scene: Scene) -> Iterator[Fact]:
+    """Natural frequencies with all stops open and closed, and those of large vibrations."""
     elastic = [stop for _, stop in scene.elastic_stops]
     for words, closed in (("stops open", []), ("stops closed", elastic)):
         if words == "stops closed" and not elastic:
             continue
         for i, rate in enumerate(natural_rates(scene, closed), 1):
-            facts.append(
-                Fact(f"{words.split()[1]} {i}", rate / (2 * pi), "Hz", f"natural frequency, {words}")
-            )
-    for friction in scene.frictions:
-        facts += _friction_forces(friction)
-    return facts
+            yield Fact(f"{words.split()[1]} {i}", rate / (2 * pi), "Hz", f"natural frequency, {words}")
+    for i, hertz in enumerate(bilinear_frequencies(scene), 1):
+        yield Fact(f"bilinear {i}", hertz, "Hz", "2 f1 f2/(f1 + f2), large vibration")
 
 
 def _friction_forces(friction: Friction) -> list[Fact]:
@@ -53,60 +61,35 @@ def _friction_forces(friction: Friction) -> list[Fact]:
     return facts
 
 
-def excited_mass(scene: TwoBlocks) -> float:
-    """Mass that moves with block 1 [kg]: m1, with a motor m1 + m3."""
-    return scene.m1 + (scene.m3 if scene.has_motor else 0.0)
-
-
-def reduced_mass(scene: TwoBlocks) -> float:
-    """Mass of the relative motion [kg]: 1/(1/m1 + 1/m2), or m1 before a wall; with a motor m1 + m3."""
-    mass = excited_mass(scene)
-    return 1 / (1 / mass + 1 / scene.m2) if scene.has_block2 else mass
-
-
-def frequency(stiffness: float, mass: float) -> float:
-    """Natural frequency [Hz] of a mass [kg] on a spring [N/m]."""
-    return sqrt(stiffness / mass) / (2 * pi)
-
-
-def _frequencies(scene: TwoBlocks) -> list[Fact]:
-    block, mass = excited_mass(scene), reduced_mass(scene)
-    name = "(m1 + m3)" if scene.has_motor else "m1"
-    facts = [Fact("block 1 on its spring", frequency(scene.k1, block), "Hz", f"sqrt(k1/{name})/(2 pi)")]
-    free = frequency(scene.k1, mass)
-    if scene.has_block2:
-        facts.append(Fact("free", free, "Hz", "blocks against each other, no friction, stop open"))
-    if scene.has_stop:
-        contact = frequency(scene.k1 + scene.k2, mass)
-        facts.append(Fact("in contact", contact, "Hz", "the same with k1 + k2"))
-        facts.append(
-            Fact(
-                "bilinear", 2 * free * contact / (free + contact), "Hz", "2 f1 f2/(f1 + f2), large vibration"
+def _of_blocks(scene: Scene, coupling: Link) -> Iterator[Fact]:
+    """Frequencies, damping and friction of two blocks, or of block 1 before a wall."""
+    k1, mass = coupling.k, reduced_mass(scene, coupling.P, coupling.Q)
+    own = "(m1 + m3)" if scene.has_motor else "m1"
+    held = frequency(k1, float(masses(scene)[coupling.P]))
+    yield Fact("block 1 on its spring", held, "Hz", f"sqrt(k1/{own})/(2 pi)")
+    free = frequency(k1, mass)
+    if coupling.Q != GROUND:
+        yield Fact("free", free, "Hz", "blocks against each other, no friction, stop open")
+    for _, stop in scene.elastic_stops:
+        contact = frequency(k1 + stop.k, mass)
+        yield Fact("in contact", contact, "Hz", "the same with k1 + k2")
+        bilinear = 2 * free * contact / (free + contact)
+        yield Fact("bilinear", bilinear, "Hz", "2 f1 f2/(f1 + f2), large vibration")
+    if k1:
+        ratio = coupling.c / (2 * sqrt(k1 * mass))
+        yield Fact("damping ratio", ratio, "", "c/(2 sqrt(k1 m)), stop open")
+    for friction in scene.frictions:
+        yield Fact("limit friction force", friction.forward, "N", "mu m2 g")
+        if k1:
+            yield Fact(
+                "friction band", friction.forward / k1, "m", "N/k1; inside it block 2 can stay at rest"
             )
-        )
-    return facts
 
 
-def _damping(scene: TwoBlocks) -> list[Fact]:
-    if scene.k1 == 0:
-        return []
-    ratio = scene.c / (2 * sqrt(scene.k1 * reduced_mass(scene)))
-    return [Fact("damping ratio", ratio, "", "c/(2 sqrt(k1 m)), stop open")]
-
-
-def _forces(scene: TwoBlocks) -> list[Fact]:
-    facts = []
-    if scene.has_friction:
-        facts.append(Fact("limit friction force", scene.N, "N", "mu m2 g"))
-        if scene.k1:
-            facts.append(
-                Fact("friction band", scene.N / scene.k1, "m", "N/k1; inside it block 2 can stay at rest")
-            )
-    if scene.has_motor:
-        inertia = scene.J + scene.m3 * scene.e**2
-        run_up = scene.Omega0 * inertia / scene.M0 if scene.M0 else None
-        facts += [Fact("run-up time constant", run_up, "s", "Omega0 (J + m3 e^2)/M0")] if run_up else []
-        facts.append(
-            Fact("full force", scene.m3 * abs(scene.e) * scene.Omega0**2, "N", "m3 e Omega0^2, Eq. (2.11)")
-        )
-    return facts
+def _of_motor(motor: Motor | None) -> Iterator[Fact]:
+    if motor is None:
+        return
+    if motor.M0:
+        run_up = motor.Omega0 * (motor.J + motor.m3 * motor.e**2) / motor.M0
+        yield Fact("run-up time constant", run_up, "s", "Omega0 (J + m3 e^2)/M0")
+    yield Fact("full force", motor.m3 * abs(motor.e) * motor.Omega0**2, "N", "m3 e Omega0^2, Eq. (2.11)")

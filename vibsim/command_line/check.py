@@ -71,9 +71,9 @@ def _print_facts(case) -> None:
 
 
 def _facts(case):
-    from vibsim.cases.derived_facts import derived_facts, facts_of_parts
+    from vibsim.cases.derived_facts import derived_facts
 
-    return facts_of_parts(case.scene()) if case.is_long else derived_facts(case.two_blocks())
+    return derived_facts(case.scene())
 
 
 def _described(report) -> dict:

@@ -221,7 +221,8 @@ def choose(names: Sequence[str] | None, subjects: Sequence[Subject]) -> list[Kin
         preferred = DEFAULTS.get(subjects[0].reads, ())
         names = [kind.name for kind in fit if kind.name in preferred] or [kind.name for kind in fit[:1]]
         if not names:
-            raise PlotError(f"no kind shows {', '.join(subject.path for subject in subjects)} together")
+            paths = ", ".join(subject.path for subject in subjects)
+            raise PlotError(f"no kind shows {paths}{' together' if len(subjects) > 1 else ''}")
     elif "all" in names:
         return fit
     chosen = [kind_named(name) for name in dict.fromkeys(names)]

@@ -83,7 +83,7 @@ def table_of(sections: Mapping[str, Any]) -> Numbers:
 
 def measure_facts(cases: Mapping[str, Case]) -> Numbers:
     """What follows from the numbers of the cases alone: natural frequencies [Hz] and amplitudes [N]."""
-    facts = {kind: {fact.name: fact.value for fact in derived_facts(cases[name].two_blocks())}
+    facts = {kind: {fact.name: fact.value for fact in derived_facts(cases[name].scene())}
              for kind, name in (("I", "I-A"), ("II", "II-A"))}  # fmt: skip
     return {
         "held_hz": facts["I"]["block 1 on its spring"],
