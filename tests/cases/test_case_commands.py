@@ -56,7 +56,6 @@ def test_cases_prints_the_long_form():
 @pytest.mark.parametrize(
     "command",
     [
-        ("sweep", "--param", "ram=1:2/3 kg"),
         ("bench",),
     ],
 )
