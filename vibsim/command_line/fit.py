@@ -3,23 +3,9 @@
 import click
 
 from vibsim.command_line.examples import examples
-from vibsim.command_line.parameters import CASE, FILE, OneOf, set_option
-from vibsim.command_line.sweep import KeyRange
+from vibsim.command_line.parameters import CASE, FILE, KEY_SPREAD, OneOf, Pair, set_option, some_text
 
-
-class Price(click.ParamType):
-    """KEY=PRICE, as a pair."""
-
-    name = "key=price"
-
-    def convert(self, value, param, ctx):
-        if isinstance(value, tuple):
-            return value
-        key, _, text = value.partition("=")
-        try:
-            return key.strip(), float(text)
-        except ValueError:
-            self.fail(f"{value!r} is not KEY=PRICE, such as J=0.05", param, ctx)
+FREE = Pair("KEY=FROM:TO, such as J=0.5:20g.m^2", some_text)
 
 
 @click.command(
@@ -40,11 +26,11 @@ class Price(click.ParamType):
 @click.argument("sources", metavar="CASE...", nargs=-1, type=CASE)
 @click.option("--want", "wanted", metavar="STATEMENT", multiple=True, help="What runs should do; repeatable.")
 @click.option(
-    "--free", "free", metavar="KEY=RANGE", multiple=True, type=KeyRange("KEY=FROM:TO, such as J=0.5:20g.m^2"),
+    "--free", "free", metavar="KEY=RANGE", multiple=True, type=FREE,
     help="A number to change; 'log FROM:TO' divides by ratio, 'linear FROM:TO' in equal steps; repeatable.",
 )  # fmt: skip
 @click.option(
-    "--leave", "prices", metavar="KEY=PRICE", multiple=True, type=Price(),
+    "--leave", "prices", metavar="KEY=PRICE", multiple=True, type=Pair("KEY=PRICE, such as J=0.05", float),
     help="Price of a factor of 10 from the printed value (of the whole width in equal steps). [default: 0.1]",
 )  # fmt: skip
 @click.option(
@@ -55,7 +41,7 @@ class Price(click.ParamType):
     help="Starts that are drawn, besides each case's own.",
 )  # fmt: skip
 @click.option(
-    "--spread", "spreads", metavar="KEY=HOW", multiple=True, type=KeyRange("KEY=HOW, such as x1=1mm"),
+    "--spread", "spreads", metavar="KEY=HOW", multiple=True, type=KEY_SPREAD,
     help="What varies over the starts: WIDTH, FROM:TO or 'normal DEVIATION'; repeatable. "
     "[default: the motor's phi, over the full turn]",
 )  # fmt: skip

@@ -43,18 +43,36 @@ class CheckName(click.ParamType):
         return [CompletionItem(name) for name in spellings(all_checks()) if name.startswith(incomplete)]
 
 
-class Assignment(click.ParamType):
-    """KEY=VALUE, as a pair."""
+class Pair(click.ParamType):
+    """KEY=TEXT, as a pair.
 
-    name = "assignment"
+    form : how it is written, with an example; read : makes of the text what it says, or raises ValueError
+    several : whether there may be several keys, KEY=KEY=TEXT
+    """
+
+    name = "pair"
+
+    def __init__(self, form, read=str, several=False):
+        self.form, self.read, self.several = form, read, several
 
     def convert(self, value, param, ctx):
         if isinstance(value, tuple):
             return value
-        key, equals, text = value.partition("=")
-        if not key.strip() or not equals:
-            self.fail(f"{value!r} is not KEY=VALUE, such as excitation.Omega0='6.5 Hz'", param, ctx)
-        return key.strip(), text.strip()
+        parts = value.rpartition("=") if self.several else value.partition("=")
+        key, equals, text = (part.strip() for part in parts)
+        try:
+            if key and equals:
+                return key, self.read(text)
+        except ValueError:
+            pass
+        self.fail(f"{value!r} is not {self.form}", param, ctx)
+
+
+def some_text(text):
+    """The text itself. Raises ValueError where there is none."""
+    if not text:
+        raise ValueError
+    return text
 
 
 class FiniteRange(click.FloatRange):
@@ -122,7 +140,9 @@ CASE = CaseSource()
 CHECK = CheckName()
 DIGITS = DigitCount()
 EXPONENTS = ExponentCount()
-ASSIGNMENT = Assignment()
+ASSIGNMENT = Pair("KEY=VALUE, such as excitation.Omega0='6.5 Hz'")
+KEY_RANGE = Pair("KEY=RANGE, such as c=0.01:0.05/9", some_text, several=True)
+KEY_SPREAD = Pair("KEY=HOW, such as x1=1mm", some_text)
 WINDOW = Window()
 FILE = click.Path(path_type=str)
 

@@ -3,27 +3,19 @@
 import click
 
 from vibsim.command_line.examples import examples
-from vibsim.command_line.parameters import CASE, FILE, OneOf, joined, once_each, set_option
+from vibsim.command_line.parameters import (
+    CASE,
+    FILE,
+    KEY_RANGE,
+    KEY_SPREAD,
+    OneOf,
+    joined,
+    once_each,
+    set_option,
+)
 from vibsim.command_line.terminal import say
 
 DEFAULT_CASE = "II-B"
-
-
-class KeyRange(click.ParamType):
-    """KEY=RANGE or another text behind a key, as a pair."""
-
-    name = "key=range"
-
-    def __init__(self, form="KEY=RANGE, such as c=0.01:0.05/9"):
-        self.form = form
-
-    def convert(self, value, param, ctx):
-        if isinstance(value, tuple):
-            return value
-        key, _, text = value.rpartition("=")  # KEY=KEY=RANGE gives several keys the same values
-        if not key.strip() or not text.strip():
-            self.fail(f"{value!r} is not {self.form}", param, ctx)
-        return key.strip(), text.strip()
 
 
 @click.command(
@@ -52,7 +44,7 @@ class KeyRange(click.ParamType):
     "params",
     metavar="KEY=RANGE",
     multiple=True,
-    type=KeyRange(),
+    type=KEY_RANGE,
     help="Any number; repeat for a grid. KEY=KEY=RANGE gives several keys the same values.",
 )
 @click.option(
@@ -65,7 +57,7 @@ class KeyRange(click.ParamType):
 )  # fmt: skip
 @click.option(
     "--spread", "spreads", metavar="KEY=HOW", multiple=True, callback=once_each,
-    type=KeyRange("KEY=HOW, such as x1=1mm"),
+    type=KEY_SPREAD,
     help="What varies over the ensemble: WIDTH (uniform, either side of the case's value), FROM:TO, or "
     "'normal DEVIATION'; repeatable. [default: the motor's phi, over the full turn]",
 )  # fmt: skip
