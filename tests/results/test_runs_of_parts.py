@@ -93,7 +93,7 @@ def test_flags_in_a_file_say_what_they_mean(run, tmp_path):
         part, anvil = file["events/part"].attrs, file["anvil"].attrs
         assert part["flag_meanings"] == "none anvil wall guide felt room"
         assert part["flag_values"].tolist() == [-1, 0, 1, 2, 3, 4]
-        assert anvil["flag_meanings"] == "open contact lifted"
+        assert anvil["flag_meanings"] == "free contact lifted"
         assert anvil["long_name"] == "state of the stop anvil between ram and tool"
         assert file["x_ram"].dims[0].keys() == ["time"]
 
