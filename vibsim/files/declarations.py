@@ -16,6 +16,7 @@ class Column:
     ----------
     units : UDUNITS unit; None: a flag or a text
     long_name : what it is
+    dimension : of a table of points, what further dimension it has, such as "section"; empty: none
     dtype : "f8", "i1", "i2", "i4", "i8"; "S" for texts of one length, "text" for texts of any
     flags : what each value means, where it is a code
     missing : the value that stands for none
@@ -24,6 +25,7 @@ class Column:
 
     units: str | None
     long_name: str
+    dimension: str = ""
     dtype: str = field(default="f8", kw_only=True)
     flags: Mapping[str, int] = field(default_factory=dict, kw_only=True)
     missing: int | None = field(default=None, kw_only=True)

@@ -8,8 +8,9 @@ import numpy as np
 
 from vibsim.engine.choice import flow_of
 from vibsim.engine.trajectory import open_trajectory
+from vibsim.files.declarations import Column
 from vibsim.results.cadence import Thinning, instants_per_sample, sampled_finer
-from vibsim.results.columns import Column, Tables, tables_of
+from vibsim.results.columns import Tables, tables_of
 from vibsim.results.exponent_attributes import exponent_attributes
 from vibsim.results.provenance import origin, outcome
 from vibsim.results.rest_distance import Distances

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.cases import Case
+from vibsim.files.declarations import Column
 from vibsim.files.output_file import check_output
 from vibsim.sweeps.ensemble import Share, Summary, share, summary
 from vibsim.sweeps.plan.axis import Axis
@@ -15,7 +16,7 @@ from vibsim.sweeps.plan.members import Members
 from vibsim.sweeps.plan.recipe import Start
 from vibsim.sweeps.plan.sweep_plan import Index, Plan
 from vibsim.sweeps.points.table import TEXTS_AND_STATUS, Table
-from vibsim.sweeps.statistics.columns import DONE, MISSING, Column
+from vibsim.sweeps.statistics.columns import DONE, MISSING
 from vibsim.sweeps.store.stored_plan import read_sweep
 from vibsim.sweeps.store.sweep_file import read_column, write_sweep
 

@@ -9,9 +9,10 @@ import numpy as np
 from vibsim.analysis.capture import Capture, capture_of_turns
 from vibsim.analysis.span import Span
 from vibsim.engine.trajectory import Block
+from vibsim.files.declarations import Column
 from vibsim.physics.modes import EVENT_KINDS, IMPACTS
 from vibsim.sweeps.computations.task import Task
-from vibsim.sweeps.statistics.columns import Column, Columns
+from vibsim.sweeps.statistics.columns import Columns
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
 from vibsim.sweeps.statistics.quantities import Quantities
 

@@ -6,9 +6,10 @@ In a scene of named parts each stop has a section of its own.
 from typing import Any
 
 from vibsim.engine.trajectory import Block
+from vibsim.files.declarations import Column
 from vibsim.sweeps.computations.contacts import Contacts
 from vibsim.sweeps.computations.task import Task
-from vibsim.sweeps.statistics.columns import Column, Columns
+from vibsim.sweeps.statistics.columns import Columns
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
 from vibsim.sweeps.statistics.quantities import RELATIVE_RATE, Quantities
 

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from vibsim.engine.trajectory import Block
+from vibsim.files.declarations import Column
 from vibsim.physics.sums import mean
 from vibsim.sweeps.computations.contacts import Contacts
 from vibsim.sweeps.computations.task import Task
-from vibsim.sweeps.statistics.columns import Column, Columns, distinct
+from vibsim.sweeps.statistics.columns import Columns, distinct
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
 from vibsim.sweeps.statistics.quantities import Quantities
 

@@ -8,8 +8,9 @@ from vibsim.analysis.exponents import judged
 from vibsim.engine.lyapunov import lyapunov_exponents
 from vibsim.engine.tangent_space import dimension
 from vibsim.engine.trajectory import Block
+from vibsim.files.declarations import Column
 from vibsim.sweeps.computations.task import Task
-from vibsim.sweeps.statistics.columns import Column, Columns
+from vibsim.sweeps.statistics.columns import Columns
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
 from vibsim.sweeps.statistics.quantities import Quantities
 

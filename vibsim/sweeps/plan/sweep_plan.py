@@ -13,12 +13,13 @@ from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from vibsim.cases.quantities import Quantity
+from vibsim.files.declarations import Column
 from vibsim.sweeps.computations.registry import COMPUTATIONS, length_of
 from vibsim.sweeps.plan.axis import Axis
 from vibsim.sweeps.plan.discard import HALF, Discard
 from vibsim.sweeps.plan.members import Members
 from vibsim.sweeps.plan.recipe import Recipe, Start
-from vibsim.sweeps.statistics.columns import Column, always, distinct
+from vibsim.sweeps.statistics.columns import always, distinct
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

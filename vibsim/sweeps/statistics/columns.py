@@ -1,27 +1,13 @@
 """What a sweep stores per point: names, units, definitions. The definitions go into every file."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from itertools import chain
 
-from vibsim.files import declarations as files
+from vibsim.files.declarations import Column
 from vibsim.sweeps.statistics.quantities import RELATIVE, Quantities
 
 MISSING, DONE, FAILED = 0, 1, 2
 STATUS_FLAGS = {"missing": MISSING, "done": DONE, "failed": FAILED}
-
-
-@dataclass(frozen=True)
-class Column(files.Column):
-    """A number per point, or one along a further dimension.
-
-    Attributes
-    ----------
-    dimension : name of the further dimension, such as "section"; empty for a number per point
-    """
-
-    dimension: str = ""
-
 
 Columns = dict[str, Column]
 
