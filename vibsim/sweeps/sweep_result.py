@@ -94,8 +94,8 @@ class SweepResult:
 
         Raises KeyError for a name that is no verdict of this sweep.
         """
-        flags = self.plan.columns[name].flags if name in self.plan.columns else None
-        if flags is None:
+        flags = self.plan.columns[name].flags if name in self.plan.columns else {}
+        if not flags:
             verdicts = [key for key, column in self.plan.columns.items() if column.flags]
             raise KeyError(
                 f"{name} is no verdict of this sweep; its verdicts are {', '.join(verdicts) or 'none'}"
