@@ -120,3 +120,12 @@ def test_random_scenes(scene):
         missed = np.abs(v).max() / fine.every_den + 1e-15  # where it begins or ends between two samples
         assert c[1][0][i] <= x.min() <= c[1][0][i] + missed
         assert c[1][1][i] - missed <= x.max() <= c[1][1][i]
+
+
+def test_a_long_run_without_events_can_be_left():
+    """A call of C works out no more than a slice of the nodes: 3e4 vibrations come in many blocks."""
+    trajectory = open_trajectory(
+        replace(free(0.001, t_end=3e4), **RARELY), section=True, extremes=([(0, GROUND)], 0.0)
+    )
+    assert sum(1 for _ in trajectory.blocks()) > 4
+    assert trajectory.extremes[1] == pytest.approx([0.001], rel=4e-15)
