@@ -229,3 +229,10 @@ def test_a_scene_of_parts_has_no_symbols_of_the_paper():
 )
 def test_axes_of_a_sweep_are_named_after_their_part(key, text, name):
     assert read_axis(load_case(HAMMER), key, text).name == name
+
+
+def test_static_of_1_is_no_static_friction():
+    plain, told = (
+        load_case("gallery/friction-oscillator", changes) for changes in ({}, {"floor.static": "1"})
+    )
+    assert told.scene() == plain.scene()
