@@ -231,3 +231,23 @@ def test_the_stick_slip_cycle_is_found_at_once_and_kept(method):
     result = totals(block_on_belt(method=method, t_end=20.0), begin=5.0)
     assert result["exponents"][0] == pytest.approx(0, abs=1e-12)
     assert result["exponents"][1] == -np.inf
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+@pytest.mark.parametrize("speed", (0.6, -0.6, 0.0))
+@pytest.mark.parametrize(("force", "sticks"), ((5.0, True), (6.9, True), (7.1, False)))
+def test_where_sticking_and_slipping_on_are_both_possible_it_sticks(force, sticks, speed, engine):
+    """A push between what it slips with, 4 N, and what it holds, 7 N, against the slip or along it."""
+    sense = -1.0 if speed >= 0 else 1.0
+    friction = Friction("floor", 0, GROUND, 4.0, 4.0, 0.0, 7.0, 7.0)
+    push = Force("push", 0, sense * force, ())
+    scene = Scene((Body("m", 1.0, 0.0, speed),), frictions=(friction,), forces=(push,), t_end=1.0)
+    result = run(scene, engine)
+    stop = abs(speed) / (force + 4.0)
+    assert (result.samples["v_m"][-1] == 0) == sticks
+    if sticks:
+        assert times(result, "stick_begin") == pytest.approx([stop] * (speed != 0), rel=1e-14)
+    else:
+        v = sense * (force - 4.0) * (1.0 - stop)
+        assert result.samples["v_m"][-1] == pytest.approx(v, rel=1e-14)
+    assert result.totals["uncertified"] == 0
