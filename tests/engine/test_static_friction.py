@@ -203,7 +203,7 @@ def test_a_release_with_a_jump_leaves_a_simple_zero_of_the_sliding_velocity(scen
     assert any(kind == SLIDE and order == 1 for (kind, _), order in compared)
 
 
-def row_of(scene, kind, part, state, status):
+def row_of(scene, kind, part, state, status, *_before):
     """An event of the driver as a row of the table."""
     row = {"t": state.t, "kind": kind, "part": part + len(scene.stops) * (kind >= EVENT_KINDS["reversal"])}
     names = [name for name in state_columns(scene) if name not in ("phi", "phidot")]
