@@ -221,3 +221,30 @@ def test_digits_of_a_scene_are_those_of_its_closed_form():
 def test_digits_are_found_by_themselves(name, t_end):
     run = vibsim.simulate(load_case(f"gallery/{name}", {"run.t_end": t_end}), digits="auto")
     assert run.attrs["digits_right"] >= 10
+
+
+def test_impacts_at_a_rigid_stop_count_with_their_speed_before():
+    """A ball before a rigid wall, period 1: it leaves at e times the speed with which it came."""
+    text = """
+name: ball
+bodies: {ball: 1 kg}
+links: {spring: {between: [ball, ground], k: 40 N/m}}
+stops: {wall: {between: [ball, ground], gap: 5 mm, acts: compression, law: rigid, e: 0.8}}
+forces: {drive: {on: ball, A: 1 N, omega: 2 Hz}}
+run: {t_end: 60 s, every: 5 ms}
+"""
+    run = vibsim.simulate(load_case_text(text))
+    found = analyse(run, exponent=False)
+    assert (found.impacts.verdict, found.impacts.impacts, found.impacts.words) == (
+        "every cycle",
+        1,
+        {"i": 60},
+    )
+    (struck,) = np.flatnonzero((run.events["kind"] == 9) & (run.events["t"] > 59.5))[-1:]
+    t = run.events["t"][struck]
+    before, after = (run.at(t + apart)["v_ball"] for apart in (-1e-9, 0.0))
+    assert found.impacts.velocity.greatest == pytest.approx(before, rel=1e-4)
+    assert after == pytest.approx(-0.8 * before, rel=1e-6)
+    own = compare(run, vibsim.simulate(load_case_text(text.replace("0.8", "0.5"))), 1e-9).statistics
+    rates = [statistic for statistic in own if statistic.name == "impact rate"]
+    assert rates[0].a.mean == pytest.approx(2.0, rel=1e-2)  # of whole impacts in blocks of time

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from vibsim.physics.body_sets import drifting_sets, pairs_of
-from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import columns_of
 from vibsim.physics.sums import dot, mean
+from vibsim.results.closing_velocity import IMPACT_CODES
 from vibsim.results.relative_motion import RelativeMotion
 from vibsim.results.result import Result
 from vibsim.results.windows import rows_within
@@ -120,7 +120,7 @@ def _of_events(result: Result, times: np.ndarray, block: Span) -> dict[str, floa
         return {}
     rows = rows_within(times, block)
     part = result.events["part"][rows]
-    part = part[result.events["kind"][rows] == EVENT_KINDS["contact_begin"]]
+    part = part[np.isin(result.events["kind"][rows], IMPACT_CODES)]
     length = block[1] - block[0]
     return {
         _named("impact rate", stop, stops): np.count_nonzero(part == number) / length

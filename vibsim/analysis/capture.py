@@ -21,8 +21,8 @@ from vibsim.analysis.event_rows import events_within
 from vibsim.analysis.holds import BAND, DELAY, TURNS, Hold, holds_of, mean_speeds
 from vibsim.analysis.resonances import Resonance, resonances
 from vibsim.analysis.span import Span, span_of
-from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene
+from vibsim.results.closing_velocity import IMPACT_CODES
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
 
@@ -79,7 +79,7 @@ def judge_capture(result: Result, window: Window | None = None) -> Capture:
     if not scene.has_motor:
         raise ValueError("capture is a matter of motors, and this run has an ideal source or none")
     events = events_within(result, span.window, "t", "kind")
-    impacts = events["t"][events["kind"] == EVENT_KINDS["contact_begin"]]
+    impacts = events["t"][np.isin(events["kind"], IMPACT_CODES)]
     return capture_of_turns(cycle_ends(result, span.window), impacts, scene, span)
 
 

@@ -13,13 +13,15 @@ from vibsim.analysis.span import Span, steady_span
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene
 from vibsim.physics.sums import mean
+from vibsim.results.closing_velocity import closing_velocities
 from vibsim.results.columns import part_names
-from vibsim.results.relative_motion import RelativeMotion
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
 
-# letter of each event in a word; c ... o is a contact, s ... g a stick, r a reversal
+# letter of each event in a word; c ... o is a contact, s ... g a stick, r a reversal; of a rigid stop i is an
+# impact, t one passed on to it, h the end of a sequence, b ... e a rest
 LETTERS = {"contact_begin": "c", "contact_end": "o", "reversal": "r", "stick_begin": "s", "stick_end": "g"}
+LETTERS |= {"impact": "i", "transmitted": "t", "chatter": "h", "rest_begin": "b", "rest_end": "e"}
 MOST_WORDS = 8  # listed
 
 
@@ -92,7 +94,7 @@ def count_impacts(result: Result, window: Window | None = None, part: str | None
     if len(ends) < 2:
         return ImpactsPerCycle("undecided", "no whole cycle of a source", span, velocity=speed)
     words = words_of(result, ends, part)
-    impacts, sticks = ([word.count(letter) for word in words] for letter in "cs")
+    impacts, sticks = ([sum(map(word.count, letters)) for word in words] for letters in ("ci", "s"))
     own, noun = (sticks, "sticks") if part in frictions else (impacts, "impacts")
     cycles, happened = len(words), sum(map(bool, own))
     verdict = f"no {noun}" if not happened else "every cycle" if happened == cycles else "some cycles"
@@ -144,14 +146,9 @@ def speeds(result: Result, span: Span, part: str | None = None) -> Spread | None
     """
     scene = result.case.scene()
     events = events_within(result, span.window)
-    begun = events["kind"] == EVENT_KINDS["contact_begin"]
-    values = np.full(len(begun), np.nan)
-    for number, stop in enumerate(scene.stops):
-        if part in (None, stop.name):
-            rows = begun & (events["part"] == number)
-            own = {name: column[rows] for name, column in events.items()}
-            values[rows] = np.abs(RelativeMotion(scene, stop)(own, "t")[2])
-    values = values[~np.isnan(values)]
+    values = np.abs(closing_velocities(scene, events))
+    own = np.isin(events["part"], [i for i, stop in enumerate(scene.stops) if part in (None, stop.name)])
+    values = values[own & ~np.isnan(values)]
     return spread(values, "m/s") if len(values) else None
 
 

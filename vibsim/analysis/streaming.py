@@ -7,8 +7,8 @@ from vibsim.analysis.regime.points import Exponent, Judged, judge_points
 from vibsim.analysis.regime.section import MOST, Coordinates
 from vibsim.analysis.span import Span
 from vibsim.engine.trajectory import Block
-from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene
+from vibsim.results.closing_velocity import IMPACT_CODES
 
 
 class StreamedVerdicts:
@@ -30,7 +30,7 @@ class StreamedVerdicts:
     def update(self, block: Block) -> None:
         """Take the next block."""
         self._points.append(dict(block.section))
-        begun = block.events["kind"] == EVENT_KINDS["contact_begin"]
+        begun = np.isin(block.events["kind"], IMPACT_CODES)
         self._impacts.append(block.events["t"][begun])
         later = block.samples["time"] >= self.begin
         values = self._coordinates.of(block.samples)[:, later]

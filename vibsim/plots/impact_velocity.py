@@ -12,7 +12,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.period import common_period
 from vibsim.plots.impacts import events_within
 from vibsim.plots.quantities import Scale, scale_for, seconds
@@ -23,7 +22,7 @@ from vibsim.plots.style import BLUE, GREY, overlay
 from vibsim.plots.subject import Subject
 from vibsim.plots.time_marks import trust_marks
 from vibsim.plots.view import Span, View
-from vibsim.results.relative_motion import RelativeMotion
+from vibsim.results.closing_velocity import closing_velocities
 
 BINS = 40
 HEADROOM = 1.1  # beyond the longest bar of the histogram
@@ -110,11 +109,7 @@ def impacts_of(subject: Subject, span: Span) -> Impacts:
     """
     scene = subject.scene
     events = events_within(subject.result, None, span)
-    t, closing = events["t"], np.full(len(events["t"]), np.nan)
-    for number, stop in enumerate(scene.stops):
-        begun = (events["kind"] == EVENT_KINDS["contact_begin"]) & (events["part"] == number)
-        own = {name: column[begun] for name, column in events.items()}
-        closing[begun] = -stop.sense * RelativeMotion(scene, stop)(own, "t")[2]
+    t, closing = events["t"], closing_velocities(scene, events)
     rows, period = ~np.isnan(closing), common_period(scene)
     t, closing = t[rows], closing[rows]
     if scene.has_motor:

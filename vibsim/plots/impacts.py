@@ -1,4 +1,4 @@
-"""Events of a run within a span, and the impacts among them: the instants at which contact begins."""
+"""Events of a run within a span, and the impacts among them: contact begins, or a rigid stop is struck."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from vibsim.engine.columns import part_columns
-from vibsim.physics.modes import CONTACT_FLAGS, EVENT_KINDS
+from vibsim.physics.modes import CONTACT_FLAGS
 from vibsim.physics.parts import Scene, columns_of
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span
+from vibsim.results.closing_velocity import IMPACT_CODES
 
 Events = dict[str, np.ndarray]
 
@@ -33,21 +34,21 @@ def events_within(result: Any, names: tuple[str, ...] | None, span: Span, before
     return {name: np.asarray(column(name)[within]) for name in (result.events if names is None else names)}
 
 
-def events_of(result: Any, kind: str, span: Span, *names: str) -> tuple[np.ndarray, ...]:
-    """Times [s] and the columns `names` of the events of one kind (see EVENT_KINDS) within the span."""
+def impact_events(result: Any, span: Span, *names: str) -> tuple[np.ndarray, ...]:
+    """Times [s] and the columns `names` of the impacts within the span."""
     events = events_within(result, ("t", "kind", *names), span)
-    rows = events["kind"] == EVENT_KINDS[kind]
+    rows = np.isin(events["kind"], IMPACT_CODES)
     return (events["t"][rows], *(events[name][rows] for name in names))
 
 
 def impact_times(result: Any, span: Span) -> np.ndarray:
     """Instants of the impacts within the span [s], ascending."""
-    return events_of(result, "contact_begin", span)[0]
+    return impact_events(result, span)[0]
 
 
 def impacts_of(subject: Subject, span: Span, column: str, *others: str) -> tuple[np.ndarray, ...]:
     """Times [s] and columns of the impacts within the span in which the body of `column` takes part."""
-    t, part, *values = events_of(subject.result, "contact_begin", span, "part", column, *others)
+    t, part, *values = impact_events(subject.result, span, "part", column, *others)
     rows = np.isin(part, stops_of(subject.scene, column))
     return (t[rows], *(value[rows] for value in values))
 

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from vibsim.physics.body_sets import pairs_of
-from vibsim.physics.modes import EVENT_KINDS
 from vibsim.plots.errors import PlotError
 from vibsim.plots.relative_motion import difference, stop_label, stop_position, stops_between
 from vibsim.plots.subject import Subject
 from vibsim.plots.trace import Plane
+from vibsim.results.closing_velocity import IMPACT_CODES
 from vibsim.results.relative_motion import RelativeMotion
 
 
@@ -68,5 +68,5 @@ def _shown_part(subject: Subject) -> Any:
     if len(scene.stops) == 1:
         return scene.stops[0]
     events = subject.result.events
-    part = np.asarray(events["part"])[np.asarray(events["kind"]) == EVENT_KINDS["contact_begin"]]
+    part = np.asarray(events["part"])[np.isin(np.asarray(events["kind"]), IMPACT_CODES)]
     return scene.stops[int(np.argmax(np.bincount(part, minlength=len(scene.stops))))]

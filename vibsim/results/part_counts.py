@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.modes import EVENT_KINDS, IMPACTS
 from vibsim.physics.parts import Scene
 from vibsim.results.columns import part_names
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from vibsim.results.result import Result
 
 COUNTED = {
-    "impacts": ("contact_begin", "impact"),
+    "impacts": IMPACTS,
     "transmitted": ("transmitted",),
     "chatters": ("chatter",),
     "rests": ("rest_begin",),
