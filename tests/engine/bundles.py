@@ -55,4 +55,4 @@ def finished(scene, kit, disturbance=None):
 
 def course(driver):
     """What happened, without the times."""
-    return [(kind, part, status) for kind, part, _, status in driver.events]
+    return [(kind, part, status) for kind, part, _, status, *_ in driver.events]

@@ -112,7 +112,7 @@ def test_difference_quotients(label):
     kit = Balls(DIGITS)
     exact, shift = in_digits(of, kit), kit.number(SHIFT)
     base = finished(exact, kit)
-    rows, columns = RowMaker(exact, kit).rows(base.events[0][-1]), 0
+    rows, columns = RowMaker(exact, kit).rows(base.events[0][3]), 0
     for vector in TangentSpace(exact, kit, rows).inside:
         moved = finished(started(exact, [shift * value for value in vector]), kit)
         if course(moved) != course(base):

@@ -42,7 +42,7 @@ def differences(scene):
     kit = Balls(DIGITS)
     scene, shift, gauge = in_digits(scene, kit), kit.number(SHIFT), Gauge(scene)
     base = finished(scene, kit)
-    rows = RowMaker(scene, kit).rows(base.events[0][-1])
+    rows = RowMaker(scene, kit).rows(base.events[0][3])
     for vector in TangentSpace(scene, kit, rows).inside:
         moved = finished(started(scene, [shift * value for value in vector]), kit)
         if course(moved) != course(base):
