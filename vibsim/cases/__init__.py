@@ -1,7 +1,7 @@
 """Cases: YAML files, read and checked to the last digit, and turned into scenes.
 
 case = load_case("II-B", overrides={"excitation.Omega0": "6.5 Hz"})
-scene = case.two_blocks()
+scene = case.scene()
 """
 
 from vibsim.cases.case import Case

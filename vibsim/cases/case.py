@@ -92,8 +92,8 @@ class Case:
         if isinstance(self.model, CaseFile):
             return self.model
         what = (
-            "a scene of named parts cannot do this yet, only be checked, run, described, drawn and exported; "
-            "this needs a case with blocks and coupling"
+            "named parts have no symbols of the paper (m1, k2, G, ...), which this asks for; "
+            "it needs a case with blocks and coupling"
         )
         raise CaseError([Problem(self.source, None, None, "bodies", what)])
 
