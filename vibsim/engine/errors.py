@@ -5,6 +5,10 @@ REASONS = {
         "more than 64 events at one instant: the motion cannot be continued at double precision",
         "make stops softer or friction smaller, or change the start values slightly",
     ),
+    "crushed": (
+        "a body is caught between rigid stops whose ends close on each other",
+        "make one of them elastic, or leave the bodies more room",
+    ),
     "diverged": (
         "the state is no longer finite",
         "check the parameters for values far outside each other's scale",

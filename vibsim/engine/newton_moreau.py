@@ -72,6 +72,18 @@ def rate_of(kit, contact, v):
     return rate if abs(rate) > noise else 0 * rate
 
 
+def unmet(kit, contacts, before, after):
+    """Whether velocities `after` a blow break its law beyond rounding: where no impulse can part the ends of
+    all stops, since ground and base hold them from both sides.
+    """
+    for c in contacts:
+        gained = rate_of(kit, c, after) + c.e * rate_of(kit, c, before)
+        sizes = [abs(v[end]) for v in (before, after) for end in (c.P, c.Q)]
+        if gained > 8 * ROUNDING * kit.eps * sum(sizes):
+            return True
+    return False
+
+
 def blow(kit, bodies, contacts, v, w):
     """One blow: (velocities of all columns behind it, speed of the rotor, [`Impulse`]).
 

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from math import inf
 from typing import Any
 
+from vibsim.engine.errors import EngineError
 from vibsim.engine.newton_moreau import (
     MOST_BLOWS,
     Contact,
@@ -22,6 +23,7 @@ from vibsim.engine.newton_moreau import (
     blow,
     masses,
     rate_of,
+    unmet,
 )
 from vibsim.engine.rows import PUSH, SLIDE, STRIKE
 from vibsim.engine.status import BACKWARD, CONTACT, FORWARD, LIFTED, OPEN, RESTING, STICK
@@ -155,7 +157,10 @@ class RigidStops:
             if count == MOST_BLOWS:
                 self.automaton._doubt(state)
                 contacts = [Contact(c.stop, c.P, c.Q, c.sense, self.kit.number(0)) for c in contacts]
-            v, w, passed = blow(self.kit, bodies, contacts, v, w)
+            struck, w, passed = blow(self.kit, bodies, contacts, v, w)
+            if unmet(self.kit, contacts, v, struck):
+                raise EngineError("crushed", state)
+            v = struck
             touch.rates = {c.stop: rate_of(self.kit, c, v) for c in contacts}
             touch.rates |= {one.stop: one.after for one in passed}
             touch.passed += passed
@@ -210,7 +215,10 @@ class RigidStops:
         status = status.with_ties(rests)
         standing = status.tied
         self._join(state, [self.maker.ends(self.maker.tie(k)) for k in standing if k >= self.frictions])
-        return self.automaton._settle(state, status, standing) if standing else status
+        settled = self.automaton._settle(state, status, standing) if standing else status
+        if RESTING in settled.stops and not self.automaton._possible(self.maker.rows(settled)):
+            raise EngineError("crushed", state)
+        return settled
 
     def _join(self, state, edges):
         """Give bodies that touch without closing one velocity; momentum is kept where they move freely."""
