@@ -8,14 +8,16 @@ import vibsim.engine._engine as _engine
 from vibsim.engine.automaton import JET, Automaton
 from vibsim.engine.errors import EngineError
 from vibsim.engine.flow import Flow
+from vibsim.engine.harmonics import value_and_rate
+from vibsim.engine.ledger import struck_entries
 from vibsim.engine.meters import MeterMaker, jumps_of
 from vibsim.engine.packing import coupled, pack_mode, pack_scene, pack_state
 from vibsim.engine.packing_meters import pack_extremes, pack_ledger, pack_meters, terms_of
 from vibsim.engine.packing_tangent import pack_bundle, pack_disturbances
-from vibsim.engine.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, RowMaker
+from vibsim.engine.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, STRIKE, RowMaker
 from vibsim.engine.saltation import released_frictions, saltation
 from vibsim.engine.state import State
-from vibsim.engine.status import CONTACT, LIFTED, OPEN, STICK
+from vibsim.engine.status import CONTACT, LIFTED, OPEN, RESTING, STICK
 from vibsim.engine.tangencies import Tangencies
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.numbers import TWO_PI, Doubles
@@ -122,7 +124,7 @@ class CRun:
     def _buffers(self, parts, section_room):
         self.samples = np.empty((3 + 2 * self.n, SAMPLE_ROOM))
         self.sample_modes = np.empty((parts, SAMPLE_ROOM), dtype="i1")
-        self.events = np.empty((4 + 2 * self.n, EVENT_ROOM))
+        self.events = np.empty((5 + 3 * self.n, EVENT_ROOM))
         self.event_codes = np.empty((2 + parts, EVENT_ROOM), dtype="i1")
         self.section = np.empty((3 + 2 * self.n + 2 * self.extremes, section_room))
         self.buffers = self.samples, self.sample_modes, self.events, self.event_codes, self.section
@@ -194,7 +196,14 @@ class CRun:
             self._hand_jump(rows.events[event], state, rows, self.rows[target])
         kinds = array("i", (EVENT_KINDS[kind] for kind, _ in happened)).tobytes()
         parts = array("i", (part for _, part in happened)).tobytes()
-        return self.run.take(target, pack_state(state), self._known(known, -1), kinds, parts, *self.buffers)
+        known = self._known(known, -1)
+        taken = self.run.take(target, pack_state(state), known, kinds, parts, *self.buffers)
+        passed = self.automaton.blows(rows.events[event])
+        if self.meters and passed:
+            V = value_and_rate(Doubles, self.scene.base, state.t)[1]
+            for entry, value in struck_entries(self.scene, self.meters.names, passed, V):
+                self.run.add_entry(entry, value)
+        return taken
 
     def _jumps_in_c(self, before, after, event):
         """Whether C knows what `event` does to disturbances between the modes of two rows: saltation.c and
@@ -235,6 +244,8 @@ class CRun:
     def _rule(self, rows, event):
         """(rule, target, other, hold, kind, part, key, order) of an event, or None where Python decides."""
         status, i, key = rows.status, event.part, self.keys[event.key]
+        if event.kind == STRIKE:
+            return None
         if event.kind == GAP:
             return self._contact_rule(status, event, key)
         if event.kind == PUSH:
@@ -251,9 +262,11 @@ class CRun:
         if len(cut.ties) > 1:
             return None
         tie, orientation = cut.ties[0]
+        if tie >= len(status.frictions):
+            return None
         after = status.with_frictions({tie: orientation * event.direction})
         drops = self.scene.frictions[tie].drops(after.frictions[tie])
-        if drops and STICK in after.frictions:  # the drop may tear those too
+        if drops and after.tied:  # the drop may tear those too
             return None
         number, order = self._mode(after), 1 if drops else 2
         return (CROSS, number, 0, -1, EVENT_KINDS["stick_end"], tie, self.keys[SLIDE, tie], order)
@@ -264,7 +277,7 @@ class CRun:
     def _contact_rule(self, status, event, key):
         i = event.part
         stop, before = self.scene.stops[i], status.stops[i]
-        if before == LIFTED or self._against_base(stop) or (stop.c != 0 and STICK in status.frictions):
+        if before == LIFTED or self._against_base(stop) or (stop.c != 0 and status.tied):
             return None
         after = CONTACT if before == OPEN else OPEN
         kind = "contact_begin" if after == CONTACT else "contact_end"
@@ -275,6 +288,8 @@ class CRun:
 
     def _stand_rule(self, status, event, key):
         i = event.part
+        if RESTING in status.stops:
+            return None
         standing = self.automaton._standing(status, i)
         stuck = status.with_frictions(dict.fromkeys(standing, STICK))
         rows = self.maker.rows(stuck)

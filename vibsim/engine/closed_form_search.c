@@ -102,6 +102,8 @@ static int lead(Run *r)
             continue;
         s->events[s->event_count++] = i;
         first = event_derivative(r, e, order);
+        if (e->kind == STRIKE && order > known && first < 0) /* closes from exactly zero */
+            return i;
         bound = event_bound(r, e, order + 2, s->window);
         if (known == 0 && order > 0 && first < 0) { /* zero, by no event, and on its way below */
             doubt(&r->certificate, r->t0);

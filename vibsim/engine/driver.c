@@ -13,11 +13,37 @@
 
 #define EVENTS_AT_ONE_INSTANT 64
 
-static void enter(Run *r, const State *state)
+static void enter_flow(Run *r, const State *state)
 {
     if (r->mode->modal != NULL)
         closed_form_enter(r, state);
     else
+        taylor_enter(r, state);
+}
+
+/* Whether a rigid stop that was struck here will be again within the window of the closed form, just entered. */
+static int hops(Run *r)
+{
+    const Mode *m = r->mode;
+    int i;
+    for (i = 0; i < m->event_count; i++) {
+        const Event *e = &m->events[i];
+        double speed, drive;
+        if (e->kind != STRIKE || r->known[e->key] != 1)
+            continue;
+        closed_form_jets(r, 2);
+        speed = event_derivative(r, e, 1);
+        drive = event_derivative(r, e, 2);
+        if (drive < 0 && 2 * speed < -drive * m->modal->window)
+            return 1;
+    }
+    return 0;
+}
+
+static void enter(Run *r, const State *state)
+{
+    enter_flow(r, state);
+    if (r->closed && hops(r))
         taylor_enter(r, state);
 }
 
@@ -89,12 +115,18 @@ static void write_sample(const Run *r, Buffers *b, const State *s)
     write_codes(r, b->sample_modes + i, b->sample_room);
 }
 
-static void record(Run *r, Buffers *b, int kind, int part)
+/* Keep an event; v, w: velocities of the bodies and speed of the rotor in front of it. */
+static void record(Run *r, Buffers *b, int kind, int part, const double *v, double w)
 {
     long i = b->event_count++, room = b->event_room;
+    double *before = b->events + (4 + 2 * r->bodies) * room + i;
+    int c;
     r->counts[kind] += 1;
     write_state(r, b->events + i, room, &r->state);
     b->events[(3 + 2 * r->bodies) * room + i] = r->state.phase;
+    for (c = 0; c < r->bodies; c++)
+        before[c * room] = v[c];
+    before[r->bodies * room] = w;
     b->event_codes[i] = (signed char)kind;
     b->event_codes[room + i] = (signed char)part;
     write_codes(r, b->event_codes + 2 * room + i, room);
@@ -102,7 +134,7 @@ static void record(Run *r, Buffers *b, int kind, int part)
 
 static void finish(Run *r, Buffers *b)
 {
-    record(r, b, END, -1);
+    record(r, b, END, -1, r->state.v, r->state.w);
     r->finished = 1;
 }
 
@@ -136,7 +168,7 @@ void run_start(Run *r, int mode, Buffers *b)
     r->next_sample = sample_index(r, r->state.t);
     r->known_since = r->state.t;
     section_start(r);
-    record(r, b, START, -1);
+    record(r, b, START, -1, r->state.v, r->state.w);
     if (violated(r))
         note_violation(r, b);
     tangent_open(r);
@@ -187,7 +219,7 @@ void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, cons
     r->known_since = r->state.t;
     ledger_cross(r, &r->state, before, r->mode->codes);
     for (i = 0; i < happened; i++) {
-        record(r, b, kinds[i], parts[i]);
+        record(r, b, kinds[i], parts[i], r->before_v, r->before_w);
         if (kinds[i] == VIOLATION_BEGIN)
             note_violation(r, b);
     }
@@ -215,7 +247,7 @@ static double direct_rate(const Run *r, const Event *e)
 static double flow_rate(Run *r, const Event *e)
 {
     double series[SERIES], steps = r->steps, evaluations = r->evaluations, rate;
-    enter(r, &r->next);
+    enter_flow(r, &r->next);
     if (r->closed) {
         closed_form_jets(r, 1);
         rate = event_derivative(r, e, 1);
@@ -355,12 +387,44 @@ static int is_finite(const Run *r, const State *s)
     return isfinite(total);
 }
 
-/* Take the state at the end of the stretch, once. */
+/* How long after its start the flow reaches the zero of the event of a rigid stop, which is not on the grid of time. */
+static double meeting(Run *r, const Event *e)
+{
+    double tau = r->pending_end - r->t0, value, slope, step;
+    if (r->closed) {
+        closed_form_evaluate(r, tau);
+        closed_form_jets(r, 2);
+        value = event_derivative(r, e, 0);
+        slope = event_derivative(r, e, 1);
+    } else {
+        taylor_value_and_slope(r, e, tau, &value, &slope);
+    }
+    if (!(slope < 0))
+        return tau;
+    step = value / slope;
+    return fabs(step) <= nextafter(r->pending_end, INFINITY) - r->pending_end ? tau - step : tau;
+}
+
+/* Take the state at the end of the stretch, once: there, or at the very instant of an impact. */
 void run_arrive(Run *r)
 {
-    if (!r->arrived)
-        flow_state(r, r->pending_end, &r->next);
+    const Event *e = r->pending_event == NOTHING ? NULL : &r->mode->events[r->pending_event];
+    if (r->arrived)
+        return;
     r->arrived = 1;
+    r->pending_tau = r->pending_end - r->t0;
+    if (e == NULL || e->kind != STRIKE) {
+        flow_state(r, r->pending_end, &r->next);
+    } else {
+        r->pending_tau = meeting(r, e);
+        if (r->closed)
+            closed_form_state_after(r, r->pending_tau, &r->next);
+        else
+            taylor_state_after(r, r->pending_tau, &r->next);
+        r->next.t = r->pending_end;
+    }
+    memcpy(r->before_v, r->next.v, sizeof(double) * (size_t)r->bodies);
+    r->before_w = r->next.w;
 }
 
 /* State at the end of the stretch; 0 where it is not finite. */
@@ -413,7 +477,7 @@ static void carry_on(Run *r, Buffers *b)
     copy_state(r, &r->next, &r->state);
     if (r->pending_end < r->t_end && !r->closed) {
         memset(r->known, 0, sizeof(int) * (size_t)r->key_count);
-        enter(r, &r->state);
+        taylor_enter(r, &r->state);
     }
     if (b && r->pending_end >= r->t_end)
         finish(r, b);
@@ -430,7 +494,7 @@ void run_advance(Run *r, Buffers *b)
         }
     }
     while (!r->finished && r->status == OK && r->spent < r->work_at_once) {
-        if (b->event_count + 3 + r->parts >= b->event_room || !stretch(r, b))
+        if (b->event_count + 3 + 3 * r->parts >= b->event_room || !stretch(r, b))
             return;
         r->spent += 1;
         if (r->pending_event == NOTHING)

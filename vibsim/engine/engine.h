@@ -267,6 +267,7 @@ typedef struct Run {
     long long next_sample;
     int crowd, finished, status, violated_once, stage, pending_event; /* stage: of the stretch in hand, which may take many calls */
     int arrived; /* whether `next` is the state at the end of that stretch */
+    double pending_tau, *before_v, before_w; /* from the start of the flow to the pending event [s]; velocities in front of it */
     double pending_end, spent, work_at_once, *force;
     Ledger ledger;
     Section section;
@@ -299,12 +300,15 @@ int polynomial_first_root(Certificate *c, const double *coefficients, int count,
 int polynomial_near_zero(const double *coefficients, int count, int known, double tau, double size, double *value,
                          double *slope, double *noise); /* returns 0 where it rests at zero */
 
+void polynomial_value_and_slope(const double *coefficients, int count, int known, double tau, double *value, double *slope);
+
 /* taylor.c */
 void taylor_set(Run *r);
 void taylor_enter(Run *r, const State *state);
 double taylor_advance(Run *r, double limit, int *event);
 void taylor_state_after(Run *r, double tau, State *out);
 double taylor_spin_rate(const Run *r, double tau);
+void taylor_value_and_slope(const Run *r, const Event *e, double tau, double *value, double *slope); /* but for known zeros */
 
 /* taylor_loads.c, taylor_expansion.c, taylor_polynomial.c */
 void taylor_expand_base(Run *r, double t);
@@ -328,7 +332,7 @@ double closed_form_advance(Run *r, double limit, int *event);
 typedef struct {
     double *samples;           /* rows of sample_room: time, x, v of each body, phi, w */
     signed char *sample_modes; /* rows of sample_room: one per part */
-    double *events;            /* rows of event_room: t, x, v of each body, phi, w, phase */
+    double *events;            /* rows of event_room: t, x, v of each body, phi, w, phase; v, w in front of it */
     signed char *event_codes;  /* rows of event_room: kind, part, one per part */
     double *section;           /* rows of section_room, as samples, then extremes; none where section_room is 0 */
     long sample_room, event_room, section_room, sample_count, event_count, section_count;

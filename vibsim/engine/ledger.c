@@ -204,7 +204,7 @@ int ledger_gather(Run *r)
 {
     Ledger *l = &r->ledger;
     const Meters *m = &r->mode->meters;
-    double last = r->next.t - r->t0, *done;
+    double last = r->pending_tau, *done;
     if (!l->wanted)
         return 1;
     while (l->tau < last) {

@@ -35,7 +35,7 @@ static int room_for_flows(Run *r)
     f->loaded_on = room(columns, sizeof(double *));
     f->load = room(columns * SERIES, sizeof(double));
     r->force = room(columns, sizeof(double));
-    r->state.x = room(6 * n, sizeof(double));
+    r->state.x = room(7 * n, sizeof(double));
     c->motions = room(coordinates, sizeof(Motion));
     c->responses = room(coordinates * harmonics, sizeof(Response));
     c->sin0 = room(harmonics * 6, sizeof(double));
@@ -48,6 +48,7 @@ static int room_for_flows(Run *r)
     r->next.v = r->state.x + 3 * n;
     r->scratch.x = r->state.x + 4 * n;
     r->scratch.v = r->state.x + 5 * n;
+    r->before_v = r->state.x + 6 * n;
     for (i = 0; i < coordinates; i++)
         c->motions[i].responses = c->responses + i * harmonics;
     c->cos0 = c->sin0 + harmonics;
@@ -434,7 +435,7 @@ Mode *mode_read(Run *r, Reader *in)
     m->codes = m->constant_columns + m->constant_count;
     m->tied = m->codes + r->parts;
     for (i = 0; i < r->parts; i++)
-        m->codes[i] = read_index(in, -1, 2);
+        m->codes[i] = read_index(in, -1, 3);
     for (i = 0; i < r->columns; i++) {
         m->leader[i] = read_index(in, 0, r->columns - 1);
         m->mobility[i] = read_double(in);
@@ -485,7 +486,7 @@ Mode *mode_read(Run *r, Reader *in)
     }
     for (i = 0; i < m->event_count; i++) {
         Event *e = &m->events[i];
-        e->kind = read_index(in, GAP, CLEARANCE);
+        e->kind = read_index(in, GAP, STRIKE);
         e->part = read_index(in, 0, MOST);
         e->key = read_index(in, 0, MOST);
         e->turns = read_index(in, 0, 1);

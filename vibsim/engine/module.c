@@ -213,10 +213,10 @@ static int buffers_of(const Run *r, Py_buffer *views, Buffers *b)
     b->event_codes = views[3].buf;
     b->section = views[4].buf;
     b->sample_room = (long)(views[0].len / (state * row));
-    b->event_room = (long)(views[2].len / ((state + 1) * row));
+    b->event_room = (long)(views[2].len / ((state + 2 + r->bodies) * row));
     b->section_room = (long)(views[4].len / (section * row));
-    if (b->sample_room < 1 || b->event_room < 8 + r->parts || views[0].len != b->sample_room * state * row ||
-        views[2].len != b->event_room * (state + 1) * row || views[1].len != (Py_ssize_t)b->sample_room * r->parts ||
+    if (b->sample_room < 1 || b->event_room < 8 + 3 * r->parts || views[0].len != b->sample_room * state * row ||
+        views[2].len != b->event_room * (state + 2 + r->bodies) * row || views[1].len != (Py_ssize_t)b->sample_room * r->parts ||
         views[3].len != (Py_ssize_t)b->event_room * (2 + r->parts) || views[4].len != b->section_room * section * row ||
         b->section_room == 1) {
         PyErr_SetString(PyExc_ValueError, "buffers do not fit together");
@@ -362,7 +362,7 @@ static PyObject *take(RunObject *self, PyObject *args)
         return NULL;
     if (ready(self) && r->status == UNDECIDED && mode >= 0 && mode < r->mode_count && v[2].len == v[3].len &&
         read_state(r, &v[0], &r->next) == 0 && read_known(r, &v[1], r->behind) == 0 && buffers_of(r, v + 4, &b) == 0) {
-        int count = (int)(v[2].len / (Py_ssize_t)sizeof(int)), i, fits = count <= 2 * r->parts + 2;
+        int count = (int)(v[2].len / (Py_ssize_t)sizeof(int)), i, fits = count <= 3 * r->parts + 2;
         for (i = 0; fits && i < count; i++)
             fits = ((const int *)v[2].buf)[i] >= START && ((const int *)v[2].buf)[i] < KINDS;
         if (fits) {
@@ -375,6 +375,21 @@ static PyObject *take(RunObject *self, PyObject *args)
         PyErr_SetString(PyExc_ValueError, "not what can follow the pending event");
     release(v, 9);
     return result;
+}
+
+static PyObject *add_entry(RunObject *self, PyObject *args)
+{
+    Ledger *l = &self->run.ledger;
+    double value;
+    int entry;
+    if (!PyArg_ParseTuple(args, "id", &entry, &value) || !idle(self))
+        return NULL;
+    if (!l->wanted || entry < 0 || entry >= l->count) {
+        PyErr_SetString(PyExc_ValueError, "no such entry of the ledger");
+        return NULL;
+    }
+    l->entries[entry] = l->entries[entry] + value;
+    Py_RETURN_NONE;
 }
 
 static PyObject *doubt_here(RunObject *self, PyObject *args)
@@ -536,6 +551,7 @@ static PyMethodDef methods[] = {
     {"take", (PyCFunction)take, METH_VARARGS,
      "take(mode, state, known, kinds, parts, samples, sample_modes, events, event_codes, section) -> as advance\n\n"
      "Go on behind the pending event; known: order by key, -1 where nothing is said."},
+    {"add_entry", (PyCFunction)add_entry, METH_VARARGS, "add_entry(entry, value): to the ledger, what an event adds"},
     {"doubt", (PyCFunction)doubt_here, METH_VARARGS, "doubt(t): count what happened at t as not proved"},
     {"state_at", (PyCFunction)state_at, METH_VARARGS,
      "state_at(t) -> state before the next event, or None where more work is to do; t ascending from call to call"},

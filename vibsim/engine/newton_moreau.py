@@ -63,25 +63,33 @@ def masses(scene, kit, phase):
     return Masses(mobility, motor.on, coupling / determinant)
 
 
-def rate_of(kit, contact, v):
+def rate_of(kit, contact, v, size=0):
     """Rate of the depth of a stop [m/s], from the velocities of all columns; 0 where rounding cannot tell it
     from that.
+
+    size : of the velocities that these were computed from, where that is larger than they are [m/s]
     """
     rate = -(contact.sense * (v[contact.P] - v[contact.Q]))
-    noise = ROUNDING * kit.eps * (abs(v[contact.P]) + abs(v[contact.Q]))
+    own = abs(v[contact.P]) + abs(v[contact.Q])
+    noise = ROUNDING * kit.eps * (own if own > size else size)
     return rate if abs(rate) > noise else 0 * rate
+
+
+def size_of(contacts, v):
+    """Sum of the speeds of the ends of stops [m/s]."""
+    columns = sorted({end for c in contacts for end in (c.P, c.Q)})
+    total = abs(v[columns[0]])
+    for column in columns[1:]:
+        total = total + abs(v[column])
+    return total
 
 
 def unmet(kit, contacts, before, after):
     """Whether velocities `after` a blow break its law beyond rounding: where no impulse can part the ends of
     all stops, since ground and base hold them from both sides.
     """
-    for c in contacts:
-        gained = rate_of(kit, c, after) + c.e * rate_of(kit, c, before)
-        sizes = [abs(v[end]) for v in (before, after) for end in (c.P, c.Q)]
-        if gained > 8 * ROUNDING * kit.eps * sum(sizes):
-            return True
-    return False
+    noise = 8 * ROUNDING * kit.eps * (size_of(contacts, before) + size_of(contacts, after))
+    return any(rate_of(kit, c, after) + c.e * rate_of(kit, c, before) > noise for c in contacts)
 
 
 def blow(kit, bodies, contacts, v, w):

@@ -135,6 +135,15 @@ static int may_turn(const double *series, int count, int order, double total, do
     return count > 1 && 2 * fabs(series[1]) * h <= swing;
 }
 
+/* Value and slope at tau without the known zeros. */
+void polynomial_value_and_slope(const double *coefficients, int count, int known, double tau, double *value, double *slope)
+{
+    int order = known;
+    while (order < count - 1 && coefficients[order] == 0)
+        order++;
+    value_and_slope(coefficients + order, count - order, tau, value, slope);
+}
+
 int polynomial_near_zero(const double *coefficients, int count, int known, double tau, double size, double *value,
                          double *slope, double *noise)
 {

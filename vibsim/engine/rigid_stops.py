@@ -23,6 +23,7 @@ from vibsim.engine.newton_moreau import (
     blow,
     masses,
     rate_of,
+    size_of,
     unmet,
 )
 from vibsim.engine.rows import PUSH, SLIDE, STRIKE
@@ -151,6 +152,7 @@ class RigidStops:
         """Blows as long as a stop closes; the last of too many are plastic."""
         v, w = self._velocities(state), state.w
         bodies, contacts = masses(self.scene, self.kit, state.phase), touch.contacts
+        size = size_of(contacts, v)
         for count in range(MOST_BLOWS + len(contacts)):
             if not any(rate > 0 for rate in touch.rates.values()):
                 break
@@ -161,7 +163,7 @@ class RigidStops:
             if unmet(self.kit, contacts, v, struck):
                 raise EngineError("crushed", state)
             v = struck
-            touch.rates = {c.stop: rate_of(self.kit, c, v) for c in contacts}
+            touch.rates = {c.stop: rate_of(self.kit, c, v, size) for c in contacts}
             touch.rates |= {one.stop: one.after for one in passed}
             touch.passed += passed
         ends = [(c.P, c.Q) for one in touch.passed for c in contacts if c.stop == one.stop]

@@ -68,7 +68,12 @@ int section_gather(Run *r, Buffers *b, double end)
         if (b->section_count + 2 > b->section_room)
             return 0;
         run_arrive(r);
-        last = r->next.phase + (r->next.turns - r->state.turns) * TWO_PI;
+        if (r->next.t == end && r->pending_tau == end - r->t0) {
+            last = r->next.phase + (r->next.turns - r->state.turns) * TWO_PI;
+        } else { /* the state was taken at the very instant of an impact */
+            flow_state(r, end, &r->scratch);
+            last = r->scratch.phase + (r->scratch.turns - r->state.turns) * TWO_PI;
+        }
         for (turn = 0; turn < 2; turn++) {
             double target = turn * TWO_PI + turn * TWO_PI_LO;
             if (first < target && target <= last) {

@@ -48,7 +48,8 @@ def natural_rate(scene, kit):
     """Rate [rad/s] that compares displacements with velocities: that of the two ends of a link on its spring,
     the largest of them; of a stop where no link has a spring, 1 without either.
     """
-    for parts in (scene.links, scene.stops):
+    elastic = [stop for _, stop in scene.elastic_stops]
+    for parts in (scene.links, elastic):
         springs: dict = {}
         for part in parts:
             ends = frozenset((part.P, part.Q))

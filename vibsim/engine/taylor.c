@@ -138,6 +138,22 @@ static int near_zero(const Run *r, const Event *e, double tau, double *value, do
     return polynomial_near_zero(coefficients, count, r->known[e->key], tau, taylor_magnitude(r, e), value, slope, noise);
 }
 
+void taylor_value_and_slope(const Run *r, const Event *e, double tau, double *value, double *slope)
+{
+    double coefficients[SERIES];
+    int count = taylor_polynomial(r, e, coefficients);
+    polynomial_value_and_slope(coefficients, count, r->known[e->key], tau, value, slope);
+}
+
+/* Whether a function falls from where it is: its first coefficient that is not zero is negative. */
+static int closes(const double *coefficients, int count)
+{
+    int n = 0;
+    while (n < count && coefficients[n] == 0)
+        n++;
+    return n < count && coefficients[n] < 0;
+}
+
 /* Doubt that the zero of `first`, at time `end`, is the first, where that of another event may come as soon. */
 static void certify_order(Run *r, int first, double end)
 {
@@ -171,7 +187,12 @@ double taylor_advance(Run *r, double limit, int *event)
     for (i = 0; i < m->event_count; i++) {
         const Event *e = &m->events[i];
         int count = taylor_polynomial(r, e, coefficients);
-        int outcome = polynomial_first_root(&r->certificate, coefficients, count, r->known[e->key], r->t0, h, e->turns, &t);
+        int outcome;
+        if (e->kind == STRIKE && r->known[e->key] == 0 && coefficients[0] == 0 && closes(coefficients, count)) {
+            *event = i;
+            return r->t0;
+        }
+        outcome = polynomial_first_root(&r->certificate, coefficients, count, r->known[e->key], r->t0, h, e->turns, &t);
         if (outcome != POSITIVE && (t < end || (outcome == ZERO && *event == NOTHING))) {
             end = t;
             *event = outcome == ZERO ? i : NOTHING;

@@ -96,8 +96,7 @@ def open_trajectory(
     """
     flow_of(scene)
     check_tangent(scene, tangent)
-    python = scene.rigid_stops or engine_name(engine) == "python"
-    trajectory = PythonTrajectory if python else CTrajectory
+    trajectory = PythonTrajectory if engine_name(engine) == "python" else CTrajectory
     kept = extremes_of(scene, *extremes) if extremes else None
     return trajectory(scene, resume, section, ledger, momentum, (tangent, tangent_from), kept)
 
@@ -127,6 +126,8 @@ def state_at(scene, row, times, engine="auto"):
 
 def check_tangent(scene, tangent):
     """Raises ValueError where the scene has not so many directions."""
+    if tangent and scene.rigid_stops:
+        raise ValueError("disturbances are not carried through the impacts of rigid stops yet")
     if not 0 <= tangent <= dimension(scene):
         raise ValueError(f"tangent must be 0 to {dimension(scene)} for this scene, got {tangent}")
 
@@ -339,6 +340,8 @@ class CTrajectory(Trajectory):
             now = State(*tally["state"]), self.run.rows[tally["mode"]].status
             where = self.run.first, now
             totals |= ledger_totals(self.scene, Doubles, self.run.meters.names, tally["entries"], *where)
+        cut = self.run.automaton.rigid.cut_off
+        totals |= rigid_totals(self.scene, tally["counts"], (cut.time, cut.speed, cut.distance))
         if self.carries:
             _, _, margin, margin_time = tally["certificate"]
             totals |= tangent_totals(self.scene, self.run.disturbances, margin, margin_time)
