@@ -3,6 +3,7 @@ engine.
 """
 
 import math
+from dataclasses import replace
 
 from hypothesis import strategies as st
 
@@ -22,6 +23,7 @@ from vibsim.physics.parts import (
     Harmonic,
     Link,
     Motor,
+    RigidStop,
     Scene,
     Stop,
 )
@@ -136,3 +138,24 @@ def part_scenes(draw, motor=None, radians=12.0, bodies=4):
         1,
         40,
     )
+
+
+@st.composite
+def rigid_scenes(draw, radians=2.0, **options):
+    """A scene with up to three rigid stops besides; none of its bodies starts inside one."""
+    scene = draw(part_scenes(radians=radians, **options))
+    n, stops = len(scene.bodies), list(scene.stops)
+    X = sum((term.amplitude * math.sin(term.phase) for term in scene.base), 0.0)
+    places = [body.x for body in scene.bodies] + [X, 0.0]  # BASE is -2, GROUND -1
+    for i in range(draw(st.integers(1, 3))):
+        P = draw(st.integers(0, n - 1))
+        Q = draw(st.sampled_from([*[k for k in range(n) if k != P], GROUND, *([BASE] if scene.base else [])]))
+        P, Q = (P, Q) if draw(st.booleans()) else (Q, P)
+        sense = draw(st.sampled_from((EXTENSION, COMPRESSION)))
+        touching = -(sense * (places[P] - places[Q]))
+        gap = touching + draw(st.sampled_from((0.0, 0.0, 0.1, 0.5))) * LENGTH
+        e = draw(st.sampled_from((0.0, 0.3, 0.5, 0.8)))
+        stops.insert(
+            draw(st.integers(0, len(stops))), RigidStop(f"r{i}", P, Q, gap, sense, e, gap == touching)
+        )
+    return replace(scene, stops=tuple(stops))

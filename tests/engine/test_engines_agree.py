@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.engine.random_parts import part_scenes
+from tests.engine.random_parts import part_scenes, rigid_scenes
 from tests.engine.runs import Run, differences, outcome, run
 from tests.scenes import CASE_NAMES, MOTORS, paper
 from vibsim.engine.c_engine import CRun
@@ -92,6 +92,12 @@ def test_disturbances_that_python_takes_through_events(scene):
     """As where C knows no saltation: bit for bit what C does by itself."""
     with patch.object(CRun, "_jumps_in_c", lambda *_: False):
         assert_engines_agree(scene, dimension(scene))
+
+
+@settings(max_examples=25)
+@given(rigid_scenes())
+def test_random_scenes_with_rigid_stops(scene):
+    assert_engines_agree(scene)
 
 
 @pytest.mark.slow

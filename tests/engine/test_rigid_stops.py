@@ -7,8 +7,10 @@ from math import acos, cos, log, pi, sin, sqrt
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
 
-from tests.engine.runs import run
+from tests.engine.random_parts import rigid_scenes
+from tests.engine.runs import outcome, run
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import (
     BASE,
@@ -344,6 +346,23 @@ def test_digits_agree_with_doubles():
     assert rest == pytest.approx([sqrt(2 / GRAVITY) * 9], rel=2e-16)
     assert truth.totals["chatter_time"] < 1e-38
     assert abs(times(run(case), "rest_begin")[0] - rest[0]) < 4e-14
+
+
+@settings(max_examples=25)
+@given(rigid_scenes())
+def test_random_scenes_keep_out_of_rigid_stops_and_close_their_ledgers(scene):
+    result = outcome(scene, "auto", ledger=True, momentum=True)
+    if isinstance(result, str):
+        assert "caught between rigid stops" in result
+        return
+    t = result.samples["time"]
+    places = [result.samples[f"x_b{i}"] for i in range(len(scene.bodies))]
+    places += [sum((h.amplitude * np.sin(h.omega * t + h.phase) for h in scene.base), 0 * t), 0 * t]
+    for _, stop in scene.rigid_stops:
+        depth = stop.sense * (places[stop.Q] - places[stop.P]) - stop.gap
+        assert depth.max() < 1e-14
+    assert result.totals["energy_residual_relative"] < 1e-12
+    assert result.totals["momentum_residual_relative"] < 1e-11
 
 
 def exact(part, number):
