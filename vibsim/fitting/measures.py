@@ -20,9 +20,9 @@ from vibsim.analysis.holds import BAND, TURNS, Hold, holds_of, mean_speeds
 from vibsim.analysis.impacts_per_cycle import count_impacts
 from vibsim.analysis.regime.verdict import judge_regime
 from vibsim.analysis.span import span_of, steady_span
-from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene
 from vibsim.physics.sums import mean
+from vibsim.results.closing_velocity import IMPACT_CODES
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
 from vibsim.sweeps.computations.capture_verdict import VERDICTS as CAPTURES
@@ -114,9 +114,9 @@ def mean_impact_velocity(result: Result, window: Window | None, argument: float)
 
 
 def impact_count(result: Result, window: Window | None, argument: float) -> float:
-    """Beginnings of contact."""
+    """Beginnings of contact, and impacts at rigid stops."""
     events = events_within(result, span_of(result, window).window, "t", "kind")
-    return float(np.count_nonzero(events["kind"] == EVENT_KINDS["contact_begin"]))
+    return float(np.count_nonzero(np.isin(events["kind"], IMPACT_CODES)))
 
 
 def regime_code(result: Result, window: Window | None, argument: float) -> float:

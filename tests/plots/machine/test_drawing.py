@@ -127,3 +127,12 @@ def test_the_same_drawing_is_the_same_file(suffix, tmp_path):
     for file in files:
         draw_machine_file(load_case("gallery/drifting-capsule"), str(file))
     assert files[0].read_bytes() == files[1].read_bytes()
+
+
+def test_a_rigid_stop_is_named_by_its_restitution():
+    text = (
+        "name: ball\nbodies: {ball: 1 kg}\n"
+        "stops: {table: {between: [ground, ball], gap: 0 m, acts: compression, law: rigid, e: 0.8}}\n"
+    )
+    (stop,) = [one for one in elements(load_case_text(text).long_values()) if one.kind == "stop"]
+    assert stop.value == "rigid, e = 0.8"

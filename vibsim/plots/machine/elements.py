@@ -77,9 +77,11 @@ def _stop(key: str, name: str, stop: dict[str, Any], order: dict[str, int]) -> E
     """P pushes to the right onto Q in compression, and draws Q after it in extension."""
     toward = RIGHT if stop["acts"] == "compression" else LEFT
     left, right, meets = _placed(stop["between"], order, toward)
+    kind, title = "stop" if meets else "hook", f"{name}: gap {stop['gap']}"
+    if stop["law"] == "rigid":
+        return Element(kind, key, left, right, title, f"rigid, e = {stop['e']}")
     value = f"k = {stop['k']}" + (f", c = {stop['c']}" if stop["c"].value else "")
-    kind = "stop" if meets else "hook"
-    return Element(kind, key, left, right, f"{name}: gap {stop['gap']}", value, bool(stop["c"].value))
+    return Element(kind, key, left, right, title, value, bool(stop["c"].value))
 
 
 def _placed(ends: Any, order: dict[str, int], toward: int) -> tuple[str, str, bool]:
