@@ -13,7 +13,8 @@ from vibsim.plots.machine.elements import elements
 from vibsim.plots.machine.layout import layout
 
 HAMMER = Path(__file__).parents[2] / "cases/parts/valid/hammer.yaml"
-ALL = [*shipped_case_names(), *gallery_case_names(), str(HAMMER)]
+RIGID = Path(__file__).with_name("rigid_stops.yaml")
+ALL = [*shipped_case_names(), *gallery_case_names(), str(HAMMER), str(RIGID)]
 
 
 def drawn(case):

@@ -146,7 +146,7 @@ def _lanes(axes: Axes, slot: list[Element], edges: tuple[float, float], height: 
 def _element(axes: Axes, element: Element, x0: float, x1: float, y: float) -> None:
     if element.kind in ("stop", "hook"):
         draw = symbols.stop if element.kind == "stop" else symbols.hook
-        draw(axes, x0, x1, y, element.damped, element.key)
+        draw(axes, x0, x1, y, element.law, element.key)
     elif element.kind == "friction":
         symbols.pads(axes, x0, x1, y, element.key)
     else:

@@ -9,6 +9,7 @@ from typing import Any
 GROUND, BASE = "ground", "base"
 FIXED = (GROUND, BASE)
 LEFT, RIGHT, ANYWHERE = -1, 1, 0
+ELASTIC, DAMPED, RIGID = "elastic", "damped", "rigid"
 
 CHARACTER_CM = 0.12  # about the width of a character of a label, at 6 pt
 SHORTEST_CM = 1.7  # of an element, without its label
@@ -25,7 +26,7 @@ class Element:
     key : dotted key of the part
     left, right : names of its ends, in the order of the drawing
     title, value : labels above and below it
-    damped : True for a stop with a damper
+    law : of a stop: ELASTIC, DAMPED or RIGID
     """
 
     kind: str
@@ -34,7 +35,7 @@ class Element:
     right: str
     title: str
     value: str = ""
-    damped: bool = False
+    law: str = ""
 
     @property
     def width(self) -> float:
@@ -77,11 +78,18 @@ def _stop(key: str, name: str, stop: dict[str, Any], order: dict[str, int]) -> E
     """P pushes to the right onto Q in compression, and draws Q after it in extension."""
     toward = RIGHT if stop["acts"] == "compression" else LEFT
     left, right, meets = _placed(stop["between"], order, toward)
-    kind, title = "stop" if meets else "hook", f"{name}: gap {stop['gap']}"
-    if stop["law"] == "rigid":
-        return Element(kind, key, left, right, title, f"rigid, e = {stop['e']}")
-    value = f"k = {stop['k']}" + (f", c = {stop['c']}" if stop["c"].value else "")
-    return Element(kind, key, left, right, title, value, bool(stop["c"].value))
+    value, law = _stop_law(stop)
+    kind = "stop" if meets else "hook"
+    return Element(kind, key, left, right, f"{name}: gap {stop['gap']}", value, law)
+
+
+def _stop_law(stop: dict[str, Any]) -> tuple[str, str]:
+    """Numbers of a stop, and how it is drawn."""
+    if stop["law"] == RIGID:
+        return f"rigid, e = {stop['e']}", RIGID
+    if stop["c"].value:
+        return f"k = {stop['k']}, c = {stop['c']}", DAMPED
+    return f"k = {stop['k']}", ELASTIC
 
 
 def _placed(ends: Any, order: dict[str, int], toward: int) -> tuple[str, str, bool]:

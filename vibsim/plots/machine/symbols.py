@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, FancyBboxPatch, Rectangle
 
+from vibsim.plots.machine.elements import DAMPED, RIGID
 from vibsim.plots.style import BLUE, GREEN, GREY, ORANGE, VERMILLION
 
 INK = "0.15"
@@ -60,9 +61,12 @@ def damper(axes: Axes, x0: float, x1: float, y: float, gid: str = "") -> None:
     line(axes, [middle, x1], [y, y], color=GREEN)
 
 
-def contact_spring(axes: Axes, x0: float, x1: float, y: float, damped: bool, gid: str = "") -> None:
-    """The spring of a stop, with a dashpot beside it where it is damped."""
-    if not damped:
+def support(axes: Axes, x0: float, x1: float, y: float, law: str, gid: str = "") -> None:
+    """What bears a stop: a spring, with a dashpot beside it where it is damped; a bar where it is rigid."""
+    if law == RIGID:
+        line(axes, [x0, x1], [y, y], gid, color=VERMILLION, linewidth=3 * LINE)
+        return
+    if law != DAMPED:
         coil(axes, x0, x1, y, gid)
         return
     line(axes, [x0, x0], [y - 0.14, y + 0.14], color=VERMILLION)
@@ -81,21 +85,21 @@ def coil(axes: Axes, x0: float, x1: float, y: float, gid: str = "") -> None:
     line(axes, x, y + np.array([0, *[0.1 * (-1) ** i for i in range(7)], 0]), gid, color=VERMILLION)
 
 
-def stop(axes: Axes, x0: float, x1: float, y: float, damped: bool, gid: str) -> None:
-    """A bumper on a spring before the right end; the left end meets it when the gap is closed."""
+def stop(axes: Axes, x0: float, x1: float, y: float, law: str, gid: str) -> None:
+    """A bumper before the right end; the left end meets it when the gap is closed."""
     plate = x0 + 0.42 * (x1 - x0)
     nose = x0 + 0.14 * (x1 - x0)
     line(axes, [x0, nose], [y, y])
     line(axes, [nose, nose], [y - 0.16, y + 0.16], linewidth=2 * LINE)
     line(axes, [plate, plate], [y - 0.2, y + 0.2], linewidth=2 * LINE, color=VERMILLION)
-    contact_spring(axes, plate, x1, y, damped, gid)
+    support(axes, plate, x1, y, law, gid)
     dimension(axes, nose, plate, y)
 
 
-def hook(axes: Axes, x0: float, x1: float, y: float, damped: bool, gid: str) -> None:
+def hook(axes: Axes, x0: float, x1: float, y: float, law: str, gid: str) -> None:
     """A stop that acts while the ends move apart: the head of a rod behind the lips of a bracket."""
     lips, head = x0 + 0.5 * (x1 - x0), x0 + 0.8 * (x1 - x0)
-    contact_spring(axes, x0, x0 + 0.36 * (x1 - x0), y, damped, gid)
+    support(axes, x0, x0 + 0.36 * (x1 - x0), y, law, gid)
     line(axes, [x0 + 0.36 * (x1 - x0), head], [y, y])
     line(axes, [head, head], [y - 0.14, y + 0.14], linewidth=2 * LINE, color=VERMILLION)
     for side in (-1, 1):
