@@ -28,7 +28,7 @@ ENGINES = ["auto", "c", "python"]
 @click.option("--engine", type=OneOf(ENGINES), default="auto", help="The engine that is verified.")
 @click.pass_context
 def command(ctx, names, list_checks, engine):
-    """Compute cases with known results, V1 to V11 and the hard ones, and print expected, obtained, error and
+    """Compute cases with known results, V1 to V21 and the hard ones, and print expected, obtained, error and
     bound of each.
 
     NAME is a check or how it begins; without any, all are computed (on the Python engine, but for those

@@ -11,16 +11,40 @@ from vibsim.results import recording
 
 WRONG = 1 + 1e-13
 JUDGED = ("V1/I-", "V2/", "V3/", "V4/", "V5/", "hard/")
+# numbers of settled motions, read late in runs whose times are doubles: a mass wrong by 1e-10.
+# The end of the belt oscillator's cycle, V18/cycle, hardly depends on the mass.
+SETTLED = (
+    "V12/cycle",
+    "V13/settled",
+    "V13/family",
+    "V14/cycle",
+    "V15/rest",
+    "V15/bounces",
+    "V16/cycle",
+    "V17/amplitude",
+    "V19/three_balls",
+    "V20/two_balls",
+)
 
 
 @pytest.mark.parametrize("name", [check.name for check in all_checks() if check.name.startswith(JUDGED)])
 def test_a_wrong_mass_is_noticed(name, monkeypatch):
+    assert is_noticed(name, WRONG, monkeypatch)
+
+
+@pytest.mark.parametrize("name", SETTLED)
+def test_a_wrong_mass_is_noticed_in_settled_motions(name, monkeypatch):
+    assert is_noticed(name, 1 + 1e-10, monkeypatch)
+
+
+def is_noticed(name, wrong, monkeypatch):
+    """Whether the check falls short with the mass of the first body times `wrong`."""
     right = vibsim.engine.trajectory.open_trajectory
 
     def heavier(scene, *given, **options):
         first, *others = scene.bodies
-        return right(replace(scene, bodies=(replace(first, m=first.m * WRONG), *others)), *given, **options)
+        return right(replace(scene, bodies=(replace(first, m=first.m * wrong), *others)), *given, **options)
 
     monkeypatch.setattr(recording, "open_trajectory", heavier)
     monkeypatch.setattr(runs, "open_trajectory", heavier)
-    assert not all(row.passed for row in verify([name], "c"))
+    return not all(row.passed for row in verify([name], "c"))

@@ -1,19 +1,26 @@
-"""All checks, in the order of validation: V1 to V11, then the hard cases."""
+"""All checks, in the order of validation: V1 to V21, then the hard cases."""
 
 from functools import cache
 
 from vibsim.evidence.verification import (
+    bilinear_cycle,
+    bouncing_ball,
     coulomb_friction,
     energy_ledger,
     free_vibration,
+    friction_oscillator,
     hard_cases,
     hard_closed_forms,
+    impact_oscillators,
     linear_theory,
     million_seconds,
     mirror_symmetry,
+    momentum_ledger,
     monodromy,
     motor_run_up,
     paper_cases,
+    several_impacts,
+    stick_slip,
 )
 from vibsim.evidence.verification.check import Check
 
@@ -26,6 +33,13 @@ MODULES = (
     motor_run_up,
     monodromy,
     energy_ledger,
+    bilinear_cycle,
+    impact_oscillators,
+    bouncing_ball,
+    stick_slip,
+    friction_oscillator,
+    several_impacts,
+    momentum_ledger,
     hard_cases,
     million_seconds,
     hard_closed_forms,

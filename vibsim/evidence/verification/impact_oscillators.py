@@ -1,0 +1,144 @@
+"""V13 and V14: an oscillator that strikes a rigid stop, x'' + c x' + x = A cos(w t), stop at x = sigma.
+
+V13 is that of Budd and Dux (c = 0, w = 3.7, e = 0.8), one impact in two periods in closed form: with
+gamma = 1 / (1 - w^2), T = 4 pi / w, cs = sin T (1 + e) / (1 - cos T) and r = (1 - e) / w the speed is
+V = (-2 cs sigma + 2 sqrt(gamma^2 cs^2 - (sigma^2 - gamma^2) r^2)) / (cs^2 + r^2).
+V14 is example 15.2 of Recipes for Continuation (COCO; c = 0.1, w = 1, sigma = 1, e = 0.8); its numbers are an
+independent solver's.
+"""
+
+from collections.abc import Iterator
+from math import atan2, cos, pi, sin, sqrt
+
+from vibsim.evidence.verification.check import Check
+from vibsim.evidence.verification.kicks import UNIT
+from vibsim.evidence.verification.row import Point, Row, compared, counted_row, worst_row
+from vibsim.evidence.verification.runs import made_case, run
+from vibsim.evidence.verification.settled import BECAUSE, last_digit, settled_bound
+from vibsim.physics.modes import EVENT_KINDS
+from vibsim.results import Result
+
+# multipliers of the modulus e = 0.8 per impact: the start has fallen to 4e-20 of itself after 200
+CASE = """
+bodies: {mass: 1 kg}
+links: {spring: {between: [mass, ground], k: 1 N/m, c: 0 N s/m}}
+stops: {wall: {between: [mass, ground], gap: 0 m, acts: compression, law: rigid, e: 0.8}}
+forces: {drive: {on: mass, A: 1 N, omega: 3.7 rad/s, phase: 90 deg}}
+run: {t_end: 700 s, every: 100 s}
+"""
+OMEGA, E = 3.7, 0.8
+PERIOD = 4 * pi / OMEGA
+SPEED, PLACES = 0.66569335283999, 14  # printed for sigma = 0
+SIGMAS = (0.1, 0.2, 0.3)  # short of the fold of the family at 0.34514712445281
+STEP = 1e-6  # of difference quotients
+# multipliers of the modulus e exp(-0.1 pi) = 0.58 per impact: the start has fallen to 6e-24 after 100
+RECIPES = {"links__spring__c": "0.1 N s/m", "stops__wall__gap": "1 m", "forces__drive__omega": "1 rad/s"}
+RECIPES_SPEED, RECIPES_PHASE = 1.695732937594882, 0.0759521649383
+RECIPES_CONDITIONING = (5.0, 1.7)  # of speed [m/s] and phase [rad], by difference quotients as in V12
+
+
+def checks() -> list[Check]:
+    """Both oscillators."""
+    return [
+        Check("V13/settled", "Budd and Dux: one impact in two periods, from rest", settled),
+        Check("V13/family", "Budd and Dux: the family of these motions", family),
+        Check("V14/cycle", "Recipes for Continuation 15.2: one impact a period", recipes_cycle),
+        Check("V14/grazing", "Recipes for Continuation 15.2: where impacts begin", recipes_grazing),
+    ]
+
+
+def speed_of(k=1.0, m=1.0, A=1.0, omega=OMEGA, e=E, sigma=0.0) -> float:
+    """Speed V of the impact [m/s], in closed form; numbers in SI."""
+    own = sqrt(k / m)
+    w, s = omega / own, sigma * k / A
+    gamma, T = 1 / (1 - w * w), 4 * pi / w
+    cs, r = sin(T) * (1 + e) / (1 - cos(T)), (1 - e) / w
+    root = sqrt(gamma**2 * cs**2 - (s * s - gamma**2) * r * r)
+    return A / k * own * (-2 * cs * s + 2 * root) / (cs**2 + r**2)
+
+
+def conditioning_of(sigma: float) -> float:
+    """Sum of |p dV/dp| over the numbers of the scene [m/s], and once the size of a state."""
+    given = {"k": 1.0, "m": 1.0, "A": 1.0, "omega": OMEGA, "e": E, "sigma": sigma}
+    moved = (
+        speed_of(**{**given, key: value * (1 + STEP)}) - speed_of(**{**given, key: value * (1 - STEP)})
+        for key, value in given.items()
+    )
+    # an error of the place where the mass is counts as one of sigma, in units of the amplitude
+    place = (speed_of(sigma=sigma + STEP) - speed_of(sigma=sigma - STEP)) / (2 * STEP)
+    return sum(abs(change) / (2 * STEP) for change in moved) + abs(place)
+
+
+def speeds_of(result: Result):
+    """Speeds at all impacts [m/s]."""
+    return result.events["before_v_mass"][result.events["kind"] == EVENT_KINDS["impact"]]
+
+
+def settled(engine: str) -> Iterator[Row]:
+    """From rest at sigma = 0: the speed of the last ten impacts, printed and in closed form."""
+    result = run(made_case(CASE, "Budd and Dux"), engine)
+    bound = settled_bound(conditioning_of(0.0), result.t_reached, 1, OMEGA)
+    for what, expected, more in (("printed", SPEED, last_digit(PLACES)), ("closed form", speed_of(), 0.0)):
+        points = [
+            compared(f"impact speed, {what}", expected, float(v), bound + more, "m/s")
+            for v in speeds_of(result)[-10:]
+        ]
+        yield worst_row("V13/settled", points, BECAUSE)
+
+
+def family(engine: str) -> Iterator[Row]:
+    """Started on the orbit, behind an impact, the mass strikes with the same speed each time."""
+    points: list[Point] = []
+    for sigma in SIGMAS:
+        result = run(made_case(CASE, "Budd and Dux", **start_on_orbit(sigma)), engine)
+        bound = settled_bound(conditioning_of(sigma), result.t_reached, 1, OMEGA)
+        points += [
+            compared(f"impact speed at sigma = {sigma:g} m", speed_of(sigma=sigma), float(v), bound, "m/s")
+            for v in speeds_of(result)
+        ]
+    yield worst_row("V13/family", points, BECAUSE)
+
+
+def start_on_orbit(sigma: float) -> dict[str, object]:
+    """Start behind an impact, with the drive's phase: x = a cos t + b sin t + gamma cos(w t + p)."""
+    V, gamma = speed_of(sigma=sigma), 1 / (1 - OMEGA**2)
+    a, b = -(1 + E) * V * sin(PERIOD) / (2 * (1 - cos(PERIOD))), -(1 + E) * V / 2
+    response, rate = sigma - a, -E * V - b  # gamma cos p and -gamma w sin p
+    phase = atan2(-rate / (gamma * OMEGA), response / gamma)
+    return {
+        "stops__wall__gap": sigma,
+        "initial__mass__x": sigma,
+        "initial__mass__v": -E * V,
+        "forces__drive__phase": phase + pi / 2,
+        "run__t_end": 20.5 * PERIOD,
+        "run__every": "10 s",
+    }
+
+
+def recipes_cycle(engine: str) -> Iterator[Row]:
+    """Speed and phase of the last ten impacts at A = 1, from rest."""
+    result = run(made_case(CASE, "example 15.2", **RECIPES), engine)
+    fast, late = (settled_bound(one, result.t_reached, 1) for one in RECIPES_CONDITIONING)
+    points = [
+        compared("impact speed", RECIPES_SPEED, float(v), fast + last_digit(15), "m/s")
+        for v in speeds_of(result)[-10:]
+    ]
+    yield worst_row("V14/cycle", points, BECAUSE)
+    times = result.events["t"][result.events["kind"] == EVENT_KINDS["impact"]][-10:]
+    late += last_digit(13) + UNIT * result.t_reached  # 2 pi itself is rounded
+    points = [compared("phase of the impact", RECIPES_PHASE, float(t % (2 * pi)), late, "rad") for t in times]
+    yield worst_row("V14/cycle", points, BECAUSE)
+
+
+def recipes_grazing(engine: str) -> Iterator[Row]:
+    """At resonance the steady state is A / c sin t: it reaches the stop at 1 m at A = c = 0.1 N."""
+    wrong = 0
+    for k in range(2, 13):
+        for sign in (-1, 1):
+            size = 1 + sign * 10.0**-k
+            start = {"forces__drive__A": 0.1 * size, "initial__mass__v": size}
+            span = {"run__t_end": "10 s", "run__every": "10 s"}
+            result = run(made_case(CASE, "example 15.2", **RECIPES, **start, **span), engine)
+            wrong += int((result.attrs["impacts"] > 0) != (sign > 0))
+    because = "22 runs on the steady state, A = 0.1 (1 +- 10^-k) N, k = 2 to 12"
+    yield counted_row("V14/grazing", "runs with the wrong contacts", 0, wrong, because)
