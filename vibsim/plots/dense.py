@@ -20,8 +20,9 @@ def dense(
 ) -> dict[str, np.ndarray]:
     """Columns `time` and `names` within the span, the events, and instants between them.
 
-    Every sample and every event within the span is among the rows, as stored; the instants between are
-    evaluated by the engine. A span too long for that comes back as samples alone.
+    Every sample and every event within the span is among the rows, as stored, and before an event at which
+    velocities jump the state in front of it; the instants between are evaluated by the engine. A span too
+    long for that comes back as samples alone.
     """
     names = tuple(name for name in names if name != "time")
     stored = samples(result, ("time", *names), span)
@@ -29,10 +30,21 @@ def dense(
     if between is None:
         return stored
     between = between[between <= result.t_reached]  # of a run that was killed, samples may reach further
-    events = events_within(result, ("t", *names), span)
-    parts = [stored, {**events, "time": events["t"]}, {**states_at(result, names, between), "time": between}]
+    before, after = _event_rows(result, names, span)
+    # a sample at the instant of an event is the state after it
+    parts = [before, stored, after, {**states_at(result, names, between), "time": between}]
     order = np.argsort(np.concatenate([part["time"] for part in parts]), kind="stable")
     return {name: np.concatenate([part[name] for part in parts])[order] for name in stored}
+
+
+def _event_rows(result: Any, names: tuple[str, ...], span: Span) -> tuple[dict[str, np.ndarray], ...]:
+    """Columns `time` and `names` of the events within the span: the states in front of them, and after."""
+    before = {name: f"before_{name}" for name in names if f"before_{name}" in result.events}
+    events = events_within(result, ("t", *names, *before.values()), span)
+    after = {"time": events["t"], **{name: events[name] for name in names}}
+    if not before:
+        return {name: values[:0] for name, values in after.items()}, after
+    return after | {name: events[column] for name, column in before.items()}, after
 
 
 def states_at(result: Any, names: tuple[str, ...], times: np.ndarray) -> dict[str, np.ndarray]:

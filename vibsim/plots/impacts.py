@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.engine.columns import part_columns
+from vibsim.engine.columns import RIGID_FLAGS, part_columns
 from vibsim.physics.modes import CONTACT_FLAGS
 from vibsim.physics.parts import Scene, columns_of
 from vibsim.plots.subject import Subject
@@ -15,6 +15,7 @@ from vibsim.plots.view import Span
 from vibsim.results.closing_velocity import IMPACT_CODES
 
 Events = dict[str, np.ndarray]
+PUSHING = (CONTACT_FLAGS["contact"], RIGID_FLAGS["resting"])  # a lifted stop exerts no force
 
 
 def events_within(result: Any, names: tuple[str, ...] | None, span: Span, before: int = 0) -> Events:
@@ -60,10 +61,10 @@ def stops_of(scene: Scene, column: str) -> list[int]:
 
 
 def contact_spans(subject: Subject, span: Span) -> list[Span]:
-    """The stretches of contact at any stop that meet the span, cut to it [s]."""
+    """The stretches of contact, or of rest, at any stop that meet the span, cut to it [s]."""
     names = part_columns(subject.scene)[: len(subject.scene.stops)]
     events = events_within(subject.result, ("t", *names), span, before=1)
-    touching = [events[name] == CONTACT_FLAGS["contact"] for name in names]  # a lifted stop exerts no force
+    touching = [np.isin(events[name], PUSHING) for name in names]
     contact = np.any(touching, axis=0)
     ends = np.append(events["t"][1:], span[1])
     stretches = [(max(a, span[0]), min(b, span[1])) for a, b in zip(events["t"], ends, strict=True)]
