@@ -107,6 +107,33 @@ def test_a_stop_that_has_let_go_by_force_is_not_shaded():
     assert 0 < shaded < 0.5
 
 
+@pytest.fixture(scope="module")
+def ball():
+    return subject_of(load_case("gallery/bouncing-ball"))
+
+
+def test_velocity_jumps_upright_at_a_rigid_stop(ball):
+    """Also where a sample lies at the instant of the impact: the state in front of it comes first."""
+    events = ball.result.events
+    [curve] = lines(figure_of("velocity", [ball], window=(0.0, 4.0)), "v_ball")
+    t, v = points(curve)
+    at = [int(np.flatnonzero(t == time)[0]) for time in events["t"][1:20]]
+    assert v[at] == pytest.approx(events["before_v_ball"][1:20], rel=1e-12)
+    assert v[np.add(at, 1)] == pytest.approx(events["v_ball"][1:20], rel=1e-12)
+    pair = subject_of(load_case("gallery/impact-pair", {"run.t_end": "1 s"}))
+    [curve] = lines(figure_of("velocity", [pair], window=(0.0, 0.1)), "v_ball")
+    v = np.round(points(curve)[1], 9)  # mm/s; the first impact is at a sample, 0.05 s
+    assert set(v) == {300.0, -210.0}
+    assert np.count_nonzero(np.diff(v)) == 1
+
+
+def test_rest_on_a_rigid_stop_is_shaded(ball):
+    from vibsim.plots.impacts import contact_spans
+
+    [(begin, end)] = contact_spans(ball, (0.0, 5.0))
+    assert (begin, end) == pytest.approx((9 * np.sqrt(2 / 9.81), 5.0), rel=1e-12)
+
+
 def test_kinds_that_need_a_source_say_so(row):
     names = [kind.name for kind in fitting([row])]
     assert names == [
