@@ -127,6 +127,17 @@ def test_velocity_jumps_upright_at_a_rigid_stop(ball):
     assert np.count_nonzero(np.diff(v)) == 1
 
 
+def test_characteristic_ends_at_rigid_stops():
+    wall = load_case("gallery/impact-oscillator-coco")  # x <= 1 m
+    figure = kind_named("stiffness").draw([Subject("w", "w", "case", wall)], View())
+    [curve] = lines(figure, "stiffness")
+    y, force = points(curve)
+    assert y.tolist() == [-2.5, 1.0] and force.tolist() == [-2.5, 1.0]
+    pair = load_case("gallery/impact-pair")
+    figure = kind_named("stiffness").draw([Subject("p", "p", "case", pair)], View())
+    assert points(lines(figure, "stiffness")[0])[0].tolist() == [-10.0, 10.0]  # mm
+
+
 def test_rest_on_a_rigid_stop_is_shaded(ball):
     from vibsim.plots.impacts import contact_spans
 

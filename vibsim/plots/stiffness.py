@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vibsim.physics.body_sets import Pair, joined_pairs
-from vibsim.physics.parts import Scene, Stop
+from vibsim.physics.parts import RigidStop, Scene, Stop
 from vibsim.plots.curve_labels import Named, write_names
 from vibsim.plots.quantities import Scale, amount, scale_for
 from vibsim.plots.relative_motion import (
@@ -65,7 +65,7 @@ def stiffness_panel(axes: Axes, subjects: Sequence[Subject], motion: str | None 
         for pair in joined_pairs(subject.scene)
         if difference(subject.scene, pair, "x") == motion
     ]
-    gaps = [abs(at) for subject, pair in shown for at, _ in corners(subject.scene, pair)]
+    gaps = [abs(at) for subject, pair in shown for at, _ in all_stops(subject.scene, pair)]
     reach = REACH * (max(gaps, default=0.0) or NO_GAP)
     curves = [characteristic(subject.scene, pair, reach) for subject, pair in shown]
     scales = scale_for("m", *(y for y, _ in curves)), scale_for("N", *(force for _, force in curves))
@@ -89,6 +89,25 @@ def corners(scene: Scene, pair: Pair) -> list[tuple[float, Stop]]:
     return sorted(found, key=lambda each: each[0])
 
 
+def rigid_stops_between(scene: Scene, pair: Pair) -> list[tuple[float, RigidStop]]:
+    """Relative displacement [m] at which each rigid stop between the ends is met: no curve goes beyond."""
+    stops = [stop for stop in stops_between(scene, pair) if isinstance(stop, RigidStop)]
+    return [(stop_position(stop, pair), stop) for stop in stops]
+
+
+def all_stops(scene: Scene, pair: Pair) -> list[tuple[float, Stop | RigidStop]]:
+    """The stops between the ends and where each is met [m], those of one kind after the other."""
+    return [*corners(scene, pair), *rigid_stops_between(scene, pair)]
+
+
+def within_rigid_stops(scene: Scene, pair: Pair, reach: float) -> tuple[float, float]:
+    """The least and the largest relative displacement [m] that rigid stops allow, at most `reach` off 0."""
+    stops = rigid_stops_between(scene, pair)
+    low = max([-reach, *(at for at, stop in stops if _side(stop, pair) < 0)])
+    high = min([reach, *(at for at, stop in stops if _side(stop, pair) > 0)])
+    return low, high
+
+
 def spring_force(scene: Scene, pair: Pair, y: np.ndarray) -> np.ndarray:
     """Force of springs and stops between the ends [N] at x_P - x_Q = y [m], dampers left out."""
     force = np.zeros_like(y)
@@ -101,27 +120,27 @@ def spring_force(scene: Scene, pair: Pair, y: np.ndarray) -> np.ndarray:
     return force
 
 
-def _side(stop: Stop, pair: Pair) -> int:
+def _side(stop: Stop | RigidStop, pair: Pair) -> int:
     """1 where the stop is met by growing x_P - x_Q of the pair, else -1."""
     return -stop.sense if stop.P == pair.P else stop.sense
 
 
 def characteristic(scene: Scene, pair: Pair, reach: float) -> tuple[np.ndarray, np.ndarray]:
     """The polyline (y [m], force [N]): its ends and its corners at the stops."""
-    y = np.unique([-reach, *(at for at, _ in corners(scene, pair)), reach])
+    low, high = within_rigid_stops(scene, pair, reach)
+    y = np.unique([low, *(at for at, _ in corners(scene, pair) if low < at < high), high])
     return y, spring_force(scene, pair, y)
 
 
 def _name_slopes(axes: Axes, scene: Scene, pair: Pair, reach: float, scales: tuple[Scale, Scale]) -> None:
     """The slopes in words, beside the curve and inside the frame; limits are settled before."""
     knots, _ = characteristic(scene, pair, reach)
-    stops = corners(scene, pair)
     named = []
     for low, high in sorted(pairwise(knots.tolist()), key=lambda part: not part[0] < 0 < part[1]):
         near, far = sorted((low, high), key=abs)
         text = _slope(scene, pair, (low + high) / 2)
         named.append(_named(text, scene, pair, scales, 0.0 if low < 0 < high else near, far))
-    for at, stop in stops:
+    for at, stop in all_stops(scene, pair):
         draw_stop_line(axes, at, scales[0], stop_label(stop))
     axes.set_xlim(axes.get_xlim())
     axes.set_ylim(axes.get_ylim())
