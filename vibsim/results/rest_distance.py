@@ -122,5 +122,12 @@ def _largest_inside(y0: float, y1: float, d0: float, d1: float) -> float:
 
 
 def _merge(samples: np.ndarray, events: np.ndarray) -> np.ndarray:
-    rows = np.concatenate([samples, events], axis=1)
-    return rows[:, np.argsort(rows[0], kind="stable")]
+    """Rows t, y, v of samples and events, each ascending, in the order of time; a sample before its events."""
+    places = np.searchsorted(samples[0], events[0], side="right") + np.arange(events.shape[1])
+    of_sample = np.ones(samples.shape[1] + events.shape[1], dtype=bool)
+    of_sample[places] = False
+    rows = np.empty((3, len(of_sample)))
+    for row, sampled, happened in zip(rows, samples, events, strict=True):
+        row[of_sample] = sampled
+        row[places] = happened
+    return rows
