@@ -122,7 +122,7 @@ def _largest_inside(y0: float, y1: float, d0: float, d1: float) -> float:
 
 
 def _merge(samples: np.ndarray, events: np.ndarray) -> np.ndarray:
-    """Rows t, y, v of samples and events, each ascending, in the order of time; a sample before its events."""
+    """Rows t, y, v of both, each ascending, in the order of time; a sample before the events there."""
     places = np.searchsorted(samples[0], events[0], side="right") + np.arange(events.shape[1])
     of_sample = np.ones(samples.shape[1] + events.shape[1], dtype=bool)
     of_sample[places] = False
