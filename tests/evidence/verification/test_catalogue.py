@@ -6,6 +6,7 @@ import pytest
 
 from vibsim.cases import hard_case_names, load_case
 from vibsim.evidence.verification.catalogue import all_checks
+from vibsim.evidence.verification.hard_cases import REPORTED
 from vibsim.evidence.verification.runs import flows_of
 from vibsim.evidence.verification.selection import UnknownCheckError, selected, spellings
 
@@ -59,7 +60,14 @@ def test_every_hard_topic_is_checked(topic):
 
 
 def test_every_hard_case_stands_for_a_topic():
-    assert set(hard_case_names()) == {f"hard/{name}" for name, _ in TOPICS.values()}
+    assert set(hard_case_names()) == {f"hard/{name}" for name, _ in TOPICS.values()} | set(REPORTED)
+
+
+@pytest.mark.parametrize("name", REPORTED)
+def test_what_others_report_is_checked_by_both_methods_and_told_in_the_docs(name):
+    assert [n for n in NAMES if n.startswith(f"{name}/")] == [f"{name}/auto", f"{name}/taylor"]
+    told = Path(__file__).parents[3] / "docs/what-others-do.md"
+    assert name in told.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("name", hard_case_names())
@@ -85,7 +93,7 @@ def test_names_are_unique():
         (["V9", "V2/taylor"], "V2/taylor", 2),
         (["hard/stiff"], "hard/stiff-stop/closed_form", 3),
         (["hard/stiff-stop"], "hard/stiff-stop/closed_form", 2),
-        (["hard/"], None, 50),
+        (["hard/"], None, 60),
         ([], "V1/I-A/closed_form", len(NAMES)),
     ],
 )

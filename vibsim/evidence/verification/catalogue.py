@@ -19,7 +19,9 @@ from vibsim.evidence.verification import (
     monodromy,
     motor_run_up,
     paper_cases,
+    reported_failures,
     several_impacts,
+    spool,
     stick_slip,
 )
 from vibsim.evidence.verification.check import Check
@@ -43,6 +45,8 @@ MODULES = (
     hard_cases,
     million_seconds,
     hard_closed_forms,
+    reported_failures,
+    spool,
 )
 
 

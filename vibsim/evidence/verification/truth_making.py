@@ -11,7 +11,7 @@ from decimal import Decimal
 from vibsim.cases import hard_case_names, load_case
 from vibsim.evidence.verification.digits_runs import Run, plan, run_digits
 from vibsim.evidence.verification.event_matching import outside
-from vibsim.evidence.verification.hard_cases import CLOSED_FORMS
+from vibsim.evidence.verification.hard_cases import CLOSED_FORMS, REPORTED
 from vibsim.evidence.verification.paper_cases import CASE_I, SPANS
 from vibsim.evidence.verification.runs import flows_of
 from vibsim.evidence.verification.stray import kept, states_apart, times_apart, undecided_spans
@@ -78,7 +78,7 @@ def _confirm(what: str, values: list[Decimal], apart: list[float], allowed: list
 
 def stored_names() -> list[str]:
     """Names of the cases whose truth is stored; the other hard cases have closed forms."""
-    hard = [name for name in hard_case_names() if name not in CLOSED_FORMS]
+    hard = [name for name in hard_case_names() if name not in (*CLOSED_FORMS, *REPORTED)]
     return [*CASE_I, *SPANS, *hard]
 
 
