@@ -135,11 +135,14 @@ class Case:
 
     @property
     def source_kind(self) -> str:
-        """What drives the bodies: motor, harmonic (forces), base or none."""
+        """What drives the bodies: motor, base, harmonic forces, constant ones alone, or none."""
         values = self.long_values()
         if "motor" in values or "base" in values:
             return "motor" if "motor" in values else "base"
-        return "harmonic" if values.get("forces") else "none"
+        forces = values.get("forces", {}).values()
+        if any("A" in force or "terms" in force for force in forces):
+            return "harmonic"
+        return "constant" if forces else "none"
 
     def frequency(self) -> Quantity | None:
         """Omega0 of the motor, or omega of all forces and the base where they share one; else None."""

@@ -61,7 +61,8 @@ def _print(report, settings) -> None:
 def _summary(case) -> str:
     frequency, kind = case.frequency(), case.source_kind
     t_end, every = case.quantity("run.t_end"), case.quantity("run.every")
-    source = "no excitation" if kind == "none" else f"{kind} {frequency or ''}".strip()
+    steady = {"none": "no excitation", "constant": "constant forces"}
+    source = steady.get(kind) or f"{kind} {frequency or ''}".strip()
     return f"{source}, {t_end} every {every}"
 
 

@@ -70,6 +70,14 @@ def test_two_masses_have_the_parameters_of_their_source():
     assert [(body.m, body.x) for body in scene.bodies] == [(1.0, 1.0), (1.0, 0.0)]
 
 
+def test_forces_without_harmonics_are_called_constant():
+    ball, damper = load_case("gallery/bouncing-ball"), load_case("gallery/impact-damper")
+    assert (ball.source_kind, damper.source_kind) == ("constant", "harmonic")
+    assert "(bouncing-ball: constant forces, 5 s every 2 ms)" in call("check", "gallery/bouncing-ball").stdout
+    swept = call("sweep", "gallery/bouncing-ball", "--omega0", "1:2:1Hz")
+    assert "bouncing-ball has no motor" in swept.stderr
+
+
 def test_a_force_inside_the_capsule_has_its_reaction():
     scene = load_case("gallery/drifting-capsule").scene()
     push, reaction = (only(force.terms) for force in scene.forces)
