@@ -99,16 +99,21 @@ def family(engine: str) -> Iterator[Row]:
     yield worst_row("V13/family", points, BECAUSE)
 
 
-def start_on_orbit(sigma: float) -> dict[str, object]:
-    """Start behind an impact, with the drive's phase: x = a cos t + b sin t + gamma cos(w t + p)."""
+def orbit(sigma: float) -> tuple[float, float, float, float]:
+    """a, b, gamma and p of x = a cos t + b sin t + gamma cos(w t + p), t from behind an impact."""
     V, gamma = speed_of(sigma=sigma), 1 / (1 - OMEGA**2)
     a, b = -(1 + E) * V * sin(PERIOD) / (2 * (1 - cos(PERIOD))), -(1 + E) * V / 2
     response, rate = sigma - a, -E * V - b  # gamma cos p and -gamma w sin p
-    phase = atan2(-rate / (gamma * OMEGA), response / gamma)
+    return a, b, gamma, atan2(-rate / (gamma * OMEGA), response / gamma)
+
+
+def start_on_orbit(sigma: float) -> dict[str, object]:
+    """A run of 20 impacts that starts behind one of them."""
+    phase = orbit(sigma)[-1]
     return {
         "stops__wall__gap": sigma,
         "initial__mass__x": sigma,
-        "initial__mass__v": -E * V,
+        "initial__mass__v": -E * speed_of(sigma=sigma),
         "forces__drive__phase": phase + pi / 2,
         "run__t_end": 20.5 * PERIOD,
         "run__every": "10 s",
