@@ -18,7 +18,6 @@ from vibsim.engine.columns import (
     part_columns,
     sample_columns,
     section_columns,
-    state_columns,
 )
 from vibsim.engine.driver import Driver
 from vibsim.engine.resume import resume_point
@@ -139,25 +138,25 @@ class Trajectory:
 
     def __init__(self, scene):
         self.scene = scene
-        self.names = sample_columns(scene)
+        self.names, self.event_names = sample_columns(scene), event_columns(scene)
+        self.timed_states, self.parts = section_columns(scene), part_columns(scene)
+        self.states_happened = "t", *moving_columns(scene), "phase", *before_columns(scene)
         self.first_part = part_offsets(scene)
 
     def block(self, samples, sample_codes, events, event_codes, section, reached):
         """A block from rows: (time, states), part states; (t, states, phase, velocities before), (kind, part,
         part states); (time, states); (time reached, time worked out to).
         """
-        states, parts = state_columns(self.scene), part_columns(self.scene)
-        table = dict(zip(("time", *states), samples, strict=False))
-        table |= dict(zip(parts, sample_codes, strict=True))
-        names = ("t", *moving_columns(self.scene), "phase", *before_columns(self.scene))
-        happened = dict(zip(names, events, strict=False))
+        table = dict(zip(self.timed_states, samples, strict=False))
+        table |= dict(zip(self.parts, sample_codes, strict=True))
+        happened = dict(zip(self.states_happened, events, strict=False))
         happened |= {"kind": event_codes[0], "part": self._parts(event_codes[0], event_codes[1])}
-        happened |= dict(zip(parts, event_codes[2:], strict=True))
+        happened |= dict(zip(self.parts, event_codes[2:], strict=True))
         width = 3 + 2 * len(self.scene.bodies)  # of a state
         return Block(
             {name: table[name] for name in self.names},
-            {name: happened[name] for name in event_columns(self.scene)},
-            dict(zip(section_columns(self.scene), section, strict=False)),
+            {name: happened[name] for name in self.event_names},
+            dict(zip(self.timed_states, section, strict=False)),
             reached[0],
             reached[1],
             section[width:],
@@ -165,8 +164,8 @@ class Trajectory:
 
     def columns_of(self, states, codes):
         """Columns by name of rows (time, states) and part states: one for all rows, or one for each."""
-        table = dict(zip(("time", *state_columns(self.scene)), states, strict=False))
-        for name, code in zip(part_columns(self.scene), codes, strict=True):
+        table = dict(zip(self.timed_states, states, strict=False))
+        for name, code in zip(self.parts, codes, strict=True):
             table[name] = np.full(states.shape[1], code, dtype="i1")
         return {name: table[name] for name in self.names}
 
@@ -261,7 +260,7 @@ class PythonTrajectory(Trajectory):
         return values
 
     def _codes(self, statuses):
-        parts = len(part_columns(self.scene))
+        parts = len(self.parts)
         return np.array([status.codes for status in statuses], dtype="i1").reshape(len(statuses), parts).T
 
     @property
