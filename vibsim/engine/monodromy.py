@@ -15,6 +15,7 @@ from vibsim.engine.choice import engine_name
 from vibsim.engine.driver import Driver
 from vibsim.engine.state import State
 from vibsim.engine.tangent_space import length
+from vibsim.engine.trajectory import check_tangent
 from vibsim.physics.modes import EVENT_NAMES
 from vibsim.physics.numbers import Doubles
 
@@ -51,9 +52,12 @@ class Carrier:
 
     scene : a `vibsim.physics.parts.Scene`, whose start and end do not matter
     engine : "auto" (C where it was built, else Python), "c" or "python"; equal bit for bit
+
+    Raises ValueError for a scene with rigid stops.
     """
 
     def __init__(self, scene, engine="auto"):
+        check_tangent(scene, 1)
         stops = tuple(replace(stop, at_start=False) for stop in scene.stops)
         clearances = tuple(replace(one, at_start=False) for one in scene.clearances)
         of = {"stops": stops, "clearances": clearances, "stop_on_violation": False}
