@@ -16,10 +16,16 @@ class Run:
     totals: dict[str, float]
 
 
-def run(scene, engine="auto", **options):
-    """The run of a scene as whole columns; options as of `open_trajectory`."""
-    trajectory = open_trajectory(scene, engine, **options)
-    blocks = list(trajectory.blocks())
+def run(scene, engine="auto", most=None, **options):
+    """The run of a scene as whole columns, up to its end or to the block with event number `most`; options as
+    of `open_trajectory`.
+    """
+    trajectory, blocks, events = open_trajectory(scene, engine, **options), [], 0
+    for block in trajectory.blocks():
+        blocks.append(block)
+        events += len(block.events["t"])
+        if most is not None and events >= most:
+            break
     tables = [whole([getattr(block, name) for block in blocks]) for name in ("samples", "events", "section")]
     return Run(*tables, trajectory.totals)
 

@@ -351,7 +351,8 @@ def test_digits_agree_with_doubles():
 @settings(max_examples=25)
 @given(rigid_scenes())
 def test_random_scenes_keep_out_of_rigid_stops_and_close_their_ledgers(scene):
-    result = outcome(scene, "auto", ledger=True, momentum=True)
+    # some hop through 1e8 impacts in a tenth of a second, and then nothing is said of the rest
+    result = outcome(scene, "auto", most=2000, ledger=True, momentum=True)
     if isinstance(result, str):
         assert "caught between rigid stops" in result
         return
