@@ -62,7 +62,7 @@ class ExactFlow:
         driver = Driver(replace(self.scene, t_end=self.kit.number(end)), self.kit, resume)
         while len(driver.events) < 2:
             driver.run(10)
-        code, _, state, _ = driver.events[1]
+        code, _, state, *_ = driver.events[1]
         kind = EVENT_NAMES[code]
         return "" if kind == "end" else kind, self.kit.rounded([state.t])[0]
 

@@ -76,8 +76,8 @@ def _finished(kit, driver) -> Run:
     names = state_columns(driver.scene)
     rows = [_values(kit, state) for state in states]
     columns = {name: kit.texts([row[i] for row in rows]) for i, name in enumerate(names)}
-    times = kit.texts([state.t for _, _, state, _ in events])
-    kinds = [EVENT_NAMES[code] for code, _, _, _ in events]
+    times = kit.texts([state.t for _, _, state, *_ in events])
+    kinds = [EVENT_NAMES[code] for code, *_ in events]
     return Run(
         [float(state.t) for state in states],
         {name: [Decimal(text) for text in texts] for name, texts in columns.items()},

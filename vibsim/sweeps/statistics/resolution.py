@@ -41,29 +41,23 @@ def samples_per_second(scene: Scene) -> float:
 
 
 def fastest(scene: Scene, springs: Sequence[Link | Stop]) -> float:
-    """A bound of the rates [1/s] at which bodies vibrate, or creep, on springs and their dampers.
+    """A bound of the rates [1/s] at which bodies vibrate on springs.
 
-    y'' + B C y' + B K y = 0 in the differences y of the pairs of ends that springs join: B_ij sums 1 / mass
-    over the bodies that pairs i and j share. By Gershgorin's theorem no eigenvalue of B K exceeds the
-    largest sum over j of B_ij k_j: exact for one pair, and for a long chain of equal bodies. A motor's m3 is
-    left out: where the rotor cannot follow, its body vibrates alone.
+    y'' + B K y = 0 in the differences y of the pairs of ends that springs join: B_ij sums 1 / mass over the
+    bodies that pairs i and j share. By Gershgorin's theorem no eigenvalue of B K exceeds the largest sum over
+    j of B_ij k_j: exact for one pair, and for a long chain of equal bodies. Dampers make vibrations slower;
+    what dies out at once need not be resolved. A motor's m3 is left out: where the rotor cannot follow, its
+    body vibrates alone.
     """
-    pairs: dict[frozenset[int], tuple[float, float]] = {}
+    pairs: dict[frozenset[int], float] = {}
     for part in springs:
         ends = frozenset((part.P, part.Q))
-        k, c = pairs.get(ends, (0.0, 0.0))
-        pairs[ends] = k + part.k, c + part.c
-    rates = [_rate(*(sum(_mobility(scene, ends & others) * each[i] for others, each in pairs.items())
-                     for i in (0, 1))) for ends in pairs]  # fmt: skip
-    return max(rates, default=0.0)
+        pairs[ends] = pairs.get(ends, 0.0) + part.k
+    squares = [sum(_mobility(scene, ends & others) * k for others, k in pairs.items()) for ends in pairs]
+    return math.sqrt(max(squares, default=0.0))
 
 
 def _mobility(scene: Scene, ends: Iterable[int]) -> float:
     """Sum of 1 / mass over the bodies among `ends` [1/kg]."""
     return sum(1 / scene.bodies[end].m for end in sorted(ends) if end >= 0)
 
-
-def _rate(stiffness: float, damping: float) -> float:
-    """The larger |s| of s^2 + damping s + stiffness = 0 [1/s]."""
-    over = damping * damping / 4 - stiffness
-    return damping / 2 + math.sqrt(over) if over > 0 else math.sqrt(stiffness)
