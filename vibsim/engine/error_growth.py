@@ -52,9 +52,8 @@ def error_growth(scene: Scene, engine: str = "auto", along: Table | None = None)
 
 def last_states(scene: Scene, engine: str = "auto", resume: list[Row] | None = None) -> Table:
     """The event table of a run without samples, from its start or from the event rows of one instant."""
-    numerator, denominator = float(scene.t_end).as_integer_ratio()
-    sparse = replace(scene, every_num=max(numerator, 1), every_den=denominator)
-    blocks = [block.events for block in open_trajectory(sparse, engine, resume).blocks()]
+    trajectory = open_trajectory(scene.without_samples(), engine, resume)
+    blocks = [block.events for block in trajectory.blocks()]
     return {name: np.concatenate([events[name] for events in blocks]) for name in blocks[0]}
 
 

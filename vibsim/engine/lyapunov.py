@@ -5,7 +5,7 @@ found.exponents, found.growth, found.rank_losses
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from math import nan
 from typing import Any
 
@@ -66,9 +66,7 @@ def lyapunov_exponents(
     """
     count = dimension(scene) if count is None else count
     begin = scene.t_end / 2 if discard is None else discard
-    numerator, denominator = float(scene.t_end).as_integer_ratio()
-    sparse = replace(scene, every_num=max(numerator, 1), every_den=denominator)
-    trajectory = open_trajectory(sparse, engine, tangent=count, tangent_from=begin)
+    trajectory = open_trajectory(scene.without_samples(), engine, tangent=count, tangent_from=begin)
     for _ in trajectory.blocks():
         between()
     return exponents_of(trajectory.totals)

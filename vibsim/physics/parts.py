@@ -6,7 +6,8 @@ the relative displacement is x_P - x_Q and the relative velocity v_P - v_Q. Numb
 engines; runs of many digits put other number types in.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import ceil
 from typing import Any
 
 from vibsim.physics.sampling import Sampled
@@ -240,6 +241,10 @@ class Scene(Sampled):
     def rigid_stops(self) -> list[tuple[int, RigidStop]]:
         """The rigid stops, each with its number among all stops."""
         return [(i, stop) for i, stop in enumerate(self.stops) if isinstance(stop, RigidStop)]
+
+    def without_samples(self) -> "Scene":
+        """The same with no sample but that of t = 0; no motion depends on its samples."""
+        return replace(self, every_num=2 * ceil(float(self.t_end)) or 1, every_den=1)
 
     def end_name(self, end: int) -> str:
         """What an end of a part is called: a body's name, ground or base."""

@@ -7,7 +7,6 @@ next to nothing.
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
 from decimal import Context, Decimal
 from math import ceil, floor, log10
 from typing import TYPE_CHECKING, Any
@@ -146,8 +145,7 @@ def end_in_digits(case: "Case", digits: int, watch: Watch | None = None) -> EndS
     """The same in so many digits; None where `watch` stopped the run."""
 
     def without_samples(number, pi):
-        numerator, denominator = case.scene().t_end.as_integer_ratio()
-        return replace(case.exact_scene(number, pi), every_num=max(numerator, 1), every_den=denominator)
+        return case.exact_scene(number, pi).without_samples()
 
     end = None
     for block in open_truth(without_samples, digits).blocks():

@@ -87,7 +87,7 @@ def determinant_rows(name: str, case: Case, flow: str, engine: str, span: float)
 
 def carried(scene: TwoBlocks, engine: str, resume=None) -> dict:
     """Totals of a run that carries all directions, from its start or from an event row."""
-    sparse = replace(scene.as_parts(), every_num=1000, every_den=1)
+    sparse = scene.as_parts().without_samples()
     trajectory = open_trajectory(sparse, engine, resume, tangent=dimension(sparse))
     for _ in trajectory.blocks():
         pass

@@ -5,7 +5,6 @@ taken, to round-off (first law). In a scene of named parts each force, damper, s
 column of its own beside the sums.
 """
 
-import math
 from dataclasses import replace
 from typing import Any
 
@@ -96,8 +95,7 @@ class Power:
 
     def _ledger(self, run: MeasuredRun, rows: Rows | None, t_end: float) -> dict[str, float]:
         """The ledger from an instant of events to a later time [s], which is as the run itself had it."""
-        rarely = 2 * math.ceil(self._scene.t_end)
-        quiet = replace(self._scene, t_end=t_end, every_num=rarely, every_den=1)
+        quiet = replace(self._scene, t_end=t_end).without_samples()
         trajectory = open_trajectory(quiet, run.engine, resume=rows, ledger=True)
         for _ in trajectory.blocks():
             run.ask()

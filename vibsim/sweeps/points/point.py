@@ -1,10 +1,9 @@
 """One point of a sweep: computed here, in whatever thread, process or machine it falls to."""
 
-import math
 import time
 import traceback
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -111,7 +110,7 @@ def measure(scene: Scene, recipe: Recipe, engine: str, go_on: Callable[[], bool]
     begin = recipe.discard.time(scene.t_end)
     kinds = [COMPUTATIONS[name] for name in recipe.compute]
     if not any(kind.samples for kind in kinds):
-        scene = replace(scene, every_num=2 * math.ceil(scene.t_end), every_den=1)
+        scene = scene.without_samples()
     statistics = Statistics(scene, recipe.of, begin)
     computed = [kind.make(Task(scene, recipe.of, begin, recipe.section)) for kind in kinds]
     run = MeasuredRun(

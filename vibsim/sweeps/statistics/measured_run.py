@@ -85,8 +85,7 @@ class MeasuredRun:
 
     def _transient(self) -> list[Row] | None:
         """Run up to `begin`; the rows of the last instant of events."""
-        long = 2 * math.ceil(self.scene.t_end)
-        scene = replace(self.scene, t_end=self.begin, every_num=long, every_den=1)
+        scene = replace(self.scene, t_end=self.begin).without_samples()
         watch = self._watch_transient
         trajectory = open_trajectory(scene, self.engine, section=watch is not None)
         rows: list[Row] | None = None
