@@ -16,7 +16,7 @@ from vibsim.engine.packing_meters import pack_extremes, pack_ledger, pack_meters
 from vibsim.engine.packing_tangent import pack_bundle, pack_disturbances
 from vibsim.engine.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, STRIKE, RowMaker
 from vibsim.engine.saltation import released_frictions, saltation
-from vibsim.engine.state import State
+from vibsim.engine.state import State, start_of
 from vibsim.engine.status import CONTACT, LIFTED, OPEN, RESTING, STICK
 from vibsim.engine.tangencies import Tangencies
 from vibsim.physics.modes import EVENT_KINDS
@@ -107,11 +107,7 @@ class CRun:
         self._set_off(*self._start(scene))
 
     def _start(self, scene):
-        phase = turns = w = 0.0
-        if scene.motor is not None:
-            phase, turns = Doubles.reduce_angle(scene.motor.phi)
-            w = scene.motor.phidot
-        state = State(0.0, [b.x for b in scene.bodies], [b.v for b in scene.bodies], phase, turns, w)
+        state = start_of(scene, Doubles)
         return (state, *self.automaton.initial(state))
 
     def _keep_section(self):

@@ -50,15 +50,20 @@ def engine_name(engine: str = "auto") -> str:
     return "python"
 
 
-def flow_of(scene: Scene) -> str:
-    """The flow of a run: "closed_form" or "taylor" where all modes take it, "auto" where each is asked.
-
-    Raises ValueError for a method that there is not, and for closed_form with a motor, which has none.
-    """
+def check_method(scene: Scene) -> None:
+    """Raises ValueError for a method that there is not, and for closed_form with a motor, which has none."""
     if scene.method not in METHODS:
         raise ValueError(f"method must be one of {', '.join(METHODS)}, got {scene.method!r}")
     if scene.method == "closed_form" and scene.has_motor:
         raise ValueError("method closed_form needs an ideal source; with a motor use taylor or auto")
+
+
+def flow_of(scene: Scene) -> str:
+    """The flow of a run: "closed_form" or "taylor" where all modes take it, "auto" where each is asked.
+
+    Raises ValueError as `check_method` does.
+    """
+    check_method(scene)
     if scene.has_motor or scene.method == "taylor":
         return "taylor"
     return "closed_form" if _always_closed(scene) else "auto"

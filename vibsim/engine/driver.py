@@ -15,7 +15,7 @@ from vibsim.engine.flow import Flow
 from vibsim.engine.ledger import Ledger
 from vibsim.engine.rows import STRIKE, RowMaker
 from vibsim.engine.section import StroboscopicSection
-from vibsim.engine.state import State
+from vibsim.engine.state import start_of
 from vibsim.engine.tangent_bundle import TangentBundle
 from vibsim.physics.modes import EVENT_KINDS
 
@@ -62,11 +62,11 @@ class Driver:
         self.next_sample = 0
         self.finished = False
         if resume is None:
-            self.state = self._start_state()
+            self.state = start_of(scene, kit)
             self.status, known = self.automaton.initial(self.state)
         else:
             self.state, self.status, known = resume
-            self.next_sample = self._sample_index(self.state.t)
+            self.next_sample = scene.sample_index(self.state.t)
             if self.section:
                 self.section.skip_to(self.state.t)
         self.start = self.state.copy(), self.status
@@ -79,28 +79,6 @@ class Driver:
         self.flow.enter(self.state, self.maker.rows(self.status), known)
         self.worked_to = self.state.t
         self._course = self._stretches()
-
-    def _start_state(self):
-        scene, kit = self.scene, self.kit
-        zero = kit.number(0)
-        phase, turns, w = zero, zero, zero
-        if scene.motor is not None:
-            phase, turns = kit.reduce_angle(scene.motor.phi)
-            w = scene.motor.phidot
-        x, v = [body.x for body in scene.bodies], [body.v for body in scene.bodies]
-        return State(zero, x, v, phase, turns, w).settled(kit)
-
-    def sample_time(self, i):
-        return (float(i) * self.scene.every_num) / self.scene.every_den
-
-    def _sample_index(self, t):
-        """Index of the first sample at or after t [s]."""
-        i = int(float(t) * self.scene.every_den / self.scene.every_num)
-        while i > 0 and self.sample_time(i - 1) >= t:
-            i -= 1
-        while self.sample_time(i) < t:
-            i += 1
-        return i
 
     def run(self, steps, sample_room=SAMPLES_AT_ONCE, seconds=inf):
         """Advance until `steps` pieces of work are done, so many samples wait to be taken, so many `seconds`
@@ -192,11 +170,11 @@ class Driver:
 
         They are doubles in every number type: the last one may be the double nearest to the end.
         """
-        t = self.sample_time(self.next_sample)
+        t = self.scene.sample_time(self.next_sample)
         while t < end or (last and t <= float(end)):
             self.samples.append((self.flow.state_at(t), self.status))
             self.next_sample += 1
-            t = self.sample_time(self.next_sample)
+            t = self.scene.sample_time(self.next_sample)
             if self.next_sample % SAMPLES_AT_ONCE == 0:
                 yield
 

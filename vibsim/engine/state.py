@@ -31,3 +31,14 @@ class State:
         exact = kit.exact
         x, v = [exact(value) for value in self.x], [exact(value) for value in self.v]
         return State(exact(self.t), x, v, exact(self.phase), exact(self.turns), exact(self.w))
+
+
+def start_of(scene, kit):
+    """The state of a scene at t = 0."""
+    zero = kit.number(0)
+    phase, turns, w = zero, zero, zero
+    if scene.motor is not None:
+        phase, turns = kit.reduce_angle(scene.motor.phi)
+        w = scene.motor.phidot
+    x, v = [body.x for body in scene.bodies], [body.v for body in scene.bodies]
+    return State(zero, x, v, phase, turns, w).settled(kit)

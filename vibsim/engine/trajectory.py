@@ -10,7 +10,7 @@ from math import nan
 
 import numpy as np
 
-from vibsim.engine.choice import engine_name, flow_of
+from vibsim.engine.choice import check_method, engine_name
 from vibsim.engine.columns import (
     before_columns,
     event_columns,
@@ -93,7 +93,7 @@ def open_trajectory(
     fails) and `totals`. Raises ValueError for another engine or method, a row that no run has or more
     disturbances than the scene has directions, RuntimeError for "c" where it was not built.
     """
-    flow_of(scene)
+    check_method(scene)
     check_tangent(scene, tangent)
     trajectory = PythonTrajectory if engine_name(engine) == "python" else CTrajectory
     kept = extremes_of(scene, *extremes) if extremes else None
