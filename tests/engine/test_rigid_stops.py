@@ -11,6 +11,9 @@ from hypothesis import given, settings
 
 from tests.engine.random_parts import rigid_scenes
 from tests.engine.runs import outcome, run
+from vibsim.engine.columns import state_columns
+from vibsim.engine.error_growth import _kick
+from vibsim.engine.status import RESTING
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import (
     BASE,
@@ -375,3 +378,13 @@ def exact(part, number):
     if isinstance(part, tuple):
         return tuple(exact(one, number) for one in part)
     return number(part) if isinstance(part, float) else part
+
+
+def test_no_kick_pushes_a_body_through_the_stop_that_it_rests_on():
+    """How errors grow is told by kicks at events: a resting body keeps the velocity of what it rests on."""
+    case = ball(0.5, t_end=5.0)
+    result = run(case)
+    row = {name: column[-1] for name, column in result.events.items()}
+    scale = {name: float(np.abs(result.events[name]).max()) for name in state_columns(case)}
+    assert row["floor"] == RESTING and scale["v_ball"] > 1
+    assert list(_kick(case, row, scale)) == ["x_ball"]

@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.engine.columns import state_columns
+from vibsim.engine.columns import state_columns, stop_column
 from vibsim.engine.resume import rows_of_instant
-from vibsim.engine.status import STICK
+from vibsim.engine.status import RESTING, STICK
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.parts import Scene, columns_of
+from vibsim.physics.parts import Friction, RigidStop, Scene, columns_of
 
 KICK = 1e-12  # of the largest velocity: far above rounding, far below what bends the growth
 LARGEST = 1e-4  # a difference up to here, relative to the motion, still grows in proportion
@@ -69,10 +69,12 @@ def _stretch(scene: Scene, engine: str, table: Table, scale: Row, i: int, j: int
 
 
 def _kick(scene: Scene, row: Row, scale: Row) -> Row:
-    """What is added to states: a velocity of the first body that no friction holds, of a displacement where
-    all are held, which sticking leaves free.
+    """What is added to states: a velocity of the first body that no friction or rigid stop holds, or a
+    displacement of the first one where all are held.
     """
-    held = {end for part in scene.frictions if row[part.name] == STICK for end in (part.P, part.Q)}
+    holding: list[Friction | RigidStop] = [part for part in scene.frictions if row[part.name] == STICK]
+    holding += [stop for _, stop in scene.rigid_stops if row[stop_column(stop.name)] == RESTING]
+    held = {end for part in holding for end in (part.P, part.Q)}
     for i, body in enumerate(scene.bodies):
         _, v = columns_of(body.name)
         if i not in held and scale[v]:
