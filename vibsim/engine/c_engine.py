@@ -20,7 +20,7 @@ from vibsim.engine.state import State, start_of
 from vibsim.engine.status import CONTACT, LIFTED, OPEN, RESTING, STICK
 from vibsim.engine.tangencies import Tangencies
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.numbers import TWO_PI, Doubles
+from vibsim.physics.numbers import Doubles
 from vibsim.physics.period import common_period
 
 SAMPLE_ROOM, EVENT_ROOM, SECTION_ROOM = 16384, 4096, 1024
@@ -181,7 +181,8 @@ class CRun:
         while (state := self.run.state_at(t)) is None:
             pass  # here a signal is heard
         t, x, v, phase, turns, w = state
-        return (t, *(value for pair in zip(x, v, strict=True) for value in pair), phase + turns * TWO_PI, w)
+        moving = (value for pair in zip(x, v, strict=True) for value in pair)
+        return (t, *moving, Doubles.unwind(phase, turns), w)
 
     def _decide(self, number, event, state):
         """Let the automaton of the Python engine decide the pending event."""

@@ -6,7 +6,8 @@ trajectory.totals
 """
 
 from dataclasses import dataclass
-from math import nan
+from math import inf, nan
+from typing import Any
 
 import numpy as np
 
@@ -96,8 +97,15 @@ def open_trajectory(
     check_method(scene)
     check_tangent(scene, tangent)
     trajectory = PythonTrajectory if engine_name(engine) == "python" else CTrajectory
-    kept = extremes_of(scene, *extremes) if extremes else None
-    return trajectory(scene, resume, section, ledger, momentum, (tangent, tangent_from), kept)
+    return trajectory(
+        scene,
+        resume,
+        section=section,
+        ledger=ledger,
+        momentum=momentum,
+        tangent=(tangent, tangent_from),
+        extremes=extremes_of(scene, *extremes) if extremes else None,
+    )
 
 
 def extremes_of(scene, ends, since):
@@ -186,23 +194,14 @@ def part_offsets(scene):
 
 
 class PythonTrajectory(Trajectory):
-    """A run on the Python engine."""
+    """A run on the Python engine, with numbers of `kit`; wishes: section, ledger and others of `Driver`."""
 
     engine = "python"
 
-    def __init__(
-        self,
-        scene,
-        resume=None,
-        section=False,
-        ledger=False,
-        momentum=False,
-        tangent=(0, 0.0),
-        extremes=None,
-    ):
+    def __init__(self, scene, resume=None, kit: Any = Doubles, **wishes):
         super().__init__(scene)
         point = resume_point(scene, resume) if resume is not None else None
-        self.driver = Driver(scene, Doubles, point, section, ledger, momentum, tangent, extremes=extremes)
+        self.kit, self.driver = kit, Driver(scene, kit, point, **wishes)
 
     def blocks(self):
         """Yield `Block`s until the run ends."""
@@ -239,15 +238,17 @@ class PythonTrajectory(Trajectory):
         return np.vstack([rows, np.array(extremes, dtype="f8").reshape(-1, width).T])
 
     def _reached(self):
-        return self.driver.state.t, self.driver.worked_to
+        return tuple(self._numbers([self.driver.state.t, self.driver.worked_to]))
 
     def _states(self, states, phase=False):
-        rows = []
-        for s in states:
-            moving = [value for pair in zip(s.x, s.v, strict=True) for value in pair]
-            rows.append((s.t, *moving, Doubles.unwind(s.phase, s.turns), s.w, *([s.phase] if phase else [])))
+        rows = [self._numbers(self._row(state, phase)) for state in states]
         width = 3 + 2 * len(self.scene.bodies) + phase
         return np.array(rows, dtype="f8").reshape(-1, width).T
+
+    def _row(self, s, phase=False):
+        """Numbers of the engine: time, x and v of each body, phi, phidot and phase."""
+        moving = [value for pair in zip(s.x, s.v, strict=True) for value in pair]
+        return (s.t, *moving, self.kit.unwind(s.phase, s.turns), s.w, *([s.phase] if phase else []))
 
     def _before(self, events):
         """Velocities of bodies and rotor in front of events, one row each; none where nothing is struck."""
@@ -265,20 +266,23 @@ class PythonTrajectory(Trajectory):
 
     @property
     def totals(self):
-        """Counts and margins so far, and the ledgers and exponents where they are kept."""
+        """Counts and margins so far, and the ledgers and exponents where they are kept, as doubles."""
         driver, kept = self.driver, self.driver.flow.certificate
-        violated = driver.first_violation
+        margin = inf if kept.margin == inf else self._numbers([kept.margin])[0]
+        first_doubt, margin_time = self._numbers([kept.first_doubt, kept.margin_time])
         totals = totals_of(
             driver.counts,
-            (kept.uncertified, kept.first_doubt, kept.margin, kept.margin_time),
+            (kept.uncertified, first_doubt, margin, margin_time),
             (driver.flow.taylor.steps + driver.flow.closed.steps, driver.flow.closed.evaluations),
-            nan if violated is None else violated,
+            nan if driver.first_violation is None else self._numbers([driver.first_violation])[0],
         )
         cut = driver.automaton.rigid.cut_off
-        totals |= rigid_totals(self.scene, driver.counts, (cut.time, cut.speed, cut.distance))
+        left_out = self._numbers([cut.time, cut.speed, cut.distance])
+        totals |= rigid_totals(self.scene, driver.counts, left_out)
         if driver.ledger:
             where = driver.start, (driver.state, driver.status)
-            totals |= ledger_totals(self.scene, Doubles, driver.ledger.names, driver.ledger.entries, *where)
+            ledger = ledger_totals(self.scene, self.kit, driver.ledger.names, driver.ledger.entries, *where)
+            totals |= dict(zip(ledger, self._numbers(list(ledger.values())), strict=True))
         if driver.tangent:
             totals |= tangent_totals(self.scene, driver.tangent.entries(), kept.margin, kept.margin_time)
         return totals
@@ -293,27 +297,17 @@ class PythonTrajectory(Trajectory):
 
 
 class CTrajectory(Trajectory):
-    """A run on the C engine."""
+    """A run on the C engine; wishes: section, ledger and others of `CRun`."""
 
     engine = "c"
 
-    def __init__(
-        self,
-        scene,
-        resume=None,
-        section=False,
-        ledger=False,
-        momentum=False,
-        tangent=(0, 0.0),
-        extremes=None,
-    ):
+    def __init__(self, scene, resume=None, **wishes):
         super().__init__(scene)
         from vibsim.engine.c_engine import CRun
 
         point = resume_point(scene, resume) if resume is not None else None
         self.resume, self.starts_lifted = resume, point is not None and LIFTED in point[1].stops
-        self.run = CRun(scene, point, section, ledger, momentum, tangent, extremes=extremes)
-        self.carries = tangent[0] > 0
+        self.run = CRun(scene, point, **wishes)
 
     @property
     def extremes(self):
@@ -341,7 +335,7 @@ class CTrajectory(Trajectory):
             totals |= ledger_totals(self.scene, Doubles, self.run.meters.names, tally["entries"], *where)
         cut = self.run.automaton.rigid.cut_off
         totals |= rigid_totals(self.scene, tally["counts"], (cut.time, cut.speed, cut.distance))
-        if self.carries:
+        if self.run.moving:
             _, _, margin, margin_time = tally["certificate"]
             totals |= tangent_totals(self.scene, self.run.disturbances, margin, margin_time)
         return totals

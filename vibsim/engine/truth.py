@@ -9,17 +9,13 @@ Sampled states and events come twice: as doubles, like those of any run, and as 
 from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass, replace
 from fractions import Fraction
-from math import inf, nan
-from typing import Any
 
 import numpy as np
 
 from vibsim.engine.columns import state_columns
-from vibsim.engine.driver import Driver
 from vibsim.engine.errors import EngineError
 from vibsim.engine.state import State
-from vibsim.engine.totals import ledger_totals, rigid_totals, totals_of
-from vibsim.engine.trajectory import Block, PythonTrajectory, Trajectory
+from vibsim.engine.trajectory import Block, PythonTrajectory
 from vibsim.physics.exact_decimals import text_width
 from vibsim.physics.number_kits import number_kit
 from vibsim.physics.parts import Scene
@@ -37,13 +33,6 @@ class TruthBlock(Block):
 
 class TruthTrajectory(PythonTrajectory):
     """A run on the numbers of `kit`; see `open_truth`."""
-
-    kit: Any
-
-    def __init__(self, scene: Scene, kit: Any, ledger: bool = False, momentum: bool = False):
-        Trajectory.__init__(self, scene)
-        self.kit = kit
-        self.driver = Driver(scene, kit, ledger=ledger, momentum=momentum)
 
     @property
     def order(self) -> int:
@@ -72,19 +61,6 @@ class TruthTrajectory(PythonTrajectory):
         n = len(state.x)
         return State(values[0], values[1 : n + 1], values[n + 1 : 2 * n + 1], *values[-3:])
 
-    def _reached(self):
-        return tuple(self.kit.rounded([self.driver.state.t, self.driver.worked_to]))
-
-    def _states(self, states, phase=False):
-        rows = [self.kit.rounded(self._row(state, phase)) for state in states]
-        width = 3 + 2 * len(self.scene.bodies) + phase
-        return np.array(rows, dtype="f8").reshape(-1, width).T
-
-    def _row(self, s, phase=False):
-        """Numbers of a state in the kit's type: time, x and v of each body, phi, phidot and phase."""
-        moving = [value for pair in zip(s.x, s.v, strict=True) for value in pair]
-        return (s.t, *moving, self.kit.unwind(s.phase, s.turns), s.w, *([s.phase] if phase else []))
-
     def _numbers(self, values):
         return self.kit.rounded(values)
 
@@ -94,24 +70,6 @@ class TruthTrajectory(PythonTrajectory):
             name: np.array(self.kit.texts([row[i] for row in rows]), dtype=f"S{width}")
             for i, name in enumerate(names)
         }
-
-    @property
-    def totals(self):
-        """Counts and margins so far, and the ledgers where they are kept, as doubles."""
-        driver, kept = self.driver, self.driver.flow.certificate
-        margin = inf if kept.margin == inf else self.kit.rounded([kept.margin])[0]
-        times = self.kit.rounded([kept.first_doubt, kept.margin_time])
-        violated = nan if driver.first_violation is None else self.kit.rounded([driver.first_violation])[0]
-        work = driver.flow.taylor.steps + driver.flow.closed.steps, driver.flow.closed.evaluations
-        totals = totals_of(driver.counts, (kept.uncertified, times[0], margin, times[1]), work, violated)
-        cut = driver.automaton.rigid.cut_off
-        lost = self.kit.rounded([cut.time, cut.speed, cut.distance])
-        totals |= rigid_totals(self.scene, driver.counts, lost)
-        if driver.ledger:
-            where = driver.start, (driver.state, driver.status)
-            ledger = ledger_totals(self.scene, self.kit, driver.ledger.names, driver.ledger.entries, *where)
-            totals |= dict(zip(ledger, self.kit.rounded(ledger.values()), strict=True))
-        return totals
 
 
 def open_truth(exact_scene: Callable[..., Scene], digits: int, **options: bool) -> TruthTrajectory:
@@ -128,7 +86,7 @@ def open_truth(exact_scene: Callable[..., Scene], digits: int, **options: bool) 
     """
     kit = number_kit(digits)
     scene = exact_scene(kit.number, kit.pi)
-    return TruthTrajectory(bare(scene, kit), kit, **options)
+    return TruthTrajectory(bare(scene, kit), kit=kit, **options)
 
 
 def bare(part, kit):
