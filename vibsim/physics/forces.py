@@ -1,18 +1,13 @@
 """The forces of the paper, equation by equation, and the accelerations they give.
 
-Kernels use these expressions expanded mode by mode; here they stand as printed, for the mode decisions at
-events, for start values and for tests. Relative displacement y = x1 - x2, its rate u = v1 - v2.
+The engine has them as rows of a mode; here they stand as printed, for what the engine is judged by.
+Relative displacement y = x1 - x2, its rate u = v1 - v2.
 """
 
 
 def gap_function(scene, y):
     """g [m] of the relative displacement y [m]: contact while g >= 0 (below Eq. 2.5, or its mirror image)."""
     return -(scene.stop_sign * y) - scene.G
-
-
-def gap_rate(scene, u):
-    """dg/dt [m/s] of the relative velocity u [m/s]."""
-    return -(scene.stop_sign * u)
 
 
 def transmitted_force(scene, y, u, contact):
@@ -25,14 +20,6 @@ def transmitted_force(scene, y, u, contact):
     if contact:
         force = force + scene.k2 * (y + scene.stop_sign * scene.G)
     return force
-
-
-def transmitted_force_size(scene, y, u, contact):
-    """Sum of the magnitudes of the terms of S [N]: what its rounding is proportional to."""
-    size = scene.k1 * abs(y) + scene.c * abs(u)
-    if contact:
-        size = size + scene.k2 * (abs(y) + abs(scene.G))
-    return size
 
 
 def source_force(scene, sine):

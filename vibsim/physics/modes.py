@@ -1,10 +1,4 @@
-"""Names and codes of the modes and events, the same in both engines and in every file."""
-
-FREE, CONTACT = 0, 1
-SLIP_PLUS, STICK, SLIP_MINUS = 1, 0, -1
-
-CONTACT_FLAGS = {"free": FREE, "contact": CONTACT}
-FRICTION_FLAGS = {"slip_minus": SLIP_MINUS, "stick": STICK, "slip_plus": SLIP_PLUS}
+"""Names and codes of the events, the same in both engines and in every file."""
 
 EVENT_KINDS = {
     "start": 0,

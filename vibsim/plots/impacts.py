@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.engine.columns import RIGID_FLAGS, part_columns
-from vibsim.physics.modes import CONTACT_FLAGS
+from vibsim.engine.columns import part_columns
+from vibsim.engine.status import CONTACT, RESTING
 from vibsim.physics.parts import Scene, columns_of
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span
 from vibsim.results.closing_velocity import IMPACT_CODES
 
 Events = dict[str, np.ndarray]
-PUSHING = (CONTACT_FLAGS["contact"], RIGID_FLAGS["resting"])  # a lifted stop exerts no force
+PUSHING = (CONTACT, RESTING)  # a lifted stop exerts no force
 
 
 def events_within(result: Any, names: tuple[str, ...] | None, span: Span, before: int = 0) -> Events:

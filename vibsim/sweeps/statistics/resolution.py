@@ -60,4 +60,3 @@ def fastest(scene: Scene, springs: Sequence[Link | Stop]) -> float:
 def _mobility(scene: Scene, ends: Iterable[int]) -> float:
     """Sum of 1 / mass over the bodies among `ends` [1/kg]."""
     return sum(1 / scene.bodies[end].m for end in sorted(ends) if end >= 0)
-
