@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from tests.scenes import NO_SOURCE, fixed_block, harmonic, motor, scene
-from vibsim.results.trust_estimate import ErrorEstimate, held, longest_period, rounded_up, widened
+from vibsim.physics.rates import longest_period
+from vibsim.results.trust_estimate import ErrorEstimate, held, rounded_up, widened
 
 TIME = np.arange(2001) / 200
 PERIOD = 0.5

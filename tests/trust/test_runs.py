@@ -9,9 +9,9 @@ import pytest
 import vibsim
 from tests.command_line.made import call
 from tests.results.made import short_case
+from vibsim.physics.rates import longest_period
 from vibsim.results import simulate, simulate_to_file
 from vibsim.results.cadence import Thinning, instants_per_sample, sampled_finer
-from vibsim.results.trust_estimate import longest_period
 from vibsim.sweeps import sweep
 
 

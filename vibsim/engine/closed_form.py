@@ -44,8 +44,7 @@ class ClosedForm:
     def __init__(self, scene, kit, certificate):
         self.scene, self.kit, self.certificate = scene, kit, certificate
         self.n = len(scene.bodies)
-        terms = [term for force in scene.forces for term in sounding(force.terms)] + sounding(scene.base)
-        self.harmonics = list(dict.fromkeys(pitch(term) for term in terms))
+        self.harmonics = list(dict.fromkeys(pitch(term) for term in sounding(scene.harmonics)))
         self.rates = [omega for omega, *_ in self.harmonics]
         self.evaluations = 0
         self.search = ClosedFormSearch(self)

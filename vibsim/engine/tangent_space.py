@@ -10,6 +10,7 @@ tied to the ground or the base have none. They are the tangent space of the mode
 """
 
 from vibsim.engine.ties import Groups
+from vibsim.physics.rates import mobility
 
 
 def references(scene):
@@ -54,20 +55,10 @@ def natural_rate(scene, kit):
         for part in parts:
             ends = frozenset((part.P, part.Q))
             springs[ends] = springs[ends] + part.k if ends in springs else part.k
-        squares = [k * _mobility(scene, ends) for ends, k in springs.items() if k > 0]
+        squares = [k * mobility(scene, ends) for ends, k in springs.items() if k > 0]
         if squares:
             return kit.sqrt(max(squares))
     return kit.number(1)
-
-
-def _mobility(scene, ends):
-    """Sum of 1 / mass over the bodies among `ends`."""
-    total = None
-    for end in sorted(ends):
-        if end >= 0:
-            part = 1 / scene.bodies[end].m
-            total = part if total is None else total + part
-    return total
 
 
 def weights(scene, kit):

@@ -36,8 +36,7 @@ class Taylor:
         self.search = PolynomialSearch(kit)
         self.search.certificate = certificate
         self.evaluations = self.steps = 0
-        rates = [term.omega for force in scene.forces for term in force.terms if term.amplitude != 0]
-        rates += [term.omega for term in scene.base if term.amplitude != 0]
+        rates = [term.omega for term in scene.harmonics if term.amplitude != 0]
         self.longest = min((3 / rate for rate in rates), default=inf)
 
     certificate = property(lambda self: self.search.certificate)

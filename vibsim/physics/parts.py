@@ -242,6 +242,11 @@ class Scene(Sampled):
         """The rigid stops, each with its number among all stops."""
         return [(i, stop) for i, stop in enumerate(self.stops) if isinstance(stop, RigidStop)]
 
+    @property
+    def harmonics(self) -> list[Harmonic]:
+        """The harmonics of all forces, then those of the base."""
+        return [term for force in self.forces for term in force.terms] + list(self.base)
+
     def without_samples(self) -> "Scene":
         """The same with no sample but that of t = 0; no motion depends on its samples."""
         return replace(self, every_num=2 * ceil(float(self.t_end)) or 1, every_den=1)

@@ -28,8 +28,7 @@ def common_period(scene):
     have no common one: ratios count as exact within the rounding of double-doubles. Amplitudes of 0 count
     where there are no others: what a sweep begins with at 0 N has a clock already.
     """
-    terms = [term for force in scene.forces for term in force.terms] + list(scene.base)
-    terms = [term for term in terms if term.cycles != 0]
+    terms = [term for term in scene.harmonics if term.cycles != 0]
     strong = [term for term in terms if term.amplitude != 0]
     pitches = list(dict.fromkeys((term.cycles, term.cycles_lo) for term in strong or terms))
     if not pitches:

@@ -8,11 +8,12 @@ machine in the last ones.
 
 from collections.abc import Iterable, Sequence
 from math import inf, pi, sqrt
+from typing import Any
 
 import numpy as np
 
 from vibsim.physics.body_sets import body_sets
-from vibsim.physics.parts import Harmonic, Link, RigidStop, Scene, Stop
+from vibsim.physics.parts import Link, RigidStop, Scene, Stop
 from vibsim.physics.period import common_period
 
 RIGID = 1e-12  # of the largest squared rate, below which one is that of a rigid motion, 0 but for rounding
@@ -40,6 +41,15 @@ def reduced_mass(scene: Scene, P: int, Q: int) -> float:
     own = masses(scene).tolist()
     moving = [own[end] for end in (P, Q) if end >= 0]
     return float(1 / (1 / moving[0] + 1 / moving[1]) if len(moving) == 2 else moving[0])
+
+
+def mobility(scene: Scene, ends: Iterable[int]) -> Any:
+    """Sum of 1 / mass over the bodies among `ends` [1/kg], in the number type of the scene."""
+    total: Any = 0
+    for end in sorted(ends):
+        if end >= 0:
+            total = total + 1 / scene.bodies[end].m
+    return total
 
 
 def natural_rates(scene: Scene, closed: Iterable[Stop | RigidStop] = ()) -> list[float]:
@@ -103,19 +113,14 @@ def bilinear_frequencies(scene: Scene) -> list[float]:
     return [2 * free * contact / (free + contact) for free, contact in pairs if free]
 
 
-def harmonics(scene: Scene) -> list[Harmonic]:
-    """The harmonics of all forces and the base."""
-    return [term for force in scene.forces for term in force.terms] + list(scene.base)
-
-
 def is_driven(scene: Scene) -> bool:
     """Whether there is a motor, a force that changes, or a base that moves."""
-    return scene.motor is not None or bool(harmonics(scene))
+    return scene.motor is not None or bool(scene.harmonics)
 
 
 def source_rates(scene: Scene) -> list[float]:
     """Angular rates [rad/s] of forces, base and motor (its no-load speed); those that are 0 left out."""
-    found = [abs(term.omega) for term in harmonics(scene) if term.amplitude]
+    found = [abs(term.omega) for term in scene.harmonics if term.amplitude]
     found += [abs(scene.motor.Omega0)] if scene.motor is not None else []
     return [rate for rate in found if rate]
 
@@ -127,7 +132,7 @@ def source_period(scene: Scene) -> float:
     """
     period = None if scene.motor is not None else common_period(scene)
     if period is not None:
-        term = next(term for term in harmonics(scene) if term.cycles == period.cycles)
+        term = next(term for term in scene.harmonics if term.cycles == period.cycles)
         return float(2 * pi / abs(term.omega) * period.turns)
     rates = source_rates(scene) if scene.motor is None else [abs(scene.motor.Omega0)]
     rates = [rate for rate in rates if rate] or natural_rates(scene)

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.results.trust_estimate import longest_period
+from vibsim.physics.rates import longest_period
 
 JUDGED = 8  # instants to the longest period: 16 in the time for which a distance is held
 EXACT = 2**53  # whole numbers up to here are doubles, so instants of a sample are the same bit for bit

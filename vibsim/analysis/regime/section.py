@@ -19,7 +19,6 @@ from vibsim.analysis.event_rows import events_within
 from vibsim.analysis.span import Span
 from vibsim.physics.body_sets import body_sets, joined_pairs
 from vibsim.physics.parts import Scene, columns_of
-from vibsim.physics.rates import harmonics
 from vibsim.physics.sines import sine_cosine
 from vibsim.physics.sums import mean
 from vibsim.results.relative_motion import RelativeMotion
@@ -102,7 +101,7 @@ class Coordinates:
 
     def _phases(self, time: np.ndarray) -> Iterator[np.ndarray]:
         """Cosine and sine of the phase of every frequency of forces and base."""
-        terms = [term for term in harmonics(self._scene) if term.amplitude]
+        terms = [term for term in self._scene.harmonics if term.amplitude]
         for cycles in dict.fromkeys(term.cycles for term in terms):
             sine, cosine = sine_cosine(TURN * np.fmod(cycles * time, 1.0))
             yield cosine

@@ -102,7 +102,7 @@ class Plan:
         if self.carry and first.key.startswith("initial."):
             raise PlanError(f"a carried state replaces the initial one, so {first.key} cannot be swept first")
         scene = self.case.scene()
-        if self.carry and scene.has_motor and (scene.base or any(force.terms for force in scene.forces)):
+        if self.carry and scene.has_motor and scene.harmonics:
             what = "a motor beside forces or a base that vibrate has no state to carry: where its turns end"
             raise PlanError(f"{what}, these are not where a run begins them")
 

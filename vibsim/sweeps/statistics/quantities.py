@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from vibsim.engine.columns import state_columns
 from vibsim.physics.parts import GROUND, Link, RigidStop, Scene, Stop, columns_of
+from vibsim.physics.rates import is_driven
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -100,8 +101,8 @@ def of_two_blocks(scene: Scene) -> Quantities:
         has_rigid_stop=bool(scene.rigid_stops),
         has_friction=two,
         has_motor=scene.has_motor,
-        has_source=_has_source(scene),
-        is_powered=_has_source(scene),
+        has_source=is_driven(scene),
+        is_powered=is_driven(scene),
         powers={},
         starts={name: f"initial.{name}" for name in states},
         of_parts=False,
@@ -135,8 +136,8 @@ def of_parts(scene: Scene, frictions: Iterable[str]) -> Quantities:
         has_rigid_stop=bool(scene.rigid_stops),
         has_friction=bool(frictions),
         has_motor=scene.has_motor,
-        has_source=_has_source(scene),
-        is_powered=_has_source(scene) or bool(scene.forces) or any(f.belt for f in scene.frictions),
+        has_source=is_driven(scene),
+        is_powered=is_driven(scene) or bool(scene.forces) or any(f.belt for f in scene.frictions),
         powers=_powers(scene, frictions),
         starts=starts,
         of_parts=True,
@@ -168,11 +169,6 @@ def _pairs(scene: Scene) -> Iterator[Motion]:
 def _end_columns(scene: Scene, end: int) -> tuple[str, str]:
     """x and v of an end; those of the base are called X and V."""
     return columns_of(scene.bodies[end].name) if end >= 0 else ("X of the base", "V of the base")
-
-
-def _has_source(scene: Scene) -> bool:
-    """Whether anything drives the scene."""
-    return scene.has_motor or bool(scene.base) or any(force.terms for force in scene.forces)
 
 
 def _damped_stops(scene: Scene) -> list[str]:

@@ -1,13 +1,15 @@
 """The sampling of a point's run, for what is taken from samples: it resolves the motion."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import reduce
+from operator import add
 
 from vibsim.cases.contradictions import MOST_SAMPLES
 from vibsim.physics.parts import Link, Scene, Stop
-from vibsim.physics.rates import source_rates
+from vibsim.physics.rates import mobility, source_rates
 
 # Samples h apart miss an extreme of a vibration at w rad/s by up to (w h)^2 / 8 of it:
 LARGEST_ANGLE_IN_CONTACT = 1.1  # 15 % of the depth of penetration
@@ -53,10 +55,5 @@ def fastest(scene: Scene, springs: Sequence[Link | Stop]) -> float:
     for part in springs:
         ends = frozenset((part.P, part.Q))
         pairs[ends] = pairs.get(ends, 0.0) + part.k
-    squares = [sum(_mobility(scene, ends & others) * k for others, k in pairs.items()) for ends in pairs]
-    return math.sqrt(max(squares, default=0.0))
-
-
-def _mobility(scene: Scene, ends: Iterable[int]) -> float:
-    """Sum of 1 / mass over the bodies among `ends` [1/kg]."""
-    return sum(1 / scene.bodies[end].m for end in sorted(ends) if end >= 0)
+    shares = [[mobility(scene, ends & others) * k for others, k in pairs.items()] for ends in pairs]
+    return math.sqrt(max((reduce(add, of_pair) for of_pair in shares), default=0.0))
