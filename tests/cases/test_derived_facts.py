@@ -4,8 +4,9 @@ from math import pi, sqrt
 
 import pytest
 
-from vibsim.cases import load_case
+from vibsim.cases import load_case, shipped_case_names
 from vibsim.cases.derived_facts import derived_facts
+from vibsim.cases.loading import load_case_text
 
 
 def facts(name, overrides=None):
@@ -55,3 +56,19 @@ def test_scenes_of_parts():
     bilinear = facts("gallery/bilinear-oscillator")
     assert bilinear["closed 1"] == pytest.approx(sqrt(30) / (2 * pi), rel=1e-14)
     assert bilinear["bilinear 1"] == pytest.approx(2 * sqrt(30) / (1 + sqrt(30)) / (2 * pi), rel=1e-14)
+
+
+def test_a_spring_called_coupling_makes_no_machine_of_the_paper():
+    """Three bodies in a row: the first link's name is a name."""
+    text = """
+    bodies: {a: 1 kg, b: 2 kg, c: 3 kg}
+    links: {coupling: {between: [a, b], k: 100 N/m}, other: {between: [b, c], k: 50 N/m}}
+    """
+    assert {fact.name for fact in derived_facts(load_case_text(text).scene())} == {"open 1", "open 2"}
+
+
+@pytest.mark.parametrize("name", shipped_case_names())
+def test_the_long_form_of_the_papers_machine_is_known_as_such(name):
+    case = load_case(name)
+    assert derived_facts(load_case_text(case.long_text()).scene()) == derived_facts(case.scene())
+    assert "block 1 on its spring" in {fact.name for fact in derived_facts(case.scene())}

@@ -12,8 +12,7 @@ from vibsim.physics.rates import (
     natural_rates,
     reduced_mass,
 )
-
-PAPERS = "coupling"  # what the short form of a case calls its spring
+from vibsim.physics.two_blocks import is_papers
 
 
 class Fact(NamedTuple):
@@ -29,7 +28,7 @@ def derived_facts(scene: Scene) -> list[Fact]:
     """Facts of a scene, of the paper's two blocks by the paper's symbols; those that need what it has not got
     are left out.
     """
-    if scene.links and scene.links[0].name == PAPERS:
+    if is_papers(scene):
         return [*_of_blocks(scene, scene.links[0]), *_of_motor(scene.motor)]
     frictions = [fact for friction in scene.frictions for fact in _friction_forces(friction)]
     return [*_frequencies(scene), *frictions, *_of_motor(scene.motor)]

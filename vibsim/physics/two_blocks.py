@@ -139,3 +139,27 @@ class TwoBlocks(Sampled):
         if not self.has_motor:
             return None
         return Motor(0, self.m3, self.e, self.J, self.M0, self.Omega0, self.phi, self.phidot)
+
+
+def is_papers(scene: Scene) -> bool:
+    """Whether a scene is the machine of the paper, or a part of it: its parts are called and tied as
+    `TwoBlocks.as_parts` has them.
+    """
+    called = {
+        "bodies": ("1", "2"),
+        "links": ("coupling",),
+        "stops": ("stop",),
+        "frictions": ("friction",),
+        "forces": ("excitation",),
+        "clearances": ("rest_distance",),
+    }
+    names = {section: tuple(part.name for part in getattr(scene, section)) for section in called}
+    tied = [(part.P, part.Q) for part in (*scene.links, *scene.stops, *scene.clearances)]
+    other = 1 if len(scene.bodies) > 1 else GROUND
+    return (
+        len(scene.links) == 1
+        and all(names[section] == of[: len(names[section])] for section, of in called.items())
+        and all(ends == (0, other) for ends in tied)
+        and all((part.P, part.Q) == (1, GROUND) for part in scene.frictions)
+        and not scene.base
+    )

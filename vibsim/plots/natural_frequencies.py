@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from vibsim.physics import rates
 from vibsim.physics.parts import GROUND, Motor, Scene
+from vibsim.physics.two_blocks import is_papers
 
 MOST = 6  # natural frequencies that are named
-PAPERS = "coupling"  # what the short form of a case calls its spring
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ def natural_frequencies(scene: Scene) -> list[Frequency]:
     motion).
     """
     hertz = [rate / (2 * math.pi) for rate in rates.natural_rates(scene)]
-    found = _papers(scene, hertz[0]) if hertz and scene.links[:1] and scene.links[0].name == PAPERS else []
+    found = _papers(scene, hertz[0]) if hertz and is_papers(scene) else []
     found = found or [Frequency(f"f{i}", f"$f_{{{i}}}$", hz) for i, hz in enumerate(hertz[:MOST], 1)]
     bilinear = rates.bilinear_frequencies(scene)
     if len(bilinear) == 1:

@@ -7,6 +7,7 @@ from typing import Any
 from matplotlib.axes import Axes
 
 from vibsim.physics.parts import BASE, GROUND, RigidStop, Scene, Stop
+from vibsim.physics.two_blocks import is_papers
 from vibsim.plots.quantities import Scale, symbol
 from vibsim.plots.style import GREY
 from vibsim.plots.user_text import as_text
@@ -19,7 +20,7 @@ PAPERS = (STOP, "coupling")  # and all that is between its blocks
 
 def difference(scene: Scene, part: Any, letter: str) -> str:
     """x_P - x_Q, or with v, in symbols; a term at rest left out, the base in capitals."""
-    if scene.end_name(part.P) == "1" and part.name in PAPERS:
+    if part.name in PAPERS and is_papers(scene):
         return {"x": DISPLACEMENT, "v": VELOCITY}[letter]  # a fixed block 2 too
     first, second = (
         "" if end == GROUND else letter.upper() if end == BASE else _symbol(scene, end, letter)
