@@ -29,6 +29,7 @@ class Carried:
     state : components at the end [m, m/s, rad, rad/s]; rate : their rates of change there
     vectors : the disturbances at the end, one per row
     events : (kind, part) of what happened on the way, in order; part: number among its sort, -1 for none
+    times, states : when these happened [s], and the components behind them, one row each
     uncertified : number of doubts of the certificate; 0 where it is sure that no event was missed
     margin : smallest gap at a turn without contact [m], inf without any
     """
@@ -37,6 +38,8 @@ class Carried:
     rate: np.ndarray
     vectors: np.ndarray
     events: tuple[tuple[str, int], ...]
+    times: np.ndarray
+    states: np.ndarray
     uncertified: int
     margin: float
 
@@ -100,13 +103,14 @@ class Carrier:
 
         self.run = self.run or CRun(scene, carries=True)
         self.run.restart(scene, vectors)
-        codes = [codes[:2] for _, _, _, codes, *_ in self.run.blocks()]
+        blocks = [(states, codes[:2]) for _, _, states, codes, *_ in self.run.blocks()]
         tally = self.run.tally
         uncertified, _, margin, _ = tally["certificate"]
         moved = self.run.disturbances["vectors"] if len(vectors) else []
         rows = self.run.rows[tally["mode"]]
-        pairs = np.concatenate(codes, axis=1).T.tolist()
-        return self._told(State(*tally["state"]), rows, moved, pairs, uncertified, margin)
+        pairs = np.concatenate([codes for _, codes in blocks], axis=1).T.tolist()
+        table = np.concatenate([states for states, _ in blocks], axis=1)[self._order, 1:-1].T
+        return self._told(State(*tally["state"]), rows, moved, pairs, table, uncertified, margin)
 
     def _by_python(self, scene, vectors):
         driver = Driver(scene, Doubles, carry=vectors.tolist())
@@ -115,17 +119,32 @@ class Carrier:
         pairs = [(kind, part) for kind, part, *_ in driver.events]
         kept, rows = driver.flow.certificate, driver.maker.rows(driver.status)
         moved = driver.tangent.vectors if driver.tangent else []
-        return self._told(driver.state, rows, moved, pairs, kept.uncertified, kept.margin)
+        table = np.array([(one.t, *self._components(one)) for _, _, one, *_ in driver.events[1:-1]])
+        table = table.reshape(-1, 1 + self.size)
+        return self._told(driver.state, rows, moved, pairs, table, kept.uncertified, kept.margin)
 
-    def _told(self, state, rows, moved, pairs, uncertified, margin):
+    @property
+    def _order(self):
+        """Of the rows of a state in C, the time and then the components."""
+        n = len(self.scene.bodies)
+        rotor = (2 * n + 1, 2 * n + 2) if self.scene.motor is not None else ()
+        return [0, *range(1, 2 * n, 2), *range(2, 2 * n + 1, 2), *rotor]
+
+    def _components(self, state):
+        motor = self.scene.motor is not None
+        rotor = (Doubles.unwind(state.phase, state.turns), state.w) if motor else ()
+        return [*state.x, *state.v, *rotor]
+
+    def _told(self, state, rows, moved, pairs, table, uncertified, margin):
         a, alpha = accelerations(self.scene, Doubles, rows, state)
         n, motor = len(self.scene.bodies), self.scene.motor is not None
-        rotor = (Doubles.unwind(state.phase, state.turns), state.w) if motor else ()
         return Carried(
-            np.array([*state.x, *state.v, *rotor]),
+            np.array(self._components(state)),
             np.array([*state.v, *a[:n], *((state.w, alpha) if motor else ())]),
             np.array(moved, dtype="f8").reshape(-1, self.size),
             tuple((EVENT_NAMES[kind], part) for kind, part in pairs[1:-1]),  # without start and end
+            table[:, 0],
+            table[:, 1:],
             int(uncertified),
             margin,
         )

@@ -1,0 +1,104 @@
+"""The unknowns of an orbit: the state on the section without what no force feels.
+
+A set of bodies that springs and stops join to each other, but not to ground or base, may be shifted as a
+whole. Displacements of its bodies count from its last body, and the orbit may drift by a shift per period.
+What the section fixes (the angle of a motor) is no unknown either.
+"""
+
+from functools import cached_property
+
+import numpy as np
+
+from vibsim.engine.tangent_space import length, weights
+from vibsim.physics.body_sets import body_sets
+from vibsim.physics.numbers import Doubles
+from vibsim.physics.parts import columns_of
+
+
+class Coordinates:
+    """The m unknowns X of the orbits of a scene, and how they make its N state components (x of each body, v
+    of each body, then phi and phidot with a motor).
+
+    names, units : of the unknowns, e.g. "x1-x2" in m
+    take : X = take @ state (m x N); put : state = put @ X (N x m), references at 0
+    weights : of the unknowns; each is measured as a velocity [m/s], displacements by a natural rate
+    """
+
+    def __init__(self, scene, section):
+        self.scene, self.section = scene, section
+        self.columns = _component_names(scene)
+        reference = _references(scene)
+        free = [i for i in range(length(scene)) if i != section.pinned and reference.get(i) != i]
+        self.take = np.eye(length(scene))[free]
+        for row, i in enumerate(free):
+            if i in reference:
+                self.take[row, reference[i]] = -1.0
+        self.put = np.ascontiguousarray(np.eye(length(scene))[:, free])
+        self.names = tuple(self._name(i, reference.get(i)) for i in free)
+        self.units = tuple(self._unit(i) for i in free)
+        self.references = sorted(set(reference.values()))
+        squares = weights(scene, Doubles)
+        self.weights = np.sqrt([squares[i] for i in free])
+        self.count = len(free)
+        self._free = np.array(free)
+        self._from = [(row, reference[i]) for row, i in enumerate(free) if i in reference]
+
+    def of(self, state):
+        """Unknowns of state components, the last axis of `state`."""
+        state = np.asarray(state)
+        X = state[..., self._free]
+        for row, r in self._from:
+            X[..., row] = X[..., row] - state[..., r]
+        return X
+
+    def lifted(self, X):
+        """State components on the section, references at x = 0."""
+        state = np.zeros(len(self.columns))
+        state[self._free] = X
+        return state
+
+    @cached_property
+    def disturbances(self):
+        """A disturbance of the state for each unknown, one per row."""
+        return np.ascontiguousarray(self.put.T)
+
+    def drift(self, state):
+        """By name of the body: how far each set that is held nowhere has moved from the start at 0 [m]."""
+        return {self.scene.bodies[r].name: float(state[r]) for r in self.references}
+
+    def state(self, X):
+        """The state on the section by name of the column [m, m/s, rad, rad/s]."""
+        return dict(zip(self.columns, self.lifted(X).tolist(), strict=True))
+
+    def named(self, X):
+        """The unknowns by name."""
+        return dict(zip(self.names, np.asarray(X).tolist(), strict=True))
+
+    def size(self, X):
+        """The largest of the unknowns, as weighed [m/s]."""
+        return float(np.max(np.abs(X) * self.weights, initial=0.0))
+
+    def travel(self, carried):
+        """The largest of the unknowns at the events of a motion, as weighed [m/s]."""
+        return float(np.max(np.abs(self.of(carried.states)) * self.weights, initial=0.0))
+
+    def _name(self, i, reference):
+        return self.columns[i] if reference is None else f"{self.columns[i]}-{self.columns[reference]}"
+
+    def _unit(self, i):
+        n = len(self.scene.bodies)
+        return "m" if i < n else "m/s" if i < 2 * n else ("rad", "rad/s")[i - 2 * n]
+
+
+def _component_names(scene):
+    """Columns in the order of state components."""
+    pairs = [columns_of(body.name) for body in scene.bodies]
+    rotor = ["phi", "phidot"] if scene.motor is not None else []
+    return [x for x, _ in pairs] + [v for _, v in pairs] + rotor
+
+
+def _references(scene):
+    """By body of each set that may be shifted: the body that its displacements count from."""
+    springs = [link for link in scene.links if link.k]
+    sets = [one for one in body_sets(scene, [*springs, *scene.stops]) if not one.held]
+    return {body: one.reference for one in sets for body in one.bodies}

@@ -1,0 +1,17 @@
+"""Why there is no orbit."""
+
+
+class OrbitError(ValueError):
+    """An orbit that cannot be looked for, or was not found: cause and remedy in one sentence."""
+
+
+class NoSection(OrbitError):
+    """A scene whose motion has no section that it comes back to."""
+
+
+class NotConverged(OrbitError):
+    """Newton's method found no orbit near its start; `residual` [m/s], as weighed: the least of its way."""
+
+    def __init__(self, message, residual):
+        super().__init__(message)
+        self.residual = residual

@@ -1,0 +1,69 @@
+"""From a state near an orbit to the orbit, with its least period."""
+
+import numpy as np
+
+from vibsim.orbits.errors import OrbitError
+from vibsim.orbits.newton import solve, tolerance
+from vibsim.orbits.orbit import Orbit
+from vibsim.orbits.return_map import ReturnMap
+
+SAME = 64  # times what rounding makes of an unknown: two fixed points nearer than that are one
+
+
+def find_orbit(scene, state, n=1, T=None, engine="auto", case=None):
+    """The orbit of `scene` near `state`, which lies near the section.
+
+    Parameters
+    ----------
+    state : by name of the column, e.g. {"x1": ..., "v1": ...} [m, m/s, rad, rad/s], or all in a row
+    n : periods of the source, or turns of the motor; where the orbit that is found takes fewer, it has these
+    T : time of return with a motor [s], estimated where it is left out
+    case : what the orbit shall remember as its case
+
+    Returns an `Orbit`. Raises NoSection, NotConverged, OrbitError.
+    """
+    return_map = ReturnMap(scene, n, engine)
+    X = unknowns(return_map.coordinates, state)
+    return least(Orbit(return_map, solve(return_map, X, T), case))
+
+
+def unknowns(coordinates, state):
+    """The unknowns of a state by name or in a row. Raises OrbitError for a column that is missing."""
+    if isinstance(state, dict):
+        needed = [name for name in coordinates.columns if name != "phi"]
+        missing = [name for name in needed if name not in state]
+        if missing:
+            raise OrbitError(f"a state of this scene needs {', '.join(needed)}; missing {', '.join(missing)}")
+        state = [state.get(name, 0.0) for name in coordinates.columns]
+    return coordinates.of(np.asarray(state, dtype="f8"))
+
+
+def least(orbit):
+    """The same orbit over its least period: divisors of n are tried, the smallest first."""
+    for n in (d for d in range(1, orbit.n) if orbit.n % d == 0):
+        shorter = _shorter(orbit, n)
+        if shorter is not None:
+            return shorter
+    return orbit
+
+
+def _shorter(orbit, n):
+    """The orbit over n periods, where it closes after these."""
+    return_map = orbit.return_map.of(n)
+    T = None if return_map.section.timed else orbit.period * n / orbit.n
+    once = return_map(orbit.X, T)
+    uncertainty = SAME * (tolerance(once) + _displaced(orbit))
+    if once.residual > uncertainty:
+        return None
+    solution = solve(return_map, orbit.X, T)
+    near = return_map.coordinates.size(solution.X - orbit.X) <= uncertainty
+    return Orbit(return_map, solution, orbit.case) if near else None
+
+
+def _displaced(orbit):
+    """How far rounding may have moved the fixed point [m/s, as weighed]: the tolerance by (I - P')^-1."""
+    end = orbit.end
+    weights = end.coordinates.weights
+    matrix = (np.eye(len(weights)) - end.derivative) * (weights[:, None] / weights)
+    smallest = np.linalg.svd(matrix, compute_uv=False).min(initial=1.0)
+    return float(orbit.solution.tolerance / max(smallest, 1e-6))

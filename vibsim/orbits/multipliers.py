@@ -1,0 +1,31 @@
+"""Floquet multipliers: what a small disturbance of an orbit is multiplied by in one period."""
+
+from math import inf, log
+
+import numpy as np
+
+EPS = 2.0**-53
+ROUNDING = 64  # units in the last place of the matrix: rounding of its eigenvalues, where they are simple
+FORGETS = {"stick_begin", "chatter", "rest_begin"}  # events behind which a direction is lost
+
+
+def multipliers_of(end):
+    """Multipliers of a closed motion (a `Return`), the largest first; complex, with exact conjugates.
+
+    Where bodies stick, or come to rest on each other, the motion forgets a direction: the matrix has lost
+    rank, and what rounding leaves of that multiplier is made 0.
+    """
+    weights = end.coordinates.weights
+    matrix = end.derivative * (weights[:, None] / weights)
+    values = np.linalg.eigvals(matrix).astype(complex)
+    values = values[np.lexsort((values.imag, values.real, -np.abs(values)))]
+    if len(values) and any(kind in FORGETS for kind, _ in end.events):
+        noise = ROUNDING * EPS * np.linalg.norm(matrix)
+        values[np.abs(values) <= noise] = 0.0
+        values[-1] = 0.0
+    return values
+
+
+def exponents_of(multipliers, period):
+    """Exponents ln |mu| / T [1/s] of multipliers and a period [s]; -inf for 0."""
+    return [log(abs(mu)) / period if mu else -inf for mu in multipliers]

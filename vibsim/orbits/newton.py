@@ -1,0 +1,137 @@
+"""Newton's method for orbits, guarded: damped where a step makes it worse, and T never far from what it was.
+
+The step solves (I - dP/dX) s = P(X) - X. The next start is taken as P(X) + dP/dX s, which is X + s: so what
+the motion has forgotten, as behind a stick, comes from the image, and a body that sticks across the section
+sticks there to the bit.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vibsim.engine.errors import EngineError
+from vibsim.orbits.errors import NotConverged
+from vibsim.orbits.return_map import Return
+
+STEPS, HALVINGS = 40, 12
+EPS = 2.0**-53
+# A motion of some hundred operations per event, each rounded to EPS of its size, and what the derivative
+# makes of them: rounding of P(X) - X.
+OPERATIONS = 128
+SINGULAR = 1e-9  # of the largest singular value of I - dP/dX: below, the equation says nothing on a direction
+STAGNANT = 16  # times the tolerance: a residual that no step makes smaller is rounding still
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A fixed point of a return map.
+
+    end : the motion from it over one period of the orbit
+    steps : Newton steps that it took
+    tolerance : rounding of the residual [m/s, as weighed]; `end.residual` is not far above it
+    """
+
+    end: Return
+    steps: int
+    tolerance: float
+
+    @property
+    def X(self):
+        return self.end.X
+
+    @property
+    def T(self):
+        return self.end.T
+
+
+def solve(return_map, X, T=None, steps=STEPS):
+    """The fixed point of `return_map` near the unknowns X, and near the time of return T [s] where it
+    is free.
+
+    Returns a `Solution`. Raises NotConverged, OrbitError.
+    """
+    end = _motion(return_map, X, T)
+    if end is None:
+        raise NotConverged("the motion from the start of Newton's method cannot be computed", np.inf)
+    for taken in range(steps + 1):
+        bound = tolerance(end)
+        if end.residual <= bound:
+            return Solution(end, taken, bound)
+        nearer = _next(return_map, end)
+        if nearer is None and end.residual <= STAGNANT * bound:
+            return Solution(end, taken, bound)
+        if nearer is None:
+            break
+        end = nearer
+    raise _failure(return_map, end, taken)
+
+
+def _failure(return_map, end, steps):
+    periods = f"{return_map.n} period{'s' * (return_map.n > 1)}"
+    return NotConverged(
+        f"no orbit of {periods} near the start: Newton's method came to a residual of {end.residual:.2g} m/s "
+        f"after {steps} steps; start from a run that has settled more, or an orbit at a parameter nearby",
+        end.residual,
+    )
+
+
+def tolerance(end):
+    """Rounding of the residual of a motion [m/s, as weighed]."""
+    at = end.coordinates
+    gain = np.max(np.abs(end.flow_matrix) * (at.weights[:, None] / at.weights), initial=1.0)
+    size = max(at.size(end.X), at.size(end.image), at.travel(end.carried))
+    return OPERATIONS * EPS * gain * size
+
+
+def newton_step(end):
+    """(change of X, change of T) that make the linearised map a fixed point."""
+    at, timed = end.coordinates, end.tilt is None
+    matrix, right = np.eye(at.count) - end.derivative, end.difference
+    if not timed:
+        right = right - end.rate * (end.ahead / end.tilt[1])
+    scaled = matrix * (at.weights[:, None] / at.weights)
+    change = _solved(scaled, right * at.weights) / at.weights
+    if timed:
+        return change, 0.0
+    slopes, rate = end.tilt
+    return change, -(end.ahead + float(slopes @ change)) / rate
+
+
+def _solved(matrix, right):
+    """The solution of matrix x = right; the shortest one where the matrix is singular but for rounding."""
+    try:
+        x = np.linalg.solve(matrix, right)
+    except np.linalg.LinAlgError:
+        x = np.full(len(right), np.inf)
+    largest, size = np.abs(matrix).max(initial=0.0), np.abs(right).max(initial=0.0)
+    if largest * np.abs(x).max(initial=0.0) * SINGULAR > size:
+        x = np.linalg.lstsq(matrix, right, rcond=SINGULAR)[0]
+    return x
+
+
+def _next(return_map, end):
+    """The motion after one step, damped where it must be; None where no step makes it better."""
+    change, longer = newton_step(end)
+    share = 1.0 if longer == 0 else min(1.0, end.T / (2 * abs(longer)))
+    for _ in range(HALVINGS):
+        X = _moved(end, change, longer) if share == 1.0 else end.X + share * change
+        after = _motion(return_map, X, end.T + share * longer)
+        if after is not None and after.residual < (1 - share / 4) * end.residual:
+            return after
+        share /= 2
+    return None
+
+
+def _moved(end, change, longer):
+    """X + change, as the image of the linearised map."""
+    moved = end.flow_matrix @ change
+    return end.image + (moved if end.tilt is None else moved + end.rate * longer)
+
+
+def _motion(return_map, X, T):
+    """The motion from X, None where it fails."""
+    try:
+        end = return_map(X, T)
+    except EngineError:
+        return None
+    return end if np.isfinite(end.residual) else None

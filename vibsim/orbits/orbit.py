@@ -1,0 +1,107 @@
+"""A periodic orbit, and what is known of it."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from vibsim.orbits.multipliers import exponents_of, multipliers_of
+from vibsim.orbits.word import cyclic, spelled
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """One orbit of a scene.
+
+    return_map, solution : the map over its n periods, and its fixed point
+    case : the case it belongs to, or None
+    """
+
+    return_map: Any
+    solution: Any = field(repr=False)
+    case: Any = None
+
+    @property
+    def scene(self):
+        return self.return_map.scene
+
+    @property
+    def n(self) -> int:
+        """Periods of the source, or turns of the motor, that it takes."""
+        return self.return_map.n
+
+    @property
+    def end(self):
+        """The motion over one period, as `Return`."""
+        return self.solution.end
+
+    @property
+    def period(self) -> float:
+        """[s]"""
+        return self.end.T
+
+    @property
+    def X(self) -> np.ndarray:
+        """The unknowns on the section."""
+        return self.end.X
+
+    @property
+    def coordinates(self) -> dict[str, float]:
+        """The unknowns on the section by name, e.g. x1-x2 [m]."""
+        return self.end.coordinates.named(self.X)
+
+    @property
+    def state(self) -> dict[str, float]:
+        """The state on the section by name of the column; what may be shifted stands at 0."""
+        return self.end.coordinates.state(self.X)
+
+    @cached_property
+    def multipliers(self) -> np.ndarray:
+        """Complex, the largest first; that of a shift along the orbit is left out where T is free."""
+        return multipliers_of(self.end)
+
+    @cached_property
+    def exponents(self) -> list[float]:
+        """ln |multiplier| / period [1/s]."""
+        return exponents_of(self.multipliers, self.period)
+
+    @property
+    def stable(self) -> bool:
+        """Whether all multipliers are inside the unit circle."""
+        return bool(np.abs(self.multipliers).max(initial=0.0) < 1)
+
+    @property
+    def events(self) -> tuple[tuple[str, int], ...]:
+        """(kind, number of the part) in the order from the section."""
+        return self.end.events
+
+    @property
+    def word(self) -> tuple[tuple[str, int], ...]:
+        """The events as a circle: the least rotation of them."""
+        return cyclic(self.events)
+
+    @property
+    def spelled(self) -> str:
+        """The events in letters, from the section."""
+        return spelled(self.scene, self.events)
+
+    @property
+    def drift(self) -> dict[str, float]:
+        """By body that stands for a set held nowhere: its displacement per period [m]."""
+        return self.end.drift
+
+    @property
+    def residual(self) -> float:
+        """How far it is from closing [m/s]; displacements weigh by a natural rate."""
+        return self.end.residual
+
+    @property
+    def margin(self) -> float:
+        """Smallest gap at a turn without contact [m]; inf without any."""
+        return self.end.margin
+
+    @property
+    def certified(self) -> bool:
+        """Whether it is sure that no event was missed on it."""
+        return self.end.uncertified == 0

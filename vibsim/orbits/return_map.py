@@ -1,0 +1,162 @@
+"""The return map: from the section to the section after n periods of the source or turns of a motor.
+
+Its derivative is that of the motion, flow and saltation. Where the time of return T is free, it differs from
+one start to the next: with the rates f at the end and the pinned component p (the angle of a motor),
+
+    dP/dX = M - f m_p / f_p,    M = d X(T) / dX,    m_p = d p(T) / dX,
+
+which has lost the multiplier 1 that a shift along the orbit brings.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from vibsim.engine.monodromy import Carried, Carrier
+from vibsim.orbits.coordinates import Coordinates
+from vibsim.orbits.errors import OrbitError
+from vibsim.orbits.section import section_of
+from vibsim.orbits.word import word_of
+
+TRIES = 20  # of the time of return
+
+
+@dataclass(frozen=True)
+class Return:
+    """One motion from the section, of the duration T.
+
+    X, T : the start, and the duration [s]
+    image : the unknowns at the end
+    ahead : by how much the pinned component is beyond the section at the end (motor: rad); 0 where T is known
+    carried : the state, disturbances and events of the motion
+    """
+
+    coordinates: Any
+    X: np.ndarray
+    T: float
+    ahead: float
+    carried: Carried
+
+    @cached_property
+    def image(self):
+        return self.coordinates.of(self.carried.state)
+
+    @cached_property
+    def flow_matrix(self):
+        """M = d X(T) / dX at the same T (m x m)."""
+        return self.coordinates.of(self.carried.vectors).T
+
+    @cached_property
+    def rate(self):
+        """Rates of change of the unknowns at the end."""
+        return self.coordinates.of(self.carried.rate)
+
+    @cached_property
+    def tilt(self):
+        """(d p(T) / dX, dp/dt) of the pinned component p; None where T is known."""
+        p = self.coordinates.section.pinned
+        return None if p is None else (self.carried.vectors[:, p], float(self.carried.rate[p]))
+
+    @cached_property
+    def derivative(self):
+        """dP/dX, the reduced monodromy matrix (m x m); its eigenvalues are the multipliers."""
+        if self.tilt is None:
+            return self.flow_matrix
+        slopes, rate = self.tilt
+        return self.flow_matrix - np.outer(self.rate, slopes / rate)
+
+    @cached_property
+    def difference(self):
+        """image - X, what Newton's method brings to 0."""
+        return self.image - self.X
+
+    @cached_property
+    def residual(self):
+        """How far the motion is from closing, as weighed [m/s]: difference, and what is left of the turn."""
+        missing = 0.0 if self.tilt is None else abs(self.ahead / self.tilt[1]) * self.pace
+        return max(self.coordinates.size(self.difference), missing)
+
+    @cached_property
+    def pace(self):
+        """Size of the rates of change at the end, as weighed [m/s^2]."""
+        return self.coordinates.size(self.rate)
+
+    @property
+    def events(self):
+        """(kind, part) of what happened, in the order from the section."""
+        return word_of(self.carried.events)
+
+    @property
+    def drift(self):
+        """By name of body [m]."""
+        return self.coordinates.drift(self.carried.state)
+
+    @property
+    def margin(self):
+        """Smallest gap at a turn without contact [m]; inf without any."""
+        return self.carried.margin
+
+    @property
+    def uncertified(self):
+        return self.carried.uncertified
+
+
+class ReturnMap:
+    """From the section of `scene` to itself after n periods of its source, or turns of its motor.
+
+    Another value of a parameter is another scene, and another ReturnMap. Raises NoSection where the scene has
+    no section, OrbitError where its motion has no derivative that the engine knows.
+    """
+
+    def __init__(self, scene, n=1, engine="auto"):
+        if n < 1:
+            raise OrbitError(f"an orbit takes one period or more, got {n}")
+        self.scene, self.n, self.section = scene, n, section_of(scene)
+        self.coordinates = Coordinates(scene, self.section)
+        try:
+            self.carrier = Carrier(scene, engine)
+        except ValueError as error:
+            raise OrbitError(str(error)) from error
+
+    def of(self, n):
+        """The map of the same scene after n returns, on the same engine."""
+        other = object.__new__(ReturnMap)
+        vars(other).update(vars(self), n=n)
+        return other
+
+    def __call__(self, X, T=None):
+        """The motion from the unknowns X, as `Return`; T [s] where the section does not tell it, estimated
+        where it is left out. Raises EngineError where the run fails.
+        """
+        if self.section.timed:
+            T = self.section.time(self.n)
+        elif T is None:
+            T = self.time_of_return(X)
+        at, vectors = self.coordinates, self.coordinates.disturbances
+        carried = self.carrier.carry(at.lifted(X), T, vectors)
+        return Return(at, np.asarray(X, dtype="f8"), T, self._ahead(carried), carried)
+
+    def _ahead(self, carried):
+        if self.section.timed:
+            return 0.0
+        return float(carried.state[self.section.pinned] - self.n * self.section.advance)
+
+    def time_of_return(self, X, T=None):
+        """Time [s] after which the pinned component has advanced by n of its returns. Raises OrbitError where
+        it does not.
+        """
+        target, state = self.n * self.section.advance, self.coordinates.lifted(X)
+        speed = state[self.section.pinned + 1]
+        T = T or (target / speed if speed > 0 else target / self._fastest_speed())
+        for _ in range(TRIES):
+            carried = self.carrier.carry(state, T, [])
+            missing, speed = target - carried.state[self.section.pinned], carried.rate[self.section.pinned]
+            if abs(missing) < 1e-9 * target:
+                return T
+            T = min(max(T + missing / speed if speed > 0 else 1.5 * T, T / 2), 2 * T)
+        raise OrbitError(f"the rotor does not come to turn {self.n} within {T:.4g} s")
+
+    def _fastest_speed(self):
+        return self.scene.motor.Omega0

@@ -1,0 +1,37 @@
+"""The word of an orbit: the events of one period in their order, read as a circle."""
+
+LETTERS = {
+    "contact_begin": "b",
+    "contact_end": "e",
+    "reversal": "r",
+    "stick_begin": "s",
+    "stick_end": "u",
+    "impact": "i",
+    "transmitted": "t",
+    "chatter": "c",
+    "rest_begin": "h",
+    "rest_end": "o",
+}
+OF_FRICTION = ("reversal", "stick_begin", "stick_end")
+
+
+def word_of(events):
+    """The events that make an orbit's word: all but those that exert no force (limits that are watched)."""
+    return tuple((kind, part) for kind, part in events if kind in LETTERS)
+
+
+def cyclic(word):
+    """The least of all rotations of a word: orbits are compared by it, wherever the section cuts them."""
+    doubled = word + word
+    return min((doubled[i : i + len(word)] for i in range(len(word))), default=word)
+
+
+def spelled(scene, word):
+    """A word in letters, e.g. "rbre"; where a scene has several stops or frictions, with the number of the
+    part behind each letter, e.g. "b1 r2 e1 r2".
+    """
+    numbered = {True: len(scene.frictions) > 1, False: len(scene.stops) > 1}
+    letters = [
+        LETTERS[kind] + (str(part + 1) if numbered[kind in OF_FRICTION] else "") for kind, part in word
+    ]
+    return (" " if any(numbered.values()) else "").join(letters)
