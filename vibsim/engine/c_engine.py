@@ -13,7 +13,7 @@ from vibsim.engine.ledger import struck_entries
 from vibsim.engine.meters import MeterMaker, jumps_of
 from vibsim.engine.packing import coupled, pack_mode, pack_scene, pack_state
 from vibsim.engine.packing_meters import pack_extremes, pack_ledger, pack_meters, terms_of
-from vibsim.engine.packing_tangent import pack_bundle, pack_disturbances
+from vibsim.engine.packing_tangent import DisturbancePacker, pack_bundle
 from vibsim.engine.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, STRIKE, RowMaker
 from vibsim.engine.saltation import released_frictions, saltation
 from vibsim.engine.state import State, start_of
@@ -68,6 +68,7 @@ class CRun:
         self.harmonics = self.scout.closed.harmonics
         self.run = _engine.Run(*pack_scene(scene, self.harmonics))
         self.keys, self.numbers, self.rows, self.ruled = {}, {}, [], set()
+        self.packer = None
         self.meters = MeterMaker(scene, Doubles, self.maker, momentum) if ledger or momentum else None
         if self.meters:
             names = self.meters.names
@@ -84,7 +85,7 @@ class CRun:
         if extremes:
             self.run.keep_extremes(*pack_extremes(*extremes))
         self.extremes = (len(extremes[0]) + (scene.motor is not None)) if extremes else 0
-        state, status, known = resume or self._start(scene)
+        state, status, known = resume or self._begun(start_of(scene, Doubles))
         self.first = state.copy(), status
         self._buffers(len(status.codes), SECTION_ROOM if section and self._keep_section() else 0)
         self.doubts.run = self.run
@@ -96,18 +97,19 @@ class CRun:
         number = self._mode(status)  # which may know more keys
         self.filled = self.run.start(number, pack_state(state), self._known(known, 0), *self.buffers)
 
-    def restart(self, scene, vectors):
-        """Begin anew from the start of `scene`, which differs from that of this run in its start and end
-        alone, with disturbances to be carried as they are: an array of one per row.
+    def restart(self, state, end, vectors):
+        """Begin anew from `state` at t = 0 and run to `end` [s], with disturbances to be carried as they are:
+        an array of one per row.
         """
-        self.run.rewind(scene.t_end)
+        self.run.rewind(end)
         self.moving = len(vectors) > 0
         if self.moving:
-            self.run.keep_tangent(*pack_disturbances(scene, vectors, self.maker.ends))
-        self._set_off(*self._start(scene))
+            self.packer = self.packer or DisturbancePacker(self.scene, self.maker.ends)
+            self.run.keep_tangent(*self.packer.packed(vectors))
+        self._set_off(*self._begun(state))
 
-    def _start(self, scene):
-        state = start_of(scene, Doubles)
+    def _begun(self, state):
+        """A state at t = 0 with the mode that the motion starts in, and the known zeros there."""
         return (state, *self.automaton.initial(state))
 
     def _keep_section(self):

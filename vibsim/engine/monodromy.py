@@ -5,7 +5,9 @@ saltation of every event on the way. Components are x of each body, v of each bo
 motor. Where ties hold at the start, disturbances are first made possible: tied bodies get one velocity.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from math import isfinite
 
 import numpy as np
@@ -26,7 +28,7 @@ PIECES = 4096  # of the Python engine at once
 class Carried:
     """A motion from a start to a time, and disturbances of its start.
 
-    state : components at the end [m, m/s, rad, rad/s]; rate : their rates of change there
+    state : components at the end [m, m/s, rad, rad/s]; rate_there : tells their rates of change there
     vectors : the disturbances at the end, one per row
     events : (kind, part) of what happened on the way, in order; part: number among its sort, -1 for none
     times, states : when these happened [s], and the components behind them, one row each
@@ -35,13 +37,18 @@ class Carried:
     """
 
     state: np.ndarray
-    rate: np.ndarray
+    rate_there: Callable[[], np.ndarray]
     vectors: np.ndarray
     events: tuple[tuple[str, int], ...]
     times: np.ndarray
     states: np.ndarray
     uncertified: int
     margin: float
+
+    @cached_property
+    def rate(self):
+        """Rates of change of the components at the end."""
+        return self.rate_there()
 
     @property
     def matrix(self):
@@ -66,6 +73,10 @@ class Carrier:
         of = {"stops": stops, "clearances": clearances, "stop_on_violation": False}
         self.scene = replace(scene, **of, every_num=10**9, every_den=1)
         self.engine, self.size, self.run = engine_name(engine), length(scene), None
+        n = len(scene.bodies)
+        rotor = (2 * n + 1, 2 * n + 2) if scene.motor is not None else ()
+        # of the rows of a state in C: the time and then the components
+        self._order = [0, *range(1, 2 * n, 2), *range(2, 2 * n + 1, 2), *rotor]
 
     def carry(self, state, end, vectors=None):
         """The motion from `state`, the components at t = 0, to `end` [s], as `Carried`.
@@ -83,26 +94,21 @@ class Carrier:
             raise ValueError(f"a disturbance of this scene is {self.size} finite numbers")
         if not (isfinite(end) and end > 0):
             raise ValueError(f"the end must be after the start, got {end} s")
-        return self._carried(self._started(state.tolist(), float(end)), vectors)
+        carried = self._by_python if self.engine == "python" else self._by_c
+        return carried(state.tolist(), float(end), vectors)
 
-    def _started(self, state, end):
-        """The scene from the components of a state to `end` [s]."""
-        n, motor = len(self.scene.bodies), self.scene.motor
-        bodies = tuple(
-            replace(body, x=x, v=v)
-            for body, x, v in zip(self.scene.bodies, state[:n], state[n : 2 * n], strict=True)
-        )
-        if motor is not None:
-            motor = replace(motor, phi=state[-2], phidot=state[-1])
-        return replace(self.scene, bodies=bodies, motor=motor, t_end=end)
+    def _start(self, components):
+        """The state of components at t = 0."""
+        n, zero = len(self.scene.bodies), 0.0
+        x, v, rotor = components[:n], components[n : 2 * n], components[2 * n :]
+        phase, turns = Doubles.reduce_angle(rotor[0]) if rotor else (zero, zero)
+        return State(zero, x, v, phase, turns, rotor[1] if rotor else zero)
 
-    def _carried(self, scene, vectors):
-        if self.engine == "python":
-            return self._by_python(scene, vectors)
+    def _by_c(self, components, end, vectors):
         from vibsim.engine.c_engine import CRun
 
-        self.run = self.run or CRun(scene, carries=True)
-        self.run.restart(scene, vectors)
+        self.run = self.run or CRun(self.scene, carries=True)
+        self.run.restart(self._start(components), end, vectors)
         blocks = [(states, codes[:2]) for _, _, states, codes, *_ in self.run.blocks()]
         tally = self.run.tally
         uncertified, _, margin, _ = tally["certificate"]
@@ -112,8 +118,8 @@ class Carrier:
         table = np.concatenate([states for states, _ in blocks], axis=1)[self._order, 1:-1].T
         return self._told(State(*tally["state"]), rows, moved, pairs, table, uncertified, margin)
 
-    def _by_python(self, scene, vectors):
-        driver = Driver(scene, Doubles, carry=vectors.tolist())
+    def _by_python(self, components, end, vectors):
+        driver = Driver(self._started(components, end), Doubles, carry=vectors.tolist())
         while not driver.finished:
             driver.run(PIECES)
         pairs = [(kind, part) for kind, part, *_ in driver.events]
@@ -123,24 +129,30 @@ class Carrier:
         table = table.reshape(-1, 1 + self.size)
         return self._told(driver.state, rows, moved, pairs, table, kept.uncertified, kept.margin)
 
-    @property
-    def _order(self):
-        """Of the rows of a state in C, the time and then the components."""
-        n = len(self.scene.bodies)
-        rotor = (2 * n + 1, 2 * n + 2) if self.scene.motor is not None else ()
-        return [0, *range(1, 2 * n, 2), *range(2, 2 * n + 1, 2), *rotor]
+    def _started(self, components, end):
+        """The scene from the components of a state to `end` [s]."""
+        n, motor = len(self.scene.bodies), self.scene.motor
+        starts = zip(self.scene.bodies, components[:n], components[n : 2 * n], strict=True)
+        bodies = tuple(replace(body, x=x, v=v) for body, x, v in starts)
+        if motor is not None:
+            motor = replace(motor, phi=components[-2], phidot=components[-1])
+        return replace(self.scene, bodies=bodies, motor=motor, t_end=end)
 
     def _components(self, state):
         motor = self.scene.motor is not None
         rotor = (Doubles.unwind(state.phase, state.turns), state.w) if motor else ()
         return [*state.x, *state.v, *rotor]
 
-    def _told(self, state, rows, moved, pairs, table, uncertified, margin):
+    def _rate(self, state, rows):
+        """Rates of change of the components of a state in the mode of `rows`."""
         a, alpha = accelerations(self.scene, Doubles, rows, state)
-        n, motor = len(self.scene.bodies), self.scene.motor is not None
+        rotor = (state.w, alpha) if self.scene.motor is not None else ()
+        return np.array([*state.v, *a[: len(self.scene.bodies)], *rotor])
+
+    def _told(self, state, rows, moved, pairs, table, uncertified, margin):
         return Carried(
             np.array(self._components(state)),
-            np.array([*state.v, *a[:n], *((state.w, alpha) if motor else ())]),
+            partial(self._rate, state, rows),
             np.array(moved, dtype="f8").reshape(-1, self.size),
             tuple((EVENT_NAMES[kind], part) for kind, part in pairs[1:-1]),  # without start and end
             table[:, 0],

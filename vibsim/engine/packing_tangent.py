@@ -15,10 +15,21 @@ def pack_bundle(scene, count, begin, ends):
     return _pack(scene, False, count, begin, ends)
 
 
-def pack_disturbances(scene, vectors, ends):
-    """Disturbances that are carried along as they are, an array of one per row."""
-    ints, doubles = _pack(scene, True, len(vectors), 0.0, ends)
-    return ints, doubles + vectors.tobytes()
+class DisturbancePacker:
+    """Packs disturbances of one scene that are carried along as they are; what does not depend on them is
+    packed once for each number of them.
+    """
+
+    def __init__(self, scene, ends):
+        self.scene, self.ends, self.heads = scene, ends, {}
+
+    def packed(self, vectors):
+        """vectors: an array of one disturbance per row."""
+        count = len(vectors)
+        if count not in self.heads:
+            self.heads[count] = _pack(self.scene, True, count, 0.0, self.ends)
+        ints, doubles = self.heads[count]
+        return ints, doubles + vectors.tobytes()
 
 
 def _pack(scene, given, count, begin, ends):

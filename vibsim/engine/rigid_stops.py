@@ -111,8 +111,9 @@ class RigidStops:
                     standing.append(j)
                 if rate <= 0:
                     orders[j] = 2 if rate == 0 else 1
-        self._join(state, [self.maker.ends(self.scene.stops[j]) for j in standing])
-        self._seat(state, standing)
+        if standing:
+            self._join(state, [self.maker.ends(self.scene.stops[j]) for j in standing])
+            self._seat(state, standing)
         return orders, standing
 
     # -- who touches
