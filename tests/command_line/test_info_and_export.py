@@ -118,8 +118,8 @@ def test_an_existing_export_is_kept_unless_forced():
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["-o", "a.xlsx"], "the suffix must be .csv or .mat"),
-        (["-o", "a.mat", "--events"], "--events is for CSV"),
+        (["-o", "a.xlsx"], "the suffix must be .csv, .parquet or .mat"),
+        (["-o", "a.mat", "--events"], "--events is for CSV and Parquet"),
         (["-o", "a.csv", "--window", "3"], "'3' is not A:B with A < B"),
         (["-o", "a.csv", "--window", "3:1"], "is not A:B"),
         (["-o", "a.csv", "--window", "a:b"], "is not A:B"),

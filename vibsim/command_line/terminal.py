@@ -1,12 +1,13 @@
 """What the command prints: text in which nothing of the user's is obeyed, and JSON."""
 
 import json
-import math
 import os
 import re
 from typing import Any
 
 import click
+
+from vibsim.files.plain_data import plain
 
 _OWN = f"\x1b{os.urandom(8).hex()}"  # begins the colours of vibsim's own until they are printed
 # control and format characters that JSON may hold as they are, and surrogates, which UTF-8 does not take
@@ -34,18 +35,6 @@ def print_json(value: Any, indent: int | None = None) -> None:
     """Print JSON, on one line unless indented; null for what is not finite, because NaN is no JSON."""
     text = json.dumps(plain(value), allow_nan=False, ensure_ascii=False, indent=indent)
     click.echo(_UNSAFE_IN_JSON.sub(_escaped, text))
-
-
-def plain(value: Any) -> Any:
-    """A value for JSON: arrays as lists, null for what is not finite."""
-    value = value.tolist() if hasattr(value, "tolist") else value
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if isinstance(value, dict):
-        return {str(name): plain(item) for name, item in value.items()}
-    if isinstance(value, bytes):
-        return value.decode("utf-8", "backslashreplace")
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _escaped(found: re.Match[str]) -> str:

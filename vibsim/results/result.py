@@ -1,10 +1,16 @@
 """A trajectory as users meet it: arrays by name, events, attributes, and its state at any instant."""
 
 from collections.abc import Mapping
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from vibsim.files.declarations import Dataset
+from vibsim.labelled.arrays import Arrays
+from vibsim.labelled.labelled import Labelled
+from vibsim.results.events import Events
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -14,11 +20,12 @@ if TYPE_CHECKING:
 Table = Mapping[str, np.ndarray]
 
 
-class Result:
+class Result(Labelled):
     """A trajectory, in memory or on file.
 
-    `result["x1"]` is the sampled column x1 (1-D array, SI), `result.events["t"]` an event column; on file
-    they are read when asked for. `result.attrs` says where the trajectory comes from and what came of it.
+    `result["x1"]` is the sampled column x1 (1-D array, SI), `result.events["t"]` an event column, and
+    `result.events.to_dataframe()` the table of all events; on file they are read when asked for.
+    `result.attrs` says where the trajectory comes from and what came of it.
     `result.digits["x1"]` and `result.digits.events["t"]` are the decimal texts of a run with digits; `digits`
     is None for a run in doubles.
     """
@@ -33,9 +40,9 @@ class Result:
     ):
         self.attrs = attrs
         self.digits = digits
-        self.events = events
+        self._case_of = cache(partial(_case, attrs, case))
+        self.events = Events(events, self._case_of)
         self._samples = samples
-        self._case = case
 
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self._samples:
@@ -61,7 +68,7 @@ class Result:
 
     def event_column(self, name: str):
         """One event column, likewise."""
-        return _column(self.events, name)
+        return self.events.column(name)
 
     @property
     def time(self) -> np.ndarray:
@@ -97,11 +104,7 @@ class Result:
     @property
     def case(self) -> "Case":
         """The case that was run."""
-        if self._case is None:
-            from vibsim.cases import Case
-
-            self._case = Case.from_resolved_json(self.attrs["case_resolved_json"])
-        return self._case
+        return self._case_of()
 
     def at(self, t: float | np.ndarray) -> dict[str, np.ndarray]:
         """States at any instants, as accurate as the run: restarted from the last event before each.
@@ -148,13 +151,38 @@ class Result:
         writer.append_digits(digits.table, digits.event_table)
         return writer
 
-    def __repr__(self) -> str:
-        name, engine, method = (self.attrs.get(key) for key in ("case_name", "engine", "method"))
-        counts = f"{len(self)} samples, {self.attrs.get('events', len(self.events['t']))} events"
+    def arrays(self) -> Arrays:
+        """The sampled columns over time.
+
+        >>> import vibsim
+        >>> result = vibsim.simulate(vibsim.load_case("II-B", {"run.t_end": "2 s"}))
+        >>> result.arrays().lengths
+        {'time': 401}
+        """
+        columns = self._tables().samples
+        declared = tuple(Dataset(name, column, ("time",)) for name, column in columns.items())
+        return Arrays(declared, self.__getitem__, ("time",), self.attrs)
+
+    def heading(self) -> str:
+        """Name of the case, span, and how many samples and events."""
+        count = self.attrs.get("events", len(self.event_column("t")))
         state = "" if self.complete else ", incomplete"
-        span = f"0 to {self.t_reached:g} s"
-        columns = ", ".join(self.keys())
-        return f"<Result {name}: {span}, {counts}, {method} on {engine}{state}; columns {columns}>"
+        return f"{self.case.name}: 0 to {self.t_reached:g} s, {len(self)} samples, {count} events{state}"
+
+    def lines(self) -> list[tuple[str, str]]:
+        """Title, method, what happened, until when the run is right, and the names of the columns."""
+        from vibsim.results.telling import lines_of
+
+        return lines_of(self)
+
+
+def _case(attrs: Mapping[str, Any], case: "Case | None") -> "Case":
+    """The case that was run: as it was given, or as the attributes have it."""
+    if case is not None:
+        return case
+    from vibsim.cases import Case
+
+    return Case.from_resolved_json(attrs["case_resolved_json"])
 
 
 def _column(table: Table, name: str):

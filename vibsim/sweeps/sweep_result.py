@@ -10,6 +10,8 @@ import numpy as np
 from vibsim.cases import Case
 from vibsim.files.declarations import Column
 from vibsim.files.output_file import check_output
+from vibsim.labelled.arrays import Arrays
+from vibsim.labelled.labelled import Labelled, few
 from vibsim.sweeps.ensemble import Share, Summary, share, summary
 from vibsim.sweeps.plan.axis import Axis
 from vibsim.sweeps.plan.members import Members
@@ -18,10 +20,11 @@ from vibsim.sweeps.plan.sweep_plan import Index, Plan
 from vibsim.sweeps.points.table import TEXTS_AND_STATUS, Table
 from vibsim.sweeps.statistics.columns import DONE, MISSING
 from vibsim.sweeps.store.stored_plan import read_sweep
-from vibsim.sweeps.store.sweep_file import read_column, write_sweep
+from vibsim.sweeps.store.sweep_file import coordinates, read_column, write_sweep
+from vibsim.sweeps.store.sweep_structure import datasets_of, dimensions
 
 
-class SweepResult:
+class SweepResult(Labelled):
     """A sweep, in memory or from a file.
 
     `sweep["mean_speed"]` is an array over the axes and, last, the direction; `sweep["section_displacement"]`
@@ -164,11 +167,38 @@ class SweepResult:
         write_sweep(target, self.plan, self.table, self.attrs)
         return target
 
-    def __repr__(self) -> str:
+    def arrays(self) -> Arrays:
+        """The columns over the axes and the direction; coordinates are the axes' values in their units.
+
+        >>> import vibsim
+        >>> case = vibsim.load_case("II-B", {"run.t_end": "2 s"})
+        >>> vibsim.sweep(case, {"c": [0.01, 0.02]}, section=3, jobs=1).arrays().lengths
+        {'c': 2, 'direction': 1, 'section': 3}
+        """
+        scales = coordinates(self.plan)
+        declared = tuple(datasets_of(self.plan))
+        return Arrays(
+            declared, lambda name: scales[name] if name in scales else self[name], dimensions(self.plan),
+            self.attrs,
+        )  # fmt: skip
+
+    def heading(self) -> str:
+        """Name of the case, axes, and how many points were computed."""
         axes = " x ".join(str(a) if isinstance(a, Members) else f"{len(a)} {a}" for a in self.axes)
-        done, count = self.attrs["points_done"], self.attrs["points"]
-        names = ", ".join(self.plan.columns)
-        return f"<SweepResult {self.case.name}: {axes}, {done} of {count} points; {names}>"
+        return f"{self.case.name}: {axes}, {self.attrs['points_done']} of {self.attrs['points']} points"
+
+    def lines(self) -> list[tuple[str, str]]:
+        """Axes, points, how they begin, what was computed, and the first columns."""
+        from vibsim.sweeps.description import axis_text, points_text, start_text
+
+        computed = [("computed", ", ".join(self.plan.compute))] if self.plan.compute else []
+        return [
+            *((axis.name, axis_text(axis)) for axis in self.axes),
+            ("points", points_text(self.attrs)),
+            ("start", start_text(self)),
+            *computed,
+            ("columns", few(self.plan.columns)),
+        ]
 
 
 def open_sweep(path: str | Path) -> SweepResult:

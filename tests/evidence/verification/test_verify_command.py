@@ -93,7 +93,7 @@ def broken(monkeypatch, change):
         samples = {name: column.copy() for name, column in result._samples.items()}
         events = {name: column.copy() for name, column in result.events.items()}
         samples, events = change(samples, events)
-        return Result(result.attrs, samples, events, result._case)
+        return Result(result.attrs, samples, events, result.case)
 
     monkeypatch.setattr(runs, "simulate", simulate)
 

@@ -27,14 +27,14 @@ KIND = "sweep"
 
 def write_sweep(path: Path, plan: Plan, table: Table, attrs: Mapping[str, Any]) -> None:
     """Write a sweep to `path`, replacing what is there in one instant. Raises ResultFileError."""
-    further = {name: _counted(name, plan.length_of(name)) for name in further_dimensions(plan)}
     points = {**table.numbers, "status": table.status, "sha256": table.sha256, "error": table.error}
-    write_hdf5(path, attrs, datasets_of(plan), {**_along_axes(plan), **further, **points})
+    write_hdf5(path, attrs, datasets_of(plan), {**coordinates(plan), **points})
 
 
-def _along_axes(plan: Plan) -> dict[str, np.ndarray]:
-    """The values of axes and direction, and what was drawn for the members of an ensemble."""
-    values = {DIRECTION: np.array(plan.directions)}
+def coordinates(plan: Plan) -> dict[str, np.ndarray]:
+    """The values of axes, direction and further dimensions, and what was drawn for members of an ensemble."""
+    values = {name: _counted(name, plan.length_of(name)) for name in further_dimensions(plan)}
+    values[DIRECTION] = np.array(plan.directions)
     for axis in plan.axes:
         values[axis.name] = axis.numbers()
         if isinstance(axis, Members):

@@ -1,0 +1,20 @@
+"""The examples in docstrings of public names run and print what they show."""
+
+import doctest
+from importlib import import_module
+
+import pytest
+
+MODULES = [
+    "vibsim.labelled.labelled",
+    "vibsim.results.events",
+    "vibsim.results.result",
+    "vibsim.sweeps.sweep_result",
+]
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_the_examples_run(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = doctest.testmod(import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS)
+    assert done.attempted > 0 and done.failed == 0

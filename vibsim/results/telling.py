@@ -1,0 +1,34 @@
+"""The few lines that tell most about a run."""
+
+from typing import TYPE_CHECKING
+
+from vibsim.cases.plain_text import one_line
+from vibsim.labelled.labelled import few
+
+if TYPE_CHECKING:
+    from vibsim.results.result import Result
+
+
+def lines_of(result: "Result") -> list[tuple[str, str]]:
+    """Label and text; what is not known has no line."""
+    attrs = result.attrs
+    lines = [("title", one_line(result.case.title))] if result.case.title else []
+    lines.append(("method", f"{attrs.get('method')} on the {attrs.get('engine')} engine"))
+    counted = [f"{attrs[f'{word}s']} {word}s" for word in ("impact", "stick") if f"{word}s" in attrs]
+    if counted:
+        lines.append(("motion", ", ".join(counted)))
+    if result.trust_horizon is not None:
+        lines.append(("right", _trust(result)))
+    if "certified" in attrs:
+        doubt = f"{attrs.get('uncertified')} stretches in doubt"
+        lines.append(("certificate", "every event proved" if attrs["certified"] else doubt))
+    return [*lines, ("columns", few(result.keys()))]
+
+
+def _trust(result: "Result") -> str:
+    tolerance = f"to {result.attrs['trust_tolerance_m']:.2g} m"
+    horizon = result.trust_horizon
+    assert horizon is not None
+    if horizon < result.t_reached:
+        return f"{tolerance} until {horizon:.4g} s"
+    return f"{tolerance} over the whole run"
