@@ -87,8 +87,9 @@ def test_no_index_of_disturbances_reaches_beyond_its_table(of, which):
             except (ValueError, MemoryError):
                 refused += 1
                 continue
-            fresh.start(0, state, known, *run.buffers)
-            fresh.advance(*run.buffers)
+            fresh.fill(*run.arrays)
+            fresh.start(0, state, known)
+            fresh.advance()
             fresh.disturbances()
     assert refused > 3 * len(ints) // 4
 
@@ -125,12 +126,12 @@ def misfits():
 @pytest.mark.parametrize("tables", list(misfits()))
 def test_tables_that_do_not_fit_are_refused(tables):
     whole = packed(PAPER)
-    with pytest.raises((ValueError, BufferError, TypeError)):
-        whole[2].run.advance(*tables)
     state, known = pack_state(whole[2].first[0]), bytes(4 * len(whole[2].keys))
-    fresh = opened(*whole[:2])
-    with pytest.raises((ValueError, BufferError, TypeError)):
-        fresh.start(0, state, known, *tables)
+    for run in (whole[2].run, opened(*whole[:2])):
+        with pytest.raises((ValueError, BufferError, TypeError)):
+            run.fill(*tables)
+    with pytest.raises(ValueError, match="cannot start"):
+        run.start(0, state, known)  # with nothing to fill
 
 
 @pytest.mark.parametrize(
@@ -141,15 +142,17 @@ def test_a_start_that_does_not_fit_is_refused(mode, state, known):
     *whole, run = packed(PAPER)
     state = pack_state(run.first[0]) if state is None else state
     known = bytes(4 * len(run.keys)) if known is None else known
+    fresh = opened(*whole)
+    fresh.fill(*run.arrays)
     with pytest.raises(ValueError):
-        opened(*whole).start(mode, state, known, *run.buffers)
+        fresh.start(mode, state, known)
 
 
 def test_a_run_that_was_not_started_tells_nothing():
-    *whole, run = packed(PAPER)
+    *whole, _ = packed(PAPER)
     fresh = opened(*whole)
     for call in (
-        lambda: fresh.advance(*run.buffers),
+        fresh.advance,
         fresh.pending,
         fresh.tally,
         lambda: fresh.state_at(1.0),
@@ -176,7 +179,7 @@ def test_a_run_serves_one_caller_at_a_time():
     def compute():
         while not done.is_set():
             try:
-                run.run.advance(*run.buffers)
+                run.run.advance()
             except RuntimeError as error:
                 told.append(str(error))
 

@@ -32,7 +32,7 @@ FAST = one_body(1e9, t_end=100.0)
 def test_the_ledger_of_one_long_stretch_is_kept_in_many_calls(engine):
     trajectory = open_trajectory(FAST, engine, ledger=True, momentum=True)
     evaluations, worked_to = 0, 0.0
-    for block in islice(trajectory.blocks(), 1, 5):
+    for block in islice(trajectory.blocks(), 4):
         totals = trajectory.totals
         assert totals["evaluations"] - evaluations < 1.2 * WORK_AT_ONCE
         assert block.worked_to > worked_to
@@ -49,7 +49,7 @@ def test_the_disturbances_of_one_long_stretch_are_carried_in_many_calls(engine, 
     overdamped = replace(one_body(c=1e8, t_end=100.0), method=method)
     trajectory = open_trajectory(overdamped, engine, tangent=2)
     pieces, worked_to = 0, 0.0
-    for block in islice(trajectory.blocks(), 1, 5):
+    for block in islice(trajectory.blocks(), 4):
         totals = trajectory.totals
         assert totals["tangent_pieces"] - pieces < WORK_AT_ONCE
         assert block.worked_to > worked_to
@@ -64,7 +64,7 @@ def test_the_disturbances_of_many_calls_add_up_as_in_one():
         trajectory = open_trajectory(long, engine, tangent=2)
         pieces[engine] = len(list(trajectory.blocks()))
         totals[engine] = {name: np.asarray(value).tolist() for name, value in trajectory.totals.items()}
-    assert pieces["c"] > 2 and pieces["python"] > 2
+    assert pieces["c"] > 1 and pieces["python"] > 2
     assert str(totals["c"]) == str(totals["python"])
 
 
@@ -76,7 +76,7 @@ def test_a_stretch_of_many_calls_adds_up_as_one():
         trajectory = open_trajectory(scene, engine, ledger=True)
         calls[engine] = len(list(trajectory.blocks()))
         totals[engine] = {name: float(value).hex() for name, value in trajectory.totals.items()}
-    assert calls["c"] > 2 and calls["python"] > calls["c"]
+    assert calls["c"] > 1 and calls["python"] > calls["c"]
     assert totals["c"] == totals["python"]
 
 
@@ -103,7 +103,7 @@ def test_steps_of_a_run_without_events_come_in_many_calls():
         bodies, links, stops, (Friction("f", 0, GROUND, 1.0, 1.0, 0.0),), t_end=1e9, every_num=10**8
     )
     trajectory, steps = open_trajectory(chain, "c"), 0
-    for _ in islice(trajectory.blocks(), 1, 4):
+    for _ in islice(trajectory.blocks(), 3):
         assert trajectory.totals["steps"] - steps < WORK_AT_ONCE / 2
         steps = trajectory.totals["steps"]
 

@@ -1,6 +1,7 @@
 """The C engine as a trajectory: packs the scene, adds modes as they are met, decides what C leaves open."""
 
 from array import array
+from time import monotonic
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from vibsim.physics.numbers import Doubles
 from vibsim.physics.period import common_period
 
 SAMPLE_ROOM, EVENT_ROOM, SECTION_ROOM = 16384, 4096, 1024
+SECONDS = 0.1  # between two blocks where Python decides: Ctrl-C is heard there
 ACCUMULATION, DIVERGED, UNDECIDED = 1, 2, 3
 REASONS = {ACCUMULATION: "accumulation", DIVERGED: "diverged"}
 ASK, CROSS, STAND = range(3)
@@ -87,7 +89,8 @@ class CRun:
         self.extremes = (len(extremes[0]) + (scene.motor is not None)) if extremes else 0
         state, status, known = resume or self._begun(start_of(scene, Doubles))
         self.first = state.copy(), status
-        self._buffers(len(status.codes), SECTION_ROOM if section and self._keep_section() else 0)
+        self.section_room = SECTION_ROOM if section and self._keep_section() else 0
+        self._fill_new_arrays()
         self.doubts.run = self.run
         for t in self.doubts.early:
             self.run.doubt(t)
@@ -95,7 +98,7 @@ class CRun:
 
     def _set_off(self, state, status, known):
         number = self._mode(status)  # which may know more keys
-        self.filled = self.run.start(number, pack_state(state), self._known(known, 0), *self.buffers)
+        self.run.start(number, pack_state(state), self._known(known, 0))
 
     def restart(self, state, end, vectors):
         """Begin anew from `state` at t = 0 and run to `end` [s], with disturbances to be carried as they are:
@@ -119,13 +122,17 @@ class CRun:
             self.run.keep_section(period.cycles, period.cycles_lo, period.turns)
         return period is not None or self.scene.motor is not None
 
-    def _buffers(self, parts, section_room):
-        self.samples = np.empty((3 + 2 * self.n, SAMPLE_ROOM))
-        self.sample_modes = np.empty((parts, SAMPLE_ROOM), dtype="i1")
-        self.events = np.empty((5 + 3 * self.n, EVENT_ROOM))
-        self.event_codes = np.empty((2 + parts, EVENT_ROOM), dtype="i1")
-        self.section = np.empty((3 + 2 * self.n + 2 * self.extremes, section_room))
-        self.buffers = self.samples, self.sample_modes, self.events, self.event_codes, self.section
+    def _fill_new_arrays(self):
+        """Let C fill new arrays, one row per column: samples, sample modes, events, event codes, section."""
+        n, parts, extremes = self.n, len(self.first[1].codes), 2 * self.extremes
+        self.arrays = (
+            np.empty((3 + 2 * n, SAMPLE_ROOM)),
+            np.empty((parts, SAMPLE_ROOM), dtype="i1"),
+            np.empty((5 + 3 * n, EVENT_ROOM)),
+            np.empty((2 + parts, EVENT_ROOM), dtype="i1"),
+            np.empty((3 + 2 * n + extremes, self.section_room)),
+        )
+        self.run.fill(*self.arrays)
 
     def _mode(self, status):
         """Number of a mode in C; adds it where it is new."""
@@ -149,32 +156,37 @@ class CRun:
 
     def blocks(self):
         """Yield (samples, sample modes, events, event codes, section), arrays of one row per column, and
-        (time reached, time worked out to); raises EngineError.
+        (time reached, time worked out to); raises EngineError. What is yielded holds until a restart.
         """
-        yield self._block(*self.filled)
-        finished = 0
+        finished, told = 0, monotonic()
         while not finished:
-            *counts, finished, status = self.run.advance(*self.buffers)
-            yield self._block(*counts)
+            *counts, finished, status = self.run.advance()
             if status == UNDECIDED:
                 number, event, values = self.run.pending()
                 if self._set_rule(number, event):
                     continue
                 *counts, finished, status = self._decide(number, event, State(*values))
-                yield self._block(*counts)
+                if not finished and status not in REASONS and monotonic() - told < SECONDS:
+                    continue
+            yield self._block(counts, finished)
+            told = monotonic()
             if status in REASONS:
                 raise EngineError(REASONS[status], State(*self.run.tally()["state"]))
 
-    def _block(self, samples, events, section):
+    def _block(self, counts, finished):
+        """What C has filled, whose arrays are given away where they hold much and copied where they are to
+        be filled again.
+        """
+        samples, events, section = counts
+        of = zip(self.arrays, (samples, samples, events, events, section), strict=True)
+        rows = [array[:, :count] for array, count in of]
+        if samples > SAMPLE_ROOM // 4 or events > EVENT_ROOM // 4 or section > SECTION_ROOM // 4:
+            self._fill_new_arrays()
+        elif not finished:
+            rows = [row.copy() for row in rows]
+            self.run.fill(*self.arrays)
         tally = self.run.tally()
-        return (
-            self.samples[:, :samples].copy(),
-            self.sample_modes[:, :samples].copy(),
-            self.events[:, :events].copy(),
-            self.event_codes[:, :events].copy(),
-            self.section[:, :section].copy(),
-            (tally["state"][0], tally["worked_to"]),
-        )
+        return *rows, (tally["state"][0], tally["worked_to"])
 
     def state_at(self, t):
         """(time, x and v of each body, rotor angle, its speed) at t [s] before the next event; t ascending
@@ -196,7 +208,7 @@ class CRun:
         kinds = array("i", (EVENT_KINDS[kind] for kind, _ in happened)).tobytes()
         parts = array("i", (part for _, part in happened)).tobytes()
         known = self._known(known, -1)
-        taken = self.run.take(target, pack_state(state), known, kinds, parts, *self.buffers)
+        taken = self.run.take(target, pack_state(state), known, kinds, parts)
         passed = self.automaton.blows(rows.events[event])
         if self.meters and passed:
             V = value_and_rate(Doubles, self.scene.base, state.t)[1]

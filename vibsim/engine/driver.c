@@ -101,18 +101,11 @@ void write_state(const Run *r, double *row, long room, const State *s)
     row[room] = s->w;
 }
 
-static void write_codes(const Run *r, signed char *row, long room)
+static void write_codes(const Run *r, signed char *row, long room, int count)
 {
     int i;
     for (i = 0; i < r->parts; i++)
-        row[i * room] = (signed char)r->mode->codes[i];
-}
-
-static void write_sample(const Run *r, Buffers *b, const State *s)
-{
-    long i = b->sample_count++;
-    write_state(r, b->samples + i, b->sample_room, s);
-    write_codes(r, b->sample_modes + i, b->sample_room);
+        memset(row + i * room, (signed char)r->mode->codes[i], (size_t)count);
 }
 
 /* Keep an event; v, w: velocities of the bodies and speed of the rotor in front of it. */
@@ -129,7 +122,7 @@ static void record(Run *r, Buffers *b, int kind, int part, const double *v, doub
     before[r->bodies * room] = w;
     b->event_codes[i] = (signed char)kind;
     b->event_codes[room + i] = (signed char)part;
-    write_codes(r, b->event_codes + 2 * room + i, room);
+    write_codes(r, b->event_codes + 2 * room + i, room, 1);
 }
 
 static void finish(Run *r, Buffers *b)
@@ -362,18 +355,60 @@ static int take_by_rule(Run *r, Buffers *b)
     return 0;
 }
 
+static void sample_one(Run *r, double t, double *row, long room)
+{
+    flow_state(r, t, &r->scratch);
+    write_state(r, row, room, &r->scratch);
+}
+
+/* The closed form keeps the time it was evaluated at last: the last sample is taken by itself, and the first one if it is there. */
+static void sample_closed_form(Run *r, const double *times, const double *tau, int count, double *row, long room)
+{
+    const int first = tau[0] == r->closed_form.tau, last = count - 1;
+    int ahead = last, i;
+    if (last - first > 2) {
+        ahead = first + closed_form_samples(r, tau + first, last - first, row + first, room);
+        r->evaluations += last - ahead;
+        memcpy(row + ahead, times + ahead, sizeof(double) * (size_t)(last - ahead));
+    }
+    for (i = 0; i < ahead; i++)
+        sample_one(r, times[i], row + i, room);
+    sample_one(r, times[last], row + last, room);
+}
+
+static void sample_at(Run *r, Buffers *b, const double *times, int count)
+{
+    double tau[SAMPLES_AT_ONCE], *row = b->samples + b->sample_count;
+    int i;
+    for (i = 0; i < count; i++)
+        tau[i] = times[i] - r->t0;
+    if (r->closed) {
+        sample_closed_form(r, times, tau, count, row, b->sample_room);
+    } else {
+        memcpy(row, times, sizeof(double) * (size_t)count);
+        taylor_samples(r, tau, count, row, b->sample_room);
+    }
+    write_codes(r, b->sample_modes + b->sample_count, b->sample_room, count);
+    b->sample_count += count;
+    r->next_sample += count;
+}
+
 /* Samples in [now, end), or up to and including the end of the run; 0 when the buffer is full before that. */
 static int sample(Run *r, Buffers *b)
 {
-    double t = sample_time(r, r->next_sample), end = r->pending_end;
-    int last = end >= r->t_end;
+    const double end = r->pending_end;
+    const int last = end >= r->t_end;
+    double times[SAMPLES_AT_ONCE], t = sample_time(r, r->next_sample);
     while (t < end || (last && t <= end)) {
-        if (b->sample_count >= b->sample_room)
+        long space = b->sample_room - b->sample_count;
+        int count = 0;
+        while (count < SAMPLES_AT_ONCE && count < space && (t < end || (last && t <= end))) {
+            times[count++] = t;
+            t = sample_time(r, r->next_sample + count);
+        }
+        if (count == 0)
             return 0;
-        flow_state(r, t, &r->scratch);
-        write_sample(r, b, &r->scratch);
-        r->next_sample++;
-        t = sample_time(r, r->next_sample);
+        sample_at(r, b, times, count);
     }
     return 1;
 }

@@ -15,6 +15,7 @@
 #define SERIES (MAX_ORDER + 2)
 #define SERIES_TERMS 26
 #define NODE_COUNT 12 /* of the quadrature */
+#define SAMPLES_AT_ONCE 32
 #define WORK_AT_ONCE 100000 /* evaluations of the motion of two bodies between two returns to Python */
 #define EPS 1.1102230246251565e-16 /* 2^-53, unit round-off */
 
@@ -206,6 +207,7 @@ typedef struct {
     Motion *motions; /* by coordinate */
     Response *responses;
     double *sin0, *cos0, *sines, *cosines, *sine, *cosine; /* by harmonic: at the anchor, here, and of the angle between */
+    double (*at_once)[SAMPLES_AT_ONCE]; /* rows of closed_form_samples.c */
     double *x0, *v0, *rest, base[JET + 1], tau; /* rest: of each body, what does not move in this segment */
     Search search;
 } ClosedForm;
@@ -307,6 +309,7 @@ void taylor_set(Run *r);
 void taylor_enter(Run *r, const State *state);
 double taylor_advance(Run *r, double limit, int *event);
 void taylor_state_after(Run *r, double tau, State *out);
+void taylor_samples(Run *r, const double *tau, int count, double *row, long room);
 double taylor_spin_rate(const Run *r, double tau);
 void taylor_value_and_slope(const Run *r, const Event *e, double tau, double *value, double *slope); /* but for known zeros */
 
@@ -323,6 +326,9 @@ void closed_form_evaluate(Run *r, double tau);
 void closed_form_measure(Run *r);
 void closed_form_jets(Run *r, int n);
 void closed_form_state_after(Run *r, double tau, State *out);
+
+/* closed_form_samples.c */
+int closed_form_samples(Run *r, const double *tau, int count, double *row, long room);
 
 /* closed_form_search.c */
 void closed_form_open(Run *r);

@@ -40,7 +40,9 @@ static int room_for_flows(Run *r)
     c->responses = room(coordinates * harmonics, sizeof(Response));
     c->sin0 = room(harmonics * 6, sizeof(double));
     c->x0 = room(3 * columns, sizeof(double));
-    if (!f->table || !f->loaded_on || !f->load || !r->force || !r->state.x || !c->motions || !c->responses || !c->sin0 || !c->x0)
+    c->at_once = room(2 * (harmonics + coordinates), sizeof *c->at_once);
+    if (!f->table || !f->loaded_on || !f->load || !r->force || !r->state.x || !c->motions || !c->responses || !c->sin0 || !c->x0 ||
+        !c->at_once)
         return 0;
     f->values = f->table + SERIES * row;
     r->state.v = r->state.x + n;
@@ -598,6 +600,7 @@ void run_free(Run *r)
     free(r->closed_form.responses);
     free(r->closed_form.sin0);
     free(r->closed_form.x0);
+    free(r->closed_form.at_once);
     free(r->closed_form.search.watched);
     free(r->closed_form.search.residues);
     free(r->closed_form.search.events);

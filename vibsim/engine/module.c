@@ -6,10 +6,14 @@
 #include "modes.h"
 #include "tangent.h"
 
+enum { BUFFERS = 5 };
+
 typedef struct {
     PyObject_HEAD
     Run run;
-    int started, busy;
+    Buffers buffers; /* what is filled, of the arrays in `views` */
+    Py_buffer views[BUFFERS];
+    int started, busy, view_count;
 } RunObject;
 
 static int reader_of(const Py_buffer *ints, const Py_buffer *doubles, Reader *in)
@@ -43,9 +47,17 @@ static PyObject *Run_new(PyTypeObject *type, PyObject *args, PyObject *named)
     return (PyObject *)self;
 }
 
+static void release(Py_buffer *views, int count)
+{
+    int i;
+    for (i = 0; i < count; i++)
+        PyBuffer_Release(&views[i]);
+}
+
 static void Run_dealloc(RunObject *self)
 {
     run_free(&self->run);
+    release(self->views, self->view_count);
     Py_TYPE(self)->tp_free((PyObject *)self);
 }
 
@@ -148,7 +160,7 @@ static PyObject *keep_extremes(RunObject *self, PyObject *args)
     int kept = 0;
     if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
         return NULL;
-    if (self->started || self->run.extremes.numbers)
+    if (self->started || self->view_count || self->run.extremes.numbers)
         PyErr_SetString(PyExc_ValueError, "too late for extremes");
     else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = extremes_read(&self->run, &in)))
         PyErr_SetString(PyExc_ValueError, "the packed numbers are no extremes");
@@ -225,11 +237,28 @@ static int buffers_of(const Run *r, Py_buffer *views, Buffers *b)
     return 0;
 }
 
-static void release(Py_buffer *views, int count)
+static PyObject *fill(RunObject *self, PyObject *args)
 {
-    int i;
-    for (i = 0; i < count; i++)
-        PyBuffer_Release(&views[i]);
+    Py_buffer v[BUFFERS];
+    Buffers b;
+    if (!PyArg_ParseTuple(args, "w*w*w*w*w*", &v[0], &v[1], &v[2], &v[3], &v[4]))
+        return NULL;
+    if (!idle(self) || buffers_of(&self->run, v, &b) != 0) {
+        release(v, BUFFERS);
+        return NULL;
+    }
+    release(self->views, self->view_count);
+    memcpy(self->views, v, sizeof v);
+    self->view_count = BUFFERS;
+    self->buffers = b;
+    Py_RETURN_NONE;
+}
+
+/* What is in the buffers by now, and what became of the run. */
+static PyObject *progress(const RunObject *self)
+{
+    const Buffers *b = &self->buffers;
+    return Py_BuildValue("lllii", b->sample_count, b->event_count, b->section_count, self->run.finished, self->run.status);
 }
 
 /* Packed state: t, x of each body, v of each body, phase, turns, w. */
@@ -286,23 +315,23 @@ static int read_known(const Run *r, const Py_buffer *view, int *known)
 static PyObject *start(RunObject *self, PyObject *args)
 {
     Run *r = &self->run;
-    Py_buffer v[7];
-    Buffers b;
+    Py_buffer v[2];
     int mode, k;
     PyObject *result = NULL;
-    if (!PyArg_ParseTuple(args, "iy*y*w*w*w*w*w*", &mode, &v[0], &v[1], &v[2], &v[3], &v[4], &v[5], &v[6]))
+    if (!PyArg_ParseTuple(args, "iy*y*", &mode, &v[0], &v[1]))
         return NULL;
-    if (!idle(self) || self->started || mode < 0 || mode >= r->mode_count) {
+    if (!idle(self) || self->started || !self->view_count || mode < 0 || mode >= r->mode_count) {
         if (!PyErr_Occurred())
             PyErr_SetString(PyExc_ValueError, "cannot start here");
-    } else if (read_state(r, &v[0], &r->state) == 0 && read_known(r, &v[1], r->known) == 0 && buffers_of(r, v + 2, &b) == 0) {
+    } else if (read_state(r, &v[0], &r->state) == 0 && read_known(r, &v[1], r->known) == 0) {
         for (k = 0; k < r->key_count; k++)
             r->known[k] = r->known[k] < 0 ? 0 : r->known[k];
         self->started = 1;
-        run_start(r, mode, &b);
-        result = Py_BuildValue("lll", b.sample_count, b.event_count, b.section_count);
+        self->buffers.sample_count = self->buffers.event_count = self->buffers.section_count = 0;
+        run_start(r, mode, &self->buffers);
+        result = progress(self);
     }
-    release(v, 7);
+    release(v, 2);
     return result;
 }
 
@@ -323,24 +352,17 @@ static int ready(RunObject *self)
     return self->started && idle(self);
 }
 
-static PyObject *advance(RunObject *self, PyObject *args)
+static PyObject *advance(RunObject *self, PyObject *none)
 {
-    Run *r = &self->run;
-    Py_buffer v[5];
-    Buffers b;
-    PyObject *result = NULL;
-    if (!PyArg_ParseTuple(args, "w*w*w*w*w*", &v[0], &v[1], &v[2], &v[3], &v[4]))
+    (void)none;
+    if (!ready(self))
         return NULL;
-    if (ready(self) && buffers_of(r, v, &b) == 0) {
-        self->busy = 1;
-        Py_BEGIN_ALLOW_THREADS
-        run_advance(r, &b);
-        Py_END_ALLOW_THREADS
-        self->busy = 0;
-        result = Py_BuildValue("lllii", b.sample_count, b.event_count, b.section_count, r->finished, r->status);
-    }
-    release(v, 5);
-    return result;
+    self->busy = 1;
+    Py_BEGIN_ALLOW_THREADS
+    run_advance(&self->run, &self->buffers);
+    Py_END_ALLOW_THREADS
+    self->busy = 0;
+    return progress(self);
 }
 
 static PyObject *pending(RunObject *self, PyObject *none)
@@ -354,26 +376,25 @@ static PyObject *pending(RunObject *self, PyObject *none)
 static PyObject *take(RunObject *self, PyObject *args)
 {
     Run *r = &self->run;
-    Py_buffer v[9];
-    Buffers b;
+    Py_buffer v[4];
     int mode;
     PyObject *result = NULL;
-    if (!PyArg_ParseTuple(args, "iy*y*y*y*w*w*w*w*w*", &mode, &v[0], &v[1], &v[2], &v[3], &v[4], &v[5], &v[6], &v[7], &v[8]))
+    if (!PyArg_ParseTuple(args, "iy*y*y*y*", &mode, &v[0], &v[1], &v[2], &v[3]))
         return NULL;
     if (ready(self) && r->status == UNDECIDED && mode >= 0 && mode < r->mode_count && v[2].len == v[3].len &&
-        read_state(r, &v[0], &r->next) == 0 && read_known(r, &v[1], r->behind) == 0 && buffers_of(r, v + 4, &b) == 0) {
+        read_state(r, &v[0], &r->next) == 0 && read_known(r, &v[1], r->behind) == 0) {
         int count = (int)(v[2].len / (Py_ssize_t)sizeof(int)), i, fits = count <= 3 * r->parts + 2;
         for (i = 0; fits && i < count; i++)
             fits = ((const int *)v[2].buf)[i] >= START && ((const int *)v[2].buf)[i] < KINDS;
         if (fits) {
             r->status = OK;
-            run_take(r, &b, mode, count, v[2].buf, v[3].buf);
-            result = Py_BuildValue("lllii", b.sample_count, b.event_count, b.section_count, r->finished, r->status);
+            run_take(r, &self->buffers, mode, count, v[2].buf, v[3].buf);
+            result = progress(self);
         }
     }
     if (!result && !PyErr_Occurred())
         PyErr_SetString(PyExc_ValueError, "not what can follow the pending event");
-    release(v, 9);
+    release(v, 4);
     return result;
 }
 
@@ -535,21 +556,22 @@ static PyMethodDef methods[] = {
     {"keep_ledger", (PyCFunction)keep_ledger, METH_VARARGS, "keep_ledger(ints, doubles): before the start"},
     {"set_meters", (PyCFunction)set_meters, METH_VARARGS, "set_meters(mode, ints, doubles): what the ledger integrates there"},
     {"keep_tangent", (PyCFunction)keep_tangent, METH_VARARGS, "keep_tangent(ints, doubles): before the start"},
-    {"keep_extremes", (PyCFunction)keep_extremes, METH_VARARGS, "keep_extremes(ints, doubles): before the start"},
+    {"keep_extremes", (PyCFunction)keep_extremes, METH_VARARGS, "keep_extremes(ints, doubles): before the start and `fill`"},
     {"keep_section", (PyCFunction)keep_section, METH_VARARGS,
      "keep_section(cycles, cycles_lo, turns): the period; before the start"},
     {"set_rule", (PyCFunction)set_rule, METH_VARARGS,
      "set_rule(mode, event, (rule, target, other, hold, kind, part, key, order)): what follows the event"},
-    {"start", (PyCFunction)start, METH_VARARGS,
-     "start(mode, state, known, samples, sample_modes, events, event_codes, section) -> (samples, events, section)"},
+    {"fill", (PyCFunction)fill, METH_VARARGS,
+     "fill(samples, sample_modes, events, event_codes, section): arrays that take what is computed from now on, from their start"},
+    {"start", (PyCFunction)start, METH_VARARGS, "start(mode, state, known) -> as advance"},
     {"rewind", (PyCFunction)rewind_run, METH_VARARGS,
      "rewind(t_end): as before the start, without disturbances; modes and rules are kept"},
-    {"advance", (PyCFunction)advance, METH_VARARGS,
-     "advance(samples, sample_modes, events, event_codes, section) -> (samples, events, finished, status)\n\n"
-     "Compute on until a buffer is full, a slice of work is done, Python has to decide or the run ends."},
+    {"advance", (PyCFunction)advance, METH_NOARGS,
+     "advance() -> (samples, events, section, finished, status): how many the arrays hold\n\n"
+     "Compute on until an array is full, a slice of work is done, Python has to decide or the run ends."},
     {"pending", (PyCFunction)pending, METH_NOARGS, "pending() -> (mode, event, state) that Python has to decide"},
     {"take", (PyCFunction)take, METH_VARARGS,
-     "take(mode, state, known, kinds, parts, samples, sample_modes, events, event_codes, section) -> as advance\n\n"
+     "take(mode, state, known, kinds, parts) -> as advance\n\n"
      "Go on behind the pending event; known: order by key, -1 where nothing is said."},
     {"add_entry", (PyCFunction)add_entry, METH_VARARGS, "add_entry(entry, value): to the ledger, what an event adds"},
     {"doubt", (PyCFunction)doubt_here, METH_VARARGS, "doubt(t): count what happened at t as not proved"},

@@ -128,8 +128,34 @@ static void watch_turns(Certificate *c, const double *series, int count, double 
     }
 }
 
-static int may_turn(const double *series, int count, int order, double total, double swing, double h)
+/* Bound of the curvature within h, times h^2. */
+static double curvature_of(const double *series, int count, double h)
 {
+    double curvature = 0.0, power = h;
+    int n;
+    for (n = 1; n < count; n++) {
+        if (n > 1)
+            curvature = curvature + n * (n - 1) * (fabs(series[n]) * power);
+        power = power * h;
+    }
+    return curvature;
+}
+
+/* Bound of the slope within h, times h. */
+static double swing_of(const double *series, int count, double h)
+{
+    double swing = 0.0, power = h;
+    int n;
+    for (n = 1; n < count; n++) {
+        swing = swing + n * (fabs(series[n]) * power);
+        power = power * h;
+    }
+    return swing;
+}
+
+static int may_turn(const double *series, int count, int order, double total, double h)
+{
+    double swing = swing_of(series, count, h);
     if (order > 0)
         return order * series[0] <= swing + order * (total - series[0]);
     return count > 1 && 2 * fabs(series[1]) * h <= swing;
@@ -163,32 +189,28 @@ int polynomial_first_root(Certificate *c, const double *coefficients, int count,
                           double *end)
 {
     const double *series;
-    double total, fall = 0.0, curvature = 0.0, swing = 0.0, power = h, term = 0.0, before = 0.0, error;
+    double total, fall, power = h, term = 0.0, before = 0.0, error;
     int order = known, n, outcome = POSITIVE;
     while (order < count && coefficients[order] == 0)
         order++;
     if (order == count)
         return POSITIVE;
     series = coefficients + order;
+    count = count - order;
     total = fabs(series[0]);
-    for (n = 1; n < count - order; n++) {
+    fall = 0.0;
+    for (n = 1; n < count; n++) {
         before = term;
         term = fabs(series[n]) * power;
         total = total + term;
-        swing = swing + n * term;
-        if (n > 1) {
-            curvature = curvature + n * (n - 1) * term;
-            fall = fall + term;
-        } else if (series[1] < 0) {
-            fall = fall + term;
-        }
+        fall = n > 1 || series[1] < 0 ? fall + term : fall;
         power = power * h;
     }
     error = 4 * EPS * total + (before + term);
     if (series[0] - error - fall <= 0)
-        outcome = march(c, series, count - order, error, curvature / (h * h), t0, h, end);
+        outcome = march(c, series, count, error, curvature_of(series, count, h) / (h * h), t0, h, end);
     if (keep_margin && series[0] - fall < c->margin &&
-        may_turn(series, count - order, order, total, swing, h))
-        watch_turns(c, coefficients, count, t0, outcome == POSITIVE ? h : *end - t0);
+        may_turn(series, count, order, total, h))
+        watch_turns(c, coefficients, count + order, t0, outcome == POSITIVE ? h : *end - t0);
     return outcome;
 }

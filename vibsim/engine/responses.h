@@ -44,12 +44,18 @@ static inline double constant_response(const Oscillator *o, double t, double rel
     return t * t * horner(o->steady_series, SERIES_TERMS, o->rate * t);
 }
 
+/* Whether the difference of two modes would cancel at the time t, its square given. */
+static inline int is_resonant(const Oscillator *o, double square)
+{
+    double detuning = o->wd - o->omega;
+    return o->oscillates && (o->a * o->a + detuning * detuning) * square < RESONANT;
+}
+
 static inline void harmonic_response(const Oscillator *o, double t, double release, double impulse, double cosine, double sine,
                        double *hc, double *hs, double *dc, double *ds)
 {
-    double square = t * t, detuning = o->wd - o->omega;
-    int resonant = o->oscillates && (o->a * o->a + detuning * detuning) * square < RESONANT;
-    if (o->beating * (square * square) >= QUARTER * QUARTER && !resonant) {
+    double square = t * t;
+    if (o->beating * (square * square) >= QUARTER * QUARTER && !is_resonant(o, square)) {
         double nr = cosine - release, ni = sine - o->omega * impulse, vr, vi;
         *hc = nr * o->inverse_r + ni * o->inverse_i;
         *hs = ni * o->inverse_r - nr * o->inverse_i;

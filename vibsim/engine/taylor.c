@@ -255,6 +255,28 @@ double taylor_spin_rate(const Run *r, double tau)
     return rate;
 }
 
+/* Writes states at times tau of the step into rows as `write_state` does. */
+void taylor_samples(Run *r, const double *tau, int count, double *row, long room)
+{
+    const Taylor *f = &r->taylor;
+    double *values = f->values, *rates = values + f->rates, turns, phase;
+    const int n = r->bodies;
+    int i, c;
+    for (i = 0; i < count; i++, row++) {
+        dense_output(f, tau[i], values);
+        for (c = 0; c < n; c++) {
+            row[(1 + 2 * c) * room] = values[c];
+            row[(2 + 2 * c) * room] = rates[c];
+        }
+        row[(1 + 2 * n) * room] = row[(2 + 2 * n) * room] = 0.0;
+        if (r->has_motor) {
+            phase = reduce_angle(values[n], &turns);
+            row[(1 + 2 * n) * room] = unwind(phase, f->turns + turns);
+            row[(2 + 2 * n) * room] = rates[n];
+        }
+    }
+}
+
 void taylor_state_after(Run *r, double tau, State *out)
 {
     Taylor *f = &r->taylor;
