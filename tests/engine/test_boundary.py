@@ -11,7 +11,7 @@ from vibsim.cases import load_case
 from vibsim.engine import _engine
 from vibsim.engine.c_engine import CRun
 from vibsim.engine.packing import pack_mode, pack_scene, pack_state
-from vibsim.engine.packing_tangent import pack_bundle, pack_disturbances
+from vibsim.engine.packing_tangent import DisturbancePacker, pack_bundle
 from vibsim.engine.tangent_space import dimension, length
 
 HUGE = (2**31 - 1, 10**6, -(10**6), -(2**31))
@@ -69,7 +69,7 @@ def test_numbers_cut_short_or_too_many_are_refused(which, part):
 def bundles(of, run):
     """Disturbances as they go into C: those whose growth is told, and given ones."""
     ends, size = run.maker.ends, length(of)
-    return pack_bundle(of, dimension(of), 0.0, ends), pack_disturbances(of, np.eye(size), ends)
+    return pack_bundle(of, dimension(of), 0.0, ends), DisturbancePacker(of, ends).packed(np.eye(size))
 
 
 @pytest.mark.parametrize("of", (PAPER, DRILL), ids=("II-B", "drill"))
