@@ -61,12 +61,12 @@ def _leaves(model: type[Section], prefix: str) -> Iterator[tuple[str, Measured |
         inner = list(section_models(field.annotation))
         for _, section in inner:
             yield from _leaves(section, f"{key}.")
-        measured = _measured(field)
+        measured = measured_in(field)
         if measured or not inner:
             yield key, measured
 
 
-def _measured(field: Any) -> Measured | None:
+def measured_in(field: Any) -> Measured | None:
     """The Measured annotation of a field, or of one of the variants of its value."""
     for item in field.metadata:
         if isinstance(item, Measured):

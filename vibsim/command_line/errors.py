@@ -1,8 +1,4 @@
-"""From exceptions to messages and exit codes.
-
-0 ok, 1 a bug (traceback), 2 usage, 3 invalid case, 4 run failed, 5 sweep with failed points, 6 file trouble,
-130 and 143 interrupted; 141 when nobody reads the output any more.
-"""
+"""From exceptions to messages and exit codes."""
 
 import errno
 import os
@@ -15,6 +11,19 @@ import click
 
 INVALID_CASE, RUN_FAILED, FAILED_POINTS, FILE_TROUBLE = 3, 4, 5, 6
 INTERRUPTED, BROKEN_PIPE, TERMINATED = 130, 141, 143
+
+EXIT_CODES = {
+    0: "done",
+    1: "a bug: a traceback; please report it",
+    click.UsageError.exit_code: "a command line that cannot be followed",
+    INVALID_CASE: "an invalid case",
+    RUN_FAILED: "a run, or a check of `verify`, failed",
+    FAILED_POINTS: "a sweep ended with failed points",
+    FILE_TROUBLE: "a file is missing, damaged, in the way or cannot be written",
+    INTERRUPTED: "interrupted by Ctrl-C; everything finished so far is kept",
+    BROKEN_PIPE: "nobody reads the output any more",
+    TERMINATED: "interrupted by SIGTERM; everything finished so far is kept",
+}
 
 
 class OutputClosed(Exception):
