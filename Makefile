@@ -9,11 +9,11 @@ PAPER := I-A I-B I-C I-A-eq211 I-B-eq211 I-C-eq211 II-A II-B II-C
 BUILD_ENGINE := $(BIN)/python setup.py -q build_ext --inplace --force
 SANITIZED := tests/engine tests/kernel tests/events tests/flows tests/tangent tests/sweeps
 
-.PHONY: help env run paper test fuzz sanitize verify lint figures sweep sommerfeld bench budgets truths clean
+.PHONY: help env run paper test docs article fuzz sanitize verify lint figures sweep sommerfeld bench budgets truths clean
 .DEFAULT_GOAL := help
 
 help: ## list the targets
-	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /  make \1\t/' | expand -t 18
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  make \1\t/' | expand -t 18
 
 env: $(STAMP) ## set up .venv with vibsim, its C engine and the development tools
 
@@ -33,6 +33,18 @@ paper: $(STAMP) ## reproduce and audit the paper: results/paper/report.html
 test: $(STAMP) ## run the test suite in parallel
 	$(BIN)/python -m pytest -n auto -q
 
+docs: $(STAMP) ## build the site and run the gallery: build/site/index.html; warnings are errors
+	$(BIN)/python -c "import sphinx, myst_parser, furo" 2>/dev/null || \
+	  $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going -b html docs build/site
+
+article: $(STAMP) ## make the article about vibsim with its references: build/article.html
+	mkdir -p build
+	$(BIN)/python -c "import pypandoc" 2>/dev/null || \
+	  $(BIN)/python -m pip install --quiet --disable-pip-version-check pypandoc_binary
+	$(BIN)/python -c "import pypandoc; pypandoc.convert_file('paper.md', 'html', outputfile='build/article.html', \
+	  extra_args=['--citeproc', '--standalone', '--fail-if-warnings'])"
+
 fuzz: $(STAMP) ## throw three thousand mutants of cases, command lines and files at vibsim (COUNT=, SEED=)
 	$(BIN)/python -m tests.fuzz --count $(or $(COUNT),3000) --seed $(or $(SEED),1)
 
@@ -50,7 +62,7 @@ truths: $(STAMP) ## compute the stored truths of `vibsim verify` anew (ten minut
 	$(BIN)/python -m vibsim.evidence.verification.truth_making
 
 lint: $(STAMP) ## check style and types
-	$(BIN)/ruff check vibsim tests setup.py
+	$(BIN)/ruff check vibsim tests docs setup.py
 	$(BIN)/mypy vibsim
 
 figures: $(STAMP) ## run the nine cases and draw each one's overview into figures/
@@ -76,7 +88,7 @@ sommerfeld: $(STAMP) ## the showcase (ten minutes; goes on where it was stopped)
 	$(BIN)/vibsim plot results/capture-map.h5 --kind capture --width page -o docs/capture-map.png --force
 	$(BIN)/vibsim plot results/capture-map.h5 --kind regime -o results/regime-map.png --force
 
-bench: $(STAMP) ## measure speed against error beside other solvers, and draw README's picture of it
+bench: $(STAMP) ## measure speed against error beside other solvers, and draw the picture of docs/speed.md
 	mkdir -p results
 	-$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,bench]'
 	$(BIN)/vibsim bench II-B -o results/II-B-bench.h5 --force
@@ -86,6 +98,6 @@ budgets: $(STAMP) ## measure the speed budgets on this machine
 	$(BIN)/python tests/budgets/budgets.py
 
 clean: ## remove the environment, builds, results and figures
-	rm -rf $(VENV) build *.egg-info results figures .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) build dist docs/generated *.egg-info results figures .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find vibsim tests -name __pycache__ -type d -prune -exec rm -rf {} +
 	rm -f vibsim/engine/*.so

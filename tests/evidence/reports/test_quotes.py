@@ -1,4 +1,4 @@
-"""What the report, README and case files put into quotation marks is the paper's, word for word."""
+"""What the report, docs/paper.md and case files put into quotation marks is the paper's, word for word."""
 
 import re
 from hashlib import sha256
@@ -80,12 +80,9 @@ def test_every_claim_quotes_the_paper():
     assert all(quote in QUOTES.values() for claim in paper_claims() for quote in claim.quotes)
 
 
-def test_readme_quotes_the_paper_rightly():
-    """The section on departures uses straight marks; the commands elsewhere are no quotes."""
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    section = readme.partition("## Departures from the paper")[2].partition("\n## ")[0]
-    section = re.sub(r"\s+", " ", section)
-    quoted = re.findall(r'"([^"]+)"', section)
+def test_the_page_on_the_paper_quotes_it_rightly():
+    page = (ROOT / "docs" / "paper.md").read_text(encoding="utf-8")
+    quoted = re.findall(r'"([^"]+)"', re.sub(r"\s+", " ", page))
     assert quoted
     assert [words for words in quoted if not any(words in text for text in TEXTS)] == []
 

@@ -1,0 +1,114 @@
+"""The gallery's pages: every case is run and drawn while the site is built, and its number measured."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+from from_code.gallery_numbers import NUMBERS, Number, agreement
+from from_code.markdown import code, fence, plain, table
+from vibsim import load_case, simulate
+from vibsim.cases import Case
+from vibsim.cases.sources import gallery_case_names
+from vibsim.plots.machine import draw_machine_file
+from vibsim.plots.picture import draw_files
+from vibsim.plots.view import View
+
+HEAD = """# Gallery
+
+Models of the literature and of mechanics, each run while this site was built. A page has the source, the
+case, the picture of a run, and what was published or follows from a law beside what this run measured; the
+build fails where the two differ by more than the bound that the page states.
+
+"""
+Write = Callable[[Path, str], None]
+
+
+def write_gallery(folder: Path, write: Write) -> None:
+    """Write the index, and for each case a page with its pictures."""
+    folder.mkdir(exist_ok=True)
+    cases = [load_case(name) for name in gallery_case_names()]
+    measured = {case.name: _measured(case.name) for case in cases}
+    for case in cases:
+        _draw(case, folder)
+        write(folder / f"{case.name}.md", _page(case, measured[case.name]))
+    write(folder / "index.md", _index(cases, measured))
+
+
+def _measured(name: str) -> list[tuple[Number, float]]:
+    return [(number, number.measured(name)) for number in NUMBERS[name]]
+
+
+def _draw(case: Case, folder: Path) -> None:
+    """The overview of a run, and the machine alone."""
+    run = folder / f"{case.name}.h5"
+    simulate(case).save(run, force=True)
+    draw_files([str(run)], None, View(), str(folder / f"{case.name}.png"), True)
+    draw_machine_file(case, str(folder / f"{case.name}-machine.png"), True)
+    run.unlink()
+
+
+def _index(cases: list[Case], measured: dict[str, list[tuple[Number, float]]]) -> str:
+    lines = [
+        (
+            f"[{plain(case.name)}]({case.name}.md)",
+            plain(case.title),
+            "; ".join(f"{plain(number.what)}: {agreement(number, value)}" for number, value in rows),
+        )
+        for case, rows in ((case, measured[case.name]) for case in cases)
+    ]
+    names = "\n".join(case.name for case in cases)
+    contents = f"```{{toctree}}\n:hidden:\n\n{names}\n```\n"
+    return HEAD + table(("case", "", "published and ours agree"), lines) + "\n" + contents
+
+
+def _page(case: Case, measured: list[tuple[Number, float]]) -> str:
+    source, looked_at = (comment(case.text, label) for label in ("Source", "What to look at"))
+    command = f"vibsim run gallery/{case.name}\nvibsim plot {case.name}.h5"
+    return "\n".join(
+        [
+            f"# {case.name}",
+            "",
+            f"{plain(case.title)}.",
+            "",
+            f"**Source.** {plain(source)}",
+            "",
+            f"**What to look at.** {plain(looked_at)}",
+            "",
+            _numbers(measured),
+            f"![Overview of a run of {case.name}: the machine, and its motion]({case.name}.png)",
+            "",
+            "## The machine",
+            "",
+            f"![Schematic of {case.name}, with names and values]({case.name}-machine.png)",
+            "",
+            fence(_withoutcomment(case.text), "yaml"),
+            fence(command, "sh"),
+        ]
+    )
+
+
+def _numbers(measured: list[tuple[Number, float]]) -> str:
+    rows = [
+        (
+            plain(number.what),
+            code(f"{number.published:.14g} {number.unit}".strip()),
+            code(f"{value:.14g} {number.unit}".strip()),
+            f"{agreement(number, value)}; bound "
+            f"{plain(f'{number.within:g} {number.unit}')}: {number.because}",
+            plain(number.origin),
+        )
+        for number, value in measured
+    ]
+    return table(("quantity", "expected", "vibsim", "agreement", "expected by"), rows)
+
+
+def comment(text: str, label: str) -> str:
+    """A paragraph of the comment at the top of a case file."""
+    comment = re.sub(r"(?m)^# ?", "", text.partition("\n\nname:")[0])
+    paragraphs = comment.split("\n\n")
+    return next(p for p in paragraphs if p.startswith(f"{label}: ")).removeprefix(f"{label}: ")
+
+
+def _withoutcomment(text: str) -> str:
+    """A case file from its name on."""
+    return text[text.index("\nname:") + 1 :]

@@ -1,0 +1,82 @@
+"""Pages made from the code say something of everything, and the gallery's numbers are met."""
+
+import re
+
+import pytest
+
+from from_code import PAGES
+from from_code.attribute_meanings import MEANINGS
+from from_code.gallery import comment
+from from_code.gallery_numbers import NUMBERS, Number
+from from_code.markdown import plain
+from vibsim.cases import load_case
+from vibsim.cases.forms import LONG, SHORT
+from vibsim.cases.keys import all_keys
+from vibsim.cases.sources import gallery_case_names
+from vibsim.command_line.errors import EXIT_CODES
+from vibsim.command_line.main import COMMANDS
+from vibsim.evidence.benchmark import bench_structure
+from vibsim.fitting import fit_structure
+from vibsim.results import trajectory_structure
+from vibsim.sweeps.store import sweep_structure
+
+CASES = [name.partition("/")[2] for name in gallery_case_names()]
+WITH_NUMBERS = [(name, number) for name, numbers in NUMBERS.items() for number in numbers]
+
+
+@pytest.fixture(scope="module", params=PAGES)
+def page(request):
+    return request.param, PAGES[request.param]()
+
+
+def test_tables_are_whole(page):
+    """All rows of a table have as many cells."""
+    _, text = page
+    for block in text.split("\n\n"):
+        rows = [line for line in block.splitlines() if line.startswith("|")]
+        assert len({len(re.findall(r"(?<!\\)\|", row)) for row in rows}) <= 1, block[:300]
+
+
+def test_every_attribute_has_a_meaning():
+    declared = [
+        attribute.name
+        for structure in (trajectory_structure, sweep_structure, fit_structure, bench_structure)
+        for attribute in structure.ATTRIBUTES
+    ]
+    assert set(declared) == set(MEANINGS)
+
+
+def test_every_key_is_on_the_page_of_keys():
+    text = PAGES["case-keys"]()
+    for form in (SHORT, LONG):
+        for key in all_keys(form):
+            assert f"| `{key.removesuffix('.*').rpartition('.')[2]}` |" in text, key
+
+
+def test_every_command_and_exit_code_has_its_place():
+    text = PAGES["commands"]()
+    assert re.findall(r"^## vibsim (\w+)$", text, flags=re.MULTILINE) == [*COMMANDS]
+    codes = re.findall(r"^\| (\d+) \|", PAGES["exit-codes"](), flags=re.MULTILINE)
+    assert [int(code) for code in codes] == [*EXIT_CODES]
+
+
+def test_every_case_of_the_gallery_has_a_number_and_a_source():
+    assert set(CASES) == set(NUMBERS)
+    for name in CASES:
+        text = load_case(f"gallery/{name}").text
+        assert comment(text, "Source") and comment(text, "What to look at")
+
+
+@pytest.mark.parametrize(("name", "number"), WITH_NUMBERS, ids=lambda value: getattr(value, "what", value))
+def test_a_number_of_the_gallery_is_met(name, number):
+    assert abs(number.measured(name) - number.published) <= number.within
+
+
+def test_a_number_that_is_off_stops_the_build():
+    off = Number("rest", 4.0, "s", "nobody", lambda run: run().attrs["t_reached_s"], 1e-3, "no reason")
+    with pytest.raises(ArithmeticError, match=r"bouncing-ball: rest: 5\.0, published 4\.0"):
+        off.measured("bouncing-ball")
+
+
+def test_what_markdown_would_read_as_markup_is_escaped():
+    assert plain("a_b |x|\n <c>") == r"a\_b \|x\| \<c\>"

@@ -1,0 +1,72 @@
+"""Commands on README and the pages run as printed, and print what is shown: labels, not the numbers."""
+
+import re
+import shlex
+import shutil
+
+import pytest
+
+from tests.command_line.made import call
+from tests.docs.pages import PAGES, README, ROOT, blocks, commands, files, name_of
+
+LABEL = re.compile(r"^  (\w+(?: \w+)?)\s")
+INVALID_CASE = 3
+WITH_COMMANDS = [path for path in PAGES if any(command.startswith("vibsim") for command, _ in commands(path))]
+WITH_PYTHON = [path for path in PAGES if blocks(path, "python")]
+
+
+def labels(lines):
+    """The labels in front of a summary's values."""
+    return [match.group(1) for match in map(LABEL.match, lines) if match]
+
+
+def run(command):
+    """Run one `vibsim` command of a page here; its lines of output, both streams."""
+    _, *words = shlex.split(command)
+    done = call(*words)
+    assert done.exit_code == (INVALID_CASE if "wrong" in command else 0), f"{command}\n{done.output}"
+    return done.output.splitlines()
+
+
+def test_pages_with_commands_are_tested():
+    names = {name_of(path) for path in WITH_COMMANDS}
+    assert {"README.md", "docs/start.md", "docs/tutorials/own-case.md", "docs/tutorials/trust.md"} <= names
+
+
+@pytest.mark.parametrize("path", WITH_COMMANDS, ids=name_of)
+def test_the_commands_run_as_printed(path, tmp_path, monkeypatch):
+    shutil.copytree(ROOT / "cases", tmp_path / "cases")
+    for name, text in files(path).items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    for command, shown in commands(path):
+        if command.startswith("vibsim"):
+            assert labels(run(command)) == labels(shown), command
+    run_python(path)
+
+
+@pytest.mark.parametrize("path", [path for path in WITH_PYTHON if path not in WITH_COMMANDS], ids=name_of)
+def test_the_python_runs(path, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    run_python(path)
+
+
+def run_python(path):
+    """Run the Python blocks of a page one after the other, in one namespace."""
+    names = {}
+    for code in blocks(path, "python"):
+        exec(compile(code, name_of(path), "exec"), names)
+
+
+def test_make_run_and_make_test_are_shown_and_exist():
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    for target in ("run", "test", "docs"):
+        assert f"$ make {target}" in README.read_text(encoding="utf-8")
+        assert re.search(rf"^{target}:", makefile, flags=re.MULTILINE)
+
+
+def test_readme_is_a_newcomers_page():
+    """Two screens, one picture."""
+    text = README.read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 120
+    assert len(re.findall(r"!\[", text)) == 1

@@ -1,0 +1,96 @@
+"""Whatever is cited is there: links and pictures of pages, and files that code, tests and pages name."""
+
+import re
+import subprocess
+from functools import cache
+
+import pytest
+
+from tests.docs.pages import DOCS, PAGES, ROOT, name_of
+
+LINK = re.compile(r"\]\(([^)\s]+)\)")
+OUTSIDE = ("http://", "https://", "mailto:")
+# a path with a folder and an ending of a text of ours; `NAME`, `*` and {braces} stand for others
+PATH = re.compile(r"(?<![\w./~<{*-])((?:[a-z_]+/)+[A-Za-z0-9_-]+\.(?:md|py|c|h|yaml|json|png))(?![\w*])")
+# folders of the repository that a cited path may start in, and what it is then relative to
+TOP = ("vibsim", "tests", "docs", "cases", "shared", "notes")
+ROOMS = ("physics", "engine", "cases", "files", "results", "sweeps", "analysis", "fitting", "evidence")
+ROOMS += ("plots", "command_line", "orbits", "branches")
+MADE = ("docs/generated/",)  # by the build of the site
+
+
+@cache
+def tracked():
+    """Files of the repository; all that lie there where git is not."""
+    listed = subprocess.run(
+        ["git", "ls-files", "--cached", "--others", "--exclude-standard"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if listed.returncode:
+        return {str(path.relative_to(ROOT)) for path in ROOT.rglob("*") if path.is_file()}
+    return {*listed.stdout.splitlines()}
+
+
+def texts():
+    """Source files and pages that may cite others."""
+    endings = (".py", ".c", ".h", ".md", ".yaml", ".toml", ".yml")
+    return sorted(
+        name for name in tracked() if name.endswith(endings) or name in ("Makefile", ".ci/run", "setup.py")
+    )
+
+
+def cited(text):
+    """Paths that a text names as files of this repository."""
+    for path in PATH.findall(text):
+        first = path.partition("/")[0]
+        if first in TOP or (first in ROOMS and path.endswith((".py", ".c", ".h"))):
+            yield path
+
+
+def is_there(path):
+    """Whether a path is in the repository, from its top, vibsim/ or tests/; or made, or a placeholder."""
+    if path.startswith(MADE) or "NAME" in path:
+        return True
+    return any(f"{folder}{path}" in tracked() for folder in ("", "vibsim/", "tests/"))
+
+
+def missing(text):
+    """Cited paths that are not in the repository."""
+    return sorted({path for path in cited(text) if not is_there(path)})
+
+
+@pytest.mark.parametrize("path", PAGES, ids=name_of)
+def test_links_and_pictures_lead_somewhere(path):
+    for target in LINK.findall(path.read_text(encoding="utf-8")):
+        file = target.partition("#")[0]
+        if target.startswith(OUTSIDE) or not file:
+            continue
+        place = (path.parent / file).resolve()
+        assert place.is_relative_to(DOCS / "generated") or place.is_file(), target
+
+
+def test_nothing_cites_a_file_that_is_not_in_the_repository():
+    faults = {}
+    for name in texts():
+        if name == "tests/docs/test_references.py":
+            continue
+        text = (ROOT / name).read_text(encoding="utf-8")
+        if absent := missing(text):
+            faults[name] = absent
+    assert faults == {}
+
+
+@pytest.mark.parametrize(
+    ("text", "absent"),
+    [
+        ("see shared/physics.md", ["shared/physics.md"]),
+        ("see docs/nosuch.md, docs/engine.md", ["docs/nosuch.md"]),
+        ("`results/structure.py`", ["results/structure.py"]),
+        ("`engine/rows.py` and `physics/parts.py`", []),
+    ],
+)
+def test_what_is_missing_is_found(text, absent):
+    assert missing(text) == absent
