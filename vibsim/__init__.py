@@ -18,7 +18,7 @@ Names are imported when they are used, so `import vibsim` costs next to nothing.
 
 from typing import TYPE_CHECKING
 
-from vibsim.lazy_names import lazy_names
+from vibsim.lazy_names import FRONT, lazy_names
 
 if TYPE_CHECKING:
     from vibsim.analysis import (
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from vibsim.fitting import FitResult as FitResult
     from vibsim.fitting import fit as fit
     from vibsim.opening import open_result as open_result
+    from vibsim.plots.from_python import plot as plot
     from vibsim.results import Result as Result
     from vibsim.results import ResultFileError as ResultFileError
     from vibsim.results import simulate as simulate
@@ -48,6 +49,8 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
+FRONT |= {"plot": "vibsim.plots.from_python:plot"}
+
 __getattr__, __dir__, __all__ = lazy_names(
     __name__,
     {
@@ -55,6 +58,7 @@ __getattr__, __dir__, __all__ = lazy_names(
         "vibsim.cases": ["Case", "CaseError", "load_case"],
         "vibsim.fitting": ["FitResult", "fit"],
         "vibsim.opening": ["open_result"],
+        "vibsim.plots.from_python": ["plot"],
         "vibsim.results": ["Result", "ResultFileError", "simulate"],
         "vibsim.sweeps": ["SweepResult", "join", "sweep"],
     },

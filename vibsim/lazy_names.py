@@ -5,6 +5,9 @@ from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from typing import Any
 
+# What lower rooms call of the highest ones, by name -> "module:name"; the package itself fills it in
+FRONT: dict[str, str] = {}
+
 Lazy = tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]
 
 

@@ -3,7 +3,8 @@ import pytest
 from vibsim.plots.errors import PlotError
 from vibsim.plots.registry import KINDS, NEEDS, choose, fitting, kind_named
 
-ALWAYS = {"overview", "displacement", "velocity", "phase", "relative", "stiffness"}
+SPECTRA = {"spectrum", "spectrogram", "waterfall"}
+ALWAYS = {"overview", "displacement", "velocity", "phase", "relative", "stiffness"} | SPECTRA
 PERIODIC = {"impact-velocity", "stroboscopic", "phase-drift-free"}
 FITTING = {
     "ideal": ALWAYS | PERIODIC,
@@ -27,7 +28,8 @@ def test_which_kinds_fit(subject, name):
 
 
 def test_together_only_what_fits_both(subject):
-    assert {kind.name for kind in fitting([subject("bare"), subject("motor")])} == FITTING["bare"]
+    both = {kind.name for kind in fitting([subject("bare"), subject("motor")])}
+    assert both == FITTING["bare"] - {"spectrogram"}
 
 
 def test_unknown_kind_names_the_nearest():

@@ -154,6 +154,9 @@ def test_kinds_that_need_a_source_say_so(row):
         "phase",
         "relative",
         "impact-velocity",
+        "spectrum",
+        "spectrogram",
+        "waterfall",
         "stiffness",
     ]
     with pytest.raises(PlotError, match=r"it needs a periodic source, and run\.h5 has none"):

@@ -9,12 +9,12 @@ import click
 from click.shell_completion import CompletionItem
 
 from vibsim.command_line.examples import examples
-from vibsim.command_line.parameters import OneOf
+from vibsim.command_line.parameters import FiniteRange, OneOf
 from vibsim.command_line.settings import Settings
 from vibsim.command_line.terminal import print_json, say
 from vibsim.plots.errors import PlotError
 from vibsim.plots.registry import KINDS, NEEDS, fitting
-from vibsim.plots.view import WIDTHS_CM, Span, View, parse_span
+from vibsim.plots.view import WIDTHS_CM, Span, View, parse_size, parse_span
 
 
 class KindNames(click.ParamType):
@@ -45,6 +45,20 @@ class SpanOfTime(click.ParamType):
             self.fail(str(error), param, ctx)
 
 
+class Size(click.ParamType):
+    """WIDTHxHEIGHT in centimetres."""
+
+    name = "size"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, float]:
+        try:
+            return parse_size(value)
+        except PlotError as error:
+            self.fail(str(error), param, ctx)
+
+
 EXAMPLES = examples(
     "vibsim plot II-B.h5",
     "vibsim plot II-B.h5 --kind relative -o II-B.pdf",
@@ -54,6 +68,8 @@ EXAMPLES = examples(
     "vibsim plot II-A II-B II-C --kind motor",
     "vibsim plot hysteresis.h5 --kind sommerfeld,power --window 4:6",
     "vibsim plot map.h5 --kind capture,regime --width page",
+    "vibsim plot II-B.h5 --x x1 --y v1 --window 100:120 --size 12x9 --font-size 10",
+    "vibsim plot II-B.h5 --kind spectrogram",
 )
 
 
@@ -72,7 +88,14 @@ EXAMPLES = examples(
     "--detail", type=SpanOfTime(), metavar="A:B", help="Span to enlarge in time histories, in seconds."
 )
 @click.option("-o", "--output", "out", metavar="FILE", help="Picture to write: .png, .pdf or .svg.")
+@click.option("--x", metavar="COLUMN", help="With --y: any two columns against each other, such as x1.")
+@click.option("--y", metavar="COLUMN", help="The other; of events: events/v1.")
 @click.option("--width", type=OneOf(list(WIDTHS_CM)), help="Width in a journal: 8.6 cm or 17.8 cm.")
+@click.option("--size", type=Size(), metavar="WxH", help="Width and height in cm, such as 12x8.")
+@click.option("--font-size", type=FiniteRange(4, 40), metavar="PT", help="Size of the text. [default: 8]")
+@click.option(
+    "--style", "sheet", metavar="FILE", help="A matplotlib style sheet, laid over vibsim's; none: no style."
+)
 @click.option("--force", is_flag=True, help="Replace pictures that exist.")
 @click.option(
     "--list", "list_kinds", is_flag=True, help="List the kinds, or those that fit the files, and stop."
@@ -85,7 +108,12 @@ def command(
     window: Span | None,
     detail: Span | None,
     out: str | None,
+    x: str | None,
+    y: str | None,
     width: str | None,
+    size: tuple[float, float] | None,
+    font_size: float | None,
+    sheet: str | None,
     force: bool,
     list_kinds: bool,
 ) -> None:
@@ -100,7 +128,11 @@ def command(
         raise click.UsageError("give at least one FILE, or --list")
     from vibsim.plots.picture import draw_files
 
-    _report(ctx.obj, draw_files(files, kinds, View(window, detail, width), out, force))
+    if size and width:
+        raise click.UsageError("--size and --width say the same; choose one")
+    view = View(window, detail, width, size, x, y)
+    style = True if sheet is None else False if sheet == "none" else sheet
+    _report(ctx.obj, draw_files(files, kinds, view, out, force, style, font_size))
 
 
 def _list(settings: Settings, files: tuple[str, ...]) -> None:

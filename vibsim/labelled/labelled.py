@@ -5,6 +5,7 @@ from typing import Any
 
 from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.html import html_of
+from vibsim.lazy_names import FRONT, named
 
 LABEL_WIDTH = 16
 LISTED = 10  # names of columns that are listed
@@ -70,6 +71,19 @@ class Labelled:
         from vibsim.labelled.dataframe import dataframe_of
 
         return dataframe_of(self.arrays(), along)
+
+    def plot(self, kind: str | None = None, **how: Any) -> Any:
+        """Draw the result and return the matplotlib axes: those of its one panel, or a list of several.
+
+        Everything that `vibsim.plot` takes, by name: `ax`, `window`, `detail`, `style`, `size` and so on.
+
+        >>> import vibsim
+        >>> result = vibsim.simulate(vibsim.load_case("II-B", {"run.t_end": "2 s"}))
+        >>> axes = result.plot(kind="relative", window=(1, 2))
+        >>> axes.get_xlabel()
+        'Relative displacement $x_1 - x_2$ (µm)'
+        """
+        return named(FRONT["plot"])(self, kind, **how)
 
     def __repr__(self) -> str:
         lines = [f"  {label:{LABEL_WIDTH}}{text}" for label, text in self.lines()]

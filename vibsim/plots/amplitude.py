@@ -13,6 +13,7 @@ from vibsim.plots.frequency_marks import mark_frequencies
 from vibsim.plots.quantities import Scale, scale_for
 from vibsim.plots.relative_motion import difference
 from vibsim.plots.sheet import letter_panels, note, sheet
+from vibsim.plots.style import points
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_axes import along, axis_label, is_speed
 from vibsim.plots.sweep_curves import (
@@ -52,7 +53,7 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     note(panels[0], "; ".join(filter(None, [omitted, words])))
     if all(is_speed(subject.result.axes[along(subject.result)].key) for subject in subjects):
         mark_frequencies(list(panels), frequencies(subjects), (view.width_cm - 1.6) * 28)
-    figure.supylabel("Amplitude", fontsize=8)
+    figure.supylabel("Amplitude", fontsize=points(8))
     panels[-1].set_xlabel(axis_label(subjects))
     name_curves(figure, list(panels), drawn)
     letter_panels(list(panels))

@@ -11,7 +11,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.transforms import Bbox
 
-LOOK = {"fontsize": 6.5, "gid": "name"}
+from vibsim.plots.style import points
+
+FONT_SIZE = 6.5
 APART = 4.0  # pt between a point and its curve's name
 CLEARANCE = 2.5  # pt around a curve that no name may touch
 ALIGNMENTS = (  # horizontal, vertical: where the name stands from the point, the better first
@@ -51,7 +53,8 @@ def _write(axes: Axes, curve: Named, covered: Sequence[Bbox]) -> Bbox:
         for across, along in ALIGNMENTS:
             text = axes.annotate(
                 curve.name, (x, y), (APART * SIDE[across], APART * SIDE.get(along, 0.0)),
-                textcoords="offset points", ha=across, va=along, **{**LOOK, **curve.look},
+                textcoords="offset points", ha=across, va=along,
+                **{"fontsize": points(FONT_SIZE), "gid": "name", **curve.look},
             )  # fmt: skip
             box = text.get_window_extent()
             if _inside(box, axes.bbox) and not _overlaps(box, covered):

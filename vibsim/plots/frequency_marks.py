@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from vibsim.plots.margin_labels import FONT_SIZE, LINE_HEIGHT, spread
 from vibsim.plots.natural_frequencies import Frequency
-from vibsim.plots.style import GREY
+from vibsim.plots.style import GREY, points
 
 NAME_PT = 8  # names above the axes
 TITLE_PT = 9  # and above a title
@@ -25,8 +25,9 @@ def mark_frequencies(panels: Sequence[Axes], frequencies: Sequence[Frequency], w
     low, high = panels[0].get_xlim()
     inside = sorted((f for f in frequencies if low <= f.hz <= high), key=lambda f: f.hz)
     at = np.array([(f.hz - low) / (high - low) for f in inside])
-    places = spread(at, FONT_SIZE * LINE_HEIGHT / width_pt)
-    above = NAME_PT + (TITLE_PT if any(panels[0].get_title(loc) for loc in ("left", "right")) else 0)
+    places = spread(at, points(FONT_SIZE) * LINE_HEIGHT / width_pt)
+    titles = [panels[0].get_title(loc) for loc in ("left", "right")]
+    above = NAME_PT + TITLE_PT * max(len(title.split("\n")) if title else 0 for title in titles)
     for frequency, x, place in zip(inside, at, places, strict=True):
         for axes in panels:
             axes.axvline(
@@ -35,6 +36,6 @@ def mark_frequencies(panels: Sequence[Axes], frequencies: Sequence[Frequency], w
         panels[0].annotate(
             f"{frequency.label}  {frequency.hz:.2f}", (x, 1.0), (place, above),
             xycoords="axes fraction", textcoords=("axes fraction", "offset points"),
-            ha="center", va="bottom", rotation=90, fontsize=FONT_SIZE, color="0.25",
+            ha="center", va="bottom", rotation=90, fontsize=points(FONT_SIZE), color="0.25",
             arrowprops={"arrowstyle": "-", "linewidth": 0.4, "color": GREY, "shrinkA": 1, "shrinkB": 0},
         )  # fmt: skip

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from vibsim.plots.style import GREY
+from vibsim.plots.style import GREY, points
 
 LINE_HEIGHT = 1.25  # of a label, in font sizes
 FONT_SIZE = 6.5
@@ -33,7 +33,7 @@ def draw_levels(axes: Axes, levels: Sequence[Level], height_pt: float, named: bo
     low, high = axes.get_ylim()
     inside = sorted((level for level in levels if low <= level.value <= high), key=lambda level: level.value)
     heights = np.array([(level.value - low) / (high - low) for level in inside])
-    places = spread(heights, FONT_SIZE * LINE_HEIGHT / height_pt)
+    places = spread(heights, points(FONT_SIZE) * LINE_HEIGHT / height_pt)
     for level, height, place in zip(inside, heights, places, strict=True):
         axes.axhline(
             level.value, **{"color": GREY, "linewidth": 0.5, "zorder": 2.95, "gid": "level", **level.look}
@@ -43,7 +43,7 @@ def draw_levels(axes: Axes, levels: Sequence[Level], height_pt: float, named: bo
         axes.annotate(
             level.label, (1.0, height), (8, place),
             xycoords="axes fraction", textcoords=("offset points", "axes fraction"),
-            ha="left", va="center", fontsize=FONT_SIZE, color="0.25",
+            ha="left", va="center", fontsize=points(FONT_SIZE), color="0.25",
             arrowprops={"arrowstyle": "-", "linewidth": 0.4, "color": GREY, "shrinkA": 1, "shrinkB": 0},
         )  # fmt: skip
 

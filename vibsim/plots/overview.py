@@ -16,6 +16,7 @@ from vibsim.plots.relative import relative_panel
 from vibsim.plots.samples import common_window
 from vibsim.plots.sheet import CM, legend_above, letter_panels, sheet
 from vibsim.plots.spans import detail_span
+from vibsim.plots.style import points
 from vibsim.plots.subject import Subject
 from vibsim.plots.time_history import Curve, Panel, curve_groups, histories, is_short
 from vibsim.plots.time_marks import mark_detail
@@ -102,7 +103,7 @@ def _finish(figure: Figure, page: Page, subjects: Sequence[Subject]) -> None:
     legend_above(page.tops[0])
     letter_panels(page.panels)
     figure.align_ylabels()
-    figure.suptitle(_heading(subjects), x=0.01, ha="left", fontsize=8)
+    figure.suptitle(_heading(subjects), x=0.01, ha="left", fontsize=points(8))
 
 
 def _machine(subjects: Sequence[Subject], view: View) -> tuple[float, float] | None:
@@ -126,7 +127,7 @@ def _page(view: View, subjects: Sequence[Subject], groups: int, whole: bool) -> 
     figure = sheet(view, height)
     engine = figure.get_layout_engine()
     assert isinstance(engine, ConstrainedLayoutEngine)
-    engine.set(rect=(0, 0, 1, 1 - (size[1] + APART_CM) / height))
+    engine.set(rect=(0, 0, 1, 1 - (size[1] + APART_CM) / (figure.get_figheight() / CM)))
     return replace(_panels(figure, wide, groups, whole), machine=_head(figure, size))
 
 

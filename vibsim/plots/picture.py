@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vibsim.plots.errors import PlotError
-from vibsim.plots.registry import Kind, choose
+from vibsim.plots.registry import COLUMNS, Kind, choose
 from vibsim.plots.subject import Subject, open_subjects
 from vibsim.plots.view import View
 
@@ -23,7 +22,13 @@ NAMED_AT_MOST = 3  # subjects spelt out in a default file name
 
 
 def draw_files(
-    paths: Sequence[str], names: Sequence[str] | None, view: View, out: str | None = None, force: bool = False
+    paths: Sequence[str],
+    names: Sequence[str] | None,
+    view: View,
+    out: str | None = None,
+    force: bool = False,
+    sheet: str | bool = True,
+    font_size: float | None = None,
 ) -> list[str]:
     """Draw what is in some files, one picture per kind; the names of the pictures written.
 
@@ -34,14 +39,27 @@ def draw_files(
     out : the picture; None for `<file>-<kind>.png` here. Several kinds become the pages of a PDF, or
     `<out>-<kind>` files
     force : replace existing pictures
+    sheet, font_size : see `style.applied`
 
     Raises PlotError, CaseError and ResultFileError; nothing is drawn before all of that is checked.
     """
     subjects = open_subjects(paths)
-    kinds = choose(names, subjects)
+    kinds = chosen_kinds(subjects, names, view)
     targets = name_targets(subjects, kinds, out)
     check_targets(targets, force)
-    return _draw(subjects, kinds, view, targets, force)
+    from vibsim.plots import style
+
+    with style.applied(sheet, font_size):
+        return _draw(subjects, kinds, view, targets, force)
+
+
+def chosen_kinds(subjects: Sequence[Subject], names: Sequence[str] | None, view: View) -> list[Kind]:
+    """The kinds to draw; two columns that the view names take their place. Raises PlotError."""
+    if view.x is None and view.y is None:
+        return choose(names, subjects)
+    if names is not None:
+        raise PlotError(f"kind {', '.join(names)}: two columns are drawn in the place of a kind; choose one")
+    return [COLUMNS]
 
 
 def name_targets(subjects: Sequence[Subject], kinds: Sequence[Kind], out: str | None) -> list[str]:
@@ -81,15 +99,12 @@ def _stem(subjects: Sequence[Subject]) -> str:
 def _draw(
     subjects: Sequence[Subject], kinds: Sequence[Kind], view: View, targets: Sequence[str], force: bool
 ) -> list[str]:
-    from vibsim.plots import style
-
-    with style.applied():
-        figures = (kind.draw(subjects, replace(view, width=view.width or kind.width)) for kind in kinds)
-        if len(targets) < len(kinds):
-            _write_pages(list(figures), targets[0], force)
-        else:
-            for figure, target in zip(figures, targets, strict=True):
-                write_figure(figure, target, force)
+    figures = (kind.draw(subjects, view.for_kind(kind.width)) for kind in kinds)
+    if len(targets) < len(kinds):
+        _write_pages(list(figures), targets[0], force)
+    else:
+        for figure, target in zip(figures, targets, strict=True):
+            write_figure(figure, target, force)
     return list(targets)
 
 

@@ -76,6 +76,14 @@ KINDS = (
         "impact-velocity", "trajectory", "closing velocity of each impact: time, phase, histogram", ("stop",)
     ),
     Kind("stroboscopic", "trajectory", "relative motion once per period of the source", ("excitation",)),
+    Kind("spectrum", "trajectory", "amplitude spectra of the displacements, natural frequencies marked"),
+    Kind(
+        "spectrogram",
+        "trajectory",
+        "amplitude over time and frequency, with the motor's speed",
+        alone=True,
+    ),
+    Kind("waterfall", "trajectory", "spectra one behind the other: of pieces of a run, or of several runs"),
     Kind("stiffness", "case", "force of springs and stops against the relative displacement", ("springs",)),
     Kind("motor", "case", "torque of the motor against its speed", ("motor",)),
     Kind("sommerfeld", "sweep", "steady speed of the motor against its no-load speed", ("motor", "Omega0")),
@@ -105,6 +113,9 @@ KINDS = (
     Kind("fit", "fit", "price of the candidates over the free parameters", ("free parameters",), alone=True),
     Kind("work-precision", "bench", "error against computing time of every method", width="page"),
 )
+
+# drawn where two columns are named, and not one of `all`: any result of columns has it
+COLUMNS = Kind("columns", "result", "any two columns against each other (--x and --y)")
 
 NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
     "motor": ("a motor", lambda subject: subject.scene.has_motor),

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from vibsim.physics.parts import BASE, GROUND, RigidStop, Scene, Stop
 from vibsim.physics.two_blocks import is_papers
 from vibsim.plots.quantities import Scale, symbol
-from vibsim.plots.style import GREY
+from vibsim.plots.style import GREY, points
 from vibsim.plots.user_text import as_text
 
 DISPLACEMENT = "$x_1 - x_2$"
@@ -58,5 +58,5 @@ def draw_stop_line(axes: Axes, position: float, scale: Scale, text: str) -> None
     if text:
         axes.annotate(
             text, (at, 1), (0, 2), xycoords=("data", "axes fraction"), textcoords="offset points",
-            ha="center", va="bottom", fontsize=7, color=GREY,
+            ha="center", va="bottom", fontsize=points(7), color=GREY,
         )  # fmt: skip

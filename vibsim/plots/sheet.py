@@ -14,7 +14,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
-from vibsim.plots.style import GREY
+from vibsim.plots.style import GREY, points
 from vibsim.plots.view import Span, View
 
 CM = 1 / 2.54  # inch
@@ -27,9 +27,19 @@ HANDLE_CHARACTERS = 7  # what a line sample and its spacing take of that
 
 
 def sheet(view: View, height_cm: float) -> Figure:
-    """An empty figure of the view's width and this height [cm]."""
+    """An empty figure of the view's width and this height [cm], unless the view has a size or a canvas.
+
+    The height is that of text of 8 pt; larger text makes the figure higher.
+    """
+    width, height = view.size_cm or (view.width_cm, height_cm * points(1))
     layout = ConstrainedLayoutEngine(w_pad=0.03, h_pad=0.03, wspace=0.02, hspace=0.03)
-    return Figure(figsize=(view.width_cm * CM, height_cm * CM), layout=layout)
+    canvas = view.canvas or Figure
+    return canvas(figsize=(width * CM, height * CM), layout=layout)
+
+
+def characters(inches: float) -> float:
+    """How many characters of a legend or a note go into a width [inch]."""
+    return inches * CHARACTERS_PER_INCH / points(1)
 
 
 def pixel_columns(axes: Axes) -> int:
@@ -45,12 +55,12 @@ def legend_above(axes: Axes, **options: Any) -> None:
     handles, labels = axes.get_legend_handles_labels()
     if not handles:
         return
-    room = int(_width(axes) * CHARACTERS_PER_INCH)
+    room = int(characters(_width(axes)))
     in_a_row = max(1, room // (max(map(_shown, labels)) + HANDLE_CHARACTERS))
     needed = sum(len(label) + HANDLE_CHARACTERS for label in labels)
     remark = axes.get_title(loc="right").split("\n")
     beside_note = needed + max(map(len, remark)) > room and remark != [""]
-    raise_pt = 3 + NOTE_LINE_PT * len(remark) if beside_note else 3
+    raise_pt = 3 + points(NOTE_LINE_PT) * len(remark) if beside_note else 3
     raised = axes.transAxes + ScaledTranslation(0, raise_pt / 72, _sheet_of(axes).dpi_scale_trans)
     options = {"ncols": len(labels) if needed <= room else in_a_row, **options}
     legend = axes.legend(
@@ -68,7 +78,7 @@ def _shown(label: str) -> int:
 
 def legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[str], **options: Any) -> None:
     """The legend under the picture, in one row if it fits, else in as many columns as do."""
-    room = figure.get_figwidth() * CHARACTERS_PER_INCH
+    room = characters(figure.get_figwidth())
     needed = [len(label) + HANDLE_CHARACTERS for label in labels]
     columns = len(labels) if sum(needed) <= room else max(1, int(room / max(needed)))
     figure.legend(handles, labels, loc="outside lower center", ncols=columns, **options)
@@ -92,14 +102,14 @@ def note(axes: Axes, text: str, above: int = 0) -> None:
 
     above : lines to leave free between the axes and the remark
     """
-    if len(text) > NOTE_SHARE * _width(axes) * CHARACTERS_PER_INCH and "; " in text:
+    if len(text) > NOTE_SHARE * characters(_width(axes)) and "; " in text:
         parts = text.split("; ")
         cut = min(range(1, len(parts)), key=lambda i: max(len("; ".join(p)) for p in (parts[:i], parts[i:])))
         text = "\n".join("; ".join(part) for part in (parts[:cut], parts[cut:]))
     beside = axes.get_title(loc="left")
-    if beside and len(beside) + max(map(len, text.split("\n"))) > _width(axes) * CHARACTERS_PER_INCH:
+    if beside and len(beside) + max(map(len, text.split("\n"))) > characters(_width(axes)):
         text += "\n "  # a line higher than the title
-    axes.set_title(text, loc="right", fontsize=7, color=GREY, pad=3 + above * NOTE_LINE_PT)
+    axes.set_title(text, loc="right", fontsize=points(7), color=GREY, pad=3 + above * points(NOTE_LINE_PT))
 
 
 def above_wider(values: np.ndarray) -> float:

@@ -21,7 +21,7 @@ from vibsim.plots.relative_motion import (
     stops_between,
 )
 from vibsim.plots.sheet import legend_above, letter_panels, note, sheet
-from vibsim.plots.style import BLUE, nested
+from vibsim.plots.style import BLUE, nested, points
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
 
@@ -164,5 +164,5 @@ def _named(
     """A name for the straight part of the curve between two displacements [m], at its middle if it fits."""
     y = start + (end - start) * np.array(PLACES)
     behind = {"facecolor": "white", "edgecolor": "none", "pad": 0.8}  # lines of the axes end there
-    look = {"fontsize": 7, "gid": "slope", "bbox": behind}
+    look = {"fontsize": points(7), "gid": "slope", "bbox": behind}
     return Named(text, scales[0](y), scales[1](spring_force(scene, pair, y)), look)

@@ -5,9 +5,13 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from os import PathLike, fspath
+from pathlib import Path
 from typing import Any
 
 import matplotlib
+
+from vibsim.plots.errors import PlotError
 
 # Okabe and Ito, "Color Universal Design" (2008), dark and light in turn: they print in different greys.
 BLUE, ORANGE, BLACK, SKY, VERMILLION, PINK, GREEN = (
@@ -23,55 +27,53 @@ _COLOURS = (BLUE, ORANGE, BLACK, SKY, VERMILLION, PINK, GREEN)
 THIN = 0.6  # line width of data [pt]
 STEP, WIDEST = 0.8, 2.6  # by how much the lines of several files differ in width, and the widest [pt]
 
-SETTINGS: Any = {
-    "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans"],  # comes with matplotlib: the same picture on every machine
-    "font.size": 8,
-    "axes.titlesize": 8,
-    "axes.labelsize": 8,
-    "xtick.labelsize": 7,
-    "ytick.labelsize": 7,
-    "legend.fontsize": 7,
-    "legend.frameon": False,
-    "legend.borderpad": 0.0,
-    "legend.borderaxespad": 0.0,
-    "legend.handlelength": 2.4,
-    "legend.columnspacing": 1.4,
-    "axes.linewidth": 0.5,
-    "axes.labelpad": 2.5,
-    "axes.xmargin": 0.0,
-    "axes.ymargin": 0.06,
-    "axes.formatter.useoffset": False,
-    "axes.formatter.limits": (-5, 7),
-    "xtick.direction": "in",
-    "ytick.direction": "in",
-    "xtick.top": True,
-    "ytick.right": True,
-    "xtick.major.width": 0.5,
-    "ytick.major.width": 0.5,
-    "xtick.major.size": 2.5,
-    "ytick.major.size": 2.5,
-    "lines.linewidth": THIN,
-    "hatch.linewidth": THIN,
-    "lines.solid_joinstyle": "round",
-    "savefig.dpi": 300,
-    "figure.dpi": 300,
-    "agg.path.chunksize": 20000,
-    "pdf.fonttype": 42,  # TrueType, as journals ask
-    "ps.fonttype": 42,
-    "svg.fonttype": "none",  # text: an editor and a search find the words
-    "svg.hashsalt": "vibsim",  # the same ids in every run: pictures can be compared
-}
+SHEET = Path(__file__).with_name("house.mplstyle")
+SETTINGS: Any = dict(matplotlib.rc_params_from_file(SHEET, use_default_template=False))
+FONTS = [
+    *("font.size", "axes.titlesize", "axes.labelsize", "xtick.labelsize", "ytick.labelsize"),
+    "legend.fontsize",
+]
 
 
 @contextmanager
-def applied() -> Iterator[None]:
-    """Draw and save under these settings, whatever the user's matplotlibrc says."""
+def applied(sheet: str | PathLike[str] | bool = True, font_size: float | None = None) -> Iterator[None]:
+    """Draw and save under these settings, whatever the user's matplotlibrc says.
+
+    sheet : a matplotlib style sheet (its file or name) laid over them; False: the settings in force instead
+    font_size : size of the text [pt]; all other sizes of text keep their ratio to it
+
+    Raises PlotError for a style sheet that matplotlib does not read.
+    """
     with matplotlib.rc_context(), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from font")  # a title in such signs shows boxes
-        matplotlib.rcdefaults()
-        matplotlib.rcParams.update(SETTINGS)
+        if sheet is not False:
+            matplotlib.rcdefaults()
+            matplotlib.rcParams.update(SETTINGS)
+        if not isinstance(sheet, bool):
+            _lay_over(sheet)
+        if font_size is not None:
+            factor = font_size / float(SETTINGS["font.size"])
+            sizes: Any = {name: SETTINGS[name] * factor for name in FONTS}
+            matplotlib.rcParams.update(sizes)
         yield
+
+
+def _lay_over(sheet: str | PathLike[str]) -> None:
+    """Lay a style sheet over the settings in force."""
+    from matplotlib import style
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of keys that this matplotlib has given up
+            style.use(fspath(sheet))
+    except (OSError, ValueError, UnicodeDecodeError) as error:
+        first = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise PlotError(f"{sheet} is no style sheet of matplotlib: {first:.120}") from None
+
+
+def points(size: float) -> float:
+    """A size of text [pt] as it is in vibsim's own 8 pt, at the size in force."""
+    return size * float(matplotlib.rcParams["font.size"]) / float(SETTINGS["font.size"])
 
 
 def overlay(index: int) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from vibsim.plots.errors import PlotError
 from vibsim.plots.user_text import as_text
 
 if TYPE_CHECKING:
@@ -83,9 +84,30 @@ def open_subject(path: str) -> Subject:
     return Subject(path, as_text(case.name), "case", case)
 
 
+def subject_of(result: Any) -> Subject:
+    """The subject that a result or a case in memory is; its path is the name of its case.
+
+    Raises PlotError for anything else.
+    """
+    from vibsim.cases import Case
+
+    if isinstance(result, Case):
+        return Subject(result.name, as_text(result.name), "case", result)
+    attrs = getattr(result, "attrs", {})
+    if "vibsim_kind" not in attrs:
+        raise PlotError(f"this is no result of vibsim and no case: {result!r:.80}")
+    case = result.case
+    return Subject(case.name, as_text(case.name), str(attrs["vibsim_kind"]), case, result)
+
+
 def open_subjects(paths: Sequence[str]) -> list[Subject]:
     """Subjects of several paths; where case names repeat, they go by as much of their paths as differs."""
-    subjects = [open_subject(path) for path in paths]
+    return told_apart([open_subject(path) for path in paths], paths)
+
+
+def told_apart(subjects: Sequence[Subject], paths: Sequence[str]) -> list[Subject]:
+    """The subjects under different names."""
+    subjects = list(subjects)
     names = [subject.name for subject in subjects]
     twins = [i for i, name in enumerate(names) if names.count(name) > 1]
     for i, name in zip(twins, distinct_names([paths[i] for i in twins]), strict=True):

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vibsim.plots.sheet import letter_panels, sheet
+from vibsim.plots.style import points
 from vibsim.plots.sweep_curves import Curve, families
 from vibsim.plots.view import View
 
@@ -81,7 +82,7 @@ def curve_panels(
     for i in range(max(0, len(drawn) - columns), len(drawn)):
         panels[i, -1].tick_params(labelbottom=True)
     for axes, curve in zip(panels[:, 0], drawn, strict=True):
-        axes.set_title(curve.label, loc="left", pad=3, fontsize=7, gid="curve")
+        axes.set_title(curve.label, loc="left", pad=3, fontsize=points(7), gid="curve")
     letter_panels(list(panels.ravel()))
     left_out = f"{len(drawn)} of {len(curves)} curves" if len(drawn) < len(curves) else ""
     return CurvePanels(figure, drawn, panels, left_out)

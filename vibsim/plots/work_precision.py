@@ -18,7 +18,7 @@ from vibsim.evidence.benchmark.verdicts import error_at, faster, most_accurate
 from vibsim.plots.curve_labels import Named, write_names
 from vibsim.plots.errors import PlotError
 from vibsim.plots.sheet import letter_panels, note, sheet
-from vibsim.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, PINK, SKY, VERMILLION
+from vibsim.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, PINK, SKY, VERMILLION, points
 from vibsim.plots.subject import Subject
 from vibsim.plots.user_text import as_text
 from vibsim.plots.view import View
@@ -147,7 +147,7 @@ def _draw_faithful(axes: Axes, drawn: Sequence[Curve], span: float) -> None:
     for place, curve in enumerate(drawn):
         look = {**look_of(curve.family), "linewidth": 0.8}
         axes.plot(curve.faithful, np.full(len(curve.faithful), -place), gid="faithful", **look)
-    axes.set_yticks(-np.arange(len(drawn)), [curve.family.mark for curve in drawn], fontsize=6.5)
+    axes.set_yticks(-np.arange(len(drawn)), [curve.family.mark for curve in drawn], fontsize=points(6.5))
     for label, curve in zip(axes.get_yticklabels(), drawn, strict=True):
         label.set_color(look_of(curve.family)["color"])
     axes.tick_params(axis="y", length=0)

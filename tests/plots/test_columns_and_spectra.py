@@ -1,0 +1,124 @@
+"""Any two columns, and spectra, spectrograms and waterfalls of motions whose frequencies are known."""
+
+import numpy as np
+import pytest
+
+import vibsim
+from tests.command_line.made import call
+from vibsim.plots import columns, spectrogram, spectrum, waterfall
+from vibsim.plots.errors import PlotError
+from vibsim.plots.spectra import pieces
+from vibsim.plots.spectra import spectrum as spectrum_of
+from vibsim.plots.subject import open_subject, subject_of
+from vibsim.plots.view import View
+
+# x = A sin(omega t) / (k / m - omega^2) once the free vibration is set off rightly: v(0) makes it a pure sine
+HZ, K, A = 2.0, 100.0, 1.0
+AMPLITUDE = A / (K - (2 * np.pi * HZ) ** 2)
+FORCED = f"""
+name: forced
+bodies: {{b: 1 kg}}
+links: {{s: {{between: [b, ground], k: {K} N/m}}}}
+forces: {{f: {{on: b, A: {A} N, omega: {HZ} Hz}}}}
+initial: {{b: {{v: {AMPLITUDE * 2 * np.pi * HZ!r} m/s}}}}
+run: {{t_end: 50 s, every: 10 ms}}
+"""
+
+
+@pytest.fixture(scope="module")
+def forced(tmp_path_factory):
+    path = tmp_path_factory.mktemp("forced") / "forced.yaml"
+    path.write_text(FORCED)
+    return subject_of(vibsim.simulate(path))
+
+
+@pytest.fixture(scope="module")
+def sweep():
+    case = vibsim.load_case("II-B", {"run.t_end": "4 s"})
+    return subject_of(vibsim.sweep(case, {"Omega0": "4:6:0.5 Hz"}, section=3, jobs=1))
+
+
+def line(axes, gid):
+    (found,) = [each for each in axes.lines if each.get_gid() == gid]
+    return found.get_xydata().T
+
+
+def test_a_spectrum_has_the_amplitude_of_a_sine_at_its_frequency(forced):
+    hz, amplitudes = spectrum_of(forced, (0.0, 50.0), "x_b")
+    top = np.argmax(amplitudes)
+    assert abs(hz[top] - HZ) <= hz[1]  # to a step of frequency
+    assert amplitudes[top] == pytest.approx(abs(AMPLITUDE), rel=0.01)  # flat to 1 % within half a step
+    axes = spectrum.draw([forced], View()).axes[0]
+    hz, shown = line(axes, "spectrum")
+    assert abs(hz[np.argmax(shown)] - HZ) < 0.05 and axes.get_ylabel() == "Amplitude (mm)"
+
+
+def test_pieces_tell_when_what_vibrates(forced):
+    found = pieces(forced, (0.0, 50.0), "x_b")
+    assert found.amplitudes.shape == (len(found.times), len(found.hz))
+    assert np.all(np.abs(found.hz[found.amplitudes.argmax(axis=1)] - HZ) <= 2 / found.length)
+    assert found.times[0] == pytest.approx(found.length / 2, abs=0.02)
+    assert found.times[-1] <= 50 - found.length / 2 + 0.02
+
+
+def test_a_spectrogram_and_a_waterfall_are_drawn(forced):
+    axes = spectrogram.draw([forced], View()).axes[0]
+    (picture,) = [mesh for mesh in axes.collections if mesh.get_gid() == "spectrogram"]
+    values = np.asarray(picture.get_array())
+    assert values.max() == pytest.approx(1e3 * abs(AMPLITUDE), rel=0.02)
+    rows = [each for each in waterfall.draw([forced], View()).axes[0].lines if each.get_gid() == "spectrum"]
+    assert 5 < len(rows) <= 40
+    assert len(waterfall.draw([forced, forced], View()).axes[0].lines) == 2
+
+
+def test_two_columns_of_a_run(runs):
+    subject = open_subject(runs["motor"])
+    axes = columns.draw([subject], View(x="time", y="error_estimate", window=(1, 2))).axes[0]
+    x, y = line(axes, "columns")
+    assert (x[0], x[-1], len(x)) == (1.0, 2.0, 201)
+    rows = slice(200, 401)
+    assert np.array_equal(y, subject.result["error_estimate"][rows])
+    assert axes.get_xlabel() == "time (s)" and axes.get_ylabel() == "error_estimate (m)"
+    states = line(columns.draw([subject], View(x="x1", y="v1", window=(10, 11))).axes[0], "columns")
+    inside = np.isin(subject.result["x1"][2000:2201], states[0])
+    assert inside.all() and len(states[0]) > 400  # the samples, and instants between them
+
+
+def test_two_columns_of_events_and_of_a_sweep(runs, sweep):
+    subject = open_subject(runs["motor"])
+    axes = columns.draw([subject], View(x="events/t", y="events/kind")).axes[0]
+    assert np.array_equal(line(axes, "columns")[1], subject.result.events["kind"])
+    assert "contact_begin" in [text.get_text() for text in axes.get_yticklabels()]
+    points = line(columns.draw([sweep], View(x="omega0", y="mean_speed")).axes[0], "columns")
+    assert np.array_equal(points, [sweep.result["omega0"], sweep.result["mean_speed"][:, 0]])
+    section = line(columns.draw([sweep], View(x="omega0", y="section_speed")).axes[0], "columns")
+    known = sweep.result["section_speed"].ravel()
+    assert np.array_equal(section[1], known[~np.isnan(known)])
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--x", "x1"], "give both --x and --y"),
+        (["--x", "x1", "--y", "x9"], "has no column 'x9' (did you mean x1?)"),
+        (["--x", "x1", "--y", "events/t"], "one is of events and one is not"),
+        (["--x", "x1", "--y", "v1", "--kind", "phase"], "two columns are drawn in the place of a kind"),
+        (["--size", "12"], "write WIDTHxHEIGHT in cm"),
+        (["--size", "1x999"], "each 3 to 120 cm"),
+        (["--size", "9x9", "--width", "page"], "--size and --width say the same"),
+        (["--font-size", "nan"], "is no finite number"),
+        (["--style", "no.mplstyle"], "no.mplstyle is no style sheet of matplotlib"),
+    ],
+)
+def test_what_cannot_be_drawn_is_named(runs, words, message, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = call("plot", runs["motor"], *words)
+    assert done.exit_code == 2 and message in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_case_has_no_columns_and_a_short_run_no_spectrum(forced):
+    with pytest.raises(PlotError, match="has no columns to draw"):
+        columns.draw([subject_of(forced.case)], View(x="x1", y="v1"))
+    with pytest.raises(PlotError, match="a spectrum needs 64 samples"):
+        spectrum.draw([forced], View(window=(0, 0.3)))
