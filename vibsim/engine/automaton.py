@@ -53,7 +53,7 @@ class Automaton:
         clearances = tuple(VIOLATED if over > 0 else KEPT for over in slacks)
         rates = [self._slip(f, state) for f in scene.frictions]
         frictions = tuple(sign(rate) for rate in rates)
-        status = Status(stops, frictions, clearances)
+        status = self._pressing(state, Status(stops, frictions, clearances), met)
         known: dict[tuple, int] = {}
         touching, seated = self.rigid.at_start(state, [i for i, at in enumerate(met) if at])
         standing = [i for i, sense in enumerate(frictions) if sense == 0]
@@ -65,14 +65,9 @@ class Automaton:
         for i, (g, stop) in enumerate(zip(depths, scene.stops, strict=True)):
             if not met[i] and self._blurred(g, stop, state, stop.sense * stop.gap):
                 self._doubt(state)
-            if isinstance(stop, RigidStop):
-                continue
-            if met[i]:
-                open_ = status.with_stop(i, OPEN)
-                turning = -self._leading_sign(state, open_, (GAP, i))
+            if met[i] and isinstance(stop, Stop):
+                turning = -self._leading_sign(state, status.with_stop(i, OPEN), (GAP, i))
                 status, known = status.with_stop(i, CONTACT if turning > 0 else OPEN), {**known, (GAP, i): 1}
-            elif g > 0 and self._pulls(state, status, i):
-                status = status.with_stop(i, LIFTED)
         for i, over in enumerate(slacks):
             at = self._met(scene.clearances[i], over, state, scene.clearances[i].distance)
             if not at and self._blurred(over, scene.clearances[i], state, -scene.clearances[i].distance):
@@ -83,6 +78,18 @@ class Automaton:
                 status = status.with_clearance(i, VIOLATED if turning > 0 else KEPT)
                 known = {**known, (CLEARANCE, i): 1}
         return status, known
+
+    def _pressing(self, state, status, met):
+        """The status with the stops whose force velocities tell: ties at rest are settled under it. Those
+        that are `met` push where they close; deep ones whose damper would have to pull are lifted.
+        """
+        for i, stop in enumerate(self.scene.stops):
+            if met[i] and isinstance(stop, Stop):
+                vP, vQ = self._ends(stop, state, "v")
+                status = status.with_stop(i, CONTACT if -(stop.sense * (vP - vQ)) > 0 else OPEN)
+            elif status.stops[i] == CONTACT and self._pulls(state, status, i):
+                status = status.with_stop(i, LIFTED)
+        return status
 
     def _pulls(self, state, status, i):
         """Whether the damper of stop `i`, in contact, would have to pull."""
