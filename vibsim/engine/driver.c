@@ -364,21 +364,27 @@ static void sample_one(Run *r, double t, double *row, long room)
 /* The closed form keeps the time it was evaluated at last: the last sample is taken by itself, and the first one if it is there. */
 static void sample_closed_form(Run *r, const double *times, const double *tau, int count, double *row, long room)
 {
-    const int first = tau[0] == r->closed_form.tau, last = count - 1;
-    int ahead = last, i;
-    if (last - first > 2) {
-        ahead = first + closed_form_samples(r, tau + first, last - first, row + first, room);
-        r->evaluations += last - ahead;
-        memcpy(row + ahead, times + ahead, sizeof(double) * (size_t)(last - ahead));
+    const int here = tau[0] == r->closed_form.tau, last = count - 1, n = r->bodies;
+    double X[TIMES_AT_ONCE], V[TIMES_AT_ONCE];
+    int i, c;
+    if (here && last > 0)
+        sample_one(r, times[0], row, room);
+    if (last > here) {
+        closed_form_many(r, tau + here, last - here);
+        closed_form_base(r, X, V);
+        for (c = 0; c < n; c++)
+            closed_form_body(r, c, X, V, row + here + (1 + 2 * c) * room, row + here + (2 + 2 * c) * room);
+        for (i = here; i < last; i++) {
+            row[i] = times[i];
+            row[i + (1 + 2 * n) * room] = row[i + (2 + 2 * n) * room] = 0.0;
+        }
     }
-    for (i = 0; i < ahead; i++)
-        sample_one(r, times[i], row + i, room);
     sample_one(r, times[last], row + last, room);
 }
 
 static void sample_at(Run *r, Buffers *b, const double *times, int count)
 {
-    double tau[SAMPLES_AT_ONCE], *row = b->samples + b->sample_count;
+    double tau[TIMES_AT_ONCE], *row = b->samples + b->sample_count;
     int i;
     for (i = 0; i < count; i++)
         tau[i] = times[i] - r->t0;
@@ -398,11 +404,11 @@ static int sample(Run *r, Buffers *b)
 {
     const double end = r->pending_end;
     const int last = end >= r->t_end;
-    double times[SAMPLES_AT_ONCE], t = sample_time(r, r->next_sample);
+    double times[TIMES_AT_ONCE], t = sample_time(r, r->next_sample);
     while (t < end || (last && t <= end)) {
         long space = b->sample_room - b->sample_count;
         int count = 0;
-        while (count < SAMPLES_AT_ONCE && count < space && (t < end || (last && t <= end))) {
+        while (count < TIMES_AT_ONCE && count < space && (t < end || (last && t <= end))) {
             times[count++] = t;
             t = sample_time(r, r->next_sample + count);
         }

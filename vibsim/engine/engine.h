@@ -15,7 +15,7 @@
 #define SERIES (MAX_ORDER + 2)
 #define SERIES_TERMS 26
 #define NODE_COUNT 12 /* of the quadrature */
-#define SAMPLES_AT_ONCE 32
+#define TIMES_AT_ONCE 32
 #define WORK_AT_ONCE 100000 /* evaluations of the motion of two bodies between two returns to Python */
 #define EPS 1.1102230246251565e-16 /* 2^-53, unit round-off */
 
@@ -203,11 +203,17 @@ typedef struct {
     Response *responses; /* by drive */
 } Motion;
 
+/* At many times: cosine and sine of the harmonics' angles since the anchor; coordinates and their rates. */
+typedef struct {
+    double (*cosine)[TIMES_AT_ONCE], (*sine)[TIMES_AT_ONCE], (*q)[TIMES_AT_ONCE], (*u)[TIMES_AT_ONCE];
+    int count;
+} Times;
+
 typedef struct {
     Motion *motions; /* by coordinate */
     Response *responses;
     double *sin0, *cos0, *sines, *cosines, *sine, *cosine; /* by harmonic: at the anchor, here, and of the angle between */
-    double (*at_once)[SAMPLES_AT_ONCE]; /* rows of closed_form_samples.c */
+    Times times;
     double *x0, *v0, *rest, base[JET + 1], tau; /* rest: of each body, what does not move in this segment */
     Search search;
 } ClosedForm;
@@ -327,8 +333,11 @@ void closed_form_measure(Run *r);
 void closed_form_jets(Run *r, int n);
 void closed_form_state_after(Run *r, double tau, State *out);
 
-/* closed_form_samples.c */
-int closed_form_samples(Run *r, const double *tau, int count, double *row, long room);
+/* closed_form_times.c */
+void closed_form_many(Run *r, const double *tau, int count);
+void closed_form_sines(const Run *r, int harmonic, double *out);
+void closed_form_base(const Run *r, double *X, double *V);
+void closed_form_body(const Run *r, int c, const double *X, const double *V, double *x, double *v);
 
 /* closed_form_search.c */
 void closed_form_open(Run *r);

@@ -71,12 +71,52 @@ static void taylor_nodes(Run *r, const Meters *m, const double *tau)
         series_at_nodes(at->series[i], at->lengths[i], 1, tau, squares, at->function[i]);
 }
 
+static int ascend(const double *tau)
+{
+    int n = 1;
+    while (n < NODE_COUNT && tau[n - 1] < tau[n])
+        n++;
+    return n == NODE_COUNT;
+}
+
+/* All nodes but the last, and but the first where the closed form was evaluated last; returns which is the first of them. */
+static int many_nodes(Run *r, const Meters *m, const double *tau)
+{
+    Nodes *at = &r->ledger.nodes;
+    const int first = tau[0] == r->closed_form.tau, base = r->columns - 1, count = NODE_COUNT - 1 - first;
+    double X[NODE_COUNT], x[NODE_COUNT];
+    int i, k, n;
+    closed_form_many(r, tau + first, count);
+    closed_form_base(r, X, at->v[base] + first);
+    for (i = 0; i < m->column_count; i++)
+        if (m->columns[i] < r->bodies)
+            closed_form_body(r, m->columns[i], X, at->v[base] + first, x, at->v[m->columns[i]] + first);
+    for (i = 0; m->forces && i < r->force_count; i++) {
+        const Force *force = &r->forces[i];
+        double *out = at->force[i] + first, sines[NODE_COUNT];
+        for (n = 0; n < count; n++)
+            out[n] = force->constant;
+        for (k = 0; k < force->count; k++) {
+            if (force->terms[k].harmonic < 0)
+                continue;
+            closed_form_sines(r, force->terms[k].harmonic, sines);
+            for (n = 0; n < count; n++)
+                out[n] = out[n] + force->terms[k].amplitude * sines[n];
+        }
+    }
+    return first;
+}
+
 static void closed_form_nodes(Run *r, const Meters *m, const double *tau)
 {
     Nodes *at = &r->ledger.nodes;
     const ClosedForm *f = &r->closed_form;
-    int base = r->columns - 1, i, n;
+    const int base = r->columns - 1, one_by_one = m->function_count > 0 || !ascend(tau); /* they coincide in a very short piece */
+    const int first = one_by_one ? NODE_COUNT : many_nodes(r, m, tau);
+    int i, n;
     for (n = 0; n < NODE_COUNT; n++) {
+        if (n == first)
+            n = NODE_COUNT - 1;
         closed_form_state_after(r, tau[n], &r->scratch);
         for (i = 0; i < m->column_count; i++)
             if (m->columns[i] < r->bodies)

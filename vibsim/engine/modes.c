@@ -40,9 +40,9 @@ static int room_for_flows(Run *r)
     c->responses = room(coordinates * harmonics, sizeof(Response));
     c->sin0 = room(harmonics * 6, sizeof(double));
     c->x0 = room(3 * columns, sizeof(double));
-    c->at_once = room(2 * (harmonics + coordinates), sizeof *c->at_once);
+    c->times.cosine = room(2 * (harmonics + coordinates), sizeof *c->times.cosine);
     if (!f->table || !f->loaded_on || !f->load || !r->force || !r->state.x || !c->motions || !c->responses || !c->sin0 || !c->x0 ||
-        !c->at_once)
+        !c->times.cosine)
         return 0;
     f->values = f->table + SERIES * row;
     r->state.v = r->state.x + n;
@@ -53,6 +53,9 @@ static int room_for_flows(Run *r)
     r->before_v = r->state.x + 6 * n;
     for (i = 0; i < coordinates; i++)
         c->motions[i].responses = c->responses + i * harmonics;
+    c->times.sine = c->times.cosine + harmonics;
+    c->times.q = c->times.sine + harmonics;
+    c->times.u = c->times.q + coordinates;
     c->cos0 = c->sin0 + harmonics;
     c->sines = c->cos0 + harmonics;
     c->cosines = c->sines + harmonics;
@@ -600,7 +603,7 @@ void run_free(Run *r)
     free(r->closed_form.responses);
     free(r->closed_form.sin0);
     free(r->closed_form.x0);
-    free(r->closed_form.at_once);
+    free(r->closed_form.times.cosine);
     free(r->closed_form.search.watched);
     free(r->closed_form.search.residues);
     free(r->closed_form.search.events);

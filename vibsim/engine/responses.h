@@ -51,11 +51,16 @@ static inline int is_resonant(const Oscillator *o, double square)
     return o->oscillates && (o->a * o->a + detuning * detuning) * square < RESONANT;
 }
 
+/* Whether the response to a harmonic load is a quotient at the time t, its square given: it is at all later times too. */
+static inline int is_quotient(const Oscillator *o, double square)
+{
+    return o->beating * (square * square) >= QUARTER * QUARTER && !is_resonant(o, square);
+}
+
 static inline void harmonic_response(const Oscillator *o, double t, double release, double impulse, double cosine, double sine,
                        double *hc, double *hs, double *dc, double *ds)
 {
-    double square = t * t;
-    if (o->beating * (square * square) >= QUARTER * QUARTER && !is_resonant(o, square)) {
+    if (is_quotient(o, t * t)) {
         double nr = cosine - release, ni = sine - o->omega * impulse, vr, vi;
         *hc = nr * o->inverse_r + ni * o->inverse_i;
         *hs = ni * o->inverse_r - nr * o->inverse_i;

@@ -1,0 +1,215 @@
+/* The closed-form flow at many times of a segment: the operations of closed_form.c, response by response in loops over the
+ * times. From where a response is a plain quotient, a compiler makes operations on vectors of them.
+ */
+#include "engine.h"
+#include "numbers.h"
+#include "responses.h"
+
+/* First time from which on the response to a constant load is a quotient; times ascend, and so does what it is told by. */
+static int first_settled(const Oscillator *o, const double *tau, int count)
+{
+    int j = 0;
+    while (j < count && !(o->oscillates && o->settling * (tau[j] * tau[j]) >= QUARTER))
+        j++;
+    return j;
+}
+
+static int first_beating(const Oscillator *o, const double *tau, int count)
+{
+    int j = 0;
+    while (j < count && !is_quotient(o, tau[j] * tau[j]))
+        j++;
+    return j;
+}
+
+static int first_turned(const Oscillator *o, const double *tau, int count)
+{
+    int j = 0;
+    while (j < count && !(o->omega * tau[j] * (o->omega * tau[j]) >= QUARTER))
+        j++;
+    return j;
+}
+
+static void turn_harmonic(const Harmonic *one, const double *restrict tau, int count, double *restrict cosine, double *restrict sine)
+{
+    double angle[TIMES_AT_ONCE];
+    int j;
+    for (j = 0; j < count; j++)
+        angle[j] = one->omega * tau[j];
+    for (j = count - 1; j >= 0 && angle[j] > 3; j--)
+        angle[j] = turn_angle(one->cycles, one->cycles_lo, tau[j]);
+    for (j = 0; j < count; j++) {
+        cosine[j] = cos(angle[j]);
+        sine[j] = sin(angle[j]);
+    }
+}
+
+static void move_freely(const Motion *y, const double *restrict tau, int count, double *restrict q, double *restrict u)
+{
+    const double q0 = y->q0, u0 = y->u0, load = y->load;
+    int j;
+    for (j = 0; j < count; j++) {
+        q[j] = q0 + u0 * tau[j] + load * (tau[j] * tau[j] / 2);
+        u[j] = u0 + load * tau[j];
+    }
+}
+
+static void drive_freely(const Oscillator *o, const Response *response, const double *restrict tau, int count,
+                         const double *restrict cosine, const double *restrict sine, double *restrict q, double *restrict u)
+{
+    const double load_sine = response->load_sine, load_cosine = response->load_cosine, omega = o->omega, inverse = o->inverse_r;
+    const int turned = first_turned(o, tau, count);
+    int j;
+    for (j = 0; j < turned; j++) {
+        double hc, hs;
+        free_harmonic_response(o, tau[j], cosine[j], sine[j], &hc, &hs);
+        q[j] = q[j] + (load_sine * hc + load_cosine * hs);
+        u[j] = u[j] + (load_sine * (sine[j] / omega) + load_cosine * (omega * hc));
+    }
+    for (j = turned; j < count; j++) {
+        double angle = omega * tau[j], hc = (cosine[j] - 1) * inverse, hs = (sine[j] - angle) * inverse;
+        q[j] = q[j] + (load_sine * hc + load_cosine * hs);
+        u[j] = u[j] + (load_sine * (sine[j] / omega) + load_cosine * (omega * hc));
+    }
+}
+
+static void oscillate(const Oscillator *o, const Motion *y, const double *restrict tau, int count, double *restrict release,
+                      double *restrict impulse, double *restrict q, double *restrict u)
+{
+    const double a = o->a, b = o->b, per_b = o->per_b, q0 = y->q0, u0 = y->u0, load = y->load;
+    const int settled = first_settled(o, tau, count);
+    double steady[TIMES_AT_ONCE];
+    int j;
+    for (j = 0; j < count; j++)
+        release_and_impulse(o, tau[j], &release[j], &impulse[j]);
+    for (j = 0; j < settled; j++)
+        steady[j] = constant_response(o, tau[j], release[j]);
+    for (j = settled; j < count; j++)
+        steady[j] = (1 - release[j]) * per_b;
+    for (j = 0; j < count; j++) {
+        q[j] = q0 * release[j] + u0 * impulse[j] + load * steady[j];
+        u[j] = u0 * (release[j] - 2 * a * impulse[j]) - q0 * (b * impulse[j]) + load * impulse[j];
+    }
+}
+
+static void drive(const Oscillator *o, const Response *response, const double *restrict tau, int count, const double *restrict release,
+                  const double *restrict impulse, const double *restrict cosine, const double *restrict sine, double *restrict q,
+                  double *restrict u)
+{
+    const double a = o->a, b = o->b, omega = o->omega, real = o->inverse_r, imaginary = o->inverse_i;
+    const double load_sine = response->load_sine, load_cosine = response->load_cosine;
+    const int beating = first_beating(o, tau, count);
+    int j;
+    for (j = 0; j < beating; j++) {
+        double hc, hs, dc, ds;
+        harmonic_response(o, tau[j], release[j], impulse[j], cosine[j], sine[j], &hc, &hs, &dc, &ds);
+        q[j] = q[j] + (load_sine * hc + load_cosine * hs);
+        u[j] = u[j] + (load_sine * dc + load_cosine * ds);
+    }
+    for (j = beating; j < count; j++) {
+        double nr = cosine[j] - release[j], ni = sine[j] - omega * impulse[j];
+        double vr = b * impulse[j] - omega * sine[j], vi = omega * (cosine[j] - (release[j] - 2 * a * impulse[j]));
+        q[j] = q[j] + (load_sine * (nr * real + ni * imaginary) + load_cosine * (ni * real - nr * imaginary));
+        u[j] = u[j] + (load_sine * (vr * real + vi * imaginary) + load_cosine * (vi * real - vr * imaginary));
+    }
+}
+
+static void move_coordinate(const Times *at, const Coordinate *c, const Motion *y, const double *tau, double *q, double *u)
+{
+    double release[TIMES_AT_ONCE], impulse[TIMES_AT_ONCE];
+    int i;
+    if (c->is_free)
+        move_freely(y, tau, at->count, q, u);
+    else
+        oscillate(&c->oscillator, y, tau, at->count, release, impulse, q, u);
+    for (i = 0; i < c->drive_count; i++) {
+        const Oscillator *o = &c->drives[i].oscillator;
+        const double *cosine = at->cosine[c->drives[i].harmonic], *sine = at->sine[c->drives[i].harmonic];
+        if (c->is_free)
+            drive_freely(o, &y->responses[i], tau, at->count, cosine, sine, q, u);
+        else
+            drive(o, &y->responses[i], tau, at->count, release, impulse, cosine, sine, q, u);
+    }
+}
+
+/* Work out at most TIMES_AT_ONCE ascending times tau, 0 < tau, for the three functions below; the next single time is evaluated
+ * anew, whatever it is.
+ */
+void closed_form_many(Run *r, const double *tau, int count)
+{
+    const Modal *modal = r->mode->modal;
+    Times *at = &r->closed_form.times;
+    int i;
+    at->count = count;
+    r->evaluations += count;
+    r->closed_form.tau = NAN;
+    for (i = 0; i < r->harmonic_count; i++)
+        turn_harmonic(&r->harmonics[i], tau, count, at->cosine[i], at->sine[i]);
+    for (i = 0; i < modal->count; i++)
+        move_coordinate(at, &modal->coordinates[i], &r->closed_form.motions[i], tau, at->q[i], at->u[i]);
+}
+
+/* Sine of a harmonic, its phase at the anchor included. */
+void closed_form_sines(const Run *r, int harmonic, double *restrict out)
+{
+    const ClosedForm *f = &r->closed_form;
+    const double sin0 = f->sin0[harmonic], cos0 = f->cos0[harmonic];
+    const double *restrict cosine = f->times.cosine[harmonic], *restrict sine = f->times.sine[harmonic];
+    int j;
+    for (j = 0; j < f->times.count; j++)
+        out[j] = sin0 * cosine[j] + cos0 * sine[j];
+}
+
+static void add_cosines(const Run *r, int harmonic, double factor, double *restrict out)
+{
+    const ClosedForm *f = &r->closed_form;
+    const double sin0 = f->sin0[harmonic], cos0 = f->cos0[harmonic];
+    const double *restrict cosine = f->times.cosine[harmonic], *restrict sine = f->times.sine[harmonic];
+    int j;
+    for (j = 0; j < f->times.count; j++)
+        out[j] = out[j] + factor * (cos0 * cosine[j] - sin0 * sine[j]);
+}
+
+/* Displacement and velocity of the base. */
+void closed_form_base(const Run *r, double *restrict X, double *restrict V)
+{
+    double sines[TIMES_AT_ONCE];
+    int i, j;
+    for (j = 0; j < r->closed_form.times.count; j++)
+        X[j] = V[j] = 0.0;
+    for (i = 0; i < r->base_count; i++) {
+        const Harmonic *term = &r->base[i];
+        if (term->harmonic < 0)
+            continue;
+        closed_form_sines(r, term->harmonic, sines);
+        for (j = 0; j < r->closed_form.times.count; j++)
+            X[j] = X[j] + term->amplitude * sines[j];
+        add_cosines(r, term->harmonic, term->amplitude * term->omega, V);
+    }
+}
+
+/* Displacements and velocities of body c, those of the base given. */
+void closed_form_body(const Run *r, int c, const double *X, const double *V, double *restrict x, double *restrict v)
+{
+    const ClosedForm *f = &r->closed_form;
+    const Place *place = &r->mode->modal->places[c];
+    const int count = f->times.count;
+    const double rest = f->rest[c];
+    int i, j;
+    for (j = 0; j < count; j++) {
+        x[j] = rest;
+        v[j] = place->shares || place->base ? -0.0 : 0.0;
+    }
+    for (i = 0; i < place->shares; i++) {
+        const double share = place->share[i].share;
+        const double *restrict q = f->times.q[place->share[i].m], *restrict u = f->times.u[place->share[i].m];
+        for (j = 0; j < count; j++) {
+            x[j] = x[j] + share * q[j];
+            v[j] = v[j] + share * u[j];
+        }
+    }
+    for (j = 0; place->base && j < count; j++) {
+        x[j] = x[j] + X[j];
+        v[j] = v[j] + V[j];
+    }
+}
