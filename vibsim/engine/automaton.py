@@ -24,7 +24,7 @@ from vibsim.engine.status import (
     VIOLATED,
     Status,
 )
-from vibsim.physics.parts import AT_FORCE, RigidStop, Stop
+from vibsim.physics.parts import AT_FORCE, Stop
 
 JET = 7  # order of the highest derivative consulted where lower ones vanish
 START_ROUNDING = 16  # at least: each of three numbers and of two differences is rounded once
