@@ -21,7 +21,7 @@ from vibsim.engine.tangent_space import TangentSpace, length
 from vibsim.physics.multiprecision import Balls
 from vibsim.physics.parts import COMPRESSION, GROUND, Body, Force, Friction, Link, Stop
 
-OF_CARRIED = ("state", "rate", "vectors", "times", "states")
+OF_CARRIED = ("state", "rate", "vectors", "times", "states", "codes")
 ENGINES, METHODS = ("c", "python"), ("auto", "taylor")
 
 
@@ -66,7 +66,9 @@ def test_a_body_that_sticks_forgets_its_speed(engine):
     of = scene([Body("m", 2.0, 0.0, 0.0)], frictions=(Friction("f", 0, GROUND, 3.0, 3.0, 0.0),))
     carried = Carrier(of, engine).carry([0.1, 0.6], 2.0)
     np.testing.assert_allclose(carried.matrix, [[1.0, 0.6 * 2.0 / 3.0], [0.0, 0.0]], rtol=0, atol=1e-15)
-    assert carried.events == (("stick_begin", 0),)
+    assert carried.events == (("stick_begin", 0),) and carried.codes.tolist() == [[0]]
+    stop = [0.1 + 0.6**2 * 2.0 / 6.0, 0.0]
+    np.testing.assert_allclose([*carried.times, *carried.states[0]], [0.6 * 2.0 / 3.0, *stop], rtol=1e-14)
     held = Carrier(of, engine).carry([0.1, 0.0], 2.0)  # from the start
     assert held.matrix.tolist() == [[1.0, 0.0], [0.0, 0.0]]
 

@@ -31,7 +31,8 @@ class Carried:
     state : components at the end [m, m/s, rad, rad/s]; rate_there : tells their rates of change there
     vectors : the disturbances at the end, one per row
     events : (kind, part) of what happened on the way, in order; part: number among its sort, -1 for none
-    times, states : when these happened [s], and the components behind them, one row each
+    times, states, codes : when these happened [s], the components behind them and the states of the parts
+        (`Status.codes`), one row each
     uncertified : number of doubts of the certificate; 0 where it is sure that no event was missed
     margin : smallest gap at a turn without contact [m], inf without any
     """
@@ -42,6 +43,7 @@ class Carried:
     events: tuple[tuple[str, int], ...]
     times: np.ndarray
     states: np.ndarray
+    codes: np.ndarray
     uncertified: int
     margin: float
 
@@ -109,25 +111,26 @@ class Carrier:
 
         self.run = self.run or CRun(self.scene, carries=True)
         self.run.restart(self._start(components), end, vectors)
-        blocks = [(states, codes[:2]) for _, _, states, codes, *_ in self.run.blocks()]
+        blocks = [(states, codes) for _, _, states, codes, *_ in self.run.blocks()]
         tally = self.run.tally
         uncertified, _, margin, _ = tally["certificate"]
         moved = self.run.disturbances["vectors"] if len(vectors) else []
         rows = self.run.rows[tally["mode"]]
-        pairs = np.concatenate([codes for _, codes in blocks], axis=1).T.tolist()
+        codes = np.concatenate([codes for _, codes in blocks], axis=1).T[1:-1]  # without start and end
         table = np.concatenate([states for states, _ in blocks], axis=1)[self._order, 1:-1].T
-        return self._told(State(*tally["state"]), rows, moved, pairs, table, uncertified, margin)
+        return self._told(State(*tally["state"]), rows, moved, codes, table, uncertified, margin)
 
     def _by_python(self, components, end, vectors):
         driver = Driver(self._started(components, end), Doubles, carry=vectors.tolist())
         while not driver.finished:
             driver.run(PIECES)
-        pairs = [(kind, part) for kind, part, *_ in driver.events]
+        codes = [(kind, part, *status.codes) for kind, part, _, status, _ in driver.events[1:-1]]
+        codes = np.array(codes, dtype="i1").reshape(-1, 2 + len(driver.status.codes))
         kept, rows = driver.flow.certificate, driver.maker.rows(driver.status)
         moved = driver.tangent.vectors if driver.tangent else []
         table = np.array([(one.t, *self._components(one)) for _, _, one, *_ in driver.events[1:-1]])
         table = table.reshape(-1, 1 + self.size)
-        return self._told(driver.state, rows, moved, pairs, table, kept.uncertified, kept.margin)
+        return self._told(driver.state, rows, moved, codes, table, kept.uncertified, kept.margin)
 
     def _started(self, components, end):
         """The scene from the components of a state to `end` [s]."""
@@ -149,14 +152,15 @@ class Carrier:
         rotor = (state.w, alpha) if self.scene.motor is not None else ()
         return np.array([*state.v, *a[: len(self.scene.bodies)], *rotor])
 
-    def _told(self, state, rows, moved, pairs, table, uncertified, margin):
+    def _told(self, state, rows, moved, codes, table, uncertified, margin):
         return Carried(
             np.array(self._components(state)),
             partial(self._rate, state, rows),
             np.array(moved, dtype="f8").reshape(-1, self.size),
-            tuple((EVENT_NAMES[kind], part) for kind, part in pairs[1:-1]),  # without start and end
+            tuple((EVENT_NAMES[kind], part) for kind, part in codes[:, :2].tolist()),
             table[:, 0],
             table[:, 1:],
+            codes[:, 2:],
             int(uncertified),
             margin,
         )

@@ -12,16 +12,15 @@ FORGETS = {"stick_begin", "chatter", "rest_begin"}  # events behind which a dire
 def multipliers_of(end):
     """Multipliers of a closed motion (a `Return`), the largest first; complex, with exact conjugates.
 
-    Where bodies stick, or come to rest on each other, the motion forgets a direction: the matrix has lost
-    rank, and what rounding leaves of that multiplier is made 0.
+    Where bodies stick, or rest on each other, the motion forgets a direction: the matrix has lost rank, and
+    what rounding leaves of that multiplier is made 0.
     """
     weights = end.coordinates.weights
     matrix = end.derivative * (weights[:, None] / weights)
     values = np.linalg.eigvals(matrix).astype(complex)
     values = values[np.lexsort((values.imag, values.real, -np.abs(values)))]
+    values[np.abs(values) <= ROUNDING * EPS * np.linalg.norm(matrix)] = 0.0
     if len(values) and any(kind in FORGETS for kind, _ in end.events):
-        noise = ROUNDING * EPS * np.linalg.norm(matrix)
-        values[np.abs(values) <= noise] = 0.0
         values[-1] = 0.0
     return values
 

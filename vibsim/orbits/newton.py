@@ -94,7 +94,7 @@ def newton_step(end):
     if timed:
         return change, 0.0
     slopes, rate = end.tilt
-    return change, -(end.ahead + float(slopes @ change)) / rate
+    return change, -float(end.ahead + slopes @ change) / rate
 
 
 def _solved(matrix, right):

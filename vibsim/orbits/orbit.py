@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.orbits.measures import energy_of, points_of
 from vibsim.orbits.multipliers import exponents_of, multipliers_of
+from vibsim.orbits.sliding import sliding_margin
 from vibsim.orbits.word import cyclic, spelled
 
 
@@ -100,6 +102,23 @@ class Orbit:
     def margin(self) -> float:
         """Smallest gap at a turn without contact [m]; inf without any."""
         return self.end.margin
+
+    @cached_property
+    def sliding(self) -> float:
+        """Smallest distance of a tie's force from its limit where a sliding velocity is zero [N]; inf without
+        any.
+        """
+        return sliding_margin(self.scene, self.end.carried)
+
+    @cached_property
+    def energy(self) -> dict[str, float]:
+        """Energy that went in and was lost in one period [J]: the sums of the ledger."""
+        return energy_of(self)
+
+    @cached_property
+    def points(self) -> np.ndarray:
+        """The unknowns at each of its n returns to the section, (n, m)."""
+        return points_of(self)
 
     @property
     def certified(self) -> bool:

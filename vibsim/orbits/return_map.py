@@ -136,7 +136,7 @@ class ReturnMap:
             T = self.time_of_return(X)
         at, vectors = self.coordinates, self.coordinates.disturbances
         carried = self.carrier.carry(at.lifted(X), T, vectors)
-        return Return(at, np.asarray(X, dtype="f8"), T, self._ahead(carried), carried)
+        return Return(at, np.asarray(X, dtype="f8"), float(T), self._ahead(carried), carried)
 
     def _ahead(self, carried):
         if self.section.timed:

@@ -1,0 +1,34 @@
+"""What an orbit does in one period, from a run of that length: energies, and its points on the section."""
+
+import numpy as np
+
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.orbits.start import placed
+
+WORKS = ("work_source", "work_base", "work_belt")
+LOSSES = ("loss_viscous", "loss_stops", "loss_friction")
+ENERGIES = (*WORKS, *LOSSES, "energy_residual")
+
+
+def energy_of(orbit):
+    """Sums of the energy ledger over one period [J], by name."""
+    trajectory = _run(orbit, ledger=True)
+    for _ in trajectory.blocks():
+        pass
+    totals = trajectory.totals
+    return {name: float(totals[name]) for name in ENERGIES}
+
+
+def points_of(orbit):
+    """The unknowns at each return to the section, (n, m); the first is the start."""
+    at = orbit.end.coordinates
+    rows = [orbit.X]
+    for block in _run(orbit, section=True).blocks():
+        rows += list(at.of(np.stack([block.section[name] for name in at.columns], axis=1)))
+    return np.array(rows[: orbit.n])
+
+
+def _run(orbit, **options):
+    scene = placed(orbit.scene, orbit.state, orbit.period)
+    engine = orbit.return_map.carrier.engine
+    return open_trajectory(scene.without_samples(), engine, **options)

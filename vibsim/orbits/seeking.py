@@ -1,0 +1,123 @@
+"""An orbit from a case, a run or another orbit: what `vibsim orbit` and `vibsim.orbit` do."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from vibsim.engine.errors import EngineError
+from vibsim.orbits.errors import NotConverged, OrbitError
+from vibsim.orbits.finding import least, unknowns
+from vibsim.orbits.newton import solve
+from vibsim.orbits.orbit import Orbit
+from vibsim.orbits.return_map import ReturnMap
+from vibsim.orbits.settling import course_of, course_of_result, likely_periods
+
+TRIES = 6  # numbers of periods that are tried
+NEAR = 0.3  # of the spread of the points: an orbit further away is not where the run goes
+FAR = 0.05  # of it: a run that comes no nearer to itself is not about to repeat itself
+
+
+def orbit(source, changes=None, start=None, period=None, engine="auto"):
+    """The periodic orbit that a run goes to, or one near a start.
+
+    Parameters
+    ----------
+    source : a Case, the path of a case file or the name of a shipped case; or a `Result` of `vibsim.simulate`
+        or `vibsim.open_result`, which may hold a stored orbit
+    changes : values by key that replace those of the case, e.g. {"c": "0.03 N s/m"}
+    start : near which state the orbit is: an `Orbit`, a `Result` that holds one, or a dict by name of the
+        column; None: where the run of `source` comes to
+    period : periods of the source, or turns of the motor, that it takes; None: as often as the run repeats
+        itself, or as the start has
+
+    Returns an `Orbit`. Raises OrbitError, CaseError, EngineError.
+    """
+    case, result = _opened(source, changes)
+    begin = start if start is not None else (result if _is_orbit(result) else None)
+    if begin is not None:
+        return _from_start(case, begin, period, engine)
+    return _from_run(case, None if changes else result, period, engine)
+
+
+def _opened(source, changes):
+    """The case, and the result where `source` is one."""
+    from vibsim.cases.loading import as_case
+    from vibsim.results.result import Result
+
+    result = source if isinstance(source, Result) else None
+    case = as_case(source) if result is None else result.case
+    return (case.with_values(changes) if changes else case), result
+
+
+def _is_orbit(result):
+    return result is not None and "orbit_periods" in result.attrs
+
+
+def _from_start(case, start, period, engine):
+    """The orbit near a start."""
+    state, n, T = start_of(start)
+    return_map = ReturnMap(case.scene(), period or n, engine)
+    X = unknowns(return_map.coordinates, state)
+    T = T * return_map.n / n if T else None
+    return least(Orbit(return_map, solve(return_map, X, T), case))
+
+
+def start_of(start):
+    """(state by name, periods, time of return [s] or None) of an `Orbit`, a `Result` or a state."""
+    if isinstance(start, Orbit):
+        return start.state, start.n, start.period
+    if isinstance(start, dict):
+        return start, 1, None
+    if not _is_orbit(start):
+        raise OrbitError("the start is a run and no stored orbit; take the run itself as the source")
+    state = {name: float(start.events[name][0]) for name in start.events if name not in ("t", "kind", "part")}
+    return state, start.attrs["orbit_periods"], start.attrs["orbit_period_s"]
+
+
+def _from_run(case, result, period, engine):
+    """The orbit that a run goes to."""
+    scene = case.scene()
+    return_map = ReturnMap(scene, period or 1, engine)
+    at = return_map.coordinates
+    course = (
+        course_of(scene, at, engine) if result is None else course_of_result(result, at, engine)
+    )
+    if len(course.points) < 4:
+        raise OrbitError(
+            f"the run meets the section {len(course.points)} times only; give a longer one, or a start"
+        )
+    numbers, distances = ([period], None) if period else likely_periods(course.points)
+    near = NEAR * np.ptp(course.points, axis=0).max(initial=0.0)
+    return _nearest(case, return_map, course, numbers[:TRIES], near, distances)
+
+
+def _nearest(case, return_map, course, numbers, near, distances):
+    """The first orbit that Newton's method finds near the last point, or else any that it finds."""
+    X, elsewhere, failures = course.points[-1], None, []
+    for n in numbers:
+        over = return_map.of(n)
+        T = None if over.section.timed else float(course.times[-1] - course.times[-1 - n])
+        try:
+            solution = solve(over, X, T)
+        except (NotConverged, EngineError) as error:
+            failures.append(error)
+            continue
+        orbit_there = least(Orbit(over, solution, case))
+        if len(numbers) == 1 or np.abs(solution.X - X).max() <= near or not near:
+            return orbit_there
+        elsewhere = elsewhere or orbit_there
+    if elsewhere is not None:
+        return elsewhere
+    raise _nowhere(failures[0], distances)
+
+
+def _nowhere(failure, distances):
+    if distances is None or min(distances) < FAR:
+        return failure
+    n = int(np.argmin(distances)) + 1
+    return OrbitError(
+        f"the run does not come near itself: nearest after {n} periods, by {min(distances):.2g} of its spread; "
+        "look for orbits that it leaves with --search, or give --period"
+    )
+
+

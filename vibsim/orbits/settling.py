@@ -1,0 +1,69 @@
+"""Where a run goes: its last points on the section, followed for as long as it takes to see them repeat."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vibsim.engine.resume import rows_of_instant
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.rates import source_period
+
+LONGEST = 64  # periods of an orbit looked for
+MORE = 2 * LONGEST  # periods that a run is followed beyond its end
+KEPT = 4 * LONGEST  # last points that are looked at
+NEARLY = 4  # times the nearest: as near, where all come nearer with time
+
+
+@dataclass(frozen=True)
+class Course:
+    """Points of a run on the section: times [s] (n) and unknowns X (n, m), the last ones; low, high: their
+    extremes over the whole run (m).
+    """
+
+    times: np.ndarray
+    points: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+
+def course_of(scene, coordinates, engine="auto", resume=None, more=MORE):
+    """The course of a run of `scene` to its end, and `more` periods of its source beyond it.
+
+    resume : event rows to go on from, as of `open_trajectory`. Raises EngineError where the run fails.
+    """
+    beyond = replace(scene, t_end=scene.t_end + more * source_period(scene), stop_on_violation=False)
+    trajectory = open_trajectory(beyond.without_samples(), engine, resume, section=True)
+    times, points = np.empty(0), np.empty((0, coordinates.count))
+    low, high = np.full(coordinates.count, np.inf), np.full(coordinates.count, -np.inf)
+    for block in trajectory.blocks():
+        rows = [block.section[name] for name in coordinates.columns]
+        X = coordinates.of(np.stack(rows, axis=1))
+        low = np.minimum(low, X.min(axis=0, initial=np.inf))
+        high = np.maximum(high, X.max(axis=0, initial=-np.inf))
+        times = np.concatenate([times, block.section["time"]])[-KEPT:]
+        points = np.concatenate([points, X])[-KEPT:]
+    return Course(times, points, low, high)
+
+
+def course_of_result(result, coordinates, engine="auto"):
+    """The same of a stored run, from its last event on."""
+    events = result.events
+    last = int(np.flatnonzero(events["kind"] != EVENT_KINDS["end"])[-1])
+    scene = replace(result.case.scene(), t_end=result.t_reached)
+    return course_of(scene, coordinates, engine, rows_of_instant(events, last))
+
+
+def likely_periods(points):
+    """Numbers of periods after which points (n, m) come near themselves, the likeliest first: the shortest of
+    those that come about as near as any, then the others by distance. With them the distances after 1, 2, ...
+    periods, relative to the spread of the points.
+    """
+    longest = min(LONGEST, len(points) // 2)
+    spread = np.ptp(points, axis=0)
+    scaled = points / np.where(spread > 0, spread, 1.0)
+    distances = [float(np.abs(scaled[-k:] - scaled[-2 * k : -k]).max()) for k in range(1, longest + 1)]
+    nearest = min(distances, default=0.0)
+    order = np.argsort(distances, kind="stable") + 1
+    about = [int(n) for n in sorted(order) if distances[n - 1] <= NEARLY * nearest]
+    return about + [int(n) for n in order if n not in about], distances

@@ -1,0 +1,63 @@
+"""The sliding margin of an orbit: how far its reversals are from sticking, and its sticks from sliding on.
+
+Where a sliding velocity comes to zero, a tie there would have to pass some force S for the ends to stay
+together. Slip with the forces -forward and +backward on P gives the relative accelerations w+ and w-, which
+are linear in the force, so S is where that line is zero. A reversal has |S| above the limit, a stick below it;
+an orbit on which the two are equal is a sliding bifurcation.
+"""
+
+from math import inf
+
+from vibsim.engine.accelerations import accelerations
+from vibsim.engine.rows import RowMaker
+from vibsim.engine.state import State
+from vibsim.engine.status import BACKWARD, FORWARD, Status
+from vibsim.orbits.word import OF_FRICTION
+from vibsim.physics.numbers import Doubles
+
+
+def sliding_margin(scene, carried):
+    """The smallest distance of |S| from the limit [N] at the zeros of sliding velocities on a motion; inf
+    without any.
+    """
+    maker = RowMaker(scene, Doubles)
+    margins = [
+        abs(excess(scene, maker, part, t, components, codes))
+        for (kind, part), t, components, codes in zip(
+            carried.events, carried.times, carried.states, carried.codes.tolist(), strict=True
+        )
+        if kind in OF_FRICTION and kind != "stick_end"
+    ]
+    return min((margin for margin in margins if margin == margin), default=inf)
+
+
+def excess(scene, maker, i, t, components, codes):
+    """How far the force S of a tie in place of friction `i` would be beyond its limits at a state [N]; below 0
+    where it would hold, NaN where the friction does not move its ends against each other.
+    """
+    state, status = _state(scene, t, components), _status(scene, codes)
+    friction = scene.frictions[i]
+    P, Q = maker.ends(friction)
+    rates = []
+    for sense in (FORWARD, BACKWARD):
+        a, _ = accelerations(scene, Doubles, maker.rows(status.with_frictions({i: sense})), state)
+        rates.append(a[P] - a[Q])
+    (forward, backward), (above, below) = friction.starts, friction.limits
+    if rates[0] == rates[1]:
+        return float("nan")
+    S = -forward - rates[0] * (forward + backward) / (rates[1] - rates[0])
+    return max(-S - above, S - below)
+
+
+def _state(scene, t, components):
+    n, values = len(scene.bodies), components.tolist()
+    rotor = values[2 * n :] or [0.0, 0.0]
+    phase, turns = Doubles.reduce_angle(rotor[0])
+    return State(t, values[:n], values[n : 2 * n], phase, turns, rotor[1])
+
+
+def _status(scene, codes):
+    stops, frictions = len(scene.stops), len(scene.frictions)
+    return Status(
+        tuple(codes[:stops]), tuple(codes[stops : stops + frictions]), tuple(codes[stops + frictions :])
+    )
