@@ -9,6 +9,7 @@
     vibsim.open_result("II-B.h5")
     vibsim.analyse(result).capture.verdict
     vibsim.lyapunov(case).exponents
+    vibsim.orbit(case).multipliers
 
     sweep = vibsim.sweep("II-B", {"excitation.Omega0": "3:7:0.05 Hz"}, out="sommerfeld.h5")
     sweep["omega0"], sweep["mean_speed"]
@@ -39,6 +40,11 @@ if TYPE_CHECKING:
     from vibsim.fitting import FitResult as FitResult
     from vibsim.fitting import fit as fit
     from vibsim.opening import open_result as open_result
+    from vibsim.orbits import Orbit as Orbit
+    from vibsim.orbits import OrbitError as OrbitError
+    from vibsim.orbits import monodromy as monodromy
+    from vibsim.orbits import search_orbits as search_orbits
+    from vibsim.orbits.seeking import orbit as orbit
     from vibsim.plots.from_python import plot as plot
     from vibsim.results import Result as Result
     from vibsim.results import ResultFileError as ResultFileError
@@ -58,6 +64,8 @@ __getattr__, __dir__, __all__ = lazy_names(
         "vibsim.cases": ["Case", "CaseError", "load_case"],
         "vibsim.fitting": ["FitResult", "fit"],
         "vibsim.opening": ["open_result"],
+        "vibsim.orbits": ["Orbit", "OrbitError", "monodromy", "search_orbits"],
+        "vibsim.orbits.seeking": ["orbit"],
         "vibsim.plots.from_python": ["plot"],
         "vibsim.results": ["Result", "ResultFileError", "simulate"],
         "vibsim.sweeps": ["SweepResult", "join", "sweep"],

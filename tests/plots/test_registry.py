@@ -8,7 +8,7 @@ ALWAYS = {"overview", "displacement", "velocity", "phase", "relative", "stiffnes
 PERIODIC = {"impact-velocity", "stroboscopic", "phase-drift-free"}
 FITTING = {
     "ideal": ALWAYS | PERIODIC,
-    "motor": {kind.name for kind in KINDS if kind.reads in ("trajectory", "case")},
+    "motor": {kind.name for kind in KINDS if kind.reads in ("trajectory", "case")} - {"orbit-portrait"},
     "fixed": ALWAYS | PERIODIC,
     "bare": ALWAYS,
     "quiet": ALWAYS | PERIODIC,

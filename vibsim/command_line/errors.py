@@ -71,6 +71,7 @@ def code_for(error: Exception) -> int | None:
     from vibsim.cases import CaseError
     from vibsim.engine.errors import EngineError
     from vibsim.fitting.errors import FitError
+    from vibsim.orbits.errors import NoSection, OrbitError
     from vibsim.plots.errors import PlotError
     from vibsim.results import ResultFileError
     from vibsim.sweeps.plan.sweep_plan import PlanError
@@ -84,6 +85,8 @@ def code_for(error: Exception) -> int | None:
         ClusterError: RUN_FAILED,
         PlanError: click.UsageError.exit_code,
         FitError: click.UsageError.exit_code,
+        NoSection: click.UsageError.exit_code,
+        OrbitError: RUN_FAILED,
     }
     return next((code for kind, code in codes.items() if isinstance(error, kind)), None)
 

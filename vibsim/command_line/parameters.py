@@ -123,6 +123,15 @@ class DigitCount(click.ParamType):
         return digits
 
 
+class OrbitDigitCount(DigitCount):
+    """A number of decimal digits; an orbit is no run that loses them."""
+
+    def convert(self, value, param, ctx):
+        if value == "auto":
+            self.fail("'auto' is for runs; give a whole number", param, ctx)
+        return super().convert(value, param, ctx)
+
+
 class ExponentCount(click.ParamType):
     """A number of Lyapunov exponents, or all."""
 

@@ -47,6 +47,8 @@ def result_lines(result: Result) -> list[tuple[str, str]]:
         lines.append(("stopped", style(f"at {result.t_reached:.6g} s, by {limit}", fg="yellow")))
     if "events" in attrs:
         lines.append(("motion", motion_text(attrs)))
+    if "orbit_periods" in attrs:
+        lines.append(("orbit", orbit_text(attrs, scene)))
     counts = counts_of(result)
     lines += count_lines(counts)
     if "digits" in attrs:
@@ -79,6 +81,13 @@ def counts_of(result: Result) -> dict[str, dict[str, int]]:
     from vibsim.results.part_counts import part_counts
 
     return part_counts(result, result.case.scene())
+
+
+def orbit_text(attrs: Mapping[str, Any], scene: Scene) -> str:
+    """What is known of the periodic orbit that a file holds."""
+    periods = counted(attrs["orbit_periods"], "turn" if scene.has_motor else "period")
+    stable = "stable" if attrs["orbit_stable"] else "unstable"
+    return f"{periods}, {attrs['orbit_period_s']:.10g} s, {stable}, events {attrs['orbit_events'] or 'none'}"
 
 
 def certificate_text(attrs: Mapping[str, Any]) -> str:

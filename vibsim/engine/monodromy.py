@@ -125,12 +125,13 @@ class Carrier:
         while not driver.finished:
             driver.run(PIECES)
         codes = [(kind, part, *status.codes) for kind, part, _, status, _ in driver.events[1:-1]]
-        codes = np.array(codes, dtype="i1").reshape(-1, 2 + len(driver.status.codes))
+        width = 2 + len(driver.status.codes)
         kept, rows = driver.flow.certificate, driver.maker.rows(driver.status)
         moved = driver.tangent.vectors if driver.tangent else []
         table = np.array([(one.t, *self._components(one)) for _, _, one, *_ in driver.events[1:-1]])
         table = table.reshape(-1, 1 + self.size)
-        return self._told(driver.state, rows, moved, codes, table, kept.uncertified, kept.margin)
+        happened = np.array(codes, dtype="i1").reshape(-1, width)
+        return self._told(driver.state, rows, moved, happened, table, kept.uncertified, kept.margin)
 
     def _started(self, components, end):
         """The scene from the components of a state to `end` [s]."""

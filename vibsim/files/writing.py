@@ -31,15 +31,15 @@ def write_hdf5(
     options = {"driver": "core", "backing_store": False, "block_size": STEP}
     with h5py.File(path.name, "w", libver=LIBVER, **options) as file:
         write_attrs(file.id, attrs)
-        _write_datasets(file, declared, values)
+        write_datasets(file, declared, values)
         file.flush()
         image = file.id.get_file_image()
     with output_file(path, force=True) as partial:
         partial.write_bytes(image)
 
 
-def _write_datasets(file: h5py.File, declared: Iterable[Dataset], values: Mapping[str, Any]) -> None:
-    """Scales first, then what is attached to them."""
+def write_datasets(file: h5py.File, declared: Iterable[Dataset], values: Mapping[str, Any]) -> None:
+    """Write datasets to an open file: scales first, then what is attached to them."""
     for dataset in sorted(declared, key=lambda each: not each.is_scale):
         group = dataset.name.rpartition("/")[0]
         if dataset.is_scale:

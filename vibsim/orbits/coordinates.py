@@ -26,7 +26,7 @@ class Coordinates:
 
     def __init__(self, scene, section):
         self.scene, self.section = scene, section
-        self.columns = _component_names(scene)
+        self.columns = component_names(scene)
         reference = _references(scene)
         free = [i for i in range(length(scene)) if i != section.pinned and reference.get(i) != i]
         self.take = np.eye(length(scene))[free]
@@ -90,7 +90,7 @@ class Coordinates:
         return "m" if i < n else "m/s" if i < 2 * n else ("rad", "rad/s")[i - 2 * n]
 
 
-def _component_names(scene):
+def component_names(scene):
     """Columns in the order of state components."""
     pairs = [columns_of(body.name) for body in scene.bodies]
     rotor = ["phi", "phidot"] if scene.motor is not None else []

@@ -28,7 +28,7 @@ class Attempt:
     orbits: list
 
 
-def search(case, count, seed=0, period=None, engine="auto"):
+def search_attempts(case, count, seed=0, period=None, engine="auto"):
     """Look for orbits of a case from `count` random starts; a generator of `Attempt`s.
 
     The starts fill a box twice as wide as the extremes of a run of the case on the section. From each of them
@@ -38,7 +38,8 @@ def search(case, count, seed=0, period=None, engine="auto"):
     scene = case.scene()
     return_map = ReturnMap(scene, period or 1, engine)
     low, high = _box(scene, return_map, engine)
-    random, known = np.random.default_rng(seed), []
+    random = np.random.default_rng(seed)
+    known: list[Orbit] = []
     for number in range(count):
         X = low + (high - low) * random.random(len(low))
         new = [one for one in _from(case, return_map, X, period, engine) if not _is_among(one, known)]
@@ -95,3 +96,20 @@ def same(one, other):
     weights = one.end.coordinates.weights
     size = np.abs(one.points * weights).max(initial=0.0)
     return bool((np.abs((other.points - one.X) * weights).max(axis=1) <= SAME * size).any())
+
+
+def search_orbits(source, count, seed=0, period=None, engine="auto"):
+    """The distinct orbits that are found from `count` random starts.
+
+    Parameters
+    ----------
+    source : a Case, the path of a case file or the name of a shipped case
+    seed : of the starts
+    period : periods of the source, or turns of the motor, that are asked for; None: as they come
+
+    Returns a list of `Orbit`s. Raises OrbitError, CaseError, EngineError.
+    """
+    from vibsim.cases.loading import as_case
+
+    attempts = search_attempts(as_case(source), count, seed, period, engine)
+    return [one for attempt in attempts for one in attempt.orbits]

@@ -1,7 +1,5 @@
 """An orbit from a case, a run or another orbit: what `vibsim orbit` and `vibsim.orbit` do."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from vibsim.engine.errors import EngineError
@@ -79,9 +77,7 @@ def _from_run(case, result, period, engine):
     scene = case.scene()
     return_map = ReturnMap(scene, period or 1, engine)
     at = return_map.coordinates
-    course = (
-        course_of(scene, at, engine) if result is None else course_of_result(result, at, engine)
-    )
+    course = course_of(scene, at, engine) if result is None else course_of_result(result, at, engine)
     if len(course.points) < 4:
         raise OrbitError(
             f"the run meets the section {len(course.points)} times only; give a longer one, or a start"
@@ -116,8 +112,6 @@ def _nowhere(failure, distances):
         return failure
     n = int(np.argmin(distances)) + 1
     return OrbitError(
-        f"the run does not come near itself: nearest after {n} periods, by {min(distances):.2g} of its spread; "
-        "look for orbits that it leaves with --search, or give --period"
+        f"the run does not come near itself: nearest after {n} periods, to {min(distances):.2g} of its "
+        "spread; look for orbits that it leaves with --search, or give --period"
     )
-
-

@@ -2,8 +2,8 @@
 
 Where a sliding velocity comes to zero, a tie there would have to pass some force S for the ends to stay
 together. Slip with the forces -forward and +backward on P gives the relative accelerations w+ and w-, which
-are linear in the force, so S is where that line is zero. A reversal has |S| above the limit, a stick below it;
-an orbit on which the two are equal is a sliding bifurcation.
+are linear in the force, so S is where that line is zero. A reversal has |S| above the limit, a stick below
+it; an orbit on which the two are equal is at a sliding bifurcation.
 """
 
 from math import inf
@@ -32,8 +32,8 @@ def sliding_margin(scene, carried):
 
 
 def excess(scene, maker, i, t, components, codes):
-    """How far the force S of a tie in place of friction `i` would be beyond its limits at a state [N]; below 0
-    where it would hold, NaN where the friction does not move its ends against each other.
+    """How far the force S of a tie in place of friction `i` would be beyond its limits at a state [N]; below
+    0 where it would hold, NaN where the friction does not move its ends against each other.
     """
     state, status = _state(scene, t, components), _status(scene, codes)
     friction = scene.frictions[i]

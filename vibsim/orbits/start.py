@@ -26,7 +26,7 @@ def case_on_orbit(case, state, period):
 
 
 def _initial(case, state):
-    values = {}
+    values: dict[str, str] = {}
     for body in case.scene().bodies:
         x, v = columns_of(body.name)
         names = (f"{body.name}.x", f"{body.name}.v") if case.is_long else (x, v)

@@ -84,6 +84,12 @@ KINDS = (
         alone=True,
     ),
     Kind("waterfall", "trajectory", "spectra one behind the other: of pieces of a run, or of several runs"),
+    Kind(
+        "orbit-portrait",
+        "trajectory",
+        "a stored orbit: phase plane with impacts, multipliers in the unit circle",
+        ("orbit",),
+    ),
     Kind("stiffness", "case", "force of springs and stops against the relative displacement", ("springs",)),
     Kind("motor", "case", "torque of the motor against its speed", ("motor",)),
     Kind("sommerfeld", "sweep", "steady speed of the motor against its no-load speed", ("motor", "Omega0")),
@@ -145,6 +151,7 @@ NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
         lambda subject: _has(subject, "capture"),
     ),
     "free parameters": ("free parameters", lambda subject: bool(subject.result.plan.free)),
+    "orbit": ("a periodic orbit (file of vibsim orbit)", lambda subject: _holds_orbit(subject)),
     "section": ("stroboscopic points", lambda subject: subject.result.plan.section > 0),
 }
 
@@ -155,6 +162,10 @@ DEFAULTS = {
     "bench": ("work-precision",),
     "fit": ("fit",),
 }
+
+
+def _holds_orbit(subject: Subject) -> bool:
+    return getattr(subject.result, "orbit", None) is not None
 
 
 def _is_along_speed(subject: Subject) -> bool:
@@ -229,7 +240,8 @@ def choose(names: Sequence[str] | None, subjects: Sequence[Subject]) -> list[Kin
     """
     fit = fitting(subjects)
     if names is None:
-        preferred = DEFAULTS.get(subjects[0].reads, ())
+        orbits = all(map(_holds_orbit, subjects))
+        preferred = ("orbit-portrait",) if orbits else DEFAULTS.get(subjects[0].reads, ())
         names = [kind.name for kind in fit if kind.name in preferred] or [kind.name for kind in fit[:1]]
         if not names:
             paths = ", ".join(subject.path for subject in subjects)

@@ -34,4 +34,4 @@ def open_trajectory_file(path: str | Path):
     if kind_of(path) != "trajectory":
         raise ResultFileError(f"{path}: holds no single run")
     file = TrajectoryFile(path)
-    return Result(file.attrs, file.samples, file.events, case=file.case, digits=file.digits)
+    return Result(file.attrs, file.samples, file.events, case=file.case, digits=file.digits, orbit=file.orbit)

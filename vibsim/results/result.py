@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from vibsim.cases import Case
     from vibsim.results.columns import Tables
     from vibsim.results.digits import Digits
+    from vibsim.results.trajectory_writer import TrajectoryWriter
 
 Table = Mapping[str, np.ndarray]
 
@@ -27,7 +28,8 @@ class Result(Labelled):
     `result.events.to_dataframe()` the table of all events; on file they are read when asked for.
     `result.attrs` says where the trajectory comes from and what came of it.
     `result.digits["x1"]` and `result.digits.events["t"]` are the decimal texts of a run with digits; `digits`
-    is None for a run in doubles.
+    is None for a run in doubles. `result.orbit["multiplier_real"]` is what the file of a periodic orbit knows
+    besides; `orbit` is None for any other run.
     """
 
     def __init__(
@@ -37,8 +39,10 @@ class Result(Labelled):
         events: Table,
         case: "Case | None" = None,
         digits: "Digits | None" = None,
+        orbit: Table | None = None,
     ):
         self.attrs = attrs
+        self.orbit = orbit
         self.digits = digits
         self._case_of = cache(partial(_case, attrs, case))
         self.events = Events(events, self._case_of)
@@ -132,9 +136,17 @@ class Result(Labelled):
             writer = self._truth_writer(path, self.digits, force)
         try:
             writer.append({name: self[name] for name in self.keys()}, dict(self.events))
+            if self.orbit is not None:
+                self._attach(writer, self.orbit)
             return writer.finish(self.attrs)
         finally:
             writer.close()
+
+    def _attach(self, writer: "TrajectoryWriter", orbit: Table) -> None:
+        """Write what is known of a periodic orbit."""
+        from vibsim.results.orbit_structure import GROUP, orbit_datasets
+
+        writer.attach(orbit_datasets(orbit), {f"{GROUP}/{name}": orbit[name] for name in orbit})
 
     def _tables(self) -> "Tables":
         """What its columns are."""

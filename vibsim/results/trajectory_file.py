@@ -15,6 +15,7 @@ from vibsim.physics.parts import Scene
 from vibsim.results.columns import Tables, tables_of
 from vibsim.results.digits import Digits
 from vibsim.results.older_files import CompletedEvents, older_tables
+from vibsim.results.orbit_structure import GROUP, orbit_datasets
 from vibsim.results.trajectory_structure import (
     ATTRIBUTES,
     digit_datasets,
@@ -56,8 +57,10 @@ class TrajectoryFile:
             tables = older_tables(tables, older)
         samples, events = sample_datasets(tables, t_end), event_datasets(tables, t_end)
         digits = digit_datasets(tables) if "digits" in self._file else []
+        orbit = orbit_datasets(self._file[GROUP]) if GROUP in self._file else []
         if self.case is not None:
-            check_datasets(self.path, self._file, [*samples, *events, *digits])
+            check_datasets(self.path, self._file, [*samples, *events, *digits, *orbit])
+        self.orbit = FileColumns(self.path, self._file, orbit) if orbit else None
         self.samples = FileColumns(self.path, self._file, samples)
         self.events: Mapping[str, np.ndarray] = FileColumns(self.path, self._file, events)
         if older is not None:
@@ -136,8 +139,9 @@ class FileColumn:
     def __init__(self, path: Path, file: h5py.File, declared: Dataset):
         self._path, self._declared = path, declared
         with damage_named(path):
-            self._dataset = file[declared.name]
-        self.dtype = self._dataset.dtype
+            item = file[declared.name]
+        self.dtype = item.dtype
+        self._dataset = item.asstr() if declared.column.dtype == "text" else item
 
     def __len__(self) -> int:
         return int(self._dataset.shape[0])

@@ -15,6 +15,7 @@ from vibsim.files.declarations import (
 )
 from vibsim.files.provenance import PROVENANCE
 from vibsim.results.columns import TIMES, Tables
+from vibsim.results.orbit_structure import ATTRIBUTES as ORBIT_ATTRIBUTES
 
 COUNTS = ("impacts", "sticks", "reversals", "steps", "evaluations")
 STRUCK = ("transmitted", "chatters", "rests")  # of scenes with rigid stops
@@ -58,6 +59,7 @@ ATTRIBUTES = [
     Attribute("lyapunov_closest_tangency", EXTENDED, optional=True, where="lyapunov_growth"),
     Attribute("lyapunov_closest_tangency_time", NUMBER, optional=True),
     *(Attribute(name, NUMBER, optional=True) for name in NUMBERS),
+    *ORBIT_ATTRIBUTES,
 ]
 ROUNDED = 1 + 4 * 2.0**-52  # the last sample and the end are rounded apart
 SAMPLE, EVENT = "sample", "event"

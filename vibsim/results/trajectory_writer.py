@@ -5,7 +5,7 @@ what the last flush held) and gets its name when it is whole. Memory does not gr
 """
 
 import errno
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from itertools import repeat
 from pathlib import Path
@@ -16,9 +16,11 @@ import numpy as np
 
 from vibsim.files.attributes import write_attrs
 from vibsim.files.dataset_stream import DatasetStream
+from vibsim.files.declarations import Dataset
 from vibsim.files.disk_space import detach, release, reserve
 from vibsim.files.errors import ResultFileError
 from vibsim.files.output_file import check_output, is_locked, partial_path, publish, reason
+from vibsim.files.writing import write_datasets
 from vibsim.results.columns import Tables
 
 SAMPLE_CHUNK = 16384  # rows: 128 kB per column, 82 s at 5 ms; a window reads few chunks, a run writes few
@@ -87,6 +89,16 @@ class TrajectoryWriter:
     def update(self, attrs: Mapping[str, Any]) -> None:
         """Set root attributes; one that is None is left out."""
         write_attrs(self._file.id, attrs)
+
+    def attach(self, declared: Sequence[Dataset], values: Mapping[str, Any]) -> None:
+        """Write small datasets that are made at once, by name, beside the tables."""
+        self._besides += sum(FOR_COLUMN + np.asarray(values[each.name]).nbytes for each in declared)
+        if not self._make_room():
+            self._write_last()
+        try:
+            write_datasets(self._file, declared, values)
+        except (OSError, RuntimeError) as error:
+            raise self._lost(error) from error
 
     def finish(self, attrs: Mapping[str, Any]) -> Path:
         """Write what waits and the last attributes, and give the file its name; returns that path."""

@@ -1,0 +1,98 @@
+"""vibsim orbit: what it prints, stores and refuses."""
+
+import json
+
+import pytest
+
+import vibsim
+from tests.command_line.made import call
+from tests.orbits.truths import TRUTHS
+
+CAPTURED = ("-s", "c=0.03 N s/m", "-s", "Omega0=5Hz")
+
+
+def told(*words):
+    done = call("orbit", *words, "--json")
+    assert done.exit_code == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_json_has_the_truth():
+    of = TRUTHS["II-B c=0.03 captured n=1 (2 impacts/turn)"]
+    found = told("II-B", *CAPTURED)
+    assert found["period"] == pytest.approx(of.period, rel=1e-13) and found["n"] == 1
+    assert {"x1", "x2", "v1", "v2", "phi", "phidot"} == set(found["state"])
+    assert list(found["coordinates"].values()) == pytest.approx(of.unknowns.tolist(), rel=1e-11)
+    multipliers = [complex(*pair) for pair in found["multipliers"]]
+    assert all(min(abs(mu - other) for other in multipliers) < 1e-10 for mu in of.multipliers)
+    assert found["events"] == of.word and found["stable"] is True and found["residual"] < 1e-13
+    assert found["drift"] == found["drifts"]["2"] == pytest.approx(1.688e-4, rel=1e-3)
+    assert found["impacts"] == 2 and found["reversals"] == 4 and found["certified"]
+    assert [one["kind"] for one in found["near"]] == ["fold", "Neimark-Sacker"]
+
+
+def test_what_is_printed():
+    done = call("orbit", "I-A")
+    assert done.exit_code == 0
+    lines = {line[2:18].strip(): line[18:] for line in done.stdout.splitlines()[1:] if line[2:3] != " "}
+    assert lines["period"].startswith("1.42857142857 s, 0.7 Hz: 5 periods of the source, order 1/5")
+    assert "3 impacts, 2 sticks, 8 reversals" in lines["events"]
+    assert "0.10140278 +- 0.79268517i (magnitude 0.79914473), 0" in lines["multipliers"]
+    assert lines["stability"] == "stable" and "-inf 1/s" in lines["exponents"]
+    assert set(lines) >= {"drift", "state", "margins", "energy", "residual", "certificate"}
+
+
+def test_from_a_stored_orbit_to_a_neighbour(tmp_path):
+    path = tmp_path / "orbit.h5"
+    first = told("II-B", *CAPTURED, "-o", path)
+    assert first["file"] == str(path)
+    beside = told("II-B", *CAPTURED[:3], "Omega0=5.02Hz", "--from", path)
+    assert beside["events"] == first["events"] and 0 < abs(beside["period"] - first["period"]) < 1e-3
+    info = call("info", path)
+    assert "orbit           1 turn, 0.2707740907 s, stable, events rbrerbre" in info.stdout
+    run = call("run", path, "--t-end", "2s", "-o", tmp_path / "run.h5")
+    assert run.exit_code == 0 and vibsim.open_result(tmp_path / "run.h5").orbit is None
+    done = call("orbit", "II-B", *CAPTURED, "-o", path)
+    assert done.exit_code == 6 and "exists; kept" in done.stderr
+    assert call("orbit", "II-B", "--from", tmp_path / "run.h5").exit_code == 6
+
+
+def test_a_search_stores_each(tmp_path):
+    words = ("gallery/bilinear-oscillator", "--search", 6, "--seed", 3, "-o", tmp_path / "all.h5")
+    found = told(*words)
+    assert found["starts"] == 6 and {one["n"] for one in found["orbits"]} == {1, 2}
+    for i, one in enumerate(found["orbits"]):
+        assert one["file"] == str(tmp_path / f"all-{i + 1}.h5")
+        assert vibsim.open_result(one["file"]).attrs["orbit_events"] == one["events"]
+    done = call("orbit", *words)
+    assert done.exit_code == 6
+    listed = call("orbit", *words[:5]).stdout.splitlines()
+    assert f"{len(found['orbits'])} from 6 starts" in listed[1] and len(listed) == 2 + len(found["orbits"])
+
+
+def test_digits(tmp_path):
+    found = told("I-C", "--digits", 25, "-o", tmp_path / "orbit.h5")
+    assert found["period_digits"].startswith("1.53846153846153846153846")
+    stored = vibsim.open_result(tmp_path / "orbit.h5")
+    assert stored.attrs["orbit_digits"] == 25
+    kept = [text.decode() for text in stored.orbit["digits_start"]]
+    assert kept == list(found["coordinates_digits"].values())
+    assert float(kept[0]) == pytest.approx(found["state"]["x1"], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "message"),
+    [
+        (["gallery/bouncing-ball"], 2, "nothing drives the scene with a period"),
+        (["I-C", "--seed", "3"], 2, "--seed draws the starts of --search"),
+        (["I-C", "--search", "3", "--from", "x.h5"], 2, "leave --from out"),
+        (["I-C", "--digits", "auto"], 2, "'auto' is for runs"),
+        (["I-C", "-o", "orbit.csv"], 2, "suffix .csv"),
+        (["I-C", "--period", "0"], 2, "0 is not in the range"),
+        (["nosuchcase"], 3, "nosuchcase"),
+        (["I-C", "-s", "k9=3"], 3, "k9"),
+    ],
+)
+def test_what_is_refused(words, code, message):
+    done = call("orbit", *words)
+    assert done.exit_code == code and message in done.stderr and "Traceback" not in done.stderr

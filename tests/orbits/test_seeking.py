@@ -1,0 +1,110 @@
+"""From cases, runs, stored orbits and random starts to orbits."""
+
+import numpy as np
+import pytest
+
+import vibsim
+from tests.orbits.truths import TRUTHS
+from vibsim.cases import load_case
+from vibsim.files.errors import ResultFileError
+from vibsim.orbits.errors import NoSection, OrbitError
+from vibsim.orbits.orbit_file import save_orbit
+from vibsim.orbits.searching import same, search_attempts, search_orbits
+from vibsim.orbits.seeking import orbit
+from vibsim.orbits.settling import likely_periods
+from vibsim.orbits.word import cyclic
+from vibsim.results import simulate
+
+SETTLES = {"I-A": 5, "I-B": 18, "I-C": 1, "I-A-eq211": 1, "I-B-eq211": 3, "II-A": 1, "II-B": 3, "II-C": 1}
+CAPTURED = {"c": "0.03 N s/m", "Omega0": "5 Hz"}
+
+
+@pytest.mark.parametrize("name", SETTLES)
+def test_where_the_papers_cases_go(name):
+    orbit_there = orbit(name)
+    assert orbit_there.n == SETTLES[name] and orbit_there.stable and orbit_there.certified
+    assert abs(orbit_there.energy["energy_residual"]) < 1e-14  # rounding of the rotor's energy, half a joule
+    energy = orbit_there.energy
+    gained, lost = (sum(energy[key] for key in energy if key.startswith(kind)) for kind in ("work", "loss"))
+    assert gained == pytest.approx(lost, rel=1e-9)
+
+
+def test_the_attractor_of_I_A_is_the_truths():
+    """At one of its five returns it is the state of truths.json; its word is that one turned round."""
+    of = TRUTHS["I-A attractor, period 5"]
+    orbit_there = orbit("I-A")
+    assert np.abs(orbit_there.points - of.unknowns).max(axis=1).min() < 1e-15
+    assert len(orbit_there.points) == 5 and orbit_there.spelled != of.word
+    assert sorted(orbit_there.spelled) == sorted(of.word) and of.word in 2 * orbit_there.spelled
+
+
+def test_a_run_and_a_file_of_it(tmp_path):
+    case = load_case("I-C", {"run.t_end": "60 s"})
+    result = simulate(case)
+    result.save(tmp_path / "run.h5")
+    of_case, of_result, of_file = (orbit(s) for s in (case, result, vibsim.open_result(tmp_path / "run.h5")))
+    np.testing.assert_allclose(of_result.X, of_case.X, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(of_file.X, of_result.X, rtol=0, atol=0)
+
+
+def test_a_stored_orbit(tmp_path):
+    """A run of one period that starts on it; a start for others; written again it is the same."""
+    first = orbit("II-B", CAPTURED)
+    stored = save_orbit(first, tmp_path / "orbit.h5")
+    assert stored.attrs["orbit_periods"] == 1 and stored.t_reached == first.period
+    again = orbit(vibsim.open_result(tmp_path / "orbit.h5"))
+    assert again.solution.steps == 0 and np.array_equal(again.X, first.X)
+    np.testing.assert_array_equal(stored.orbit["multiplier_real"], first.multipliers.real)
+    assert list(stored.orbit["unknown"]) == ["x1-x2", "v1", "v2", "phidot"]
+    end = {name: stored.events[name][-1] for name in ("x1", "x2", "v1", "v2", "phidot")}
+    np.testing.assert_allclose(again.end.coordinates.of([*list(end.values())[:4], 0, end["phidot"]]), first.X)
+    stored.save(tmp_path / "copy.h5")
+    copy = vibsim.open_result(tmp_path / "copy.h5").orbit
+    assert all(np.array_equal(copy[name], stored.orbit[name]) for name in stored.orbit)
+    beside = orbit(vibsim.open_result(tmp_path / "orbit.h5"), {"Omega0": "5.1 Hz"})
+    assert beside.spelled == first.spelled and beside.solution.steps <= 6
+    with pytest.raises(ResultFileError, match="exists"):
+        save_orbit(first, tmp_path / "orbit.h5")
+
+
+def test_a_run_that_starts_on_it_stays_there(tmp_path):
+    stored = save_orbit(orbit("II-B", CAPTURED), tmp_path / "orbit.h5")
+    run = simulate(stored.case.with_values({"run.t_end": f"{20 * stored.t_reached!r} s"}))
+    ends = run.at(np.arange(20) * stored.t_reached)
+    np.testing.assert_allclose(ends["phidot"], ends["phidot"][0], rtol=1e-11)
+    np.testing.assert_allclose(ends["x1"] - ends["x2"], ends["x1"][0], rtol=1e-10)
+
+
+def test_a_search_lists_each_orbit_once():
+    """The bilinear oscillator of the gallery: a stable orbit of two periods and, beside it, one of one."""
+    case = load_case("gallery/bilinear-oscillator")
+    orbits = [one for attempt in search_attempts(case, 12, seed=3) for one in attempt.orbits]
+    assert {(one.n, one.stable) for one in orbits} >= {(2, True), (1, False)}
+    for i, one in enumerate(orbits):
+        assert not any(same(one, other) for other in orbits[:i])
+    again = [one.spelled for one in search_orbits(case, 12, seed=3)]
+    assert again == [one.spelled for one in orbits]
+    two = next(one for one in orbits if one.n == 2)
+    shifted = orbit(case, start=two.end.coordinates.state(two.points[1]), period=2)
+    assert same(two, shifted) and cyclic(shifted.events) == two.word
+
+
+def test_likely_periods():
+    """Of a motion of period 3 that is settling, 3 comes before its multiples and before what is as near."""
+    n = np.arange(120)
+    points = np.stack([np.cos(2 * np.pi * n / 3) + 0.3 * 0.95**n, np.sin(2 * np.pi * n / 3)], axis=1)
+    numbers, distances = likely_periods(points)
+    assert numbers[0] == 3 and distances[2] < 1e-2 < distances[0]
+
+
+def test_what_has_no_orbit():
+    with pytest.raises(NoSection, match="nothing drives the scene"):
+        orbit("gallery/bouncing-ball")
+    with pytest.raises(NoSection, match="nothing drives the scene"):
+        orbit("gallery/block-on-belt")
+    with pytest.raises(OrbitError, match="one period or more"):
+        orbit("I-C", start={"x1": 0, "x2": 0, "v1": 0, "v2": 0}, period=-1)
+    with pytest.raises(OrbitError, match="missing v2"):
+        orbit("I-C", start={"x1": 0, "x2": 0, "v1": 0})
+    with pytest.raises(OrbitError, match="no stored orbit"):
+        orbit("I-C", start=simulate(load_case("I-C", {"run.t_end": "1 s"})))

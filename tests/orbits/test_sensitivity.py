@@ -1,0 +1,76 @@
+"""The derivative of a motion by its start and by numbers of its case, in closed form."""
+
+from math import cos, exp, pi, sin, sqrt
+
+import numpy as np
+import pytest
+
+import vibsim
+from vibsim.orbits.errors import OrbitError
+
+TEXT = """
+name: linear
+bodies: {mass: 2 kg}
+links: {spring: {between: [mass, ground], k: 50 N/m, c: 0.8 N s/m}}
+forces: {drive: {on: mass, A: 0.3 N, omega: 90 deg/s}}
+run: {t_end: 10 s, every: 10 ms}
+"""
+
+
+@pytest.fixture
+def case(tmp_path):
+    path = tmp_path / "linear.yaml"
+    path.write_text(TEXT)
+    return vibsim.load_case(str(path))
+
+
+def displacement(t, m, k, c, A, W, x, v):
+    """x(t) of m x'' + c x' + k x = A sin W t, from x and v at 0."""
+    a, w = c / (2 * m), sqrt(k / m - (c / (2 * m)) ** 2)
+    D = (k - m * W * W) ** 2 + (c * W) ** 2
+    p, q = A * (k - m * W * W) / D, -A * c * W / D  # p sin + q cos
+    B = x - q
+    C = (v + a * B - p * W) / w
+    return exp(-a * t) * (B * cos(w * t) + C * sin(w * t)) + p * sin(W * t) + q * cos(W * t)
+
+
+def slope(f, value, h=1e-4):
+    """Of fourth order."""
+    return (8 * (f(value + h) - f(value - h)) - f(value + 2 * h) + f(value - 2 * h)) / (12 * h)
+
+
+def test_a_linear_oscillator(case):
+    values = {"m": 2.0, "k": 50.0, "c": 0.8, "A": 0.3, "W": pi / 2, "x": 0.01, "v": -0.2}
+    T, keys = 1.7, {"bodies.mass": "m", "links.spring.k": "k", "links.spring.c": "c", "omega": "W"}
+    told = vibsim.monodromy(case, {"x_mass": 0.01, "v_mass": -0.2}, T, tuple(keys))
+    assert told.columns == ("x_mass", "v_mass") and told.events == ()
+    assert told.state["x_mass"] == pytest.approx(displacement(T, **values), abs=1e-14)
+    for j, name in enumerate("xv"):
+        exact = slope(lambda value, name=name: displacement(T, **values | {name: value}), values[name])
+        assert told.matrix[0, j] == pytest.approx(exact, abs=1e-10)
+    for key, name in keys.items():
+        exact = slope(lambda value, name=name: displacement(T, **values | {name: value}), values[name])
+        assert told.by_parameter[key][0] == pytest.approx(exact, abs=1e-10), key
+        assert abs(told.by_parameter[key][0] - exact) < max(told.error[key][0], 1e-10)
+
+
+def test_the_papers_machine_through_impacts():
+    """Sensitivities of a period by the matrix of the orbit beside it: dX/dp = (I - P')^-1 dP/dp."""
+    case = vibsim.load_case("I-C")
+    orbit, step = vibsim.orbit(case), 1e-4
+    told = vibsim.monodromy(case, orbit.state, orbit.period, ("A",))
+    np.testing.assert_allclose(orbit.end.coordinates.of(told.matrix.T[[0, 2, 3]]).T, orbit.end.derivative)
+    predicted = np.linalg.solve(
+        np.eye(3) - orbit.end.derivative, orbit.end.coordinates.of(told.by_parameter["A"])
+    )
+    beside = [vibsim.orbit(case, {"A": f"{0.135 + sign * step!r} N"}, start=orbit).X for sign in (1, -1)]
+    np.testing.assert_allclose((beside[0] - beside[1]) / (2 * step), predicted, rtol=1e-4)
+
+
+def test_what_has_no_derivative(case):
+    with pytest.raises(OrbitError, match="no column x1; those of this case are x_mass, v_mass"):
+        vibsim.monodromy(case, {"x1": 0.0}, 1.0)
+    with pytest.raises(OrbitError, match="F0 is 0, so there is no telling"):
+        vibsim.monodromy("I-C", {"x1": 0.0}, 1.0, ("F0",))
+    with pytest.raises(OrbitError, match="rigid stops"):
+        vibsim.monodromy("gallery/bouncing-ball", {}, 1.0)

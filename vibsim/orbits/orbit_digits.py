@@ -1,0 +1,188 @@
+"""An orbit and its multipliers in many digits: Newton's method on the multi-digit engine.
+
+The start are doubles, right to some 15 digits; each step doubles their number. The matrix is carried along in
+the same digits, so the multipliers are as right as the orbit, but for their condition.
+"""
+
+from dataclasses import dataclass, replace
+from math import log10
+
+from vibsim.engine.accelerations import accelerations
+from vibsim.engine.driver import Driver
+from vibsim.engine.truth import bare
+from vibsim.orbits.errors import OrbitError
+from vibsim.orbits.orbit import Orbit
+from vibsim.orbits.small_matrices import characteristic_polynomial, refined_roots, solved
+from vibsim.orbits.word import spelled, word_of
+from vibsim.physics.exact_decimals import decimal_text
+from vibsim.physics.modes import EVENT_NAMES
+from vibsim.physics.number_kits import number_kit
+from vibsim.physics.period import common_period
+from vibsim.physics.working_precision import MOST_DIGITS
+
+GUARD = 15  # digits beyond those asked for: what components much smaller than the largest need
+PIECES = 4096
+STEPS = 14  # 15 digits doubled so often are more than there can be
+
+
+@dataclass(frozen=True)
+class OrbitDigits:
+    """Decimal texts of an orbit.
+
+    digits : how many; period [s]; coordinates : the unknowns by name; state : on the section by name of the
+    column; multipliers : (re, im) of each, in the order of the orbit's; correction : the last step, relative
+    to the size of the unknowns
+    """
+
+    digits: int
+    period: str
+    coordinates: dict[str, str]
+    state: dict[str, str]
+    multipliers: list[tuple[str, str]]
+    correction: float
+
+    @property
+    def multiplier_texts(self):
+        """Real parts and imaginary parts."""
+        return [re for re, _ in self.multipliers], [im for _, im in self.multipliers]
+
+    def lines(self):
+        """Label and text."""
+        heads = [("digits", f"{self.digits} of period, state and multipliers"), ("", f"T  {self.period}")]
+        states = [("", f"{name}  {text}") for name, text in self.coordinates.items()]
+        return heads + states + [("", f"mu  {re}  {im} i") for re, im in self.multipliers]
+
+    def object(self):
+        """The same for JSON."""
+        return {
+            "digits": self.digits,
+            "period_digits": self.period,
+            "state_digits": self.state,
+            "coordinates_digits": self.coordinates,
+            "multipliers_digits": [list(each) for each in self.multipliers],
+            "last_correction": self.correction,
+        }
+
+
+def refine(orbit: Orbit, digits: int) -> OrbitDigits:
+    """The orbit to so many digits. Raises OrbitError where Newton's method does not get there, or takes
+    another order of events, and MultiprecisionMissing where no library is installed.
+    """
+    kit = number_kit(min(digits + GUARD, MOST_DIGITS))
+    exact = _ExactMap(orbit, kit)
+    X, T = [kit.number(x) for x in orbit.X.tolist()], exact.start_time(orbit)
+    size = max(abs(x) for x in orbit.X.tolist()) or 1.0
+    for _ in range(STEPS):
+        step, longer, derivative = exact.step(X, T)
+        X = [kit.exact(x + dx) for x, dx in zip(X, step, strict=True)]
+        T = kit.exact(T + longer)
+        correction = max(abs(float(dx)) for dx in step) / size
+        if correction == 0 or log10(correction) < -digits - GUARD // 3:
+            break
+    else:
+        raise OrbitError(f"the orbit does not come to {digits} digits: the last step was {correction:.1e}")
+    if exact.word != orbit.events:
+        raise OrbitError(f"in many digits the orbit has the events {spelled(orbit.scene, exact.word)}")
+    roots = _multipliers(kit, derivative, orbit.multipliers.tolist())
+    return OrbitDigits(
+        digits,
+        _text(kit, T, digits),
+        dict(zip(exact.at.names, (_text(kit, x, digits) for x in X), strict=True)),
+        dict(zip(exact.at.columns, (_text(kit, x, digits) for x in exact.lifted(X)), strict=True)),
+        [(_text(kit, re, digits), _text(kit, im, digits)) for re, im in roots],
+        correction,
+    )
+
+
+class _ExactMap:
+    """The return map in numbers of a kit."""
+
+    def __init__(self, orbit: Orbit, kit):
+        if orbit.case is None:
+            raise OrbitError("an orbit of a scene alone is known to 16 digits: its numbers are doubles")
+        self.kit, self.at, self.n = kit, orbit.end.coordinates, orbit.n
+        self.section, self.word = orbit.return_map.section, ()
+        scene = bare(orbit.case.exact_scene(kit.number, kit.pi), kit)
+        stops = tuple(replace(stop, at_start=False) for stop in scene.stops)
+        self.scene = replace(scene, stops=stops, stop_on_violation=False, every_num=10**9, every_den=1)
+
+    def start_time(self, orbit):
+        """Period [s]: exact where the source tells it, else the double."""
+        if not self.section.timed:
+            return self.kit.number(orbit.period)
+        period = common_period(orbit.scene)
+        terms = zip(orbit.scene.harmonics, self.scene.harmonics, strict=True)
+        pitch = next(exact.cycles for term, exact in terms if term.cycles == period.cycles)
+        return self.kit.exact(self.kit.number(self.n * period.turns) / self.kit.number(pitch))
+
+    def step(self, X, T):
+        """Newton's step (change of X, change of T), and the derivative of the map at X."""
+        kit, m, p = self.kit, self.at.count, self.section.pinned
+        driver = self._driven(X, T)
+        end = self._components(driver.state)
+        image, vectors = self._unknowns(end), [self._unknowns(one) for one in driver.tangent.vectors]
+        matrix = [[vectors[j][i] for j in range(m)] for i in range(m)]
+        right = [a - b for a, b in zip(image, X, strict=True)]
+        if p is not None:
+            rate = self._rate(driver)
+            rates, slopes = self._unknowns(rate), [one[p] / rate[p] for one in driver.tangent.vectors]
+            ahead = (end[p] - self.n * kit.two_pi) / rate[p]
+            matrix = [[matrix[i][j] - rates[i] * slopes[j] for j in range(m)] for i in range(m)]
+            right = [value - rates[i] * ahead for i, value in enumerate(right)]
+        less = [[(1 if i == j else 0) - matrix[i][j] for j in range(m)] for i in range(m)]
+        change = solved(kit, less, right)
+        longer = kit.number(0)
+        if p is not None:
+            longer = -ahead - sum((s * dx for s, dx in zip(slopes, change, strict=True)), longer)
+        return change, longer, matrix
+
+    def _driven(self, X, T):
+        """The driver at the end of a motion of the duration T from X."""
+        kit, n = self.kit, len(self.scene.bodies)
+        state = self.lifted(X)
+        starts = zip(self.scene.bodies, state[:n], state[n : 2 * n], strict=True)
+        bodies = tuple(replace(body, x=x, v=v) for body, x, v in starts)
+        motor = self.scene.motor
+        if motor is not None:
+            motor = replace(motor, phi=state[2 * n], phidot=state[2 * n + 1])
+        scene = replace(self.scene, bodies=bodies, motor=motor, t_end=T)
+        vectors = [[kit.number(value) for value in row] for row in self.at.disturbances.tolist()]
+        driver = Driver(scene, kit, carry=vectors)
+        while not driver.finished:
+            driver.run(PIECES)
+        self.word = word_of((EVENT_NAMES[kind], part) for kind, part, *_ in driver.events[1:-1])
+        return driver
+
+    def lifted(self, X):
+        """State components on the section."""
+        rows = self.at.put.tolist()
+        return [sum((x for x, one in zip(X, row, strict=True) if one), self.kit.number(0)) for row in rows]
+
+    def _unknowns(self, state):
+        rows, zero = self.at.take.tolist(), self.kit.number(0)
+        return [sum((int(a) * s for a, s in zip(row, state, strict=True) if a), zero) for row in rows]
+
+    def _components(self, state):
+        motor = self.scene.motor is not None
+        rotor = (self.kit.unwind(state.phase, state.turns), state.w) if motor else ()
+        return [*state.x, *state.v, *rotor]
+
+    def _rate(self, driver):
+        state, n = driver.state, len(self.scene.bodies)
+        a, alpha = accelerations(self.scene, self.kit, driver.maker.rows(driver.status), state)
+        return [*state.v, *a[:n], state.w, alpha]
+
+
+def _multipliers(kit, matrix, starts):
+    """Eigenvalues of a matrix from those in doubles; as many as are 0 there are 0."""
+    zeros = sum(1 for z in starts if z == 0)
+    polynomial = characteristic_polynomial(kit, matrix)[zeros:]
+    zero = kit.number(0)
+    roots = refined_roots(kit, polynomial, [z for z in starts if z != 0], STEPS)
+    noise = 10.0 ** (GUARD // 3 - kit.digits)
+    roots = [(re, zero if abs(float(im)) < noise * abs(float(re)) else im) for re, im in roots]
+    return [*roots, *[(zero, zero)] * zeros]
+
+
+def _text(kit, value, digits):
+    return decimal_text(kit.parts(value), digits) if value != 0 else "0"

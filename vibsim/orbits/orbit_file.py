@@ -1,0 +1,75 @@
+"""Store an orbit: a run of one period in a file that every command takes, and what is known of the orbit."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibsim.orbits.orbit import Orbit
+from vibsim.orbits.start import case_on_orbit
+from vibsim.results.orbit_structure import DATASETS, DIGITS, GROUP
+from vibsim.results.recording import Recording
+from vibsim.results.result import Result
+from vibsim.results.trajectory_file import TrajectoryFile
+from vibsim.results.trajectory_writer import TrajectoryWriter
+
+if TYPE_CHECKING:
+    from vibsim.orbits.orbit_digits import OrbitDigits
+
+
+def save_orbit(
+    orbit: Orbit, path: str | Path, force: bool = False, digits: "OrbitDigits | None" = None
+) -> Result:
+    """Write an orbit to an HDF5 file and open it.
+
+    digits : the orbit in many digits, or None. Raises ResultFileError where it cannot be written, ValueError
+    for an orbit of a scene without a case.
+    """
+    if orbit.case is None:
+        raise ValueError("an orbit of a scene alone has no case to be stored with")
+    case = case_on_orbit(orbit.case, orbit.state, orbit.period)
+    recording = Recording(case, orbit.return_map.carrier.engine)
+    start = {**recording.start, **_attributes(orbit, digits)}
+    writer = TrajectoryWriter(path, recording.tables, start, force)
+    try:
+        recording.into(writer)
+        writer.attach(DATASETS + (DIGITS if digits else []), _values(orbit, digits))
+        target = writer.finish(recording.end())
+    finally:
+        writer.close()
+    file = TrajectoryFile(target)
+    return Result(file.attrs, file.samples, file.events, case=file.case, orbit=file.orbit)
+
+
+def _attributes(orbit: Orbit, digits: "OrbitDigits | None") -> dict[str, Any]:
+    return {
+        "orbit_periods": orbit.n,
+        "orbit_period_s": orbit.period,
+        "orbit_stable": int(orbit.stable),
+        "orbit_events": orbit.spelled,
+        "orbit_residual": orbit.residual,
+        "orbit_sliding_margin": orbit.sliding,
+        "orbit_digits": digits.digits if digits else None,
+    }
+
+
+def _values(orbit: Orbit, digits: "OrbitDigits | None") -> dict[str, Any]:
+    at, multipliers = orbit.end.coordinates, orbit.multipliers
+    values = {
+        "unknown": at.names,
+        "units": at.units,
+        "multiplier": np.arange(len(multipliers)),
+        "multiplier_real": multipliers.real,
+        "multiplier_imaginary": multipliers.imag,
+        "return": np.arange(orbit.n),
+        "points": orbit.points,
+        "derivative": orbit.end.derivative,
+    }
+    if digits:
+        real, imaginary = digits.multiplier_texts
+        values |= {
+            "digits_start": np.array(list(digits.coordinates.values()), dtype="S"),
+            "digits_real": np.array(real, dtype="S"),
+            "digits_imaginary": np.array(imaginary, dtype="S"),
+        }
+    return {f"{GROUP}/{name}": value for name, value in values.items()}

@@ -1,0 +1,118 @@
+"""What becomes of small changes of a state, and of numbers of a case, after a time.
+
+Changes of the state are carried along by the motion, exact to rounding. Changes of a number of the case are
+difference quotients of motions beside it, of two widths, whose leading error cancels (Richardson).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibsim.engine.monodromy import Carrier
+from vibsim.orbits.coordinates import component_names
+from vibsim.orbits.errors import OrbitError
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+WIDTH = 2.0**-10  # of the number: rounding 2^-53 / 2^-10 and what is left out, 2^-40, are both 1e-12 about
+
+
+@dataclass(frozen=True)
+class Monodromy:
+    """The derivative of a motion over a time.
+
+    columns : names of the components of the state: x of each body, v of each body, phi and phidot
+    matrix : d state(T) / d state(0), (N, N) in the order of `columns`
+    state : the state at the end by name of the column; rate : its rates of change
+    events : (kind, number of the part) on the way
+    by_parameter : d state(T) / d number, (N) by key, per SI unit, rad/s for rates; error : estimated of each
+    """
+
+    columns: tuple[str, ...]
+    matrix: np.ndarray
+    state: dict[str, float]
+    rate: dict[str, float]
+    events: tuple[tuple[str, int], ...]
+    by_parameter: dict[str, np.ndarray]
+    error: dict[str, np.ndarray]
+
+
+def monodromy(
+    case: "Case | str",
+    state: Mapping[str, float],
+    T: float,
+    parameters: Sequence[str] = (),
+    engine: str = "auto",
+) -> Monodromy:
+    """The derivative of the motion of a case from `state` at t = 0 over the time `T` [s].
+
+    Parameters
+    ----------
+    case : a Case, the path of a case file or the name of a shipped case
+    state : by name of the column, e.g. {"x1": 0.001, "v1": 0.2, ...} [m, m/s, rad, rad/s]; those left out: 0
+    parameters : keys of numbers of the case by which the motion is differentiated too, e.g. ("c", "omega")
+
+    Raises OrbitError for a column that the case has not got, a number that is 0 (it has no scale) and a scene
+    that no disturbances are carried through, UnknownKeyError for keys, EngineError where the run fails.
+    """
+    from vibsim.cases.loading import as_case
+
+    case = as_case(case)
+    scene = case.scene()
+    columns = component_names(scene)
+    unknown = [name for name in state if name not in columns]
+    if unknown:
+        raise OrbitError(f"no column {', '.join(unknown)}; those of this case are {', '.join(columns)}")
+    start = [float(state.get(name, 0.0)) for name in columns]
+    carried = _carrier(scene, engine).carry(start, T)
+    quotients = {key: _quotient(case, key, start, T, engine) for key in parameters}
+    return Monodromy(
+        tuple(columns),
+        carried.matrix,
+        dict(zip(columns, carried.state.tolist(), strict=True)),
+        dict(zip(columns, carried.rate.tolist(), strict=True)),
+        carried.events,
+        {key: quotient for key, (quotient, _) in quotients.items()},
+        {key: error for key, (_, error) in quotients.items()},
+    )
+
+
+def _carrier(scene: Any, engine: str) -> Carrier:
+    try:
+        return Carrier(scene, engine)
+    except ValueError as error:
+        raise OrbitError(str(error)) from error
+
+
+def _quotient(
+    case: "Case", key: str, start: Sequence[float], T: float, engine: str
+) -> tuple[np.ndarray, np.ndarray]:
+    """d state(T) / d number of the case, and the estimate of its error."""
+    value = case.number(key)
+    if value == 0:
+        raise OrbitError(f"{key} is 0, so there is no telling how far to change it; give it a small value")
+    wide, narrow = (_central(case, key, value, share, start, T, engine) for share in (WIDTH, WIDTH / 2))
+    return (4 * narrow - wide) / 3, np.abs(narrow - wide) * WIDTH
+
+
+def _central(
+    case: "Case", key: str, value: float, share: float, start: Sequence[float], T: float, engine: str
+) -> np.ndarray:
+    """Central difference quotient over value (1 +- share)."""
+    ends, numbers = [], []
+    for sign in (1, -1):
+        changed = case.with_values({key: f"{value * (1 + sign * share)!r} {_si(case, key)}".strip()})
+        numbers.append(changed.number(key))
+        ends.append(_carrier(changed.scene(), engine).carry(start, T, []).state)
+    return np.asarray((ends[0] - ends[1]) / (numbers[0] - numbers[1]))
+
+
+def _si(case: "Case", key: str) -> str:
+    """The SI unit of a number of the case."""
+    from vibsim.cases.units import find_unit, si_unit
+
+    unit = find_unit(case.quantity(key).text.partition(" ")[2])
+    return "" if unit is None else si_unit(unit.dimension).name

@@ -1,0 +1,90 @@
+"""Linear algebra of a few unknowns in numbers of any kit: what numpy does for doubles.
+
+A matrix is a list of rows. Complex numbers are pairs (re, im), which every kit has.
+"""
+
+
+def solved(kit, matrix, right):
+    """x with matrix x = right, by Gaussian elimination with the largest pivot of each column. Raises
+    ZeroDivisionError for a matrix that is singular.
+    """
+    rows = [[*row, value] for row, value in zip(matrix, right, strict=True)]
+    n = len(rows)
+    for k in range(n):
+        pivot = max(range(k, n), key=lambda i: abs(float(rows[i][k])))
+        rows[k], rows[pivot] = rows[pivot], rows[k]
+        if rows[k][k] == 0:
+            raise ZeroDivisionError("the matrix is singular")
+        for i in range(k + 1, n):
+            share = rows[i][k] / rows[k][k]
+            rows[i] = [a - share * b for a, b in zip(rows[i], rows[k], strict=True)]
+    x = [kit.number(0)] * n
+    for k in reversed(range(n)):
+        rest = sum((rows[k][i] * x[i] for i in range(k + 1, n)), kit.number(0))
+        x[k] = kit.exact((rows[k][n] - rest) / rows[k][k])
+    return x
+
+
+def product(kit, one, other):
+    """Product of two square matrices."""
+    n = len(one)
+    return [
+        [kit.exact(sum((one[i][k] * other[k][j] for k in range(n)), kit.number(0))) for j in range(n)]
+        for i in range(n)
+    ]
+
+
+def characteristic_polynomial(kit, matrix):
+    """Coefficients c_0, ..., c_n = 1 of det(x - matrix), by the method of Faddeev and LeVerrier."""
+    n, one = len(matrix), kit.number(1)
+    coefficients, powers = [one], [[kit.number(0)] * n for _ in range(n)]
+    for k in range(1, n + 1):
+        shifted = [[powers[i][j] + (coefficients[-1] if i == j else 0) for j in range(n)] for i in range(n)]
+        powers = product(kit, matrix, shifted)
+        trace = sum((powers[i][i] for i in range(n)), kit.number(0))
+        coefficients.append(kit.exact(-trace / k))
+    return coefficients[::-1]
+
+
+def refined_roots(kit, coefficients, starts, steps):
+    """The roots of a polynomial near `starts` (complex), by Aberth's iteration: Newton's method that keeps
+    from roots found by others. Pairs (re, im).
+    """
+    roots = [(kit.number(z.real), kit.number(z.imag)) for z in starts]
+    for _ in range(steps):
+        for i, z in enumerate(roots):
+            value, slope = _horner(kit, coefficients, z)
+            if value == (0, 0) or slope == (0, 0):
+                continue
+            newton = _over(value, slope)
+            pull = (kit.number(0), kit.number(0))
+            for j, other in enumerate(roots):
+                apart = (z[0] - other[0], z[1] - other[1])
+                if j != i and apart != (0, 0):
+                    near = _over((kit.number(1), kit.number(0)), apart)
+                    pull = (pull[0] + near[0], pull[1] + near[1])
+            away = _times(newton, pull)
+            step = _over(newton, (1 - away[0], -away[1]))
+            roots[i] = (kit.exact(z[0] - step[0]), kit.exact(z[1] - step[1]))
+    return roots
+
+
+def _horner(kit, coefficients, z):
+    """Value and slope of the polynomial at z."""
+    zero = kit.number(0)
+    value, slope = (zero, zero), (zero, zero)
+    for c in reversed(coefficients):
+        turned = _times(slope, z)
+        slope = (turned[0] + value[0], turned[1] + value[1])
+        moved = _times(value, z)
+        value = (moved[0] + c, moved[1])
+    return tuple(map(kit.exact, value)), tuple(map(kit.exact, slope))
+
+
+def _times(a, b):
+    return a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]
+
+
+def _over(a, b):
+    size = b[0] * b[0] + b[1] * b[1]
+    return (a[0] * b[0] + a[1] * b[1]) / size, (a[1] * b[0] - a[0] * b[1]) / size

@@ -1,0 +1,38 @@
+"""What the multipliers of an orbit say: which bifurcations are near."""
+
+from dataclasses import dataclass
+
+NEAR = 0.02  # distance of a multiplier from the unit circle that is worth telling
+ROUNDING = 1e-10  # of a multiplier: 1 within it is 1
+
+
+@dataclass(frozen=True)
+class Neighbour:
+    """A multiplier near the unit circle. kind: "fold", "period doubling" or "Neimark-Sacker"; "family" for
+    one that is 1 but for rounding.
+    """
+
+    kind: str
+    mu: complex
+
+    @property
+    def text(self):
+        if self.kind == "family":
+            return "a multiplier is 1: one of a family of orbits, or a fold"
+        shown = f"{self.mu.real:.6g}" if self.mu.imag == 0 else f"magnitude {abs(self.mu):.6g}"
+        article = "a Neimark-Sacker point" if self.kind == "Neimark-Sacker" else f"a {self.kind}"
+        return f"{article} is near (multiplier {'of ' * (self.mu.imag != 0)}{shown})"
+
+
+def neighbours(orbit):
+    """The bifurcations that are near, the nearest first."""
+    near = [mu for mu in orbit.multipliers.tolist() if mu.imag >= 0 and abs(abs(mu) - 1) < NEAR]
+    return [Neighbour(_kind(mu), mu) for mu in sorted(near, key=lambda mu: abs(abs(mu) - 1))]
+
+
+def _kind(mu):
+    if mu.imag != 0:
+        return "Neimark-Sacker"
+    if mu.real < 0:
+        return "period doubling"
+    return "family" if abs(mu - 1) < ROUNDING else "fold"
