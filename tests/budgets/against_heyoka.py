@@ -37,7 +37,7 @@ def case_rows(name):
     """Time of vibsim / time of heyoka, both with 60,001 samples, taken in turns; errors; events."""
     from vibsim.evidence.peers.heyoka_events import HeyokaEvents
 
-    scene = load_case(name).two_blocks()
+    scene = load_case(name).scene()
     times = np.array([scene.sample_time(i) for i in range(scene.sample_count)])
     made = []
     jit = stopwatch(lambda: made.append(HeyokaEvents(scene, FULL)))
@@ -57,7 +57,7 @@ def case_rows(name):
 
 def vibsim_run(scene):
     """Samples and events of a run, as arrays."""
-    blocks = list(open_trajectory(scene.as_parts(), "c").blocks())
+    blocks = list(open_trajectory(scene, "c").blocks())
     samples = np.column_stack([np.concatenate([block.samples[name] for block in blocks]) for name in STATES])
     events = np.column_stack(
         [np.concatenate([block.events[name] for block in blocks]) for name in ("t", "kind")]

@@ -10,9 +10,16 @@ from vibsim.command_line.quantity_text import seconds, size
 from vibsim.command_line.summary import heading, print_lines
 from vibsim.command_line.terminal import say, style
 from vibsim.evidence.benchmark.bench_result import BenchResult
+from vibsim.evidence.benchmark.description import refusals
 from vibsim.evidence.benchmark.families import family_of
 from vibsim.evidence.benchmark.row import FAILED, SLOWER, Row
-from vibsim.evidence.benchmark.verdicts import beside_reference, fastest, most_accurate, reference
+from vibsim.evidence.benchmark.verdicts import (
+    beside_reference,
+    fastest,
+    impacts_per_second,
+    most_accurate,
+    reference,
+)
 from vibsim.evidence.peers.attempt import CONTACTS
 
 SETTING = 22
@@ -47,7 +54,8 @@ def head_lines(bench: BenchResult) -> list[tuple[str, str]]:
     lines = [
         ("span", f"{seconds(float(time[-1]))}, compared at {len(time)} instants"),
         ("truth", f"{truth}; {attrs['truth_library']}, {attrs['truth_wall_time_s']:.3g} s"),
-        ("times", "milliseconds per second of motion, medians"),
+        ("times", "milliseconds per second of motion, medians; impacts per second of computing"),
+        ("faithful", f"errors within {1e3 * bench.faithful_error:.3g} mm"),
         ("machine", f"{attrs['processor']}, {attrs['cores']} cores; {attrs['platform']}"),
         ("versions", f"vibsim {attrs['vibsim_version']}, {', '.join(versions)}"),
     ]
@@ -64,6 +72,8 @@ def table_lines(bench: BenchResult) -> Iterator[str]:
     for name in json.loads(bench.attrs["not_installed"]):
         family = family_of(name)
         yield style(family.label, bold=True) + f"  {family.remedy}"
+    for name, sentence in refusals(bench).items():
+        yield style(family_of(name).label, bold=True) + f"  {sentence}"
 
 
 def _note(group: list[Row]) -> str:
@@ -79,9 +89,9 @@ def _header(bench: BenchResult) -> list[str]:
     times = [f"{t:g} s" for t in bench.check_times]
     errors = "".join(f"{t:>9}" for t in times)
     return [
-        f"{'':{SETTING + 2}}{'time':>9}{'CPU':>9}{'':>9}{'right-':>12}"
+        f"{'':{SETTING + 2}}{'time':>9}{'CPU':>9}{'impacts':>10}{'':>9}{'right-':>12}"
         f"{'largest error [m] until':>{9 * len(times)}}{'faithful':>10}{'events until then':>21}",
-        f"{'':{SETTING + 2}}{'ms/s':>9}{'ms/s':>9}{'steps':>9}{'hand sides':>12}"
+        f"{'':{SETTING + 2}}{'ms/s':>9}{'ms/s':>9}{'per s':>10}{'steps':>9}{'hand sides':>12}"
         f"{errors}{'until':>10}{'found':>7}{'missed':>7}{'extra':>7}",
     ]
 
@@ -94,6 +104,7 @@ def _row_text(bench: BenchResult, row: Row) -> str:
     errors = [_error_text(row.error_until(bench["time"], t)) for t in bench.check_times]
     cells = [
         f"{_time_text(bench, row, row.wall_time):>9}{_time_text(bench, row, row.cpu_time):>9}",
+        f"{_rate_text(impacts_per_second(bench, row)):>10}",
         f"{_count_text(row.steps):>9}{_count_text(row.evaluations):>12}",
         "".join(f"{text:>9}" for text in errors),
         f"{f'{row.faithful_time:.4g} s':>10}",
@@ -148,6 +159,10 @@ def _short(x: float) -> str:
 
 def _error_text(x: float) -> str:
     return f"{x:.1e}" if isfinite(x) else NOTHING
+
+
+def _rate_text(rate: float | None) -> str:
+    return NOTHING if rate is None else _short(float(f"{rate:.3g}"))
 
 
 def _count_text(n: int) -> str:

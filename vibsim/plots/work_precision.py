@@ -13,7 +13,6 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
 from vibsim.evidence.benchmark.families import Family, family_of
-from vibsim.evidence.benchmark.scoring import FAITHFUL
 from vibsim.evidence.benchmark.verdicts import error_at, faster, most_accurate
 from vibsim.plots.curve_labels import Named, write_names
 from vibsim.plots.errors import PlotError
@@ -75,7 +74,7 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     axes.set_xlabel("Computing time per second of motion (s)")
     axes.set_ylabel(f"Largest error of the displacements until {bench.telling_time:g} s (m)")
     note(axes, f"{as_text(bench.attrs['case_name'])}; dashed: events not located")
-    note(beside, f"error within {FAITHFUL * 1e3:g} mm")
+    note(beside, f"error within {1e3 * bench.faithful_error:.3g} mm")
     _draw_faithful(beside, drawn, float(bench["time"][-1]))
     letter_panels([axes, beside])
     write_names(axes, [*_leads(axes, bench, drawn), *_names(drawn)])

@@ -52,6 +52,11 @@ def test_windows_end_half_way_to_the_next_of_the_kind():
     assert counted([1.6], widest=9.0) == EventCount(0, 4, 1)
 
 
+def test_events_of_two_parts_at_one_instant_are_two():
+    assert counted([1.01, 1.02, 2.0], true=[1.0, 1.0, 2.0]) == EventCount(3, 0, 0)
+    assert counted([1.01, 2.0], true=[1.0, 1.0, 2.0]) == EventCount(2, 1, 0)
+
+
 def test_kinds_are_not_mistaken_for_each_other():
     counts = count_events(table([1.0, 1.01], [BEGIN, END]), [(1.0, BEGIN), (1.012, BEGIN)], EVER, 0.01)
     assert counts["contact_begin"] == EventCount(1, 0, 1)

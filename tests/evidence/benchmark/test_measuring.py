@@ -28,7 +28,7 @@ FAILS = Family(
 
 
 def row(method, setting, limit=20.0, going_on=lambda: True, name="II-B"):
-    scene = plan(name).case.two_blocks()
+    scene = plan(name).case.scene()
     return measure(family_of(method), setting, scene, truth(name), limit, going_on)
 
 
@@ -52,7 +52,7 @@ def test_what_is_slow_is_stopped_and_judged_so_far():
 
 
 def test_what_fails_says_so():
-    found = measure(FAILS, "as it is", plan().case.two_blocks(), truth(), 1.0, lambda: True)
+    found = measure(FAILS, "as it is", plan().case.scene(), truth(), 1.0, lambda: True)
     assert (found.status, found.problem) == (FAILED, "the step is too small")
     assert found.runs == 0 and np.isnan(found.error).all() and found.counted() is None
 
@@ -64,10 +64,9 @@ def test_vibsim_is_measured_like_its_peers():
     assert found.counted().missed == found.counted().spurious == 0
 
 
-def test_a_fixed_block_has_a_column_of_zeros():
+def test_states_are_those_of_the_bodies():
     from tests.scenes import fixed_block
 
-    scene = fixed_block(x1=1e-3, t_end=1.0)
+    scene = fixed_block(x1=1e-3, t_end=1.0).as_parts()
     attempt = OwnEngine(scene, "python", "auto").run(np.array([0.0]), TimeLimit())
-    assert attempt.states.shape == (201, 4) and (attempt.states[:, 2:] == 0).all()
-    assert abs(attempt.states[:, 1]).max() > 0.01
+    assert attempt.states.shape == (201, 2) and abs(attempt.states[:, 1]).max() > 0.01

@@ -58,9 +58,22 @@ def test_the_closed_form_needs_an_ideal_source():
     assert "closed-form" in methods("I-A") and "closed-form" not in methods("II-B")
 
 
+def test_methods_without_events_cannot_take_rigid_stops():
+    def methods(name):
+        return {family.name for family, _ in plan(name, "1 s", methods=()).rows()}
+
+    assert methods("gallery/chain-with-gaps") - methods("gallery/bouncing-ball") == {"rk45", "tanh", "rk4"}
+    assert "without events there is no blow" in family_of("rk4").refusal(load_case("hard/zeno-ball").scene())
+
+
+def test_a_clearance_stops_no_run():
+    found = plan("gallery/chain-with-gaps", "1 s", run__on_violation="stop")
+    assert not found.case.scene().stop_on_violation
+
+
 def test_a_rest_distance_stops_no_run():
     found = plan(rest_distance__value="1 mm", rest_distance__on_violation="stop")
-    assert not found.case.two_blocks().stop_on_violation
+    assert not found.case.scene().stop_on_violation
 
 
 def test_what_is_not_installed_is_left_out(monkeypatch):

@@ -7,7 +7,7 @@ from tests.evidence.benchmark.made import planted
 from tests.scenes import paper, scene
 from vibsim.evidence.benchmark.event_counts import EventCount
 from vibsim.evidence.benchmark.row import DONE, Row
-from vibsim.evidence.benchmark.scoring import score, shortest_period
+from vibsim.evidence.benchmark.scoring import faithful_error, score, shortest_period
 from vibsim.evidence.peers.attempt import CONTACTS, EVERY_KIND, Attempt
 
 TIMES = [0.0, 1.0, 2.0, 3.0]
@@ -20,7 +20,7 @@ def attempt(x1, events=(), kinds=EVERY_KIND):
 
 
 def judged(x1, truth=(0, 0, 0, 0), events=(), found=(), kinds=EVERY_KIND):
-    return score(attempt(x1, found, kinds), planted(TIMES, truth, events), scene())
+    return score(attempt(x1, found, kinds), planted(TIMES, truth, events), scene().as_parts())
 
 
 def test_the_error_is_that_of_the_displacements():
@@ -43,6 +43,12 @@ def test_faithful_until(x1, until):
     assert np.isnan(found.error[len(x1) :]).all()
 
 
+@pytest.mark.parametrize(("largest", "allowed"), [(0.5, 1e-3), (4e-3, 2e-4), (0.0, 1e-3)])
+def test_faithful_is_within_a_millimetre_or_a_twentieth_of_the_motion(largest, allowed):
+    truth = planted(TIMES, [0, largest, -largest / 2, 0])
+    assert faithful_error(truth, scene().as_parts()) == pytest.approx(allowed)
+
+
 def test_events_count_until_the_run_is_lost():
     events = [(0.5, 1), (0.9, 2), (1.5, 1), (2.5, 2)]
     found = judged([0, 0, 1.0, 1.0], events=events, found=[(0.5, 1), (0.7, 1), (1.5, 1)])
@@ -55,8 +61,9 @@ def test_only_what_a_method_reports_is_counted():
 
 
 def test_shortest_period():
-    assert 1 / shortest_period(paper("I-A")) == pytest.approx(34.397, abs=1e-3)  # k1 + k2 on the free pair
-    assert shortest_period(scene(k1=0.0, k2=None, G=None)) == math.inf
+    hertz = 1 / shortest_period(paper("I-A").as_parts())
+    assert hertz == pytest.approx(34.397, abs=1e-3)  # k1 + k2 on the free pair
+    assert shortest_period(scene(k1=0.0, k2=None, G=None).as_parts()) == math.inf
 
 
 def test_error_until_is_the_largest_so_far():

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tests.evidence.benchmark.made import planted
+from vibsim.cases import load_case
 from vibsim.evidence.benchmark.bench_result import BenchResult
 from vibsim.evidence.benchmark.description import facts
 from vibsim.evidence.benchmark.row import DONE, FAILED, SLOWER, Row
@@ -12,6 +13,7 @@ from vibsim.evidence.benchmark.verdicts import (
     error_at,
     faster,
     fastest,
+    impacts_per_second,
     most_accurate,
     reference,
 )
@@ -32,18 +34,32 @@ ROWS = [
     row("rk45", "rtol 1e-9", 1e-4, [0, math.nan, math.nan], SLOWER, 0.5),
     Row("rk4", "step 2 ms", FAILED, "why", error=np.full(3, math.nan)),
 ]
-TEXT = '{"vibsim_case": 1}'
+TEXT = load_case("II-B").resolved_json()
 
 
-def bench(rows=ROWS):
+def bench(rows=ROWS, events=()):
     attrs = {"check_times_s": [1.0, 2.0], "case_yaml": "", "case_resolved_json": TEXT}
-    return BenchResult({**attrs, "methods": "[]", "not_installed": "[]"}, planted(TIMES, [0, 0, 0]), rows)
+    truth = planted(TIMES, [0, 0, 0], events)
+    return BenchResult({**attrs, "methods": "[]", "not_installed": "[]"}, truth, rows)
 
 
 def test_errors_are_compared_before_chaos_parts_everybody():
     assert bench().telling_time == 1.0
     assert bench([row("rk4", "", 1.0, [0, 1e-3, 1e-2])]).telling_time == 1.0
     assert bench([row("rk4", "", 1.0, [0, 1e-9, 1e-8])]).telling_time == 2.0
+
+
+def test_impacts_per_second_are_true_ones_until_the_time_reached():
+    events = [(0.3, 1), (0.4, 2), (0.6, 9), (1.5, 1)]  # contacts begin, end; an impact
+    assert impacts_per_second(bench(events=events), ROWS[0]) == pytest.approx(3 / 2e-3)
+    assert impacts_per_second(bench(events=events), ROWS[5]) == pytest.approx(1 / 1e-4)
+    assert impacts_per_second(bench(), ROWS[0]) is None and impacts_per_second(bench(), ROWS[6]) is None
+
+
+def test_who_is_left_out_is_told():
+    attrs = {**bench().attrs, "methods": '["closed-form", "taylor"]'}
+    left_out = facts(BenchResult(attrs, bench().truth, ROWS))["left_out"]
+    assert left_out == {"closed-form": "left out: it needs an ideal source, and the case has a motor"}
 
 
 def test_the_best():
@@ -76,7 +92,7 @@ def test_no_error_is_below_what_doubles_tell():
 
 def test_facts_are_plain():
     found = facts(bench())
-    assert found["telling_time_s"] == 1.0 and found["case"] == {"vibsim_case": 1} and len(found["rows"]) == 7
+    assert found["telling_time_s"] == 1.0 and found["case"]["name"] == "II-B" and len(found["rows"]) == 7
     assert found["rows"][5]["errors_m"] == [None, None] and found["rows"][5]["status"] == "slower"
     assert found["rows"][6]["problem"] == "why" and found["rows"][6]["wall_time"] is None
     assert found["rows"][0]["evaluations"] is None

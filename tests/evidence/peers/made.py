@@ -39,8 +39,8 @@ def known(name, t_end):
     )
     events = events[np.isin(events[:, 1], CODES)]
     displacements = np.column_stack([columns["x1"], columns["x2"]])
-    scene = case.two_blocks()
-    return Known(scene, columns["time"], displacements, events, 10 ** error_growth(case.scene()))
+    scene = case.scene()
+    return Known(scene, columns["time"], displacements, events, 10 ** error_growth(scene))
 
 
 def error(attempt, truth):

@@ -1,6 +1,7 @@
-"""The peers' equations against the kernel's forces, which were written apart from them."""
+"""The peers' equations against the forces of the paper, written apart from them, and Newton's laws."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,38 +9,83 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.scenes import fixed_block, paper, scene
+from vibsim.cases import load_case
+from vibsim.evidence.peers.compiled import Compiled, start_of
 from vibsim.evidence.peers.equations import Equations
+from vibsim.evidence.peers.straight_line import NAMES, Tape
 from vibsim.physics.forces import gap_function, motor_accelerations, source_force, transmitted_force
 
 STATES = st.lists(st.floats(-1, 1), min_size=6, max_size=6)
+FLOATS = SimpleNamespace(**NAMES)
+
+
+def motion(made, t, state, *states):
+    """d state/dt with the parts in `states`."""
+    compiled = Compiled(made.as_parts())
+    return compiled.motion(t, state, compiled.parameters(states))
 
 
 @given(state=STATES, contact=st.booleans(), sign=st.sampled_from([1, -1]))
 def test_gap_and_force(state, contact, sign):
     made = scene(stop_sign=sign)
     x1, v1, x2, v2 = state[:4]
-    equations = Equations(made)
-    assert equations.gap(state) == pytest.approx(gap_function(made, x1 - x2), abs=1e-15)
-    expected = transmitted_force(made, x1 - x2, v1 - v2, contact)
-    assert equations.force(state, contact) == pytest.approx(expected, rel=1e-13, abs=1e-11)
+    parts = made.as_parts()
+    at = Equations(parts, FLOATS, 0.0, state[:4])
+    assert at.depth(parts.stops[0]) == pytest.approx(gap_function(made, x1 - x2), abs=1e-15)
+    _, a1, _, a2 = motion(made, 0.0, state[:4], "contact" if contact else "free", "forward")
+    force = transmitted_force(made, x1 - x2, v1 - v2, contact)
+    assert -made.m1 * a1 == pytest.approx(force, rel=1e-13, abs=1e-11)
+    assert made.m2 * a2 + made.N == pytest.approx(force, rel=1e-13, abs=1e-11)
 
 
-@given(state=STATES, force=st.floats(-100, 100))
-def test_motor(state, force):
+@given(state=STATES)
+def test_motor(state):
     made = paper("II-B")
     phi, w = 10 * state[4], 40 * state[5]
-    rates = Equations(made).rates(0.0, [*state[:4], phi, w], force, 0.25)
+    rates = motion(made, 0.0, [*state[:4], phi, w], "free", "backward")
+    force = transmitted_force(made, state[0] - state[2], state[1] - state[3], False)
     a1, dw = motor_accelerations(made, force, math.sin(phi), math.cos(phi), w)
-    np.testing.assert_allclose(rates, [state[1], a1, state[3], 0.25, w, dw], rtol=1e-12, atol=1e-10)
+    a2 = (force + made.N) / made.m2
+    np.testing.assert_allclose(rates, [state[1], a1, state[3], a2, w, dw], rtol=1e-12, atol=1e-10)
 
 
 def test_ideal_source_and_none():
-    made = paper("I-B")
-    _, a1, _, _ = Equations(made).rates(0.3, [0.0, 2.0, 0.0, 0.0], 0.05, 0.0)
-    assert a1 == pytest.approx((source_force(made, math.sin(made.omega * 0.3)) - 0.05) / made.m1, rel=1e-14)
-    assert Equations(scene()).rates(0.3, [0.0, 2.0, 0.0, 0.0], 0.05, 0.0)[1] == -0.05 / made.m1
+    made, state = paper("I-B"), [1e-4, 2.0, 0.0, 0.0]
+    force = transmitted_force(made, 1e-4, 2.0, False)
+    _, a1, _, _ = motion(made, 0.3, state, "free", "forward")
+    assert a1 == pytest.approx((source_force(made, math.sin(made.omega * 0.3)) - force) / made.m1, rel=1e-14)
+    assert motion(scene(), 0.3, state, "free", "forward")[1] == pytest.approx(-force / made.m1, rel=1e-14)
 
 
-def test_a_fixed_block_stays():
-    equations = Equations(fixed_block(x1=1e-3))
-    assert equations.start() == [1e-3, 0.0, 0.0, 0.0] and equations.fixed
+def test_a_block_on_the_ground_alone():
+    assert start_of(fixed_block(x1=1e-3).as_parts()) == [1e-3, 0.0]
+
+
+def test_ties_share_momentum_and_carry_what_is_left():
+    """Two bodies that stick to each other move as one: the accelerations of the sum of masses and forces."""
+    made = load_case("gallery/stack-of-blocks").scene()
+    compiled = Compiled(made)
+    values = compiled.balance(0.01, start_of(made), compiled.parameters(["forward", "stick", "forward"]))
+    lower, middle, upper = values[1:6:2]
+    table, lid = made.frictions[0].forward, made.frictions[2].forward
+    assert lower == pytest.approx(middle, rel=1e-14)
+    assert (3 + 2) * lower == pytest.approx(lid - table, rel=1e-13)
+    assert upper == pytest.approx(-lid, rel=1e-14)
+    of_seat = values[7]  # on the middle block
+    assert of_seat == pytest.approx(2 * middle - lid, rel=1e-13)
+
+
+def test_ties_that_share_a_force_are_refused():
+    made = load_case("hard/pressed-on-a-stop").scene()
+    compiled = Compiled(made)
+    with pytest.raises(ArithmeticError, match="hold the same bodies at once: their forces are not unique"):
+        compiled.parameters([switch.tie for switch in compiled.switches])
+
+
+def test_a_tape_computes_what_floats_do():
+    tape = Tape(2)
+    a, b = tape.states
+    values = [a + 2, 2 - a, -a * b / (1 / b), tape.sin(a), tape.exp(-b), tape.where(a - b, a, b)]
+    function = tape.function([*values, tape.tanh(a)])
+    expected = [2.5, 1.5, -0.5 * 9, math.sin(0.5), math.exp(-3.0), 3.0, math.tanh(0.5)]
+    assert function(0.0, [0.5, 3.0]) == pytest.approx(expected, rel=1e-15)

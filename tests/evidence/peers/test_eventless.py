@@ -5,10 +5,9 @@ import pytest
 
 from tests.evidence.peers.made import error, known
 from tests.scenes import scene
-from vibsim.evidence.peers.equations import Equations
-from vibsim.evidence.peers.eventless import EventlessMotion, sgn, smoothed
+from vibsim.evidence.peers.eventless import eventless_motion
 from vibsim.evidence.peers.runge_kutta4 import RungeKutta4
-from vibsim.evidence.peers.sign_changes import SignChanges
+from vibsim.evidence.peers.sign_changes import SignChanges, depths_of
 from vibsim.evidence.peers.solve_ivp_eventless import EventlessSolver
 from vibsim.evidence.peers.time_limit import TimeLimit
 
@@ -40,25 +39,35 @@ def test_solve_ivp_at_its_defaults_is_scipys_own():
     made = known("I-C", "2 s").scene
     times = known("I-C", "2 s").times
     attempt = EventlessSolver(made, "RK45", 1e-3, 1e-6).run(times, TimeLimit())
-    motion = EventlessMotion(Equations(made), sgn)
-    plain = solve_ivp(motion, (0, times[-1]), [0.0] * 4, t_eval=times)
+    plain = solve_ivp(eventless_motion(made), (0, times[-1]), [0.0] * 4, t_eval=times)
     np.testing.assert_array_equal(attempt.states, plain.y.T)
     assert attempt.evaluations == plain.nfev
 
 
-def test_sgn_and_tanh():
-    assert [sgn(v2) for v2 in (-2e-300, 0.0, 3.0)] == [-1.0, 0.0, 1.0]
-    assert smoothed(1e-3)(1e-3) == np.tanh(1.0) and smoothed(1e-3)(-1.0) == -1.0
+@pytest.mark.parametrize(
+    ("width", "v2", "share"),
+    [
+        (None, -2e-300, -1.0),
+        (None, 0.0, 0.0),
+        (None, 3.0, 1.0),
+        (1e-3, 1e-3, np.tanh(1.0)),
+        (1e-3, -1.0, -1.0),
+    ],
+)
+def test_sgn_and_tanh(width, v2, share):
+    made = scene(c=0.0)
+    a2 = eventless_motion(made.as_parts(), width)(0.0, [0.0, 0.0, 0.0, v2])[3]
+    assert a2 == pytest.approx(-share * made.N / made.m2, rel=1e-14)
 
 
 def test_sign_changes_are_timed_on_the_chord():
-    changes = SignChanges(Equations(scene()), [0.0] * 4)  # G is 1 mm
+    changes = SignChanges(depths_of(scene().as_parts()), [0.0] * 4)  # G is 1 mm
     for t, x2 in ((1.0, 0.9e-3), (2.0, 1.3e-3), (3.0, 1.2e-3), (4.0, 0.8e-3)):
         changes.look(t, [0.0, 0.0, x2, 0.0])
     assert changes.events == [(pytest.approx(1.25), 1), (pytest.approx(3.5), 2)]
 
 
 def test_without_a_stop_there_are_no_contacts():
-    changes = SignChanges(Equations(scene(k2=None, G=None)), [0.0] * 4)
+    changes = SignChanges(depths_of(scene(k2=None, G=None).as_parts()), [0.0] * 4)
     changes.look(1.0, [0.0, 0.0, 1.0, 0.0])
     assert changes.events == []

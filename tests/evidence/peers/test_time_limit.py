@@ -27,7 +27,7 @@ def looks(count):
 
 @pytest.mark.parametrize("name", PEERS)
 def test_what_was_computed_is_kept(name):
-    peer = PEERS[name](paper("I-C"))
+    peer = PEERS[name](paper("I-C").as_parts())
     whole = peer.run(TIMES[:41], TimeLimit())
     attempt = peer.run(TIMES, TimeLimit(going_on=looks(40)))
     assert attempt.stopped and 0 < attempt.t_reached <= TIMES[-1] / 2
@@ -40,7 +40,7 @@ def test_what_was_computed_is_kept(name):
 def test_heyoka():
     from vibsim.evidence.peers.heyoka_events import PIECE, HeyokaEvents
 
-    attempt = HeyokaEvents(paper("I-C"), 1e-9).run(TIMES, TimeLimit(going_on=looks(1)))
+    attempt = HeyokaEvents(paper("I-C").as_parts(), 1e-9).run(TIMES, TimeLimit(going_on=looks(1)))
     assert attempt.stopped and len(attempt.states) == 2 * PIECE + 1
     assert attempt.t_reached == TIMES[2 * PIECE]
 

@@ -62,7 +62,7 @@ def test_another_integrator_sees_the_same_capture_and_escape():
     times = np.arange(0, 160.05, 0.1)
     for name, escapes in (("II-B-captured", False), ("II-C-escape", True)):
         case = load_case(name, {"run.t_end": "160 s", "run.every": "100 ms"})
-        phi = RungeKutta4(case.two_blocks(), 2.5e-4).run(times, TimeLimit()).states[:, 4]
+        phi = RungeKutta4(case.scene(), 2.5e-4).run(times, TimeLimit()).states[:, 4]
         ours = simulate(case, trust=False)["phi"]
         assert np.max(np.abs(phi - ours)[times <= 100]) < 0.5 * 2 * np.pi
         speed = (phi[-1] - phi[-51]) / (2 * np.pi * (times[-1] - times[-51]))

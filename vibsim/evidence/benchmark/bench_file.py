@@ -12,7 +12,7 @@ from vibsim.evidence.benchmark.event_counts import EventCount
 from vibsim.evidence.benchmark.families import family_of
 from vibsim.evidence.benchmark.row import Row
 from vibsim.evidence.benchmark.truth import Truth
-from vibsim.evidence.peers.attempt import EVERY_KIND
+from vibsim.evidence.peers.attempt import kinds_of
 from vibsim.files.writing import write_hdf5
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene
@@ -24,16 +24,17 @@ def write_bench(
     path: Path, attrs: Mapping[str, Any], scene: Scene, truth: Truth, rows: Sequence[Row]
 ) -> None:
     """Write a bench of `scene` to `path`, replacing what is there in one instant. Raises ResultFileError."""
+    kinds = kinds_of(scene)
     known = {**attrs, "truth_sha256": truth.fingerprint, **truth.attrs}
     values = {
         **{f"truth/{name}": column for name, column in truth.samples.items()},
         **{f"truth/events/{name}": column for name, column in truth.events.items()},
         "row": np.arange(len(rows)),
         "time": truth.samples["time"],
-        "kind": [EVENT_KINDS[name] for name in EVERY_KIND],
+        "kind": [EVENT_KINDS[name] for name in kinds],
         "label": [family_of(row.method).label for row in rows],
         **{name: [getattr(row, name) for row in rows] for name in OWN},
-        **{name: [_count(row, kind, name) for row in rows for kind in EVERY_KIND] for name in COUNTS},
+        **{name: [_count(row, kind, name) for row in rows for kind in kinds] for name in COUNTS},
     }
     write_hdf5(path, known, datasets_of(scene), values)
 
@@ -54,17 +55,18 @@ def read_truth(values: Mapping[str, Any], attrs: Mapping[str, Any]) -> Truth:
     return Truth(attrs["truth_sha256"], samples, events, known)
 
 
-def read_rows(values: Mapping[str, Any]) -> list[Row]:
-    """The rows in a bench file of these datasets."""
-    return [_row({name: values[name][i] for name in (*OWN, *COUNTS)}) for i in range(len(values["row"]))]
+def read_rows(values: Mapping[str, Any], scene: Scene) -> list[Row]:
+    """The rows in a bench file of these datasets, of a bench of `scene`."""
+    count, kinds = len(values["row"]), kinds_of(scene)
+    return [_row({name: values[name][i] for name in (*OWN, *COUNTS)}, kinds) for i in range(count)]
 
 
-def _row(values: Mapping[str, Any]) -> Row:
+def _row(values: Mapping[str, Any], kinds: Sequence[str]) -> Row:
     own: dict[str, Any] = {name: str(values[name]) for name in TEXTS if name in OWN}
     own |= {name: values[name].item() for name in ("status", *ROW)}
     events = {
         kind: EventCount(**{name: int(values[name][k]) for name in COUNTS})
-        for k, kind in enumerate(EVERY_KIND)
+        for k, kind in enumerate(kinds)
         if values["found"][k] != NONE
     }
     return Row(**own, error=values["error"], events=events)

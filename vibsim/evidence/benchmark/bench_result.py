@@ -10,8 +10,9 @@ import numpy as np
 
 from vibsim.cases import Case
 from vibsim.evidence.benchmark.bench_file import read_rows, read_truth
-from vibsim.evidence.benchmark.bench_structure import ATTRIBUTES, LENGTHS, datasets_of
+from vibsim.evidence.benchmark.bench_structure import ATTRIBUTES, datasets_of, lengths_of
 from vibsim.evidence.benchmark.row import Row
+from vibsim.evidence.benchmark.scoring import faithful_error
 from vibsim.evidence.benchmark.truth import Truth
 from vibsim.files.checking import damaged
 from vibsim.files.reading import opened, read_attributes, read_datasets
@@ -58,6 +59,11 @@ class BenchResult:
         return [float(t) for t in np.atleast_1d(self.attrs["check_times_s"])]
 
     @cached_property
+    def faithful_error(self) -> float:
+        """The largest error of a faithful run [m]."""
+        return faithful_error(self.truth, self.case.scene())
+
+    @cached_property
     def telling_time(self) -> float:
         """The latest instant [s] to compare errors at: where some row is still right to 1e-6 m, else the
         first.
@@ -80,8 +86,9 @@ def open_bench(path: str | Path) -> BenchResult:
     with opened(path, "bench") as file:
         attrs = read_attributes(path, file, ATTRIBUTES)
         check_lists(path, attrs)
-        values = read_datasets(path, file, datasets_of(stored_case(path, attrs).scene()), LENGTHS)
-    return BenchResult(attrs, read_truth(values, attrs), read_rows(values))
+        scene = stored_case(path, attrs).scene()
+        values = read_datasets(path, file, datasets_of(scene), lengths_of(scene))
+    return BenchResult(attrs, read_truth(values, attrs), read_rows(values, scene))
 
 
 def check_lists(path: Path, attrs: dict[str, Any]) -> None:

@@ -1,7 +1,7 @@
 """What a bench file holds."""
 
-from vibsim.evidence.benchmark.columns import COUNTS, ERROR, ROW, SCALES, STATUS, TEXTS
-from vibsim.evidence.peers.attempt import EVERY_KIND
+from vibsim.evidence.benchmark.columns import COUNTS, ERROR, ROW, STATUS, TEXTS, scales_of
+from vibsim.evidence.peers.attempt import kinds_of
 from vibsim.files.declarations import LIST, NUMBER, TEXT, WHOLE, Attribute, Dataset
 from vibsim.files.provenance import PROVENANCE
 from vibsim.physics.parts import Scene
@@ -17,12 +17,16 @@ ATTRIBUTES = [
     Attribute("check_times_s", LIST),
     Attribute("complete", WHOLE, allowed=(0, 1)),
 ]
-LENGTHS = {"kind": len(EVERY_KIND)}  # of the dimensions that are known
+
+
+def lengths_of(scene: Scene) -> dict[str, int]:
+    """Lengths of the dimensions that are known."""
+    return {"kind": len(kinds_of(scene))}
 
 
 def datasets_of(scene: Scene) -> list[Dataset]:
     """The datasets of a bench of that scene."""
-    return [*_truth(scene), *_rows()]
+    return [*_truth(scene), *_rows(scene)]
 
 
 def _truth(scene: Scene) -> list[Dataset]:
@@ -36,8 +40,8 @@ def _truth(scene: Scene) -> list[Dataset]:
     ]
 
 
-def _rows() -> list[Dataset]:
-    scales = [Dataset(name, column, (name,)) for name, column in SCALES.items()]
+def _rows(scene: Scene) -> list[Dataset]:
+    scales = [Dataset(name, column, (name,)) for name, column in scales_of(scene).items()]
     of_rows = {**TEXTS, "status": STATUS, **ROW}
     rows = [Dataset(name, column, ("row",), gaps=True) for name, column in of_rows.items()]
     errors = Dataset("error", ERROR, ("row", "time"), gaps=True)

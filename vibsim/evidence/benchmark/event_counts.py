@@ -12,7 +12,7 @@ from decimal import Decimal
 
 import numpy as np
 
-from vibsim.evidence.verification.event_matching import match_events, reach
+from vibsim.evidence.verification.event_matching import Event, match_events, reach
 from vibsim.physics.modes import EVENT_KINDS, EVENT_NAMES
 
 
@@ -23,6 +23,15 @@ class EventCount:
     found: int
     missed: int
     spurious: int
+
+
+def _reach(events: Sequence[Event]) -> list[float]:
+    """Half the time [s] from each event to the nearest of its kind at another instant: those of one kind at
+    one instant are of several parts.
+    """
+    instants = list(dict.fromkeys(events))
+    halves = dict(zip(instants, reach(instants), strict=True))
+    return [halves[event] for event in events]
 
 
 def count_events(
@@ -38,7 +47,7 @@ def count_events(
         for t, kind in zip(true["t"].tolist(), true["kind"].tolist(), strict=True)
     ]
     found = [(EVENT_NAMES[kind], Decimal(t)) for t, kind in events]
-    within = [min(half, widest) for half in reach(truth)]
+    within = [min(half, widest) for half in _reach(truth)]
     matching = match_events(truth, within, found)
     hits = Counter(truth[i][0] for i, _ in matching.pairs if truth[i][1] <= until)
     missed = Counter(truth[i][0] for i in matching.missed if truth[i][1] <= until)

@@ -13,7 +13,7 @@ from vibsim.cases.spelling import nearest
 from vibsim.evidence.benchmark.errors import BenchError
 from vibsim.evidence.peers.tolerances import SHARE, TIGHTEST
 from vibsim.lazy_names import named
-from vibsim.physics.two_blocks import TwoBlocks
+from vibsim.physics.parts import Scene
 
 Setting = tuple[str, Mapping[str, Any]]  # as shown, as given to the peer
 
@@ -38,7 +38,7 @@ class Family:
     fixed : settings that all its rows share
     ladder : what varies from row to row
     needs : module that has to be installed, or None; remedy : what to do where it is not
-    source : "any"; "ideal" for a family that needs an ideal source
+    motor, rigid_stops : whether it can take a motor, and rigid stops
     own : whether it is vibsim itself
     """
 
@@ -50,19 +50,24 @@ class Family:
     ladder: Sequence[Setting]
     needs: str | None = None
     remedy: str = ""
-    source: str = "any"
+    motor: bool = True
+    rigid_stops: bool = True
     own: bool = False
 
-    def fits(self, scene: TwoBlocks) -> bool:
-        """Whether the family can run the scene."""
-        return self.source == "any" or not scene.has_motor
+    def refusal(self, scene: Scene) -> str | None:
+        """Why the family cannot run the scene; None where it can."""
+        if scene.has_motor and not self.motor:
+            return "left out: it needs an ideal source, and the case has a motor"
+        if scene.rigid_stops and not self.rigid_stops:
+            return "left out: without events there is no blow, and the case has rigid stops"
+        return None
 
     @property
     def installed(self) -> bool:
         """Whether what it needs is here."""
         return self.needs is None or find_spec(self.needs) is not None
 
-    def opener(self, scene: TwoBlocks, setting: str) -> Callable[[], Any]:
+    def opener(self, scene: Scene, setting: str) -> Callable[[], Any]:
         """What makes the peer for `scene` at a setting when called; its module is imported here."""
         peer, settings = named(self.peer), dict(self.ladder)[setting]
         return lambda: peer(scene, **self.fixed, **settings)
@@ -90,7 +95,7 @@ FAMILIES = (
     Family(
         "closed-form", "vibsim, closed form", "vibsim, closed form",
         OWN, {"engine": "c", "method": "closed_form"}, [("C engine", {})],
-        source="ideal", own=True, **COMPILED,
+        motor=False, own=True, **COMPILED,
     ),
     Family(
         "taylor", "vibsim, Taylor series of order 20", "vibsim, Taylor",
@@ -128,16 +133,19 @@ FAMILIES = (
         "rk45", "RK45, sgn, no events", "RK45, sgn",
         EVENTLESS, {"method": "RK45"},
         [("rtol 1e-3 (default)", {"rtol": 1e-3, "atol": 1e-6}), *_plain(1e-6, 1e-9)],
+        rigid_stops=False,
     ),
     Family(
         "tanh", "LSODA, tanh, no events", "LSODA, tanh",
         EVENTLESS, {"method": "LSODA", "rtol": 1e-8, "atol": 1e-11},
         [(f"width {_short(width)} m/s", {"width": width}) for width in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)],
+        rigid_stops=False,
     ),
     Family(
         "rk4", "RK4, sgn, no events", "RK4, sgn",
         "vibsim.evidence.peers.runge_kutta4:RungeKutta4", {},
         [(f"step {1e3 * step:g} ms", {"step": step}) for step in (2e-3, 1e-3, 5e-4, 2e-4, 1e-4)],
+        rigid_stops=False,
     ),
 )  # fmt: skip
 

@@ -13,14 +13,14 @@ from vibsim.evidence.benchmark.row import DONE, FAILED, SLOWER, Row
 from vibsim.evidence.benchmark.scoring import score
 from vibsim.evidence.benchmark.truth import Truth
 from vibsim.evidence.peers.time_limit import TimeLimit
-from vibsim.physics.two_blocks import TwoBlocks
+from vibsim.physics.parts import Scene
 
 ENOUGH = 0.5  # s of runs of which the median is taken
 MOST_RUNS = 25
 
 
 def measure(
-    family: Family, setting: str, scene: TwoBlocks, truth: Truth, limit: float, going_on: Callable[[], bool]
+    family: Family, setting: str, scene: Scene, truth: Truth, limit: float, going_on: Callable[[], bool]
 ) -> Row:
     """The row of `family` at `setting`: timed, counted and judged by the truth.
 

@@ -20,6 +20,7 @@ INSTANTS = 2000  # about as many are compared
 FEWEST = 10
 LIMIT = 20.0  # s per run
 SHARES = (0.1, 0.2, 0.5, 1.0)  # of the span: where errors are told
+STOPS_A_RUN = ("rest_distance.on_violation", "run.on_violation")
 NOT_TRUTH = ("name", "title", "run.trust_tolerance", "run.method", "run.order", "run.tol")
 
 
@@ -37,7 +38,7 @@ class Plan:
     @property
     def times(self) -> np.ndarray:
         """The instants compared [s]."""
-        scene = self.case.two_blocks()
+        scene = self.case.scene()
         return np.array([scene.sample_time(i) for i in range(scene.sample_count)])
 
     @property
@@ -54,15 +55,15 @@ class Plan:
 
     def rows(self) -> Iterator[tuple[Family, str]]:
         """Family and setting of every row that can be run here."""
-        scene = self.case.two_blocks()
+        scene = self.case.scene()
         for family in self.families:
-            if family.installed and family.fits(scene):
+            if family.installed and family.refusal(scene) is None:
                 yield from ((family, setting) for setting, _ in family.ladder)
 
     def absent(self) -> list[Family]:
         """Families that could run the scene and are not installed."""
-        scene = self.case.two_blocks()
-        return [family for family in self.families if family.fits(scene) and not family.installed]
+        scene = self.case.scene()
+        return [family for family in self.families if not family.installed and family.refusal(scene) is None]
 
 
 def make_plan(
@@ -87,8 +88,7 @@ def make_plan(
     case = case.with_values({"run.t_end": t_end})
     span, every = case.quantity("run.t_end").value, case.quantity("run.every").value
     changes = {"run.every": f"{decimal_text(every * max(ceil(span / every / INSTANTS), 1))} s"}
-    if "rest_distance.value" in case.values:
-        changes["rest_distance.on_violation"] = "warn"  # the peers know of none
+    changes |= {key: "warn" for key in STOPS_A_RUN if key in case.values}  # the peers know of no clearance
     plan = Plan(case.with_values(changes), families, limit)
     if len(plan.times) < FEWEST:
         raise BenchError(

@@ -14,7 +14,7 @@ PACKAGES = ("scipy", "heyoka")
 
 def origin(plan: Plan) -> dict[str, Any]:
     """Attributes that are known before the first row."""
-    scene = plan.case.two_blocks()
+    scene = plan.case.scene()
     return {
         **provenance("bench", plan.case),
         "t_end_s": float(scene.t_end),

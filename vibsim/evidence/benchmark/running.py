@@ -47,7 +47,7 @@ def run_bench(
             write_bench(target, attrs, plan.case.scene(), truth, rows)
 
     keep()
-    scene, entries = plan.case.two_blocks(), list(plan.rows())
+    scene, entries = plan.case.scene(), list(plan.rows())
     for i, (family, setting) in enumerate(entries):
         at = f"{family.name}, {setting}", i / len(entries)
         if not watch(*at):

@@ -3,10 +3,12 @@
 from dataclasses import dataclass
 from math import isfinite
 
+import numpy as np
+
 from vibsim.evidence.benchmark.bench_result import BenchResult
 from vibsim.evidence.benchmark.families import family_of
 from vibsim.evidence.benchmark.row import DONE, Row
-from vibsim.evidence.benchmark.scoring import FAITHFUL
+from vibsim.physics.modes import EVENT_KINDS, IMPACTS
 
 FLOOR = 2.0**-60  # m: smaller errors are rounding of the truth, 1e-18 m beside displacements of centimetres
 
@@ -28,7 +30,7 @@ def error_at(bench: BenchResult, row: Row) -> float:
 
 def fastest(bench: BenchResult) -> Row | None:
     """The row that took the least time of those that are faithful until the telling time."""
-    done = [row for row in bench.rows if row.status == DONE and error_at(bench, row) <= FAITHFUL]
+    done = [row for row in bench.rows if row.status == DONE and error_at(bench, row) <= bench.faithful_error]
     return min(done, key=lambda row: row.time_per_second, default=None)
 
 
@@ -57,6 +59,14 @@ def beside_reference(bench: BenchResult) -> list[Beside]:
         for row in best
         if row is not None
     ]
+
+
+def impacts_per_second(bench: BenchResult, row: Row) -> float | None:
+    """True impacts until the time that a row reached, per second of wall time; None where there are none."""
+    codes = [EVENT_KINDS[name] for name in IMPACTS]
+    impacts = np.isin(bench.truth.events["kind"], codes) & (bench.truth.events["t"] <= row.t_reached)
+    count = np.count_nonzero(impacts)
+    return count / row.wall_time if count and row.wall_time > 0 else None
 
 
 def faster(bench: BenchResult, row: Row) -> float | None:

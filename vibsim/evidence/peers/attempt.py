@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vibsim.physics.parts import Scene
+
 
 @dataclass
 class Attempt:
@@ -11,7 +13,8 @@ class Attempt:
 
     Attributes
     ----------
-    states : x1, v1, x2, v2 (, phi, phidot) at the first of the instants asked for (reached, 4 or 6)
+    states : x, v of each body in turn (, phi, phidot) at the first of the instants asked for
+        (reached, states)
     t_reached : time until which it ran [s]
     steps : steps taken
     evaluations : right-hand sides evaluated; None for a method that evaluates series instead
@@ -30,4 +33,10 @@ class Attempt:
 
 
 EVERY_KIND = ("contact_begin", "contact_end", "reversal", "stick_begin", "stick_end")
+RIGID_KINDS = ("impact", "rest_begin", "rest_end")
 CONTACTS = ("contact_begin", "contact_end")
+
+
+def kinds_of(scene: Scene) -> tuple[str, ...]:
+    """The kinds of event that are compared: those of rigid stops only where there are such."""
+    return EVERY_KIND + RIGID_KINDS if scene.rigid_stops else EVERY_KIND

@@ -1,73 +1,118 @@
-"""The equations of motion as the paper prints them, for the peers: plain floats, nothing rearranged.
+"""The equations of motion of a scene, for the peers: one force after the other as its law is printed.
 
-A readable twin: it shares no line with the kernels, only the numbers of the scene.
+A readable twin of the engine, with which it shares the numbers of the scene and no line: no rows, no groups,
+no modal coordinates. The numbers may be floats, those of heyoka, or those of a `Tape`; `kit` has sin, cos and
+exp of them.
 """
 
 from collections.abc import Sequence
-from math import cos, sin
+from typing import Any
 
-from vibsim.physics.two_blocks import TwoBlocks
+from vibsim.physics.friction_laws import EXPONENTIAL
+from vibsim.physics.parts import BASE, Fall, Friction, Harmonic, RigidStop, Scene, Stop
 
-State = Sequence[float]  # x1, v1, x2, v2 [m, m/s] and, with a motor, phi, phidot [rad, rad/s]
+Number = Any
+Part = Any  # with ends P and Q
 
 
 class Equations:
-    """Forces and rates of one scene. Block 2 stays where it is while `fixed`; N is 0 without friction.
+    """Forces of `scene` at the time t and in the state x, v of each body in turn (, phi, phidot).
 
-    `evaluations` counts the right-hand sides evaluated.
+    base : displacement, velocity and acceleration of the base [m, m/s, m/s^2]; 0 where there is none
     """
 
-    def __init__(self, scene: TwoBlocks):
-        self.scene = scene
-        self.fixed = not scene.has_block2
-        self.N = scene.N if scene.has_friction else 0.0
-        self.evaluations = 0
-        self._source = {"none": self._free, "harmonic": self._ideal, "motor": self._motor}[scene.source]
+    def __init__(self, scene: Scene, kit: Any, t: Number, state: Sequence[Number]):
+        self.scene, self.kit, self.t = scene, kit, t
+        bodies = len(scene.bodies)
+        self.x, self.v = list(state[0 : 2 * bodies : 2]), list(state[1 : 2 * bodies : 2])
+        self.rotor = list(state[2 * bodies :])
+        self.base: tuple[Number, Number, Number] = (0.0, 0.0, 0.0)
+        if scene.base:
+            self.base = self._base()
 
-    def start(self) -> list[float]:
-        """State at t = 0."""
-        p = self.scene
-        state = [p.x1, p.v1, *((0.0, 0.0) if self.fixed else (p.x2, p.v2))]
-        return [*state, p.phi, p.phidot] if p.has_motor else state
+    def _base(self) -> tuple[Number, Number, Number]:
+        """X = sum of a sin(omega t + phase), and its derivatives."""
+        terms = [(term, term.omega * self.t + term.phase) for term in self.scene.base]
+        sines = [self.kit.sin(angle) for _, angle in terms]
+        return (
+            sum_of(term.amplitude * s for (term, _), s in zip(terms, sines, strict=True)),
+            sum_of(term.amplitude * term.omega * self.kit.cos(angle) for term, angle in terms),
+            sum_of(-term.amplitude * term.omega**2 * s for (term, _), s in zip(terms, sines, strict=True)),
+        )
 
-    def gap(self, state: State) -> float:
-        """Gap function g = x2 - x1 - G [m], or its mirror image: contact while g >= 0."""
-        p = self.scene
-        return p.stop_sign * (state[2] - state[0]) - p.G
+    def apart(self, part: Part) -> Number:
+        """x_P - x_Q [m]."""
+        return self._difference(part, self.x, self.base[0])
 
-    def gap_rate(self, state: State) -> float:
+    def apart_rate(self, part: Part) -> Number:
+        """v_P - v_Q [m/s]."""
+        return self._difference(part, self.v, self.base[1])
+
+    @staticmethod
+    def _difference(part: Part, of_bodies: Sequence[Number], of_base: Number) -> Number:
+        of_P, of_Q = (
+            of_bodies[end] if end >= 0 else of_base if end == BASE else None for end in (part.P, part.Q)
+        )
+        if of_Q is None:
+            return of_P
+        return -of_Q if of_P is None else of_P - of_Q
+
+    def depth(self, stop: Stop | RigidStop) -> Number:
+        """g = sense (x_Q - x_P) - gap [m]."""
+        return -stop.sense * self.apart(stop) - stop.gap
+
+    def depth_rate(self, stop: Stop | RigidStop) -> Number:
         """dg/dt [m/s]."""
-        return self.scene.stop_sign * (state[3] - state[1])
+        return -stop.sense * self.apart_rate(stop)
 
-    def force(self, state: State, contact: bool) -> float:
-        """S = F_s1 + F_d (+ F_s2 in contact) [N], Eqs. (2.4)-(2.6)."""
-        p, x1, v1, x2, v2 = self.scene, state[0], state[1], state[2], state[3]
-        S = p.k1 * (x1 - x2) + p.c * (v1 - v2)
-        return S + p.k2 * (x1 - x2 + p.stop_sign * p.G) if contact else S
+    def contact_force(self, stop: Stop) -> Number:
+        """k g + c g' [N], of a stop in contact."""
+        force = stop.k * self.depth(stop)
+        return force + stop.c * self.depth_rate(stop) if stop.c else force
 
-    def rates(self, t: float, state: State, S: float, a2: float) -> tuple[float, ...]:
-        """d state/dt where block 1 passes on the force S [N] and block 2 is accelerated by a2 [m/s^2]."""
-        self.evaluations += 1
-        return self._source(t, state, S, a2)
+    def slip_velocity(self, friction: Friction) -> Number:
+        """v_rel = v_P - v_Q - belt [m/s]."""
+        rate = self.apart_rate(friction)
+        return rate - friction.belt if friction.belt else rate
 
-    def _free(self, t, state, S, a2):
-        return state[1], -S / self.scene.m1, state[3], a2
+    def slip_force(self, constant: Number, fall: Fall | None, speed: Number) -> Number:
+        """Friction force at the speed of slip |v_rel| [N]."""
+        if fall is None:
+            return constant
+        s = fall.rate * speed
+        return constant + fall.drop * (self.kit.exp(-s) if fall.law == EXPONENTIAL else 1.0 / (1.0 + s))
 
-    def _ideal(self, t, state, S, a2):
-        """Eqs. (2.1)-(2.3)."""
-        p = self.scene
-        return state[1], (p.A * sin(p.omega * t) + p.F0 - S) / p.m1, state[3], a2
+    def harmonic(self, term: Harmonic) -> Number:
+        """amplitude sin(omega t + phase)."""
+        angle = term.omega * self.t
+        return term.amplitude * self.kit.sin(angle + term.phase if term.phase else angle)
 
-    def _motor(self, t, state, S, a2):
-        """Eqs. (2.8)-(2.10): two linear equations for a1 and dw/dt, by Cramer's rule."""
-        p, phi, w = self.scene, state[4], state[5]
-        #   (m1 + m3) a1 - m3 e sin(phi) dw = m3 e w^2 cos(phi) - S
-        #   -m3 e sin(phi) a1 + (J + m3 e^2) dw = M0 (1 - w / Omega0)
-        mass, inertia = p.m1 + p.m3, p.J + p.m3 * p.e**2
-        coupling = p.m3 * p.e * sin(phi)
-        thrust = p.m3 * p.e * w**2 * cos(phi) - S
-        torque = p.M0 * (1.0 - w / p.Omega0)
-        determinant = mass * inertia - coupling**2
-        a1 = (inertia * thrust + coupling * torque) / determinant
-        dw = (mass * torque + coupling * thrust) / determinant
-        return state[1], a1, state[3], a2, w, dw
+    def links_and_loads(self) -> list[Number]:
+        """On each body, the forces of links and of the outside [N]."""
+        totals: list[Number] = [0.0] * len(self.x)
+        for link in self.scene.links:
+            terms = [k * d for k, d in ((link.k, self.apart(link)), (link.c, self.apart_rate(link))) if k]
+            if terms:
+                self.exert(totals, link, -sum_of(terms))
+        for force in self.scene.forces:
+            terms = [self.harmonic(term) for term in force.terms if term.amplitude]
+            totals[force.on] = sum_of([totals[force.on], *terms, force.constant])
+        return totals
+
+    @staticmethod
+    def exert(totals: list[Number], part: Part, force: Number) -> None:
+        """Add a force on P, and its opposite on Q [N]."""
+        if part.P >= 0:
+            totals[part.P] = sum_of([totals[part.P], force])
+        if part.Q >= 0:
+            totals[part.Q] = totals[part.Q] - force
+
+
+def sum_of(terms: Any) -> Number:
+    """The sum; a zero that is no number of the kit is left out."""
+    total: Number = 0.0
+    for term in terms:
+        if isinstance(term, float) and term == 0.0:
+            continue
+        total = term if isinstance(total, float) and total == 0.0 else total + term
+    return total

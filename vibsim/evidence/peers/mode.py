@@ -1,85 +1,158 @@
-"""The mode automaton around a solver that finds events: {free, contact} x {slip +, slip -, stick}.
+"""The mode automaton around a solver that finds events: which state each stop and friction is in."""
 
-Every event function is positive inside its mode and watched falling, so that a zero just taken is not met
-again; all have simple zeros.
-"""
+from vibsim.evidence.peers.compiled import Compiled
+from vibsim.evidence.peers.consistent_states import SLACK, consistent_states
+from vibsim.evidence.peers.instant import Instant
+from vibsim.evidence.peers.strike import NEVER, Shortest, strike
+from vibsim.evidence.peers.switches import (
+    BACKWARD,
+    CONTACT,
+    FORWARD,
+    FREE,
+    LIFTED,
+    OPEN,
+    REST,
+    STICK,
+    TIES,
+)
+from vibsim.physics.parts import AT_FORCE, Friction, RigidStop
 
-from collections.abc import Callable, Sequence
-from math import copysign
+KINDS = {
+    (FREE, CONTACT): "contact_begin",
+    (CONTACT, FREE): "contact_end",
+    (CONTACT, LIFTED): "contact_end",
+    (LIFTED, CONTACT): "contact_begin",
+    (FORWARD, BACKWARD): "reversal",
+    (BACKWARD, FORWARD): "reversal",
+    (FORWARD, STICK): "stick_begin",
+    (BACKWARD, STICK): "stick_begin",
+    (STICK, FORWARD): "stick_end",
+    (STICK, BACKWARD): "stick_end",
+    (OPEN, REST): "rest_begin",
+    (REST, OPEN): "rest_end",
+}
 
-from vibsim.evidence.peers.equations import Equations, State
-
-HELD = 1.0 - 1e-10  # share of the limit friction below which block 2 sticks: at a release |S| = N to rounding
-
-
-def falling(function):
-    """Mark an event function for solve_ivp: it ends the call, and only where it falls through zero."""
-    function.terminal, function.direction = True, -1
-    return function
+Events = list[str]  # kinds
 
 
 class Mode:
-    """The mode of the motion, from that of `state` on.
+    """The mode of the motion: `begin` with the state at t = 0, then `switch` at every event.
 
-    contact : whether the stop acts; stuck : whether block 2 rests; sigma : sgn(v2) while it slides
+    states : of the parts; parameters : what the equations take; hop_ends : until the shortest hop ends that
+    has just begun [s], LATER where that is not in sight, NEVER where none began
     """
 
-    def __init__(self, equations: Equations, state: State):
-        self.equations, scene = equations, equations.scene
-        self.rubs, self.has_stop = scene.has_friction, scene.has_stop
-        gap = equations.gap(state) if scene.has_stop else -1.0
-        self.contact = gap > 0 or (gap == 0 and equations.gap_rate(state) > 0)
-        self.sigma, self.stuck = 1.0, equations.fixed
-        if self.rubs:
-            force = equations.force(state, self.contact)
-            self.sigma = copysign(1.0, state[3] or force)
-            self.stuck = state[3] == 0 and abs(force) <= scene.N
+    def __init__(self, compiled: Compiled, shortest: Shortest):
+        self.compiled, self.switches, self.shortest = compiled, compiled.switches, shortest
+        self.states = [switch.states[0] for switch in self.switches]
+        self.parameters: list[float] = []
+        self.hop_ends = NEVER
+        self._damped = [i for i, switch in enumerate(self.switches) if LIFTED in switch.states]
+        self._without_jump = {
+            i
+            for i, switch in enumerate(self.switches)
+            if switch.states == (FREE, CONTACT) and not switch.part.c
+        }
 
-    def motion(self, t: float, state: Sequence[float]) -> tuple[float, ...]:
-        """d state/dt in this mode."""
-        equations = self.equations
-        S = equations.force(state, self.contact)
-        a2 = 0.0 if self.stuck else (S - self.sigma * equations.N) / equations.scene.m2
-        return equations.rates(t, state, S, a2)
+    def begin(self, state: list[float]) -> Events:
+        """Take the mode of the state at t = 0, in which a blow may fall; kinds of the events."""
+        at = Instant(self.compiled, 0.0, state)
+        undecided, striking = [], []
+        for i, switch in enumerate(self.switches):
+            if isinstance(switch.part, Friction):
+                self.states[i] = FORWARD if at.rate(i) > 0 else BACKWARD
+                undecided += [i] * (at.rate(i) == 0)
+            elif isinstance(switch.part, RigidStop):
+                touches = switch.part.at_start or at.depth(i) == 0
+                self.states[i] = OPEN
+                undecided += [i] * (touches and at.rate(i) == 0)
+                striking += [i] * (touches and at.rate(i) > 0)
+            else:
+                self.states[i] = _elastic_at_start(at, i)
+        events: Events = []
+        if striking:
+            events, undecided = self._strike(at, striking, undecided)
+        self._settle(at, undecided)
+        return events
 
-    def event_functions(self) -> list[Callable[..., float]]:
-        """What ends this mode."""
-        functions: list[Callable[..., float]] = [self.gap] if self.has_stop else []
-        if self.rubs:
-            functions.append(self.hold if self.stuck else self.slide)
-        return functions
+    def switch(self, i: int, t: float, state: list[float]) -> Events:
+        """Enter the mode behind the zero of an event function of part i; kinds of the events.
 
-    @falling
-    def gap(self, t, state):
-        """Minus g while free, g in contact [m]."""
-        gap = self.equations.gap(state)
-        return gap if self.contact else -gap
-
-    @falling
-    def slide(self, t, state):
-        """sigma v2 [m/s]."""
-        return self.sigma * state[3]
-
-    @falling
-    def hold(self, t, state):
-        """N - |S| [N]."""
-        return self.equations.N - abs(self.equations.force(state, self.contact))
-
-    def switch(self, function: Callable[..., float], state: list[float]) -> str | None:
-        """Enter the mode behind the zero of `function` at `state`; the kind of the event.
-
-        Sets v2 to zero where block 2 begins to stick. None for a zero that changes nothing, as rounding
-        makes them beside a release.
+        Sets the velocities in `state` to those behind it. No kind where nothing changes, as rounding makes
+        zeros beside a release. Raises ArithmeticError where no mode is consistent.
         """
-        if function == self.gap:
-            self.contact = not self.contact
-            return "contact_begin" if self.contact else "contact_end"
-        force = self.equations.force(state, self.contact)
-        before, self.sigma = self.sigma, copysign(1.0, force)
-        if function == self.hold:
-            self.stuck = False
-            return "stick_end"
-        if abs(force) < HELD * self.equations.N:
-            self.stuck, state[3] = True, 0.0
-            return "stick_begin"
-        return "reversal" if self.sigma != before else None
+        before = list(self.states)
+        impacts: Events = []
+        self.hop_ends = NEVER
+        if i in self._without_jump:  # of any force: nothing else changes
+            self.states[i] = CONTACT if before[i] == FREE else FREE
+            self.parameters = self.compiled.parameters(self.states)
+            return [KINDS[before[i], self.states[i]]]
+        at = Instant(self.compiled, t, state)
+        undecided = [j for j, each in enumerate(before) if each in TIES and j != i]
+        match before[i]:
+            case "open":
+                impacts, undecided = self._strike(at, [i], undecided)
+            case "rest":
+                self.states[i] = OPEN
+            case "stick":
+                self.states[i] = self._torn(at, i)
+            case "forward" | "backward":
+                undecided.append(i)
+            case _:
+                self.states[i] = _elastic_behind(at, i, before[i])
+        self._settle(at, undecided, i)
+        steps = zip(before, self.states, strict=True)
+        return impacts + [KINDS[step] for step in steps if step in KINDS]
+
+    def _strike(self, at: Instant, striking: list[int], undecided: list[int]) -> tuple[Events, list[int]]:
+        struck = strike(at, self.states, striking, undecided, self.shortest)
+        self.hop_ends = struck.hop_ends
+        return ["impact"] * struck.impacts, struck.undecided
+
+    def _torn(self, at: Instant, i: int) -> str:
+        """The way a stick that ends begins to slip."""
+        forwards, backwards = self.switches[i].part.limits
+        force = at.tie_force(i, at.balance(self.states))
+        return FORWARD if forwards + force < backwards - force else BACKWARD
+
+    def _settle(self, at: Instant, undecided: list[int], last: int | None = None) -> None:
+        """Choose the states of the parts `undecided`; where that cannot be done, of part `last` too."""
+        self._mend_lifts(at)
+        states = consistent_states(at, self.states, undecided)
+        if states is None and last is not None and self.switches[last].tie:
+            undecided = [*undecided, last]
+            states = consistent_states(at, self.states, undecided)
+        if states is None:
+            raise ArithmeticError(f"no mode is consistent at {at.t:.9g} s")
+        self.states, self.parameters = states, self.compiled.parameters(states)
+        tied = [i for i in dict.fromkeys(undecided) if states[i] in TIES]
+        if tied:
+            at.halt(tied)
+
+    def _mend_lifts(self, at: Instant) -> None:
+        """Where a blow has turned the force of a damped stop round, it lets go, or takes hold again."""
+        for i in self._damped:
+            if self.states[i] != FREE and at.depth(i) > self.shortest.height:
+                force = at.contact_force(i)
+                if abs(force) > SLACK * self.switches[i].part.k * at.depth(i):
+                    self.states[i] = CONTACT if force > 0 else LIFTED
+
+
+def _elastic_at_start(at: Instant, i: int) -> str:
+    """The state of an elastic stop at t = 0: deep, or touching on its way in."""
+    part = at.switches[i].part
+    depth = 0.0 if part.at_start else at.depth(i)
+    if depth < 0 or (depth == 0 and at.rate(i) < 0):
+        return FREE
+    return LIFTED if part.release == AT_FORCE and at.contact_force(i) < 0 else CONTACT
+
+
+def _elastic_behind(at: Instant, i: int, state: str) -> str:
+    """The state of an elastic stop behind the end of one."""
+    part, depth = at.switches[i].part, at.depth(i)
+    if state == FREE:
+        return CONTACT
+    if state == CONTACT:
+        return LIFTED if part.release == AT_FORCE and part.c and depth > 0 else FREE
+    return FREE if part.k * depth < abs(at.contact_force(i)) else CONTACT

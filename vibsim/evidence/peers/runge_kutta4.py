@@ -1,4 +1,4 @@
-"""The classical Runge-Kutta method of order 4 with a fixed step, sgn(v2) and no events."""
+"""The classical Runge-Kutta method of order 4 with a fixed step, sgn(v) and no events."""
 
 from collections.abc import Callable
 from itertools import pairwise
@@ -7,27 +7,27 @@ from math import ceil, isfinite
 import numpy as np
 
 from vibsim.evidence.peers.attempt import CONTACTS, Attempt
-from vibsim.evidence.peers.equations import Equations
-from vibsim.evidence.peers.eventless import EventlessMotion, sgn
-from vibsim.evidence.peers.sign_changes import SignChanges
+from vibsim.evidence.peers.compiled import start_of
+from vibsim.evidence.peers.eventless import eventless_motion
+from vibsim.evidence.peers.sign_changes import SignChanges, depths_of
 from vibsim.evidence.peers.time_limit import OutOfTime, TimeLimit
-from vibsim.physics.two_blocks import TwoBlocks
+from vibsim.physics.parts import Scene
 
+STAGES = 4  # right-hand sides of a step
 ROUNDING = 1e-9  # of a step count: 50 ms / 1 ms is 50 steps and not 51
 
 
 class RungeKutta4:
     """A scene stepped by `step` [s], or by the largest smaller step that divides the sampling interval."""
 
-    def __init__(self, scene: TwoBlocks, step: float):
+    def __init__(self, scene: Scene, step: float):
         self.scene, self.step = scene, step
+        self.motion, self.depths = eventless_motion(scene), depths_of(scene)
 
     def run(self, times: np.ndarray, limit: TimeLimit) -> Attempt:
         """States at the ascending `times` [s], from 0 to the end. Raises ArithmeticError where it fails."""
-        equations = Equations(self.scene)
-        motion = EventlessMotion(equations, sgn)
-        state = equations.start()
-        changes = SignChanges(equations, state)
+        state, motion = start_of(self.scene), self.motion
+        changes = SignChanges(self.depths, state)
         samples, steps, stopped, grid = [state], 0, False, times.tolist()
         try:
             for start, end in pairwise(grid):
@@ -44,9 +44,8 @@ class RungeKutta4:
         except OutOfTime:
             stopped = True
         t_reached = grid[len(samples) - 1]
-        return Attempt(
-            np.array(samples), t_reached, steps, equations.evaluations, changes.events, CONTACTS, stopped
-        )
+        evaluations = STAGES * steps
+        return Attempt(np.array(samples), t_reached, steps, evaluations, changes.events, CONTACTS, stopped)
 
 
 def rk4_step(motion: Callable, t: float, state: list[float], h: float) -> list[float]:

@@ -8,45 +8,43 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from vibsim.evidence.peers.attempt import CONTACTS, Attempt
-from vibsim.evidence.peers.equations import Equations
-from vibsim.evidence.peers.eventless import EventlessMotion, sgn, smoothed
-from vibsim.evidence.peers.sign_changes import SignChanges
+from vibsim.evidence.peers.compiled import start_of
+from vibsim.evidence.peers.eventless import Motion, eventless_motion
+from vibsim.evidence.peers.sign_changes import SignChanges, depths_of
 from vibsim.evidence.peers.solver_steps import watched
 from vibsim.evidence.peers.time_limit import OutOfTime, TimeLimit
-from vibsim.physics.two_blocks import TwoBlocks
+from vibsim.physics.parts import Scene
 
 
 class EventlessSolver:
     """A scene for solve_ivp with `method` at the tolerances rtol, atol.
 
-    width : of the smoothed friction law tanh(v2 / width) [m/s]; None: sgn(v2)
+    width : of the smoothed friction law tanh(v / width) [m/s]; None: sgn(v)
     """
 
-    def __init__(self, scene: TwoBlocks, method: str, rtol: float, atol: float, width: float | None = None):
+    def __init__(self, scene: Scene, method: str, rtol: float, atol: float, width: float | None = None):
         self.scene, self.method = scene, method
         self.tolerances = {"rtol": rtol, "atol": atol}
-        self.law: Callable[[float], float] = sgn if width is None else smoothed(width)
+        self.motion, self.depths = eventless_motion(scene, width), depths_of(scene)
 
     def run(self, times: np.ndarray, limit: TimeLimit) -> Attempt:
         """States at the ascending `times` [s], from 0 to the end. Raises ArithmeticError where it fails."""
-        equations = Equations(self.scene)
-        motion = EventlessMotion(equations, self.law)
-        start = equations.start()
-        steps = _Steps(times, SignChanges(equations, start), start, limit)
+        start, motion = start_of(self.scene), self.motion
+        steps = _Steps(times, SignChanges(self.depths, start), start, limit)
         stopped = False
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # LSODA warns where it fails, which is said anyway
             try:
                 answer = solve_ivp(
-                    lambda t, state: motion(t, state.tolist()), (0.0, times[-1]), start,
+                    steps.counted(motion), (0.0, times[-1]), start,
                     watched(self.method, steps.taken), times[-1:], **self.tolerances,
                 )  # fmt: skip
                 if answer.status < 0:
                     raise ArithmeticError(answer.message)
             except OutOfTime:
                 stopped = True
-        states, evaluations = np.array(steps.samples), equations.evaluations
-        return Attempt(states, steps.t, steps.count, evaluations, steps.changes.events, CONTACTS, stopped)
+        states, events = np.array(steps.samples), steps.changes.events
+        return Attempt(states, steps.t, steps.count, steps.evaluations, events, CONTACTS, stopped)
 
 
 class _Steps:
@@ -54,7 +52,16 @@ class _Steps:
 
     def __init__(self, times: np.ndarray, changes: SignChanges, start: list[float], limit: TimeLimit):
         self.times, self.changes, self.limit = times, changes, limit
-        self.samples, self.count, self.t = [np.array(start)], 0, 0.0
+        self.samples, self.count, self.evaluations, self.t = [np.array(start)], 0, 0, 0.0
+
+    def counted(self, motion: Motion) -> Callable[[float, np.ndarray], tuple[float, ...]]:
+        """What solve_ivp calls."""
+
+        def rates(t: float, state: np.ndarray) -> tuple[float, ...]:
+            self.evaluations += 1
+            return motion(t, state.tolist())
+
+        return rates
 
     def taken(self, solver: Any) -> None:
         """Look at the step that `solver` has just taken."""

@@ -62,7 +62,7 @@ def solved(solver: str, case: Case) -> Numbers:
     """The outcome of a case by one of SOLVERS; {"failed": why} where it breaks down."""
     from vibsim.evidence.peers.time_limit import TimeLimit
 
-    scene = case.two_blocks()
+    scene = case.scene()
     times = np.arange(round(scene.t_end / SAMPLED) + 1) * SAMPLED
     try:
         attempt = _made(solver, scene).run(times, TimeLimit(PATIENCE, lambda: not _told_to_stop()))
