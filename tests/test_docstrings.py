@@ -7,11 +7,16 @@ from importlib import import_module
 import pytest
 
 MODULES = [
+    "vibsim.analysis.verdicts",
+    "vibsim.cases.case",
+    "vibsim.cases.loading",
     "vibsim.labelled.labelled",
     "vibsim.plots.from_python",
     "vibsim.results.events",
     "vibsim.results.result",
+    "vibsim.results.simulation",
     "vibsim.sweeps.sweep_result",
+    "vibsim.sweeps.sweeping",
 ]
 
 

@@ -1,5 +1,9 @@
 """The calls of `import vibsim`: what each accepts, and what it says of anything else."""
 
+import json
+import pickle
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -58,6 +62,48 @@ def test_values_of_an_axis_may_be_listed(values):
 def test_what_no_axis_takes_is_named(values, told):
     with pytest.raises((RangeError, ValueError), match=f"c: .*{told}"):
         vibsim.sweep("II-B", {"c": values})
+
+
+@pytest.mark.parametrize("values", [[5, 5.5, 6], np.linspace(5, 6, 3), np.array([5, 5.5, 6], "f4")])
+@pytest.mark.parametrize(("unit", "shown"), [("Hz", "Hz"), ("rad/s", "rad/s"), ("rev/min", "rpm")])
+def test_values_of_an_axis_may_have_a_unit_of_their_own(values, unit, shown):
+    made = vibsim.sweep("II-B", {"Omega0": (values, unit)}, section=0, jobs=1, overrides=SHORT)
+    assert made["omega0"].tolist() == [5.0, 5.5, 6.0] and made.axes[0].unit == shown
+    listed = vibsim.sweep("II-B", {"Omega0": f"5:6:0.5 {unit}"}, section=0, jobs=1, overrides=SHORT)
+    assert made["mean_speed"].tobytes() == listed["mean_speed"].tobytes()
+
+
+def test_units_of_an_axis_are_checked():
+    with pytest.raises(RangeError, match="Omega0: unknown unit 'herz'"):
+        vibsim.sweep("II-B", {"Omega0": ([5, 6], "herz")})
+    with pytest.raises(vibsim.CaseError, match="N s/m"):
+        vibsim.sweep("II-B", {"c": ([5, 6], "Hz")})
+
+
+def test_values_may_be_changed_in_every_call():
+    changed = vibsim.load_case("II-B", SHORT)
+    for case in ("II-B", vibsim.load_case("II-B")):
+        assert vibsim.simulate(case, overrides=SHORT).case.sha256 == changed.sha256
+        assert vibsim.load_case(case, SHORT).sha256 == changed.sha256
+    one = vibsim.lyapunov("II-B", 1, overrides=SHORT).exponents
+    assert one.tobytes() == vibsim.lyapunov(changed, 1).exponents.tobytes()
+
+
+def test_verdicts_are_members_and_texts(saved):
+    from vibsim.analysis import CaptureVerdict, DriftVerdict, RegimeVerdict
+
+    found = vibsim.analyse(saved, exponent=False)
+    for verdict, kind in (
+        (found.capture.verdict, CaptureVerdict),
+        (found.drift.verdict, DriftVerdict),
+        (found.regime.verdict, RegimeVerdict),
+    ):
+        assert isinstance(verdict, kind) and verdict == verdict.value == str(verdict) == f"{verdict}"
+        assert json.loads(json.dumps([verdict])) == [verdict]
+        assert pickle.loads(pickle.dumps(verdict)) is verdict
+        assert {verdict.value: 1}[verdict] == 1
+    with pytest.raises(ValueError, match="'caught' is not a valid CaptureVerdict"):
+        replace(found.capture, verdict="caught")
 
 
 def test_verdicts_are_words():

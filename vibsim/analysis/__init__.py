@@ -45,6 +45,12 @@ if TYPE_CHECKING:
     from vibsim.analysis.regime.verdict import Regime as Regime
     from vibsim.analysis.regime.verdict import judge_regime as judge_regime
     from vibsim.analysis.span import Span as Span
+    from vibsim.analysis.verdicts import CaptureVerdict as CaptureVerdict
+    from vibsim.analysis.verdicts import ComparisonVerdict as ComparisonVerdict
+    from vibsim.analysis.verdicts import DriftVerdict as DriftVerdict
+    from vibsim.analysis.verdicts import FrequenciesVerdict as FrequenciesVerdict
+    from vibsim.analysis.verdicts import ImpactsVerdict as ImpactsVerdict
+    from vibsim.analysis.verdicts import RegimeVerdict as RegimeVerdict
 
 __getattr__, __dir__, __all__ = lazy_names(
     __name__,
@@ -60,5 +66,9 @@ __getattr__, __dir__, __all__ = lazy_names(
         "vibsim.analysis.regime.points": ["Exponent"],
         "vibsim.analysis.regime.verdict": ["Regime", "judge_regime"],
         "vibsim.analysis.span": ["Span"],
+        "vibsim.analysis.verdicts": [
+            *("CaptureVerdict", "ComparisonVerdict", "DriftVerdict", "FrequenciesVerdict"),
+            *("ImpactsVerdict", "RegimeVerdict"),
+        ],
     },
 )

@@ -21,6 +21,7 @@ from vibsim.analysis.event_rows import events_within
 from vibsim.analysis.holds import BAND, DELAY, TURNS, Hold, holds_of, mean_speeds
 from vibsim.analysis.resonances import Resonance, resonances
 from vibsim.analysis.span import Span, span_of
+from vibsim.analysis.verdicts import CaptureVerdict, name_verdict
 from vibsim.physics.parts import Scene
 from vibsim.results.closing_velocity import IMPACT_CODES
 from vibsim.results.result import Result
@@ -49,7 +50,7 @@ class Capture:
     passages : when the mean speed last rose through each resonance that it ended well above
     """
 
-    verdict: str
+    verdict: CaptureVerdict | str
     reason: str
     span: Span
     no_load_speed_hz: float
@@ -60,6 +61,9 @@ class Capture:
     resonance: Resonance | None = None
     holds: tuple[Hold, ...] = ()
     passages: tuple["Passage", ...] = ()
+
+    def __post_init__(self) -> None:
+        name_verdict(self, CaptureVerdict)
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.analysis.block_averages import Average, averages, block_values, blocks_of, unit_of
+from vibsim.analysis.verdicts import ComparisonVerdict, name_verdict
 from vibsim.physics.rates import source_period
 from vibsim.results.cadence import instants_per_sample, sampled_finer
 from vibsim.results.columns import tables_of
@@ -82,13 +83,16 @@ class Comparison:
     statistics_from : where that half begins [s]
     """
 
-    verdict: str
+    verdict: ComparisonVerdict | str
     tolerance: float
     agree_until: float | None
     span: float
     differences: list[Difference]
     statistics: list[ComparedStatistic]
     statistics_from: float | None = None
+
+    def __post_init__(self) -> None:
+        name_verdict(self, ComparisonVerdict)
 
 
 def compare(a: Result, b: Result, tolerance: float) -> Comparison:

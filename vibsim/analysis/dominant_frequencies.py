@@ -15,6 +15,7 @@ import numpy as np
 
 from vibsim.analysis.cycles import cycle_ends
 from vibsim.analysis.span import Span, steady_span
+from vibsim.analysis.verdicts import FrequenciesVerdict, name_verdict
 from vibsim.physics.body_sets import Pair, pairs_of
 from vibsim.physics.parts import Scene
 from vibsim.physics.rates import natural_rates
@@ -63,13 +64,16 @@ class DominantFrequencies:
     source_hz : mean frequency of the source in the span [Hz]; None without one
     """
 
-    verdict: str
+    verdict: FrequenciesVerdict | str
     reason: str
     span: Span
     of: str
     lines: tuple[Line, ...] = ()
     resolution_hz: float | None = None
     source_hz: float | None = None
+
+    def __post_init__(self) -> None:
+        name_verdict(self, FrequenciesVerdict)
 
 
 def find_frequencies(

@@ -15,6 +15,7 @@ import numpy as np
 from vibsim.analysis.block_averages import FEWEST_BLOCKS, MOST_BLOCKS, average
 from vibsim.analysis.cycles import cycle_ends
 from vibsim.analysis.span import Span, steady_span
+from vibsim.analysis.verdicts import DriftVerdict, name_verdict
 from vibsim.physics.body_sets import drifting_sets
 from vibsim.physics.parts import Scene, columns_of
 from vibsim.physics.rates import is_driven, source_period
@@ -44,13 +45,16 @@ class Drift:
     blocks : number of blocks that the interval rests on
     """
 
-    verdict: str
+    verdict: DriftVerdict | str
     reason: str
     span: Span
     of: str
     rate: float | None = None
     half_width: float | None = None
     blocks: int = 0
+
+    def __post_init__(self) -> None:
+        name_verdict(self, DriftVerdict)
 
 
 def drifting(scene: Scene) -> dict[str, str]:

@@ -9,6 +9,7 @@ that of the motion's own direction, as is every exponent of a motion that neithe
 ones approach 0 like log(t) / t.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import hypot, nan
 from os import PathLike
@@ -62,9 +63,11 @@ def lyapunov(
     count: int | None = None,
     discard: float | None = None,
     engine: str = "auto",
+    overrides: Mapping[str, object] | None = None,
 ) -> Lyapunov:
     """The largest `count` Lyapunov exponents of a case, by default all of them.
 
+    case, overrides : as of `load_case`
     discard : time [s] that is left out at the start, for the motion to settle; None: half of the run
 
     Raises ValueError for a count that the case has not got and for a transient that leaves nothing,
@@ -72,7 +75,7 @@ def lyapunov(
     """
     from vibsim.cases.loading import as_case
 
-    scene = as_case(case).scene()
+    scene = as_case(case, overrides).scene()
     if discard is not None and not 0 <= discard < scene.t_end:
         raise ValueError(f"a transient of {discard:g} s leaves nothing of {scene.t_end:g} s")
     return judged(lyapunov_exponents(scene, count, discard, engine), scene.tol)

@@ -10,6 +10,7 @@ import numpy as np
 from vibsim.analysis.cycles import cycle_ends
 from vibsim.analysis.event_rows import events_within
 from vibsim.analysis.span import Span, steady_span
+from vibsim.analysis.verdicts import ImpactsVerdict, name_verdict
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene
 from vibsim.physics.sums import mean
@@ -53,7 +54,7 @@ class ImpactsPerCycle:
     velocity : relative speed of the ends of the stop at impact [m/s]; None without impacts
     """
 
-    verdict: str
+    verdict: ImpactsVerdict | str
     reason: str
     span: Span
     cycles: int = 0
@@ -64,6 +65,9 @@ class ImpactsPerCycle:
     words: dict[str, int] | None = None
     distinct_words: int = 0
     velocity: Spread | None = None
+
+    def __post_init__(self) -> None:
+        name_verdict(self, ImpactsVerdict)
 
 
 def counted_parts(scene: Scene) -> tuple[str, ...]:

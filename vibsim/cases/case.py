@@ -12,7 +12,7 @@ from vibsim.cases.keys import UnknownKeyError, full_key, keys_of
 from vibsim.cases.overrides import apply_overrides
 from vibsim.cases.parts.building import build_parts
 from vibsim.cases.parts.short_form import long_values
-from vibsim.cases.parts.text import long_text
+from vibsim.cases.parts.text import long_text, sections_text
 from vibsim.cases.problems import CaseError, Problem
 from vibsim.cases.quantities import Quantity
 from vibsim.cases.resolved import fingerprint, flat_values, nested_values, resolved_text, resolved_values
@@ -83,6 +83,32 @@ class Case:
     def long_values(self) -> dict[str, Any]:
         """Nested values of the case in the long form, defaults filled in."""
         return long_values(self.model) if isinstance(self.model, CaseFile) else self._nested
+
+    def replace(self, changes: Mapping[str, object] | None = None, /, **more: object) -> "Case":
+        """This case with some values replaced: by dotted or short keys in a mapping, or short keys by name.
+
+        Raises CaseError for unknown keys and for values that are not allowed.
+
+        >>> import vibsim
+        >>> case = vibsim.load_case("II-B").replace({"run.t_end": "20 s"}, Omega0="6.5 Hz", c=0.01)
+        >>> print(case.quantity("Omega0"), case.quantity("c"))
+        6.5 Hz 0.01 N s/m
+        """
+        return self.with_values({**(changes or {}), **more})
+
+    def to_yaml(self) -> str:
+        """The case as YAML text, every default filled in, changed values too; reads back to the same case.
+
+        `text` is the text as it was given.
+
+        >>> import vibsim
+        >>> print(vibsim.load_case("II-B", {"c": "0.03 N s/m"}).to_yaml()[:64])
+        name: II-B
+        title: "Non-ideal source, motor constant 5.5 Hz"
+        <BLANKLINE>
+        blo
+        """
+        return long_text(self._nested) if self.is_long else sections_text(self._nested)
 
     def long_text(self) -> str:
         """The case as YAML text in the long form, defaults filled in."""
@@ -162,6 +188,14 @@ class Case:
         tree = Tree(dict(self._nested), Place(self.source))
         apply_overrides(tree, changes)
         return Case(validated(tree), self.text, self.source)
+
+    def __repr__(self) -> str:
+        scene = self.scene()
+        bodies = f"{len(scene.bodies)} bod{'y' if len(scene.bodies) == 1 else 'ies'}"
+        stops = f", {len(scene.stops)} stop{'' if len(scene.stops) == 1 else 's'}" if scene.stops else ""
+        frequency = f" at {self.frequency()}" if self.frequency() else ""
+        source = f"source {self.source_kind}{frequency}"
+        return f"<Case {self.name}: {bodies}{stops}, {source}, {self.quantity('run.t_end')}>"
 
     def resolved_json(self) -> str:
         """The case as canonical JSON text: defaults filled in; from_resolved_json() reads it back exactly."""

@@ -11,26 +11,30 @@ from vibsim.cases.sources import SourceText, case_name_from, decoded, find_sourc
 from vibsim.cases.validation import validated
 
 
-def load_case(source: str | PathLike[str], overrides: Mapping[str, object] | None = None) -> Case:
+def load_case(source: Case | str | PathLike[str], overrides: Mapping[str, object] | None = None) -> Case:
     """Read and check a case.
 
     Parameters
     ----------
-    source : path of a YAML file, name of a shipped case, or "-" for standard input
+    source : path of a YAML file, name of a shipped case, "-" for standard input, or a Case
     overrides : dotted (or unambiguous short) key -> text or number, e.g. {"excitation.Omega0": "6.5 Hz"};
         checked as if the file said so, with "--set" as the file
 
     Raises CaseError with every problem found.
+
+    >>> import vibsim
+    >>> vibsim.load_case("II-B", {"Omega0": "6.5 Hz", "run.t_end": "20 s"})
+    <Case II-B: 2 bodies, 1 stop, source motor at 6.5 Hz, 20 s>
     """
+    if isinstance(source, Case):
+        return source.with_values(overrides) if overrides else source
     return _case(find_source(fspath(source)), overrides or {})
 
 
-def as_case(source: object) -> Case:
-    """A case as it is, or the one that a path or a shipped name names. Raises CaseError, TypeError."""
-    if isinstance(source, Case):
-        return source
-    if isinstance(source, str | PathLike):
-        return load_case(source)
+def as_case(source: object, overrides: Mapping[str, object] | None = None) -> Case:
+    """What `load_case` reads. Raises CaseError, and TypeError for what it does not take."""
+    if isinstance(source, Case | str | PathLike):
+        return load_case(source, overrides)
     raise TypeError(
         f"a case must be a Case, the path of a case file or the name of a shipped case, got {source!r:.60}"
     )

@@ -31,6 +31,7 @@ COMMANDS = {
     "verify": ("vibsim.command_line.verify", "Verify this installation against known cases."),
     "paper": ("vibsim.command_line.paper", "Reproduce and audit the paper."),
     "export": ("vibsim.command_line.export", "Write a result as CSV, Parquet or MAT."),
+    "new": ("vibsim.command_line.new", "Begin a case file of your own."),
     "cases": ("vibsim.command_line.cases", "List the shipped cases, or print one."),
     "check": ("vibsim.command_line.check", "Check case files."),
     "schema": ("vibsim.command_line.schema", "Print the JSON Schema of a case file."),

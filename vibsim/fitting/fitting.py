@@ -6,7 +6,8 @@ import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 
-from vibsim.cases import Case, load_case
+from vibsim.cases import Case
+from vibsim.cases.loading import as_case
 from vibsim.fitting.errors import FitError, Interrupted
 from vibsim.fitting.evaluation import Evaluation, Watch
 from vibsim.fitting.fit_file import origin, write_fit
@@ -72,7 +73,7 @@ def fit(
     Raises CaseError, FitError and ResultFileError. A run that fails counts as one that fulfils no statement.
     """
     listed = [cases] if isinstance(cases, (Case, str, PathLike)) else list(cases)
-    read = [case if isinstance(case, Case) else load_case(case) for case in listed]
+    read = [as_case(case) for case in listed]
     settings = Search(method, candidates, seed, at_most, screen, confirm, fresh)
     plan = make_plan(read, free or {}, statements, readings, leave or {}, ensemble, spread or {}, settings)
     found, _ = run_fit(plan, out, jobs, engine, force)

@@ -1,5 +1,6 @@
 """Run a case, into memory or straight into a file."""
 
+from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,12 +17,14 @@ def simulate(
     engine: str = "auto",
     trust: bool = True,
     digits: int | str | None = None,
+    overrides: Mapping[str, object] | None = None,
 ) -> Result:
     """Run a case and keep its samples and events in memory.
 
     Parameters
     ----------
     case : a Case, the path of a case file or the name of a shipped case
+    overrides : values that are changed, as of `load_case`
     engine : "auto" (C where it was built, else Python), "c" or "python"; they agree bit for bit
     trust : whether a second run beside the first tells until when it is right
     digits : decimal digits to carry (20 to 1000), or "auto" for as many as leave ten right ones at the end;
@@ -29,10 +32,15 @@ def simulate(
 
     Raises EngineError (in `vibsim.engine.errors`) when the run fails, ValueError for other digits, and
     MultiprecisionMissing (in `vibsim.physics.number_kits`) where neither python-flint nor mpmath is there.
+
+    >>> import vibsim
+    >>> result = vibsim.simulate("II-B", overrides={"Omega0": "6.5 Hz", "run.t_end": "5 s"})
+    >>> len(result), result.complete
+    (1001, True)
     """
     from vibsim.cases.loading import as_case
 
-    case = as_case(case)
+    case = as_case(case, overrides)
     if digits is not None:
         from vibsim.results.truth import truth
 
@@ -45,7 +53,7 @@ def simulate(
 
 
 def simulate_to_file(
-    case: "Case",
+    case: "Case | str | PathLike[str]",
     path: str | Path,
     engine: str = "auto",
     force: bool = False,
@@ -63,6 +71,9 @@ def simulate_to_file(
     Raises EngineError when the run fails and ResultFileError when the file cannot be written. Either way what
     was written before is kept beside `path`, in NAME.partial.
     """
+    from vibsim.cases.loading import as_case
+
+    case = as_case(case)
     if digits is not None:
         from vibsim.results.truth import truth_to_file
 

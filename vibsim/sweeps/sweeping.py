@@ -10,7 +10,7 @@ from vibsim.cases import Case
 from vibsim.cases.loading import as_case
 from vibsim.cases.quantities import parse_quantity
 from vibsim.sweeps.computations.registry import read_computations
-from vibsim.sweeps.plan.axis import Axis, range_text, read_axis
+from vibsim.sweeps.plan.axis import Axis, range_and_unit, read_axis
 from vibsim.sweeps.plan.discard import parse_discard
 from vibsim.sweeps.plan.members import Members, read_members
 from vibsim.sweeps.plan.sweep_plan import Plan, PlanError, read_directions
@@ -20,10 +20,13 @@ from vibsim.sweeps.statistics.quantities import quantities_of
 from vibsim.sweeps.store.point_store import FileStore, Store
 from vibsim.sweeps.sweep_result import SweepResult
 
+# a range as text, values, or values and their unit
+AxisValues = str | Iterable[object] | tuple[Iterable[object], str]
+
 
 def sweep(
     case: Case | str | PathLike[str],
-    axes: Mapping[str, str | Iterable[object]] | None = None,
+    axes: Mapping[str, AxisValues] | None = None,
     *,
     direction: str | None = None,
     carry_state: bool = False,
@@ -39,6 +42,7 @@ def sweep(
     engine: str = "auto",
     out: str | PathLike[str] | None = None,
     force: bool = False,
+    overrides: Mapping[str, object] | None = None,
 ) -> SweepResult:
     """Run a case at every point of a grid, in parallel, and take statistics of each run.
 
@@ -46,7 +50,8 @@ def sweep(
     ----------
     case : a Case, the path of a case file or the name of a shipped case
     axes : key -> range, e.g. {"excitation.Omega0": "3:7:0.05 Hz", "c": "0.01:0.05/9"}, or values, e.g.
-        {"c": [0.01, "0.02 N s/m"]}; one or more make a grid
+        {"c": [0.01, "0.02 N s/m"]}, or values and their unit, e.g. {"Omega0": (np.linspace(3, 7, 81), "Hz")};
+        one or more make a grid
     direction : "up", "down" or "both" along the first axis; by default in the order in which its values are
         written: "7:3:1 Hz" runs down, and "4, 3, 5 Hz" in this order
     carry_state : start each point from the end of the one before along the first axis; "both" goes there and
@@ -66,14 +71,21 @@ def sweep(
     engine : "auto", "c" or "python"
     out : HDF5 file; one that holds a part of this very sweep is completed, any other is an error unless
         `force`
+    overrides : values of the case that are changed, as of `load_case`
 
     Raises CaseError, UnknownKeyError, RangeError, PlanError, ClusterError and ResultFileError. Points that
     fail are kept with their reason, see `SweepResult["status"]` and `["error"]`.
+
+    >>> import numpy as np, vibsim
+    >>> axes = {"Omega0": (np.linspace(5, 6, 3), "Hz")}
+    >>> sweep = vibsim.sweep("II-B", axes, section=0, jobs=1, overrides={"run.t_end": "2 s"})
+    >>> sweep["omega0"].tolist(), sweep["mean_speed"].shape
+    ([5.0, 5.5, 6.0], (3, 1))
     """
-    case = as_case(case)
+    case = as_case(case, overrides)
     plan = make_plan(
         case,
-        [(key, range_text(key, values), "", key) for key, values in (axes or {}).items()],
+        [(key, *range_and_unit(key, values), key) for key, values in (axes or {}).items()],
         direction,
         carry_state,
         discard,

@@ -26,6 +26,7 @@ from vibsim.analysis.regime.recurrence import (
     find_period,
 )
 from vibsim.analysis.regime.zero_one_test import zero_one
+from vibsim.analysis.verdicts import RegimeVerdict, name_verdict
 
 REGULAR, CHAOTIC = 0.1, 0.9  # |K| of the 0-1 test below, K above
 FEWEST = 200  # points that the 0-1 test needs: with fewer, K of a regular motion strays up to 0.5
@@ -60,13 +61,16 @@ class Judged:
     prediction : error of predicting points from their neighbours, relative to guessing
     """
 
-    verdict: str
+    verdict: RegimeVerdict | str
     reason: str
     period: int | None = None
     onset: int | None = None
     step: float | None = None
     chaos_number: float | None = None
     prediction: float | None = None
+
+    def __post_init__(self) -> None:
+        name_verdict(self, RegimeVerdict)
 
 
 def judge_points(points: np.ndarray, exponent: Exponent | None = None) -> Judged:

@@ -10,6 +10,7 @@ from vibsim.analysis.impacts_per_cycle import happenings
 from vibsim.analysis.regime.points import Exponent, Judged, judge_points
 from vibsim.analysis.regime.section import section_of
 from vibsim.analysis.span import Span, steady_span
+from vibsim.analysis.verdicts import RegimeVerdict, name_verdict
 from vibsim.engine.columns import state_columns
 from vibsim.engine.section import has_section
 from vibsim.physics.rates import is_driven
@@ -38,7 +39,7 @@ class Regime:
     exponent : as it was given
     """
 
-    verdict: str
+    verdict: RegimeVerdict | str
     reason: str
     span: Span
     cycles: int = 0
@@ -49,6 +50,9 @@ class Regime:
     prediction: float | None = None
     word_period: int | None = None
     exponent: Exponent | None = None
+
+    def __post_init__(self) -> None:
+        name_verdict(self, RegimeVerdict)
 
 
 def judge_regime(result: Result, window: Window | None = None, exponent: Exponent | None = None) -> Regime:

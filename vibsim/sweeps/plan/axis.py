@@ -13,7 +13,7 @@ from vibsim.cases.keys import measured_at
 from vibsim.cases.problems import CaseError
 from vibsim.cases.quantities import decimal_text, exact_number
 from vibsim.cases.ranges import RangeError, RangeValue, parse_range
-from vibsim.cases.units import UNITS, si_unit
+from vibsim.cases.units import UNITS, find_unit, si_unit
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -146,6 +146,26 @@ def _number_key(case: "Case", key: str) -> str:
     return case.full_key(key)
 
 
+def range_and_unit(key: str, values: object) -> tuple[str, str]:
+    """The range that Python code gives for a key, and the unit of its bare numbers ("": as without one).
+
+    values : as of `range_text`, or a pair of such values and their unit
+
+    Raises RangeError for anything else, and for a unit that there is not.
+    """
+    match values:
+        case (listed, str() as unit_text) if isinstance(values, tuple) and _is_listed(listed):
+            unit = find_unit(unit_text)
+            if unit is None:
+                raise RangeError(f"{key}: unknown unit {unit_text!r}")
+            return range_text(key, listed), unit.name
+    return range_text(key, values), ""
+
+
+def _is_listed(values: object) -> bool:
+    return isinstance(values, Iterable) and not isinstance(values, str | Mapping | bytes)
+
+
 def range_text(key: str, values: object) -> str:
     """The range that Python code gives for a key: a text as it is, values (numbers or texts) as a list.
 
@@ -153,7 +173,7 @@ def range_text(key: str, values: object) -> str:
     """
     if isinstance(values, str):
         return values
-    if isinstance(values, Iterable) and not isinstance(values, Mapping | bytes):
+    if isinstance(values, Iterable) and _is_listed(values):
         return ",".join(_value_text(key, value) for value in values)
     raise RangeError(f"{key}: must be a range such as '3:7:0.05 Hz' or a list of values, got {values!r}")
 
