@@ -1,0 +1,181 @@
+"""The orbits of n periods of a case over one of its numbers: n + 1 scaled unknowns, and what closes an orbit.
+
+Unknowns are those of the orbit (`vibsim.orbits.coordinates`), the time of return where a motor leaves it free,
+and the parameter. The residual is P(X) - X and what is missing of the turn. Its derivative by the state and by
+the time is that of the motion, exact; that by the parameter is a difference quotient. An error d of it, relative
+to its size, changes no solution: it multiplies what is left after a Newton step by d, and turns the tangent by d.
+"""
+
+from collections import OrderedDict
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from vibsim.branches.arclength import ContinuationError
+from vibsim.cases import Case, CaseError
+from vibsim.engine.errors import EngineError
+from vibsim.orbits import OrbitError, ReturnMap
+from vibsim.orbits.multipliers import multipliers_of
+from vibsim.orbits.word import cyclic
+
+SHIFT = 2.0**-23  # of the parameter, scaled: rounding over it is as small as what it leaves out, 1e-7
+MAPS = 4  # return maps that are kept
+
+
+class Family:
+    """The orbits of `n` periods of a case over a parameter.
+
+    keys : of the case, which have the same value; unit : of the parameter
+    scale : by which each unknown is divided (n + 1)
+    """
+
+    def __init__(self, case: Case, keys: Sequence[str], unit: str, n: int, engine: str = "auto"):
+        self.case, self.keys, self.unit, self.n, self.engine = case, tuple(keys), unit, n, engine
+        self._maps: OrderedDict[float, ReturnMap] = OrderedDict()
+        self.scale = np.ones(0)
+
+    def scaled_by(self, X: np.ndarray, T: float, parameter: float, span: float, travel: float) -> None:
+        """Measure unknowns by an orbit: its velocities, its time of return, the parameter or its span."""
+        at = self.map(parameter).coordinates
+        lengths = travel / at.weights
+        times = () if self.map(parameter).section.timed else (T,)
+        self.scale = np.array([*lengths, *times, abs(parameter) or span])
+
+    def map(self, parameter: float) -> ReturnMap:
+        """The return map at a value of the parameter. Raises ContinuationError where the case does not allow it."""
+        if parameter in self._maps:
+            self._maps.move_to_end(parameter)
+            return self._maps[parameter]
+        try:
+            scene = self.at(parameter).scene()
+            self._maps[parameter] = ReturnMap(scene, self.n, self.engine)
+        except (CaseError, OrbitError) as error:
+            raise ContinuationError(str(error)) from error
+        if len(self._maps) > MAPS:
+            self._maps.popitem(last=False)
+        return self._maps[parameter]
+
+    def at(self, parameter: float) -> Case:
+        """The case at a value of the parameter. Raises CaseError where it does not allow it."""
+        return self.case.with_values(dict.fromkeys(self.keys, f"{float(parameter)!r} {self.unit}".strip()))
+
+    def unknowns(self, X: np.ndarray, T: float, parameter: float) -> np.ndarray:
+        """Scaled unknowns of an orbit."""
+        times = () if self.map(parameter).section.timed else (T,)
+        return np.array([*X, *times, parameter]) / self.scale
+
+    def parameter(self, z: np.ndarray) -> float:
+        """The parameter of scaled unknowns."""
+        return float(z[-1] * self.scale[-1])
+
+    def __call__(self, z: np.ndarray) -> "FamilyPoint":
+        """The motion over one return from scaled unknowns. Raises ContinuationError where it fails."""
+        values = z * self.scale
+        of = self.map(float(values[-1]))
+        count = of.coordinates.count
+        T = None if of.section.timed else float(values[count])
+        if T is not None and not T > 0:
+            raise ContinuationError("Newton's method asks for a time of return below zero")
+        try:
+            return FamilyPoint(self, z, of(values[:count], T))
+        except (EngineError, OrbitError, ValueError) as error:
+            raise ContinuationError(str(error)) from error
+
+
+class FamilyPoint:
+    """A motion over one return, as a point of the curve; an orbit where `residual` is zero but for rounding.
+
+    end : of the motion, a `vibsim.orbits.return_map.Return`
+    """
+
+    def __init__(self, family: Family, z: np.ndarray, end: Any):
+        self.family, self.z, self.end = family, z, end
+
+    @property
+    def parameter(self) -> float:
+        return self.family.parameter(self.z)
+
+    @property
+    def period(self) -> float:
+        """Time of return [s]."""
+        return float(self.end.T)
+
+    @cached_property
+    def residual(self) -> np.ndarray:
+        """Of the equations, scaled."""
+        return self._scaled(self.end)
+
+    @cached_property
+    def matrix(self) -> np.ndarray:
+        """Derivative of the section after one return by that before (m x m); its eigenvalues are multipliers."""
+        return np.asarray(self.end.derivative)
+
+    @cached_property
+    def multipliers(self) -> np.ndarray:
+        """Floquet multipliers, the largest first."""
+        return np.asarray(multipliers_of(self.end))
+
+    @cached_property
+    def word(self) -> tuple[Any, ...]:
+        """Events of one return, as a circle."""
+        return cyclic(self.end.events)
+
+    def _scaled(self, end: Any) -> np.ndarray:
+        count, scale = len(end.X), self.family.scale
+        closing = end.difference / scale[:count]
+        return closing if end.tilt is None else np.append(closing, end.ahead / (2 * np.pi))
+
+    @cached_property
+    def slope(self) -> np.ndarray:
+        """Derivative of the residual by the scaled parameter (n)."""
+        family, values = self.family, self.z * self.family.scale
+        of = family.map(float(values[-1]) + SHIFT * float(family.scale[-1]))
+        shift = (float(values[-1]) + SHIFT * float(family.scale[-1]) - float(values[-1])) / family.scale[-1]
+        try:
+            end = of(self.end.X, None if of.section.timed else self.end.T)
+        except (EngineError, OrbitError) as error:
+            raise ContinuationError(str(error)) from error
+        return (self._scaled(end) - self.residual) / shift
+
+    @cached_property
+    def flow(self) -> np.ndarray:
+        """Derivative of the scaled state at the end by the scaled unknowns without the parameter."""
+        end, scale = self.end, self.family.scale
+        count = len(end.X)
+        matrix = end.flow_matrix * (scale[:count] / scale[:count, None])
+        return matrix if end.tilt is None else np.column_stack([matrix, end.rate / scale[:count] * scale[count]])
+
+    def jacobian(self, slope: np.ndarray | None = None) -> np.ndarray:
+        """Derivative of the residual by z (n, n + 1); slope: its last column, where one is good enough."""
+        count = len(self.end.X)
+        matrix = self.flow - np.eye(*self.flow.shape)
+        if self.end.tilt is not None:
+            slopes, rate = self.end.tilt
+            turned = np.append(slopes * self.family.scale[:count], rate * self.family.scale[count]) / (2 * np.pi)
+            matrix = np.vstack([matrix, turned])
+        return np.column_stack([matrix, self.slope if slope is None else slope])
+
+    @property
+    def settled(self) -> bool:
+        """Whether what the motion has forgotten at its end is to the bit what it began with.
+
+        A body that sticks across the section would else begin with a speed of rounding, and stick once more.
+        """
+        forgotten = ~self.flow.any(axis=1)
+        return not np.any(self.end.difference[forgotten])
+
+    def moved(self, step: np.ndarray, slope: np.ndarray | None = None) -> np.ndarray:
+        """z after a Newton step.
+
+        The state is taken as the image under the linearised map, which is z + step but for rounding: so what
+        the motion has forgotten, as behind a stick, comes from the image, and a body that sticks across the
+        section sticks there to the bit.
+        """
+        count = len(self.end.X)
+        if slope is None or not self.flow.any(axis=1).all():  # another orbit's slope may not have forgotten
+            slope = self.slope
+        z = self.z + step
+        z[:count] = self.end.image / self.family.scale[:count] + self.flow @ step[:-1] + slope[:count] * step[-1]
+        return z

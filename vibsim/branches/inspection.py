@@ -1,0 +1,179 @@
+"""What happened between two neighbouring points of a branch, each event found and located.
+
+Index check: the number of multipliers outside the unit circle may change only by what was detected: by one at
+a fold, a branch point or a doubling, by two at a Neimark-Sacker point, by anything where a change of the order
+of events makes the derivative of the map jump. A stretch that shows more than one event, or does not satisfy
+the check, is halved until each part has one event at most. At an event that was located the other multipliers
+must be on the side of the circle that they are on at both ends of its stretch: of a Neimark-Sacker point a hair
+before a fold the ends alone say nothing.
+"""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from vibsim.branches.arclength import ContinuationError
+from vibsim.branches.family import Family
+from vibsim.branches.node import Node, between
+from vibsim.branches.special import (
+    BRANCHING,
+    CORNER,
+    DOUBLING,
+    FOLD,
+    TORUS,
+    UNRESOLVED,
+    Special,
+    kind_of_change,
+)
+
+SHORT = 1e-9  # scaled length of a stretch that is not halved any more to part its events
+NARROW = 4e-15  # scaled length of a bracket that a change of the order of events is located in
+TRIES = 100  # evaluations while locating
+NEAR = 1e-3  # how far a located multiplier may be from where it crosses the circle [-]
+
+Test = Callable[[Node], float]
+
+
+def inspect(family: Family, one: Node, other: Node) -> Iterator[Special]:
+    """The special points between two nodes, in their order."""
+    detected = detect(one, other)
+    if not detected and one.index == other.index:
+        return
+    if len(detected) == 1:
+        special = _located(family, detected[0], one, other)
+        if special is not None:
+            if special.kind in (FOLD, DOUBLING, TORUS, BRANCHING):
+                yield special
+                return
+            yield from inspect(family, one, special.before)
+            yield special
+            yield from inspect(family, special.after, other)
+            return
+    middle = _middle(family, one, other)
+    if middle is None:
+        yield Special(UNRESOLVED, other, one, other)
+        return
+    yield from inspect(family, one, middle)
+    yield from inspect(family, middle, other)
+
+
+def detect(one: Node, other: Node) -> list[str]:
+    """Kinds of what must have happened between two nodes; a change of the order of events is called so."""
+    kinds = []
+    if one.families == other.families == 0:
+        if one.ahead * other.ahead < 0:
+            kinds.append(FOLD)
+        elif one.fold * other.fold < 0:
+            kinds.append(BRANCHING)
+    if one.doubling * other.doubling < 0:
+        kinds.append(DOUBLING)
+    if not kinds and one.pairs_outside != other.pairs_outside and one.index != other.index:
+        kinds.append(TORUS)
+    if one.word != other.word:
+        kinds.append(CHANGE)
+    return kinds
+
+
+CHANGE = "change of order"
+
+
+def _located(family: Family, kind: str, one: Node, other: Node) -> Special | None:
+    """The one event of a stretch; None where it is not what it seemed, or more happens."""
+    try:
+        if kind == CHANGE:
+            return _change(family, one, other)
+        low, high = bracketed(family, one, other, test_of(kind, one, other))
+    except ContinuationError:
+        return None
+    special = Special(kind, high, one, other)
+    return special if _index_explained(special) else None
+
+
+def test_of(kind: str, one: Node, other: Node) -> Test:
+    """The function of a node that changes its sign at an event of a kind between two nodes."""
+    if kind == DOUBLING:
+        return lambda node: node.doubling
+    if kind in (FOLD, BRANCHING):
+        return (lambda node: node.fold) if one.fold * other.fold < 0 else (lambda node: node.ahead)
+    outside = one if one.pairs_outside > other.pairs_outside else other
+    pair = min((mu for mu in outside.pairs if abs(mu) > 1), key=lambda mu: abs(abs(mu) - 1))
+    return lambda node: node.torus(pair)
+
+
+def bracketed(family: Family, low: Node, high: Node, test: Test) -> tuple[Node, Node]:
+    """Neighbours on both sides of a zero of `test`, the second the better: regula falsi after Anderson and Bjorck.
+
+    Raises ContinuationError.
+    """
+    a, b = test(low), test(high)
+    left, right = 0.0, 1.0
+    ends = low, high
+    if not a * b < 0:
+        raise ContinuationError("the test does not change its sign")
+    f_left, f_right = a, b
+    for _ in range(TRIES):
+        share = right - f_right * (right - left) / (f_right - f_left)
+        if not min(left, right) < share < max(left, right):
+            break
+        node = between(family, *ends, share)
+        value = test(node)
+        if value == 0:
+            return node, node
+        if value * f_right < 0:
+            left, f_left, low = right, f_right, high
+        else:
+            shrink = 1 - value / f_right
+            f_left *= shrink if shrink > 0 else 0.5
+        moved = abs(share - right)
+        right, f_right, high = share, value, node
+        if moved * np.linalg.norm(ends[1].z - ends[0].z) < 1e-14:
+            break
+    return low, high
+
+
+def _index_explained(special: Special) -> bool:
+    """Whether the other multipliers are at the event where they are at both ends of its stretch."""
+    before, at, after = special.before, special.node, special.after
+    distance = {
+        FOLD: abs(at.multipliers - 1),
+        BRANCHING: abs(at.multipliers - 1),
+        DOUBLING: abs(at.multipliers + 1),
+        TORUS: abs(abs(at.multipliers) - 1) + (abs(at.multipliers.imag) == 0),
+    }[special.kind]
+    count = 2 if special.kind == TORUS else 1
+    order = np.argsort(distance)
+    if distance[order[count - 1]] > NEAR:
+        return False
+    rest = int(np.sum(np.abs(at.multipliers[order[count:]]) > 1))
+    return sorted((before.index, after.index)) == [rest, rest + count]
+
+
+def _change(family: Family, one: Node, other: Node) -> Special | None:
+    """A change of the order of events by bisection; None where there is a third order between."""
+    low, high = one, other
+    for _ in range(TRIES):
+        if np.linalg.norm(high.z - low.z) <= NARROW:
+            break
+        middle = between(family, low, high, 0.5)
+        if middle.word == low.word:
+            low, stuck = middle, np.array_equal(middle.z, low.z)
+        elif middle.word == high.word:
+            high, stuck = middle, np.array_equal(middle.z, high.z)
+        else:
+            return None
+        if stuck:
+            break
+    kind = CORNER if low.ahead * high.ahead < 0 else kind_of_change(low.word, high.word)
+    return Special(kind, high, low, high)
+
+
+def _middle(family: Family, one: Node, other: Node) -> Node | None:
+    """The node halfway between two, None where they are as near as it makes sense or Newton's method fails."""
+    if np.linalg.norm(other.z - one.z) <= SHORT:
+        return None
+    for share in (0.5, 0.4, 0.6, 0.3, 0.7):
+        try:
+            return between(family, one, other, share)
+        except ContinuationError:
+            continue
+    return None

@@ -1,0 +1,54 @@
+"""What happens on a branch between two of its points, and how it is called."""
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import Any
+
+from vibsim.branches.node import Node
+
+FOLD, DOUBLING, TORUS, BRANCHING = "fold", "doubling", "neimark-sacker", "branch point"
+GRAZING, STICKING, TURNING, ORDER, CORNER = "grazing", "sticking", "turn", "order", "corner"
+UNRESOLVED = "unresolved"
+LABELS = {
+    FOLD: "F",
+    DOUBLING: "PD",
+    TORUS: "NS",
+    BRANCHING: "BP",
+    GRAZING: "GR",
+    STICKING: "ST",
+    TURNING: "TU",
+    ORDER: "OR",
+    CORNER: "CO",
+    UNRESOLVED: "UR",
+}
+BIFURCATIONS = (FOLD, DOUBLING, TORUS, BRANCHING, CORNER, UNRESOLVED)
+
+
+@dataclass(frozen=True)
+class Special:
+    """A special point of a branch.
+
+    kind : one of `LABELS`; node : where it is
+    before, after : the branch on both sides of it, as near as it was bracketed
+    """
+
+    kind: str
+    node: Node
+    before: Node
+    after: Node
+
+    @property
+    def jump(self) -> int:
+        """How many more multipliers are outside the unit circle behind it."""
+        return self.after.index - self.before.index
+
+
+def kind_of_change(before: tuple[Any, ...], after: tuple[Any, ...]) -> str:
+    """What a change of the order of events is: a contact more or less, a stick, two reversals, or the order alone."""
+    one, other = Counter(before), Counter(after)
+    changed = {kind for (kind, _) in (one - other) + (other - one)}
+    if changed & {"contact_begin", "contact_end", "impact", "transmitted"}:
+        return GRAZING
+    if changed & {"stick_begin", "stick_end", "rest_begin", "rest_end"}:
+        return STICKING
+    return TURNING if changed else ORDER

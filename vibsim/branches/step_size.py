@@ -1,0 +1,30 @@
+"""How long the next step along a branch is: by the angle that the tangent turned, and by Newton's count."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+TURN = 0.15  # angle between two tangents that is aimed at [rad]
+SHARP = 0.35  # beyond it a step is taken again, shorter
+COUNT = 5  # Newton steps that are aimed at
+GROWTH, SHRINK = 1.6, 0.5
+
+
+@dataclass(frozen=True)
+class Pace:
+    """Bounds of the step, in scaled length."""
+
+    first: float = 0.01
+    least: float = 1e-9
+    most: float = 0.05
+
+    def following(self, step: float, turned: float, iterations: int) -> float:
+        """The step behind one that turned the tangent by `turned` [rad] in so many Newton steps."""
+        by_angle = TURN / turned if turned > 0 else GROWTH
+        by_count = 2.0 ** ((COUNT - iterations) / 2)
+        return min(self.most, max(self.least, step * min(GROWTH, max(SHRINK, min(by_angle, by_count)))))
+
+
+def turn(one: np.ndarray, other: np.ndarray) -> float:
+    """Angle between two unit vectors [rad], right where it is small."""
+    return 2.0 * float(np.arcsin(min(1.0, float(np.linalg.norm(one - other)) / 2)))

@@ -1,0 +1,106 @@
+"""A walk along a branch in one direction: from point to point, with the special points between them."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from vibsim.branches.arclength import ContinuationError
+from vibsim.branches.family import Family
+from vibsim.branches.inspection import inspect
+from vibsim.branches.node import Node, ahead_of, between, node_at
+from vibsim.branches.special import Special
+from vibsim.branches.step_size import SHARP, Pace, turn
+
+BEHIND = 4  # steps before a branch can have come back to its start
+SAME = 1e-8  # scaled distance of a closed branch from its start
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step of a walk.
+
+    node : where it led; specials : what lies between, in order
+    next : length of the step that follows; ended : why none follows, or empty
+    """
+
+    node: Node
+    specials: tuple[Special, ...]
+    next: float
+    ended: str = ""
+
+
+class Walk:
+    """A walk from a node, whose tangent says in which direction, while the parameter is within `span`."""
+
+    def __init__(self, family: Family, start: Node, span: tuple[float, float], pace: Pace):
+        self.family, self.span, self.pace = family, span, pace
+        self.start = self.node = start
+        self.step, self.count = pace.first, 0
+
+    def go_on(self, node: Node, step: float, count: int) -> None:
+        """Go on from a node that a walk came to after `count` steps."""
+        self.node, self.step, self.count = node, step, count
+
+    def steps(self) -> Iterator[Step]:
+        """The steps, until the branch ends, leaves the span or comes back to its start."""
+        while True:
+            try:
+                node, length, following = self._next()
+            except ContinuationError as error:
+                yield Step(self.node, (), self.step, f"stuck: {error}")
+                return
+            node, ended = self._ended(node, length)
+            specials = tuple(inspect(self.family, self.node, node))
+            self.node, self.step, self.count = node, following, self.count + 1
+            yield Step(node, specials, following, ended)
+            if ended:
+                return
+
+    def _next(self) -> tuple[Node, float, float]:
+        """The next node, the length of the step to it and that of the one after. Raises ContinuationError."""
+        length = self.step
+        while True:
+            try:
+                node = ahead_of(self.family, self.node, length)
+                turned = turn(self.node.tangent, node.tangent)
+                chord = node.z - self.node.z
+                if turned <= SHARP and self.node.tangent @ chord > 0.9 * np.linalg.norm(chord):
+                    return node, length, self.pace.following(length, turned, node.iterations)
+                reason = "the branch turns too sharply"
+            except ContinuationError as error:
+                reason = str(error)
+            length /= 2
+            if length < self.pace.least:
+                raise ContinuationError(reason)
+
+    def _ended(self, node: Node, length: float) -> tuple[Node, str]:
+        """The node at which the walk ends, and why; the node itself and nothing where it goes on."""
+        if self.count >= BEHIND and self._closes(node):
+            return self.start, "closed"
+        low, high = sorted(self.span)
+        bound = low if node.parameter < low else high if node.parameter > high else None
+        return (node, "") if bound is None else (self._at_bound(node, bound), "end of the range")
+
+    def _at_bound(self, node: Node, bound: float) -> Node:
+        """The node at the end of the range, between the last one and one beyond."""
+        unit = np.eye(len(node.z))[-1]
+        here, there = self.node.z[-1], node.z[-1]
+        target = bound / self.family.scale[-1]
+        start = self.node.z + (node.z - self.node.z) * ((target - here) / (there - here))
+        start[-1] = target
+        return node_at(self.family, start, unit, node, float(np.linalg.norm(node.z - self.node.z)))
+
+    def _closes(self, node: Node) -> bool:
+        """Whether the start lies between the last node and this one."""
+        chord = node.z - self.node.z
+        length = float(np.linalg.norm(chord))
+        share = float((self.start.z - self.node.z) @ chord) / length**2
+        beside = self.start.z - self.node.z - share * chord
+        if not 0 < share <= 1 or np.linalg.norm(beside) > length / 4 or chord @ self.start.tangent <= 0:
+            return False
+        try:
+            there = between(self.family, self.node, node, share)
+        except ContinuationError:
+            return False
+        return bool(np.linalg.norm(there.z - self.start.z) <= SAME)
