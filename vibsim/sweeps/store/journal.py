@@ -1,144 +1,39 @@
-"""The journal of a sweep: finished points, one per line, appended to NAME.h5.journal as they come.
+"""The journal of a sweep: finished points, as they come."""
 
-An HDF5 file that is changed in place may not open again after a kill; a file that is only appended to loses
-at most its last, unfinished line. Every line begins with a checksum of itself and of the sweep, and with its
-number: what was damaged afterwards is noticed and left out, and what stands behind it is not lost. The
-journal is merged into the HDF5 file whenever that is written anew, and removed at the end. It is also the
-lock: one process at a time holds it.
-
-SQLite would need the checksums all the same: its pages have none, and a damaged one makes the database
-malformed as a whole. Its write-ahead log needs two more files, and shared memory that network disks lack.
-"""
-
-import hashlib
-import json
-import os
-from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from vibsim.files.disk_space import reserve
-from vibsim.files.errors import ResultFileError
-from vibsim.files.output_file import reason
+from vibsim.files.journal import Journal as Records
+from vibsim.files.journal import journal_path as journal_path
 from vibsim.sweeps.plan.sweep_plan import Plan
 from vibsim.sweeps.points.point import Point
 
-try:
-    import fcntl
-except ImportError:  # no such locks on this platform: there the user keeps two sweeps off one file
-    fcntl = None  # type: ignore[assignment]
-
-SUFFIX = ".journal"
-CHECKSUM = 16  # hex digits
 NUMBER = 60  # bytes of a number and its name
 TEXTS = 1500  # bytes of place, fingerprint and the reason of a failure
 
 
-class Journal:
-    """The journal beside the file `target`, locked until it is closed; `what` is written there, for messages.
-
-    `damaged` counts the records that `read` has left out. Raises ResultFileError when another process holds
-    the journal, or when it cannot be written.
-    """
+class Journal(Records):
+    """A journal whose records are points."""
 
     def __init__(self, target: Path, what: str = "sweep"):
-        self.path = journal_path(target)
-        self.damaged = 0
-        self._what = what
-        self._fingerprint = ""
-        self._records = 0  # with the header
-        self._whole = False  # whether everything on file can be gone on from
-        try:
-            self._descriptor = _open_locked(self.path, target, what)
-        except OSError as error:
-            raise ResultFileError(f"{self.path}: cannot write: {reason(error)}") from error
-        self._end = self._reserved = 0  # bytes written, and bytes that there is room for
+        super().__init__(target, what)
 
-    def read(self, fingerprint: str) -> Iterator[Point]:
-        """The points of the sweep of that fingerprint, without damaged ones and an unfinished last line.
-
-        Raises ResultFileError when there are points of another sweep.
+    def _plain(self, point: Point) -> dict[str, Any]:
+        """A point as plain data. Arrays are the hex digits of their doubles, which is five times as fast as
+        decimals.
         """
-        header: dict[str, Any] | None = None
-        for number, line in enumerate(_whole_lines(self.path)):
-            if number == 0:
-                header = _record(line, "")
-                self.damaged += header is None
-            elif header is not None and header != {"fingerprint": fingerprint}:
-                held = f"points of another {self._what} are waiting in it"
-                raise ResultFileError(f"{self.path}: {held}; --force drops them")
-            elif (record := _record(line, fingerprint)) is None:
-                self.damaged += 1
-            else:
-                yield _point(record)
-        self._whole = not self.damaged and header == {"fingerprint": fingerprint}
+        return {
+            **vars(point),
+            "arrays": {name: array.astype("<f8").tobytes().hex() for name, array in point.arrays.items()},
+        }
 
-    def notes(self) -> list[str]:
-        """What the user should know of what `read` came upon."""
-        if not self.damaged:
-            return []
-        count = f"{self.damaged} damaged record{'s' if self.damaged > 1 else ''}"
-        return [f"{self.path}: {count} left out; computed again"]
-
-    def go_on(self, fingerprint: str, points: Sequence[Point]) -> None:
-        """Make ready for more points behind those that `read` has given; damaged records are taken out."""
-        if not self._whole:
-            self.restart(fingerprint)
-            self.add(points)
-            return
-        self._fingerprint, self._records = fingerprint, len(points) + 1
-        self._end = sum(map(len, _whole_lines(self.path)))
-        self.give_back()
-
-    def restart(self, fingerprint: str) -> None:
-        """Begin anew: no points, the fingerprint on the first line; what was reserved is given back."""
-        header = _line(0, {"fingerprint": fingerprint}, "")
-        if fingerprint != self._fingerprint:
-            os.ftruncate(self._descriptor, 0)
-        self._end = self._records = 0
-        self._append([header])
-        self._fingerprint = fingerprint
-        self.give_back()
-
-    def reserve(self, size: int) -> bool:
-        """Make sure of room on disk for `size` bytes [bytes] of points to come; False where there is none."""
-        if self._end + size <= self._reserved:
-            return True
-        if not reserve(self.path, self._end, size):
-            self.give_back()
-            return False
-        self._reserved = self._end + size
-        return True
-
-    def give_back(self) -> None:
-        """Give back the room that was reserved and not used."""
-        os.ftruncate(self._descriptor, self._end)
-        self._reserved = self._end
-
-    def add(self, points: Iterable[Point]) -> None:
-        """Append points; they are kept whatever happens to this process afterwards."""
-        numbered = enumerate(points, self._records)
-        self._append([_line(number, _plain(point), self._fingerprint) for number, point in numbered])
-
-    def _append(self, lines: list[bytes]) -> None:
-        data = b"".join(lines)
-        try:
-            written = 0
-            os.lseek(self._descriptor, self._end, os.SEEK_SET)
-            while written < len(data):
-                written += os.write(self._descriptor, data[written:])
-        except OSError as error:
-            raise ResultFileError(f"{self.path}: cannot write: {reason(error)}") from error
-        self._end += len(data)
-        self._records += len(lines)
-
-    def close(self, remove: bool) -> None:
-        """Let go of the lock; with `remove`, or where it is empty, of the file as well."""
-        if remove or not os.fstat(self._descriptor).st_size:
-            self.path.unlink(missing_ok=True)
-        os.close(self._descriptor)
+    def _given(self, plain: dict[str, Any]) -> Point:
+        arrays = {
+            name: np.frombuffer(bytes.fromhex(digits), "<f8") for name, digits in plain["arrays"].items()
+        }
+        return Point(**{**plain, "index": tuple(plain["index"]), "arrays": arrays})
 
 
 def record_bytes(plan: Plan) -> int:
@@ -146,64 +41,3 @@ def record_bytes(plan: Plan) -> int:
     further = [name for name, column in plan.columns.items() if column.dimension]
     doubles = sum(plan.shape_of(name)[-1] for name in further)
     return 2 * 8 * doubles + NUMBER * len(plan.columns) + TEXTS
-
-
-def _line(number: int, content: dict[str, Any], fingerprint: str) -> bytes:
-    """One line: checksum, number, content; the checksum covers the sweep as well."""
-    text = f"{number} {json.dumps(content)}"
-    return f"{_checksum(text.encode(), fingerprint)} {text}\n".encode()
-
-
-def _record(line: bytes, fingerprint: str) -> dict[str, Any] | None:
-    """What a line holds; None for a damaged one, or one of another sweep."""
-    checksum, _, text = line.rstrip(b"\n").partition(b" ")
-    if checksum != _checksum(text, fingerprint).encode():
-        return None
-    record: dict[str, Any] = json.loads(text.partition(b" ")[2])
-    return record
-
-
-def _checksum(text: bytes, fingerprint: str) -> str:
-    return hashlib.sha256(fingerprint.encode() + b" " + text).hexdigest()[:CHECKSUM]
-
-
-def _plain(point: Point) -> dict[str, Any]:
-    """A point as plain data. Arrays are the hex digits of their doubles: five times as fast as decimals."""
-    return {
-        **vars(point),
-        "arrays": {name: array.astype("<f8").tobytes().hex() for name, array in point.arrays.items()},
-    }
-
-
-def _point(record: dict[str, Any]) -> Point:
-    """The point that `_plain` wrote down."""
-    arrays = {name: np.frombuffer(bytes.fromhex(digits), "<f8") for name, digits in record["arrays"].items()}
-    return Point(**{**record, "index": tuple(record["index"]), "arrays": arrays})
-
-
-def journal_path(target: Path) -> Path:
-    """NAME.h5.journal beside the target."""
-    return target.with_name(target.name + SUFFIX)
-
-
-def _open_locked(path: Path, target: Path, what: str) -> int:
-    """Open and lock; once more when the file was removed by its last owner in between."""
-    while True:
-        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
-        try:
-            if fcntl is not None:
-                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            if os.path.exists(path) and os.path.samestat(os.fstat(descriptor), os.stat(path)):
-                return descriptor
-        except BlockingIOError:
-            os.close(descriptor)
-            raise ResultFileError(f"{target}: another {what} is writing it") from None
-        os.close(descriptor)
-
-
-def _whole_lines(path: Path) -> Iterator[bytes]:
-    """The lines that were written to their end; behind them there may be room that was reserved."""
-    with open(path, "rb") as file:
-        for line in file:
-            if line.endswith(b"\n"):
-                yield line
