@@ -12,7 +12,7 @@ import vibsim
 PACKAGE = Path(vibsim.__file__).parent
 GROUND = ["lazy_names", "physics", "engine"]
 # each may import those before it, and the ground floor
-MIDDLE = ["cases", "files", "labelled", "results", "orbits", "analysis"]
+MIDDLE = ["cases", "files", "labelled", "results", "orbits", "branches", "analysis"]
 MIDDLE += [f"sweeps.{room}" for room in ("statistics", "computations", "plan", "points", "store", "schedule")]
 MIDDLE += ["sweeps", "fitting"]
 MIDDLE += ["evidence", "evidence.peers", "evidence.verification", "evidence.benchmark", "opening"]

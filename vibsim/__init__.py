@@ -14,6 +14,9 @@
     sweep = vibsim.sweep("II-B", {"excitation.Omega0": "3:7:0.05 Hz"}, out="sommerfeld.h5")
     sweep["omega0"], sweep["mean_speed"]
 
+    branch = vibsim.continue_branch("I-A", "excitation.omega", "3:4 Hz")
+    branch["parameter"], branch["multipliers"], branch.specials
+
 Names are imported when they are used, so `import vibsim` costs next to nothing.
 """
 
@@ -34,6 +37,8 @@ if TYPE_CHECKING:
     from vibsim.analysis import (
         lyapunov as lyapunov,
     )
+    from vibsim.branches import Branch as Branch
+    from vibsim.branches import continue_branch as continue_branch
     from vibsim.cases import Case as Case
     from vibsim.cases import CaseError as CaseError
     from vibsim.cases import load_case as load_case
@@ -61,6 +66,7 @@ __getattr__, __dir__, __all__ = lazy_names(
     __name__,
     {
         "vibsim.analysis": ["Analysis", "Lyapunov", "analyse", "lyapunov"],
+        "vibsim.branches": ["Branch", "continue_branch"],
         "vibsim.cases": ["Case", "CaseError", "load_case"],
         "vibsim.fitting": ["FitResult", "fit"],
         "vibsim.opening": ["open_result"],

@@ -10,7 +10,7 @@ from vibsim.results.opening import kind_of
 
 @ended_at_once()
 def open_result(path: str | Path) -> Any:
-    """The Result (SweepResult, FitResult, BenchResult) in an HDF5 file that vibsim wrote.
+    """The Result (SweepResult, FitResult, Branch, BenchResult) in an HDF5 file that vibsim wrote.
 
     Raises ResultFileError when the file is missing, not readable, foreign, damaged or of a newer format.
     """
@@ -21,6 +21,8 @@ def open_result(path: str | Path) -> Any:
             from vibsim.sweeps import open_sweep as read
         case "fit":
             from vibsim.fitting import open_fit as read
+        case "branch":
+            from vibsim.branches.store.branch_file import read_branch as read
         case "bench":
             from vibsim.evidence.benchmark import open_bench as read
         case kind:

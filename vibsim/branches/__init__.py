@@ -1,1 +1,27 @@
-"""Branches of periodic orbits: continued in a parameter, through folds, with what happens on the way."""
+"""Branches of periodic orbits: continued over a parameter, through folds, with what happens on the way.
+
+    continue_branch(orbit, key, span)    follow an orbit both ways until the branch ends
+    Branch                               arrays by name along it, and its special points
+
+Names are imported when they are used.
+"""
+
+from typing import TYPE_CHECKING
+
+from vibsim.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from vibsim.branches.branch import Branch as Branch
+    from vibsim.branches.continuing import continue_branch as continue_branch
+    from vibsim.branches.plan import BranchError as BranchError
+    from vibsim.branches.store.branch_file import read_branch as read_branch
+
+__getattr__, __dir__, __all__ = lazy_names(
+    __name__,
+    {
+        "vibsim.branches.branch": ["Branch"],
+        "vibsim.branches.continuing": ["continue_branch"],
+        "vibsim.branches.plan": ["BranchError"],
+        "vibsim.branches.store.branch_file": ["read_branch"],
+    },
+)

@@ -1,9 +1,10 @@
 """Pseudo-arclength continuation: a curve z(s) of solutions of n equations in n + 1 unknowns.
 
 The last unknown is the parameter. All unknowns are scaled, so that lengths and angles mean something. The
-tangent spans the kernel of the n x (n + 1) Jacobian; a point is predicted along it and corrected by Newton's
-method on the hyperplane across it (Keller 1977; Allgower and Georg 2003, chapter 6). Where the kernel has more
-dimensions, as in a family of orbits with a multiplier of exactly 1, the step in it is the shortest one.
+tangent spans the kernel of the n x (n + 1) Jacobian; a point is predicted along it and corrected by
+Newton's method on the hyperplane across it (Keller 1977; Allgower and Georg 2003, chapter 6). Where the
+kernel has more dimensions, as in a family of orbits with a multiplier of exactly 1, the step in it is the
+shortest one.
 """
 
 from collections.abc import Callable
@@ -52,7 +53,7 @@ class Corrected:
 
 
 def kernel(jacobian: np.ndarray) -> np.ndarray:
-    """Orthonormal vectors that span the kernel of an n x (n + 1) matrix, one per row; the first is always there."""
+    """Orthonormal vectors that span the kernel of an n x (n + 1) matrix, one or more, one per row."""
     _, values, vectors = np.linalg.svd(jacobian)
     dimension = 1 + int(np.sum(values <= KERNEL * values[0])) if values[0] > 0 else len(vectors)
     return vectors[len(vectors) - dimension :]

@@ -1,9 +1,10 @@
 """The orbits of n periods of a case over one of its numbers: n + 1 scaled unknowns, and what closes an orbit.
 
-Unknowns are those of the orbit (`vibsim.orbits.coordinates`), the time of return where a motor leaves it free,
-and the parameter. The residual is P(X) - X and what is missing of the turn. Its derivative by the state and by
-the time is that of the motion, exact; that by the parameter is a difference quotient. An error d of it, relative
-to its size, changes no solution: it multiplies what is left after a Newton step by d, and turns the tangent by d.
+Unknowns are those of the orbit (`vibsim.orbits.coordinates`), the time of return where a motor leaves it
+free, and the parameter. The residual is P(X) - X and what is missing of the turn. Its derivative by the state
+and by the time is that of the motion, exact; that by the parameter is a difference quotient. An error d of
+it, relative to its size, changes no solution: it multiplies what is left after a Newton step by d, and turns
+the tangent by d.
 """
 
 from collections import OrderedDict
@@ -44,7 +45,10 @@ class Family:
         self.scale = np.array([*lengths, *times, abs(parameter) or span])
 
     def map(self, parameter: float) -> ReturnMap:
-        """The return map at a value of the parameter. Raises ContinuationError where the case does not allow it."""
+        """The return map at a value of the parameter.
+
+        Raises ContinuationError where the case does not allow it.
+        """
         if parameter in self._maps:
             self._maps.move_to_end(parameter)
             return self._maps[parameter]
@@ -109,7 +113,7 @@ class FamilyPoint:
 
     @cached_property
     def matrix(self) -> np.ndarray:
-        """Derivative of the section after one return by that before (m x m); its eigenvalues are multipliers."""
+        """Derivative of the section after one return by that before (m x m)."""
         return np.asarray(self.end.derivative)
 
     @cached_property
@@ -145,16 +149,18 @@ class FamilyPoint:
         end, scale = self.end, self.family.scale
         count = len(end.X)
         matrix = end.flow_matrix * (scale[:count] / scale[:count, None])
-        return matrix if end.tilt is None else np.column_stack([matrix, end.rate / scale[:count] * scale[count]])
+        if end.tilt is None:
+            return matrix
+        return np.column_stack([matrix, end.rate / scale[:count] * scale[count]])
 
     def jacobian(self, slope: np.ndarray | None = None) -> np.ndarray:
         """Derivative of the residual by z (n, n + 1); slope: its last column, where one is good enough."""
         count = len(self.end.X)
-        matrix = self.flow - np.eye(*self.flow.shape)
+        matrix, scale = self.flow - np.eye(*self.flow.shape), self.family.scale
         if self.end.tilt is not None:
             slopes, rate = self.end.tilt
-            turned = np.append(slopes * self.family.scale[:count], rate * self.family.scale[count]) / (2 * np.pi)
-            matrix = np.vstack([matrix, turned])
+            turned = np.append(slopes * scale[:count], rate * scale[count])
+            matrix = np.vstack([matrix, turned / (2 * np.pi)])
         return np.column_stack([matrix, self.slope if slope is None else slope])
 
     @property
@@ -173,9 +179,9 @@ class FamilyPoint:
         the motion has forgotten, as behind a stick, comes from the image, and a body that sticks across the
         section sticks there to the bit.
         """
-        count = len(self.end.X)
+        count, scale = len(self.end.X), self.family.scale
         if slope is None or not self.flow.any(axis=1).all():  # another orbit's slope may not have forgotten
             slope = self.slope
         z = self.z + step
-        z[:count] = self.end.image / self.family.scale[:count] + self.flow @ step[:-1] + slope[:count] * step[-1]
+        z[:count] = self.end.image / scale[:count] + self.flow @ step[:-1] + slope[:count] * step[-1]
         return z

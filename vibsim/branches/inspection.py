@@ -1,11 +1,11 @@
 """What happened between two neighbouring points of a branch, each event found and located.
 
-Index check: the number of multipliers outside the unit circle may change only by what was detected: by one at
-a fold, a branch point or a doubling, by two at a Neimark-Sacker point, by anything where a change of the order
-of events makes the derivative of the map jump. A stretch that shows more than one event, or does not satisfy
-the check, is halved until each part has one event at most. At an event that was located the other multipliers
-must be on the side of the circle that they are on at both ends of its stretch: of a Neimark-Sacker point a hair
-before a fold the ends alone say nothing.
+Index check: the number of multipliers outside the unit circle may change only by what was detected: by one
+at a fold, a branch point or a doubling, by two at a Neimark-Sacker point, by anything where a change of the
+order of events makes the derivative of the map jump. A stretch that shows more than one event, or does not
+satisfy the check, is halved until each part has one event at most. At an event that was located the other
+multipliers must be on the side of the circle that they are on at both ends of its stretch: of a
+Neimark-Sacker point a hair before a fold the ends alone say nothing.
 """
 
 from collections.abc import Callable, Iterator
@@ -82,7 +82,7 @@ def _located(family: Family, kind: str, one: Node, other: Node) -> Special | Non
     try:
         if kind == CHANGE:
             return _change(family, one, other)
-        low, high = bracketed(family, one, other, test_of(kind, one, other))
+        _, high = bracketed(family, one, other, test_of(kind, one, other))
     except ContinuationError:
         return None
     special = Special(kind, high, one, other)
@@ -101,9 +101,9 @@ def test_of(kind: str, one: Node, other: Node) -> Test:
 
 
 def bracketed(family: Family, low: Node, high: Node, test: Test) -> tuple[Node, Node]:
-    """Neighbours on both sides of a zero of `test`, the second the better: regula falsi after Anderson and Bjorck.
+    """Neighbours on both sides of a zero of `test`, the second the better.
 
-    Raises ContinuationError.
+    By regula falsi after Anderson and Bjorck (BIT 13, 1973). Raises ContinuationError.
     """
     a, b = test(low), test(high)
     left, right = 0.0, 1.0
@@ -168,7 +168,7 @@ def _change(family: Family, one: Node, other: Node) -> Special | None:
 
 
 def _middle(family: Family, one: Node, other: Node) -> Node | None:
-    """The node halfway between two, None where they are as near as it makes sense or Newton's method fails."""
+    """The node about halfway between two; None where they are too near or Newton's method fails."""
     if np.linalg.norm(other.z - one.z) <= SHORT:
         return None
     for share in (0.5, 0.4, 0.6, 0.3, 0.7):

@@ -1,30 +1,45 @@
 """A point of a branch: an orbit, the tangent of the branch there, and its test values."""
 
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 
-from vibsim.branches.arclength import Corrected, correct, kernel, tangent
+from vibsim.branches.arclength import correct, kernel, tangent
 from vibsim.branches.family import Family, FamilyPoint
 
-STEEP = 0.2  # share of the parameter in a tangent from which on the parameter is held while Newton corrects
+STEADY = 4.0  # times that the share of the parameter in the tangent may change where Newton holds it
 LEAST_LIMIT = 1e-6  # scaled length that a Newton step may have, however near two nodes are
 REAL = 1e-9  # imaginary part, over its size, below which a multiplier counts as real
 
 
-@dataclass(frozen=True)
 class Node:
     """A point of a branch.
 
-    point : the orbit; tangent : unit vector along the branch, scaled; iterations : of Newton's method
+    point : the orbit; along : unit vector about along the branch; iterations : of Newton's method
     """
 
-    point: FamilyPoint
-    tangent: np.ndarray
-    iterations: int
+    def __init__(self, point: FamilyPoint, along: np.ndarray, iterations: int):
+        self.point, self.along, self.iterations = point, along, iterations
+
+    @staticmethod
+    def of(point: FamilyPoint, tangent: np.ndarray, iterations: int) -> "Node":
+        """A node whose tangent is known."""
+        node = Node(point, tangent, iterations)
+        node.tangent = tangent
+        return node
+
+    @cached_property
+    def tangent(self) -> np.ndarray:
+        """Unit vector along the branch, scaled, the way that `along` points."""
+        return tangent(self.point.jacobian(), self.along)
+
+    @property
+    def heading(self) -> np.ndarray:
+        """The tangent where it is known, else what is near it."""
+        heading: np.ndarray = self.__dict__.get("tangent", self.along)
+        return heading
 
     @property
     def z(self) -> np.ndarray:
@@ -87,45 +102,52 @@ class Node:
         return len(kernel(self.point.jacobian())) - 1
 
 
-def node_at(family: Family, start: np.ndarray, across: np.ndarray, near: Node | None, limit: float) -> Node:
-    """The node on the hyperplane through `start` across a unit vector; its tangent goes on from that of `near`.
-
-    Raises ContinuationError.
+def node_at(
+    family: Family, start: np.ndarray, across: np.ndarray | None, near: Node | None, limit: float
+) -> Node:
+    """The node on the hyperplane through `start` across a unit vector, or at the parameter of `start` without
+    one; its tangent goes on from that of `near`. Raises ContinuationError.
     """
-    slope = near.point.slope if near is not None and near.families == 0 else None
-    return with_tangent(correct(family, start, across, limit, slope), across if near is None else near.tangent)
+    unit = np.eye(len(start))[-1]
+    if across is None:
+        slope: np.ndarray | None = np.zeros(len(start) - 1)  # nothing depends on it
+    else:
+        slope = near.point.slope if near is not None and near.families == 0 else None
+    corrected = correct(family, start, unit if across is None else across, limit, slope)
+    return Node(corrected.point, unit if near is None else near.heading, corrected.iterations)
 
 
-def with_tangent(corrected: Corrected, along: np.ndarray) -> Node:
-    """A node of a point, its tangent the one nearest to `along`."""
-    point = corrected.point
-    return Node(point, tangent(point.jacobian(), along), corrected.iterations)
+def ahead_of(family: Family, node: Node, step: float, bend: float) -> Node:
+    """The node one step ahead along the tangent; bend: change of dp/ds with s.
 
-
-def ahead_of(family: Family, node: Node, step: float) -> Node:
-    """The node one step ahead along the tangent.
-
-    The parameter is held where it changes fast enough: then one scene serves all of Newton's steps.
+    The parameter is held where no fold is near: then one scene serves all of Newton's steps.
     """
     start = node.z + step * node.tangent
-    across = node.tangent if abs(node.ahead) < STEEP else np.eye(len(node.z))[-1]
+    across = node.tangent if abs(node.ahead) < STEADY * step * abs(bend) else None
     return node_at(family, start, across, node, 4 * step)
 
 
 def between(family: Family, one: Node, other: Node, share: float) -> Node:
-    """The node at a share of the way from one to another, on the hyperplane across their chord."""
+    """The node at a share of the way from one to another: of the parameter where it changes steadily, else on
+    the hyperplane across their chord.
+    """
     chord = other.z - one.z
     length = float(np.linalg.norm(chord))
-    across = chord / length
     near = one if share < 0.5 else other
     start = _hermite(one, other, share, length)
+    limit = max(length, LEAST_LIMIT)
+    paces = np.array([chord[-1] / length, one.heading[-1], other.heading[-1]])
+    if abs(paces.sum()) == abs(paces).sum() and abs(paces).max() < STEADY * abs(paces).min():
+        start[-1] = one.z[-1] + share * chord[-1]
+        return node_at(family, start, None, near, limit)
+    across = chord / length
     start = start + across * (across @ (one.z + share * chord - start))
-    return node_at(family, start, across, near, max(length, LEAST_LIMIT))
+    return node_at(family, start, across, near, limit)
 
 
 def _hermite(one: Node, other: Node, share: float, length: float) -> np.ndarray:
     """The cubic through two nodes with their tangents."""
     t = share
     value = (2 * t**3 - 3 * t**2 + 1) * one.z + (3 * t**2 - 2 * t**3) * other.z
-    slopes = (t**3 - 2 * t**2 + t) * one.tangent + (t**3 - t**2) * other.tangent
+    slopes = (t**3 - 2 * t**2 + t) * one.heading + (t**3 - t**2) * other.heading
     return np.asarray(value + length * slopes)

@@ -44,7 +44,9 @@ class Special:
 
 
 def kind_of_change(before: tuple[Any, ...], after: tuple[Any, ...]) -> str:
-    """What a change of the order of events is: a contact more or less, a stick, two reversals, or the order alone."""
+    """What a change of the order of events is: contacts or sticks that come or go, reversals, or the order
+    alone.
+    """
     one, other = Counter(before), Counter(after)
     changed = {kind for (kind, _) in (one - other) + (other - one)}
     if changed & {"contact_begin", "contact_end", "impact", "transmitted"}:

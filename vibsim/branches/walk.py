@@ -36,11 +36,12 @@ class Walk:
     def __init__(self, family: Family, start: Node, span: tuple[float, float], pace: Pace):
         self.family, self.span, self.pace = family, span, pace
         self.start = self.node = start
-        self.step, self.count = pace.first, 0
+        self.step, self.count, self.bend = pace.first, 0, 0.0
 
-    def go_on(self, node: Node, step: float, count: int) -> None:
-        """Go on from a node that a walk came to after `count` steps."""
+    def go_on(self, before: tuple[np.ndarray, float], node: Node, step: float, count: int) -> None:
+        """Go on from a node that a walk came to after `count` steps; before: z and dp/ds one step earlier."""
         self.node, self.step, self.count = node, step, count
+        self.bend = bend(*before, node)
 
     def steps(self) -> Iterator[Step]:
         """The steps, until the branch ends, leaves the span or comes back to its start."""
@@ -52,6 +53,7 @@ class Walk:
                 return
             node, ended = self._ended(node, length)
             specials = tuple(inspect(self.family, self.node, node))
+            self.bend = bend(self.node.z, self.node.ahead, node)
             self.node, self.step, self.count = node, following, self.count + 1
             yield Step(node, specials, following, ended)
             if ended:
@@ -62,7 +64,7 @@ class Walk:
         length = self.step
         while True:
             try:
-                node = ahead_of(self.family, self.node, length)
+                node = ahead_of(self.family, self.node, length, self.bend)
                 turned = turn(self.node.tangent, node.tangent)
                 chord = node.z - self.node.z
                 if turned <= SHARP and self.node.tangent @ chord > 0.9 * np.linalg.norm(chord):
@@ -84,12 +86,11 @@ class Walk:
 
     def _at_bound(self, node: Node, bound: float) -> Node:
         """The node at the end of the range, between the last one and one beyond."""
-        unit = np.eye(len(node.z))[-1]
         here, there = self.node.z[-1], node.z[-1]
         target = bound / self.family.scale[-1]
         start = self.node.z + (node.z - self.node.z) * ((target - here) / (there - here))
         start[-1] = target
-        return node_at(self.family, start, unit, node, float(np.linalg.norm(node.z - self.node.z)))
+        return node_at(self.family, start, None, node, float(np.linalg.norm(node.z - self.node.z)))
 
     def _closes(self, node: Node) -> bool:
         """Whether the start lies between the last node and this one."""
@@ -104,3 +105,9 @@ class Walk:
         except ContinuationError:
             return False
         return bool(np.linalg.norm(there.z - self.start.z) <= SAME)
+
+
+def bend(z: np.ndarray, ahead: float, node: Node) -> float:
+    """Change of dp/ds with s from a point to a node."""
+    length = float(np.linalg.norm(node.z - z))
+    return (node.ahead - ahead) / length if length else 0.0

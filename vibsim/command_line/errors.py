@@ -68,6 +68,8 @@ def exit_code_of(action: Callable[[], Any], as_json: bool = False) -> int:
 
 def code_for(error: Exception) -> int | None:
     """Exit code of an error that is the user's to mend; None for a bug."""
+    from vibsim.branches.arclength import ContinuationError
+    from vibsim.branches.plan import BranchError
     from vibsim.cases import CaseError
     from vibsim.engine.errors import EngineError
     from vibsim.fitting.errors import FitError
@@ -84,6 +86,8 @@ def code_for(error: Exception) -> int | None:
         ResultFileError: FILE_TROUBLE,
         ClusterError: RUN_FAILED,
         PlanError: click.UsageError.exit_code,
+        BranchError: click.UsageError.exit_code,
+        ContinuationError: RUN_FAILED,
         FitError: click.UsageError.exit_code,
         NoSection: click.UsageError.exit_code,
         OrbitError: RUN_FAILED,

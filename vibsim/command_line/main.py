@@ -22,6 +22,7 @@ COMMANDS = {
     "run": ("vibsim.command_line.run", "Run cases and write their trajectories."),
     "sweep": ("vibsim.command_line.sweep", "Run a case at every point of a grid."),
     "orbit": ("vibsim.command_line.orbit", "Find periodic motions, stable or not, and their multipliers."),
+    "continue": ("vibsim.command_line.continuation", "Follow a periodic orbit over a parameter."),
     "fit": ("vibsim.command_line.fit", "Find values under which cases do what is said of them."),
     "plot": ("vibsim.command_line.plot", "Draw pictures of runs, cases and sweeps."),
     "info": ("vibsim.command_line.info", "Say what a result file holds."),

@@ -1,0 +1,116 @@
+"""Branches on file: read back to the bit, gone on with after whatever ended them."""
+
+import json
+import shutil
+from functools import cache
+
+import numpy as np
+import pytest
+
+from tests.branches.made import CAPTURED, KEYS, orbit_of
+from vibsim.branches import continue_branch, read_branch
+from vibsim.branches.continuing import complete
+from vibsim.branches.plan import plan_from
+from vibsim.branches.records import given, plain
+from vibsim.branches.store.branch_store import BranchFileStore
+from vibsim.cases import CaseError, UnknownKeyError
+from vibsim.files.errors import ResultFileError
+from vibsim.files.journal import journal_path
+from vibsim.opening import open_result
+from vibsim.orbits import find_orbit
+
+SPAN = "5.7:5.9 Hz"
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A branch in one go, and its file."""
+    path = tmp_path_factory.mktemp("branch") / "whole.h5"
+    return continue_branch(captured_at_575(), KEYS["II"], SPAN, out=path), path
+
+
+@cache
+def captured_at_575():
+    """The captured orbit at 5.75 Hz."""
+    near = continue_branch(orbit_of(CAPTURED), KEYS["II"], "4.99:5.75 Hz")
+    case = near.plan.family().at(5.75)
+    state = dict(zip(("x1", "v1", "v2", "phidot"), near.points[-1].orbit.state, strict=True))
+    return find_orbit(case.scene(), {**state, "x2": 0.0}, 1, case=case)
+
+
+def same(one, other):
+    assert one.points == other.points and one.specials == other.specials
+    assert one.plan.settings == other.plan.settings and one.case.sha256 == other.case.sha256
+
+
+def test_it_reads_back_to_the_bit(whole):
+    branch, path = whole
+    same(read_branch(path), branch)
+    same(open_result(path), branch)
+    assert not journal_path(path).exists()
+    for name in branch.keys():
+        np.testing.assert_array_equal(open_result(path)[name], branch[name])
+
+
+def test_records_as_plain_data(whole):
+    for record in (*whole[0].records[0], *whole[0].records[1]):
+        assert given(json.loads(json.dumps(plain(record)))) == record
+
+
+@pytest.mark.parametrize("stop", [1, 3, 7])
+def test_it_goes_on_where_it_was_stopped(whole, tmp_path, stop):
+    """A watch that says stop; the same bits as in one go."""
+    branch, path = whole[0], tmp_path / "part.h5"
+    plan = branch.plan
+    part, finished = complete(BranchFileStore(plan, path), 5000, watch=lambda count, _: count < stop)
+    assert not finished and len(part) == max(stop, 2) and open_result(path).attrs["complete"] == 0
+    rest, finished = complete(BranchFileStore(plan, path), 5000)
+    assert finished
+    same(rest, branch)
+    assert open_result(path).attrs["complete"] == 1
+
+
+def test_it_goes_on_after_a_kill(whole, tmp_path):
+    """What a killed process leaves: a journal, with a last line that is not whole."""
+    branch, path = whole[0], tmp_path / "killed.h5"
+    store = BranchFileStore(branch.plan, path)
+    points, specials = branch.records
+    for point in points[:5]:
+        store.add(point, [one for one in specials if (one.way, one.number) == (point.way, point.number)])
+    store._journal.close(remove=False)  # as the system does
+    with open(journal_path(path), "ab") as file:
+        file.write(b"0123456789abcdef 6 {")
+    rest, _ = complete(BranchFileStore(branch.plan, path), 5000)
+    same(rest, branch)
+    assert not journal_path(path).exists()
+
+
+def test_more_points_are_added_to_a_file(whole, tmp_path):
+    branch, path = whole[0], tmp_path / "few.h5"
+    few, finished = complete(BranchFileStore(branch.plan, path), 6)
+    assert finished and len(few) == 6 and "" in few.ends
+    same(complete(BranchFileStore(branch.plan, path), 5000)[0], branch)
+
+
+def test_another_branch_is_kept(whole, tmp_path):
+    path = shutil.copy(whole[1], tmp_path)
+    other = plan_from(captured_at_575(), whole[0].plan.keys, "Hz", (5.6, 5.9))
+    with pytest.raises(ResultFileError, match=r"holds another branch; kept .* It differs in span"):
+        BranchFileStore(other, path)
+    same(read_branch(path), whole[0])
+
+
+@pytest.mark.parametrize(
+    ("key", "span", "error", "message"),
+    [
+        ("Omega0", "6:7", ValueError, "outside the range 6:7; begin from an orbit within it"),
+        ("Omega0", "5.5", ValueError, "5.5 is not FROM:TO with an optional unit, such as 3:9 Hz"),
+        ("Omega0", "5:6:0.1", ValueError, "is not FROM:TO"),
+        ("Omega0", "5:6 kg", ValueError, "excitation.Omega0 is no mass"),
+        ("c", "-1:1", CaseError, "must be >= 0"),
+        ("nothing", "1:2", UnknownKeyError, "unknown key"),
+    ],
+)
+def test_what_cannot_be_followed(whole, key, span, error, message):
+    with pytest.raises(error, match=message):
+        continue_branch(orbit_of(CAPTURED), key, span)

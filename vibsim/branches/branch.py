@@ -1,0 +1,190 @@
+"""A branch of periodic orbits: arrays by name along it, and its special points."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from vibsim.branches.plan import BranchPlan
+from vibsim.branches.records import OrbitRecord, PointRecord, SpecialRecord, Word
+from vibsim.branches.special import LABELS
+from vibsim.branches.tracing import CLOSED
+
+
+@dataclass(frozen=True)
+class SpecialPoint:
+    """A special point of a branch.
+
+    label : such as PD1, numbered along the branch; kind : fold, doubling, neimark-sacker, grazing, ...
+    between : numbers of the points of the branch on both sides; before, after : words there, along the branch
+    jump : how many more multipliers are outside the unit circle behind it
+    """
+
+    label: str
+    kind: str
+    orbit: OrbitRecord
+    unknowns: tuple[float, ...]
+    tangent: tuple[float, ...]
+    between: tuple[int, int]
+    before: Word
+    after: Word
+    jump: int
+
+    @property
+    def parameter(self) -> float:
+        return self.orbit.parameter
+
+    @property
+    def period(self) -> float:
+        """[s]"""
+        return self.orbit.period
+
+    @property
+    def multipliers(self) -> np.ndarray:
+        return np.array(self.orbit.multipliers)
+
+
+class Branch:
+    """A branch: `branch["period"]` and so on along it, `branch.specials` on it.
+
+    plan : what was continued; attrs : of its file
+    """
+
+    def __init__(
+        self,
+        plan: BranchPlan,
+        points: Sequence[PointRecord],
+        specials: Sequence[SpecialRecord],
+        attrs: Mapping[str, Any] | None = None,
+    ):
+        self.plan, self.attrs = plan, dict(attrs or {})
+        self._records = (list(points), list(specials))
+        back = sorted((p for p in points if p.way < 0), key=lambda p: -p.number)
+        self.points = [*back, *sorted((p for p in points if p.way > 0), key=lambda p: p.number)]
+
+    @property
+    def records(self) -> tuple[list[PointRecord], list[SpecialRecord]]:
+        """Points and special points in the order in which they came."""
+        return self._records
+
+    @property
+    def case(self) -> Any:
+        return self.plan.case
+
+    @property
+    def unit(self) -> str:
+        """Of the parameter."""
+        return self.plan.unit
+
+    @property
+    def key(self) -> str:
+        """The key of the case that is varied."""
+        return self.plan.keys[0]
+
+    @cached_property
+    def map(self) -> Any:
+        """The return map at the start, which names the unknowns."""
+        return self.plan.family().map(self.plan.parameter)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the unknowns on the section."""
+        return tuple(self.map.coordinates.names)
+
+    @property
+    def closed(self) -> bool:
+        """Whether it came back to its start."""
+        return any(point.ended == CLOSED for point in self.points)
+
+    @property
+    def ends(self) -> tuple[str, str]:
+        """Why it ends, at its first and its last point; empty where it was not followed further."""
+        forwards = [p for p in self.points if p.way > 0]
+        backwards = [p for p in self.points if p.way < 0]
+        last = forwards[-1].ended if forwards else ""
+        first = backwards[0].ended if backwards else CLOSED if last == CLOSED else ""
+        return first, last
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def keys(self) -> list[str]:
+        """Names of the arrays along the branch."""
+        return [*self._arrays]
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """An array along the branch, first axis the points. Raises KeyError with the names that there are."""
+        if name not in self._arrays:
+            raise KeyError(f"{name} is not in this branch; it has {', '.join(self._arrays)}")
+        return self._arrays[name]
+
+    @cached_property
+    def _arrays(self) -> dict[str, np.ndarray]:
+        orbits = [point.orbit for point in self.points]
+        states = np.array([orbit.state for orbit in orbits]).reshape(len(orbits), -1)
+        arrays = {
+            "parameter": np.array([orbit.parameter for orbit in orbits]),
+            "period": np.array([orbit.period for orbit in orbits]),
+            "multipliers": np.array([orbit.multipliers for orbit in orbits]),
+            "index": np.array([orbit.index for orbit in orbits]),
+            "stable": np.array([orbit.index == 0 for orbit in orbits]),
+            "word": np.array([self.spelled(orbit.word) for orbit in orbits], dtype=object),
+            "arclength": self._arclength(),
+            "dp_ds": np.array([point.way * point.tangent[-1] for point in self.points]),
+            "drift": np.array([orbit.drift for orbit in orbits]),
+        }
+        for name in ("fold", "doubling", "margin", "residual"):
+            arrays[name] = np.array([getattr(orbit, name) for orbit in orbits])
+        return arrays | {name: states[:, i] for i, name in enumerate(self.names)}
+
+    def _arclength(self) -> np.ndarray:
+        places = np.array([point.unknowns for point in self.points])
+        steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
+        return np.concatenate([[0.0], np.cumsum(steps)])
+
+    def spelled(self, word: Word) -> str:
+        """A word in letters."""
+        from vibsim.orbits.word import spelled
+
+        return spelled(self.map.scene, word)
+
+    @cached_property
+    def specials(self) -> list[SpecialPoint]:
+        """The special points along the branch."""
+        place = {(point.way, point.number): i for i, point in enumerate(self.points)}
+        place[-1, 0] = place[1, 0]
+        backwards = [record for record in reversed(self._records[1]) if record.way < 0]
+        forwards = [record for record in self._records[1] if record.way > 0]
+        backwards.sort(key=lambda record: -record.number)
+        forwards.sort(key=lambda record: record.number)
+        counts: Counter[str] = Counter()
+        specials = []
+        for record in (*backwards, *forwards):
+            counts[record.kind] += 1
+            ends = sorted((place[record.way, record.number - 1], place[record.way, record.number]))
+            before, after = (record.before, record.after)[:: record.way]
+            specials.append(
+                SpecialPoint(
+                    f"{LABELS[record.kind]}{counts[record.kind]}",
+                    record.kind,
+                    record.orbit,
+                    record.unknowns,
+                    record.tangent,
+                    (ends[0], ends[1]),
+                    before,
+                    after,
+                    record.way * record.jump,
+                )
+            )
+        return specials
+
+    def special(self, label: str) -> SpecialPoint:
+        """The special point of a label. Raises KeyError with the labels that there are."""
+        for one in self.specials:
+            if one.label == label:
+                return one
+        listed = ", ".join(one.label for one in self.specials) or "none"
+        raise KeyError(f"{label} is not on this branch; its special points are {listed}")

@@ -1,0 +1,64 @@
+"""The Python call that continues a branch."""
+
+import warnings
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from vibsim.branches.branch import Branch
+from vibsim.branches.plan import plan_from
+from vibsim.branches.span import read_span
+from vibsim.branches.store.branch_store import BranchFileStore, BranchStore
+from vibsim.branches.tracing import MOST_POINTS, Watch, trace
+
+
+def continue_branch(
+    orbit: Any,
+    key: str,
+    span: str,
+    *,
+    max_points: int = MOST_POINTS,
+    engine: str = "auto",
+    out: str | PathLike[str] | None = None,
+    force: bool = False,
+) -> Branch:
+    """Follow a periodic orbit over a parameter, both ways, through folds.
+
+    Parameters
+    ----------
+    orbit : an `Orbit`, or what `vibsim.orbit` takes to find one: a case, a run, a stored orbit
+    key : of the case, such as "excitation.Omega0", or KEY=KEY for several of one value
+    span : range of its values, such as "3:9 Hz"; a bare number is in SI units, of an angular rate in Hz
+    max_points : of the branch, on both sides of the start together
+    out : HDF5 file; one that holds a part of this very branch is completed, any other is an error unless
+        `force`
+
+    Returns a `Branch`. Raises BranchError, OrbitError, CaseError, UnknownKeyError, ResultFileError.
+    """
+    orbit = orbit_from(orbit, engine)
+    keys, unit, ends = read_span(orbit.case, key, span)
+    plan = plan_from(orbit, keys, unit, ends)
+    store = BranchStore(plan, engine) if out is None else BranchFileStore(plan, Path(out), engine, force)
+    for note in store.notes:
+        warnings.warn(note, stacklevel=2)
+    return complete(store, max_points, engine)[0]
+
+
+def orbit_from(source: Any, engine: str = "auto") -> Any:
+    """An orbit with its case. Raises OrbitError, CaseError."""
+    from vibsim.orbits.orbit import Orbit
+
+    if isinstance(source, Orbit) and source.case is not None:
+        return source
+    from vibsim.orbits.seeking import orbit
+
+    return orbit(source, engine=engine)
+
+
+def complete(
+    store: BranchStore, most: int, engine: str = "auto", watch: Watch | None = None
+) -> tuple[Branch, bool]:
+    """Trace what a store lacks of its branch; the branch, and whether that came to an end."""
+    with store:
+        store.complete = trace(store.plan, store, most, engine, watch)
+    return store.branch, store.complete

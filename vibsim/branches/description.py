@@ -1,0 +1,88 @@
+"""A branch in words and as plain data: what it is, and its special points."""
+
+from typing import Any
+
+import numpy as np
+
+from vibsim.branches.branch import Branch, SpecialPoint
+from vibsim.branches.special import BIFURCATIONS, UNRESOLVED
+
+DIGITS = 12  # of a parameter: special points are located to 1e-11 of it
+
+
+def branch_lines(branch: Branch) -> list[tuple[str, str]]:
+    """Lines (name, text) about a branch."""
+    low, high = branch["parameter"].min(), branch["parameter"].max()
+    span = f"{branch.key} from {low:.6g} to {high:.6g} {branch.unit}".rstrip()
+    count = int(branch["stable"].sum())
+    turns = ("turn" if branch.map.section.period is None else "period") + "s" * (branch.plan.n > 1)
+    lines = [
+        ("branch", f"{branch.case.name}: orbits of {branch.plan.n} {turns} over {span}"),
+        ("points", f"{len(branch)}, {count} of them stable"),
+        ("ends", _ends(branch)),
+    ]
+    unresolved = [one for one in branch.specials if one.kind == UNRESOLVED]
+    where = ", ".join(f"{one.parameter:.8g}" for one in unresolved)
+    held = "holds everywhere" if not unresolved else f"does not hold at {where} {branch.unit}".rstrip()
+    return [*lines, ("index check", held)]
+
+
+def _ends(branch: Branch) -> str:
+    if branch.closed:
+        return "none: it is closed"
+    first, last = (end or "not followed further" for end in branch.ends)
+    return first if first == last else f"{first}; {last}"
+
+
+def special_table(branch: Branch) -> list[tuple[str, ...]]:
+    """A row of texts per special point: label, kind, parameter, period, change of the index, word."""
+    return [
+        (
+            one.label,
+            one.kind,
+            f"{one.parameter:.{DIGITS}g} {branch.unit}".rstrip(),
+            f"{one.period:.8g} s",
+            f"{one.jump:+d} outside" if one.kind in BIFURCATIONS or one.jump else "",
+            _words(branch, one),
+        )
+        for one in branch.specials
+    ]
+
+
+def _words(branch: Branch, one: SpecialPoint) -> str:
+    before, after = branch.spelled(one.before), branch.spelled(one.after)
+    return before if before == after else f"{before} > {after}"
+
+
+def facts(branch: Branch) -> dict[str, Any]:
+    """A branch as plain data for JSON."""
+    return {
+        "case": branch.case.name,
+        "key": branch.key,
+        "unit": branch.unit,
+        "periods": branch.plan.n,
+        "points": len(branch),
+        "stable_points": int(branch["stable"].sum()),
+        "closed": branch.closed,
+        "ends": list(branch.ends),
+        "parameter_from": float(np.min(branch["parameter"])),
+        "parameter_to": float(np.max(branch["parameter"])),
+        "special_points": [special_facts(branch, one) for one in branch.specials],
+    }
+
+
+def special_facts(branch: Branch, one: SpecialPoint) -> dict[str, Any]:
+    """A special point as plain data for JSON."""
+    return {
+        "label": one.label,
+        "kind": one.kind,
+        "parameter": branch.key,
+        "value": one.parameter,
+        "period": one.period,
+        "word": branch.spelled(one.orbit.word),
+        "before": branch.spelled(one.before),
+        "after": branch.spelled(one.after),
+        "jump": one.jump,
+        "state": dict(zip(branch.names, one.orbit.state, strict=True)),
+        "multipliers": [[mu.real, mu.imag] for mu in one.orbit.multipliers],
+    }

@@ -1,0 +1,126 @@
+"""What branch is to be continued: an orbit, the parameter, its range."""
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from vibsim.branches.family import Family
+from vibsim.branches.node import Node, node_at
+from vibsim.branches.step_size import Pace
+from vibsim.cases import Case
+
+PACE = Pace()
+FIRST_STEP = 0.1  # scaled, that the first correction of the start may have
+
+
+class BranchError(ValueError):
+    """A branch that cannot be continued as asked; the message says why."""
+
+
+@dataclass(frozen=True)
+class BranchPlan:
+    """A branch to be continued from an orbit.
+
+    keys : of the case, which all have the value of the parameter; unit : of the parameter
+    span : range of the parameter, in that unit; n : periods of the source, or turns of the motor
+    state, period, parameter : of the orbit that it starts from: unknowns on the section, time of return [s]
+    travel : largest of its unknowns at its events, as weighed [m/s], which the state is measured by
+    """
+
+    case: Case
+    keys: tuple[str, ...]
+    unit: str
+    span: tuple[float, float]
+    n: int
+    state: tuple[float, ...]
+    period: float
+    parameter: float
+    travel: float
+    pace: Pace = PACE
+
+    @cached_property
+    def settings(self) -> dict[str, Any]:
+        """What the branch follows from, besides the case, as plain data."""
+        return {
+            "keys": list(self.keys),
+            "unit": self.unit,
+            "span": list(self.span),
+            "periods": self.n,
+            "state": list(self.state),
+            "period": self.period,
+            "parameter": self.parameter,
+            "travel": self.travel,
+            "pace": [self.pace.first, self.pace.least, self.pace.most],
+        }
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """Of the case and the settings."""
+        text = json.dumps([self.case.sha256, self.settings])
+        return hashlib.sha256(text.encode()).hexdigest()
+
+    def family(self, engine: str = "auto") -> Family:
+        """The orbits over the parameter, scaled by the first."""
+        family = Family(self.case, self.keys, self.unit, self.n, engine)
+        span = abs(self.span[1] - self.span[0])
+        family.scaled_by(np.array(self.state), self.period, self.parameter, span, self.travel)
+        return family
+
+    def start(self, family: Family) -> Node:
+        """The first node, its tangent towards larger parameters. Raises ContinuationError."""
+        z = family.unknowns(np.array(self.state), self.period, self.parameter)
+        return node_at(family, z, None, None, FIRST_STEP)
+
+    @staticmethod
+    def from_settings(case: Case, settings: dict[str, Any]) -> "BranchPlan":
+        """The plan that `settings` wrote down."""
+        return BranchPlan(
+            case,
+            tuple(settings["keys"]),
+            settings["unit"],
+            (float(settings["span"][0]), float(settings["span"][1])),
+            int(settings["periods"]),
+            tuple(float(value) for value in settings["state"]),
+            float(settings["period"]),
+            float(settings["parameter"]),
+            float(settings["travel"]),
+            Pace(*settings["pace"]),
+        )
+
+
+def plan_from(orbit: Any, keys: Sequence[str], unit: str, span: tuple[float, float]) -> BranchPlan:
+    """The plan of a branch through an orbit (a `vibsim.orbits.Orbit` with its case).
+
+    Raises BranchError where the range is empty or the orbit is not within it.
+    """
+    case = orbit.case
+    quantity = case.quantity(keys[0])
+    parameter = value_in(quantity, unit)
+    low, high = sorted(span)
+    if not low < high:
+        raise BranchError(f"the range {span[0]:g}:{span[1]:g} is empty")
+    if not low <= parameter <= high:
+        raise BranchError(
+            f"the orbit is at {keys[0]} = {parameter:g} {unit}".rstrip()
+            + f", outside the range {low:g}:{high:g}; begin from an orbit within it"
+        )
+    end = orbit.end
+    travel = end.coordinates.travel(end.carried) or end.coordinates.size(end.X) or 1.0
+    start = tuple(float(value) for value in orbit.X), orbit.period, parameter, travel
+    return BranchPlan(case, tuple(keys), unit, (low, high), orbit.n, *start)
+
+
+def value_in(quantity: Any, unit: str) -> float:
+    """A quantity of the case as a number in a unit."""
+    from vibsim.cases.pi import times_two_pi
+    from vibsim.cases.units import UNITS
+
+    one = UNITS[unit]
+    turns = int(quantity.per_turn) - int(one.per_turn)
+    value = quantity.value / one.factor
+    return float(value) if turns == 0 else times_two_pi(value, turns)

@@ -1,0 +1,44 @@
+"""Ranges of a parameter: FROM:TO with a unit."""
+
+from vibsim.branches.plan import BranchError
+from vibsim.cases import Case
+from vibsim.cases.keys import measured_at
+from vibsim.cases.problems import shown
+from vibsim.cases.ranges import parse_range
+from vibsim.cases.units import UNITS, si_unit
+
+
+def read_span(case: Case, key: str, text: str) -> tuple[tuple[str, ...], str, tuple[float, float]]:
+    """Dotted keys, unit and ends of a range such as "3:9 Hz" of a key, or of several, KEY=KEY.
+
+    Raises BranchError where it is no range, CaseError where the case does not allow its ends, UnknownKeyError
+    for a key that is none of its numbers.
+    """
+    keys = tuple(_number_key(case, each.strip()) for each in key.split("="))
+    dimension = _dimension(keys[0])
+    try:
+        if text.count(":") != 1:
+            raise ValueError(text)
+        low, high = parse_range(f"{text}/2", _bare_unit(dimension))
+    except ValueError as error:
+        raise BranchError(f"{shown(text)} is not FROM:TO with an optional unit, such as 3:9 Hz") from error
+    if UNITS[low.unit].dimension != dimension:
+        raise BranchError(f"{keys[0]} is no {UNITS[low.unit].dimension}: {shown(text)}")
+    ends = float(low.value), float(high.value)
+    for end in ends:
+        case.with_values(dict.fromkeys(keys, f"{end!r} {low.unit}".strip()))
+    return keys, low.unit, ends
+
+
+def _number_key(case: Case, key: str) -> str:
+    case.quantity(key)
+    return case.full_key(key)
+
+
+def _dimension(key: str) -> str:
+    measured = measured_at(key)
+    return measured.dimension if measured else "number"
+
+
+def _bare_unit(dimension: str) -> str:
+    return "Hz" if dimension == "angular rate" else si_unit(dimension).name

@@ -1,0 +1,115 @@
+"""Where the points of a branch go while it is traced: memory, and the journal beside its file at once."""
+
+from pathlib import Path
+from types import TracebackType
+
+from vibsim.branches.branch import Branch
+from vibsim.branches.plan import BranchPlan
+from vibsim.branches.records import PointRecord, SpecialRecord, given, plain
+from vibsim.branches.store.branch_file import origin, read_branch, write_branch
+from vibsim.files.errors import ResultFileError
+from vibsim.files.journal import Journal
+from vibsim.files.output_file import check_output
+
+
+class BranchStore:
+    """Points and special points in the order in which they come; `notes` is what the user should know."""
+
+    def __init__(self, plan: BranchPlan, engine: str = "auto"):
+        self.plan, self.attrs = plan, origin(plan, engine)
+        self.points: list[PointRecord] = []
+        self.specials: list[SpecialRecord] = []
+        self.notes: list[str] = []
+        self.complete = False
+
+    def __enter__(self) -> "BranchStore":
+        return self
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        pass
+
+    def add(self, point: PointRecord, specials: list[SpecialRecord]) -> None:
+        """Keep a point, and the special points in front of it."""
+        self.points.append(point)
+        self.specials += specials
+
+    @property
+    def branch(self) -> Branch:
+        """What there is of the branch."""
+        return Branch(self.plan, self.points, self.specials, self.attrs)
+
+
+class BranchFileStore(BranchStore):
+    """A store on file: goes on from what the file and its journal hold.
+
+    Used as a context manager. At its end, whatever ended it, the file holds all points and the journal is
+    gone. Raises ResultFileError where the file holds another branch or anything else (unless `force`), where
+    another process writes it, or where it cannot be written.
+    """
+
+    def __init__(self, plan: BranchPlan, path: str | Path, engine: str = "auto", force: bool = False):
+        super().__init__(plan, engine)
+        self.path, self._shown = check_output(path, force=True), path
+        self._journal = Journal(self.path, "branch")
+        try:
+            if not force:
+                self._go_on()
+            else:
+                self._journal.restart(plan.fingerprint)
+        except BaseException:
+            self._journal.close(remove=False)
+            raise
+
+    def _go_on(self) -> None:
+        """Take over what the file and the journal hold; they must be of this branch."""
+        if self.path.exists():
+            there = read_branch(self.path)
+            self._refuse(there)
+            points, specials = there.records
+            self.points, self.specials = _as_they_came(points), specials
+            self.attrs["date_created"] = there.attrs["date_created"]
+        waiting = list(self._journal.read(self.plan.fingerprint))
+        known = {(point.way, point.number) for point in self.points}
+        for record in waiting:
+            point = given(record["point"])
+            assert isinstance(point, PointRecord)
+            if (point.way, point.number) not in known and self._follows(point):
+                super().add(point, [given(each) for each in record["specials"]])  # type: ignore[misc]
+        self.notes += self._journal.notes()
+        self._journal.go_on(self.plan.fingerprint, waiting)
+
+    def _follows(self, point: PointRecord) -> bool:
+        """Whether a point is the next one of its way: behind a damaged record none is."""
+        last = max((p.number for p in self.points if p.way == point.way), default=0 if self.points else -1)
+        return point.number == last + 1
+
+    def _refuse(self, there: Branch) -> None:
+        if there.plan.fingerprint != self.plan.fingerprint:
+            ours, theirs = self.plan.settings, there.plan.settings
+            named = [name for name in ours if ours[name] != theirs[name]]
+            named += ["case"] if there.case.sha256 != self.plan.case.sha256 else []
+            raise ResultFileError(
+                f"{self._shown}: holds another branch; kept (--force replaces it). It differs in "
+                + ", ".join(named)
+            )
+
+    def add(self, point: PointRecord, specials: list[SpecialRecord]) -> None:
+        super().add(point, specials)
+        self._journal.add([{"point": plain(point), "specials": [plain(each) for each in specials]}])
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        published = False
+        try:
+            if self.points:
+                write_branch(self.path, self.branch, self.attrs, self.complete)
+            published = True
+        except ResultFileError as failure:
+            held = f"{failure}; what was computed is kept in {self._journal.path.name}"
+            raise ResultFileError(f"{held}, and the same command goes on from there") from failure
+        finally:
+            self._journal.close(remove=published)
+
+
+def _as_they_came(points: list[PointRecord]) -> list[PointRecord]:
+    """Points of a file, where they stand along the branch, in the order in which they were made."""
+    return sorted(points, key=lambda point: (-point.way, point.number))

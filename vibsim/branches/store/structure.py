@@ -1,0 +1,77 @@
+"""What a branch file holds."""
+
+from vibsim.branches.special import LABELS
+from vibsim.files.declarations import TEXT, WHOLE, Attribute, Column, Dataset
+from vibsim.files.provenance import PROVENANCE
+
+ATTRIBUTES = [
+    *PROVENANCE,
+    *(Attribute(name, TEXT) for name in ("branch_settings_json", "branch_sha256", "engine", "names_json")),
+    *(Attribute(name, WHOLE) for name in ("points", "special_points")),
+    Attribute("complete", WHOLE, allowed=(0, 1)),
+]
+POINT, SPECIAL = "point", "special"
+UNKNOWN, SCALED, MULTIPLIER, BODY = "unknown", "scaled", "multiplier", "body"
+FURTHER = (UNKNOWN, SCALED, MULTIPLIER, BODY)
+KINDS = {kind: code for code, kind in enumerate(LABELS)}
+
+
+def datasets_of(unit: str) -> list[Dataset]:
+    """The datasets of a branch whose parameter has a unit."""
+    scales = [
+        Dataset(name, Column("1", f"number of the {what}", dtype="i4"), (name,))
+        for name, what in (
+            (POINT, "point along the branch"),
+            (SPECIAL, "special point along the branch"),
+            (UNKNOWN, "unknown on the section, see the attribute names_json"),
+            (SCALED, "scaled unknown: state, time of return with a motor, parameter"),
+            (MULTIPLIER, "multiplier, the largest first"),
+            (BODY, "set of bodies that is held nowhere"),
+        )
+    ]
+    along = [
+        Dataset("step", Column("1", "scaled length of the step behind it"), (POINT,)),
+        Dataset("iterations", Column("1", "Newton steps that it took", dtype="i4"), (POINT,)),
+        Dataset("ended", Column(None, "why the branch goes no further", dtype="text"), (POINT,)),
+    ]
+    special = [
+        Dataset("special_kind", Column(None, "what it is", dtype="i1", flags=KINDS), (SPECIAL,)),
+        Dataset("special_label", Column(None, "what it is called", dtype="text"), (SPECIAL,)),
+        Dataset("special_before", Column(None, "events in front of it, as walked", dtype="text"), (SPECIAL,)),
+        Dataset("special_after", Column(None, "events behind it, as walked", dtype="text"), (SPECIAL,)),
+        Dataset(
+            "special_jump",
+            Column("1", "multipliers more outside the circle behind it, as walked", dtype="i4"),
+            (SPECIAL,),
+        ),
+    ]
+    return [*scales, *_orbits("", POINT, unit), *along, *_orbits("special_", SPECIAL, unit), *special]
+
+
+def _orbits(prefix: str, along: str, unit: str) -> list[Dataset]:
+    """What is told of an orbit, be it a point of the branch or a special one."""
+
+    def number(name: str, units: str, what: str, *further: str, gaps: bool = False) -> Dataset:
+        return Dataset(f"{prefix}{name}", Column(units, what), (along, *further), gaps=gaps)
+
+    def whole(name: str, what: str) -> Dataset:
+        return Dataset(f"{prefix}{name}", Column("1", what, dtype="i4"), (along,))
+
+    return [
+        number("parameter", unit or "1", "value of the parameter"),
+        number("period", "s", "time of return"),
+        number("state", "SI", "unknowns on the section", UNKNOWN),
+        number("multiplier_re", "1", "real parts of the multipliers", MULTIPLIER),
+        number("multiplier_im", "1", "imaginary parts of the multipliers", MULTIPLIER),
+        number("fold", "1", "det(P' - I)"),
+        number("doubling", "1", "det(P' + I)"),
+        number("margin", "m", "smallest gap at a turn without contact; infinite without any", gaps=True),
+        number("drift", "m", "displacement per period of what is held nowhere", BODY),
+        number("residual", "1", "of the scaled equations"),
+        Dataset(f"{prefix}word", Column(None, "events of one period, as a circle", dtype="text"), (along,)),
+        whole("uncertified", "doubts of the certificate"),
+        whole("way", "1 forwards from the start of the branch, -1 backwards"),
+        whole("number", "steps from the start"),
+        number("unknowns", "1", "scaled unknowns", SCALED),
+        number("tangent", "1", "along the branch, scaled, as walked", SCALED),
+    ]

@@ -1,0 +1,75 @@
+"""A branch traced both ways from its start, each point kept as it comes."""
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+
+from vibsim.branches.family import Family
+from vibsim.branches.node import Node
+from vibsim.branches.plan import BranchPlan
+from vibsim.branches.records import PointRecord, SpecialRecord, point_record, records_of
+from vibsim.branches.walk import Walk
+
+MOST_POINTS = 5000
+WAYS = (1, -1)
+CLOSED = "closed"
+
+Watch = Callable[[int, list[SpecialRecord]], bool]
+
+
+class Keeper(Protocol):
+    """Where points of a branch are kept."""
+
+    points: list[PointRecord]
+
+    def add(self, point: PointRecord, specials: list[SpecialRecord]) -> None:
+        """Keep a point, and the special points in front of it."""
+
+
+def trace(
+    plan: BranchPlan,
+    keeper: Keeper,
+    most: int = MOST_POINTS,
+    engine: str = "auto",
+    watch: Watch | None = None,
+) -> bool:
+    """Trace a branch from where `keeper` knows it until it ends both ways, or has `most` points.
+
+    watch : told the number of points and the special points of each step; whether to go on. Returns whether
+    the branch has been followed to its ends, or `most` points. Raises ContinuationError where the start is
+    no orbit.
+    """
+    family = plan.family(engine)
+    start = plan.start(family)
+    if not keeper.points:
+        keeper.add(point_record(start, WAYS[0], 0, plan.pace.first), [])
+    for way in WAYS:
+        done = [point for point in keeper.points if point.way == way or point.number == 0]
+        if done[-1].ended or any(point.ended == CLOSED for point in keeper.points):
+            continue
+        share = most if way == WAYS[-1] else (most + 1) // 2
+        walk = _walk(plan, family, _turned(start, way), done, way)
+        for step in walk.steps():
+            point, specials = records_of(step, way, walk.count)
+            keeper.add(point, specials)
+            if watch is not None and not watch(len(keeper.points), specials):
+                return False
+            if not step.ended and len(keeper.points) >= share:
+                break
+    return True
+
+
+def _turned(start: Node, way: int) -> Node:
+    return start if way > 0 else Node.of(start.point, -start.tangent, start.iterations)
+
+
+def _walk(plan: BranchPlan, family: Family, start: Node, done: list[PointRecord], way: int) -> Walk:
+    """A walk from the last of the points that are there."""
+    walk = Walk(family, start, plan.span, plan.pace)
+    last = done[-1]
+    if last.number > 0:
+        node = Node.of(family(np.array(last.unknowns)), np.array(last.tangent), last.iterations)
+        before = np.array(done[-2].unknowns), way * done[-2].way * done[-2].tangent[-1]
+        walk.go_on(before, node, last.step, last.number)
+    return walk

@@ -1,0 +1,52 @@
+"""vibsim continue: a periodic orbit followed over a parameter."""
+
+import click
+
+from vibsim.command_line.examples import examples
+from vibsim.command_line.parameters import CASE, FILE, OneOf, Pair, set_option, some_text
+
+SPAN = Pair("KEY=FROM:TO, such as c=0.01:0.1", some_text, several=True)
+
+
+@click.command(
+    "continue",
+    short_help="Follow a periodic orbit over a parameter, stable or not.",
+    epilog=examples(
+        "vibsim continue II-B-orbit.h5 --omega0 3:9     # a stored orbit, into II-B-omega0-branch.h5",
+        "vibsim continue II-B -s c=0.03 -s Omega0=5Hz --omega0 3:9 -o captured.h5",
+        "vibsim continue I-A --omega 3:4",
+        "vibsim continue II-B-orbit.h5 --param c=0.01:0.1 --json",
+        "vibsim plot captured.h5",
+        before="An interrupted continuation goes on when the same command is given again.",
+    ),
+)
+@click.argument("source", metavar="ORBIT", type=CASE)
+@click.option("--omega0", metavar="FROM:TO", help="Motor constants; bare numbers are Hz.")
+@click.option("--omega", metavar="FROM:TO", help="Frequencies of an ideal source; bare numbers are Hz.")
+@click.option(
+    "--param", metavar="KEY=FROM:TO", type=SPAN,
+    help="Any number of the case. KEY=KEY=FROM:TO gives several keys the same value.",
+)  # fmt: skip
+@click.option(
+    "--max-points", type=click.IntRange(min=2), metavar="N",
+    help="Points of the branch, on both sides together. [default: 5000]",
+)  # fmt: skip
+@set_option
+@click.option("--engine", type=OneOf(["auto", "c", "python"]), default="auto", help="Who computes it.")
+@click.option("-o", "--output", type=FILE, metavar="FILE", help="Output file. [default: CASE-KEY-branch.h5]")
+@click.option("--force", is_flag=True, help="Replace an output file that holds something else.")
+@click.pass_context
+def command(ctx, source, omega0, omega, param, max_points, changes, engine, output, force):
+    """Follow the periodic orbit ORBIT over a parameter, both ways, through folds.
+
+    ORBIT is a stored orbit, or a case or the HDF5 file of a run, whose end it is taken from. The order of
+    events need not be told: where it changes is located, and listed beside folds, doublings and
+    Neimark-Sacker points.
+    """
+    from vibsim.command_line.continuation_jobs import read_plan, run_continuation
+    from vibsim.command_line.run_plan import check_engine
+
+    check_engine(engine)
+    ranges = {"--omega0": omega0, "--omega": omega}
+    plan, output = read_plan(source, dict(changes), ranges, param, engine, output)
+    return run_continuation(plan, output, max_points, engine, force, ctx.obj)

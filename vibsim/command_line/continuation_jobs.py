@@ -1,0 +1,111 @@
+"""What `vibsim continue` does: find the orbit, follow it with progress, list what was met."""
+
+import time
+from collections.abc import Mapping
+from pathlib import Path
+
+import click
+
+from vibsim.branches.branch import Branch
+from vibsim.branches.continuing import complete, orbit_from
+from vibsim.branches.description import branch_lines, facts, special_table
+from vibsim.branches.plan import BranchError, BranchPlan, plan_from
+from vibsim.branches.span import read_span
+from vibsim.branches.store.branch_store import BranchFileStore
+from vibsim.branches.tracing import MOST_POINTS
+from vibsim.cases import Case, UnknownKeyError
+from vibsim.command_line.interruption import Interruption
+from vibsim.command_line.progress import PATIENCE, Progress
+from vibsim.command_line.quantity_text import size
+from vibsim.command_line.run_plan import hdf5_name, read_case
+from vibsim.command_line.settings import Settings
+from vibsim.command_line.summary import print_lines
+from vibsim.command_line.sweep_jobs import source_key
+from vibsim.command_line.terminal import print_json, say
+from vibsim.opening import open_result
+from vibsim.results import is_result_file
+from vibsim.sweeps.plan.axis import scale_name
+
+
+def read_plan(
+    source: str,
+    changes: dict[str, str],
+    options: Mapping[str, str | None],
+    param: tuple[str, str] | None,
+    engine: str,
+    output: str | None,
+) -> tuple[BranchPlan, str]:
+    """The plan that the options describe, and its file.
+
+    Raises UsageError for what cannot be followed, CaseError, OrbitError and ResultFileError for the source.
+    """
+    chosen = [(option, text) for option, text in options.items() if text is not None]
+    if len(chosen) + (param is not None) != 1:
+        raise click.UsageError("give one range to follow: --omega0, --omega or --param KEY=FROM:TO")
+    case = read_case(source, changes)
+    if param is None:
+        option, text = chosen[0]
+        key = source_key(case, option, text)
+    else:
+        option, (key, text) = f"--param {param[0]}", param
+    try:
+        keys, unit, span = read_span(case, key, text)
+        plan = plan_from(_orbit(source, case, changes, engine), keys, unit, span)
+    except (BranchError, UnknownKeyError) as error:
+        raise click.UsageError(f"{option}: {error}") from None
+    return plan, hdf5_name(output or f"{case.name}-{scale_name(keys[0])}-branch.h5")
+
+
+def _orbit(source: str, case: Case, changes: dict[str, str], engine: str) -> object:
+    """The orbit in a file, or where the run of a case comes to."""
+    if changes or source == "-" or not is_result_file(source):
+        return orbit_from(case, engine)
+    return orbit_from(open_result(source), engine)
+
+
+def run_continuation(
+    plan: BranchPlan, output: str, most: int | None, engine: str, force: bool, settings: Settings
+) -> int:
+    """Follow a branch, or complete one; returns the exit code."""
+    path, began = Path(output), time.perf_counter()
+    most = most or MOST_POINTS
+    with Interruption() as interruption:
+        store = BranchFileStore(plan, path, engine, force)
+        for note in store.notes:
+            say(f"Warning: {note}", err=True)
+        had, progress = len(store.points), Progress(not settings.quiet, PATIENCE)
+
+        def watch(count: int, _: object) -> bool:
+            progress.show("points", count, most)
+            return interruption.signum is None
+
+        try:
+            branch, finished = complete(store, most, engine, watch)
+        finally:
+            progress.close()
+    if settings.json:
+        print_json({"file": str(path), **facts(branch)})
+    elif not settings.quiet:
+        print_branch(branch, _file_text(path, branch, had, time.perf_counter() - began))
+    if not finished:
+        say(f"interrupted: {path} holds what was done; the same command goes on from there", err=True)
+        return interruption.exit_code
+    return 0
+
+
+def print_branch(branch: Branch, file: str) -> None:
+    """Lines about a branch, then a line per special point, then the file."""
+    print_lines(branch_lines(branch))
+    rows = special_table(branch)
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        cells = (text.ljust(width) for text, width in zip(row, widths, strict=True))
+        say(f"  {'  '.join(cells)}".rstrip())
+    print_lines([("file", file)])
+
+
+def _file_text(path: Path, branch: Branch, had: int, took: float) -> str:
+    text = f"{path} ({size(path)})"
+    if had == len(branch):
+        return f"{text}, was complete: nothing to compute"
+    return f"{text}, {took:.2f} s" + (f", {had} points were there" if had else "")
