@@ -48,7 +48,7 @@ def test_it_reads_back_to_the_bit(whole):
     same(read_branch(path), branch)
     same(open_result(path), branch)
     assert not journal_path(path).exists()
-    for name in branch.keys():
+    for name in [*branch.keys()]:
         np.testing.assert_array_equal(open_result(path)[name], branch[name])
 
 

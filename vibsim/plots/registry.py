@@ -25,7 +25,7 @@ class Kind:
     Attributes
     ----------
     name : as on the command line
-    reads : "trajectory", "sweep", "fit" or "bench" (a result file of that kind), or "case" (any of one case)
+    reads : "trajectory", "sweep", "branch", "fit" or "bench" (a result file of that kind), or "case" (any of one case)
     summary : one line for `--list`
     needs : keys of NEEDS; what the subject must have
     width : "column" or "page", the width unless the user says otherwise
@@ -116,6 +116,15 @@ KINDS = (
         ("motor", "capture", "map or starts"),
         alone=True,
     ),
+    Kind("branch", "branch", "periodic orbits over what was continued, stable or not, with bifurcations"),
+    Kind("multipliers", "branch", "multipliers along a branch, about the unit circle", width="page", alone=True),
+    Kind(
+        "load-curve",
+        "branch",
+        "torque that vibration takes against speed, with the motor's lines",
+        ("motor", "continued Omega0"),
+        width="page",
+    ),
     Kind("fit", "fit", "price of the candidates over the free parameters", ("free parameters",), alone=True),
     Kind("work-precision", "bench", "error against computing time of every method", width="page"),
 )
@@ -131,6 +140,10 @@ NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
     "Omega0": (
         "a sweep over Omega0",
         lambda subject: _is_along_speed(subject),
+    ),
+    "continued Omega0": (
+        "orbits continued over Omega0 (vibsim continue --omega0)",
+        lambda subject: subject.result.key in ("excitation.Omega0", "motor.Omega0"),
     ),
     "map": (
         "two ranges without an ensemble (sweep with --param KEY=RANGE)",
@@ -159,6 +172,7 @@ DEFAULTS = {
     "trajectory": ("overview",),
     "case": ("stiffness", "motor"),
     "sweep": ("sommerfeld",),
+    "branch": ("branch",),
     "bench": ("work-precision",),
     "fit": ("fit",),
 }

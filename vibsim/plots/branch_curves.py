@@ -1,0 +1,103 @@
+"""Branches as curves: solid where their orbits are stable, dashed where not, with marks at bifurcations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from vibsim.plots.style import BLACK
+
+WIDTH, DASHES = 1.0, (0, (3, 1.5))
+MARKS = {  # kind: marker, size [pt], filled, name
+    "fold": ("o", 3.4, True, "fold"),
+    "doubling": ("s", 3.2, False, "period doubling"),
+    "neimark-sacker": ("D", 3.2, False, "Neimark–Sacker"),
+    "branch point": ("X", 3.6, True, "branch point"),
+    "corner": ("v", 3.4, True, "corner"),
+    "grazing": ("|", 4.0, True, "grazing"),
+}
+
+Value = Callable[[Any], float]  # of an orbit record
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A piece of a branch whose orbits are all stable, or all not: x and y (n)."""
+
+    x: np.ndarray
+    y: np.ndarray
+    stable: bool
+
+
+def pieces(branch: Any, x: Value, y: Value) -> list[Piece]:
+    """The pieces of a branch between changes of stability, which lie on its special points."""
+    stretches = [stretch for i in range(len(branch) - 1) for stretch in _stretches(branch, i)]
+    found = []
+    for stable, group in groupby(stretches, key=lambda stretch: stretch[2]):
+        members = list(group)
+        orbits = [members[0][0], *(end for _, end, _ in members)]
+        found.append(Piece(np.array([x(o) for o in orbits]), np.array([y(o) for o in orbits]), stable))
+    return found
+
+
+def _stretches(branch: Any, i: int) -> list[tuple[Any, Any, bool]]:
+    """From point i to the next by way of the special points between: (orbit, orbit, stable)."""
+    orbit, index = branch.points[i].orbit, branch.points[i].orbit.index
+    found = []
+    for special in branch.specials:
+        if special.between == (i, i + 1) and special.jump:
+            found.append((orbit, special.orbit, index == 0))
+            orbit, index = special.orbit, index + special.jump
+    return [*found, (orbit, branch.points[i + 1].orbit, index == 0)]
+
+
+def draw_branch(
+    axes: Axes,
+    branch: Any,
+    x: Value,
+    y: Value,
+    colour: Any = BLACK,
+    label: str = "",
+    kinds: Sequence[str] = tuple(MARKS),
+) -> None:
+    """One branch with its bifurcations; `kinds` are marked."""
+    for piece in pieces(branch, x, y):
+        style = "-" if piece.stable else DASHES
+        gid = "stable" if piece.stable else "unstable"
+        axes.plot(piece.x, piece.y, color=colour, linestyle=style, linewidth=WIDTH, zorder=4, gid=gid)
+    if label:
+        axes.plot([], [], color=colour, linewidth=WIDTH, label=label)
+    for kind in kinds:
+        marker, size, filled, _ = MARKS[kind]
+        orbits = [special.orbit for special in branch.specials if special.kind == kind]
+        if orbits:
+            axes.plot(
+                [x(o) for o in orbits], [y(o) for o in orbits], marker, color=colour, markersize=size, zorder=5,
+                markerfacecolor=colour if filled else "white", markeredgewidth=0.7, gid=kind,
+            )  # fmt: skip
+
+
+def keys_to_marks(branches: Sequence[Any], kinds: Sequence[str] = tuple(MARKS)) -> list[Line2D]:
+    """What lines and marks mean, for a legend: those that are there."""
+    there = {special.kind for branch in branches for special in branch.specials}
+    stable = any(branch["stable"].any() for branch in branches)
+    unstable = any(not branch["stable"].all() for branch in branches)
+    keys = [Line2D([], [], color=BLACK, linewidth=WIDTH, label="stable")] * stable
+    keys += [Line2D([], [], color=BLACK, linewidth=WIDTH, linestyle=DASHES, label="unstable")] * unstable
+    for kind in kinds:
+        if kind in there:
+            marker, size, filled, name = MARKS[kind]
+            face = BLACK if filled else "white"
+            keys.append(
+                Line2D(
+                    [], [], color=BLACK, marker=marker, markersize=size, markerfacecolor=face,
+                    markeredgewidth=0.7, linestyle="none", label=name,
+                )  # fmt: skip
+            )
+    return keys

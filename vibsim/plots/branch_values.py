@@ -1,0 +1,61 @@
+"""What is drawn of the orbits of a branch: parameter, mean speed of a motor, amplitude."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any
+
+from vibsim.cases.units import UNITS
+from vibsim.plots.errors import PlotError
+from vibsim.plots.quantities import symbol
+from vibsim.plots.subject import Subject
+from vibsim.plots.sweep_axes import is_speed, label_of
+
+Value = Callable[[Any], float]
+
+
+class ParameterAxis:
+    """The parameter of a branch as the axis of a picture, with what `sweep_axes.label_of` asks of one."""
+
+    def __init__(self, branch: Any):
+        self.key, self.unit, self.name = branch.key, branch.unit, branch.key.rpartition(".")[2]
+
+
+def parameter_of(branch: Any) -> Value:
+    """The parameter of an orbit: in Hz for the speed of a source, else in its unit."""
+    if not is_speed(branch.key):
+        return lambda orbit: float(orbit.parameter)
+    unit = UNITS[branch.unit]
+    factor = float(unit.factor) / (1.0 if unit.per_turn else 2 * math.pi)
+    return lambda orbit: float(orbit.parameter) * factor
+
+
+def parameter_label(subjects: Sequence[Subject]) -> str:
+    """Label of the axis of the parameter; PlotError where branches are over different ones."""
+    axes = [ParameterAxis(subject.result) for subject in subjects]
+    if len({axis.key for axis in axes}) > 1:
+        listed = ", ".join(f"{s.path} over {axis.key}" for s, axis in zip(subjects, axes, strict=True))
+        raise PlotError(f"branches over different things do not go into one picture: {listed}")
+    return label_of(axes[0])
+
+
+def mean_speed_of(branch: Any) -> Value:
+    """Mean speed of the motor over an orbit [Hz]: its turns over their time."""
+    turns = branch.plan.n
+    return lambda orbit: turns / float(orbit.period)
+
+
+def amplitude_of(branch: Any) -> Value:
+    """Half the range of the first displacement of an orbit [m], from its extremes over a period."""
+    from vibsim.branches.extremes import half_range
+
+    family = branch.plan.family()
+    return cache(lambda orbit: half_range(family.map(orbit.parameter), orbit))
+
+
+def amplitude_words(branch: Any) -> str:
+    """What `amplitude_of` is the half range of."""
+    first, *rest = branch.names[0].split("-")
+    return f"Amplitude of {symbol(first)}" + "".join(f" − {symbol(name)}" for name in rest)
