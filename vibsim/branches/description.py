@@ -2,8 +2,6 @@
 
 from typing import Any
 
-import numpy as np
-
 from vibsim.branches.branch import Branch, SpecialPoint
 from vibsim.branches.special import BIFURCATIONS, UNRESOLVED
 
@@ -12,7 +10,7 @@ DIGITS = 12  # of a parameter: special points are located to 1e-11 of it
 
 def branch_lines(branch: Branch) -> list[tuple[str, str]]:
     """Lines (name, text) about a branch."""
-    low, high = branch["parameter"].min(), branch["parameter"].max()
+    low, high = reach(branch)
     span = f"{branch.key} from {low:.6g} to {high:.6g} {branch.unit}".rstrip()
     count = int(branch["stable"].sum())
     turns = ("turn" if branch.map.section.period is None else "period") + "s" * (branch.plan.n > 1)
@@ -25,6 +23,12 @@ def branch_lines(branch: Branch) -> list[tuple[str, str]]:
     where = ", ".join(f"{one.parameter:.8g}" for one in unresolved)
     held = "holds everywhere" if not unresolved else f"does not hold at {where} {branch.unit}".rstrip()
     return [*lines, ("index check", held)]
+
+
+def reach(branch: Branch) -> tuple[float, float]:
+    """Least and greatest parameter of a branch, its folds included."""
+    values = [*branch["parameter"].tolist(), *(one.parameter for one in branch.specials)]
+    return min(values), max(values)
 
 
 def _ends(branch: Branch) -> str:
@@ -65,8 +69,8 @@ def facts(branch: Branch) -> dict[str, Any]:
         "stable_points": int(branch["stable"].sum()),
         "closed": branch.closed,
         "ends": list(branch.ends),
-        "parameter_from": float(np.min(branch["parameter"])),
-        "parameter_to": float(np.max(branch["parameter"])),
+        "parameter_from": reach(branch)[0],
+        "parameter_to": reach(branch)[1],
         "special_points": [special_facts(branch, one) for one in branch.specials],
     }
 

@@ -1,7 +1,7 @@
 """What `vibsim continue` does: find the orbit, follow it with progress, list what was met."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import click
@@ -93,15 +93,15 @@ def run_continuation(
     return 0
 
 
-def print_branch(branch: Branch, file: str) -> None:
-    """Lines about a branch, then a line per special point, then the file."""
+def print_branch(branch: Branch, file: str, more: Iterable[tuple[str, str]] = ()) -> None:
+    """Lines about a branch, a line per special point, more lines and the file."""
     print_lines(branch_lines(branch))
     rows = special_table(branch)
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         cells = (text.ljust(width) for text, width in zip(row, widths, strict=True))
         say(f"  {'  '.join(cells)}".rstrip())
-    print_lines([("file", file)])
+    print_lines([*more, ("file", file)])
 
 
 def _file_text(path: Path, branch: Branch, had: int, took: float) -> str:

@@ -1,4 +1,4 @@
-"""Describe a result file: a trajectory here, a sweep by the sweeps, a bench and a fit by their tables."""
+"""Describe a result file: a trajectory here, a sweep by the sweeps, others by their tables."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -31,6 +31,9 @@ def print_description(path: str, settings: Settings) -> None:
         return
     if kind == "fit":
         _print_fit(path, settings)
+        return
+    if kind == "branch":
+        _print_branch(path, settings)
         return
     if kind != "trajectory":
         _print_sweep(path, settings)
@@ -72,6 +75,18 @@ def _print_fit(path: str, settings: Settings) -> None:
         print_json({"file": path, **facts(fit)})
     elif not settings.quiet:
         print_fit(fit, f"{path} ({size(path)})", attribute_lines(fit.attrs) if settings.verbose else ())
+
+
+def _print_branch(path: str, settings: Settings) -> None:
+    from vibsim.branches.description import facts
+    from vibsim.command_line.continuation_jobs import print_branch
+
+    branch = open_result(path)
+    if settings.json:
+        print_json({"file": path, **facts(branch)})
+    elif not settings.quiet:
+        more = attribute_lines(branch.attrs) if settings.verbose else ()
+        print_branch(branch, f"{path} ({size(path)})", more)
 
 
 def _print_trajectory(result: Result, path: str, settings: Settings) -> None:

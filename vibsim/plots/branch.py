@@ -13,8 +13,9 @@ from vibsim.plots.branch_values import (
     mean_speed_of,
     parameter_label,
     parameter_of,
+    scaled,
 )
-from vibsim.plots.quantities import scale_for
+from vibsim.plots.quantities import Scale, scale_for
 from vibsim.plots.sheet import legend_above, legend_below, sheet
 from vibsim.plots.style import GREY, overlay
 from vibsim.plots.subject import Subject
@@ -36,11 +37,12 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     branches = [subject.result for subject in subjects]
     motor = all(subject.scene.has_motor for subject in subjects)
     values = [mean_speed_of(branch) if motor else amplitude_of(branch) for branch in branches]
-    unit = scale_for("m", *[[value(p.orbit) for p in b.points] for b, value in zip(branches, values, strict=True)])
+    every = [[value(p.orbit) for p in b.points] for b, value in zip(branches, values, strict=True)]
+    unit = Scale(1.0, "Hz") if motor else scale_for("m", *every)
     for i, (subject, branch, value) in enumerate(zip(subjects, branches, values, strict=True)):
-        y = value if motor else lambda orbit, value=value: float(unit(value(orbit)))
-        look = {"colour": overlay(i)["color"], "label": subject.name if len(subjects) > 1 else ""}
-        draw_branch(axes, branch, parameter_of(branch), y, **look)
+        label = subject.name if len(subjects) > 1 else ""
+        colour = overlay(i)["color"]
+        draw_branch(axes, branch, parameter_of(branch), scaled(value, unit), colour, label)
     axes.margins(x=0.02)
     if view.window is not None:
         axes.set_xlim(*view.window)

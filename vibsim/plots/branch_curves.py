@@ -15,9 +15,9 @@ from vibsim.plots.style import BLACK
 
 WIDTH, DASHES = 1.0, (0, (3, 1.5))
 MARKS = {  # kind: marker, size [pt], filled, name
-    "fold": ("o", 3.4, True, "fold"),
+    "fold": ("o", 2.2, True, "fold"),
     "doubling": ("s", 3.2, False, "period doubling"),
-    "neimark-sacker": ("D", 3.2, False, "Neimark–Sacker"),
+    "neimark-sacker": ("D", 4.0, False, "Neimark–Sacker"),
     "branch point": ("X", 3.6, True, "branch point"),
     "corner": ("v", 3.4, True, "corner"),
     "grazing": ("|", 4.0, True, "grazing"),
@@ -78,8 +78,9 @@ def draw_branch(
         orbits = [special.orbit for special in branch.specials if special.kind == kind]
         if orbits:
             axes.plot(
-                [x(o) for o in orbits], [y(o) for o in orbits], marker, color=colour, markersize=size, zorder=5,
+                [x(o) for o in orbits], [y(o) for o in orbits], marker, color=colour, markersize=size,
                 markerfacecolor=colour if filled else "white", markeredgewidth=0.7, gid=kind,
+                zorder=6 if filled else 5,
             )  # fmt: skip
 
 
@@ -90,14 +91,12 @@ def keys_to_marks(branches: Sequence[Any], kinds: Sequence[str] = tuple(MARKS)) 
     unstable = any(not branch["stable"].all() for branch in branches)
     keys = [Line2D([], [], color=BLACK, linewidth=WIDTH, label="stable")] * stable
     keys += [Line2D([], [], color=BLACK, linewidth=WIDTH, linestyle=DASHES, label="unstable")] * unstable
-    for kind in kinds:
-        if kind in there:
-            marker, size, filled, name = MARKS[kind]
-            face = BLACK if filled else "white"
-            keys.append(
-                Line2D(
-                    [], [], color=BLACK, marker=marker, markersize=size, markerfacecolor=face,
-                    markeredgewidth=0.7, linestyle="none", label=name,
-                )  # fmt: skip
-            )
-    return keys
+    return [*keys, *(_mark(kind) for kind in kinds if kind in there)]
+
+
+def _mark(kind: str) -> Line2D:
+    marker, size, filled, name = MARKS[kind]
+    key = Line2D([], [], color=BLACK, marker=marker, markersize=size, linestyle="none", label=name)
+    key.set_markerfacecolor(BLACK if filled else "white")
+    key.set_markeredgewidth(0.7)
+    return key

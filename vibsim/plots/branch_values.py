@@ -9,7 +9,7 @@ from typing import Any
 
 from vibsim.cases.units import UNITS
 from vibsim.plots.errors import PlotError
-from vibsim.plots.quantities import symbol
+from vibsim.plots.quantities import Scale, symbol
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_axes import is_speed, label_of
 
@@ -39,6 +39,11 @@ def parameter_label(subjects: Sequence[Subject]) -> str:
         listed = ", ".join(f"{s.path} over {axis.key}" for s, axis in zip(subjects, axes, strict=True))
         raise PlotError(f"branches over different things do not go into one picture: {listed}")
     return label_of(axes[0])
+
+
+def scaled(value: Value, scale: Scale) -> Value:
+    """The same in the unit of a scale."""
+    return lambda orbit: float(scale(value(orbit)))
 
 
 def mean_speed_of(branch: Any) -> Value:

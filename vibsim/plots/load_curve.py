@@ -1,6 +1,6 @@
 """The load curve: the mean torque that the vibration takes against the mean speed, and what the motor gives.
 
-Over a periodic orbit the motor's energy comes back to itself, so the mean torque of the motor is the mean torque
+Over a periodic orbit the rotor comes back to its speed, so the mean torque of the motor is the mean torque
 that the vibration takes; and as the motor's torque falls linearly with its speed, Eq. (2.10), that is
 M0 (1 - <phi'> / Omega0) with the mean speed <phi'> = 2 pi n / T. Where the line of a no-load speed meets the
 curve, the motor can run: at the solid parts it stays, from the dashed ones it leaves.
@@ -18,7 +18,8 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from vibsim.plots.branch_curves import Value, draw_branch, keys_to_marks
-from vibsim.plots.branch_values import mean_speed_of, parameter_of
+from vibsim.plots.branch_values import mean_speed_of, parameter_of, scaled
+from vibsim.plots.natural_frequencies import motor_of
 from vibsim.plots.quantities import scale_for
 from vibsim.plots.sheet import legend_above, legend_below, sheet
 from vibsim.plots.style import BLACK, GREY, overlay
@@ -31,7 +32,7 @@ MARKED = ("fold", "doubling", "neimark-sacker", "branch point", "corner")
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
-    """Branches over the no-load speed as load curves, lines of the motor, operating points where they meet."""
+    """Branches over the no-load speed as load curves; lines of the motor; operating points."""
     figure = sheet(view, HEIGHT_CM)
     axes = figure.subplots()
     branches = [subject.result for subject in subjects]
@@ -41,13 +42,13 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     for i, (subject, branch, torque) in enumerate(zip(subjects, branches, torques, strict=True)):
         label = subject.name if len(subjects) > 1 else ""
         draw_branch(
-            axes, branch, mean_speed_of(branch), _scaled(torque, scale), overlay(i)["color"], label, MARKED
+            axes, branch, mean_speed_of(branch), scaled(torque, scale), overlay(i)["color"], label, MARKED
         )
     _limit(axes, branches, values, scale, view)
     no_load = _no_load_speeds(branches)
     _motor_lines(axes, subjects[0], no_load, scale)
     for branch, torque in zip(branches, torques, strict=True):
-        _operating_points(axes, branch, _scaled(torque, scale), no_load)
+        _operating_points(axes, branch, scaled(torque, scale), no_load)
     axes.set_xlabel(r"Mean motor speed $\langle\dot\varphi\rangle/2\pi$ (Hz)")
     axes.set_ylabel(scale.label("Mean torque"))
     if len(subjects) > 1:
@@ -59,12 +60,8 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
 
 def torque_of(branch: Any) -> Value:
     """Mean torque [N m] of an orbit of a branch over the no-load speed."""
-    stall, speed, no_load = branch.map.scene.motor.M0, mean_speed_of(branch), parameter_of(branch)
+    stall, speed, no_load = motor_of(branch.map.scene).M0, mean_speed_of(branch), parameter_of(branch)
     return lambda orbit: float(stall * (1 - speed(orbit) / no_load(orbit)))
-
-
-def _scaled(value: Value, scale: Any) -> Value:
-    return lambda orbit: float(scale(value(orbit)))
 
 
 def _limit(axes: Axes, branches: Any, values: Any, scale: Any, view: View) -> None:
@@ -85,18 +82,18 @@ def _no_load_speeds(branches: Sequence[Any]) -> list[float]:
 
 
 def _motor_lines(axes: Axes, subject: Subject, no_load: Sequence[float], scale: Any) -> None:
-    """The motor's torque against its speed for each no-load speed, which is written at its upper end."""
-    stall = subject.scene.motor.M0
-    x = np.array(axes.get_xlim())
-    top = axes.get_ylim()[1]
+    """The motor's torque against its speed for each no-load speed, which is written beside its lower end."""
+    stall = motor_of(subject.scene).M0
+    x, (low, top) = np.array(axes.get_xlim()), axes.get_ylim()
     for speed in no_load:
         y = scale(stall * (1 - x / speed))
         axes.plot(x, y, color=GREY, linewidth=0.5, scalex=False, scaley=False, zorder=1, gid="motor line")
-        where = speed * (1 - float(top) / float(scale(stall)))
-        if x[0] < where < x[1]:
+        end = min(speed * (1 - low / float(scale(stall))), x[1])
+        height = float(scale(stall * (1 - end / speed)))
+        if x[0] < end and height < top:
             axes.annotate(
-                f"{speed:g}", (where, top), (0, -1), textcoords="offset points", fontsize=6, color=GREY,
-                ha="left", va="top", gid="no-load speed",
+                f"{speed:g}", (end, height), (-3, 5) if end == x[1] else (2, 2), fontsize=6, color=GREY,
+                textcoords="offset points", ha="right" if end == x[1] else "left", gid="no-load speed",
             )  # fmt: skip
 
 
@@ -108,9 +105,7 @@ def _operating_points(axes: Axes, branch: Any, torque: Value, no_load: Sequence[
         for value in no_load:
             if (low - value) * (high - value) <= 0 and low != high:
                 share = (value - low) / (high - low)
-                x, y = (
-                    (1 - share) * of(one.orbit) + share * of(other.orbit) for of in (speed, torque)
-                )
+                x, y = ((1 - share) * of(one.orbit) + share * of(other.orbit) for of in (speed, torque))
                 stable = one.orbit.index == 0 if share < 0.5 else other.orbit.index == 0
                 face = BLACK if stable else "white"
                 axes.plot(
@@ -120,11 +115,10 @@ def _operating_points(axes: Axes, branch: Any, torque: Value, no_load: Sequence[
 
 
 def _keys() -> list[Line2D]:
-    options = {"color": BLACK, "marker": "o", "markersize": 3, "markeredgewidth": 0.6, "linestyle": "none"}
-    return [
-        Line2D([], [], color=GREY, linewidth=0.5, label=r"motor, $\Omega_0/2\pi$ in Hz"),
-        Line2D([], [], label="runs there", markerfacecolor=BLACK, **options),
-        Line2D([], [], label="leaves", markerfacecolor="white", **options),
-    ]
-
-
+    keys = [Line2D([], [], color=GREY, linewidth=0.5, label=r"motor, $\Omega_0/2\pi$ in Hz")]
+    for label, face in (("runs there", BLACK), ("leaves", "white")):
+        key = Line2D([], [], color=BLACK, marker="o", markersize=3, linestyle="none", label=label)
+        key.set_markerfacecolor(face)
+        key.set_markeredgewidth(0.6)
+        keys.append(key)
+    return keys

@@ -1,4 +1,4 @@
-"""Multipliers along a branch: their magnitudes over the parameter, and where they lie about the unit circle."""
+"""Multipliers along a branch: magnitudes over the parameter, places about the unit circle."""
 
 from __future__ import annotations
 

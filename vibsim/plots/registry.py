@@ -25,7 +25,8 @@ class Kind:
     Attributes
     ----------
     name : as on the command line
-    reads : "trajectory", "sweep", "branch", "fit" or "bench" (a result file of that kind), or "case" (any of one case)
+    reads : "trajectory", "sweep", "branch", "fit" or "bench" (a result file of that kind), or "case" (any of
+        one case)
     summary : one line for `--list`
     needs : keys of NEEDS; what the subject must have
     width : "column" or "page", the width unless the user says otherwise
@@ -117,7 +118,13 @@ KINDS = (
         alone=True,
     ),
     Kind("branch", "branch", "periodic orbits over what was continued, stable or not, with bifurcations"),
-    Kind("multipliers", "branch", "multipliers along a branch, about the unit circle", width="page", alone=True),
+    Kind(
+        "multipliers",
+        "branch",
+        "multipliers along a branch, and about the unit circle",
+        width="page",
+        alone=True,
+    ),
     Kind(
         "load-curve",
         "branch",

@@ -1,0 +1,113 @@
+"""vibsim continue: what it prints, refuses, and keeps when it is interrupted."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from tests.branches.made import orbit_of, parameter
+from tests.command_line.made import call
+from vibsim.opening import open_result
+from vibsim.results import simulate_to_file
+
+CASE = ["II-B", "-s", "c=0.03", "-s", "Omega0=5Hz", "-s", "run.t_end=60s"]
+NS, FOLD = "II-B c=0.03 captured branch NS", "II-B c=0.03 captured branch fold"
+
+
+def follow(path, *more, span="4.9:6"):
+    return call("continue", *CASE, "--omega0", span, "-o", path, *more)
+
+
+@pytest.fixture(scope="module")
+def followed(tmp_path_factory):
+    path = tmp_path_factory.mktemp("continue") / "captured.h5"
+    return path, follow(path)
+
+
+def test_a_line_per_special_point(followed):
+    path, result = followed
+    assert result.exit_code == 0, result.stderr
+    lines = [line.split() for line in result.stdout.splitlines()]
+    assert lines[0][:7] == ["branch", "II-B:", "orbits", "of", "1", "turn", "over"]
+    assert lines[-3][:4] == ["NS1", "neimark-sacker", f"{parameter(NS):.12g}", "Hz"]
+    assert lines[-2][:4] == ["F1", "fold", f"{parameter(FOLD):.12g}", "Hz"]
+    assert ["index", "check", "holds", "everywhere"] in lines
+    info = call("info", path).stdout.splitlines()
+    assert info[:-1] == result.stdout.splitlines()[:-1]
+    assert "nothing to compute" in follow(path).stdout
+
+
+def test_json_lists_the_special_points(followed):
+    path, _ = followed
+    listed = json.loads(follow(path, "--json").stdout)
+    assert listed == json.loads(call("info", "--json", path).stdout)
+    torus, fold = listed["special_points"]
+    assert torus["kind"] == "neimark-sacker" and fold["kind"] == "fold"
+    assert torus["parameter"] == "excitation.Omega0" and listed["unit"] == "Hz"
+    assert fold["value"] == pytest.approx(parameter(FOLD), rel=1e-12)
+    assert fold["word"] == "brerbrer" and fold["period"] == pytest.approx(0.270682515329, rel=1e-10)
+    assert listed["parameter_to"] == fold["value"] and not listed["closed"]
+
+
+def test_from_a_stored_orbit_and_from_a_run(tmp_path, followed):
+    orbit, run = tmp_path / "orbit.h5", tmp_path / "run.h5"
+    assert call("orbit", *CASE, "-o", orbit).exit_code == 0
+    simulate_to_file(orbit_of("II-B c=0.03 captured n=1 (2 impacts/turn)").case, run)
+    for source in (orbit, run):
+        result = call("continue", source, "--omega0", "4.9:6", "-o", tmp_path / f"b-{source.name}", "--json")
+        assert result.exit_code == 0, result.stderr
+        fold = json.loads(result.stdout)["special_points"][-1]
+        assert fold["value"] == pytest.approx(parameter(FOLD), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("given", "code", "message"),
+    [
+        (["continue", *CASE], 2, "give one range to follow: --omega0, --omega or --param KEY=FROM:TO"),
+        (["continue", *CASE, "--omega0", "3:9", "--param", "c=0:1"], 2, "give one range to follow"),
+        (["continue", *CASE, "--omega0", "3:9:1"], 2, "--omega0: 3:9:1 is not FROM:TO"),
+        (["continue", *CASE, "--omega", "3:9"], 2, "--omega: the source of II-B is motor; use --omega0 3:9"),
+        (["continue", *CASE, "--omega0", "6:9"], 2, "outside the range 6:9; begin from an orbit within it"),
+        (["continue", *CASE, "--param", "c=-1:1"], 3, "must be >= 0"),
+        (["continue", *CASE, "--param", "cc=0:1"], 2, "--param cc: unknown key"),
+        (["continue", *CASE, "--omega0", "3:9", "-o", "b.txt"], 2, "results are HDF5 files"),
+    ],
+)
+def test_what_is_refused(given, code, message):
+    result = call(*given)
+    assert result.exit_code == code and message in result.stderr, result.stderr
+
+
+def test_a_file_that_holds_another_branch_is_kept(followed):
+    path, _ = followed
+    before = path.read_bytes()
+    result = follow(path, span="4.5:6")
+    assert result.exit_code == 6 and "holds another branch; kept" in result.stderr
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGKILL])
+def test_interrupted_it_goes_on(tmp_path, signum):
+    """Ctrl-C keeps all in the file, kill -9 in the journal; the same command ends with the same bits."""
+    whole, path = tmp_path / "whole.h5", tmp_path / "part.h5"
+    follow(whole, span="3:9")
+    words = ["continue", *CASE, "--omega0", "3:9", "-o", path]
+    run = subprocess.Popen([sys.executable, "-m", "vibsim", *map(str, words)], stderr=subprocess.PIPE)
+    journal = path.with_name("part.h5.journal")
+    until = time.monotonic() + 60
+    while run.poll() is None and time.monotonic() < until:
+        if journal.exists() and journal.read_bytes().count(b"\n") > 5:
+            break
+        time.sleep(0.01)
+    run.send_signal(signum)
+    _, said = run.communicate(timeout=60)
+    if signum == signal.SIGINT:
+        assert run.returncode == 130 and b"the same command goes on from there" in said
+        assert 2 < len(open_result(path)) < len(open_result(whole))
+    else:
+        assert journal.exists()
+    assert follow(path, span="3:9").exit_code == 0
+    assert open_result(path).points == open_result(whole).points and not journal.exists()

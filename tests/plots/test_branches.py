@@ -1,0 +1,106 @@
+"""Pictures of branches: what is drawn lies where the branch is."""
+
+import numpy as np
+import pytest
+
+from tests.branches.made import CAPTURED, RESONANT, branch_of
+from tests.plots.artists import clipped_texts, lines, points
+from vibsim.orbits.start import case_on_orbit
+from vibsim.plots.branch_curves import pieces
+from vibsim.plots.branch_values import amplitude_of, mean_speed_of, parameter_of
+from vibsim.plots.errors import PlotError
+from vibsim.plots.load_curve import torque_of
+from vibsim.plots.registry import choose, kind_named
+from vibsim.plots.subject import Subject
+from vibsim.plots.view import View
+from vibsim.results import simulate
+
+
+def subject_of(name, span):
+    branch = branch_of(name, span)
+    return Subject("branch.h5", branch.case.name, "branch", branch.case, branch)
+
+
+@pytest.fixture
+def captured():
+    return subject_of(CAPTURED, "4.9:6 Hz")
+
+
+@pytest.fixture
+def resonant():
+    return subject_of(RESONANT, "3.8:6.6 Hz")
+
+
+@pytest.mark.parametrize("kind", ["branch", "multipliers", "load-curve"])
+def test_kinds_fit_and_nothing_is_cut_off(captured, kind):
+    (chosen,) = choose([kind], [captured])
+    figure = chosen.draw([captured], View(width=chosen.width))
+    figure.draw_without_rendering()
+    assert clipped_texts(figure) == []
+
+
+def test_a_load_curve_needs_a_motor(resonant):
+    with pytest.raises(PlotError, match="it needs a motor"):
+        choose(["load-curve"], [resonant])
+
+
+def test_pieces_meet_at_the_neimark_sacker_point(captured):
+    branch = captured.result
+    found = pieces(branch, parameter_of(branch), mean_speed_of(branch))
+    assert [piece.stable for piece in found] == [True, False]
+    assert found[0].x[-1] == found[1].x[0] == branch.special("NS1").parameter
+    assert found[0].y[-1] == pytest.approx(1 / branch.special("NS1").period, rel=1e-15)
+    assert sum(len(piece.x) for piece in found) == len(branch) + 3  # the point twice, and the fold
+
+
+def test_stable_orbits_are_drawn_solid(captured):
+    figure = kind_named("branch").draw([captured], View())
+    (solid,), (dashed,) = lines(figure, "stable"), lines(figure, "unstable")
+    assert solid.get_linestyle() == "-" and dashed.get_linestyle() == "--"
+    x, _ = points(solid)
+    assert x.max() == pytest.approx(5.794011290201556, rel=1e-12)
+    (mark,) = lines(figure, "fold")
+    assert points(mark)[0] == pytest.approx([5.794093157256641], rel=1e-12)
+
+
+def test_the_motor_gives_what_vibration_takes(captured):
+    """(J + m3 e^2) w' = m3 e x1'' sin phi + M, Eq. (2.10): over a period the two terms cancel.
+
+    By the trapezoidal rule over 400 samples, x1'' by central differences: 1 in 400 and impacts.
+    """
+    branch = captured.result
+    record = branch.points[5].orbit
+    case = case_on_orbit(branch.plan.family().at(record.parameter), state_of(branch, record), record.period)
+    run, motor = simulate(case), captured.scene.motor
+    taken = -motor.m3 * motor.e * np.gradient(run["v1"], run["time"]) * np.sin(run["phi"])
+    mean = np.trapezoid(taken, run["time"]) / (run["time"][-1] - run["time"][0])
+    assert torque_of(branch)(record) == pytest.approx(mean, rel=1e-2)
+
+
+def state_of(branch, record):
+    return branch.map.coordinates.state(np.array(record.state))
+
+
+def test_operating_points_lie_on_the_lines_of_the_motor(captured):
+    figure = kind_named("load-curve").draw([captured], View(width="page"))
+    motor = captured.scene.motor
+    texts = [float(text.get_text()) for text in figure.axes[0].texts if text.get_gid() == "no-load speed"]
+    drawn = lines(figure, "operating point")
+    assert len(drawn) >= 4 and len(lines(figure, "motor line")) >= len(texts) >= 2
+    for one in drawn:
+        (speed,), (torque,) = points(one)
+        no_load = speed / (1 - torque * 1e-3 / motor.M0)
+        steps = np.arange(4.9, 6.0, 0.1)
+        assert abs(steps - no_load).min() < 5e-3
+    faces = {one.get_markerfacecolor() for one in drawn}
+    assert len(faces) == 2  # stable and unstable ones
+
+
+def test_amplitudes_are_those_of_a_run(resonant):
+    branch = resonant.result
+    record = branch.points[3].orbit
+    case = case_on_orbit(branch.plan.family().at(record.parameter), state_of(branch, record), record.period)
+    run = simulate(case)
+    sampled = np.ptp(run["x1"] - run["x2"]) / 2
+    exact = amplitude_of(branch)(record)
+    assert sampled <= exact == pytest.approx(sampled, rel=1e-3)
