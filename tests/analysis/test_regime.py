@@ -41,7 +41,10 @@ def test_a_linear_oscillator_settles_to_period_1():
     found = judge_regime(run, (0.0, 100.0))
     assert (found.verdict, found.period, found.word_period) == ("periodic", 1, 1)
     assert found.since == pytest.approx(np.log(1e3) * 2 * 0.297 / 0.2, rel=0.2)
-    assert judge_regime(run, (0.0, 15.0)).verdict == "transient"
+    early = judge_regime(run, (0.0, 15.0))
+    assert (early.verdict, early.period, early.since) == ("periodic", 1, None)  # 6e-3 away, and on its way
+    np.testing.assert_allclose(early.exponents, [-0.2 / (2 * 0.297)] * 2, rtol=1e-9)
+    np.testing.assert_allclose(found.exponents, early.exponents, rtol=1e-9)
 
 
 def test_an_undamped_oscillator_is_quasi_periodic():
@@ -62,9 +65,19 @@ def test_the_periodic_cases_of_the_paper(name, period):
 
 
 def test_i_c_is_on_its_way_to_period_1():
+    """The multipliers in 16 digits: tests/orbits/truths.json."""
     found = judge_regime(short_run("I-C", "300 s"))
-    assert (found.verdict, found.period) == ("transient", 1)
-    assert found.step < 1e-3
+    assert (found.verdict, found.period) == ("periodic", 1)
+    assert found.step < 1e-3 and found.since > 200
+    multipliers = np.array([complex(*pair) for pair in found.multipliers])
+    exact = [0.8486435858373631 - 0.5215168804985694j, 0.8486435858373631 + 0.5215168804985694j]
+    np.testing.assert_allclose(multipliers, [*exact, 0.9303994608203476], rtol=0, atol=1e-12)
+
+
+def test_a_stable_orbit_beside_the_run_is_none_it_goes_to():
+    """I-C-eq211 goes to an orbit of 6 periods; the stable one of 1 that Newton's method meets is another."""
+    found = judge_regime(short_run("I-C-eq211", "300 s"))
+    assert (found.verdict, found.multipliers) == ("undecided", None)
 
 
 @pytest.mark.parametrize("seed", [6, 9, 19, 4, 7, 31])

@@ -3,6 +3,7 @@
 import numpy as np
 
 from vibsim.analysis.capture import Capture, capture_of_turns
+from vibsim.analysis.regime.approached_orbit import decided
 from vibsim.analysis.regime.points import Exponent, Judged, judge_points
 from vibsim.analysis.regime.section import MOST, Coordinates
 from vibsim.analysis.span import Span
@@ -55,7 +56,8 @@ class StreamedVerdicts:
             return Judged("undecided", "no cycle of a source")
         states = {name: column[rows] for name, column in section.items()}
         sizes = self._coordinates.sizes(np.asarray(self._low), np.asarray(self._high))
-        return judge_points(self._coordinates.points(states, sizes), exponent)
+        judged = judge_points(self._coordinates.points(states, sizes), exponent)
+        return decided(judged, self.scene, states, self._coordinates, sizes)
 
     def _section(self) -> dict[str, np.ndarray]:
         """The stroboscopic points so far: time and states by name, each (n)."""

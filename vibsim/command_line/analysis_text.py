@@ -5,6 +5,7 @@ from typing import TypeVar
 
 from vibsim.analysis import Analysis, Capture, DominantFrequencies, Drift, ImpactsPerCycle, Regime
 from vibsim.analysis.impacts_per_cycle import Spread
+from vibsim.command_line.multiplier_text import multiplier_text
 from vibsim.command_line.quantity_text import metres
 from vibsim.command_line.summary import short, trust_text
 from vibsim.command_line.terminal import style
@@ -102,10 +103,15 @@ def regime_lines(found: Regime) -> list[Line]:
     """Verdict, period, evidence."""
     text = _verdict(found.verdict)
     if found.verdict == "periodic":
-        text += f", period {found.period}, since {found.since:.4g} s"
+        text += f", period {found.period}" + ("" if found.since is None else f", since {found.since:.4g} s")
     elif found.verdict == "transient" and found.period is not None:
         text += f" towards period {found.period}"
     lines = [("regime", f"{text}: {found.reason}")]
+    if found.multipliers is not None and found.exponents is not None:
+        shown = ", ".join(multiplier_text(complex(*pair)) for pair in found.multipliers if pair[1] >= 0)
+        lines.append(("", f"multipliers {shown}"))
+        rates = ("-inf" if value is None else f"{value:.4g}" for value in found.exponents)
+        lines.append(("", f"exponents {', '.join(rates)} 1/s"))
     if found.exponent and found.verdict != "periodic":
         value, half_width = found.exponent.value, found.exponent.half_width
         lines.append(("", f"largest Lyapunov exponent {value:.3g} +- {short(half_width)} 1/s"))

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from math import inf
 from typing import Any
 
+from vibsim.command_line.multiplier_text import multiplier_text
 from vibsim.command_line.quantity_text import counted, metres
 from vibsim.command_line.terminal import style
 from vibsim.orbits.orbit import Orbit
@@ -67,13 +68,6 @@ def events_text(orbit: Orbit) -> str:
     """The word and its counts."""
     counts = ", ".join(counted(number, name.removesuffix("s")) for name, number in counts_of(orbit).items())
     return f"{orbit.spelled or 'none'}: {counts}"
-
-
-def multiplier_text(mu: complex) -> str:
-    """0.98837, or 0.88998 + 0.42152i, of magnitude 0.98475."""
-    if mu.imag == 0:
-        return f"{mu.real:.8g}"
-    return f"{mu.real:.8g} +- {abs(mu.imag):.8g}i (magnitude {abs(mu):.8g})"
 
 
 def multipliers_text(orbit: Orbit) -> str:

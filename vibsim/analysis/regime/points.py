@@ -59,6 +59,9 @@ class Judged:
     step : distance of points a period apart, at the end, relative to the vibration
     chaos_number : K of the 0-1 test
     prediction : error of predicting points from their neighbours, relative to guessing
+    multipliers, exponents : of the orbit that a periodic motion is on, or goes to: (real, imaginary) of each
+        Floquet multiplier, and the Lyapunov exponents [1/s] that follow from them, None where sticking took
+        the direction
     """
 
     verdict: RegimeVerdict | str
@@ -68,6 +71,8 @@ class Judged:
     step: float | None = None
     chaos_number: float | None = None
     prediction: float | None = None
+    multipliers: tuple[tuple[float, float], ...] | None = None
+    exponents: tuple[float | None, ...] | None = None
 
     def __post_init__(self) -> None:
         name_verdict(self, RegimeVerdict)

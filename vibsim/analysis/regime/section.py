@@ -9,7 +9,7 @@ vibration. What moves less than the share LEAST of the largest vibration is meas
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -35,10 +35,15 @@ Table = Mapping[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Section:
-    """Points (n, d) at ascending `times` [s], without unit."""
+    """Points (n, d) at ascending `times` [s], without unit.
+
+    states : the same by name of the column, SI, and `time`; sizes : by which their coordinates were divided
+    """
 
     times: np.ndarray
     points: np.ndarray
+    states: dict[str, np.ndarray] = field(default_factory=dict)
+    sizes: np.ndarray | None = None
 
     def __len__(self) -> int:
         return len(self.times)
@@ -116,7 +121,8 @@ def section_of(result: Result, span: Span) -> Section:
     times, states = _turned(result, span, times)
     coordinates = Coordinates(result.case.scene())
     sizes = coordinates.sizes(*extremes(result, span, coordinates))
-    return Section(times, coordinates.points({**states, "time": times}, sizes))
+    states = {**states, "time": times}
+    return Section(times, coordinates.points(states, sizes), states, sizes)
 
 
 def extremes(result: Result, span: Span, coordinates: Coordinates) -> tuple[np.ndarray, np.ndarray]:

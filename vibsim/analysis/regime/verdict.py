@@ -2,17 +2,20 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from math import isfinite
 
 import numpy as np
 
 from vibsim.analysis.cycles import ROWS
 from vibsim.analysis.impacts_per_cycle import happenings
+from vibsim.analysis.regime.approached_orbit import decided
 from vibsim.analysis.regime.points import Exponent, Judged, judge_points
-from vibsim.analysis.regime.section import section_of
+from vibsim.analysis.regime.section import Coordinates, section_of
 from vibsim.analysis.span import Span, steady_span
 from vibsim.analysis.verdicts import RegimeVerdict, name_verdict
 from vibsim.engine.columns import state_columns
 from vibsim.engine.section import has_section
+from vibsim.orbits.multipliers import exponents_of
 from vibsim.physics.rates import is_driven
 from vibsim.results.result import Result
 from vibsim.results.windows import Window, pieces, rows_within
@@ -31,12 +34,14 @@ class Regime:
     span : transient left out
     cycles : points of the stroboscopic section
     period : of a periodic motion, or of the one that a transient approaches, in cycles of the source
-    since : from when on it is periodic [s]
+    since : from when on it is periodic [s]; None where it is still on its way
     step : distance of points a period apart at the end of the span, relative to the vibration
     chaos_number : K of the 0-1 test, see `zero_one_test`
     prediction : error of predicting points from their neighbours, relative to guessing
     word_period : cycles after which the events repeat themselves, in its later half; None: they do not
     exponent : as it was given
+    multipliers : of the periodic orbit that the motion is on or goes to, (real, imaginary) each
+    exponents : that follow from them [1/s], the largest first; None where sticking took the direction
     """
 
     verdict: RegimeVerdict | str
@@ -50,6 +55,8 @@ class Regime:
     prediction: float | None = None
     word_period: int | None = None
     exponent: Exponent | None = None
+    multipliers: tuple[tuple[float, float], ...] | None = None
+    exponents: tuple[float | None, ...] | None = None
 
     def __post_init__(self) -> None:
         name_verdict(self, RegimeVerdict)
@@ -71,13 +78,29 @@ def judge_regime(result: Result, window: Window | None = None, exponent: Exponen
     if not has_section(scene):
         reason = "sources without a common period, so no stroboscopic section"
         return Regime("undecided", reason, span, exponent=exponent)
+    if result.orbit is not None:
+        return _stored_orbit(result, span)
     section = section_of(result, span)
     judged = judge_points(section.points, exponent)
+    if section.sizes is not None:
+        judged = decided(judged, scene, section.states, Coordinates(scene), section.sizes)
     since, word_period = _since(result, section.times, judged)
     evidence = {name: value for name, value in asdict(judged).items() if name != "onset"}
     return Regime(
         span=span, cycles=len(section), since=since, word_period=word_period, exponent=exponent, **evidence
     )
+
+
+def _stored_orbit(result: Result, span: Span) -> Regime:
+    """The regime of a run that is one period of an orbit."""
+    assert result.orbit is not None
+    real, imaginary = (result.orbit[f"multiplier_{part}"].tolist() for part in ("real", "imaginary"))
+    multipliers = tuple(zip(real, imaginary, strict=True))
+    rates = exponents_of([complex(*pair) for pair in multipliers], result.attrs["orbit_period_s"])
+    numbers = tuple(rate if isfinite(rate) else None for rate in rates)
+    n, kind = result.attrs["orbit_periods"], "a stable" if result.attrs["orbit_stable"] else "an unstable"
+    reason = f"the file holds {kind} orbit"
+    return Regime("periodic", reason, span, n, n, 0.0, 0.0, multipliers=multipliers, exponents=numbers)
 
 
 def _since(result: Result, times: np.ndarray, judged: Judged) -> tuple[float | None, int | None]:
