@@ -195,3 +195,15 @@ def test_both_engines_compute_the_same_bits():
     plan = short_plan({OMEGA0: "4 Hz"}, short_case(t_end="3 s"), compute=["all"])
     c, python = (run_stored(Store(plan, engine), 1, engine)[0].table for engine in ("c", "python"))
     assert_same_points(c, python)
+
+
+def test_the_orbit_that_a_run_goes_to():
+    """Its multipliers in 16 digits: tests/orbits/truths.json; of a linear oscillator exp(-c T / 2 m)."""
+    values, arrays = computed(paper("I-A", t_end=120.0), "orbit", "regime")
+    assert (values["orbit_periods"], values["regime_period"]) == (5, 5)
+    exact = [-0.1014027795150739557 - 0.7926851667393456842j, -0.1014027795150739557 + 0.7926851667393456842j]
+    found = arrays["multiplier_real"] + 1j * arrays["multiplier_imaginary"]
+    np.testing.assert_allclose(found, [*exact, 0.0], rtol=0, atol=1e-12)
+    assert values["orbit_exponent"] == pytest.approx(math.log(abs(exact[0])) * 3.5 / 5, rel=1e-11)
+    chaotic, none = computed(paper("II-B", t_end=40.0), "orbit")
+    assert "orbit_periods" not in chaotic and np.isnan(none["multiplier_real"]).all()

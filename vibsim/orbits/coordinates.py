@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from vibsim.engine.tangent_space import length, weights
+from vibsim.orbits.section import section_of
 from vibsim.physics.body_sets import body_sets
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import columns_of
@@ -88,6 +89,11 @@ class Coordinates:
     def _unit(self, i):
         n = len(self.scene.bodies)
         return "m" if i < n else "m/s" if i < 2 * n else ("rad", "rad/s")[i - 2 * n]
+
+
+def unknown_count(scene):
+    """Number of unknowns of the orbits of a scene, and of their multipliers. Raises NoSection."""
+    return Coordinates(scene, section_of(scene)).count
 
 
 def component_names(scene):

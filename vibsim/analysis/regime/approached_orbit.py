@@ -31,7 +31,7 @@ OPEN = (
     "transient",
     "undecided",
 )  # verdicts that an orbit can settle; the others have their evidence
-TRIES = 2  # numbers of periods that are tried where the section tells none
+TRIES = 2  # numbers of periods that are tried besides the one that the section tells
 FEWEST = 12  # points from which a trend can be told
 STEPS = 8  # of Newton's method: an orbit that is near is met in four
 
@@ -65,7 +65,8 @@ def _orbits(judged: Judged, scene: Scene, states: States) -> Iterator[Orbit]:
         return
     at, times = return_map.coordinates, states["time"]
     X = at.of(np.stack([states[name] for name in at.columns], axis=1))
-    numbers = [judged.period] if judged.period else likely_periods(X)[0][:TRIES]
+    told = [judged.period] if judged.period else []
+    numbers = list(dict.fromkeys([*told, *likely_periods(X)[0][:TRIES]]))
     for n in chain.from_iterable((n, 2 * n) for n in numbers):
         if n >= len(X):
             continue
@@ -93,9 +94,8 @@ def _is_approached(distances: np.ndarray, repeats: bool) -> bool:
     but be near.
     """
     first, last = (float(np.quantile(part, MOSTLY)) for part in np.array_split(distances, 4)[::3])
-    if repeats:
-        return last <= TOLERANCE
-    return last <= EXACT or (last <= NEAR and last <= SHRINKS * first)
+    near_enough = TOLERANCE if repeats else EXACT
+    return last <= near_enough or (last <= NEAR and last <= SHRINKS * first)
 
 
 def _settled(judged: Judged, orbit: Orbit, distances: np.ndarray) -> Judged:

@@ -18,6 +18,7 @@ from vibsim.sweeps.computations import (
     grazing,
     impact_velocity,
     lyapunov,
+    orbit,
     power,
     regime_label,
 )
@@ -83,6 +84,7 @@ COMPUTATIONS = {
     "regime": Kind(
         regime_label.TITLE, regime_label.columns, "a source", regime_label.RegimeLabel, samples=True
     ),
+    "orbit": Kind(orbit.TITLE, orbit.columns, "a source", orbit.Orbit, samples=True),
 }
 
 
@@ -114,5 +116,6 @@ def length_of(dimension: str, scene: Scene, section: int) -> int:
         "contact": section,
         "quantile": len(impact_velocity.QUANTILES),
         "exponent": exponents(scene),
+        "multiplier": orbit.multipliers(scene),
     }
     return lengths[dimension]

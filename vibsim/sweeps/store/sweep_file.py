@@ -23,6 +23,7 @@ from vibsim.sweeps.store.sweep_structure import (
 )
 
 KIND = "sweep"
+NUMBERED = ("exponent", "multiplier")  # further dimensions that count from 1
 
 
 def write_sweep(path: Path, plan: Plan, table: Table, attrs: Mapping[str, Any]) -> None:
@@ -47,7 +48,7 @@ def _counted(dimension: str, count: int) -> np.ndarray:
     """The values of a further dimension's scale."""
     if dimension == QUANTILE:
         return QUANTILES
-    return np.arange(1, count + 1) if dimension == "exponent" else np.arange(1 - count, 1)
+    return np.arange(1, count + 1) if dimension in NUMBERED else np.arange(1 - count, 1)
 
 
 def read_column(path: Path, plan: Plan, name: str) -> np.ndarray:

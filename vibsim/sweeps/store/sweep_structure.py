@@ -20,6 +20,7 @@ FURTHER_SCALES = {
     "section": Column("1", "stroboscopic points, counted back from the last", dtype="i4"),
     "contact": Column("1", "beginnings of contact, counted back from the last", dtype="i4"),
     QUANTILE: Column("1", "share of the impacts that are not faster"),
+    "multiplier": Column("1", "number of the multiplier, the largest first", dtype="i4"),
     "exponent": Column("1", "number of the exponent, the largest first", dtype="i4"),
 }
 STATUS = Column(None, "whether the point was computed", dtype="i1", flags=STATUS_FLAGS)
