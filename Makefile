@@ -5,11 +5,12 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/installed
 ENGINE := $(wildcard vibsim/engine/*.[ch])
+BELTS := 0.95,1.025,1.1,1.175,1.25,1.325,1.4,1.475,1.5,1.55,1.625,1.7,1.775,1.83,1.84,1.85,1.925,2
 PAPER := I-A I-B I-C I-A-eq211 I-B-eq211 I-C-eq211 II-A II-B II-C
 BUILD_ENGINE := $(BIN)/python setup.py -q build_ext --inplace --force
 SANITIZED := tests/engine tests/kernel tests/events tests/flows tests/tangent tests/sweeps
 
-.PHONY: help env run paper test docs article fuzz sanitize verify lint figures sweep sommerfeld bench budgets truths clean
+.PHONY: help env run paper test docs article fuzz sanitize verify lint figures sweep sommerfeld basins bench budgets truths clean
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -87,6 +88,13 @@ sommerfeld: $(STAMP) ## the showcase (ten minutes; goes on where it was stopped)
 	$(BIN)/vibsim plot results/up-down.h5 --kind power --width page -o results/power-flow.png --force
 	$(BIN)/vibsim plot results/capture-map.h5 --kind capture --width page -o docs/capture-map.png --force
 	$(BIN)/vibsim plot results/capture-map.h5 --kind regime -o results/regime-map.png --force
+
+basins: $(STAMP) ## basins of the belt oscillator, 5,000 starts at each of 18 speeds (nine minutes of one core; goes on where it was stopped)
+	mkdir -p results
+	$(BIN)/vibsim sweep gallery/belt-oscillator --param belt.belt=$(BELTS)m/s --ensemble 5000 \
+	  --spread block.x=-2:2m --spread block.v=0:2m/s --t-end 500s --discard 400s --section 0 --compute end-state \
+	  -o results/basins.h5
+	$(BIN)/vibsim plot results/basins.h5 --kind end-state -o docs/basins.png --force
 
 bench: $(STAMP) ## measure speed against error beside other solvers, and draw the picture of docs/speed.md
 	mkdir -p results

@@ -14,7 +14,7 @@ from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_axes import ascending, is_speed, label_of, numbers, shown
 from vibsim.plots.sweep_curves import DIRECTION_NAMES, frequencies
 from vibsim.plots.sweep_plane import missing_note
-from vibsim.plots.verdict_colours import legend_of
+from vibsim.plots.verdict_colours import legend_of, scatter_classes
 from vibsim.plots.view import View
 from vibsim.sweeps.computations.capture_verdict import VERDICTS
 
@@ -60,7 +60,7 @@ def draw_starts(subject: Subject, view: View) -> Figure:
         drawn.append(result["final_speed"][..., 0].ravel())
     figure = sheet(view, HEIGHT_CM)
     axes = figure.subplots()
-    _scatter(axes, drawn[0], drawn[1], verdicts, view)
+    scatter_classes(axes, drawn[0], drawn[1], verdicts, SHADES, view)
     axes.set_xlabel(label_of(spreads[0]))
     axes.set_ylabel(label_of(spreads[1]) if len(spreads) == 2 else r"Last speed $\dot\varphi/2\pi$ (Hz)")
     share = result.probability(result["capture"] == CAPTURED)
@@ -75,14 +75,3 @@ def draw_starts(subject: Subject, view: View) -> Figure:
 def _say(axes: Axes, words: str, subject: Subject) -> None:
     """A note above the axes, and what of the sweep is missing."""
     note(axes, "; ".join(filter(None, [words, missing_note(subject)])))
-
-
-def _scatter(axes: Axes, x: np.ndarray, y: np.ndarray, verdicts: np.ndarray, view: View) -> None:
-    for code, shade in enumerate(SHADES):
-        of = verdicts == code
-        axes.plot(
-            x[of], y[of], linestyle="none", marker="o", markersize=3, color=shade.colour,
-            markeredgecolor="0.3", markeredgewidth=0.3, gid=shade.name,
-        )  # fmt: skip
-    axes.margins(x=0.03, y=0.06)
-    axes.set_xlim(*shown(*axes.get_xlim(), view))

@@ -132,6 +132,13 @@ KINDS = (
         ("motor", "continued Omega0"),
         width="page",
     ),
+    Kind(
+        "end-state",
+        "sweep",
+        "what starts come to, rest or vibration: a map, starts, or shares",
+        ("end states", "map or starts"),
+        alone=True,
+    ),
     Kind("fit", "fit", "price of the candidates over the free parameters", ("free parameters",), alone=True),
     Kind("work-precision", "bench", "error against computing time of every method", width="page"),
 )
@@ -166,6 +173,10 @@ NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
     ),
     "power": ("powers (sweep with --compute power)", lambda subject: _has(subject, "power_source")),
     "regime": ("regimes (sweep with --compute regime)", lambda subject: _has(subject, "regime")),
+    "end states": (
+        "end states (sweep with --compute end-state)",
+        lambda subject: _has(subject, "end_state"),
+    ),
     "capture": (
         "verdicts on capture (sweep with --compute capture)",
         lambda subject: _has(subject, "capture"),

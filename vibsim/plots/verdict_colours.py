@@ -12,7 +12,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from vibsim.plots.sheet import legend_below
+from vibsim.plots.sweep_axes import shown
 from vibsim.plots.sweep_plane import Plane
+from vibsim.plots.view import View
+
+FEW = 400  # points that a panel holds at full size
 
 
 @dataclass(frozen=True)
@@ -27,6 +31,21 @@ def lay_classes(axes: Axes, plane: Plane, classes: np.ndarray, shades: Sequence[
     """Colour cells by their class (n_up, n_across), an index into `shades`; NaN stays blank."""
     colours = ListedColormap([shade.colour for shade in shades])
     plane.lay(axes, classes, cmap=colours, vmin=-0.5, vmax=len(shades) - 0.5, gid=gid)
+
+
+def scatter_classes(
+    axes: Axes, x: np.ndarray, y: np.ndarray, classes: np.ndarray, shades: Sequence[Shade], view: View
+) -> None:
+    """Points (n) coloured by their class (n), an index into `shades`; many are drawn small."""
+    size = float(np.clip(3.0 * (FEW / max(len(x), 1)) ** 0.5, 0.8, 3.0))
+    for code, shade in enumerate(shades):
+        of = classes == code
+        axes.plot(
+            x[of], y[of], linestyle="none", marker="o", markersize=size, color=shade.colour,
+            markeredgecolor="0.3", markeredgewidth=min(0.3, size / 10), gid=shade.name,
+        )  # fmt: skip
+    axes.margins(x=0.03, y=0.06)
+    axes.set_xlim(*shown(*axes.get_xlim(), view))
 
 
 def legend_of(figure: Figure, shades: Sequence[Shade], classes: np.ndarray) -> None:

@@ -15,6 +15,7 @@ from vibsim.sweeps.computations import (
     capture_verdict,
     certificate,
     contact_section,
+    end_state,
     grazing,
     impact_velocity,
     lyapunov,
@@ -85,6 +86,13 @@ COMPUTATIONS = {
         regime_label.TITLE, regime_label.columns, "a source", regime_label.RegimeLabel, samples=True
     ),
     "orbit": Kind(orbit.TITLE, orbit.columns, "a source", orbit.Orbit, samples=True),
+    "end-state": Kind(
+        end_state.TITLE,
+        end_state.columns,
+        "no source that changes",
+        end_state.EndState,
+        samples=True,
+    ),
 }
 
 

@@ -1,0 +1,70 @@
+"""End states: rest and vibration where theory says so."""
+
+import numpy as np
+import pytest
+
+from vibsim.cases import load_case
+from vibsim.cases.loading import load_case_text
+from vibsim.sweeps import sweep
+from vibsim.sweeps.computations.end_state import VERDICTS
+from vibsim.sweeps.plan.sweep_plan import PlanError
+
+NAMES = {code: name for name, code in VERDICTS.items()}
+OSCILLATOR = """
+bodies: {a: 1 kg}
+links: {s: {between: [a, ground], k: 4 N/m, c: 0.1 N s/m}}
+initial: {a: {x: 1 m}}
+run: {t_end: 40 s}
+"""
+
+
+def ends(case, axes, **settings):
+    """The verdicts of a sweep, in words."""
+    result = sweep(case, axes, compute=["end-state"], jobs=1, **settings)
+    return [NAMES[int(code)] for code in result["end_state"].ravel()]
+
+
+def test_a_damped_oscillator_rests_and_an_undamped_one_is_undecided():
+    case = load_case_text(OSCILLATOR, name="oscillator")
+    assert ends(case, {"s.c": "0, 0.01, 0.1, 5 N s/m"}) == ["undecided", "rest", "rest", "rest"]
+
+
+def test_what_friction_holds_rests():
+    case = load_case_text(OSCILLATOR + "friction: {f: {between: [a, ground], N: 1 N, mu: 0.5}}", name="held")
+    assert ends(case, {"f.mu": "0.3, 0.5"}) == ["rest", "rest"]
+
+
+def test_a_ball_that_chatters_to_rest_and_one_that_loses_nothing():
+    case = load_case("gallery/bouncing-ball", {"run.t_end": "20 s"})
+    (stop,) = case.scene().stops
+    assert ends(case, {f"{stop.name}.e": "0.5, 1"}) == ["rest", "vibration"]
+
+
+@pytest.mark.parametrize(
+    ("speed", "states"), [(1.1, {"vibration"}), (1.5, {"rest", "vibration"}), (1.85, {"rest"})]
+)
+def test_the_belt_oscillator_is_bistable_between_its_two_bounds(speed, states):
+    """Rest is stable above ln(10)/2 = 1.151 m/s, the stick-slip cycle lives up to 1.8366 m/s."""
+    spread = {"block.x": "-2:2 m", "block.v": "0:2 m/s"}
+    case = load_case("gallery/belt-oscillator", {"run.t_end": "300 s"})
+    axes = {"belt.belt": f"{speed} m/s"}
+    found = ends(case, axes, ensemble=12, spread=spread, discard="200 s")
+    assert set(found) == states
+
+
+def test_the_verdict_agrees_with_the_amplitude():
+    """Rest and cycle are far apart: the cycle swings by about the belt speed."""
+    case = load_case("gallery/belt-oscillator", {"run.t_end": "300 s"})
+    spread = {"block.x": "-2:2 m", "block.v": "0:2 m/s"}
+    result = sweep(
+        case, {"belt.belt": "1.4:1.8:0.2 m/s"}, compute=["end-state"], ensemble=8, spread=spread,
+        discard="200 s", jobs=1,
+    )  # fmt: skip
+    np.testing.assert_array_equal(
+        result["end_state"] == VERDICTS["vibration"], result["amplitude_x_block"] > 0.5
+    )
+
+
+def test_a_source_leaves_it_to_the_regime():
+    with pytest.raises(PlanError, match="end-state needs no source that changes"):
+        sweep(load_case("gallery/impact-pair"), {"base.a": "1, 2 mm"}, compute=["end-state"])
