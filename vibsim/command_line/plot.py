@@ -70,6 +70,7 @@ EXAMPLES = examples(
     "vibsim plot map.h5 --kind capture,regime --width page",
     "vibsim plot II-B.h5 --x x1 --y v1 --window 100:120 --size 12x9 --font-size 10",
     "vibsim plot II-B.h5 --kind spectrogram",
+    "vibsim plot II-B.h5 -o II-B.html              # a page to zoom and point in, needs no network",
 )
 
 
@@ -87,7 +88,9 @@ EXAMPLES = examples(
 @click.option(
     "--detail", type=SpanOfTime(), metavar="A:B", help="Span to enlarge in time histories, in seconds."
 )
-@click.option("-o", "--output", "out", metavar="FILE", help="Picture to write: .png, .pdf or .svg.")
+@click.option(
+    "-o", "--output", "out", metavar="FILE", help="A picture, .png, .pdf or .svg; or a page, .html."
+)
 @click.option("--x", metavar="COLUMN", help="With --y: any two columns against each other, such as x1.")
 @click.option("--y", metavar="COLUMN", help="The other; of events: events/v1.")
 @click.option("--width", type=OneOf(list(WIDTHS_CM)), help="Width in a journal: 8.6 cm or 17.8 cm.")
@@ -119,7 +122,8 @@ def command(
 ) -> None:
     """Draw pictures of result files, several of them laid over each other.
 
-    Without --kind: an overview. --kind stiffness and --kind motor also take case files and shipped cases.
+    Without --kind: an overview. A page (-o FILE.html) shows one result, all of it.
+    --kind stiffness and --kind motor also take case files and shipped cases.
     """
     if list_kinds:
         _list(ctx.obj, files)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FORMATS = (".png", ".pdf", ".svg")
+PAGE = ".html"  # which is no picture: it answers
 DPI = {".png": 300, ".pdf": 600, ".svg": 600}  # of a vector file: what is rasterized in it
 NAMED_AT_MOST = 3  # subjects spelt out in a default file name
 
@@ -44,6 +45,12 @@ def draw_files(
     Raises PlotError, CaseError and ResultFileError; nothing is drawn before all of that is checked.
     """
     subjects = open_subjects(paths)
+    if out is not None and Path(out).suffix.lower() == PAGE:
+        if names is not None or view.x or view.y:
+            raise PlotError(f"{out}: a page shows everything of a result; leave out --kind, --x and --y")
+        from vibsim.plots.live.html_file import write_page
+
+        return write_page(subjects, out, force)
     kinds = chosen_kinds(subjects, names, view)
     targets = name_targets(subjects, kinds, out)
     check_targets(targets, force)

@@ -1,0 +1,206 @@
+"""Pages that answer: what is in them, and in a headless browser zoom, hover, keys, two widths, no error."""
+
+import base64
+import json
+import re
+import shlex
+
+import numpy as np
+import pytest
+
+import vibsim
+from tests.command_line.made import call
+from tests.plots.browser import Browser, program
+from vibsim.plots.live.run_page import thinned
+
+
+def data_of(path):
+    text = path.read_text(encoding="utf-8")
+    return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.S)[1])
+
+
+def numbers(text, dtype):
+    return np.frombuffer(base64.b64decode(text), f"<{dtype}")
+
+
+@pytest.fixture(scope="module")
+def folder(runs, tmp_path_factory):
+    """Pages of a run with a motor, of one with rigid stops, and of a sweep."""
+    folder = tmp_path_factory.mktemp("pages")
+    assert call("plot", runs["motor"], "-o", str(folder / "run.html")).exit_code == 0
+    rigid = vibsim.simulate("gallery/impact-pair", overrides={"run.t_end": "5 s"})
+    assert call("plot", str(rigid.save(folder / "rigid.h5")), "-o", str(folder / "rigid.html")).exit_code == 0
+    overrides = {"run.t_end": "6 s", "title": "</script><b>bold</b>"}
+    axes = {"Omega0": "5:6:0.5 Hz", "c": "0.01,0.03"}
+    vibsim.sweep("II-B", axes, section=3, jobs=1, out=folder / "sweep.h5", overrides=overrides)
+    done = call("plot", str(folder / "sweep.h5"), "-o", str(folder / "sweep.html"))
+    assert (done.exit_code, done.stdout) == (0, f"{folder / 'sweep.html'}\n")
+    return folder
+
+
+def test_a_page_has_every_sample_and_every_event(folder, runs):
+    data, result = data_of(folder / "run.html"), vibsim.open_result(runs["motor"])
+    t, x1 = numbers(data["t"], "f8"), numbers(data["columns"]["x1"]["data"], "f8")
+    assert len(t) == len(result) + len(result.events["t"]) and np.all(np.diff(t) >= 0)
+    assert np.isin(result.time, t).all() and np.isin(result.events["t"], t).all()
+    assert x1.max() == max(result["x1"].max(), result.events["x1"].max())
+    assert np.array_equal(numbers(data["events"]["kind"], "i1"), result.events["kind"])
+    assert data["horizon"] == result.trust_horizon and data["kinds"]["1"] == "contact_begin"
+
+
+def test_velocities_jump_upright_at_rigid_stops(folder):
+    data, result = data_of(folder / "rigid.html"), vibsim.open_result(folder / "rigid.h5")
+    t = numbers(data["t"], "f8")
+    assert len(t) == len(result) + 2 * len(result.events["t"])
+
+
+def test_thinning_keeps_the_extremes_of_every_column():
+    rng = np.random.default_rng(1)
+    rows = {"time": np.arange(100_003.0), "x1": rng.normal(size=100_003), "v1": rng.normal(size=100_003)}
+    thin = thinned(rows, 4000)
+    assert len(thin["time"]) <= 4000 and np.all(np.diff(thin["time"]) > 0)
+    for name in ("x1", "v1"):
+        assert thin[name].max() == rows[name].max() and thin[name].min() == rows[name].min()
+        for part in range(0, 100_000, 1000):  # in every part, to the stretch of some 125 rows
+            inside = (thin["time"] >= part) & (thin["time"] < part + 1000)
+            assert thin[name][inside].max() >= rows[name][part : part + 1000].max()
+
+
+def test_a_page_needs_nothing_from_elsewhere_and_obeys_no_text(folder):
+    for name in ("run", "sweep"):
+        text = (folder / f"{name}.html").read_text(encoding="utf-8")
+        assert "default-src 'none'" in text
+        assert not re.search(r"https?://|<link|<img|@import|fetch\(|XMLHttp", text)
+        assert "<b>bold" not in text and text.count("</script>") == 2
+
+
+def test_the_command_of_a_point_runs_it(folder, tmp_path, monkeypatch):
+    monkeypatch.chdir(folder)
+    commands, result = data_of(folder / "sweep.html")["commands"], vibsim.open_result("sweep.h5")
+    assert len(commands) == 6
+    program_name, *words = shlex.split(commands[3])
+    assert program_name == "vibsim" and call(*words, "-q").exit_code == 0
+    assert vibsim.open_result("point.h5").attrs["case_sha256"] == result["sha256"].ravel()[3]
+
+
+def test_the_command_of_a_carried_point_begins_where_it_began(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    case = vibsim.load_case("II-B", {"run.t_end": "4 s"})
+    vibsim.sweep(case, {"Omega0": "5,6 Hz"}, carry_state=True, section=0, jobs=1, out="s.h5")
+    assert call("plot", "s.h5", "-o", "s.html").exit_code == 0
+    words = shlex.split(data_of(tmp_path / "s.html")["commands"][1])
+    assert call(*words[1:], "-q").exit_code == 0
+    assert vibsim.open_result("point.h5").attrs["case_sha256"] == vibsim.open_result("s.h5")["sha256"][1, 0]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--kind", "phase"], "a page shows everything of a result; leave out --kind"),
+        (["II-B"], "a page shows one result; give one FILE"),
+    ],
+)
+def test_what_a_page_does_not_take(folder, words, message, tmp_path):
+    done = call("plot", str(folder / "rigid.h5"), *words, "-o", str(tmp_path / "a.html"))
+    assert done.exit_code == 2 and message in done.stderr and not list(tmp_path.iterdir())
+    done = call("plot", "II-B", "-o", str(tmp_path / "a.html"))
+    assert done.exit_code == 2 and "II-B is a case" in done.stderr
+
+
+needs_browser = pytest.mark.skipif(program() is None, reason="no Chromium on this machine")
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    made = Browser(tmp_path_factory.mktemp("browser"))
+    yield made
+    made.close()
+
+
+def shown(browser):
+    """The data attributes of the page."""
+    return json.loads(browser.value("JSON.stringify(document.querySelector('main').dataset)"))
+
+
+def readout(browser):
+    return browser.value("document.getElementById('readout').innerText")
+
+
+@needs_browser
+def test_zoom_keys_and_hover_of_a_run(browser, folder, runs):
+    result = vibsim.open_result(runs["motor"])
+    impacts = result.events["t"][result.events["kind"] == 1]
+    browser.open(folder / "run.html")
+    browser.settle()
+    assert (float(shown(browser)["from"]), float(shown(browser)["to"])) == (0, 20)
+    assert int(shown(browser)["impacts"]) == len(impacts)
+    x, y, width, height = browser.box("canvas")
+    browser.mouse("Wheel", x + width / 2, y + height / 2, deltaX=0, deltaY=-600)
+    wheel = shown(browser)
+    assert 0 < float(wheel["from"]) < float(wheel["to"]) < 20
+    browser.key("0")
+    for number in range(3):
+        browser.key("n")
+        near = shown(browser)
+        assert float(near["from"]) < impacts[number] < float(near["to"]) and int(near["impacts"]) >= 1
+        assert "contact_begin of stop" in readout(browser)
+    assert float(near["to"]) - float(near["from"]) < 0.1  # from 20 s to one impact
+    value = float(re.search(r"x1\s+(\S+) (\S+)", readout(browser))[1])
+    assert value == pytest.approx(1e3 * result.events["x1"][result.events["kind"] == 1][2], rel=1e-5)
+    browser.key("ArrowRight")
+    assert float(shown(browser)["from"]) > float(near["from"])
+    browser.key("0")
+    browser.mouse("Moved", x + width * 0.7, y + height / 2)
+    assert re.search(r"t\s+1\d\.\d+ s", readout(browser)) and "motor speed" in readout(browser)
+    assert browser.said == []
+
+
+@needs_browser
+def test_between_rows_a_page_shows_the_motion(browser, folder, runs):
+    """Its cubics are within what cubics leave: h^4/384 of the fourth derivative, h = 5 ms at 34 Hz: 0.4 %."""
+    result = vibsim.open_result(runs["motor"])
+    times = np.linspace(15, 16, 101) + 0.0025
+    states = result.at(times)
+    browser.open(folder / "run.html")
+    for name, curve in (("x1", '{column: "x1", rate: "v1"}'), ("v1", '{column: "v1", of: "x1"}')):
+        found = browser.value(f"{times.tolist()}.map((t) => valueAt({curve}, t))")
+        assert np.abs(found - states[name]).max() <= (0.004 if name == "x1" else 0.03) * np.ptp(states[name])
+
+
+@needs_browser
+@pytest.mark.parametrize("width", [1200, 400])
+@pytest.mark.parametrize("name", ["run", "rigid", "sweep"])
+def test_both_widths_and_both_themes(browser, folder, name, width):
+    browser.open(folder / f"{name}.html", width)
+    browser.settle()
+    assert browser.value("document.documentElement.scrollWidth") <= width
+    count = browser.value("document.querySelectorAll('canvas').length")
+    boxes = [browser.box("canvas", i) for i in range(count)]
+    assert len(boxes) >= 2 and all(left >= 0 and left + w <= width and w > 100 for left, _, w, _ in boxes)
+    before = browser.value("getComputedStyle(document.body).backgroundColor")
+    browser.key("d")
+    assert browser.value("getComputedStyle(document.body).backgroundColor") != before
+    drawn = "(() => {const c = document.querySelector('canvas'), d = c.getContext('2d').getImageData("
+    drawn += "0, 0, c.width, c.height).data; let n = 0; for (let i = 3; i < d.length; i += 4) n += d[i] > 0;"
+    assert browser.value(drawn + " return n})()") > 1000
+    assert browser.said == []
+
+
+@needs_browser
+def test_a_point_tells_its_numbers_and_its_command(browser, folder):
+    result = vibsim.open_result(folder / "sweep.h5")
+    browser.open(folder / "sweep.html")
+    browser.settle()
+    browser.key("n")
+    assert shown(browser)["chosen"] == "0" and "vibsim run sweep.h5 -s" in readout(browser)
+    place = "[panels[0].px(columns.omega0.values[5]), panels[0].py(columns[y[0].value].values[5])]"
+    dx, dy = browser.value(place)
+    left, top, _, _ = browser.box("canvas")
+    browser.mouse("Moved", left + dx + 2, top + dy + 2)
+    assert shown(browser)["chosen"] == "5"
+    assert "omega0\t6 Hz" in readout(browser) and "c\t0.03 N s/m" in readout(browser)
+    told = float(re.search(r"mean_speed\s+(\S+)", readout(browser))[1])
+    assert told == pytest.approx(result["mean_speed"].ravel()[5], rel=1e-6)
+    browser.value("(() => {const s = document.querySelectorAll('select')[1]; s.value = 'section_speed'; "
+                  "s.dispatchEvent(new Event('change'))})()")  # fmt: skip
+    assert browser.said == []

@@ -1,0 +1,128 @@
+"use strict";
+// The page of a table of points: two panels over one column, coloured by another; a point tells its numbers.
+
+const columns = {};
+for (const column of DATA.columns) columns[column.name] = { ...column, values: decoded(column.data, Float64Array) };
+const main = document.querySelector("main"), left = element("div", undefined, main), side = element("div", undefined, main);
+const nav = document.querySelector("nav");
+const label = (column) => column.name + (column.unit ? " (" + column.unit + ")" : "");
+let chosen = -1;
+
+function picker(text, start, names) {
+  const holder = element("label", text + " ", nav), select = element("select", undefined, holder);
+  for (const name of names) element("option", name, select).value = name;
+  select.value = start;
+  select.addEventListener("change", () => reset());
+  return select;
+}
+const single = Object.values(columns).filter((column) => column.width === 1).map((column) => column.name);
+const x = picker("x", DATA.x, single);
+const y = [picker("above", DATA.y[0], Object.keys(columns)), picker("below", DATA.y[1], Object.keys(columns))];
+const by = picker("colour", DATA.colour, ["", ...single]);
+const panels = [0, 1].map((i) => new Axes(left, 270, i ? " " : "", "", i ? "lower panel" : "upper panel"));
+
+function bounds(values) {
+  let low = Infinity, high = -Infinity;
+  for (const value of values) { if (value < low) low = value; if (value > high) high = value; }
+  return [low, high];
+}
+
+// the values by which points are coloured: each its own colour while they are few, else a scale
+function shades() {
+  if (!by.value) return () => colour("c0");
+  const column = columns[by.value], different = [...new Set(column.values)].sort((a, b) => a - b);
+  if (different.length <= 7) return (row) => colour("c" + Math.max(different.indexOf(column.values[row]), 0));
+  const [low, high] = bounds(column.values);
+  return (row) => { const s = (column.values[row] - low) / (high - low || 1); return Number.isFinite(s) ? `hsl(${250 - 230 * s} 75% ${root.dataset.theme === "dark" ? 60 : 45}%)` : colour("dim"); };
+}
+
+function legend() {
+  if (!by.value) return [];
+  const column = columns[by.value], different = [...new Set(column.values)].filter(Number.isFinite).sort((a, b) => a - b);
+  if (different.length <= 7) return different.map((value, i) => [by.value + " = " + wordOf(column, value), colour("c" + i)]);
+  const [low, high] = bounds(different);
+  return [[by.value + " from " + wordOf(column, low), "hsl(250 75% 50%)"], ["to " + wordOf(column, high), "hsl(20 75% 50%)"]];
+}
+
+const wordOf = (column, value) => column.words && column.words[value] !== undefined ? column.words[value] : shortNumber(value);
+
+function redraw() {
+  const xs = columns[x.value], shadeOf = shades();
+  panels.forEach((axes, k) => {
+    const ys = columns[y[k].value], width = ys.width;
+    axes.x = view.range; axes.yLabel = label(ys); axes.xLabel = k ? label(xs) : "";
+    axes.words = ys.words && Object.entries(ys.words).map(([code, word]) => [Number(code), word]);
+    let low = Infinity, high = -Infinity;
+    for (let row = 0; row < DATA.count; row++) {
+      if (xs.values[row] < view.range[0] || xs.values[row] > view.range[1]) continue;
+      for (let m = 0; m < width; m++) { const value = ys.values[row * width + m]; if (value < low) low = value; if (value > high) high = value; }
+    }
+    axes.fit(low, high);
+    const g = axes.begin(), size = width > 1 ? 1.2 : DATA.count > 2000 ? 1.6 : 2.6;
+    for (let row = 0; row < DATA.count; row++) {
+      const px = axes.px(xs.values[row]);
+      if (px < axes.left - 4 || px > axes.width) continue;
+      g.fillStyle = shadeOf(row);
+      for (let m = 0; m < width; m++) {
+        const value = ys.values[row * width + m];
+        if (value === value) { g.beginPath(); g.arc(px, axes.py(value), size, 0, 7); g.fill(); }
+      }
+    }
+    if (chosen >= 0) {
+      g.strokeStyle = colour("mark"); g.lineWidth = 2;
+      for (let m = 0; m < width; m++) { g.beginPath(); g.arc(axes.px(xs.values[chosen]), axes.py(ys.values[chosen * width + m]), 6, 0, 7); g.stroke(); }
+    }
+    axes.end();
+    if (k === 0) axes.names(legend());
+  });
+  main.dataset.from = view.range[0]; main.dataset.to = view.range[1]; main.dataset.chosen = chosen;
+}
+
+function choose(row) {
+  chosen = row;
+  const rows = [];
+  for (const column of Object.values(columns)) {
+    if (column.width > 1) continue;
+    const value = column.values[row];
+    if (value === value) rows.push([column.name, wordOf(column, value) + (column.unit ? " " + column.unit : "")]);
+  }
+  for (const [name, texts] of Object.entries(DATA.texts)) if (texts[row]) rows.push([name, texts[row]]);
+  tell(rows, DATA.commands ? DATA.commands[row] : "");
+  redraw();
+}
+
+function hover(axes, k) {
+  return (px, py) => {
+    const xs = columns[x.value], ys = columns[y[k].value], width = ys.width;
+    let best = -1, least = 900;
+    for (let row = 0; row < DATA.count; row++) for (let m = 0; m < width; m++) {
+      const dx = axes.px(xs.values[row]) - px, dy = axes.py(ys.values[row * width + m]) - py, distance = dx * dx + dy * dy;
+      if (distance < least) { least = distance; best = row; }
+    }
+    if (best >= 0 && best !== chosen) choose(best);
+  };
+}
+
+function fullRange() {
+  const [low, high] = bounds([...columns[x.value].values].filter(Number.isFinite));
+  const margin = (high - low) * 0.03 || Math.abs(high) * 0.1 || 1;
+  return low <= high ? [low - margin, high + margin] : [0, 1];
+}
+
+function reset() { const full = fullRange(); view.full = full; view.least = (full[1] - full[0]) * 1e-6; view.all(); }
+
+// the next point in the order of the table
+function step(way) { choose(chosen < 0 ? 0 : Math.min(Math.max(chosen + way, 0), DATA.count - 1)); }
+
+const view = new View([0, 1], 1e-6, redraw);
+buttons([["everything", "all points (0)", () => view.all()], ["+", "closer (+)", () => view.zoom(0.5)], ["−", "further (-)", () => view.zoom(2)]]);
+const toggle = theme(redraw);
+keys({
+  ArrowLeft: () => view.pan(-0.2 * (view.range[1] - view.range[0])), ArrowRight: () => view.pan(0.2 * (view.range[1] - view.range[0])),
+  "+": () => view.zoom(0.5), "-": () => view.zoom(2), "0": () => view.all(), Home: () => view.all(),
+  n: () => step(1), p: () => step(-1), d: () => toggle(),
+});
+panels.forEach((axes, k) => listen(axes, view, hover(axes, k)));
+side.append(document.getElementById("readout"));
+new ResizeObserver(redraw).observe(main);
+reset();
