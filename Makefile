@@ -102,7 +102,7 @@ bench: $(STAMP) ## measure speed against error beside other solvers, and draw th
 	$(BIN)/vibsim bench II-B -o results/II-B-bench.h5 --force
 	$(BIN)/vibsim plot results/II-B-bench.h5 -o docs/work-precision.png --force
 
-budgets: $(STAMP) ## measure the speed budgets on this machine
+budgets: $(STAMP) ## measure the speed budgets on this machine, and append them to docs/benchmarks/history.json
 	$(BIN)/python tests/budgets/budgets.py
 
 clean: ## remove the environment, builds, results and figures

@@ -2,10 +2,11 @@
 
 from pathlib import Path
 
-from from_code import case_keys, commands, exit_codes, file_format
+from from_code import benchmarks, case_keys, commands, exit_codes, file_format
 from from_code.gallery import write_gallery
 
 PAGES = {
+    "benchmarks": benchmarks.page,
     "case-keys": case_keys.page,
     "commands": commands.page,
     "exit-codes": exit_codes.page,
