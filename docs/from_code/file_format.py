@@ -10,7 +10,7 @@ from vibsim.files.declarations import Attribute, Dataset
 from vibsim.fitting import fit_structure
 from vibsim.fitting.fitting import make_plan as make_fit_plan
 from vibsim.fitting.plan import Search
-from vibsim.results import trajectory_structure
+from vibsim.results import orbit_structure, trajectory_structure
 from vibsim.results.columns import JUDGEMENTS, tables_of
 from vibsim.sweeps.statistics.columns import DEFINITIONS
 from vibsim.sweeps.store import sweep_structure
@@ -50,6 +50,10 @@ def _trajectory() -> Iterator[str]:
         "events under `digits/events/`. What an instant has between two samples can be evaluated again from\n"
         "the event before it.\n"
     )
+    yield "### Datasets of a periodic orbit\n"
+    yield "A stored orbit (`vibsim orbit -o`) is a run of one period, and holds besides:\n"
+    yield _datasets([*orbit_structure.DATASETS, *orbit_structure.DIGITS])
+    yield "The last three are there where the orbit was refined with `--digits`.\n"
     yield "### Attributes of runs\n"
     yield _attributes(trajectory_structure.ATTRIBUTES)
     yield (

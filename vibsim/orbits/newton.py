@@ -19,6 +19,7 @@ EPS = 2.0**-53
 # makes of them: rounding of P(X) - X.
 OPERATIONS = 128
 SINGULAR = 1e-9  # of the largest singular value of I - dP/dX: below, the equation says nothing on a direction
+NEARLY, GOOD = 1e-3, 0.1  # the same, but for what is left of it nearby; by so much a step must help
 STAGNANT = 16  # times the tolerance: a residual that no step makes smaller is rounding still
 
 
@@ -83,14 +84,20 @@ def tolerance(end):
     return OPERATIONS * EPS * gain * size
 
 
-def newton_step(end):
-    """(change of X, change of T) that make the linearised map a fixed point."""
+def newton_step(end, cut=None):
+    """(change of X, change of T) that make the linearised map a fixed point.
+
+    cut : leave out directions whose singular value is below so much of the largest, where it is given
+    """
     at, timed = end.coordinates, end.tilt is None
     matrix, right = np.eye(at.count) - end.derivative, end.difference
     if not timed:
         right = right - end.rate * (end.ahead / end.tilt[1])
     scaled = matrix * (at.weights[:, None] / at.weights)
-    change = _solved(scaled, right * at.weights) / at.weights
+    if cut is None:
+        change = _solved(scaled, right * at.weights) / at.weights
+    else:
+        change = np.linalg.lstsq(scaled, right * at.weights, rcond=cut)[0] / at.weights
     if timed:
         return change, 0.0
     slopes, rate = end.tilt
@@ -110,8 +117,17 @@ def _solved(matrix, right):
 
 
 def _next(return_map, end):
-    """The motion after one step, damped where it must be; None where no step makes it better."""
+    """The motion after one step, damped where it must be; None where no step makes it better.
+
+    A step far along a direction that is nearly singular, as beside a family of orbits, is tried without that
+    direction first.
+    """
     change, longer = newton_step(end)
+    if end.coordinates.size(change) * NEARLY > end.residual:
+        short, later = newton_step(end, NEARLY)
+        after = _motion(return_map, _moved(end, short, later), end.T + later) if later > -end.T else None
+        if after is not None and after.residual < GOOD * end.residual:
+            return after
     share = 1.0 if longer == 0 else min(1.0, end.T / (2 * abs(longer)))
     for _ in range(HALVINGS):
         X = _moved(end, change, longer) if share == 1.0 else end.X + share * change

@@ -49,9 +49,7 @@ def flow(value: Any, key: str = "") -> str:
     if isinstance(value, dict) and key == "terms":
         return f"[{', '.join(flow(term) for term in value.values())}]"
     if isinstance(value, dict):
-        return (
-            "{" + ", ".join(f"{scalar(name)}: {flow(inner, name)}" for name, inner in value.items()) + "}"
-        )
+        return "{" + ", ".join(f"{scalar(name)}: {flow(inner, name)}" for name, inner in value.items()) + "}"
     return str(value) if isinstance(value, Ends) else scalar(value)
 
 

@@ -9,7 +9,6 @@ from vibsim.physics.parts import Scene
 NONE = -1  # of a count that a method does not give
 
 
-
 def scales_of(scene: Scene) -> dict[str, Column]:
     """What counts rows, instants and kinds of events."""
     flags = {name: EVENT_KINDS[name] for name in kinds_of(scene)}

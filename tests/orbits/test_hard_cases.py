@@ -1,0 +1,150 @@
+"""Orbits that are hard by name, against closed forms and laws."""
+
+from dataclasses import replace
+from math import cos, pi, sin, sqrt
+
+import numpy as np
+import pytest
+
+import vibsim
+from tests.engine.test_closed_cases import harmonic, scene
+from vibsim.cases import load_case
+from vibsim.orbits import find_orbit
+from vibsim.orbits.stability import neighbours
+from vibsim.physics.parts import COMPRESSION, GROUND, Body, Clearance, Force, Friction, Link, Stop
+
+ENGINES = ("c", "python")
+
+
+def rubbing(ratio, friction, force=1.0):
+    """x'' + x = force sin(ratio t) - friction sgn x'."""
+    return scene(
+        [Body("m", 1.0, 0.0, 0.0)],
+        links=(Link("spring", 0, GROUND, 1.0, 0.0),),
+        frictions=(Friction("floor", 0, GROUND, friction, friction, 0.0),),
+        forces=(Force("drive", 0, 0.0, (harmonic(force, ratio / (2 * pi)),)),),
+    )
+
+
+def reversal_factors(of, orbit):
+    """(|S| - N) / (|S| + N) at each reversal, S the force that would have to be held there."""
+    carried, N = orbit.end.carried, of.frictions[0].forward
+    (term,) = of.forces[0].terms
+    forces = term.amplitude * np.sin(term.omega * carried.times + term.phase) - carried.states[:, 0]
+    return (np.abs(forces) - N) / (np.abs(forces) + N)
+
+
+@pytest.mark.parametrize("x", [-0.1, -0.05, 0.0, 0.025])
+def test_a_family_of_orbits_under_dry_friction(x):
+    """At half the natural frequency, without damping, non-sticking orbits form a family (Csernak and Stepan
+    2006; Csernak, Stepan and Shaw 2007): in half a period the free vibration returns to where it was. So one
+    multiplier is exactly 1, and no fold; the other is the product of what the reversals do.
+    """
+    of = rubbing(0.5, 0.1)
+    orbit = find_orbit(of, {"x_m": x, "v_m": 0.6667}, 1)
+    assert orbit.spelled == "rr" and orbit.n == 1
+    one, other = orbit.multipliers
+    assert abs(one - 1) < 1e-13 and abs(other - np.prod(reversal_factors(of, orbit))) < 1e-13
+    assert orbit.X[1] == pytest.approx(2 / 3, abs=1e-12)  # 1 / (1 - 1/4) of the force, at its rate 1/2
+    assert [near.kind for near in neighbours(orbit)] == ["family"]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("ratio", [0.6, 0.7, 1.3])
+def test_den_hartogs_motion_without_stops(ratio, engine):
+    """Amplitude x = sqrt(V^2 - (f U)^2) (Den Hartog 1930), and the determinant of the matrix."""
+    friction = 0.15
+    of = rubbing(ratio, friction)
+    orbit = find_orbit(of, {"x_m": 0.0, "v_m": ratio / (1 - ratio**2)}, 1, engine=engine)
+    V = 1 / (1 - ratio**2)
+    U = sin(pi / ratio) / (ratio * (1 + cos(pi / ratio)))
+    turns = orbit.end.carried.states[:, 0]
+    assert orbit.spelled == "rr"
+    np.testing.assert_allclose(
+        np.sort(turns), np.array([-1, 1]) * sqrt(V**2 - (friction * U) ** 2), rtol=1e-12
+    )
+    assert np.linalg.det(orbit.end.derivative) == pytest.approx(
+        np.prod(reversal_factors(of, orbit)), rel=1e-12
+    )
+
+
+def test_the_friction_oscillator_of_another_solver():
+    """Amplitude 2.42023635057437 m: cases/gallery/friction-oscillator.yaml says whose."""
+    orbit = vibsim.orbit("gallery/friction-oscillator")
+    assert orbit.stable and orbit.spelled == "rr"
+    np.testing.assert_allclose(np.abs(orbit.end.carried.states[:, 0]), 2.42023635057437, rtol=1e-14)
+
+
+def test_a_stick_arc_across_the_section():
+    """Wherever the phase of the section cuts the orbit of the capsule, multipliers and word are the same; at
+    its own phase the capsule sticks there, to the bit.
+    """
+    case = load_case("gallery/drifting-capsule")
+    first = vibsim.orbit(case)
+    assert first.X[2] == 0.0 and first.multipliers[-1] == 0
+    starts = set()
+    for phase in (40, 110, 200, 300):
+        other = vibsim.orbit(
+            case, {"forces.push.phase": f"{phase} deg", "forces.reaction.phase": f"{180 + phase} deg"}
+        )
+        assert other.word == first.word and other.multipliers[-1] == 0
+        np.testing.assert_allclose(other.multipliers, first.multipliers, rtol=0, atol=1e-11)
+        assert other.drift["capsule"] == pytest.approx(first.drift["capsule"], rel=1e-10)
+        starts.add(other.X[2] == 0.0)
+    assert starts == {True, False}
+
+
+def bilinear(amplitude, gap=0.0, c=0.1):
+    return scene(
+        [Body("m", 1.0, 0.0, 0.0)],
+        links=(Link("spring", 0, GROUND, 1.0, c),),
+        stops=(Stop("wall", 0, GROUND, gap, COMPRESSION, 8.0, 0.0),),
+        forces=(Force("drive", 0, 0.0, (harmonic(amplitude, 0.35),)),),
+    )
+
+
+def test_a_bilinear_oscillator_without_a_gap():
+    """It has no length of its own: orbits grow with the force, multipliers do not; their product is
+    exp(-c T), since contact begins and ends without a jump.
+    """
+    small = find_orbit(bilinear(1.0), {"x_m": 0.1, "v_m": 0.1}, 1)
+    large = find_orbit(bilinear(64.0), {"x_m": 6.0, "v_m": 7.0}, 1)
+    np.testing.assert_allclose(large.X, 64 * small.X, rtol=1e-13)
+    np.testing.assert_allclose(large.multipliers, small.multipliers, rtol=0, atol=1e-13)
+    for orbit in (small, large):
+        assert np.prod(orbit.multipliers).real == pytest.approx(np.exp(-0.1 / 0.35), rel=1e-13)
+
+
+def test_the_unstable_orbit_of_the_bilinear_oscillator():
+    """V12: the stable motion has two periods; the orbit of one is unstable, where the doubled one was born.
+    Multipliers multiply to exp(-c T / m) on either.
+    """
+    case = load_case("gallery/bilinear-oscillator")
+    one, two = sorted(vibsim.search_orbits(case, 6, seed=3), key=lambda orbit: orbit.n)
+    assert (one.n, one.stable, two.n, two.stable) == (1, False, 2, True)
+    assert one.multipliers[0].real < -1
+    of = case.scene()
+    rate = sum(link.c for link in of.links) / of.bodies[0].m
+    for orbit in (one, two):
+        assert np.prod(orbit.multipliers).real == pytest.approx(np.exp(-rate * orbit.period), rel=1e-11)
+
+
+def test_two_masses_obey_liouville_through_impacts():
+    """The paper's machine without friction: exp(-c T (1/m1 + 1/m2)) is the product."""
+    orbit = vibsim.orbit("I-C", {"friction": "none", "coupling.c": "0.5 N s/m", "run.t_end": "60 s"})
+    rate = 0.5 * (1 / 0.297 + 1 / 2.94)
+    assert np.prod(orbit.multipliers).real == pytest.approx(np.exp(-rate * orbit.period), rel=1e-12)
+    assert max(orbit.multipliers.real) == pytest.approx(1.0, abs=1e-12)  # a steady speed of both
+
+
+def test_eighteen_periods():
+    """I-B: divisors of 18 are tried, and none of them is an orbit."""
+    orbit = vibsim.orbit("I-B", period=36)
+    assert orbit.n == 18 and orbit.stable and len(orbit.points) == 18
+
+
+def test_limits_that_are_watched_stop_no_orbit():
+    of = bilinear(1.0)
+    watched = replace(of, clearances=(Clearance("room", 0, GROUND, 0.0),), stop_on_violation=True)
+    orbit = find_orbit(watched, {"x_m": 0.1, "v_m": 0.1}, 1)
+    assert orbit.spelled == find_orbit(of, {"x_m": 0.1, "v_m": 0.1}, 1).spelled
