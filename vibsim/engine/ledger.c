@@ -4,9 +4,10 @@
 #include "event_functions.h"
 #include "gauss_nodes.h"
 #include "numbers.h"
+#include "wide.h"
 
 /* A series of `count` coefficients `stride` apart at all nodes: `horner` node by node, side by side. */
-static void series_at_nodes(const double *c, int count, int stride, const double *tau, const double *square, double *out)
+WIDE static void series_at_nodes(const double *c, int count, int stride, const double *tau, const double *square, double *out)
 {
     double high[NODE_COUNT], low[NODE_COUNT];
     int n, i;

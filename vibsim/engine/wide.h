@@ -1,0 +1,15 @@
+/* Loops over many equal operations, built twice where the loader can choose: for every processor, and for those with four doubles
+ * in a register. Each lane is rounded by itself, so both give the same bits; the build forbids fused products and sums.
+ */
+#ifndef VIBSIM_WIDE_H
+#define VIBSIM_WIDE_H
+
+#include <stdlib.h> /* tells which C library this is */
+
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
+#define WIDE __attribute__((target_clones("avx2", "default")))
+#else
+#define WIDE
+#endif
+
+#endif
