@@ -11,11 +11,12 @@ from vibsim.engine.errors import EngineError
 from vibsim.engine.flow import Flow
 from vibsim.engine.harmonics import value_and_rate
 from vibsim.engine.ledger import struck_entries
-from vibsim.engine.meters import MeterMaker, jumps_of
-from vibsim.engine.packing import coupled, pack_mode, pack_scene, pack_state
-from vibsim.engine.packing_meters import pack_extremes, pack_ledger, pack_meters, terms_of
+from vibsim.engine.meters import jumps_of
+from vibsim.engine.mode_table import mode_table
+from vibsim.engine.packing import coupled, pack_scene, pack_state
+from vibsim.engine.packing_meters import pack_extremes, pack_ledger
 from vibsim.engine.packing_tangent import DisturbancePacker, pack_bundle
-from vibsim.engine.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, STRIKE, RowMaker
+from vibsim.engine.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, STRIKE
 from vibsim.engine.saltation import released_frictions, saltation
 from vibsim.engine.state import State, start_of
 from vibsim.engine.status import CONTACT, LIFTED, OPEN, RESTING, STICK
@@ -63,15 +64,16 @@ class CRun:
         extremes=None,
     ):
         self.scene, self.n = scene, len(scene.bodies)
-        self.maker = RowMaker(scene, Doubles)
+        self.table, self.momentum = mode_table(scene), momentum
+        self.maker, self.keys = self.table.maker, self.table.keys
         self.doubts = Doubts()
         self.scout = Flow(scene, Doubles, self.doubts, JET + 1)
         self.automaton = Automaton(scene, self.maker, self.scout, Doubles)
         self.harmonics = self.scout.closed.harmonics
         self.run = _engine.Run(*pack_scene(scene, self.harmonics))
-        self.keys, self.numbers, self.rows, self.ruled = {}, {}, [], set()
+        self.numbers, self.rows, self.ruled = {}, [], set()
         self.packer = None
-        self.meters = MeterMaker(scene, Doubles, self.maker, momentum) if ledger or momentum else None
+        self.meters = self.table.meter_maker(momentum) if ledger or momentum else None
         if self.meters:
             names = self.meters.names
             self.run.keep_ledger(*pack_ledger(scene, names, jumps_of(scene, names), self.maker.ends))
@@ -137,14 +139,11 @@ class CRun:
     def _mode(self, status):
         """Number of a mode in C; adds it where it is new."""
         if status not in self.numbers:
-            rows = self.maker.rows(status)
-            if self.scout.suits(rows) is self.scout.taylor:
-                rows.modal = False
-            number = self.run.add_mode(*pack_mode(rows, self.keys))
+            number = self.run.add_mode(*self.table.packed(status, self.scout))
             if self.meters:
-                self.run.set_meters(number, *pack_meters(self.meters.meters(rows), terms_of(rows)))
+                self.run.set_meters(number, *self.table.packed_meters(status, self.momentum))
             self.numbers[status] = number
-            self.rows.append(rows)
+            self.rows.append(self.maker.rows(status))
         return self.numbers[status]
 
     def _known(self, known, missing):
@@ -246,15 +245,23 @@ class CRun:
             return False
         self.ruled.add((number, event))
         rows = self.rows[number]
-        rule = self._rule(rows, rows.events[event])
-        if rule is None or not self._rule_jumps_in_c(rows, rule, rows.events[event]):
+        rule = self.table.rule(rows, event, self._rule)
+        if rule is None:
             return False
-        self.run.set_rule(number, event, rule)
+        kind, *behind, hold, happened, part, key, order = rule
+        target, other = (0 if status is None else self._mode(status) for status in behind)
+        numbers = kind, target, other, hold, EVENT_KINDS[happened], part, self.keys[key], order
+        if not self._rule_jumps_in_c(rows, numbers, rows.events[event]):
+            return False
+        self.run.set_rule(number, event, numbers)
         return True
 
     def _rule(self, rows, event):
-        """(rule, target, other, hold, kind, part, key, order) of an event, or None where Python decides."""
-        status, i, key = rows.status, event.part, self.keys[event.key]
+        """(rule, target, other, hold, kind, part, key, order) of an event, or None where Python decides.
+
+        target, other: a status, or None; kind: of the event by name; key: of what is zero behind it.
+        """
+        status, i, key = rows.status, event.part, event.key
         if event.kind == STRIKE:
             return None
         if event.kind == GAP:
@@ -279,11 +286,11 @@ class CRun:
         drops = self.scene.frictions[tie].drops(after.frictions[tie])
         if drops and after.tied:  # the drop may tear those too
             return None
-        number, order = self._mode(after), 1 if drops else 2
-        return (CROSS, number, 0, -1, EVENT_KINDS["stick_end"], tie, self.keys[SLIDE, tie], order)
+        return self._cross(after, "stick_end", tie, (SLIDE, tie), 1 if drops else 2)
 
-    def _cross(self, status, kind, part, key, order):
-        return (CROSS, self._mode(status), 0, -1, EVENT_KINDS[kind], part, key, order)
+    @staticmethod
+    def _cross(status, kind, part, key, order):
+        return CROSS, status, None, -1, kind, part, key, order
 
     def _contact_rule(self, status, event, key):
         i = event.part
@@ -317,14 +324,14 @@ class CRun:
             return None
         if not self.automaton._possible(rows):
             return None
-        target, other, hold = self._mode(stuck), 0, -1
+        other, hold = None, -1
         if standing == [i]:
             before = status.frictions[i]
-            other = self._mode(status.with_frictions({i: -before}))
+            other = status.with_frictions({i: -before})
             for number, e in enumerate(rows.events):
                 if e.kind == HOLD and rows.cuts[e.part].ties[0][1] * e.direction == -before:
                     hold = number
-        return (STAND, target, other, hold, EVENT_KINDS["stick_begin"], i, key, 1)
+        return STAND, stuck, other, hold, "stick_begin", i, key, 1
 
     @property
     def disturbances(self):

@@ -54,9 +54,10 @@ class ClosedForm:
     def covers(self, rows):
         """Whether the mode has a closed form; prepares it where it has."""
         if rows.modal is None:
-            rows.modal = modal_of(self.scene, self.kit, rows, self.harmonics) or False
-            if rows.modal:
-                self._prepare(rows.modal)
+            modal = modal_of(self.scene, self.kit, rows, self.harmonics)
+            if modal:
+                self._prepare(modal)
+            rows.modal = modal or False
         return rows.modal is not False
 
     def _prepare(self, modal):

@@ -298,16 +298,16 @@ static PyObject *state_tuple(const Run *r, const State *s)
     return Py_BuildValue("dNNddd", s->t, x, v, s->phase, s->turns, s->w);
 }
 
-/* Orders of known zeros by key, as bytes of int; missing keys are 0. */
+/* Orders of known zeros by key, as bytes of int; there may be more of them than this run has met. */
 static int read_known(const Run *r, const Py_buffer *view, int *known)
 {
     const int *values = view->buf;
     Py_ssize_t count = view->len / (Py_ssize_t)sizeof(int), k;
-    if (count != r->key_count) {
+    if (count < r->key_count) {
         PyErr_SetString(PyExc_ValueError, "not the orders of the known zeros");
         return -1;
     }
-    for (k = 0; k < count; k++)
+    for (k = 0; k < r->key_count; k++)
         known[k] = values[k] < -1 ? -1 : values[k] > JET_ORDER ? JET_ORDER : values[k];
     return 0;
 }

@@ -103,8 +103,6 @@ class ModeRows:
     drift: list[Any] = field(default_factory=list)  # velocity of a column against its leader [m/s]
     modal: Any = None  # closed form of the mode, where there is one
     tied: list[int] = field(default_factory=list)  # bodies that are tied to another column
-    number: int = 0
-    next: dict = field(default_factory=dict)
 
 
 class RowMaker:
@@ -126,9 +124,7 @@ class RowMaker:
     def rows(self, status):
         """The rows of the mode `status`."""
         if status not in self.made:
-            made = self._make(status)
-            made.number = len(self.made)
-            self.made[status] = made
+            self.made[status] = self._make(status)
         return self.made[status]
 
     def stuck(self, status):

@@ -1,0 +1,85 @@
+"""What runs of one scene share, whatever they start from: the rows of its modes, packed for C, and what
+follows their events.
+
+Restarts from events, ensembles of starts and disturbances run the same scene many times; making its modes
+anew costs a millisecond each time.
+"""
+
+import pickle
+from collections import OrderedDict
+from dataclasses import replace
+from threading import Lock
+
+from vibsim.engine.meters import MeterMaker
+from vibsim.engine.packing import pack_mode
+from vibsim.engine.packing_meters import pack_meters, terms_of
+from vibsim.engine.rows import RowMaker
+from vibsim.physics.numbers import Doubles
+
+SCENES = 16  # whose tables are kept
+
+
+class ModeTable:
+    """Rows of the modes of a scene, and by status what C is told of them.
+
+    maker : makes the rows; keys : {event key: number in C}
+    """
+
+    def __init__(self, scene):
+        self.scene, self.maker, self.keys = scene, RowMaker(scene, Doubles), {}
+        self._packed, self._meters, self._makers, self._rules = {}, {}, {}, {}
+        self._lock = Lock()  # keys are numbered one mode after the other
+
+    def packed(self, status, flow):
+        """The rows of a mode as bytes of ints and of doubles; flow: tells whether it has a closed form."""
+        with self._lock:
+            if status not in self._packed:
+                rows = self.maker.rows(status)
+                if flow.suits(rows) is flow.taylor:
+                    rows.modal = False
+                self._packed[status] = pack_mode(rows, self.keys)
+        return self._packed[status]
+
+    def meter_maker(self, momentum):
+        """What makes the meters of the ledgers; momentum: whether of both of them."""
+        if momentum not in self._makers:
+            self._makers[momentum] = MeterMaker(self.scene, Doubles, self.maker, momentum)
+        return self._makers[momentum]
+
+    def packed_meters(self, status, momentum):
+        """The meters of a mode as bytes of ints and of doubles."""
+        if (status, momentum) not in self._meters:
+            rows = self.maker.rows(status)
+            meters = self.meter_maker(momentum).meters(rows)
+            self._meters[status, momentum] = pack_meters(meters, terms_of(rows))
+        return self._meters[status, momentum]
+
+    def rule(self, rows, number, make):
+        """What follows event `number` of a mode, made by `make(rows, event)` when it is first asked for."""
+        key = rows.status, number
+        if key not in self._rules:
+            self._rules[key] = make(rows, rows.events[number])
+        return self._rules[key]
+
+
+_tables: OrderedDict[bytes, ModeTable] = OrderedDict()
+_lock = Lock()
+
+
+def mode_table(scene):
+    """The table of a scene, the same for all scenes that differ in their starts, ends and samples alone."""
+    key = _signature(scene)
+    with _lock:
+        table = _tables.pop(key, None) or ModeTable(scene)
+        _tables[key] = table
+        if len(_tables) > SCENES:
+            _tables.popitem(last=False)
+    return table
+
+
+def _signature(scene):
+    """Bits of all numbers and names that modes are made of: -0.0 is not 0.0 here."""
+    masses = [body.m for body in scene.bodies]
+    motor = scene.motor and replace(scene.motor, phi=0.0, phidot=0.0)
+    parts = scene.links, scene.stops, scene.frictions, scene.forces, scene.base, scene.clearances
+    return pickle.dumps((masses, parts, motor, scene.method, scene.order, scene.tol))
