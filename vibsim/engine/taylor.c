@@ -61,17 +61,20 @@ static int size_of_load(const Run *r, int n, int c)
 /* Step that the terms of order `highest` and below allow, of the series number c that `size` tells of. */
 INLINE double longest_step(const Run *r, int (*size)(const Run *, int, int), int c, int highest, double longest)
 {
-    int leading[LEADING], last, m;
-    for (m = 0; m < LEADING; m++)
-        leading[m] = size(r, m, c);
+    double leading[LEADING];
+    int last, m;
+    for (m = 0; m < LEADING; m++) {
+        int exponent = size(r, m, c);
+        leading[m] = exponent > -2000 ? exponent : -INFINITY; /* a term that is zero allows nothing by itself */
+    }
     for (last = highest - 1; last <= highest; last++) {
         int following = size(r, last, c);
         if (following > -2000) {
-            double best = -INFINITY;
-            for (m = 0; m < LEADING && m < last; m++) {
-                double candidate = (r->tolerance_exponent + (leading[m] - following)) / (last - m);
-                best = leading[m] > -2000 && candidate > best ? candidate : best;
-            }
+            double steps[LEADING], best = -INFINITY;
+            for (m = 0; m < LEADING; m++) /* side by side: most of the time goes into the quotients */
+                steps[m] = (r->tolerance_exponent + (leading[m] - following)) / (last - m);
+            for (m = 0; m < LEADING && m < last; m++)
+                best = steps[m] > best ? steps[m] : best;
             longest = best > -INFINITY && best < longest ? best : longest;
         }
     }
@@ -206,6 +209,37 @@ double taylor_advance(Run *r, double limit, int *event)
     return end;
 }
 
+/* Three pairs of columns of the table at two times at once: as `dense_block` at each. */
+static void dense_twice(const double *table, int rows, const double *tau, double *out, double *other)
+{
+    const Pair square = twice(tau[0] * tau[0]), other_square = twice(tau[1] * tau[1]);
+    const double *row = table + (rows - 1) * 6;
+    Pair high[3], low[3], other_high[3], other_low[3];
+    int n, k;
+    for (k = 0; k < 3; k++) {
+        high[k] = other_high[k] = load_pair(row + 2 * k);
+        low[k] = other_low[k] = load_pair(row - 6 + 2 * k);
+    }
+    row -= 12;
+    for (n = rows - 3; n > 0; n -= 2, row -= 12)
+        for (k = 0; k < 3; k++) {
+            const Pair first = load_pair(row + 2 * k), second = load_pair(row - 6 + 2 * k);
+            high[k] = add_product(first, high[k], square);
+            other_high[k] = add_product(first, other_high[k], other_square);
+            low[k] = add_product(second, low[k], square);
+            other_low[k] = add_product(second, other_low[k], other_square);
+        }
+    for (k = 0; k < 3; k++) {
+        if (rows % 2 != 0) {
+            high[k] = add_product(load_pair(table + 2 * k), high[k], square);
+            other_high[k] = add_product(load_pair(table + 2 * k), other_high[k], other_square);
+        }
+        store_pair(out + 2 * k, rows % 2 == 0 ? add_product(low[k], twice(tau[0]), high[k]) : add_product(high[k], twice(tau[0]), low[k]));
+        store_pair(other + 2 * k,
+                   rows % 2 == 0 ? add_product(other_low[k], twice(tau[1]), other_high[k]) : add_product(other_high[k], twice(tau[1]), other_low[k]));
+    }
+}
+
 /* Columns of the table at tau, `horner` row by row: `count` of them, in pairs. */
 INLINE void dense_block(const double *table, int rows, const int count, int stride, double tau, double *out)
 {
@@ -255,25 +289,39 @@ double taylor_spin_rate(const Run *r, double tau)
     return rate;
 }
 
+/* One row of the table into a column of samples, as `write_state` does. */
+static void write_values(const Run *r, const double *values, double *column, long room)
+{
+    const Taylor *f = &r->taylor;
+    const double *rates = values + f->rates;
+    const int n = r->bodies;
+    int c;
+    for (c = 0; c < n; c++) {
+        column[(1 + 2 * c) * room] = values[c];
+        column[(2 + 2 * c) * room] = rates[c];
+    }
+    column[(1 + 2 * n) * room] = column[(2 + 2 * n) * room] = 0.0;
+    if (r->has_motor) {
+        double turns, phase = reduce_angle(values[n], &turns);
+        column[(1 + 2 * n) * room] = unwind(phase, f->turns + turns);
+        column[(2 + 2 * n) * room] = rates[n];
+    }
+}
+
 /* Writes states at times tau of the step into rows as `write_state` does. */
 void taylor_samples(Run *r, const double *tau, int count, double *row, long room)
 {
     const Taylor *f = &r->taylor;
-    double *values = f->values, *rates = values + f->rates, turns, phase;
-    const int n = r->bodies;
-    int i, c;
-    for (i = 0; i < count; i++, row++) {
-        dense_output(f, tau[i], values);
-        for (c = 0; c < n; c++) {
-            row[(1 + 2 * c) * room] = values[c];
-            row[(2 + 2 * c) * room] = rates[c];
-        }
-        row[(1 + 2 * n) * room] = row[(2 + 2 * n) * room] = 0.0;
-        if (r->has_motor) {
-            phase = reduce_angle(values[n], &turns);
-            row[(1 + 2 * n) * room] = unwind(phase, f->turns + turns);
-            row[(2 + 2 * n) * room] = rates[n];
-        }
+    double other[6];
+    int i = 0;
+    for (; f->stride == 6 && i + 2 <= count; i += 2) {
+        dense_twice(f->table, f->order + 2, tau + i, f->values, other);
+        write_values(r, f->values, row + i, room);
+        write_values(r, other, row + i + 1, room);
+    }
+    for (; i < count; i++) {
+        dense_output(f, tau[i], f->values);
+        write_values(r, f->values, row + i, room);
     }
 }
 
