@@ -16,13 +16,13 @@ from vibsim.engine.taylor import Taylor
 class Flow:
     """Enters each mode by the flow that suits it; `scene.method` may demand one of them.
 
-    least_order : of the Taylor series, where more derivatives are asked for than the scene's order has
+    order : of the Taylor series; that of the scene, unless derivatives at a state are all that is asked for
     """
 
-    def __init__(self, scene, kit, certificate=None, least_order=0):
+    def __init__(self, scene, kit, certificate=None, order=None):
         self.kit = kit
         self.certificate = certificate or Certificate(kit)
-        self.taylor = Taylor(scene, kit, self.certificate, least_order)
+        self.taylor = Taylor(scene, kit, self.certificate, order)
         self.closed = ClosedForm(scene, kit, self.certificate)
         self.method = scene.method
         self.now = self.taylor

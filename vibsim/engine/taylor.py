@@ -22,12 +22,12 @@ NOTHING = None
 
 
 class Taylor:
-    """Flow by Taylor steps of the scene's order (not below `least_order`) and tolerance."""
+    """Flow by Taylor steps of the scene's order, or of `order`, and its tolerance."""
 
     method = "taylor"
 
-    def __init__(self, scene, kit, certificate, least_order=0):
-        self.scene, self.kit, self.order = scene, kit, max(kit.order(scene), least_order)
+    def __init__(self, scene, kit, certificate, order=None):
+        self.scene, self.kit, self.order = scene, kit, order or kit.order(scene)
         self.tolerance_exponent = kit.tolerance_exponent(scene)
         self.n = len(scene.bodies)
         self.motor = scene.motor
