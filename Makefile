@@ -2,7 +2,11 @@
 
 PYTHON ?= python3
 VENV := .venv
+ifeq ($(OS),Windows_NT)
+BIN := $(VENV)/Scripts
+else
 BIN := $(VENV)/bin
+endif
 STAMP := $(VENV)/installed
 ENGINE := $(wildcard vibsim/engine/*.[ch])
 BELTS := 0.95,1.025,1.1,1.175,1.25,1.325,1.4,1.475,1.5,1.55,1.625,1.7,1.775,1.83,1.84,1.85,1.925,2
@@ -10,7 +14,7 @@ PAPER := I-A I-B I-C I-A-eq211 I-B-eq211 I-C-eq211 II-A II-B II-C
 BUILD_ENGINE := $(BIN)/python setup.py -q build_ext --inplace --force
 SANITIZED := tests/engine tests/kernel tests/events tests/flows tests/tangent tests/sweeps
 
-.PHONY: help env run paper test docs article fuzz sanitize verify lint figures sweep sommerfeld basins bench budgets truths clean
+.PHONY: help env run paper test docs article wheel wheels oldest without-compiler coverage workflows fuzz sanitize verify lint figures sweep sommerfeld basins bench budgets truths clean
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -45,6 +49,47 @@ article: $(STAMP) ## make the article about vibsim with its references: build/ar
 	  $(BIN)/python -m pip install --quiet --disable-pip-version-check pypandoc_binary
 	$(BIN)/python -c "import pypandoc; pypandoc.convert_file('paper.md', 'html', outputfile='build/article.html', \
 	  extra_args=['--citeproc', '--standalone', '--fail-if-warnings'])"
+
+wheel: $(STAMP) ## build sdist and wheel, install the wheel into an empty environment, try it there
+	rm -rf dist build/empty
+	VIBSIM_BUILD=strict $(BIN)/python -m build --quiet
+	$(BIN)/python tests/packaging/complete.py dist/*.tar.gz
+	$(PYTHON) -m venv build/empty
+	build/empty/bin/python -m pip install --quiet --disable-pip-version-check dist/*.whl
+	build/empty/bin/python tests/packaging/smoke.py --with-engine
+
+wheels: $(STAMP) ## build and try wheels for all Pythons of this system with cibuildwheel: wheelhouse/
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check cibuildwheel
+	$(BIN)/python -m cibuildwheel --output-dir wheelhouse
+
+oldest: ## run the tests with the oldest dependencies, in an environment of their own (PYTHON=python3.10)
+	test -x build/oldest/bin/python || $(PYTHON) -m venv build/oldest
+	build/oldest/bin/python -m pip install --quiet --disable-pip-version-check \
+	  --constraint tests/packaging/oldest.txt --editable '.[dev]'
+	build/oldest/bin/python -m pytest -n auto -q
+
+without-compiler: ## install without the C engine into an empty environment, and try it there
+	rm -rf build/without && $(PYTHON) -m venv build/without
+	CC=false build/without/bin/python -m pip install --quiet --disable-pip-version-check .
+	build/without/bin/python tests/packaging/smoke.py --without-engine
+
+coverage: $(STAMP) ## tell which lines and branches of Python and C no test reaches (TESTS=): build/coverage/
+	$(BIN)/python -c "import coverage, gcovr" 2>/dev/null || \
+	  $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[checks]'
+	rm -rf build/coverage && mkdir -p build/coverage/c && find build -name '*.gcda' -delete
+	trap '$(BUILD_ENGINE)' EXIT; VIBSIM_BUILD=coverage $(BUILD_ENGINE) && \
+	  $(BIN)/python -m coverage run -m pytest -n auto -q --timeout 1200 -p no:faulthandler $(TESTS) && \
+	  $(BIN)/python -m coverage combine --quiet && $(BIN)/python -m coverage html --quiet && \
+	  $(BIN)/python -m coverage report > build/coverage/python.txt && \
+	  $(BIN)/gcovr --root . --filter vibsim/engine --txt build/coverage/c.txt --html-details build/coverage/c/index.html \
+	    --exclude-unreachable-branches --exclude-throw-branches build
+	grep TOTAL build/coverage/python.txt
+	grep TOTAL build/coverage/c.txt
+
+workflows: $(STAMP) ## check the workflows of .github against their schema
+	$(BIN)/python -c "import check_jsonschema" 2>/dev/null || \
+	  $(BIN)/python -m pip install --quiet --disable-pip-version-check check-jsonschema
+	$(BIN)/check-jsonschema --builtin-schema vendor.github-workflows .github/workflows/*.yml
 
 fuzz: $(STAMP) ## throw three thousand mutants of cases, command lines and files at vibsim (COUNT=, SEED=)
 	$(BIN)/python -m tests.fuzz --count $(or $(COUNT),3000) --seed $(or $(SEED),1)
@@ -106,6 +151,6 @@ budgets: $(STAMP) ## measure the speed budgets on this machine, and append them 
 	$(BIN)/python tests/budgets/budgets.py
 
 clean: ## remove the environment, builds, results and figures
-	rm -rf $(VENV) build dist docs/generated *.egg-info results figures .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) build dist wheelhouse docs/generated *.egg-info results figures .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find vibsim tests -name __pycache__ -type d -prune -exec rm -rf {} +
 	rm -f vibsim/engine/*.so

@@ -1,21 +1,23 @@
-"""Builds the optional C engine; everything else is declared in pyproject.toml.
+"""Builds the optional C engine and names the packages; everything else is declared in pyproject.toml.
 
 Without a compiler the extension is left out (`optional=True`) and vibsim runs on its Python engine.
 `-ffp-contract=off` keeps every product and sum rounded by itself, so that both engines agree bit for bit.
 VIBSIM_BUILD=strict takes warnings for errors, VIBSIM_BUILD=sanitize watches addresses and undefined behaviour
-(`make sanitize`); both fail where the engine does not build.
+(`make sanitize`), VIBSIM_BUILD=coverage counts lines (`make coverage`); all fail where the engine does not build.
 """
 
 import os
 from glob import glob
 
-from setuptools import Extension, setup
+from setuptools import Extension, find_packages, setup
 
 ROOM = "vibsim/engine"
 GCC_FLAGS = ["-std=c99", "-O3", "-ffp-contract=off", "-fno-fast-math", "-Wall"]
+MSVC_FLAGS = ["/O2", "/fp:strict", "/std:c11"]  # C99's restrict is C11's to it
 STRICT = ["-Wextra", "-Werror"]
 SANITIZED = ["-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
-EXTRA = {"": [], "strict": STRICT, "sanitize": STRICT + SANITIZED}
+COUNTED = ["-O0", "-g", "--coverage"]
+EXTRA = {"": [], "strict": STRICT, "sanitize": STRICT + SANITIZED, "coverage": COUNTED}
 
 kind = os.environ.get("VIBSIM_BUILD", "")
 
@@ -23,9 +25,13 @@ engine = Extension(
     "vibsim.engine._engine",
     sources=sorted(glob(f"{ROOM}/*.c")),
     depends=sorted(glob(f"{ROOM}/*.h")),
-    extra_compile_args=["/O2", "/fp:strict"] if os.name == "nt" else GCC_FLAGS + EXTRA[kind],
-    extra_link_args=[flag for flag in EXTRA[kind] if flag.startswith("-fsanitize")],
+    extra_compile_args=MSVC_FLAGS if os.name == "nt" else GCC_FLAGS + EXTRA[kind],
+    extra_link_args=[flag for flag in EXTRA[kind] if flag.startswith(("-fsanitize", "--coverage"))],
     optional=not kind,
 )
 
-setup(ext_modules=[engine])
+setup(
+    packages=[*find_packages(include=["vibsim", "vibsim.*"]), "vibsim.shipped_cases"],
+    package_dir={"vibsim": "vibsim", "vibsim.shipped_cases": "cases"},
+    ext_modules=[engine],
+)

@@ -1,4 +1,4 @@
-/* The Python face of the C engine: the type Run. The GIL is released while it computes. */
+/* The Python face of the C engine: the type Run. The GIL is released while it computes, and not needed elsewhere. */
 #define PY_SSIZE_T_CLEAN
 #include <Python.h>
 #include <string.h>
@@ -551,37 +551,72 @@ static PyObject *hand_jump(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
+/* Without the GIL two threads may call one Run: each call holds it, and while it computes `busy` turns others away. */
+#if PY_VERSION_HEX < 0x030D0000
+#define Py_BEGIN_CRITICAL_SECTION(object) {
+#define Py_END_CRITICAL_SECTION() }
+#endif
+#define ALONE(method)                                                                                                 \
+    static PyObject *method##_alone(RunObject *self, PyObject *args)                                                  \
+    {                                                                                                                 \
+        PyObject *answer;                                                                                             \
+        Py_BEGIN_CRITICAL_SECTION(self);                                                                              \
+        answer = method(self, args);                                                                                  \
+        Py_END_CRITICAL_SECTION();                                                                                    \
+        return answer;                                                                                                \
+    }
+ALONE(add_mode)
+ALONE(keep_ledger)
+ALONE(set_meters)
+ALONE(keep_tangent)
+ALONE(keep_extremes)
+ALONE(keep_section)
+ALONE(set_rule)
+ALONE(fill)
+ALONE(start)
+ALONE(rewind_run)
+ALONE(advance)
+ALONE(pending)
+ALONE(take)
+ALONE(add_entry)
+ALONE(doubt_here)
+ALONE(state_at)
+ALONE(extremes)
+ALONE(disturbances)
+ALONE(hand_jump)
+ALONE(tally)
+
 static PyMethodDef methods[] = {
-    {"add_mode", (PyCFunction)add_mode, METH_VARARGS, "add_mode(ints, doubles) -> its number"},
-    {"keep_ledger", (PyCFunction)keep_ledger, METH_VARARGS, "keep_ledger(ints, doubles): before the start"},
-    {"set_meters", (PyCFunction)set_meters, METH_VARARGS, "set_meters(mode, ints, doubles): what the ledger integrates there"},
-    {"keep_tangent", (PyCFunction)keep_tangent, METH_VARARGS, "keep_tangent(ints, doubles): before the start"},
-    {"keep_extremes", (PyCFunction)keep_extremes, METH_VARARGS, "keep_extremes(ints, doubles): before the start and `fill`"},
-    {"keep_section", (PyCFunction)keep_section, METH_VARARGS,
+    {"add_mode", (PyCFunction)add_mode_alone, METH_VARARGS, "add_mode(ints, doubles) -> its number"},
+    {"keep_ledger", (PyCFunction)keep_ledger_alone, METH_VARARGS, "keep_ledger(ints, doubles): before the start"},
+    {"set_meters", (PyCFunction)set_meters_alone, METH_VARARGS, "set_meters(mode, ints, doubles): what the ledger integrates there"},
+    {"keep_tangent", (PyCFunction)keep_tangent_alone, METH_VARARGS, "keep_tangent(ints, doubles): before the start"},
+    {"keep_extremes", (PyCFunction)keep_extremes_alone, METH_VARARGS, "keep_extremes(ints, doubles): before the start and `fill`"},
+    {"keep_section", (PyCFunction)keep_section_alone, METH_VARARGS,
      "keep_section(cycles, cycles_lo, turns): the period; before the start"},
-    {"set_rule", (PyCFunction)set_rule, METH_VARARGS,
+    {"set_rule", (PyCFunction)set_rule_alone, METH_VARARGS,
      "set_rule(mode, event, (rule, target, other, hold, kind, part, key, order)): what follows the event"},
-    {"fill", (PyCFunction)fill, METH_VARARGS,
+    {"fill", (PyCFunction)fill_alone, METH_VARARGS,
      "fill(samples, sample_modes, events, event_codes, section): arrays that take what is computed from now on, from their start"},
-    {"start", (PyCFunction)start, METH_VARARGS, "start(mode, state, known) -> as advance"},
-    {"rewind", (PyCFunction)rewind_run, METH_VARARGS,
+    {"start", (PyCFunction)start_alone, METH_VARARGS, "start(mode, state, known) -> as advance"},
+    {"rewind", (PyCFunction)rewind_run_alone, METH_VARARGS,
      "rewind(t_end): as before the start, without disturbances; modes and rules are kept"},
-    {"advance", (PyCFunction)advance, METH_NOARGS,
+    {"advance", (PyCFunction)advance_alone, METH_NOARGS,
      "advance() -> (samples, events, section, finished, status): how many the arrays hold\n\n"
      "Compute on until an array is full, a slice of work is done, Python has to decide or the run ends."},
-    {"pending", (PyCFunction)pending, METH_NOARGS, "pending() -> (mode, event, state) that Python has to decide"},
-    {"take", (PyCFunction)take, METH_VARARGS,
+    {"pending", (PyCFunction)pending_alone, METH_NOARGS, "pending() -> (mode, event, state) that Python has to decide"},
+    {"take", (PyCFunction)take_alone, METH_VARARGS,
      "take(mode, state, known, kinds, parts) -> as advance\n\n"
      "Go on behind the pending event; known: order by key, -1 where nothing is said."},
-    {"add_entry", (PyCFunction)add_entry, METH_VARARGS, "add_entry(entry, value): to the ledger, what an event adds"},
-    {"doubt", (PyCFunction)doubt_here, METH_VARARGS, "doubt(t): count what happened at t as not proved"},
-    {"state_at", (PyCFunction)state_at, METH_VARARGS,
+    {"add_entry", (PyCFunction)add_entry_alone, METH_VARARGS, "add_entry(entry, value): to the ledger, what an event adds"},
+    {"doubt", (PyCFunction)doubt_here_alone, METH_VARARGS, "doubt(t): count what happened at t as not proved"},
+    {"state_at", (PyCFunction)state_at_alone, METH_VARARGS,
      "state_at(t) -> state before the next event, or None where more work is to do; t ascending from call to call"},
-    {"extremes", (PyCFunction)extremes, METH_NOARGS, "extremes() -> lists of the least, the greatest, the smallest gaps"},
-    {"disturbances", (PyCFunction)disturbances, METH_NOARGS, "disturbances() -> dict of what a TangentBundle tells"},
-    {"hand_jump", (PyCFunction)hand_jump, METH_VARARGS,
+    {"extremes", (PyCFunction)extremes_alone, METH_NOARGS, "extremes() -> lists of the least, the greatest, the smallest gaps"},
+    {"disturbances", (PyCFunction)disturbances_alone, METH_NOARGS, "disturbances() -> dict of what a TangentBundle tells"},
+    {"hand_jump", (PyCFunction)hand_jump_alone, METH_VARARGS,
      "hand_jump(jumps, determinant, tangencies, closest, vectors): what the pending event, which Python takes, did to disturbances"},
-    {"tally", (PyCFunction)tally, METH_NOARGS, "tally() -> dict of state, counts and margins"},
+    {"tally", (PyCFunction)tally_alone, METH_NOARGS, "tally() -> dict of state, counts and margins"},
     {NULL, NULL, 0, NULL},
 };
 
@@ -604,6 +639,9 @@ PyMODINIT_FUNC PyInit__engine(void)
     PyObject *made;
     if (PyType_Ready(&run_type) < 0 || (made = PyModule_Create(&module)) == NULL)
         return NULL;
+#ifdef Py_GIL_DISABLED
+    PyUnstable_Module_SetGIL(made, Py_MOD_GIL_NOT_USED);
+#endif
     Py_INCREF(&run_type);
     if (PyModule_AddObject(made, "Run", (PyObject *)&run_type) < 0) {
         Py_DECREF(&run_type);

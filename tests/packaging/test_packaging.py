@@ -1,0 +1,66 @@
+"""What builds and checks vibsim elsewhere: packages, workflows, versions."""
+
+import re
+
+import pytest
+import yaml
+
+from tests.docs.pages import ROOT
+
+WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
+TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE))
+PROJECT = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+OTHER_STEPS = {"choco install make --no-progress"}  # what a runner lacks
+
+
+def jobs():
+    for path in WORKFLOWS:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        for name, job in content["jobs"].items():
+            yield pytest.param(job, id=f"{path.stem}-{name}")
+
+
+@pytest.mark.parametrize("job", [*jobs()])
+def test_a_job_calls_targets_that_run_here_too(job):
+    lines = [step["run"] for step in job["steps"] if "run" in step]
+    calls = [line.split()[1:] for line in lines if line not in OTHER_STEPS]
+    assert calls
+    for line, words in zip([line for line in lines if line not in OTHER_STEPS], calls, strict=True):
+        assert line.startswith("make ")
+        assert {word for word in words if "=" not in word} <= TARGETS
+    assert job["timeout-minutes"] <= 90
+
+
+def test_all_systems_and_the_oldest_and_newest_python_are_tested():
+    content = yaml.safe_load((ROOT / ".github" / "workflows" / "tests.yml").read_text(encoding="utf-8"))
+    places = content["jobs"]["suite"]["strategy"]["matrix"]["include"]
+    assert {place["os"].partition("-")[0] for place in places} == {"ubuntu", "macos", "windows"}
+    versions = re.findall(r"Python :: (3\.\d+)\"", PROJECT)
+    assert {versions[0], versions[-1]} <= {place["python"] for place in places}
+    assert f'requires-python = ">={versions[0]}"' in PROJECT
+
+
+def test_wheels_are_built_for_every_python_that_is_declared():
+    built = re.search(r'^build = "(.*)"', PROJECT, flags=re.MULTILINE)[1].split()
+    declared = re.findall(r"Python :: 3\.(\d+)\"", PROJECT)
+    assert {f"cp3{minor}-*" for minor in declared} | {f"cp3{declared[-1]}t-*"} == set(built)
+
+
+def test_the_oldest_dependencies_are_those_that_are_declared():
+    declared = re.search(r"\ndependencies = \[(.*?)\n\]", PROJECT, flags=re.DOTALL)[1]
+    lines = (ROOT / "tests" / "packaging" / "oldest.txt").read_text(encoding="utf-8").splitlines()
+    oldest = {line.replace("==", ">=").removesuffix(".*") for line in lines if not line.startswith("#")}
+    assert oldest >= set(re.findall(r'"([^"]+)"', declared))
+
+
+def test_every_folder_with_modules_is_a_package():
+    """Otherwise setup.py does not find it, and a wheel lacks it."""
+    folders = {path.parent for path in (ROOT / "vibsim").rglob("*.py")}
+    assert [folder.name for folder in folders if not (folder / "__init__.py").exists()] == []
+
+
+def test_the_engine_declares_that_it_needs_no_gil():
+    source = (ROOT / "vibsim" / "engine" / "module.c").read_text(encoding="utf-8")
+    assert "PyUnstable_Module_SetGIL(made, Py_MOD_GIL_NOT_USED)" in source
+    methods = re.findall(r"\(PyCFunction\)(\w+)", source)
+    assert methods and all(name.endswith("_alone") for name in methods)  # each call holds its Run
