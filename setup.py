@@ -2,8 +2,8 @@
 
 Without a compiler the extension is left out (`optional=True`) and vibsim runs on its Python engine.
 `-ffp-contract=off` keeps every product and sum rounded by itself, so that both engines agree bit for bit.
-VIBSIM_BUILD=strict takes warnings for errors, VIBSIM_BUILD=sanitize watches addresses and undefined behaviour
-(`make sanitize`), VIBSIM_BUILD=coverage counts lines (`make coverage`); all fail where the engine does not build.
+VIBSIM_BUILD=strict takes warnings for errors, =sanitize watches addresses and undefined behaviour (`make
+sanitize`), =coverage counts lines (`make coverage`); all fail where the engine does not build.
 """
 
 import os
