@@ -26,7 +26,8 @@ def is_tag(part: object) -> bool:
 
 def section_models(annotation: Any, tag: str = "") -> Iterator[tuple[str, type[Section]]]:
     """The sections inside a field's annotation, each with its variant's tag (empty for an only one)."""
-    if isinstance(annotation, type) and issubclass(annotation, Section):
+    # of Python 3.10 dict[str, Link] is a type too, but no class
+    if get_origin(annotation) is None and isinstance(annotation, type) and issubclass(annotation, Section):
         yield tag, annotation
         return
     if get_origin(annotation) is Annotated:
