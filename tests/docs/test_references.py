@@ -17,6 +17,7 @@ TOP = ("vibsim", "tests", "docs", "cases", "shared", "notes")
 ROOMS = ("physics", "engine", "cases", "files", "results", "sweeps", "analysis", "fitting", "evidence")
 ROOMS += ("plots", "command_line", "orbits", "branches")
 MADE = ("docs/generated/",)  # by the build of the site
+USERS = {"cases/hammer.yaml"}  # what examples of commands call files that a user writes
 
 
 @cache
@@ -52,7 +53,7 @@ def cited(text):
 
 def is_there(path):
     """Whether a path is in the repository, from its top, vibsim/ or tests/; or made, or a placeholder."""
-    if path.startswith(MADE) or "NAME" in path:
+    if path.startswith(MADE) or path in USERS or "NAME" in path:
         return True
     return any(f"{folder}{path}" in tracked() for folder in ("", "vibsim/", "tests/"))
 
