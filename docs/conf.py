@@ -21,7 +21,7 @@ myst_heading_anchors = 3
 exclude_patterns = ["from_code/*"]
 smartquotes = False  # --set is an option, not a dash
 highlight_language = "none"
-nitpicky = False
+suppress_warnings = ["toc.empty_glob"]
 
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"

@@ -67,15 +67,6 @@ RUN = {
     "lyapunov_closest_tangency_time": "when [s]",
     "lyapunov_volume_residual": "what is missing in Liouville's identity [-]",
 }
-ORBIT = {
-    "orbit_periods": "periods of the source, or turns of the motor, after which the orbit closes",
-    "orbit_period_s": "time after which it closes [s]",
-    "orbit_stable": "1: all Floquet multipliers lie inside the unit circle (but a motor's own 1)",
-    "orbit_events": "the events of one return, spelled",
-    "orbit_residual": "distance by which the orbit does not close",
-    "orbit_sliding_margin": "least distance of a tie's force from its limit where a sliding velocity is zero [N]",
-    "orbit_digits": "decimal digits that the orbit was refined to",
-}
 SWEEP = {
     "sweep_settings_json": "all settings of the sweep, as JSON",
     "sweep_sha256": "fingerprint of case and settings: a file goes on only where it is the same",
@@ -105,4 +96,4 @@ BENCH = {
     "limit_s": "time after which a method is stopped [s]",
     "check_times_s": "times at which errors are taken [s]",
 }
-MEANINGS = PROVENANCE | RUN | ORBIT | SWEEP | FIT | BENCH
+MEANINGS = PROVENANCE | RUN | SWEEP | FIT | BENCH

@@ -40,7 +40,7 @@ def one_too_few(file, name):
 def huge(file, name):
     shape, dtype = file[name].shape, file[name].dtype
     del file[name]
-    file.create_dataset(name, tuple(10**12 for _ in shape), dtype, chunks=tuple(1000 for _ in shape))
+    file.create_dataset(name, tuple(10**12 for _ in shape), dtype, chunks=tuple(100 for _ in shape))
 
 
 def elsewhere(file, name):
