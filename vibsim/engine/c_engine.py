@@ -25,7 +25,7 @@ from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.period import common_period
 
-SAMPLE_ROOM, EVENT_ROOM, SECTION_ROOM = 16384, 4096, 1024
+SAMPLE_ROOM, EVENT_ROOM, SECTION_ROOM = 65536, 4096, 1024  # at most
 SECONDS = 0.1  # between two blocks where Python decides: Ctrl-C is heard there
 ACCUMULATION, DIVERGED, UNDECIDED = 1, 2, 3
 REASONS = {ACCUMULATION: "accumulation", DIVERGED: "diverged"}
@@ -91,6 +91,7 @@ class CRun:
         self.extremes = (len(extremes[0]) + (scene.motor is not None)) if extremes else 0
         state, status, known = resume or self._begun(start_of(scene, Doubles))
         self.first = state.copy(), status
+        self.sample_room = min(scene.sample_index(scene.t_end) + 2, SAMPLE_ROOM)
         self.section_room = SECTION_ROOM if section and self._keep_section() else 0
         self._fill_new_arrays()
         self.doubts.run = self.run
@@ -128,8 +129,8 @@ class CRun:
         """Let C fill new arrays, one row per column: samples, sample modes, events, event codes, section."""
         n, parts, extremes = self.n, len(self.first[1].codes), 2 * self.extremes
         self.arrays = (
-            np.empty((3 + 2 * n, SAMPLE_ROOM)),
-            np.empty((parts, SAMPLE_ROOM), dtype="i1"),
+            np.empty((3 + 2 * n, self.sample_room)),
+            np.empty((parts, self.sample_room), dtype="i1"),
             np.empty((5 + 3 * n, EVENT_ROOM)),
             np.empty((2 + parts, EVENT_ROOM), dtype="i1"),
             np.empty((3 + 2 * n + extremes, self.section_room)),
@@ -179,7 +180,7 @@ class CRun:
         samples, events, section = counts
         of = zip(self.arrays, (samples, samples, events, events, section), strict=True)
         rows = [array[:, :count] for array, count in of]
-        if samples > SAMPLE_ROOM // 4 or events > EVENT_ROOM // 4 or section > SECTION_ROOM // 4:
+        if samples > self.sample_room // 4 or events > EVENT_ROOM // 4 or section > SECTION_ROOM // 4:
             self._fill_new_arrays()
         elif not finished:
             rows = [row.copy() for row in rows]

@@ -108,4 +108,10 @@ class MemorySink:
 
 
 def _joined(parts: dict[str, list[np.ndarray]], columns: dict[str, Column]) -> dict[str, np.ndarray]:
-    return {name: np.concatenate(arrays, dtype=columns[name].dtype) for name, arrays in parts.items()}
+    return {name: _one(arrays, columns[name].dtype) for name, arrays in parts.items()}
+
+
+def _one(arrays: list[np.ndarray], dtype: Any) -> np.ndarray:
+    if len(arrays) == 1:
+        return arrays[0].astype(dtype, copy=False)
+    return np.concatenate(arrays, dtype=dtype)
