@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from from_code.attribute_meanings import MEANINGS
 from from_code.markdown import code, plain, table
+from vibsim.branches.store import structure as branch_structure
 from vibsim.cases import load_case
 from vibsim.evidence.benchmark import bench_structure
 from vibsim.files.declarations import Attribute, Dataset
@@ -30,8 +31,8 @@ OPTIONAL = {True: "optional", False: ""}
 
 
 def page() -> str:
-    """The page of all four kinds of files."""
-    return "\n".join([HEAD, *_trajectory(), *_sweep(), *_fit(), *_bench()])
+    """The page of all kinds of files."""
+    return "\n".join([HEAD, *_trajectory(), *_sweep(), *_branch(), *_fit(), *_bench()])
 
 
 def _trajectory() -> Iterator[str]:
@@ -72,6 +73,14 @@ def _sweep() -> Iterator[str]:
     yield _datasets(sweep_structure.datasets_of(plan))
     yield "### Attributes of sweeps\n"
     yield _attributes(sweep_structure.ATTRIBUTES)
+
+
+def _branch() -> Iterator[str]:
+    yield "## Branches (`vibsim_kind` = branch)\n"
+    yield "### Datasets of a branch over a frequency\n"
+    yield _datasets(branch_structure.datasets_of("Hz"))
+    yield "### Attributes of branches\n"
+    yield _attributes(branch_structure.ATTRIBUTES)
 
 
 def _fit() -> Iterator[str]:

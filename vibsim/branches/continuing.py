@@ -8,15 +8,18 @@ from typing import Any
 from vibsim.branches.branch import Branch
 from vibsim.branches.plan import plan_from
 from vibsim.branches.span import read_span
+from vibsim.branches.store.branch_file import read_branch
 from vibsim.branches.store.branch_store import BranchFileStore, BranchStore
+from vibsim.branches.switching import switched
 from vibsim.branches.tracing import MOST_POINTS, Watch, trace
 
 
 def continue_branch(
     orbit: Any,
-    key: str,
-    span: str,
+    key: str = "",
+    span: str = "",
     *,
+    switch: str | None = None,
     max_points: int = MOST_POINTS,
     engine: str = "auto",
     out: str | PathLike[str] | None = None,
@@ -29,15 +32,19 @@ def continue_branch(
     orbit : an `Orbit`, or what `vibsim.orbit` takes to find one: a case, a run, a stored orbit
     key : of the case, such as "excitation.Omega0", or KEY=KEY for several of one value
     span : range of its values, such as "3:9 Hz"; a bare number is in SI units, of an angular rate in Hz
+    switch : label of a special point, such as "PD1": `orbit` is a Branch (or its file), and the branch that
+        leaves it there is followed over the same range
     max_points : of the branch, on both sides of the start together
     out : HDF5 file; one that holds a part of this very branch is completed, any other is an error unless
         `force`
 
     Returns a `Branch`. Raises BranchError, OrbitError, CaseError, UnknownKeyError, ResultFileError.
     """
-    orbit = orbit_from(orbit, engine)
-    keys, unit, ends = read_span(orbit.case, key, span)
-    plan = plan_from(orbit, keys, unit, ends)
+    if switch is not None:
+        plan = switched(orbit if isinstance(orbit, Branch) else read_branch(orbit), switch)
+    else:
+        orbit = orbit_from(orbit, engine)
+        plan = plan_from(orbit, *read_span(orbit.case, key, span))
     store = BranchStore(plan, engine) if out is None else BranchFileStore(plan, Path(out), engine, force)
     for note in store.notes:
         warnings.warn(note, stacklevel=2)

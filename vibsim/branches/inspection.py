@@ -31,6 +31,9 @@ NARROW = 4e-15  # scaled length of a bracket that a change of the order of event
 TRIES = 100  # evaluations while locating
 NEAR = 1e-3  # how far a located multiplier may be from where it crosses the circle [-]
 
+CHANGE = "change of order"
+SMOOTH = (FOLD, DOUBLING, TORUS, BRANCHING)
+
 Test = Callable[[Node], float]
 
 
@@ -39,22 +42,28 @@ def inspect(family: Family, one: Node, other: Node) -> Iterator[Special]:
     detected = detect(one, other)
     if not detected and one.index == other.index:
         return
-    if len(detected) == 1:
-        special = _located(family, detected[0], one, other)
+    middle = None if len(detected) == 1 else _middle(family, one, other)
+    if middle is None:
+        special = _located(family, detected, one, other)
         if special is not None:
-            if special.kind in (FOLD, DOUBLING, TORUS, BRANCHING):
-                yield special
-                return
-            yield from inspect(family, one, special.before)
-            yield special
-            yield from inspect(family, special.after, other)
+            yield from _with_sides(family, special, one, other)
             return
-    middle = _middle(family, one, other)
+        middle = _middle(family, one, other)
     if middle is None:
         yield Special(UNRESOLVED, other, one, other)
         return
     yield from inspect(family, one, middle)
     yield from inspect(family, middle, other)
+
+
+def _with_sides(family: Family, special: Special, one: Node, other: Node) -> Iterator[Special]:
+    """A special point with what else lies on both sides of a change of order; a bifurcation is alone."""
+    if special.kind in SMOOTH:
+        yield special
+        return
+    yield from inspect(family, one, special.before)
+    yield special
+    yield from inspect(family, special.after, other)
 
 
 def detect(one: Node, other: Node) -> list[str]:
@@ -74,18 +83,20 @@ def detect(one: Node, other: Node) -> list[str]:
     return kinds
 
 
-CHANGE = "change of order"
+def _located(family: Family, detected: list[str], one: Node, other: Node) -> Special | None:
+    """The one event of a stretch, or of several that are too near to be parted the change of order.
 
-
-def _located(family: Family, kind: str, one: Node, other: Node) -> Special | None:
-    """The one event of a stretch; None where it is not what it seemed, or more happens."""
+    None where it was not what it seemed, or more happens.
+    """
     try:
-        if kind == CHANGE:
+        if CHANGE in detected:
             return _change(family, one, other)
-        _, high = bracketed(family, one, other, test_of(kind, one, other))
+        if len(detected) != 1:
+            return None
+        _, node = bracketed(family, one, other, test_of(detected[0], one, other))
     except ContinuationError:
         return None
-    special = Special(kind, high, one, other)
+    special = Special(detected[0], node, one, other)
     return special if _index_explained(special) else None
 
 

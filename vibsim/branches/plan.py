@@ -30,6 +30,7 @@ class BranchPlan:
     span : range of the parameter, in that unit; n : periods of the source, or turns of the motor
     state, period, parameter : of the orbit that it starts from: unknowns on the section, time of return [s]
     travel : largest of its unknowns at its events, as weighed [m/s], which the state is measured by
+    heading : scaled direction in which it is followed one way only, as away from a doubling; empty: both ways
     """
 
     case: Case
@@ -42,6 +43,7 @@ class BranchPlan:
     parameter: float
     travel: float
     pace: Pace = PACE
+    heading: tuple[float, ...] = ()
 
     @cached_property
     def settings(self) -> dict[str, Any]:
@@ -56,6 +58,7 @@ class BranchPlan:
             "parameter": self.parameter,
             "travel": self.travel,
             "pace": [self.pace.first, self.pace.least, self.pace.most],
+            "heading": list(self.heading),
         }
 
     @cached_property
@@ -72,9 +75,21 @@ class BranchPlan:
         return family
 
     def start(self, family: Family) -> Node:
-        """The first node, its tangent towards larger parameters. Raises ContinuationError."""
+        """The first node, its tangent along the heading, else towards larger parameters.
+
+        Raises ContinuationError.
+        """
         z = family.unknowns(np.array(self.state), self.period, self.parameter)
-        return node_at(family, z, None, None, FIRST_STEP)
+        if not self.heading:
+            return node_at(family, z, None, None, FIRST_STEP)
+        along = np.array(self.heading)
+        node = node_at(family, z, along, None, FIRST_STEP)
+        return Node(node.point, along, node.iterations)
+
+    @property
+    def ways(self) -> tuple[int, ...]:
+        """Ways in which it is followed from its start."""
+        return (1,) if self.heading else (1, -1)
 
     @staticmethod
     def from_settings(case: Case, settings: dict[str, Any]) -> "BranchPlan":
@@ -90,6 +105,7 @@ class BranchPlan:
             float(settings["parameter"]),
             float(settings["travel"]),
             Pace(*settings["pace"]),
+            tuple(float(value) for value in settings["heading"]),
         )
 
 

@@ -12,7 +12,6 @@ from vibsim.branches.records import PointRecord, SpecialRecord, point_record, re
 from vibsim.branches.walk import Walk
 
 MOST_POINTS = 5000
-WAYS = (1, -1)
 CLOSED = "closed"
 
 Watch = Callable[[int, list[SpecialRecord]], bool]
@@ -43,12 +42,12 @@ def trace(
     family = plan.family(engine)
     start = plan.start(family)
     if not keeper.points:
-        keeper.add(point_record(start, WAYS[0], 0, plan.pace.first), [])
-    for way in WAYS:
+        keeper.add(point_record(start, 1, 0, plan.pace.first), [])
+    for way in plan.ways:
         done = [point for point in keeper.points if point.way == way or point.number == 0]
         if done[-1].ended or any(point.ended == CLOSED for point in keeper.points):
             continue
-        share = most if way == WAYS[-1] else (most + 1) // 2
+        share = most if way == plan.ways[-1] else (most + 1) // 2
         walk = _walk(plan, family, _turned(start, way), done, way)
         for step in walk.steps():
             point, specials = records_of(step, way, walk.count)

@@ -8,6 +8,7 @@ import numpy as np
 from vibsim.branches.arclength import ContinuationError
 from vibsim.branches.family import Family
 from vibsim.branches.inspection import inspect
+from vibsim.branches.joining import joining
 from vibsim.branches.node import Node, ahead_of, between, node_at
 from vibsim.branches.special import Special
 from vibsim.branches.step_size import SHARP, Pace, turn
@@ -47,11 +48,11 @@ class Walk:
         """The steps, until the branch ends, leaves the span or comes back to its start."""
         while True:
             try:
-                node, length, following = self._next()
+                node, following = self._next()
             except ContinuationError as error:
                 yield Step(self.node, (), self.step, f"stuck: {error}")
                 return
-            node, ended = self._ended(node, length)
+            node, ended = self._ended(node)
             specials = tuple(inspect(self.family, self.node, node))
             self.bend = bend(self.node.z, self.node.ahead, node)
             self.node, self.step, self.count = node, following, self.count + 1
@@ -59,8 +60,8 @@ class Walk:
             if ended:
                 return
 
-    def _next(self) -> tuple[Node, float, float]:
-        """The next node, the length of the step to it and that of the one after. Raises ContinuationError."""
+    def _next(self) -> tuple[Node, float]:
+        """The next node, and the length of the step behind it. Raises ContinuationError."""
         length = self.step
         while True:
             try:
@@ -68,7 +69,7 @@ class Walk:
                 turned = turn(self.node.tangent, node.tangent)
                 chord = node.z - self.node.z
                 if turned <= SHARP and self.node.tangent @ chord > 0.9 * np.linalg.norm(chord):
-                    return node, length, self.pace.following(length, turned, node.iterations)
+                    return node, self.pace.following(length, turned, node.iterations)
                 reason = "the branch turns too sharply"
             except ContinuationError as error:
                 reason = str(error)
@@ -76,10 +77,14 @@ class Walk:
             if length < self.pace.least:
                 raise ContinuationError(reason)
 
-    def _ended(self, node: Node, length: float) -> tuple[Node, str]:
+    def _ended(self, node: Node) -> tuple[Node, str]:
         """The node at which the walk ends, and why; the node itself and nothing where it goes on."""
         if self.count >= BEHIND and self._closes(node):
             return self.start, "closed"
+        if node.ahead * self.node.ahead < 0:
+            shorter = joining(self.family, self.node, node)
+            if shorter is not None:
+                return shorter
         low, high = sorted(self.span)
         bound = low if node.parameter < low else high if node.parameter > high else None
         return (node, "") if bound is None else (self._at_bound(node, bound), "end of the range")

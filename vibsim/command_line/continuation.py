@@ -16,6 +16,7 @@ SPAN = Pair("KEY=FROM:TO, such as c=0.01:0.1", some_text, several=True)
         "vibsim continue II-B -s c=0.03 -s Omega0=5Hz --omega0 3:9 -o captured.h5",
         "vibsim continue I-A --omega 3:4",
         "vibsim continue II-B-orbit.h5 --param c=0.01:0.1 --json",
+        "vibsim continue captured.h5 --switch PD1       # the branch that leaves there",
         "vibsim plot captured.h5",
         before="An interrupted continuation goes on when the same command is given again.",
     ),
@@ -27,6 +28,7 @@ SPAN = Pair("KEY=FROM:TO, such as c=0.01:0.1", some_text, several=True)
     "--param", metavar="KEY=FROM:TO", type=SPAN,
     help="Any number of the case. KEY=KEY=FROM:TO gives several keys the same value.",
 )  # fmt: skip
+@click.option("--switch", metavar="LABEL", help="Follow what leaves the branch ORBIT there: PD1, BP1, ...")
 @click.option(
     "--max-points", type=click.IntRange(min=2), metavar="N",
     help="Points of the branch, on both sides together. [default: 5000]",
@@ -36,10 +38,11 @@ SPAN = Pair("KEY=FROM:TO, such as c=0.01:0.1", some_text, several=True)
 @click.option("-o", "--output", type=FILE, metavar="FILE", help="Output file. [default: CASE-KEY-branch.h5]")
 @click.option("--force", is_flag=True, help="Replace an output file that holds something else.")
 @click.pass_context
-def command(ctx, source, omega0, omega, param, max_points, changes, engine, output, force):
+def command(ctx, source, omega0, omega, param, switch, max_points, changes, engine, output, force):
     """Follow the periodic orbit ORBIT over a parameter, both ways, through folds.
 
-    ORBIT is a stored orbit, or a case or the HDF5 file of a run, whose end it is taken from. The order of
+    ORBIT is a stored orbit, or a case or the HDF5 file of a run, whose end it is taken from; with --switch a
+    branch. The order of
     events need not be told: where it changes is located, and listed beside folds, doublings and
     Neimark-Sacker points.
     """
@@ -48,5 +51,5 @@ def command(ctx, source, omega0, omega, param, max_points, changes, engine, outp
 
     check_engine(engine)
     ranges = {"--omega0": omega0, "--omega": omega}
-    plan, output = read_plan(source, dict(changes), ranges, param, engine, output)
+    plan, output = read_plan(source, dict(changes), ranges, param, switch, engine, output)
     return run_continuation(plan, output, max_points, engine, force, ctx.obj)

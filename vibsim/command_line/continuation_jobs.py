@@ -12,6 +12,7 @@ from vibsim.branches.description import branch_lines, facts, special_table
 from vibsim.branches.plan import BranchError, BranchPlan, plan_from
 from vibsim.branches.span import read_span
 from vibsim.branches.store.branch_store import BranchFileStore
+from vibsim.branches.switching import switched
 from vibsim.branches.tracing import MOST_POINTS
 from vibsim.cases import Case, UnknownKeyError
 from vibsim.command_line.interruption import Interruption
@@ -23,7 +24,7 @@ from vibsim.command_line.summary import print_lines
 from vibsim.command_line.sweep_jobs import source_key
 from vibsim.command_line.terminal import print_json, say
 from vibsim.opening import open_result
-from vibsim.results import is_result_file
+from vibsim.results import is_result_file, kind_of
 from vibsim.sweeps.plan.axis import scale_name
 
 
@@ -32,6 +33,7 @@ def read_plan(
     changes: dict[str, str],
     options: Mapping[str, str | None],
     param: tuple[str, str] | None,
+    switch: str | None,
     engine: str,
     output: str | None,
 ) -> tuple[BranchPlan, str]:
@@ -40,7 +42,10 @@ def read_plan(
     Raises UsageError for what cannot be followed, CaseError, OrbitError and ResultFileError for the source.
     """
     chosen = [(option, text) for option, text in options.items() if text is not None]
-    if len(chosen) + (param is not None) != 1:
+    given = len(chosen) + (param is not None)
+    if switch is not None:
+        return _switched(source, changes, given, switch, output)
+    if given != 1:
         raise click.UsageError("give one range to follow: --omega0, --omega or --param KEY=FROM:TO")
     case = read_case(source, changes)
     if param is None:
@@ -54,6 +59,21 @@ def read_plan(
     except (BranchError, UnknownKeyError) as error:
         raise click.UsageError(f"{option}: {error}") from None
     return plan, hdf5_name(output or f"{case.name}-{scale_name(keys[0])}-branch.h5")
+
+
+def _switched(
+    source: str, changes: dict[str, str], ranges: int, label: str, output: str | None
+) -> tuple[BranchPlan, str]:
+    """The branch that leaves another, over the range of that one."""
+    if changes or ranges:
+        raise click.UsageError("--switch follows over the range of its branch; leave ranges and --set out")
+    if source == "-" or not is_result_file(source) or kind_of(source) != "branch":
+        raise click.UsageError(f"--switch {label}: {source} is no branch; give the file of one")
+    try:
+        plan = switched(open_result(source), label)
+    except BranchError as error:
+        raise click.UsageError(f"--switch {label}: {error}") from None
+    return plan, hdf5_name(output or f"{Path(source).stem}-{label}.h5")
 
 
 def _orbit(source: str, case: Case, changes: dict[str, str], engine: str) -> object:

@@ -1,0 +1,53 @@
+"""Where a branch of n periods joins one of fewer: beyond it, its orbits are those in front of it, shifted.
+
+The change over n / d periods, P^(n/d)(X) - X, is zero at an orbit of n / d periods only. Along a branch that
+leaves a doubling it turns round there: the orbits on the other side are the same, half their period later.
+"""
+
+import numpy as np
+
+from vibsim.branches.arclength import ContinuationError
+from vibsim.branches.family import Family
+from vibsim.branches.node import Node, between
+
+FINE = 2.0**-6  # share of a step at which its search ends: nearer, orbits are no longer told apart
+HALVINGS = 40
+
+
+def joining(family: Family, one: Node, other: Node) -> tuple[Node, str] | None:
+    """The last node before the branch joins one of fewer periods between two nodes, and a word on that;
+    None where it does not.
+    """
+    for shorter in (d for d in range(1, family.n) if family.n % d == 0):
+        if shift(family, one, shorter) @ shift(family, other, shorter) < 0:
+            node = _last_before(family, one, other, shorter)
+            return node, f"joins the orbits of {shorter} period{'s' * (shorter > 1)}"
+    return None
+
+
+def shift(family: Family, node: Node, periods: int) -> np.ndarray:
+    """P^periods(X) - X at a node, scaled."""
+    end = node.point.end
+    T = None if end.tilt is None else end.T * periods / family.n
+    change = family.map(node.parameter).of(periods)(end.X, T).difference
+    return np.asarray(change / family.scale[: len(end.X)])
+
+
+def _last_before(family: Family, one: Node, other: Node, periods: int) -> Node:
+    """By halving the stretch, as far as Newton's method goes: at the place itself its matrix is singular."""
+    low, high = 0.0, 1.0
+    node, reference = one, shift(family, one, periods)
+    for _ in range(HALVINGS):
+        if high - low < FINE:
+            break
+        middle = (low + high) / 2
+        try:
+            tried = between(family, one, other, middle)
+        except ContinuationError:
+            high = middle
+            continue
+        if shift(family, tried, periods) @ reference < 0:
+            high = middle
+        else:
+            low, node = middle, tried
+    return Node.of(node.point, node.tangent, node.iterations)

@@ -1,0 +1,89 @@
+"""From a special point of a branch to the branch that leaves it there.
+
+At a period doubling the orbits of 2 n periods leave along the eigenvector of the multiplier -1: seen over 2 n
+periods the doubling is a pitchfork, whose other curve has the tangent (v, 0) at first. At a branch point the
+other branch leaves along what of the kernel the known branch does not span.
+"""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from vibsim.branches.arclength import ContinuationError
+from vibsim.branches.branch import Branch, SpecialPoint
+from vibsim.branches.family import Family
+from vibsim.branches.node import Node, node_at
+from vibsim.branches.plan import BranchError, BranchPlan
+from vibsim.branches.special import BRANCHING, DOUBLING
+
+FIRST, TRIES = 2.0**-8, 8  # scaled distance of the first orbit from the special point, halved so often
+
+
+def switched(branch: Branch, label: str, span: tuple[float, float] | None = None) -> BranchPlan:
+    """The plan of the branch that leaves another at its special point `label`.
+
+    span : range of the parameter; that of the branch where it is left out
+
+    Raises BranchError for a label that is none, or from which no branch leaves.
+    """
+    try:
+        special = branch.special(label)
+    except KeyError as error:
+        raise BranchError(str(error.args[0])) from None
+    if special.kind not in (DOUBLING, BRANCHING):
+        raise BranchError(
+            f"{label} is a {special.kind}: branches leave doublings (PD) and branch points (BP)"
+        )
+    plan, times = branch.plan, 2 if special.kind == DOUBLING else 1
+    longer = replace(plan, n=times * plan.n, span=span or plan.span)
+    family = replace(longer, period=times * plan.period).family()
+    orbit = special.orbit
+    z = family.unknowns(np.array(orbit.state), times * orbit.period, orbit.parameter)
+    node = _first(family, special, z)
+    values = node.z * family.scale
+    state = tuple(values[: len(special.orbit.state)].tolist())
+    away = (node.z - z) / np.linalg.norm(node.z - z)
+    heading = tuple(away.tolist())
+    return replace(longer, state=state, period=node.point.period, parameter=node.parameter, heading=heading)
+
+
+def _first(family: Family, special: SpecialPoint, z: np.ndarray) -> Node:
+    """An orbit beside the special point z on the branch that leaves it. Raises BranchError."""
+    direction = _direction(family, special, z)
+    size = FIRST
+    for _ in range(TRIES):
+        try:
+            node = node_at(family, z + size * direction, direction, None, 8 * size)
+        except ContinuationError:
+            size /= 2
+            continue
+        if np.linalg.norm(node.z - z) > size / 2:
+            return node
+        size /= 2
+    raise BranchError(f"no orbit was found on the branch that leaves {special.label}")
+
+
+def _direction(family: Family, special: SpecialPoint, z: np.ndarray) -> np.ndarray:
+    """Unit vector, scaled, along which the branch leaves."""
+    if special.kind == DOUBLING:
+        return _of_doubling(family, special, z)
+    point = family(z)
+    known = np.array(special.tangent)
+    _, _, vectors = np.linalg.svd(point.jacobian())
+    across = vectors[-2:] @ known
+    direction = across[1] * vectors[-2] - across[0] * vectors[-1]
+    return np.asarray(direction / np.linalg.norm(direction))
+
+
+def _of_doubling(family: Family, special: SpecialPoint, z: np.ndarray) -> np.ndarray:
+    """The eigenvector of -1, with the change of the time of return that goes with it: none at first."""
+    count = len(special.orbit.state)
+    half = family.map(special.orbit.parameter).of(family.n // 2)
+    end = half(np.array(special.orbit.state), None if half.section.timed else special.orbit.period)
+    scale = family.scale[:count]
+    matrix = end.derivative * (scale / scale[:, None])
+    _, _, vectors = np.linalg.svd(matrix + np.eye(count))
+    direction: Any = np.zeros(len(z))
+    direction[:count] = vectors[-1]
+    return np.asarray(direction)
