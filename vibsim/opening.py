@@ -23,6 +23,8 @@ def open_result(path: str | Path) -> Any:
             from vibsim.fitting import open_fit as read
         case "branch":
             from vibsim.branches.store.branch_file import read_branch as read
+        case "locus":
+            from vibsim.branches.store.locus_file import read_locus as read
         case "bench":
             from vibsim.evidence.benchmark import open_bench as read
         case kind:

@@ -78,6 +78,8 @@ FIT = {
     "cases_resolved_json": "all cases of the fit, resolved, as JSON",
     "branch_settings_json": "keys, unit and range of the parameter, the orbit that it starts from",
     "branch_sha256": "fingerprint of the case and these settings",
+    "locus_settings_json": "the branch, its special point, and the second parameter with its range",
+    "locus_sha256": "fingerprint of the case and these settings",
     "names_json": "names of the unknowns on the section",
     "special_points": "number of special points",
     "fit_settings_json": "all settings of the fit, as JSON",

@@ -81,6 +81,11 @@ def _branch() -> Iterator[str]:
     yield _datasets(branch_structure.datasets_of("Hz"))
     yield "### Attributes of branches\n"
     yield _attributes(branch_structure.ATTRIBUTES)
+    yield "## Loci (`vibsim_kind` = locus)\n"
+    yield "### Datasets of a locus over a frequency and a damping\n"
+    yield _datasets(branch_structure.locus_datasets("Hz", "N s/m"))
+    yield "### Attributes of loci\n"
+    yield _attributes(branch_structure.LOCUS_ATTRIBUTES)
 
 
 def _fit() -> Iterator[str]:

@@ -47,9 +47,7 @@ def test_special_points_along_it(doubled):
 
 
 def test_nothing_leaves_a_fold():
-    with pytest.raises(
-        BranchError, match="F1 is a fold: branches leave doublings"
-    ):
+    with pytest.raises(BranchError, match="F1 is a fold: branches leave doublings"):
         continue_branch(branch_of(CAPTURED, "4.9:6 Hz"), switch="F1")
     with pytest.raises(BranchError, match="PD7 is not on this branch; its special points are NS1, F1"):
         continue_branch(branch_of(CAPTURED, "4.9:6 Hz"), switch="PD7")

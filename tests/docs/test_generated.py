@@ -9,6 +9,7 @@ from from_code.attribute_meanings import MEANINGS
 from from_code.gallery import comment
 from from_code.gallery_numbers import NUMBERS, Number
 from from_code.markdown import plain
+from vibsim.branches.store import structure as branch_structure
 from vibsim.cases import load_case
 from vibsim.cases.forms import LONG, SHORT
 from vibsim.cases.keys import all_keys
@@ -43,6 +44,7 @@ def test_every_attribute_has_a_meaning():
         for structure in (trajectory_structure, sweep_structure, fit_structure, bench_structure)
         for attribute in structure.ATTRIBUTES
     ]
+    declared += [each.name for each in (*branch_structure.ATTRIBUTES, *branch_structure.LOCUS_ATTRIBUTES)]
     assert set(declared) == set(MEANINGS)
 
 

@@ -5,15 +5,21 @@ import pytest
 
 from tests.branches.made import CAPTURED, RESONANT, branch_of
 from tests.plots.artists import clipped_texts, lines, points
+from vibsim.cases import load_case
 from vibsim.orbits.start import case_on_orbit
 from vibsim.plots.branch_curves import pieces
+from vibsim.plots.branch_over_sweep import belongs
 from vibsim.plots.branch_values import amplitude_of, mean_speed_of, parameter_of
 from vibsim.plots.errors import PlotError
 from vibsim.plots.load_curve import torque_of
 from vibsim.plots.registry import choose, kind_named
 from vibsim.plots.subject import Subject
+from vibsim.plots.sweep_curves import curves, families
 from vibsim.plots.view import View
 from vibsim.results import simulate
+from vibsim.sweeps.schedule.workers import LocalWorkers
+from vibsim.sweeps.store.point_store import Store
+from vibsim.sweeps.sweeping import complete, make_plan
 
 
 def subject_of(name, span):
@@ -104,3 +110,12 @@ def test_amplitudes_are_those_of_a_run(resonant):
     sampled = np.ptp(run["x1"] - run["x2"]) / 2
     exact = amplitude_of(branch)(record)
     assert sampled <= exact == pytest.approx(sampled, rel=1e-3)
+
+
+def test_branches_lie_over_a_sweep_of_their_values(captured):
+    plan = make_plan(load_case("II-B"), [("Omega0", "5:6:0.5 Hz", "", ""), ("c", "0.01, 0.03", "", "")])
+    with LocalWorkers(plan.recipe, 1, "auto") as workers:
+        swept, _ = complete(Store(plan), workers, lambda table: False)
+    sweep = Subject("sweep.h5", "II-B", "sweep", swept.plan.case, swept)
+    groups = families(curves([sweep]))
+    assert [[belongs(captured, curve) for curve in group] for group in groups] == [[False], [True]]

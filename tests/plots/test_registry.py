@@ -19,7 +19,7 @@ FITTING = {
 def test_every_kind_can_be_drawn_and_its_needs_are_known(kind):
     assert callable(kind.draw)
     assert set(kind.needs) <= set(NEEDS)
-    assert kind.reads in ("trajectory", "case", "sweep", "branch", "fit", "bench")
+    assert kind.reads in ("trajectory", "case", "sweep", "branch", "locus", "fit", "bench")
 
 
 @pytest.mark.parametrize("name", FITTING)

@@ -3,6 +3,8 @@
 from typing import Any
 
 from vibsim.branches.branch import Branch, SpecialPoint
+from vibsim.branches.locus_plan import LocusPlan
+from vibsim.branches.locus_result import Locus
 from vibsim.branches.special import BIFURCATIONS, UNRESOLVED
 
 DIGITS = 12  # of a parameter: special points are located to 1e-11 of it
@@ -56,6 +58,46 @@ def special_table(branch: Branch) -> list[tuple[str, ...]]:
 def _words(branch: Branch, one: SpecialPoint) -> str:
     before, after = branch.spelled(one.before), branch.spelled(one.after)
     return before if before == after else f"{before} > {after}"
+
+
+def locus_lines(locus: Locus) -> list[tuple[str, str]]:
+    """Lines (name, text) about a locus."""
+    plan = locus.plan
+    first, second = locus["parameter"], locus["second"]
+    low, high = (end or "not followed further" for end in locus.ends)
+    return [
+        (
+            "locus",
+            f"{locus.case.name}: {locus.kind} {plan.label} in {plan.branch.keys[0]} and {plan.keys[0]}",
+        ),
+        ("points", str(len(locus))),
+        ("from", _place(plan, first[0], second[0], low)),
+        ("to", _place(plan, first[-1], second[-1], high)),
+    ]
+
+
+def _place(plan: LocusPlan, first: float, second: float, end: str) -> str:
+    place = (
+        f"{first:.8g} {plan.branch.unit}".rstrip() + f", {plan.keys[0]} = {second:.8g} {plan.unit}".rstrip()
+    )
+    return f"{place} ({end})"
+
+
+def locus_facts(locus: Locus) -> dict[str, Any]:
+    """A locus as plain data for JSON."""
+    plan = locus.plan
+    return {
+        "case": locus.case.name,
+        "kind": locus.kind,
+        "label": plan.label,
+        "keys": [plan.branch.keys[0], plan.keys[0]],
+        "units": [plan.branch.unit, plan.unit],
+        "periods": plan.branch.n,
+        "ends": list(locus.ends),
+        "points": [
+            [float(one), float(other)] for one, other in zip(locus["parameter"], locus["second"], strict=True)
+        ],
+    }
 
 
 def facts(branch: Branch) -> dict[str, Any]:

@@ -126,23 +126,28 @@ def special_record(special: Special, way: int, number: int) -> SpecialRecord:
 
 def plain(record: PointRecord | SpecialRecord) -> dict[str, Any]:
     """A record as plain data for JSON."""
-    data = asdict(record)
-    data["orbit"]["multipliers"] = [[mu.real, mu.imag] for mu in record.orbit.multipliers]
-    return data
+    return {**asdict(record), "orbit": plain_orbit(record.orbit)}
+
+
+def plain_orbit(orbit: OrbitRecord) -> dict[str, Any]:
+    """An orbit as plain data for JSON."""
+    return {**asdict(orbit), "multipliers": [[mu.real, mu.imag] for mu in orbit.multipliers]}
 
 
 def given(data: Mapping[str, Any]) -> PointRecord | SpecialRecord:
     """The record that `plain` wrote down."""
-    orbit = dict(data["orbit"])
-    orbit["multipliers"] = tuple(complex(*pair) for pair in orbit["multipliers"])
-    for name in ("state", "drift"):
-        orbit[name] = tuple(orbit[name])
-    orbit["word"] = read_word(orbit["word"])
-    fields = {**data, "orbit": OrbitRecord(**orbit)}
+    fields = {**data, "orbit": read_orbit(data["orbit"])}
     fields |= {name: tuple(data[name]) for name in ("unknowns", "tangent")}
     if "kind" not in data:
         return PointRecord(**fields)
     return SpecialRecord(**{**fields, **{name: read_word(data[name]) for name in ("before", "after")}})
+
+
+def read_orbit(data: Mapping[str, Any]) -> OrbitRecord:
+    """The orbit that `plain_orbit` wrote down."""
+    lists = {name: tuple(data[name]) for name in ("state", "drift")}
+    multipliers = tuple(complex(*pair) for pair in data["multipliers"])
+    return OrbitRecord(**{**data, **lists, "multipliers": multipliers, "word": read_word(data["word"])})
 
 
 def read_word(pairs: Any) -> Word:

@@ -17,6 +17,7 @@ SPAN = Pair("KEY=FROM:TO, such as c=0.01:0.1", some_text, several=True)
         "vibsim continue I-A --omega 3:4",
         "vibsim continue II-B-orbit.h5 --param c=0.01:0.1 --json",
         "vibsim continue captured.h5 --switch PD1       # the branch that leaves there",
+        "vibsim continue captured.h5 --locus NS1 --param c=0.02:0.1",
         "vibsim plot captured.h5",
         before="An interrupted continuation goes on when the same command is given again.",
     ),
@@ -29,20 +30,21 @@ SPAN = Pair("KEY=FROM:TO, such as c=0.01:0.1", some_text, several=True)
     help="Any number of the case. KEY=KEY=FROM:TO gives several keys the same value.",
 )  # fmt: skip
 @click.option("--switch", metavar="LABEL", help="Follow what leaves the branch ORBIT there: PD1, BP1, ...")
+@click.option("--locus", metavar="LABEL", help="Follow NS1, F1, PD1 of the branch ORBIT in --param as well.")
 @click.option(
     "--max-points", type=click.IntRange(min=2), metavar="N",
-    help="Points of the branch, on both sides together. [default: 5000]",
+    help="Points, on both sides together. [default: 5000; 2000 of a locus]",
 )  # fmt: skip
 @set_option
 @click.option("--engine", type=OneOf(["auto", "c", "python"]), default="auto", help="Who computes it.")
 @click.option("-o", "--output", type=FILE, metavar="FILE", help="Output file. [default: CASE-KEY-branch.h5]")
 @click.option("--force", is_flag=True, help="Replace an output file that holds something else.")
 @click.pass_context
-def command(ctx, source, omega0, omega, param, switch, max_points, changes, engine, output, force):
+def command(ctx, source, omega0, omega, param, switch, locus, max_points, changes, engine, output, force):
     """Follow the periodic orbit ORBIT over a parameter, both ways, through folds.
 
-    ORBIT is a stored orbit, or a case or the HDF5 file of a run, whose end it is taken from; with --switch a
-    branch. The order of
+    ORBIT is a stored orbit, or a case or the HDF5 file of a run, whose end it is taken from; with --switch
+    or --locus a branch. The order of
     events need not be told: where it changes is located, and listed beside folds, doublings and
     Neimark-Sacker points.
     """
@@ -50,6 +52,13 @@ def command(ctx, source, omega0, omega, param, switch, max_points, changes, engi
     from vibsim.command_line.run_plan import check_engine
 
     check_engine(engine)
+    if locus is not None:
+        from vibsim.command_line.locus_jobs import read_locus_plan, run_locus
+
+        if omega0 or omega or switch or changes:
+            raise click.UsageError("--locus takes its second parameter from --param, and nothing else")
+        locus_plan, output = read_locus_plan(source, locus, param, output)
+        return run_locus(locus_plan, output, max_points, engine, force, ctx.obj)
     ranges = {"--omega0": omega0, "--omega": omega}
     plan, output = read_plan(source, dict(changes), ranges, param, switch, engine, output)
     return run_continuation(plan, output, max_points, engine, force, ctx.obj)

@@ -35,6 +35,9 @@ def print_description(path: str, settings: Settings) -> None:
     if kind == "branch":
         _print_branch(path, settings)
         return
+    if kind == "locus":
+        _print_locus(path, settings)
+        return
     if kind != "trajectory":
         _print_sweep(path, settings)
         return
@@ -87,6 +90,18 @@ def _print_branch(path: str, settings: Settings) -> None:
     elif not settings.quiet:
         more = attribute_lines(branch.attrs) if settings.verbose else ()
         print_branch(branch, f"{path} ({size(path)})", more)
+
+
+def _print_locus(path: str, settings: Settings) -> None:
+    from vibsim.branches.description import locus_facts
+    from vibsim.command_line.locus_jobs import print_locus
+
+    locus = open_result(path)
+    if settings.json:
+        print_json({"file": path, **locus_facts(locus)})
+    elif not settings.quiet:
+        more = attribute_lines(locus.attrs) if settings.verbose else ()
+        print_locus(locus, f"{path} ({size(path)})", more)
 
 
 def _print_trajectory(result: Result, path: str, settings: Settings) -> None:

@@ -17,24 +17,28 @@ Value = Callable[[Any], float]
 
 
 class ParameterAxis:
-    """The parameter of a branch as the axis of a picture, with what `sweep_axes.label_of` asks of one."""
+    """A parameter as the axis of a picture, with what `sweep_axes.label_of` asks of one."""
 
-    def __init__(self, branch: Any):
-        self.key, self.unit, self.name = branch.key, branch.unit, branch.key.rpartition(".")[2]
+    def __init__(self, key: str, unit: str):
+        self.key, self.unit, self.name = key, unit, key.rpartition(".")[2]
 
 
 def parameter_of(branch: Any) -> Value:
     """The parameter of an orbit: in Hz for the speed of a source, else in its unit."""
-    if not is_speed(branch.key):
-        return lambda orbit: float(orbit.parameter)
-    unit = UNITS[branch.unit]
-    factor = float(unit.factor) / (1.0 if unit.per_turn else 2 * math.pi)
+    factor = parameter_factor(branch.key, branch.unit)
     return lambda orbit: float(orbit.parameter) * factor
+
+
+def parameter_factor(key: str, unit: str) -> float:
+    """What makes of a value in a unit the number that is drawn: Hz for the speed of a source."""
+    if not is_speed(key):
+        return 1.0
+    return float(UNITS[unit].factor) / (1.0 if UNITS[unit].per_turn else 2 * math.pi)
 
 
 def parameter_label(subjects: Sequence[Subject]) -> str:
     """Label of the axis of the parameter; PlotError where branches are over different ones."""
-    axes = [ParameterAxis(subject.result) for subject in subjects]
+    axes = [ParameterAxis(subject.result.key, subject.result.unit) for subject in subjects]
     if len({axis.key for axis in axes}) > 1:
         listed = ", ".join(f"{s.path} over {axis.key}" for s, axis in zip(subjects, axes, strict=True))
         raise PlotError(f"branches over different things do not go into one picture: {listed}")

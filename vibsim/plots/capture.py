@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from vibsim.plots.capture_map import draw_map, draw_probability_map
 from vibsim.plots.capture_starts import draw_probability, draw_starts
+from vibsim.plots.locus_over_map import lay_locus
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
 
@@ -17,9 +18,16 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
 
     Two ranges: verdict and speed of capture of every point, as colours; with an ensemble at every point, the
     share of its members that are captured. One range and an ensemble: that share against the range. An
-    ensemble alone: its starts, coloured by the verdict.
+    ensemble alone: its starts, coloured by the verdict. Loci are laid over maps.
     """
-    (subject,) = subjects
+    (subject,) = (each for each in subjects if each.reads == "sweep")
+    figure = _drawn(subject, view)
+    for locus in (each.result for each in subjects if each.reads == "locus"):
+        lay_locus(figure, subject, locus)
+    return figure
+
+
+def _drawn(subject: Subject, view: View) -> Figure:
     result = subject.result
     ranges = sum(len(axis) > 1 for axis in result.axes if axis is not result.members)
     if result.members is None:

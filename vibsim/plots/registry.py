@@ -25,12 +25,13 @@ class Kind:
     Attributes
     ----------
     name : as on the command line
-    reads : "trajectory", "sweep", "branch", "fit" or "bench" (a result file of that kind), or "case" (any of
-        one case)
+    reads : "trajectory", "sweep", "branch", "locus", "fit" or "bench" (a result file of that kind), or
+        "case" (any of one case)
     summary : one line for `--list`
     needs : keys of NEEDS; what the subject must have
     width : "column" or "page", the width unless the user says otherwise
     alone : whether it shows one file at a time
+    besides : what else it lays over that, as `reads`
     """
 
     name: str
@@ -39,6 +40,7 @@ class Kind:
     needs: tuple[str, ...] = ()
     width: str = "column"
     alone: bool = False
+    besides: tuple[str, ...] = ()
 
     @property
     def draw(self) -> Callable[..., Any]:
@@ -93,7 +95,13 @@ KINDS = (
     ),
     Kind("stiffness", "case", "force of springs and stops against the relative displacement", ("springs",)),
     Kind("motor", "case", "torque of the motor against its speed", ("motor",)),
-    Kind("sommerfeld", "sweep", "steady speed of the motor against its no-load speed", ("motor", "Omega0")),
+    Kind(
+        "sommerfeld",
+        "sweep",
+        "steady speed of the motor against its no-load speed, and branches over it",
+        ("motor", "Omega0"),
+        besides=("branch",),
+    ),
     Kind("amplitude", "sweep", "amplitudes against the frequency, or whatever was swept"),
     Kind(
         "orbit",
@@ -113,9 +121,10 @@ KINDS = (
     Kind(
         "capture",
         "sweep",
-        "where the motor is captured: a map, or a probability",
+        "where the motor is captured: a map, or a probability, and loci over it",
         ("motor", "capture", "map or starts"),
         alone=True,
+        besides=("locus",),
     ),
     Kind("branch", "branch", "periodic orbits over what was continued, stable or not, with bifurcations"),
     Kind(
@@ -125,6 +134,7 @@ KINDS = (
         width="page",
         alone=True,
     ),
+    Kind("locus", "locus", "bifurcations of periodic orbits in the plane of two parameters"),
     Kind(
         "load-curve",
         "branch",
@@ -191,6 +201,7 @@ DEFAULTS = {
     "case": ("stiffness", "motor"),
     "sweep": ("sommerfeld",),
     "branch": ("branch",),
+    "locus": ("locus",),
     "bench": ("work-precision",),
     "fit": ("fit",),
 }
@@ -237,6 +248,8 @@ def _has_starts(subject: Subject) -> bool:
 
 def misfit(kind: Kind, subject: Subject) -> str | None:
     """Why `kind` cannot show `subject`, or None when it can."""
+    if subject.reads in kind.besides:
+        return None
     if kind.reads not in ("case", subject.reads):
         return f"it shows a {kind.reads}, and {subject.path} is a {subject.reads}"
     if kind.reads == "case" and subject.reads == "sweep":
@@ -251,7 +264,12 @@ def misfit(kind: Kind, subject: Subject) -> str | None:
 def fitting(subjects: Sequence[Subject]) -> list[Kind]:
     """The kinds that can show all the subjects together, in the order of the table."""
     kinds = [kind for kind in KINDS if not any(misfit(kind, subject) for subject in subjects)]
-    return [kind for kind in kinds if not kind.alone or len(subjects) == 1]
+    return [kind for kind in kinds if (count := own(kind, subjects)) and (count == 1 or not kind.alone)]
+
+
+def own(kind: Kind, subjects: Sequence[Subject]) -> int:
+    """How many of the subjects are what `kind` shows, and not laid over that."""
+    return sum(subject.reads not in kind.besides for subject in subjects)
 
 
 def kind_named(name: str) -> Kind:
@@ -282,7 +300,10 @@ def choose(names: Sequence[str] | None, subjects: Sequence[Subject]) -> list[Kin
         return fit
     chosen = [kind_named(name) for name in dict.fromkeys(names)]
     for kind in chosen:
-        if kind.alone and len(subjects) > 1:
+        if own(kind, subjects) == 0:
+            words = f"it lays a {subjects[0].reads} over a {kind.reads}, which is not there"
+            raise PlotError(f"kind {kind.name}: {words}; {_those_that_fit(fit)}")
+        if kind.alone and own(kind, subjects) > 1:
             raise PlotError(f"kind {kind.name}: it shows one file at a time; {_those_that_fit(fit)}")
         for subject in subjects:
             reason = misfit(kind, subject)

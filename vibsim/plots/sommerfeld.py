@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from vibsim.plots.branch_over_sweep import lay_branches
 from vibsim.plots.margin_labels import Level, draw_levels
 from vibsim.plots.sheet import letter_panels, note, sheet
 from vibsim.plots.style import GREY, ORANGE
@@ -39,8 +40,11 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
 
     Points on the thin line turn at the no-load speed; a plateau below it is a capture: the power of the motor
     goes into vibration. One curve has its least to greatest speed as a band; up and down have the hysteresis
-    between them shaded, and a panel for each value of what else was swept.
+    between them shaded, and a panel for each value of what else was swept. Branches of periodic orbits lie
+    over the curves of the same values, solid where stable, dashed where not.
     """
+    branches = [subject for subject in subjects if subject.reads == "branch"]
+    subjects = [subject for subject in subjects if subject.reads == "sweep"]
     drawn = curves(subjects)
     groups = [drawn]
     omitted = ""
@@ -61,6 +65,7 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     ]
     for i, (axes, group) in enumerate(zip(grid.flat, groups, strict=False)):
         _panel(axes, group, len(groups) > 1)
+        lay_branches(axes, group, branches)
         last = (i + 1) % columns == 0 or i + 1 == len(groups)
         draw_levels(axes, levels, (height_cm - 1.6) / rows * 28, named=last)
     finish(grid, len(groups), axis_label(subjects), SPEED if len(groups) == 1 else SHORT)

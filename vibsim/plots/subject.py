@@ -26,7 +26,7 @@ class Subject:
     ----------
     path : as the user gave it
     name : its name in legends, safe to draw as it is (see `user_text`)
-    reads : "trajectory", "sweep", "branch", "fit", "bench" or "case", see `registry.Kind.reads`
+    reads : "trajectory", "sweep", "branch", "locus", "fit", "bench" or "case", see `registry.Kind.reads`
     case : the Case, as far as it is known
     result : the open result file (None for a case)
     """

@@ -81,6 +81,12 @@ class Curve:
         return [tuple(quantile(self.every(name), 1, q) for q in ends) for ends in BANDS]  # type: ignore[misc]
 
     @property
+    def apart(self) -> list[tuple[Any, int]]:
+        """(axis, position on it) of what sets it apart from the other curves of its sweep."""
+        axes = self.subject.result.axes
+        return [(axis, at) for axis, at in zip(axes, self._at, strict=False) if isinstance(at, int)]
+
+    @property
     def look(self) -> dict[str, Any]:
         """Line and markers: closed upwards, open and dashed downwards."""
         face = "white" if self.down else self.colour

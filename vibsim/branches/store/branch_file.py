@@ -1,7 +1,7 @@
 """A branch as an HDF5 file: written whole, read back to the bit."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import starmap
 from pathlib import Path
 from typing import Any
@@ -57,8 +57,8 @@ def write_branch(path: Path, branch: Branch, attrs: dict[str, Any], complete: bo
         SCALED: np.arange(len(branch.points[0].unknowns)),
         MULTIPLIER: np.arange(len(orbits[0].multipliers)),
         BODY: np.arange(len(orbits[0].drift)),
-        **_orbits("", branch, branch.points),
-        **_orbits("special_", branch, found),
+        **orbit_values("", branch.spelled, branch.points),
+        **orbit_values("special_", branch.spelled, found),
         **{name: [getattr(one, name) for one in branch.points] for name in ("step", "iterations", "ended")},
         "special_kind": [KINDS[record.kind] for record in found],
         "special_label": [one.label for one in specials],
@@ -71,7 +71,8 @@ def write_branch(path: Path, branch: Branch, attrs: dict[str, Any], complete: bo
     write_hdf5(path, {**attrs, **names, **counts}, datasets_of(branch.unit), values)
 
 
-def _orbits(prefix: str, branch: Branch, records: Sequence[PointRecord | SpecialRecord]) -> dict[str, Any]:
+def orbit_values(prefix: str, spelled: Callable[[Word], str], records: Sequence[Any]) -> dict[str, Any]:
+    """What is told of the orbits of records, by name of the dataset."""
     orbits = [record.orbit for record in records]
     plain = ("parameter", "period", "state", "fold", "doubling", "margin", "drift", "residual", "uncertified")
     values: dict[str, Any] = {name: [getattr(orbit, name) for orbit in orbits] for name in plain}
@@ -79,7 +80,7 @@ def _orbits(prefix: str, branch: Branch, records: Sequence[PointRecord | Special
     values |= {name: [getattr(one, name) for one in records] for name in places}
     values["multiplier_re"] = [[mu.real for mu in orbit.multipliers] for orbit in orbits]
     values["multiplier_im"] = [[mu.imag for mu in orbit.multipliers] for orbit in orbits]
-    values["word"] = [branch.spelled(orbit.word) for orbit in orbits]
+    values["word"] = [spelled(orbit.word) for orbit in orbits]
     return {f"{prefix}{name}": value for name, value in values.items()}
 
 
@@ -109,25 +110,28 @@ def _plan(path: Path, attrs: dict[str, Any]) -> BranchPlan:
 
 def _point(values: dict[str, Any], i: int) -> PointRecord:
     number, way = int(values["number"][i]), int(values["way"][i])
-    z, tangent = _places("", values, i)
+    z, tangent = places_of("", values, i)
     step, iterations = float(values["step"][i]), int(values["iterations"][i])
-    orbit, ended = _orbit("", values, i), str(values["ended"][i])
+    orbit, ended = orbit_of("", values, i), str(values["ended"][i])
     return PointRecord(way, number, orbit, z, tangent, step, iterations, ended)
 
 
 def _special(values: dict[str, Any], i: int) -> SpecialRecord:
     number, way = int(values["special_number"][i]), int(values["special_way"][i])
-    z, tangent = _places("special_", values, i)
+    z, tangent = places_of("special_", values, i)
     before, after = (read_spelled(values[name][i]) for name in ("special_before", "special_after"))
     kind, jump = KIND_NAMES[int(values["special_kind"][i])], int(values["special_jump"][i])
-    return SpecialRecord(way, number, kind, _orbit("special_", values, i), z, tangent, before, after, jump)
+    return SpecialRecord(way, number, kind, orbit_of("special_", values, i), z, tangent, before, after, jump)
 
 
-def _places(prefix: str, values: dict[str, Any], i: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def places_of(prefix: str, values: dict[str, Any], i: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Scaled unknowns and tangent of row i of the datasets with a prefix."""
     return tuple(values[f"{prefix}unknowns"][i].tolist()), tuple(values[f"{prefix}tangent"][i].tolist())
 
 
-def _orbit(prefix: str, values: dict[str, Any], i: int) -> OrbitRecord:
+def orbit_of(prefix: str, values: dict[str, Any], i: int) -> OrbitRecord:
+    """The orbit of row i of the datasets with a prefix."""
+
     def of(name: str) -> Any:
         return values[f"{prefix}{name}"][i]
 

@@ -48,6 +48,29 @@ def datasets_of(unit: str) -> list[Dataset]:
     return [*scales, *_orbits("", POINT, unit), *along, *_orbits("special_", SPECIAL, unit), *special]
 
 
+LOCUS_ATTRIBUTES = [
+    *PROVENANCE,
+    *(Attribute(name, TEXT) for name in ("locus_settings_json", "locus_sha256", "engine")),
+    Attribute("points", WHOLE),
+    Attribute("complete", WHOLE, allowed=(0, 1)),
+]
+
+
+def locus_datasets(unit: str, second_unit: str) -> list[Dataset]:
+    """The datasets of a locus whose two parameters have units."""
+    scales = [scale for scale in datasets_of(unit) if scale.is_scale and scale.name != SPECIAL]
+    second = Column(second_unit or "1", "value of the second parameter")
+    others = Column("1", "multipliers outside the unit circle besides those on it", dtype="i4")
+    return [
+        *scales,
+        *_orbits("", POINT, unit),
+        Dataset("second", second, (POINT,)),
+        Dataset("index", others, (POINT,)),
+        Dataset("step", Column("1", "scaled length of the step behind it"), (POINT,)),
+        Dataset("ended", Column(None, "why the locus goes no further", dtype="text"), (POINT,)),
+    ]
+
+
 def _orbits(prefix: str, along: str, unit: str) -> list[Dataset]:
     """What is told of an orbit, be it a point of the branch or a special one."""
 

@@ -1,0 +1,220 @@
+"""A bifurcation followed in two parameters: orbits with a multiplier on the unit circle, or that graze.
+
+Unknowns are those of the branch and the second parameter; to the equations of the orbit comes the test value
+that is zero at the bifurcation. Its derivative is a difference quotient: an error of it slows Newton's method
+down and moves no solution.
+"""
+
+from collections import OrderedDict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from vibsim.branches.arclength import ContinuationError, correct, tangent
+from vibsim.branches.family import SHIFT, Family, FamilyPoint
+from vibsim.branches.node import Node
+from vibsim.branches.special import DOUBLING, FOLD, TORUS
+from vibsim.branches.step_size import SHARP, Pace, turn
+from vibsim.cases import Case, CaseError
+
+DIFFERENCE = 2.0**-20  # of a scaled unknown: rounding over it and what it leaves out are about 1e-8
+FAMILIES = 4  # values of the second parameter that are kept
+LOCUS_PACE = Pace(first=0.01, least=1e-7, most=0.05)
+KINDS = (FOLD, DOUBLING, TORUS)
+
+
+class Plane:
+    """The orbits of a case over two parameters, with a bifurcation of a kind.
+
+    family : over the first parameter; keys, unit : of the second; scale : of the second
+    pair : the multiplier that is followed along Neimark-Sacker points
+    """
+
+    def __init__(
+        self, family: Family, keys: Sequence[str], unit: str, scale: float, kind: str, pair: complex
+    ):
+        self.family, self.keys, self.unit, self.kind, self.pair = family, tuple(keys), unit, kind, pair
+        self.scale = np.append(family.scale, scale)
+        self._families: OrderedDict[float, Family] = OrderedDict()
+
+    def family_at(self, second: float) -> Family:
+        """The orbits over the first parameter at a value of the second. Raises ContinuationError."""
+        if second not in self._families:
+            try:
+                case = self.case_at(second)
+            except CaseError as error:
+                raise ContinuationError(str(error)) from error
+            of = self.family
+            family = Family(case, of.keys, of.unit, of.n, of.engine)
+            family.scale = of.scale
+            self._families[second] = family
+            if len(self._families) > FAMILIES:
+                self._families.popitem(last=False)
+        self._families.move_to_end(second)
+        return self._families[second]
+
+    def case_at(self, second: float) -> Case:
+        """The case at a value of the second parameter. Raises CaseError."""
+        return self.family.case.with_values(dict.fromkeys(self.keys, f"{second!r} {self.unit}".strip()))
+
+    def __call__(self, z: np.ndarray) -> "PlanePoint":
+        """The motion over one return from scaled unknowns. Raises ContinuationError."""
+        return PlanePoint(self, z, self.family_at(float(z[-1] * self.scale[-1]))(z[:-1]))
+
+    def test(self, point: FamilyPoint) -> float:
+        """The value that is zero at the bifurcation."""
+        node = Node(point, point.z, 0)
+        if self.kind == FOLD:
+            return node.fold
+        return node.doubling if self.kind == DOUBLING else node.torus(self.pair)
+
+
+class PlanePoint:
+    """A motion over one return, as a point of a locus; see `vibsim.branches.arclength.Point`."""
+
+    settled = True
+
+    def __init__(self, plane: Plane, z: np.ndarray, point: FamilyPoint):
+        self.plane, self.z, self.point = plane, z, point
+
+    @property
+    def second(self) -> float:
+        """The second parameter."""
+        return float(self.z[-1] * self.plane.scale[-1])
+
+    @cached_property
+    def residual(self) -> np.ndarray:
+        """Of the equations of the orbit and the test, scaled."""
+        return np.append(self.point.residual, self.plane.test(self.point) / self._size)
+
+    @cached_property
+    def _gradient(self) -> np.ndarray:
+        """Derivative of the test by the unknowns."""
+        here = self.plane.test(self.point)
+        shifts = DIFFERENCE * np.eye(len(self.z))
+        beside = [self.plane(self.z + shift).point for shift in shifts]
+        return np.array([(self.plane.test(point) - here) / DIFFERENCE for point in beside])
+
+    @cached_property
+    def _size(self) -> float:
+        return float(np.linalg.norm(self._gradient)) or 1.0
+
+    def jacobian(self, slope: np.ndarray | None = None) -> np.ndarray:
+        """Derivative of the residual by z."""
+        shift = np.zeros(len(self.z))
+        shift[-1] = SHIFT
+        by_second = (self.plane(self.z + shift).point.residual - self.point.residual) / SHIFT
+        upper = np.column_stack([self.point.jacobian(), by_second])
+        return np.vstack([upper, self._gradient / self._size])
+
+    def moved(self, step: np.ndarray, slope: np.ndarray | None = None) -> np.ndarray:
+        """z after a Newton step."""
+        return np.asarray(self.z + step)
+
+    @property
+    def critical(self) -> list[int]:
+        """Places of the multipliers that are on the circle, among all."""
+        multipliers = self.point.multipliers
+        target = {FOLD: 1.0, DOUBLING: -1.0}.get(self.plane.kind)
+        if target is not None:
+            return [int(np.argmin(abs(multipliers - target)))]
+        pair = self.plane.pair
+        return [int(np.argmin(abs(multipliers - mu))) for mu in (pair, pair.conjugate())]
+
+    @property
+    def index(self) -> int:
+        """Number of the other multipliers outside the unit circle."""
+        others = np.delete(self.point.multipliers, self.critical)
+        return int(np.sum(abs(others) > 1))
+
+
+@dataclass(frozen=True)
+class LocusStep:
+    """One step along a locus; next: length of the one behind; ended: why none follows."""
+
+    point: PlanePoint
+    tangent: np.ndarray
+    next: float
+    ended: str = ""
+
+
+def walk(
+    plane: Plane,
+    start: PlanePoint,
+    along: np.ndarray,
+    step: float,
+    spans: Sequence[tuple[float, float]],
+) -> Iterator[LocusStep]:
+    """Steps from a point of a locus, until it leaves the ranges of the two parameters or ends."""
+    here, direction = start, along
+    while True:
+        try:
+            point, ahead, turned = _next(plane, here, direction, step)
+        except _Short as error:
+            if step / 2 < LOCUS_PACE.least:
+                yield LocusStep(here, direction, step, str(error))
+                return
+            step /= 2
+            continue
+        following = LOCUS_PACE.following(step, turned, 4)
+        ended = _ended(point, spans)
+        if ended:
+            point = _at_bound(plane, here, point, spans[1])
+        yield LocusStep(point, ahead, following, ended)
+        if ended:
+            return
+        here, direction, step = point, ahead, following
+
+
+class _Short(Exception):
+    """A step that must be shorter."""
+
+
+def _next(
+    plane: Plane, here: PlanePoint, direction: np.ndarray, step: float
+) -> tuple[PlanePoint, np.ndarray, float]:
+    """The next point, the tangent there and how far it turned [rad]. Raises _Short."""
+    try:
+        point = correct(plane, here.z + step * direction, direction, 2 * step).point
+        ahead = tangent(point.jacobian(), direction)
+    except ContinuationError as error:
+        raise _Short(str(error)) from error
+    turned = turn(direction, ahead)
+    if turned > SHARP:
+        raise _Short("the locus turns too sharply")
+    if plane.kind == TORUS:
+        follow_pair(plane, point)
+    return point, ahead, turned
+
+
+def follow_pair(plane: Plane, point: PlanePoint) -> None:
+    """Go on with the pair of multipliers on the circle; raises _Short where it has become real."""
+    pairs = [mu for mu in point.point.multipliers if mu.imag > 0 and abs(abs(mu) - 1) < 1e-6]
+    if not pairs:
+        raise _Short("the pair meets on the real axis: here the Neimark-Sacker points end")
+    plane.pair = min(pairs, key=lambda mu: abs(mu - plane.pair))
+
+
+def _at_bound(
+    plane: Plane, here: PlanePoint, point: PlanePoint, span: tuple[float, float]
+) -> PlanePoint:
+    """The point at the end of the range of the second parameter, between one inside and one outside."""
+    bound = min(max(point.second, min(span)), max(span)) / plane.scale[-1]
+    if bound == point.z[-1]:
+        return point
+    share = (bound - here.z[-1]) / (point.z[-1] - here.z[-1])
+    start = here.z + share * (point.z - here.z)
+    start[-1] = bound
+    try:
+        return correct(plane, start, np.eye(len(start))[-1], 0.1).point
+    except ContinuationError:
+        return point
+
+
+def _ended(point: PlanePoint, spans: Sequence[tuple[float, float]]) -> str:
+    values: list[Any] = [point.point.parameter, point.second]
+    outside = any(not min(span) <= value <= max(span) for value, span in zip(values, spans, strict=True))
+    return "end of the range" if outside else ""

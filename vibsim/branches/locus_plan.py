@@ -1,0 +1,130 @@
+"""Which bifurcation is to be followed, and over what."""
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from vibsim.branches.arclength import correct, tangent
+from vibsim.branches.branch import Branch
+from vibsim.branches.locus import KINDS, Plane, PlanePoint, follow_pair
+from vibsim.branches.plan import BranchError, BranchPlan, value_in
+from vibsim.branches.special import TORUS
+
+FIRST_STEP = 0.1  # scaled, that the first correction may have
+
+
+@dataclass(frozen=True)
+class LocusPlan:
+    """A bifurcation of a branch to be followed in its parameter and a second one.
+
+    branch : plan of the branch; label, kind : of the special point
+    keys, unit, span, value : of the second parameter, its range and its value on the branch
+    state, period, parameter, pair : of the special point; pair: its multiplier, for a Neimark-Sacker point
+    """
+
+    branch: BranchPlan
+    label: str
+    kind: str
+    keys: tuple[str, ...]
+    unit: str
+    span: tuple[float, float]
+    value: float
+    state: tuple[float, ...]
+    period: float
+    parameter: float
+    pair: complex
+
+    @cached_property
+    def settings(self) -> dict[str, Any]:
+        """All of it but the case, as plain data."""
+        return {
+            "branch": self.branch.settings,
+            "label": self.label,
+            "kind": self.kind,
+            "keys": list(self.keys),
+            "unit": self.unit,
+            "span": list(self.span),
+            "value": self.value,
+            "state": list(self.state),
+            "period": self.period,
+            "parameter": self.parameter,
+            "pair": [self.pair.real, self.pair.imag],
+        }
+
+    @staticmethod
+    def from_settings(case: Any, settings: dict[str, Any]) -> "LocusPlan":
+        """The plan that `settings` wrote down."""
+        known = {**settings, "branch": BranchPlan.from_settings(case, settings["branch"])}
+        for name in ("keys", "span", "state"):
+            known[name] = tuple(settings[name])
+        return LocusPlan(**{**known, "pair": complex(*settings["pair"])})
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """Of the case and the settings."""
+        text = json.dumps([self.branch.case.sha256, self.settings])
+        return hashlib.sha256(text.encode()).hexdigest()
+
+    def plane(self, engine: str = "auto") -> Plane:
+        """The orbits over both parameters."""
+        scale = max(abs(self.value), abs(self.span[1] - self.span[0]) / 4)
+        return Plane(self.branch.family(engine), self.keys, self.unit, scale, self.kind, self.pair)
+
+    def start(self, plane: Plane) -> tuple[PlanePoint, np.ndarray]:
+        """The first point, and the tangent there towards larger values of the second parameter.
+
+        Raises ContinuationError.
+        """
+        family = plane.family_at(self.value)
+        z = np.append(
+            family.unknowns(np.array(self.state), self.period, self.parameter), self.value / plane.scale[-1]
+        )
+        along = np.eye(len(z))[-1]
+        point = correct(plane, z, along, FIRST_STEP).point
+        if self.kind == TORUS:
+            follow_pair(plane, point)
+        return point, tangent(point.jacobian(), along)
+
+    @property
+    def spans(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Ranges of both parameters: of the first all that has a sense."""
+        return self.first_span, self.span
+
+    @property
+    def first_span(self) -> tuple[float, float]:
+        """Of the first parameter: that of the branch, widened to where the locus may lead."""
+        low, high = self.branch.span
+        return min(low, 0.25 * low), max(high, 4 * high)
+
+
+def locus_plan(
+    branch: Branch, label: str, keys: Sequence[str], unit: str, span: tuple[float, float]
+) -> LocusPlan:
+    """The plan of following the special point `label` of a branch over a second parameter.
+
+    Raises BranchError for a label that is none or cannot be followed, a key that is the branch's own, and a
+    range without the value of the case.
+    """
+    try:
+        special = branch.special(label)
+    except KeyError as error:
+        raise BranchError(str(error.args[0])) from None
+    if special.kind not in KINDS:
+        raise BranchError(f"{label} is a {special.kind}; loci are followed of {', '.join(KINDS)} points")
+    if set(keys) & set(branch.plan.keys):
+        raise BranchError(f"{keys[0]} is the parameter of the branch; a locus needs another")
+    value = value_in(branch.case.quantity(keys[0]), unit)
+    low, high = sorted(span)
+    if not low <= value <= high or low == high:
+        raise BranchError(
+            f"the branch is at {keys[0]} = {value:g} {unit}, outside the range {low:g}:{high:g}"
+        )
+    pair = min(special.orbit.multipliers, key=lambda mu: abs(abs(mu) - 1) + (mu.imag <= 0) * 1e3)
+    orbit = special.orbit
+    where = orbit.state, orbit.period, orbit.parameter
+    return LocusPlan(branch.plan, label, special.kind, tuple(keys), unit, (low, high), value, *where, pair)

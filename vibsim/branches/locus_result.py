@@ -1,0 +1,132 @@
+"""A locus: a bifurcation along two parameters, arrays by name."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from vibsim.branches.locus import LocusStep, PlanePoint, walk
+from vibsim.branches.locus_plan import LocusPlan
+from vibsim.branches.node import Node
+from vibsim.branches.records import OrbitRecord, orbit_record
+
+MOST_POINTS = 2000
+WAYS = (1, -1)
+FIRST = 0.01  # scaled length of the first step
+
+
+@dataclass(frozen=True)
+class LocusRecord:
+    """A point of a locus; way, number, step, ended: as of `vibsim.branches.records.PointRecord`.
+
+    orbit : at the bifurcation; second : value of the second parameter
+    index : number of the other multipliers outside the unit circle
+    """
+
+    way: int
+    number: int
+    orbit: OrbitRecord
+    second: float
+    index: int
+    unknowns: tuple[float, ...]
+    tangent: tuple[float, ...]
+    step: float
+    ended: str = ""
+
+
+class Locus:
+    """A locus: `locus["parameter"]`, `locus["second"]` and so on along it."""
+
+    def __init__(
+        self, plan: LocusPlan, points: Sequence[LocusRecord], attrs: Mapping[str, Any] | None = None
+    ):
+        self.plan, self.attrs = plan, dict(attrs or {})
+        back = sorted((p for p in points if p.way < 0), key=lambda p: -p.number)
+        self.points = [*back, *sorted((p for p in points if p.way > 0), key=lambda p: p.number)]
+
+    @property
+    def case(self) -> Any:
+        return self.plan.branch.case
+
+    @property
+    def kind(self) -> str:
+        """Of the bifurcation."""
+        return self.plan.kind
+
+    @property
+    def ends(self) -> tuple[str, str]:
+        """Why it ends, at its first and its last point; empty where it was not followed further."""
+        return (self.points[0].ended, self.points[-1].ended) if self.points else ("", "")
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def keys(self) -> list[str]:
+        """Names of the arrays along the locus."""
+        return [*self._arrays]
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """An array along the locus, first axis the points. Raises KeyError with the names that there are."""
+        if name not in self._arrays:
+            raise KeyError(f"{name} is not in this locus; it has {', '.join(self._arrays)}")
+        return self._arrays[name]
+
+    @cached_property
+    def _arrays(self) -> dict[str, np.ndarray]:
+        orbits = [point.orbit for point in self.points]
+        return {
+            "parameter": np.array([orbit.parameter for orbit in orbits]),
+            "second": np.array([point.second for point in self.points]),
+            "period": np.array([orbit.period for orbit in orbits]),
+            "state": np.array([orbit.state for orbit in orbits]),
+            "multipliers": np.array([orbit.multipliers for orbit in orbits]),
+            "index": np.array([point.index for point in self.points]),
+        }
+
+
+def trace_locus(
+    plan: LocusPlan, add: Any, points: Sequence[LocusRecord], most: int, engine: str, watch: Any
+) -> bool:
+    """Follow a locus both ways from where `points` know it; `add` is given each new point.
+
+    watch : told the number of points; whether to go on. Returns whether it came to its ends or `most`
+    points. Raises ContinuationError where the bifurcation is not found again.
+    """
+    plane = plan.plane(engine)
+    start, along = plan.start(plane)
+    known, pair = list(points), plane.pair
+    if not known:
+        known.append(_record(start, along, 1, 0, FIRST))
+        add(known[-1])
+    for way in WAYS:
+        done = [point for point in known if point.way == way or point.number == 0]
+        last, plane.pair = done[-1], pair
+        if last.ended:
+            continue
+        here, direction = start, way * along
+        if last.number:
+            here, direction = plane(np.array(last.unknowns)), np.array(last.tangent)
+            plane.pair = min(last.orbit.multipliers, key=lambda mu: abs(abs(mu) - 1) + (mu.imag <= 0) * 1e3)
+        share = most if way == WAYS[-1] else (most + 1) // 2
+        for number, step in enumerate(walk(plane, here, direction, last.step, plan.spans), last.number + 1):
+            known.append(_record_of(step, way, number))
+            add(known[-1])
+            if watch is not None and not watch(len(known)):
+                return False
+            if len(known) >= share:
+                break
+    return True
+
+
+def _record_of(step: LocusStep, way: int, number: int) -> LocusRecord:
+    return _record(step.point, step.tangent, way, number, step.next, step.ended)
+
+
+def _record(
+    point: PlanePoint, along: np.ndarray, way: int, number: int, step: float, ended: str = ""
+) -> LocusRecord:
+    orbit = orbit_record(Node(point.point, along[:-1], 0))
+    places = tuple(point.z.tolist()), tuple(along.tolist())
+    return LocusRecord(way, number, orbit, point.second, point.index, *places, step, ended)
