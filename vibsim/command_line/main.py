@@ -25,6 +25,7 @@ COMMANDS = {
     "continue": ("vibsim.command_line.continuation", "Follow a periodic orbit over a parameter."),
     "fit": ("vibsim.command_line.fit", "Find values under which cases do what is said of them."),
     "plot": ("vibsim.command_line.plot", "Draw pictures of runs, cases and sweeps."),
+    "animate": ("vibsim.command_line.animate", "Show the machine of a run, moving."),
     "info": ("vibsim.command_line.info", "Say what a result file holds."),
     "analyse": ("vibsim.command_line.analyse", "Judge runs: capture, drift, impacts, regime, frequencies."),
     "bench": ("vibsim.command_line.bench", "Measure speed against error, beside other solvers."),

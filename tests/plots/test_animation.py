@@ -1,0 +1,198 @@
+"""Moving pictures: positions are those of the run, gaps close when stops are struck, files hold frames."""
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import vibsim
+from tests.command_line.made import call
+from tests.plots.browser import Browser, program
+from tests.plots.test_pages import data_of, numbers
+from vibsim.plots.animation.channels import channels_of
+from vibsim.plots.animation.display_list import moving_shapes
+from vibsim.plots.animation.sketch import display_list, sketch
+from vibsim.plots.animation.stage import NOSE_CM, attached
+from vibsim.plots.errors import PlotError
+from vibsim.plots.subject import open_subject, subject_of
+
+NAMES = ["II-B", "II-A", "gallery/drifting-capsule", "gallery/impact-damper", "gallery/impact-pair",
+         "gallery/two-balls-and-a-spring", "gallery/pile-driver", "gallery/energy-sink"]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def channels():
+    """The channels of a case over its seconds 3 to 5, at 120 frames per second."""
+    made = {}
+
+    def channels(name):
+        if name not in made:
+            run = subject_of(vibsim.simulate(name, trust=False, overrides={"run.t_end": "5 s"}))
+            made[name] = run, channels_of(run, (3.0, 5.0), 1 / 120, 1.0)
+        return made[name]
+
+    return channels
+
+
+def column(channels, name):
+    return channels.values[:, channels.names.index(name)]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_shapes_follow_the_channels_as_the_drawing_does(channels, name):
+    """The display list, made of differences, gives the very drawing at every frame."""
+    _, film = channels(name)
+    shapes = display_list(film)
+    for number in (0, 37, len(film.times) - 1):
+        at = dict(zip(film.names, film.values[number].tolist(), strict=True))
+        drawn = moving_shapes(lambda axes, _, at=at: sketch(axes, film.stage, at), 0)
+        for moving, direct in zip(shapes, drawn, strict=True):
+            assert np.abs(moving.at(film.values[number]) - direct.shape.vertices).max() < 1e-12
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_bodies_move_as_in_the_run_and_to_one_scale(channels, name):
+    run, film = channels(name)
+    states = run.result.at(film.times)
+    bodies = film.stage.bodies
+    x = np.array([states[f"x{body}" if body.isdigit() else f"x_{body}"] for body in bodies])
+    drawn = np.array([column(film, body) for body in bodies])
+    apart, drawn_apart = x - x[0], drawn - drawn[0]  # an eye may follow a drift
+    assert np.abs(drawn_apart - film.stage.scale * apart).max() <= 1e-9
+    ground = column(film, "ground")
+    assert np.abs((drawn - ground) - film.stage.scale * x).max() <= 1e-9 * max(1, np.abs(x).max())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_bumpers_touch_plates_just_where_the_stop_is_closed(channels, name):
+    """The distance drawn between bumper and plate (or lips and head) is the free gap, to scale."""
+    run, film = channels(name)
+    scene, stage = run.scene, film.stage
+    stops = {f"stops.{stop.name}": stop for stop in scene.stops}
+    assert len(stage.stops) == len(stops)
+    for element, _, slot in stage.placed:
+        if element.kind not in ("stop", "hook"):
+            continue
+        stop = stops[element.key]
+        left = attached(stage, element, slot, -1) + column(film, element.left)
+        right = attached(stage, element, slot, 1) + column(film, element.right)
+        plate = column(film, element.key)
+        drawn = plate - (left + NOSE_CM) if element.kind == "stop" else plate - (right - NOSE_CM)
+        ends = {end: column(film, scene.end_name(end)) for end in (stop.P, stop.Q)}
+        free = stage.scale * stop.gap - stop.sense * (ends[stop.Q] - ends[stop.P])
+        assert np.abs(drawn - np.maximum(free, 0)).max() <= 1e-9, element.key
+
+
+def test_stops_light_up_when_struck(channels):
+    run, film = channels("II-B")
+    contact = run.result.at(film.times)["contact"] == 1
+    assert film.lit.shape == (len(film.times), 1) and film.lit[contact].all()
+    impacts = run.result.events["t"][run.result.events["kind"] == 1]
+    ago = np.array([t - impacts[impacts <= t].max(initial=-np.inf) for t in film.times])
+    assert np.array_equal(film.lit[:, 0], contact | (ago <= 0.15))
+
+
+def test_the_rotor_turns(channels):
+    run, film = channels("II-B")
+    phi = run.result.at(film.times)["phi"]
+    assert np.abs(column(film, "cosine") - np.cos(phi)).max() < 1e-12
+    mass = next(shape for shape in display_list(film) if shape.shape.key == "motor")
+    arm = np.array([np.diff(mass.at(row), axis=0)[0] for row in film.values])
+    length = np.hypot(*arm.T)
+    assert np.allclose(arm / length[:, None], np.column_stack([np.cos(phi), np.sin(phi)]), atol=1e-12)
+
+
+def test_a_gif_has_its_frames(runs, tmp_path):
+    from PIL import Image
+
+    out = tmp_path / "a.gif"
+    done = call("animate", runs["motor"], "-o", str(out), "--window", "10:10.4", "--speed", "0.5")
+    assert (done.exit_code, done.stdout) == (0, f"{out}: 17 frames\n")
+    with Image.open(out) as picture:
+        assert picture.n_frames == 17 and picture.info["loop"] == 0 and picture.info["duration"] == 50
+        first = np.asarray(picture.convert("RGB"), int)
+        picture.seek(8)
+        assert np.abs(np.asarray(picture.convert("RGB"), int) - first).max() > 100
+
+
+def test_an_mp4_has_its_frames(runs, tmp_path):
+    encoder = shutil.which("ffmpeg") or pytest.importorskip("imageio_ffmpeg").get_ffmpeg_exe()
+    out = tmp_path / "a.mp4"
+    assert call("animate", runs["motor"], "-o", str(out), "--window", "10:10.5", "-q").exit_code == 0
+    told = subprocess.run([encoder, "-i", str(out), "-f", "null", "-"], capture_output=True, text=True)
+    assert "1280x720" in told.stderr and re.findall(r"frame=\s*(\d+)", told.stderr)[-1] == "16"
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["-o", "a.avi"], "a moving picture is .mp4, .gif or .html"),
+        (["-o", "a.gif", "--window", "30:40"], "window 30:40 lies outside"),
+        (["-o", "a.gif", "--speed", "0"], "0 is not in the range"),
+        (["-o", "a.gif", "--speed", "0.00001"], "frames are too many, 60000 go"),
+    ],
+)
+def test_what_cannot_be_shown_is_named(runs, words, message, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = call("animate", runs["motor"], *words)
+    assert done.exit_code == 2 and message in done.stderr.lower()
+    assert not list(tmp_path.iterdir())
+
+
+def test_without_an_encoder_the_extra_is_named(runs, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    done = call("animate", runs["motor"], "-o", str(tmp_path / "a.mp4"))
+    assert done.exit_code == 2 and "pip install 'vibsim[video]'" in done.stderr
+
+
+def test_a_case_has_no_motion(tmp_path):
+    from vibsim.plots.animation.writing import Wish, animate
+
+    with pytest.raises(PlotError, match="II-B is a case, and a moving picture shows a run"):
+        animate("II-B", str(tmp_path / "a.gif"), Wish())
+
+
+def test_a_page_holds_the_motion(runs, tmp_path):
+    out = tmp_path / "a.html"
+    assert call("animate", runs["motor"], "-o", str(out), "--window", "10:12", "-q").exit_code == 0
+    data, subject = data_of(out), open_subject(runs["motor"])
+    times = data["begin"] + data["step"] * np.arange(data["count"])
+    x1 = numbers(data["history"]["curves"][0]["data"], "f4")
+    assert np.abs(x1 / 1e3 - subject.result.at(np.minimum(times, 12))["x1"]).max() < 1e-8
+    assert len(numbers(data["values"], "f4")) == data["count"] * data["channels"]
+
+
+@pytest.mark.skipif(program() is None, reason="no Chromium on this machine")
+@pytest.mark.parametrize("width", [1200, 400])
+def test_a_page_goes_stops_and_slows(runs, tmp_path, width):
+    out = tmp_path / "a.html"
+    assert call("animate", runs["motor"], "-o", str(out), "--window", "10:12", "-q").exit_code == 0
+    browser = Browser(tmp_path / "browser")
+    try:
+        browser.open(out, width)
+
+        def shown():
+            return json.loads(browser.value("JSON.stringify(document.querySelector('main').dataset)"))
+
+        browser.settle()
+        if shown()["going"] == "true":
+            browser.key(" ")
+        begun = float(shown()["now"])
+        browser.settle()
+        assert float(shown()["now"]) == begun
+        browser.key("ArrowRight")
+        assert float(shown()["now"]) > begun
+        browser.key("-")
+        assert shown()["speed"] == "0.5"
+        browser.key(" ")
+        browser.value("new Promise((done) => setTimeout(done, 300))")
+        assert shown()["going"] == "true" and float(shown()["now"]) != begun
+        assert browser.value("document.documentElement.scrollWidth") <= width
+        assert browser.said == []
+    finally:
+        browser.close()

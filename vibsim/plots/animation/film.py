@@ -1,0 +1,145 @@
+"""Frames of a moving picture, drawn upon a background that is drawn once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from vibsim.plots.animation.channels import Channels, speed_text
+from vibsim.plots.animation.display_list import Moving
+from vibsim.plots.animation.sketch import display_list, frame_of
+from vibsim.plots.dense import dense
+from vibsim.plots.pairs import pair_of
+from vibsim.plots.quantities import scale_for, symbol
+from vibsim.plots.relative_motion import draw_stop_line
+from vibsim.plots.style import BLUE, VERMILLION, overlay
+from vibsim.plots.subject import Subject
+from vibsim.plots.trace import draw_trace, trace
+
+LIT = "#FFC400"  # of a stop in contact
+
+
+class Film:
+    """The picture at each frame.
+
+    size : width and height [px]; dpi : dots per inch, which sets the size of the text
+    """
+
+    def __init__(self, subject: Subject, channels: Channels, speed: float, size: tuple[int, int], dpi: int):
+        self.channels = channels
+        self.figure = Figure(figsize=(size[0] / dpi, size[1] / dpi), dpi=dpi, layout="constrained")
+        self.canvas = FigureCanvasAgg(self.figure)
+        self._machine, self._portrait, self._history = self._axes(subject)
+        self.still = _still(subject, channels, self._portrait, self._history)
+        self.shapes = display_list(channels)
+        self._artists = [_artist(self._machine, moving) for moving in self.shapes]
+        self._stops = [element.key for element in channels.stage.stops]
+        self._dot = self._portrait.plot([], [], "o", color=VERMILLION, markersize=5, animated=True)[0]
+        self._line = self._history.axvline(channels.times[0], color=VERMILLION, linewidth=1.0, animated=True)
+        self._clock = self._machine.text(
+            0.0, 1.0, "", transform=self._machine.transAxes, va="top", fontsize=8, animated=True
+        )
+        self._said = speed_text(speed)
+        self.canvas.draw()
+        self._background = self.canvas.copy_from_bbox(self.figure.bbox)
+
+    def _axes(self, subject: Subject) -> tuple[Any, Any, Any]:
+        grid = self.figure.add_gridspec(2, 2, width_ratios=(1.7, 1), height_ratios=(1.3, 1))
+        machine = self.figure.add_subplot(grid[0, 0])
+        left, low, right, high = frame_of(self.channels.stage, self.channels.values[:, : self._ends()])
+        machine.set_axis_off()
+        machine.set_aspect("equal")
+        machine.set_xlim(left, right)
+        machine.set_ylim(low, high)
+        return machine, self.figure.add_subplot(grid[0, 1]), self.figure.add_subplot(grid[1, :])
+
+    def _ends(self) -> int:
+        return len(self.channels.stage.bodies)
+
+    def frames(self) -> Iterator[np.ndarray]:
+        """The frames one by one, each (height, width, 3) bytes."""
+        for number in range(len(self.channels.times)):
+            yield self.frame(number)
+
+    def frame(self, number: int) -> np.ndarray:
+        """One frame (height, width, 3), bytes."""
+        channels = self.channels
+        self.canvas.restore_region(self._background)
+        lit = {key for key, on in zip(self._stops, channels.lit[number], strict=True) if on}
+        for moving, artist in zip(self.shapes, self._artists, strict=True):
+            _move(artist, moving, channels.values[number], moving.shape.key in lit)
+            self._machine.draw_artist(artist)
+        x, y = self.still
+        self._dot.set_data([x[number]], [y[number]])
+        self._portrait.draw_artist(self._dot)
+        self._line.set_xdata([channels.times[number]] * 2)
+        self._history.draw_artist(self._line)
+        self._clock.set_text(f"t = {channels.times[number]:.3f} s, {self._said}")
+        self._machine.draw_artist(self._clock)
+        return np.asarray(self.canvas.buffer_rgba())[..., :3].copy()
+
+
+def _still(
+    subject: Subject, channels: Channels, portrait: Any, history: Any
+) -> tuple[np.ndarray, np.ndarray]:
+    """Draw portrait and history; the points of the portrait at the frames, as drawn."""
+    span = float(channels.times[0]), float(channels.times[-1])
+    pair = pair_of(subject)
+    x, y = pair.plane({**channels.states, "time": channels.times})
+    scales = scale_for("m", x), scale_for("m/s", y)
+    draw_trace(portrait, trace(subject.result, pair.names, pair.plane, span), scales, color=BLUE)
+    for position, name in pair.stops:
+        draw_stop_line(portrait, position, scales[0], name)
+    portrait.margins(0.06)
+    portrait.set_xlabel(scales[0].label(f"Relative displacement {pair.displacement}"))
+    portrait.set_ylabel(scales[1].label(f"Relative velocity {pair.velocity}"))
+    columns = subject.columns_in("m")
+    smooth = dense(subject.result, columns, span)
+    scale = scale_for("m", *(smooth[name] for name in columns))
+    for i, name in enumerate(columns):
+        look = {"linewidth": 0.8, "label": symbol(name), "gid": name, **overlay(i)}
+        history.plot(smooth["time"], scale(smooth[name]), **look)
+    history.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(columns))
+    history.set_xlim(channels.times[0], channels.times[-1])
+    history.set_xlabel("Time (s)")
+    history.set_ylabel(scale.label("Displacement"))
+    return scales[0](x), scales[1](y)
+
+
+def _artist(axes: Any, moving: Moving) -> Any:
+    """The artist of a shape, not drawn with the background."""
+    from matplotlib.patches import Polygon
+
+    shape, look = moving.shape, moving.shape.look
+    x, y = shape.vertices.T
+    if shape.kind == "text":
+        own = {"fontsize": look["size"], "color": look["colour"], "va": "center", "animated": True}
+        own |= {name: look[name] for name in ("ha", "weight", "style") if look[name]}
+        return axes.text(x[0], y[0], look["text"], clip_on=True, **own)
+    if shape.kind == "area":
+        fill = look["fill"] or "none"
+        hatch = "////////" if look["hatch"] else None
+        area = Polygon(shape.vertices, facecolor=fill, edgecolor=look["colour"], linewidth=look["width"])
+        area.set(hatch=hatch, animated=True)
+        return axes.add_patch(area)
+    style = (0, (4, 2)) if look.get("dash") else "-"
+    (line,) = axes.plot(x, y, color=look["colour"], linewidth=look["width"], linestyle=style, animated=True)
+    return line
+
+
+def _move(artist: Any, moving: Moving, channels: np.ndarray, lit: bool) -> None:
+    """Put an artist where its shape is; a stop that is struck lights up."""
+    vertices, shape = moving.at(channels), moving.shape
+    if shape.kind == "area":
+        artist.set_xy(vertices)
+    elif shape.kind == "text":
+        artist.set_position(vertices[0])
+    else:
+        artist.set_data(*vertices.T)
+        if shape.key.startswith("stops."):
+            artist.set_color(LIT if lit else shape.look["colour"])
+            artist.set_linewidth(shape.look["width"] * (2.2 if lit else 1.0))

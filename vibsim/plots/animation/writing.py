@@ -1,0 +1,131 @@
+"""Write a moving picture: MP4 through ffmpeg, GIF, or a page."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibsim.files.errors import ResultFileError
+from vibsim.files.output_file import output_file
+from vibsim.labelled.extras import MissingExtra, extra
+from vibsim.plots import style
+from vibsim.plots.errors import PlotError
+from vibsim.plots.samples import window_of
+from vibsim.plots.subject import open_subject
+from vibsim.plots.view import Span
+
+if TYPE_CHECKING:
+    from vibsim.plots.animation.film import Film
+
+SUFFIXES = (".mp4", ".gif", ".html")
+FRAMES_PER_SECOND = {".mp4": 30, ".gif": 20, ".html": 60}
+SHOWN = 10.0  # seconds of motion where no window is asked for: the last ones
+SIZES = {".mp4": ((1280, 720), 120), ".gif": ((800, 480), 92)}  # px, and dots per inch
+Watch = Callable[[int, int], None]
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What to show: the span [s], and how many seconds of it per second of the film."""
+
+    window: Span | None = None
+    speed: float = 1.0
+
+
+def animate(path: str, out: str, wish: Wish, force: bool = False, watch: Watch | None = None) -> int:
+    """Write the moving picture of the run in a file; the number of frames.
+
+    watch : called with the number of frames written and of all
+
+    Raises PlotError for what is no run, another format, a window outside it or a missing encoder, and
+    ResultFileError where the file cannot be written.
+    """
+    suffix = Path(out).suffix.lower()
+    if suffix not in SUFFIXES:
+        raise PlotError(f"{out}: a moving picture is .mp4, .gif or .html")
+    subject = open_subject(path)
+    if subject.reads != "trajectory":
+        raise PlotError(f"{path} is a {subject.reads}, and a moving picture shows a run")
+    encoder = _encoder(out) if suffix == ".mp4" else ""
+    window = window_of(subject, wish.window)
+    if wish.window is None:
+        window = max(window[0], window[1] - SHOWN * max(wish.speed, 1.0)), window[1]
+    from vibsim.plots.animation.channels import channels_of
+
+    step = wish.speed / FRAMES_PER_SECOND[suffix]
+    if suffix == ".html":
+        from vibsim.plots.animation.page import write_moving_page
+
+        return write_moving_page(subject, window, wish.speed, out, force)
+    with style.applied():
+        from vibsim.plots.animation.film import Film
+
+        film = Film(subject, channels_of(subject, window, step, wish.speed), wish.speed, *SIZES[suffix])
+        frames = _watched(film, watch)
+        if suffix == ".mp4":
+            _write_mp4(frames, film, out, force, encoder)
+        else:
+            _write_gif(frames, out, force)
+    return len(film.channels.times)
+
+
+def _watched(film: Film, watch: Watch | None) -> Iterator[np.ndarray]:
+    total = len(film.channels.times)
+    for number, frame in enumerate(film.frames(), 1):
+        yield frame
+        if watch is not None:
+            watch(number, total)
+
+
+def _encoder(out: str) -> str:
+    """The program ffmpeg: the one on the path, else that of the package imageio-ffmpeg."""
+    import shutil
+
+    own = shutil.which("ffmpeg")
+    if own:
+        return own
+    try:
+        return str(extra("imageio_ffmpeg", "video").get_ffmpeg_exe())
+    except (MissingExtra, RuntimeError) as error:
+        raise PlotError(f"{out}: {error}; or write a .gif or .html") from None
+
+
+def _write_mp4(frames: Iterator[np.ndarray], film: Film, out: str, force: bool, encoder: str) -> None:
+    """H.264 in a container that plays while it loads; frames go to ffmpeg one by one."""
+    width, height = film.canvas.get_width_height()
+    source = f"-f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {FRAMES_PER_SECOND['.mp4']} -i -"
+    target = "-an -c:v libx264 -crf 20 -pix_fmt yuv420p -movflags +faststart -map_metadata -1 -f mp4"
+    with output_file(out, force) as partial:
+        command = [encoder, "-y", "-loglevel", "error", *source.split(), *target.split(), str(partial)]
+        process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+        assert process.stdin is not None
+        try:
+            for frame in frames:
+                process.stdin.write(frame.tobytes())
+        except BrokenPipeError:
+            pass  # it says on stderr why it ended
+        except BaseException:
+            process.kill()
+            raise
+        _, said = process.communicate()
+        if process.returncode:
+            first = said.decode("utf-8", "replace").strip().splitlines()[:1]
+            raise ResultFileError(f"{out}: ffmpeg failed: {''.join(first)[:200]}")
+
+
+def _write_gif(frames: Iterator[np.ndarray], out: str, force: bool) -> None:
+    """A GIF that repeats, in the colours of its first frame and few more."""
+    from PIL import Image
+
+    pictures = (Image.fromarray(frame).quantize(64, Image.Quantize.FASTOCTREE) for frame in frames)
+    first = next(pictures)
+    with output_file(out, force) as partial:
+        first.save(
+            partial, format="GIF", save_all=True, append_images=pictures, loop=0,
+            duration=1000 // FRAMES_PER_SECOND[".gif"],
+        )  # fmt: skip
