@@ -25,6 +25,7 @@ def grown(*logarithms, **changes):
         "closest_tangency": 0.1,
         "closest_tangency_time": 123.0,
         "tangent_pieces": 1000,
+        "undefined_time": np.nan,
     }
     return LyapunovExponents(**{**fields, **changes})
 

@@ -1,15 +1,14 @@
-"""Verdicts on runs with rigid stops: what needs no exponent is judged, an exponent is never made up."""
+"""Verdicts on runs with rigid stops, exponents among them, which are never made up where there are none."""
+
+import json
 
 import numpy as np
 import pytest
-from click import UsageError
-from click.testing import CliRunner
 
 import vibsim
+from tests.command_line.made import call
 from vibsim.cases import load_case
-from vibsim.command_line.main import group
-from vibsim.engine.monodromy import Carrier
-from vibsim.sweeps.plan.sweep_plan import PlanError
+from vibsim.physics.modes import EVENT_KINDS
 
 
 @pytest.fixture(scope="module")
@@ -24,28 +23,51 @@ def test_a_periodic_motion_with_impacts_is_called_so(pair):
     assert {name: each.impacts for name, each in found.impacts.items()} == {"left": 1.0, "right": 1.0}
 
 
-@pytest.mark.parametrize("compute", ["lyapunov", "lyapunov-spectrum"])
-def test_a_sweep_refuses_exponents_before_it_runs(compute):
-    with pytest.raises(PlanError, match=f"{compute} needs elastic stops alone, which impact-pair has not"):
-        vibsim.sweep("gallery/impact-pair", {"stops.left.e": "0.5:0.7/2"}, compute=compute)
+def test_a_periodic_motion_has_negative_exponents():
+    found = vibsim.lyapunov(load_case("gallery/impact-pair", {"run.t_end": "20 s"}))
+    assert np.all(found.exponents < 0) and found.warnings == ()
 
 
-def test_all_that_can_be_computed_is():
+def test_a_sweep_computes_all_of_them():
     case = load_case("gallery/impact-pair", {"run.t_end": "4 s"})
     sweep = vibsim.sweep(case, {"stops.left.e": "0.5:0.7/2"}, compute="all")
-    assert np.all(sweep["status"] == 1)
-    assert not [name for name in sweep if "lyapunov" in name]
+    assert np.all(sweep["status"] == 1) and np.all(np.isfinite(sweep["lyapunov"]))
+    assert np.all(sweep["lyapunov_spectrum"] < 1.0)
 
 
-@pytest.mark.parametrize("engine", ("c", "python"))
-def test_no_disturbance_is_carried_through_an_impact(engine):
-    with pytest.raises(ValueError, match="not carried through the impacts of rigid stops"):
-        Carrier(load_case("gallery/impact-pair").scene(), engine)
+GRAZING = """
+name: grazing
+bodies: {m: 1 kg}
+stops: {wall: {between: [m, ground], gap: 1 m, acts: compression, law: rigid, e: 0.8}}
+forces: {weight: {on: m, F0: -2 N}}
+initial: {m: {x: 0 m, v: 2 m/s}}
+run: {t_end: 1.5 s}
+"""
 
 
-def test_a_run_refuses_exponents(tmp_path, monkeypatch):
+def test_a_motion_that_grazes_has_no_exponents(tmp_path, monkeypatch):
+    """2 t - t^2 just comes up to 1 at t = 1 s."""
     monkeypatch.chdir(tmp_path)
-    words = ["run", "gallery/impact-pair", "--lyapunov", "1"]
-    with pytest.raises(UsageError, match="rigid stops"):
-        CliRunner().invoke(group, words, standalone_mode=False, catch_exceptions=False)
-    assert list(tmp_path.iterdir()) == []
+    (tmp_path / "grazing.yaml").write_text(GRAZING)
+    text = call("run", "grazing.yaml", "--lyapunov", "all", "--discard", "0").stdout
+    assert "exponents       none, none 1/s" in text
+    assert "no exponents: at 1 s the motion grazes a rigid stop or strikes several at one instant" in text
+    line = call("run", "grazing.yaml", "--lyapunov", "1", "--discard", "0", "--json", "--force").stdout
+    attrs = json.loads(line)
+    assert attrs["lyapunov_exponents"] == [None]
+    assert attrs["lyapunov_undefined_time"] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_exponents_of_an_impact_pair_sum_up(tmp_path, monkeypatch):
+    """Free flight between walls with e: each impact presses areas by e^2."""
+    monkeypatch.chdir(tmp_path)
+    words = ("gallery/impact-pair", "--lyapunov", "all", "--t-end", "20 s", "-o", "pair.h5")
+    assert call("run", *words).exit_code == 0
+    result = vibsim.open_result("pair.h5")
+    growth = result.attrs["lyapunov_growth"]
+    rows = result.events
+    struck = rows["t"][rows["kind"] == EVENT_KINDS["impact"]]
+    count = ((struck > growth[0, 0]) & (struck <= growth[-1, 0])).sum()
+    e = load_case("gallery/impact-pair").scene().rigid_stops[0][1].e
+    expected = 2 * np.log(e) * count
+    assert growth[-1, 1:].sum() == pytest.approx(expected, abs=1e-9)

@@ -72,3 +72,7 @@ def test_what_has_no_derivative(case):
         vibsim.monodromy(case, {"x1": 0.0}, 1.0)
     with pytest.raises(OrbitError, match="F0 is 0, so there is no telling"):
         vibsim.monodromy("I-C", {"x1": 0.0}, 1.0, ("F0",))
+    rising = vibsim.load_case("gallery/bouncing-ball", {"forces.weight.F0": "2 N"})
+    with pytest.raises(OrbitError, match="at 1 s the motion grazes a rigid stop"):  # 1 - 2 t + t^2
+        vibsim.monodromy(rising, {"x_ball": 1.0, "v_ball": -2.0 - 1e-14}, 1.5)
+    assert vibsim.monodromy(rising, {"x_ball": 1.0, "v_ball": -2.1}, 1.5).events == (("impact", 0),)

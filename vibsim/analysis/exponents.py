@@ -11,7 +11,7 @@ ones approach 0 like log(t) / t.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import hypot, nan
+from math import hypot, isfinite, nan
 from os import PathLike
 from typing import TYPE_CHECKING
 
@@ -36,13 +36,14 @@ class Lyapunov:
 
     Attributes
     ----------
-    exponents : growth rates of small disturbances [1/s] over the span; -inf where sticking took the direction
+    exponents : growth rates of small disturbances [1/s] over the span; -inf where sticking or rest took the
+        direction, NaN where the motion has no derivative
     half_widths : of their 95 % intervals [1/s], from the scatter of ten blocks of the span; NaN where the
         span is too short for that
     span : begin and end [s]
     times, running : times [s] and the exponents over the span up to each of them, shape (times, exponents)
     finite_time : exponents over the time between each two neighbouring `times`, one row less
-    rank_losses : how often sticking took a direction
+    rank_losses : directions that sticking and rest took
     volume_residual : what is missing in the identity of Liouville [-]; NaN without all exponents
     warnings : what speaks against the exponents, in sentences
     """
@@ -95,6 +96,7 @@ def stored_exponents(result: Result) -> Lyapunov | None:
         closest_tangency=attrs["closest_tangency"],
         closest_tangency_time=attrs.get("closest_tangency_time", nan),
         tangent_pieces=attrs["pieces"],
+        undefined_time=attrs.get("undefined_time", nan),
     )
     return judged(found, attrs.get("taylor_tolerance", UNIT_ROUNDOFF))
 
@@ -129,6 +131,11 @@ def _warnings(found: LyapunovExponents, tolerance: float):
         yield "the run ended before the span of the exponents began"
     else:
         yield from _trend(found.growth[:, 0], found.growth[:, 1])
+    if isfinite(found.undefined_time):
+        yield (
+            f"no exponents: at {found.undefined_time:.6g} s the motion grazes a rigid stop or strikes several"
+            " at one instant, where it has no derivative"
+        )
     if found.tangencies:
         yield (
             f"{found.tangencies} events crossed almost tangentially, the closest at"

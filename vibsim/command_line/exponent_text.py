@@ -17,7 +17,7 @@ def exponent_lines(result: Result) -> list[tuple[str, str]]:
     begin, end = found.span
     lines = [
         ("exponents", f"{', '.join(exponent_text(*pair) for pair in pairs)} 1/s"),
-        ("", f"from {begin:.4g} to {end:.4g} s{checks(found)}"),
+        ("", f"from {begin:.4g} to {end:.4g} s{checks(found, bool(result.case.scene().rigid_stops))}"),
     ]
     return lines + [("", style(warning, fg="yellow")) for warning in found.warnings]
 
@@ -31,17 +31,20 @@ def exponent_object(result: Result) -> dict[str, Any]:
 
 
 def exponent_text(value: float, half_width: float) -> str:
-    """1.27 +- 0.12; -inf where sticking took the direction."""
+    """1.27 +- 0.12; -inf where sticking took the direction, none where there is none."""
+    if math.isnan(value):
+        return "none"
     if math.isinf(value):
         return "-inf"
     return f"{value:.3g}" if math.isnan(half_width) else f"{value:.3g} +- {half_width:.2g}"
 
 
-def checks(found: Lyapunov) -> str:
+def checks(found: Lyapunov, rests: bool) -> str:
     """Rank losses, and how well volumes obey Liouville's identity."""
     parts = []
     if found.rank_losses:
-        parts.append(f"{found.rank_losses} rank loss{'' if found.rank_losses == 1 else 'es'} by sticking")
+        losses = f"{found.rank_losses} rank loss{'' if found.rank_losses == 1 else 'es'}"
+        parts.append(f"{losses} by {'sticking, rest and blows' if rests else 'sticking'}")
     if not math.isnan(found.volume_residual):
         parts.append(f"volume residual {found.volume_residual:.1e}")
     return "".join(f", {part}" for part in parts)

@@ -115,10 +115,6 @@ def _tangent(case: "Case", count: int | str, discard: str | None) -> tuple[int, 
     from vibsim.sweeps.plan.discard import HALF, parse_discard
 
     scene = case.scene()
-    if scene.rigid_stops:
-        raise click.UsageError(
-            f"--lyapunov: {case.name} has rigid stops, whose impacts no exponents know yet"
-        )
     if count != "all" and int(count) > dimension(scene):
         raise click.UsageError(f"--lyapunov {count}: {case.name} has {dimension(scene)} exponents")
     try:

@@ -23,6 +23,12 @@ class Run:
     def disturbances(self) -> dict[str, Any]: ...
     def extremes(self) -> tuple[list[float], list[float], list[float]]: ...
     def hand_jump(
-        self, jumps: bool, determinant: float, tangencies: int, closest: float, vectors: bytes
+        self,
+        jumps: bool,
+        determinant: float,
+        tangencies: int,
+        closest: float,
+        undefined: bool,
+        vectors: bytes,
     ) -> None: ...
     def tally(self) -> dict[str, Any]: ...

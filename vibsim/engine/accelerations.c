@@ -142,7 +142,48 @@ static void join_disturbance(const Run *r, const Mode *m, const State *state, do
     }
 }
 
+/* `vector` after rigid stops have come to rest: their ends have one displacement, the centre of mass stays where they
+ * move freely.
+ */
+static void seat_disturbance(const Run *r, double *vector)
+{
+    const int *seat = r->tangent->seat;
+    int n = r->bodies, leader, c;
+    for (leader = 0; leader < r->columns; leader++) {
+        double moment = 0.0, mass = 0.0, common = 0.0;
+        int count = leader >= n;
+        for (c = 0; c < n; c++)
+            if (seat[c] == leader) {
+                moment = moment + r->masses[c] * vector[c];
+                mass = mass + r->masses[c];
+                count++;
+            }
+        if (count < 2)
+            continue;
+        if (leader < n)
+            common = moment / mass;
+        for (c = 0; c < n; c++)
+            if (seat[c] == leader)
+                vector[c] = common;
+    }
+}
+
 /* The same of all possible disturbances. */
+void seat_disturbances(const Run *r, const Mode *m)
+{
+    Tangent *b = r->tangent;
+    int i, k;
+    seats_of(r, m);
+    for (i = 0; i < b->possible; i++) {
+        for (k = 0; k < r->bodies; k++)
+            b->vector[k] = b->vectors[k * b->stride + i];
+        seat_disturbance(r, b->vector);
+        for (k = 0; k < r->bodies; k++)
+            b->vectors[k * b->stride + i] = b->vector[k];
+    }
+}
+
+/* All possible disturbances after the ties of a mode have given tied bodies one velocity. */
 void join_disturbances(const Run *r, const Mode *m, const State *state)
 {
     Tangent *b = r->tangent;

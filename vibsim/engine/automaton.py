@@ -175,7 +175,12 @@ class Automaton:
 
     def blows(self, event):
         """The impulses that rigid stops passed at `event`, taken just now."""
-        return self.rigid.passed if event.kind == STRIKE else ()
+        touch = self.touch(event)
+        return touch.passed if touch else ()
+
+    def touch(self, event):
+        """The `Touch` of rigid stops that `event`, taken just now, was; None of other events."""
+        return self.rigid.touch if event.kind == STRIKE else None
 
     def _contact_switch(self, state, status, event):
         i = event.part

@@ -10,6 +10,7 @@ from vibsim.engine.automaton import JET, Automaton
 from vibsim.engine.errors import EngineError
 from vibsim.engine.flow import Flow
 from vibsim.engine.harmonics import value_and_rate
+from vibsim.engine.impact_saltation import UNDEFINED
 from vibsim.engine.ledger import struck_entries
 from vibsim.engine.meters import jumps_of
 from vibsim.engine.mode_table import mode_table
@@ -220,6 +221,8 @@ class CRun:
         """Whether C knows what `event` does to disturbances between the modes of two rows: saltation.c and
         tangencies.c, against `saltation.py` and `tangencies.py`.
         """
+        if event.kind == STRIKE:
+            return False
         return event.kind != HOLD or not released_frictions(self.scene, before, after)
 
     def _rule_jumps_in_c(self, rows, rule, event):
@@ -234,11 +237,14 @@ class CRun:
         vectors = entries["vectors"]
         near.forget()
         near.fastest = entries["fastest"]
-        near.judge(event, state, before, after)
-        jump = saltation(self.scene, Doubles, state, before, after, event)
+        touch = self.automaton.touch(event)
+        jump = saltation(self.scene, Doubles, state, before, after, event, touch)
+        near.judge(event, state, before, after, jump)
+        jump = None if jump is UNDEFINED else jump
         determinant = jump.determinant if jump and before.leader == after.leader else 1.0
         moved = array("d", (value for one in vectors for value in (jump.applied(one) if jump else one)))
-        self.run.hand_jump(jump is not None, determinant, near.count, near.closest, moved.tobytes())
+        lost = near.undefined > 0
+        self.run.hand_jump(jump is not None, determinant, near.count, near.closest, lost, moved.tobytes())
 
     def _set_rule(self, number, event):
         """Tell C what follows an event, where that is simple; whether it is news."""

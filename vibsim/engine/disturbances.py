@@ -1,15 +1,18 @@
 """Small disturbances that are carried through modes and events: the derivative of the motion.
 
 Between events they obey the equations of the mode, linearised; an event multiplies them by its saltation
-matrix; ties that begin give tied bodies one velocity, momentum kept.
+matrix; ties that begin give tied bodies one velocity, momentum kept, and rigid stops that come to rest one
+displacement of their ends.
 """
 
 from typing import Any
 
 from vibsim.engine.accelerations import joined
-from vibsim.engine.saltation import saltation
+from vibsim.engine.impact_saltation import UNDEFINED
+from vibsim.engine.saltation import resting, saltation
 from vibsim.engine.tangencies import Tangencies
 from vibsim.engine.tangent_closed_form import ClosedFormTangent
+from vibsim.engine.tangent_space import seated
 from vibsim.engine.tangent_taylor import TaylorTangent
 
 TANGENTS = {"closed_form": ClosedFormTangent, "taylor": TaylorTangent}
@@ -33,17 +36,24 @@ class Disturbances:
 
     def open(self, state, rows):
         """At the start: what the ties of the mode allow of the disturbances."""
+        self.tangencies.pass_by(state)
         self._join(state, rows)
 
-    def gather(self, start, end, state):
-        """Carry the disturbances over the stretch from the state `start` to `state` at the time `end`.
+    def gather(self, start, end, tau, state):
+        """Carry the disturbances over the stretch from the state `start` to `state` at the time `end`, `tau`
+        [s] after the start of the flow; the instant of an impact is not on the grid of time.
 
         A generator, which yields how far it is [s] after every piece.
         """
         t, tangent = start.t, self.tangents[self.flow.now.method]
-        while t < end:
-            ahead = tangent.piece_end(t, end, self._mark(end))
-            tangent.prepare(t, ahead)
+        late = tau - (end - self.flow.t0)
+        while t < end or late != 0:
+            ahead = tangent.piece_end(t, end, self._mark(end)) if t < end else end
+            if ahead < end:
+                tangent.prepare(t, ahead)
+            else:
+                tangent.prepare(t, ahead, late)
+                late = 0
             for i in range(self.possible):
                 self.vectors[i] = tangent.moved(self.vectors[i])
             self.pieces += 1
@@ -52,23 +62,27 @@ class Disturbances:
             yield t
         self.tangencies.pass_by(state)
 
-    def cross(self, event, state, before, after):
-        """Take `event` at `state` from the mode of the rows `before` to that of `after`."""
-        if before is after:
+    def cross(self, event, state, before, after, touch=None):
+        """Take `event` at `state` from the mode of the rows `before` to that of `after`; touch: of rigid
+        stops, where it was one.
+        """
+        if before is after and touch is None:
             return
-        self.tangencies.judge(event, state, before, after)
-        jump = saltation(self.scene, self.kit, state, before, after, event)
+        jump = saltation(self.scene, self.kit, state, before, after, event, touch)
+        self.tangencies.judge(event, state, before, after, jump)
+        jump = None if jump is UNDEFINED else jump
         if jump is not None:
             for i in range(self.possible):
                 self.vectors[i] = jump.applied(self.vectors[i])
-        if before.leader != after.leader:
+        if before.leader != after.leader or resting(before.status) != resting(after.status):
             self._change_ties(state, after)
         elif jump is not None:
             self._jumped(jump)
 
     def _join(self, state, rows):
         for i in range(self.possible):
-            self.vectors[i] = joined(self.scene, self.kit, rows, state, self.vectors[i])
+            vector = seated(self.scene, self.kit, rows.status, self.vectors[i])
+            self.vectors[i] = joined(self.scene, self.kit, rows, state, vector)
 
     def _mark(self, end):
         """Time [s] that no piece goes beyond."""

@@ -141,7 +141,7 @@ class Driver:
                 self.worked_to = worked_to
                 yield
         if self.tangent:
-            for worked_to in self.tangent.gather(self.state, end, state):
+            for worked_to in self.tangent.gather(self.state, end, tau, state):
                 self.worked_to = worked_to
                 yield
         if event is not None:
@@ -183,7 +183,8 @@ class Driver:
         before, before_velocities = self.status, (list(state.v), state.w)
         status, happened, known = self.automaton.take(state, self.status, event)
         if self.tangent:
-            self.tangent.cross(event, state, self.maker.rows(before), self.maker.rows(status))
+            rows = self.maker.rows(before), self.maker.rows(status)
+            self.tangent.cross(event, state, *rows, self.automaton.touch(event))
         if state.t == self.known_since:
             known = {**self.known, **known}
             self.crowd += 1

@@ -22,7 +22,7 @@
 enum { GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE };             /* kinds of event functions */
 enum { DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL };  /* kinds of terms */
 enum { SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB };    /* kinds of meters, see meters.py */
-enum { IN_CONTACT = 1 };                                        /* code of a stop */
+enum { IN_CONTACT = 1, AT_REST = 3 };                           /* codes of a stop */
 enum { ADVANCE, SAMPLE, SECTION, ARRIVE, EXTREMES, LEDGER, TANGENT, STAGES }; /* of a stretch */
 enum { ASK, CROSS, STAND };                                     /* rules for what follows an event */
 enum { START, CONTACT_BEGIN, CONTACT_END, REVERSAL, STICK_BEGIN, STICK_END, VIOLATION_BEGIN, VIOLATION_END, END,

@@ -22,15 +22,16 @@ class LyapunovExponents:
 
     Attributes
     ----------
-    exponents : growth rates of disturbances [1/s], the largest first; -inf where sticking took the direction,
-        NaN where the run ended before the span began
+    exponents : growth rates of disturbances [1/s], the largest first; -inf where sticking or rest took the
+        direction, NaN where the run ended before the span began and where the motion has no derivative
     growth : rows (t [s], logarithm of each disturbance's growth since the first row), at 101 times at most
-    rank_losses : how often sticking took a direction
+    rank_losses : directions that sticking, rest and impacts without restitution took
     volume_residual : what is missing in the identity of Liouville over the whole run [-], where all exponents
         were asked for; else NaN
     tangencies : events crossed almost tangentially, turns almost in contact; `closest_tangency` [-] at
         `closest_tangency_time` [s]; see `vibsim.engine.tangencies`
     tangent_pieces : stretches that the residual adds up over
+    undefined_time : when the motion first had no derivative [s], grazing a rigid stop say; NaN without that
     """
 
     exponents: np.ndarray
@@ -41,6 +42,7 @@ class LyapunovExponents:
     closest_tangency: float
     closest_tangency_time: float
     tangent_pieces: int
+    undefined_time: float
 
     @property
     def span(self) -> tuple[float, float]:

@@ -520,12 +520,13 @@ static PyObject *disturbances(RunObject *self, PyObject *none)
         PyErr_SetString(PyExc_ValueError, "the run carries no disturbances");
         return NULL;
     }
-    return Py_BuildValue("{sOsNsNsNsNsisdsds(Ldd)sN}", "complete", b->complete ? Py_True : Py_False, "rows",
+    return Py_BuildValue("{sOsNsNsNsNsisdsds(Ldd)sNs(Ld)}", "complete", b->complete ? Py_True : Py_False, "rows",
                          table_of(b->rows, b->row_count, 1 + b->count, 1 + b->count, 1), "vectors",
                          table_of(b->vectors, b->possible, b->size, 1, b->stride), "columns", list_of_ints(b->columns, b->count), "lost",
                          list_of_ints(b->lost, b->count), "losses", b->losses, "pieces", b->pieces, "residual", b->residual, "near",
                          b->tangencies.count, b->tangencies.closest, b->tangencies.closest_time, "fastest",
-                         list_of(b->tangencies.fastest, b->stop_count, 1));
+                         list_of(b->tangencies.fastest, b->stop_count, 1), "undefined", b->tangencies.undefined,
+                         b->tangencies.undefined_time);
 }
 
 /* What the pending event does to the disturbances, where Python takes it: those that it left, and whether it moved them. */
@@ -533,9 +534,9 @@ static PyObject *hand_jump(RunObject *self, PyObject *args)
 {
     Tangent *b = self->run.tangent;
     Py_buffer v;
-    Handed h = {1, 0, 0, 1.0, 1.0};
+    Handed h = {1, 0, 0, 0, 1.0, 1.0};
     int i, k, fits;
-    if (!PyArg_ParseTuple(args, "pdidy*", &h.jumps, &h.determinant, &h.tangencies, &h.closest, &v))
+    if (!PyArg_ParseTuple(args, "pdidpy*", &h.jumps, &h.determinant, &h.tangencies, &h.closest, &h.undefined, &v))
         return NULL;
     fits = ready(self) && b && self->run.status == UNDECIDED && v.len == (Py_ssize_t)sizeof(double) * b->possible * b->size;
     for (i = 0; fits && i < b->possible; i++)
@@ -615,7 +616,7 @@ static PyMethodDef methods[] = {
     {"extremes", (PyCFunction)extremes_alone, METH_NOARGS, "extremes() -> lists of the least, the greatest, the smallest gaps"},
     {"disturbances", (PyCFunction)disturbances_alone, METH_NOARGS, "disturbances() -> dict of what a TangentBundle tells"},
     {"hand_jump", (PyCFunction)hand_jump_alone, METH_VARARGS,
-     "hand_jump(jumps, determinant, tangencies, closest, vectors): what the pending event, which Python takes, did to disturbances"},
+     "hand_jump(jumps, determinant, tangencies, closest, undefined, vectors): what the pending event, which Python takes, did to disturbances"},
     {"tally", (PyCFunction)tally_alone, METH_NOARGS, "tally() -> dict of state, counts and margins"},
     {NULL, NULL, 0, NULL},
 };

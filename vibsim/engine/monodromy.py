@@ -1,14 +1,16 @@
 """The derivative of a motion by its start: where small disturbances have moved by a later time.
 
 Unit disturbances of all components make the monodromy matrix M(T) = d state(T) / d state(0), with the
-saltation of every event on the way. Components are x of each body, v of each body, then phi and w with a
-motor. Where ties hold at the start, disturbances are first made possible: tied bodies get one velocity.
+saltation of every event on the way, impacts on rigid stops among them. Components are x of each body, v of
+each body, then phi and w with a motor. Where ties hold at the start, disturbances are first made possible:
+tied bodies get one velocity, those that rest on each other one displacement. A motion that just grazes a
+rigid stop, or strikes several at one instant, has no such derivative: that is told.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from math import isfinite
+from math import isfinite, nan
 
 import numpy as np
 
@@ -17,7 +19,6 @@ from vibsim.engine.choice import engine_name
 from vibsim.engine.driver import Driver
 from vibsim.engine.state import State
 from vibsim.engine.tangent_space import length
-from vibsim.engine.trajectory import check_tangent
 from vibsim.physics.modes import EVENT_NAMES
 from vibsim.physics.numbers import Doubles
 
@@ -35,6 +36,8 @@ class Carried:
         (`Status.codes`), one row each
     uncertified : number of doubts of the certificate; 0 where it is sure that no event was missed
     margin : smallest gap at a turn without contact [m], inf without any
+    undefined_at : time [s] of the first event that has no derivative, a grazing touch of a rigid stop say;
+        NaN where all have one. `vectors` are NaN then
     """
 
     state: np.ndarray
@@ -46,6 +49,7 @@ class Carried:
     codes: np.ndarray
     uncertified: int
     margin: float
+    undefined_at: float = nan
 
     @cached_property
     def rate(self):
@@ -64,12 +68,9 @@ class Carrier:
 
     scene : a `vibsim.physics.parts.Scene`, whose start and end do not matter
     engine : "auto" (C where it was built, else Python), "c" or "python"; equal bit for bit
-
-    Raises ValueError for a scene with rigid stops.
     """
 
     def __init__(self, scene, engine="auto"):
-        check_tangent(scene, 1)
         stops = tuple(replace(stop, at_start=False) for stop in scene.stops)
         clearances = tuple(replace(one, at_start=False) for one in scene.clearances)
         of = {"stops": stops, "clearances": clearances, "stop_on_violation": False}
@@ -114,11 +115,14 @@ class Carrier:
         blocks = [(states, codes) for _, _, states, codes, *_ in self.run.blocks()]
         tally = self.run.tally
         uncertified, _, margin, _ = tally["certificate"]
-        moved = self.run.disturbances["vectors"] if len(vectors) else []
+        moved, undefined = [], (0, nan)
+        if len(vectors):
+            entries = self.run.disturbances
+            moved, undefined = entries["vectors"], entries["undefined"]
         rows = self.run.rows[tally["mode"]]
         codes = np.concatenate([codes for _, codes in blocks], axis=1).T[1:-1]  # without start and end
         table = np.concatenate([states for states, _ in blocks], axis=1)[self._order, 1:-1].T
-        return self._told(State(*tally["state"]), rows, moved, codes, table, uncertified, margin)
+        return self._told(State(*tally["state"]), rows, moved, codes, table, (uncertified, margin), undefined)
 
     def _by_python(self, components, end, vectors):
         driver = Driver(self._started(components, end), Doubles, carry=vectors.tolist())
@@ -127,11 +131,15 @@ class Carrier:
         codes = [(kind, part, *status.codes) for kind, part, _, status, _ in driver.events[1:-1]]
         width = 2 + len(driver.status.codes)
         kept, rows = driver.flow.certificate, driver.maker.rows(driver.status)
-        moved = driver.tangent.vectors if driver.tangent else []
+        moved, undefined = [], (0, nan)
+        if driver.tangent:
+            near = driver.tangent.tangencies
+            moved, undefined = driver.tangent.vectors, (near.undefined, near.undefined_time)
         table = np.array([(one.t, *self._components(one)) for _, _, one, *_ in driver.events[1:-1]])
         table = table.reshape(-1, 1 + self.size)
         happened = np.array(codes, dtype="i1").reshape(-1, width)
-        return self._told(driver.state, rows, moved, happened, table, kept.uncertified, kept.margin)
+        certificate = kept.uncertified, kept.margin
+        return self._told(driver.state, rows, moved, happened, table, certificate, undefined)
 
     def _started(self, components, end):
         """The scene from the components of a state to `end` [s]."""
@@ -153,15 +161,18 @@ class Carrier:
         rotor = (state.w, alpha) if self.scene.motor is not None else ()
         return np.array([*state.v, *a[: len(self.scene.bodies)], *rotor])
 
-    def _told(self, state, rows, moved, codes, table, uncertified, margin):
+    def _told(self, state, rows, moved, codes, table, certificate, undefined):
+        vectors = np.array(moved, dtype="f8").reshape(-1, self.size)
+        count, undefined_time = undefined
         return Carried(
             np.array(self._components(state)),
             partial(self._rate, state, rows),
-            np.array(moved, dtype="f8").reshape(-1, self.size),
+            np.full_like(vectors, nan) if count else vectors,
             tuple((EVENT_NAMES[kind], part) for kind, part in codes[:, :2].tolist()),
             table[:, 0],
             table[:, 1:],
             codes[:, 2:],
-            int(uncertified),
-            margin,
+            int(certificate[0]),
+            certificate[1],
+            undefined_time if count else nan,
         )

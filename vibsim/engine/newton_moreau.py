@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 ROUNDING = 8  # roundings of a sum of a few products, in units of eps
+NEAR = 64  # units in the last place of the time or of displacements, below which zeros may be one or none
 MOST_BLOWS = 1000  # one after the other at one instant; behind them the rest is taken as plastic
 
 
@@ -100,7 +101,7 @@ def blow(kit, bodies, contacts, v, w):
     """
     before = [rate_of(kit, contact, v) for contact in contacts]
     demands = [(1 + c.e) * rate for c, rate in zip(contacts, before, strict=True)]
-    couplings = [[_coupling(bodies, a, b) for b in contacts] for a in contacts]
+    couplings = [[coupling(bodies, a, b) for b in contacts] for a in contacts]
     active, impulses = _least(kit, couplings, demands)
     if len(active) == 1:
         return _single(kit, bodies, contacts[active[0]], v, w)
@@ -141,7 +142,7 @@ def _single(kit, bodies, c, v, w):
     return after, w, [Impulse(c.stop, impulse, rate, -(c.e * rate))]
 
 
-def _coupling(bodies, a, b):
+def coupling(bodies, a, b):
     """By how much an impulse 1 at stop b slows the depth of stop a [1/kg]."""
     total = 0 * bodies.mobility[a.P]
     for column, sign in ((a.P, -a.sense), (a.Q, a.sense)):
@@ -166,7 +167,7 @@ def _least(kit, couplings, demands):
         if not needy:
             break
         joining = max(needy, key=lambda j: (lacking[j], -j))
-        tried, solution = _solved(kit, couplings, demands, [*active, joining])
+        tried, solution = solved(kit, couplings, demands, [*active, joining])
         if solution is None:  # that stop is held by the others already
             barred.add(joining)
             continue
@@ -174,7 +175,7 @@ def _least(kit, couplings, demands):
         active.append(joining)
         while any(value <= 0 for value in solution):
             active, impulses = _step_back(active, impulses, solution)
-            tried, solution = _solved(kit, couplings, demands, active)
+            tried, solution = solved(kit, couplings, demands, active)
         active, impulses = tried, solution
         barred.clear()
     order = sorted(range(len(active)), key=lambda k: active[k])
@@ -203,7 +204,7 @@ def _step_back(active, impulses, solution):
     return [active[k] for k in kept], [moved[k] for k in kept]
 
 
-def _solved(kit, couplings, demands, active):
+def solved(kit, couplings, demands, active):
     """(active, impulses) with G L = demand on the active stops; impulses None where they depend on each
     other. Cholesky's factorisation without square roots.
     """

@@ -6,6 +6,7 @@ from vibsim.engine.packing import Packer
 from vibsim.engine.tangent_space import Gauge, components, natural_rate, weights
 from vibsim.engine.tangent_taylor import reach
 from vibsim.physics.numbers import Doubles
+from vibsim.physics.parts import RigidStop
 
 
 def pack_bundle(scene, count, begin, ends):
@@ -38,7 +39,7 @@ def _pack(scene, given, count, begin, ends):
     pack.put((len(present), len(gauge.shifts), len(gauge.references)))
     pack.put((*present, *(c for c, _ in gauge.shifts), *(r for _, r in gauge.shifts), *gauge.references))
     for stop in scene.stops:
-        pack.put(ends(stop), (stop.c,))
+        pack.put(ends(stop), (0.0 if isinstance(stop, RigidStop) else stop.c,))
     for friction in scene.frictions:
         pack.put(ends(friction), friction.starts)
     farthest = reach(Doubles, scene.order, log2(scene.tol))

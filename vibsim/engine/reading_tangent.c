@@ -51,9 +51,10 @@ static int room_for_all(const Run *r, Tangent *b)
     b->moving = room(coordinates, sizeof(Moving));
     b->taylor.series = room(TANGENT_GROUP * (2 * columns + 1) * SERIES, sizeof *b->taylor.series);
     b->taylor.force = room(columns, sizeof *b->taylor.force);
+    b->seat = room(columns, sizeof(int));
     b->tangencies.fastest = room((size_t)b->stop_count, sizeof(double));
     if (!b->columns || !b->lost || !b->vectors || !b->sums || !b->rows || !b->fitted || !b->q || !b->accelerations || !b->moving ||
-        !b->taylor.series || !b->taylor.force || !b->tangencies.fastest)
+        !b->taylor.series || !b->taylor.force || !b->seat || !b->tangencies.fastest)
         return 0;
     b->over_columns = b->columns + count;
     b->over = b->sums + count;
@@ -167,6 +168,7 @@ void tangent_free(Tangent *b)
     free(b->taylor.spare.falls);
     free(b->taylor.slopes);
     free(b->taylor.spare.loaded_on);
+    free(b->seat);
     free(b->tangencies.fastest);
     free(b);
 }

@@ -18,6 +18,7 @@ from typing import Any
 from vibsim.engine.errors import EngineError
 from vibsim.engine.newton_moreau import (
     MOST_BLOWS,
+    NEAR,
     Contact,
     Impulse,
     blow,
@@ -39,17 +40,28 @@ ROUNDING = 8  # of a sum or a difference of two numbers, in units of eps
 class Touch:
     """The rigid stops that touch at an instant, and what blows did there.
 
-    before : rates of their depths before the first blow; rates : behind the last one, exactly 0 where the law
-    or rounding says so; passed : the impulses, blow by blow; moved : columns whose velocities they changed
+    before : rates of their depths before the first blow; v, w : velocities of all columns and of the rotor
+    there
+    rates : behind the last one, exactly 0 where the law or rounding says so; blows : by blow, the stops that
+    passed an impulse, and these; moved : columns whose velocities they changed
     ended : by stop, the accelerations that ended infinite sequences of impacts
+    together : whether rounding might decide if another stop, of one of its bodies, is struck before this one
     """
 
     contacts: list[Contact]
     before: dict[int, Any]
     rates: dict[int, Any]
-    passed: list[Impulse] = field(default_factory=list)
+    v: list[Any]
+    w: Any
+    together: bool
+    blows: list[list[tuple[Contact, Impulse]]] = field(default_factory=list)
     moved: set[int] = field(default_factory=set)
     ended: dict[int, Any] = field(default_factory=dict)
+
+    @property
+    def passed(self):
+        """The impulses, blow by blow."""
+        return [impulse for one in self.blows for _, impulse in one]
 
 
 @dataclass
@@ -66,14 +78,14 @@ class CutOff:
 class RigidStops:
     """Decides for the `Automaton` what rigid stops do.
 
-    passed : the impulses of the event taken last; cut_off : see `CutOff`
+    touch : what the event taken last was; cut_off : see `CutOff`
     """
 
     def __init__(self, automaton):
         self.automaton = automaton
         self.scene, self.maker, self.kit = automaton.scene, automaton.maker, automaton.kit
         self.frictions = len(self.scene.frictions)
-        self.passed: list[Impulse] = []
+        self.touch: Touch | None = None
         zero = self.kit.number(0)
         self.cut_off = CutOff(zero, zero, zero)
 
@@ -90,7 +102,7 @@ class RigidStops:
         for k, (old, new) in enumerate(zip(status.frictions, settled.frictions, strict=True)):
             if old != STICK == new:
                 self.automaton._join(state, self.maker.rows(settled), k)
-        self.passed = touch.passed
+        self.touch = touch
         known = self._forgotten(touch, after)
         changes = self.automaton._changes(status, settled, known)
         opened = {j for j in touch.rates if status.stops[j] == RESTING}
@@ -130,14 +142,21 @@ class RigidStops:
         """The stops that rest, and those that meet stop `i` within the resolution of time and length."""
         v, kit = self._velocities(state), self.kit
         within = LAST * self._unit_of(state.t)
-        contacts = []
+        contacts, together = [], False
         for j, stop in self.scene.rigid_stops:
             contact, room = self._contact(j), -self.automaton._depth(stop, state)
-            blur = ROUNDING * kit.eps * self._size(stop, state)
-            if j == i or status.stops[j] == RESTING or room <= abs(rate_of(kit, contact, v)) * within + blur:
+            rate, size = rate_of(kit, contact, v), self._size(stop, state)
+            if j == i or status.stops[j] == RESTING or room <= abs(rate) * within + ROUNDING * kit.eps * size:
                 contacts.append(contact)
+            if j != i and status.stops[j] == OPEN and rate > 0 and self._share(i, j):
+                together |= room <= NEAR * (rate * self._unit_of(state.t) + kit.eps * size)
         rates = {c.stop: rate_of(kit, c, v) for c in contacts}
-        return Touch(contacts, dict(rates), rates)
+        return Touch(contacts, dict(rates), rates, v, state.w, together)
+
+    def _share(self, i, j):
+        """Whether two stops act on a common body."""
+        ends, others = (set(self.maker.ends(self.scene.stops[k])) for k in (i, j))
+        return any(column < self.maker.n for column in ends & others)
 
     def _size(self, stop, state):
         xP, xQ = self.automaton._ends(stop, state, "x")
@@ -166,7 +185,8 @@ class RigidStops:
             v = struck
             touch.rates = {c.stop: rate_of(self.kit, c, v, size) for c in contacts}
             touch.rates |= {one.stop: one.after for one in passed}
-            touch.passed += passed
+            contact = {c.stop: c for c in contacts}
+            touch.blows.append([(contact[one.stop], one) for one in passed])
         ends = [(c.P, c.Q) for one in touch.passed for c in contacts if c.stop == one.stop]
         touch.moved = {column for pair in ends for column in pair if column < self.maker.n}
         state.v[:] = [self.kit.exact(value) for value in v[: self.maker.n]]

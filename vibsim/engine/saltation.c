@@ -133,6 +133,8 @@ Saltation saltation(const Run *r, const State *state, const Mode *before, const 
     const int *old = before->codes + b->stop_count, *new = after->codes + b->stop_count;
     int turned = 0, all_stick = 1, tied = 0, gained = 0, i;
     Saltation s = nothing;
+    if ((event->kind == SLIDE || event->kind == GAP) && !same_seats(r, before, after))
+        return general(r, state, before, after, event);
     for (i = 0; i < b->friction_count; i++)
         if (old[i] != new[i]) {
             turned = 1;

@@ -3,7 +3,7 @@
 A disturbed motion meets the event function h a little earlier or later, and moves by the other vector field
 for so long: S = I + (f+ - f-) n^T / (n^T f- + dh/dt), with n = grad h and f-, f+ the vector fields before and
 after (Aizerman & Gantmakher 1958; Mueller 1995). Displacements, velocities and the rotor's angle and speed go
-on without a jump, so f+ - f- consists of accelerations.
+on without a jump, so f+ - f- consists of accelerations; for impacts see `impact_saltation.py`.
     clearance; ties at a limit that slip holds too; damper that would have to pull; stop without damper
                       f+ = f-, so S = I
     stop with damper  its force is c g' on one side and 0 on the other, dh/dt = +-g': their ratio is c,
@@ -13,6 +13,7 @@ on without a jump, so f+ - f- consists of accelerations.
     reversal          friction jumps by its sum in both directions
     release           where a tie at its limit begins to slip with less force than that, f+ - f- is what
                       the drop makes and n the gradient of the force that the tie passes
+    rest              that begins or ends where a force jumps: by the vector fields on both sides
 """
 
 from dataclasses import dataclass
@@ -21,8 +22,9 @@ from typing import Any
 from vibsim.engine.accelerations import accelerations, joined, response
 from vibsim.engine.certificate import Certificate
 from vibsim.engine.harmonics import value_and_rate
-from vibsim.engine.rows import DIFFERENCE, GAP, HOLD, SLIDE
-from vibsim.engine.status import CONTACT, FORWARD, STICK
+from vibsim.engine.impact_saltation import impact_saltation
+from vibsim.engine.rows import DIFFERENCE, GAP, HOLD, SLIDE, STRIKE
+from vibsim.engine.status import CONTACT, FORWARD, RESTING, STICK
 from vibsim.engine.tangent_taylor import TaylorTangent
 from vibsim.engine.taylor import Taylor
 
@@ -91,14 +93,18 @@ def gradient(event, vector, bodies):
     return total
 
 
-def saltation(scene, kit, state, before, after, event):
+def saltation(scene, kit, state, before, after, event, touch=None):
     """The saltation of `event` at `state` between the modes of the rows `before` and `after`; None where it
-    changes nothing.
+    changes nothing, UNDEFINED where there is none. touch: of rigid stops, where the event was one.
     """
+    if event.kind == STRIKE:
+        return impact_saltation(scene, kit, state, before, after, event, touch)
     old, new = before.status, after.status
     pairs = zip(old.frictions, new.frictions, strict=True)
     turned = [i for i, (one, other) in enumerate(pairs) if one != other]
     damped = _damper(scene, old, new, event)
+    if event.kind in (SLIDE, GAP) and resting(old) != resting(new):
+        return _general(scene, kit, state, before, after, event)
     if not turned:
         return _rank_one(scene, kit, state, before, event, *damped) if damped else None
     tied = before.leader != after.leader
@@ -116,6 +122,11 @@ def saltation(scene, kit, state, before, after, event):
     if event.kind == HOLD and released_frictions(scene, before, after):
         return _released(scene, kit, state, before, after, event)
     return None
+
+
+def resting(status):
+    """Numbers of the rigid stops at rest."""
+    return [i for i, one in enumerate(status.stops) if one == RESTING]
 
 
 def released_frictions(scene, before, after):

@@ -8,6 +8,16 @@ void tangencies_forget(Tangencies *near)
     near->count = 0;
     near->closest = 1.0;
     near->closest_time = 0.0;
+    near->undefined = 0;
+    near->undefined_time = 0.0;
+}
+
+/* Learn of an event at t that has no derivative. */
+void tangencies_refuse(Tangencies *near, double t)
+{
+    if (near->undefined == 0)
+        near->undefined_time = t;
+    near->undefined++;
 }
 
 static double column(const Run *r, const double *values, int c, double base)

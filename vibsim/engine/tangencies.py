@@ -3,22 +3,28 @@
 Where an event function h is crossed at the rate h', the motion goes beyond by about h'^2 / (2 |h''|) before
 it can turn. A disturbance larger than that misses the event, and first order (the tangent flow) says nothing
 of it. Crossings are judged by the square of their rate over that of the whole motion, about their share of
-the depth of the deepest one. A share below CLOSE counts as a tangency.
+the depth of the deepest one. A share below CLOSE counts as a tangency. An impact on a rigid stop counts
+where the acceleration in front of it parts the ends; where it drives them together, as in chatter, no motion
+turns before the stop. Below GRAZING rounding decides whether it comes up to the stop at all, and there is no
+derivative; nor at other events whose saltation is undefined.
 """
 
 from vibsim.engine.harmonics import value_and_rate
-from vibsim.engine.rows import GAP, HOLD, SLIDE
+from vibsim.engine.impact_saltation import UNDEFINED
+from vibsim.engine.rows import GAP, HOLD, SLIDE, STRIKE
 from vibsim.engine.saltation import event_rate, forced, gradient, released_frictions, reversal, tie_rate
 from vibsim.engine.status import STICK
 from vibsim.engine.tangent_space import natural_rate
 
 CLOSE = 1e-6  # a rate of 1/1000 of the largest
+GRAZING = 2.0**-40  # a depth of some thousand roundings
 
 
 class Tangencies:
     """Counts close crossings and keeps the closest.
 
     fastest : by stop, the largest |v_P - v_Q| + rate |x_P - x_Q| at an event or the end of a step [m/s]
+    undefined, undefined_time : events that have no derivative, the time of the first [s]
     """
 
     def __init__(self, scene, kit):
@@ -31,6 +37,13 @@ class Tangencies:
         """Begin to count anew."""
         self.count = 0
         self.closest, self.time = self.nothing
+        self.undefined, self.undefined_time = 0, self.kit.number(0)
+
+    def refuse(self, t):
+        """Learn of an event at t [s] that has no derivative."""
+        if self.undefined == 0:
+            self.undefined_time = t
+        self.undefined += 1
 
     def pass_by(self, state):
         """Learn how fast the ends of the stops move against each other."""
@@ -46,12 +59,19 @@ class Tangencies:
         x, v = (*state.x, X, zero), (*state.v, V, zero)  # BASE is -2, GROUND -1
         return x[stop.P] - x[stop.Q], v[stop.P] - v[stop.Q]
 
-    def judge(self, event, state, before, after):
-        """Judge `event` at `state` between the modes of the rows `before` and `after`."""
+    def judge(self, event, state, before, after, jump):
+        """Judge `event` at `state` between the modes of the rows `before` and `after`, with its saltation."""
         i = event.part
+        if jump is UNDEFINED:
+            self.refuse(state.t)
+            return
         if event.kind == GAP and self.fastest[i] > 0 and before.status.stops[i] != after.status.stops[i]:
             _, rate = self._between(self.scene.stops[i], state)
             share = rate / self.fastest[i]
+        elif event.kind == STRIKE and jump is not None and self.fastest[i] > 0 and jump.drive <= 0:
+            share = jump.approach / self.fastest[i]
+            if share * share < GRAZING:
+                self.refuse(state.t)
         elif event.kind == SLIDE and after.status.frictions[i] == STICK:
             share = self._stopping_share(event, state, before)
         elif event.kind == HOLD and before.leader != after.leader:

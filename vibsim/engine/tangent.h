@@ -54,13 +54,13 @@ typedef struct {
 } TaylorTangent;
 
 typedef struct {
-    double rate, *fastest, closest, closest_time;
-    long long count;
+    double rate, *fastest, closest, closest_time, undefined_time;
+    long long count, undefined;
 } Tangencies;
 
 /* What an event did, where Python took it. */
 typedef struct {
-    int here, jumps, tangencies;
+    int here, jumps, tangencies, undefined;
     double determinant, closest;
 } Handed;
 
@@ -68,10 +68,11 @@ typedef struct Tangent {
     int given; /* whether disturbances are carried as they are: never orthonormalised */
     int count, possible, size, stride, complete, outside, next_row, row_count, losses, stop_count, friction_count;
     int component_count, shift_count, reference_count;
-    int *components, *shift_from, *shift_to, *references, *columns, *lost, *over_columns;
+    int arrived; /* whether the stretch in hand is carried to its very end, which may be beside the grid of time */
+    int *seat, *components, *shift_from, *shift_to, *references, *columns, *lost, *over_columns;
     StopEnds *stops;
     FrictionEnds *frictions;
-    double begin, pieces, residual, t; /* t: how far the stretch in hand is carried */
+    double begin, pieces, residual, shortest, t; /* shortest: length that the last orthogonalisation left; t: how far the stretch in hand is carried */
     double *weights, *vectors, *moved, *sums, *over, *rows;
     double *fitted, *candidates, *vector; /* of one vector after the other */
     double *q, *u, *line, *zeros;         /* of modal coordinates; one entry of all */
@@ -85,6 +86,7 @@ typedef struct Tangent {
 /* accelerations.c; out: by column; each returns the acceleration of the rotor */
 double accelerations(const Run *r, const Mode *m, const State *state, double *out);
 double response(const Run *r, const Mode *m, const State *state, const double *F, double torque, double base, double *out);
+void seat_disturbances(const Run *r, const Mode *m);
 void join_disturbances(const Run *r, const Mode *m, const State *state);
 void base_motion_at(const Run *r, double t, double *X, double *V);
 
@@ -98,19 +100,24 @@ void reversal_accelerations(const Run *r, const Mode *m, const State *state, int
 /* tangencies.c */
 void tangencies_forget(Tangencies *near);
 void tangencies_pass_by(Run *r, const State *state);
+void tangencies_refuse(Tangencies *near, double t);
 void tangencies_note(Tangencies *near, int count, double share, double t);
 void tangencies_judge(Run *r, const Event *event, const State *state, const Mode *before, const Mode *after);
 
-/* tangent_space.c; each gives the number of vectors in b->candidates */
+/* tangent_space.c */
+void seats_of(const Run *r, const Mode *m);
+int same_seats(const Run *r, const Mode *one, const Mode *other);
+/* ...; each gives the number of vectors in b->candidates */
 int space_inside(const Run *r, const Mode *m);
 int space_outside(const Run *r, const Mode *m);
+int space_held(const Run *r, const Mode *m);
 void gauge_apply(Tangent *b);
 
 /* tangent_closed_form.c, tangent_taylor.c: the end of the piece from t that is moved at once; a piece */
 double closed_form_piece_end(const Run *r, double t, double end, double mark);
-void closed_form_move(Run *r, double t, double end);
+void closed_form_move(Run *r, double tau);
 double taylor_piece_end(const Run *r, double t, double end);
-void taylor_move(Run *r, double t, double end);
+void taylor_move(Run *r, double t, double tau);
 
 /* tangent_volume.c */
 double log_volume(const Run *r, double t, double end);

@@ -82,15 +82,23 @@ static double growth_of(double size)
     return size > 0 ? log(size) : -INFINITY;
 }
 
-/* Make a disturbance of length 1; returns how long it was. */
-static double normalise(Tangent *b, int i)
+static double length_of(const Tangent *b, int i)
 {
-    double *vector = b->vectors + i, total = b->weights[0] * (vector[0] * vector[0]), size;
+    const double *vector = b->vectors + i;
+    double total = b->weights[0] * (vector[0] * vector[0]);
     const int stride = b->stride;
     int k;
     for (k = 1; k < b->size; k++)
         total = total + b->weights[k] * (vector[k * stride] * vector[k * stride]);
-    size = sqrt(total);
+    return sqrt(total);
+}
+
+/* Make a disturbance of length 1; returns how long it was. */
+static double normalise(Tangent *b, int i)
+{
+    double *vector = b->vectors + i, size = length_of(b, i);
+    const int stride = b->stride;
+    int k;
     for (k = 0; size > 0 && k < b->size; k++)
         vector[k * stride] = vector[k * stride] / size;
     return size;
@@ -122,8 +130,10 @@ static double renormalise(Tangent *b)
 {
     double volume = 0.0;
     int i;
+    b->shortest = INFINITY;
     for (i = 0; i < b->possible; i++) {
-        double growth = growth_of(normalise(b, i));
+        double size = normalise(b, i), growth = growth_of(size);
+        b->shortest = size < b->shortest ? size : b->shortest;
         project(b, i);
         b->sums[i] = b->sums[i] + growth;
         volume = volume + growth;
@@ -157,15 +167,6 @@ static int fill(Tangent *b, int candidates, int before, int count)
         }
     }
     return before;
-}
-
-/* Number of the directions that ties of a mode hold. */
-static int held(const Run *r, const Mode *m)
-{
-    int count = 0, c;
-    for (c = 0; c < r->bodies; c++)
-        count += m->leader[c] != c;
-    return count;
 }
 
 /* Orthonormalise the possible disturbances in the tangent space of m; replace those that are lost and those that waited. */
@@ -211,9 +212,11 @@ void tangent_open(Run *r)
     int i;
     if (!b)
         return;
+    tangencies_pass_by(r, &r->state);
     b->possible = b->count;
-    b->outside = b->losses = held(r, r->mode);
+    b->outside = b->losses = space_held(r, r->mode);
     if (b->given) {
+        seat_disturbances(r, r->mode);
         join_disturbances(r, r->mode, &r->state);
         return;
     }
@@ -223,7 +226,9 @@ void tangent_open(Run *r)
         b->vectors[b->components[i] * b->stride + i] = 1.0;
     renormalise(b);
     if (b->outside) {
+        seat_disturbances(r, r->mode);
         join_disturbances(r, r->mode, &r->state);
+        gauge_apply(b);
         fit(r, r->mode);
     }
     start_to_count(b);
@@ -233,8 +238,10 @@ void tangent_open(Run *r)
 
 void tangent_begin_stretch(Run *r)
 {
-    if (r->tangent)
+    if (r->tangent) {
         r->tangent->t = r->state.t;
+        r->tangent->arrived = 0;
+    }
 }
 
 static void account(Run *r, double t, double ahead)
@@ -250,17 +257,22 @@ static void account(Run *r, double t, double ahead)
 int tangent_gather(Run *r)
 {
     Tangent *b = r->tangent;
-    double end = r->pending_end;
+    double end = r->pending_end, late;
     if (!b)
         return 1;
-    while (b->t < end) {
-        double ahead = r->closed ? closed_form_piece_end(r, b->t, end, b->given ? end : mark(r)) : taylor_piece_end(r, b->t, end);
+    late = r->pending_tau - (end - r->t0); /* the instant of an impact is not on the grid of time */
+    while (b->t < end || (late != 0 && !b->arrived)) {
+        double ahead = end, tau;
+        if (b->t < end)
+            ahead = r->closed ? closed_form_piece_end(r, b->t, end, b->given ? end : mark(r)) : taylor_piece_end(r, b->t, end);
         if (r->spent > r->work_at_once)
             return 0;
+        b->arrived = !(ahead < end);
+        tau = b->arrived ? (ahead - b->t) + late : ahead - b->t;
         if (r->closed)
-            closed_form_move(r, b->t, ahead);
+            closed_form_move(r, tau);
         else
-            taylor_move(r, b->t, ahead);
+            taylor_move(r, b->t, tau);
         r->spent += 1 + b->possible;
         b->pieces += 1;
         if (!b->given)
@@ -280,24 +292,27 @@ double tangent_worked_to(const Run *r)
 
 static int same_ties(const Run *r, const Mode *one, const Mode *other)
 {
-    return memcmp(one->leader, other->leader, sizeof(int) * (size_t)r->columns) == 0;
+    return memcmp(one->leader, other->leader, sizeof(int) * (size_t)r->columns) == 0 && same_seats(r, one, other);
 }
 
 static void change_ties(Run *r, const Mode *after)
 {
     Tangent *b = r->tangent;
-    int outside = held(r, after);
+    int outside = space_held(r, after);
     b->losses += outside > b->outside ? outside - b->outside : 0;
     b->outside = outside;
+    seat_disturbances(r, after);
     join_disturbances(r, after, &r->next);
-    if (!b->given)
-        fit(r, after);
+    if (b->given)
+        return;
+    gauge_apply(b);
+    fit(r, after);
 }
 
 /* Judge an event and apply its saltation. */
 static Handed jump(Run *r, const Event *e, const Mode *before, const Mode *after)
 {
-    Handed done = {0, 0, 0, 1.0, 1.0};
+    Handed done = {0, 0, 0, 0, 1.0, 1.0};
     Saltation s;
     tangencies_judge(r, e, &r->next, before, after);
     s = saltation(r, &r->next, before, after, e);
@@ -312,13 +327,15 @@ static Handed note_handed(Run *r)
 {
     Tangent *b = r->tangent;
     tangencies_note(&b->tangencies, b->handed.tangencies, b->handed.closest, r->next.t);
+    if (b->handed.undefined)
+        tangencies_refuse(&b->tangencies, r->next.t);
     return b->handed;
 }
 
 /* Whether a stop or friction that an event is of is among those of the scene. */
 static int known_part(const Tangent *b, const Event *e)
 {
-    return e->kind == GAP ? e->part < b->stop_count : e->kind != SLIDE || e->part < b->friction_count;
+    return e->kind == GAP || e->kind == STRIKE ? e->part < b->stop_count : e->kind != SLIDE || e->part < b->friction_count;
 }
 
 /* Take the event at r->next from one mode to another. */
@@ -327,15 +344,30 @@ void tangent_cross(Run *r, int event, const Mode *before, const Mode *after)
     Tangent *b = r->tangent;
     const Event *e = &before->events[event];
     Handed done;
-    if (!b || before == after || !known_part(b, e))
+    if (!b || (before == after && e->kind != STRIKE) || !known_part(b, e))
         return;
     done = b->handed.here ? note_handed(r) : jump(r, e, before, after);
     b->handed.here = 0;
     if (!same_ties(r, before, after)) {
         change_ties(r, after);
     } else if (done.jumps && !b->given) {
-        double volume = renormalise(b), determinant = fabs(done.determinant);
-        if (b->complete && determinant > FLAT)
+        double volume, longest = 0.0, determinant = fabs(done.determinant);
+        int i, flat;
+        gauge_apply(b);
+        if (determinant == 0) {
+            b->losses += 1;
+            fit(r, after);
+            return;
+        }
+        for (i = 0; i < b->possible; i++) {
+            double length = length_of(b, i);
+            longest = length > longest ? length : longest;
+        }
+        volume = renormalise(b);
+        flat = b->shortest <= FLAT * longest;
+        if (flat) /* what is left of nearly parallel vectors is not orthogonal to rounding */
+            renormalise(b);
+        if (b->complete && determinant > FLAT && !flat)
             b->residual = b->residual + (volume - log(determinant));
     }
 }

@@ -5,13 +5,15 @@ they grow by there adds up to the exponents (Benettin et al. 1980), the largest 
 grid of doubles, while the saltation matrices are those of the exact event: the difference is of the size of
 rounding.
 
-Each tie takes a direction from the tangent space: a rank loss, counted. Disturbances that do not fit into it
-any longer are replaced: by possible ones as far as there is room, by some that wait outside, unmoved, until
-ties let go. A direction that was replaced has the exponent minus infinity over the span.
+Each tie takes a direction from the tangent space, a rigid stop at rest two, and an impact without restitution
+one: a rank loss, counted. Disturbances that do not fit into it any longer are replaced: by possible ones as
+far as there is room, by some that wait outside, unmoved, until ties let go. A direction that was replaced has
+the exponent minus infinity over the span.
 
 A complete bundle checks itself (Liouville, V10): the logarithm of its volume must grow by the integral of the
 trace of the equations of motion and by the logarithms of the determinants at the events. Sticking, where the
-determinant is 0, and reversals that all but stick are left out on both sides.
+determinant is 0, reversals that all but stick and slow impacts, which press a volume flat, are left out on
+both sides.
 """
 
 from math import inf
@@ -22,7 +24,9 @@ from vibsim.engine.tangent_space import Gauge, TangentSpace, components, dimensi
 from vibsim.engine.tangent_volume import log_volume
 
 SPANS = 100  # that the growth is recorded in
-FLAT = 2.0**-7  # determinant of a jump, below which its rounding, eps / determinant, would drown the check
+# Determinant of a jump, and share of the longest disturbance that it leaves of the flattest, below which
+# their rounding, eps / FLAT, would drown the check.
+FLAT = 2.0**-7
 LOST = 2.0**-40  # of the length of a disturbance in a rank loss: what is left is rounding
 
 
@@ -43,6 +47,7 @@ class TangentBundle(Disturbances):
         self.begin = kit.number(begin)
         self.weights, self.gauge = weights(scene, kit), Gauge(scene)
         self.residual = kit.number(0)  # growth of the logarithm of the volume that nothing explains
+        self.shortest = kit.number(1)  # length that the last orthogonalisation left
         self.rows, self.next_row, self.losses = [], 0, 0
         self._start_to_count()
 
@@ -52,6 +57,7 @@ class TangentBundle(Disturbances):
 
     def open(self, state, rows):
         """Disturbances at the start: a general one, then one component each."""
+        self.tangencies.pass_by(state)
         zero, one, size = self.kit.number(0), self.kit.number(1), length(self.scene)
         present = components(self.scene)
         general = [one if k in present else zero for k in range(size)]
@@ -62,23 +68,37 @@ class TangentBundle(Disturbances):
         self.losses = len(self.space.outside)
         if self.space.outside:
             self._join(state, rows)
+            self._shift()
             self._fit()
         self._start_to_count()
         self._mark_waiting()
         self._record(state.t)
 
     def _moved(self, t, ahead):
-        for i in range(self.possible):
-            self.vectors[i] = self.gauge.apply(self.kit, self.vectors[i])
+        self._shift()
         volume = self.renormalise()
         if self.complete:
             grown = log_volume(self.scene, self.kit, self.flow.now, t, ahead)
             self.residual = self.residual + (volume - grown)
         self._record(ahead)
 
+    def _shift(self):
+        """Measure displacements from the references."""
+        for i in range(self.possible):
+            self.vectors[i] = self.gauge.apply(self.kit, self.vectors[i])
+
     def _jumped(self, jump):
+        self._shift()
+        if jump.determinant == 0:
+            self.losses += 1
+            self._fit()
+            return
+        longest = max(self.kit.sqrt(self._product(one, one)) for one in self.vectors[: self.possible])
         volume, determinant = self.renormalise(), abs(jump.determinant)
-        if self.complete and determinant > FLAT:
+        flat = self.shortest <= FLAT * longest
+        if flat:  # what is left of nearly parallel vectors is not orthogonal to rounding
+            self.renormalise()
+        if self.complete and determinant > FLAT and not flat:
             self.residual = self.residual + (volume - self.kit.log(determinant))
 
     def _change_ties(self, state, after):
@@ -86,6 +106,7 @@ class TangentBundle(Disturbances):
         self.space = TangentSpace(self.scene, self.kit, after)
         self.losses += max(len(self.space.outside) - outside, 0)
         self._join(state, after)
+        self._shift()
         self._fit()
 
     def _fit(self):
@@ -127,8 +148,10 @@ class TangentBundle(Disturbances):
         that they spanned.
         """
         volume = self.kit.number(0)
+        self.shortest = inf
         for i in range(self.possible):
             self.vectors[i], size = self._orthonormal(self.vectors[i], self.vectors[:i])
+            self.shortest = size if size < self.shortest else self.shortest
             growth = self.kit.log(size) if size > 0 else -inf
             self.sums[i] = self.sums[i] + growth
             volume = volume + growth
@@ -192,4 +215,5 @@ class TangentBundle(Disturbances):
             "pieces": self.pieces,
             "residual": self.residual,
             "near": (near.count, near.closest, near.time, max(near.fastest, default=0)),
+            "undefined": (near.undefined, near.undefined_time),
         }

@@ -114,12 +114,12 @@ static void shape(const Run *r, const Place *p, const double *coordinates, doubl
     }
 }
 
-void closed_form_move(Run *r, double t, double end)
+void closed_form_move(Run *r, double tau)
 {
     Tangent *b = r->tangent;
     const Modal *modal = r->mode->modal;
     int n = r->bodies, c, m, k, i;
-    prepare(r, end - t);
+    prepare(r, tau);
     for (m = 0; m < modal->count; m++)
         move_coordinate(r, m);
     memset(b->moved, 0, sizeof(double) * (size_t)(2 * n * b->stride));

@@ -30,11 +30,11 @@ class ClosedFormTangent:
     def _oscillators(self):
         return [c.oscillators[0] for c in self.flow.modal.constants if not c.coordinate.free]
 
-    def prepare(self, t, end):
-        """Responses of the coordinates over the piece from t to `end` [s], as (q by q0, u0, load; u by the
-        same).
+    def prepare(self, t, end, late=0):
+        """Responses of the coordinates over the piece from t to `late` behind `end` [s], as (q by q0, u0,
+        load; u by the same).
         """
-        tau, one, zero = end - t, self.kit.number(1), self.kit.number(0)
+        tau, one, zero = (end - t) + late, self.kit.number(1), self.kit.number(0)
         self.responses = []
         for constants in self.flow.modal.constants:
             if constants.coordinate.free:

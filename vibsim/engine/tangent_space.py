@@ -6,10 +6,13 @@ feeling it: there dx is measured from the last body of the set, its reference, w
 disturbance of the state is none of time, whose direction ideal sources would add.
 
 In a mode with ties only some disturbances are possible: those in which tied bodies have one dv, and bodies
-tied to the ground or the base have none. They are the tangent space of the mode.
+tied to the ground or the base have none. Bodies that rigid stops at rest tie have one dx as well. They are
+the tangent space of the mode.
 """
 
+from vibsim.engine.status import RESTING
 from vibsim.engine.ties import Groups
+from vibsim.physics.parts import BASE, GROUND
 from vibsim.physics.rates import mobility
 
 
@@ -88,9 +91,16 @@ class TangentSpace:
             return [entries.get(k, zero) for k in range(size)]
 
         self.inside, self.outside = [], []
-        for k in components(scene):
-            if not n <= k < 2 * n:
-                self.inside.append(vector({k: one}))
+        reference = references(scene)
+        for leader, members in sorted(seats_of(scene, rows.status).members.items()):
+            bodies = [c for c in members if c < n]
+            moves = leader < n and not any(reference[c] == c for c in bodies)
+            if moves:
+                self.inside.append(vector(dict.fromkeys(bodies, one)))
+            for c in bodies[1:] if moves else (c for c in bodies if reference[c] != c):
+                share = one / len(bodies) if moves else zero
+                self.outside.append(vector({d: (one if d == c else zero) - share for d in bodies}))
+        self.inside += [vector({k: one}) for k in components(scene) if k >= 2 * n]
         for leader, members in sorted(rows.groups.members.items()):
             bodies = [c for c in members if c < n]
             if leader < n:
@@ -98,6 +108,34 @@ class TangentSpace:
             for c in bodies[1 if leader < n else 0 :]:
                 share = one / len(bodies) if leader < n else zero
                 self.outside.append(vector({n + d: (one if d == c else zero) - share for d in bodies}))
+
+
+def seats_of(scene, status):
+    """Groups of columns that rigid stops at rest join."""
+    n = len(scene.bodies)
+    columns = {GROUND: n, BASE: n + 1}
+    stops = [stop for stop, now in zip(scene.stops, status.stops, strict=True) if now == RESTING]
+    return Groups(n, [(0, columns.get(stop.P, stop.P), columns.get(stop.Q, stop.Q)) for stop in stops])
+
+
+def seated(scene, kit, status, vector):
+    """The disturbance after rigid stops have come to rest: their ends have one displacement, the centre of
+    mass stays where they move freely.
+    """
+    n, after = len(scene.bodies), list(vector)
+    for leader, members in seats_of(scene, status).members.items():
+        bodies = [c for c in members if c < n]
+        if len(members) < 2:
+            continue
+        common = kit.number(0)
+        if leader < n:
+            moment = mass = common
+            for c in bodies:
+                moment, mass = moment + scene.bodies[c].m * vector[c], mass + scene.bodies[c].m
+            common = moment / mass
+        for c in bodies:
+            after[c] = common
+    return after
 
 
 class Gauge:

@@ -134,9 +134,9 @@ static void prepare_at(Run *r, double t)
     r->steps = steps;
 }
 
-static void prepare(Run *r, double t, double end)
+static void prepare(Run *r, double t, double tau)
 {
-    r->tangent->taylor.tau = end - t;
+    r->tangent->taylor.tau = tau;
     if (!r->has_motor && r->mode->fall_count == 0)
         return;
     if (t != r->t0)
@@ -399,10 +399,10 @@ static void move_group(Run *r, int first, int pairs)
         }
 }
 
-void taylor_move(Run *r, double t, double end)
+void taylor_move(Run *r, double t, double tau)
 {
     int first, pairs;
-    prepare(r, t, end);
+    prepare(r, t, tau);
     for (first = 0; first < r->tangent->possible; first += 2 * TANGENT_GROUP) {
         pairs = (r->tangent->possible - first + 1) / 2;
         move_group(r, first, pairs < TANGENT_GROUP ? pairs : TANGENT_GROUP);

@@ -85,9 +85,9 @@ class TaylorTangent:
         mass, unbalance = mass + self.motor.m3, self.flow.unbalance
         return self.drag * mass / (mass * self.inertia - unbalance * unbalance)
 
-    def prepare(self, t, end):
-        """What the recurrences of all disturbances share over the piece from t to `end` [s]."""
-        self.tau, self.base = end - t, self.flow
+    def prepare(self, t, end, late=0):
+        """What the recurrences of all disturbances share over the piece from t to `late` behind `end` [s]."""
+        self.tau, self.base = (end - t) + late, self.flow
         if t != self.flow.t0 and (self.motor or self.flow.falls):
             self.base = self._expanded_at(t)
         self.slopes = [

@@ -133,8 +133,6 @@ def state_at(scene, row, times, engine="auto"):
 
 def check_tangent(scene, tangent):
     """Raises ValueError where the scene has not so many directions."""
-    if tangent and scene.rigid_stops:
-        raise ValueError("disturbances are not carried through the impacts of rigid stops yet")
     if not 0 <= tangent <= dimension(scene):
         raise ValueError(f"tangent must be 0 to {dimension(scene)} for this scene, got {tangent}")
 

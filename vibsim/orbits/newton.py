@@ -145,9 +145,10 @@ def _moved(end, change, longer):
 
 
 def _motion(return_map, X, T):
-    """The motion from X, None where it fails."""
+    """The motion from X, None where it fails or has no derivative."""
     try:
         end = return_map(X, T)
     except EngineError:
         return None
-    return end if np.isfinite(end.residual) else None
+    known = np.isfinite(end.residual) and np.isnan(end.carried.undefined_at)
+    return end if known else None

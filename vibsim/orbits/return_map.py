@@ -107,7 +107,7 @@ class ReturnMap:
     """From the section of `scene` to itself after n periods of its source, or turns of its motor.
 
     Another value of a parameter is another scene, and another ReturnMap. Raises NoSection where the scene has
-    no section, OrbitError where its motion has no derivative that the engine knows.
+    no section, OrbitError for no period.
     """
 
     def __init__(self, scene, n=1, engine="auto"):
@@ -115,10 +115,7 @@ class ReturnMap:
             raise OrbitError(f"an orbit takes one period or more, got {n}")
         self.scene, self.n, self.section = scene, n, section_of(scene)
         self.coordinates = Coordinates(scene, self.section)
-        try:
-            self.carrier = Carrier(scene, engine)
-        except ValueError as error:
-            raise OrbitError(str(error)) from error
+        self.carrier = Carrier(scene, engine)
 
     def of(self, n):
         """The map of the same scene after n returns, on the same engine."""

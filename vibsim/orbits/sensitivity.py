@@ -6,7 +6,7 @@ difference quotients of motions beside it, of two widths, whose leading error ca
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -55,8 +55,8 @@ def monodromy(
     state : by name of the column, e.g. {"x1": 0.001, "v1": 0.2, ...} [m, m/s, rad, rad/s]; those left out: 0
     parameters : keys of numbers of the case by which the motion is differentiated too, e.g. ("c", "omega")
 
-    Raises OrbitError for a column that the case has not got, a number that is 0 (it has no scale) and a scene
-    that no disturbances are carried through, UnknownKeyError for keys, EngineError where the run fails.
+    Raises OrbitError for a column that the case has not got, a number that is 0 (it has no scale) and a
+    motion that has no derivative, UnknownKeyError for keys, EngineError where the run fails.
     """
     from vibsim.cases.loading import as_case
 
@@ -67,7 +67,12 @@ def monodromy(
     if unknown:
         raise OrbitError(f"no column {', '.join(unknown)}; those of this case are {', '.join(columns)}")
     start = [float(state.get(name, 0.0)) for name in columns]
-    carried = _carrier(scene, engine).carry(start, T)
+    carried = Carrier(scene, engine).carry(start, T)
+    if not np.isnan(carried.undefined_at):
+        raise OrbitError(
+            f"at {carried.undefined_at:.6g} s the motion grazes a rigid stop or strikes several at one"
+            " instant, where it has no derivative"
+        )
     quotients = {key: _quotient(case, key, start, T, engine) for key in parameters}
     return Monodromy(
         tuple(columns),
@@ -78,13 +83,6 @@ def monodromy(
         {key: quotient for key, (quotient, _) in quotients.items()},
         {key: error for key, (_, error) in quotients.items()},
     )
-
-
-def _carrier(scene: Any, engine: str) -> Carrier:
-    try:
-        return Carrier(scene, engine)
-    except ValueError as error:
-        raise OrbitError(str(error)) from error
 
 
 def _quotient(
@@ -106,7 +104,7 @@ def _central(
     for sign in (1, -1):
         changed = case.with_values({key: f"{value * (1 + sign * share)!r} {_si(case, key)}".strip()})
         numbers.append(changed.number(key))
-        ends.append(_carrier(changed.scene(), engine).carry(start, T, []).state)
+        ends.append(Carrier(changed.scene(), engine).carry(start, T, []).state)
     return np.asarray((ends[0] - ends[1]) / (numbers[0] - numbers[1]))
 
 

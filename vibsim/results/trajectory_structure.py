@@ -58,6 +58,7 @@ ATTRIBUTES = [
     Attribute("lyapunov_tangencies", WHOLE, optional=True, where="lyapunov_growth"),
     Attribute("lyapunov_closest_tangency", EXTENDED, optional=True, where="lyapunov_growth"),
     Attribute("lyapunov_closest_tangency_time", NUMBER, optional=True),
+    Attribute("lyapunov_undefined_time", NUMBER, optional=True),
     *(Attribute(name, NUMBER, optional=True) for name in NUMBERS),
     *ORBIT_ATTRIBUTES,
 ]

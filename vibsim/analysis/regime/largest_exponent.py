@@ -23,14 +23,12 @@ DOUBT = 0.05  # probability that the interval misses the exponent
 def largest_exponent(result: Result, window: Window | None = None, engine: str = "auto") -> Exponent | None:
     """The largest Lyapunov exponent within `window` [s], by default the second half of the run.
 
-    None where the span is too short for intervals, where sticking wiped the disturbance out, and with rigid
-    stops, through whose impacts none is carried. Costs one more run on `engine`. Raises ValueError for a
-    window outside the run.
+    None where the span is too short for intervals, where sticking or rest wiped the disturbance out, and
+    where the motion has no derivative. Costs one more run on `engine`. Raises ValueError for a window outside
+    the run.
     """
     span = steady_span(result, window)
     scene = replace(result.case.scene(), t_end=span.end)
-    if scene.rigid_stops:
-        return None
     growth = lyapunov_exponents(scene, 1, span.begin, engine).growth
     return exponent_of(growth[:, 0], growth[:, 1]) if len(growth) else None
 

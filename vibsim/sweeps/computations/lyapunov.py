@@ -20,20 +20,16 @@ SPECTRUM_TITLE = "all Lyapunov exponents"
 
 
 def columns(of: Quantities) -> Columns:
-    """The largest exponent; none with rigid stops, through whose impacts no disturbance is carried."""
-    if of.has_rigid_stop:
-        return {}
+    """The largest exponent."""
     return {
         LARGEST: Column("s-1", "largest Lyapunov exponent after the transient"),
-        HALF_WIDTH: Column("s-1", "half width of its 95 % interval; NaN where the span is too short"),
+        HALF_WIDTH: Column("s-1", "half width of its 95 % interval; NaN where unknown"),
         "lyapunov_warnings": Column("1", "number of reasons not to trust it, see vibsim.lyapunov"),
     }
 
 
 def spectrum_columns(of: Quantities) -> Columns:
-    """All exponents; none with rigid stops."""
-    if of.has_rigid_stop:
-        return {}
+    """All exponents."""
     half_widths = "half widths of their 95 % intervals; NaN where unknown"
     return {
         "lyapunov_spectrum": Column("s-1", "Lyapunov exponents after the transient", dimension="exponent"),

@@ -28,7 +28,6 @@ from vibsim.sweeps.statistics.columns import Columns
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
 from vibsim.sweeps.statistics.quantities import Quantities
 
-ELASTIC = "elastic stops alone"
 Window = tuple[float, float]  # of the whole periods [s]; of everything after the transient without periods
 
 
@@ -80,8 +79,8 @@ COMPUTATIONS = {
     "capture": Kind(
         capture_verdict.TITLE, capture_verdict.columns, "a motor", capture_verdict.CaptureVerdict
     ),
-    "lyapunov": Kind(lyapunov.TITLE, lyapunov.columns, ELASTIC, lyapunov.Lyapunov),
-    "lyapunov-spectrum": Kind(lyapunov.SPECTRUM_TITLE, lyapunov.spectrum_columns, ELASTIC, lyapunov.Spectrum),
+    "lyapunov": Kind(lyapunov.TITLE, lyapunov.columns, "", lyapunov.Lyapunov),
+    "lyapunov-spectrum": Kind(lyapunov.SPECTRUM_TITLE, lyapunov.spectrum_columns, "", lyapunov.Spectrum),
     "regime": Kind(
         regime_label.TITLE, regime_label.columns, "a source", regime_label.RegimeLabel, samples=True
     ),

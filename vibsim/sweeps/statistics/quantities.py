@@ -51,8 +51,8 @@ class Quantities:
     drifting : column of the drift rate -> the motion that drifts
     sections : column of the stroboscopic section -> (motion, whether its velocity)
     stops, frictions : names of the parts whose events are counted one by one
-    has_stop, has_rigid_stop, has_friction, has_motor, has_source : what the scene has; friction with mu = 0
-        too, which may be swept
+    has_stop, has_friction, has_motor, has_source : what the scene has; friction with mu = 0 too, which may
+        be swept
     is_powered : whether something puts power in: a source, a constant force, a belt
     powers : column of a part's mean power -> (its entry in the energy ledger, what it is)
     starts : state (x_ram, phi) -> key of its start value in the case
@@ -66,7 +66,6 @@ class Quantities:
     stops: tuple[str, ...]
     frictions: tuple[str, ...]
     has_stop: bool
-    has_rigid_stop: bool
     has_friction: bool
     has_motor: bool
     has_source: bool
@@ -98,7 +97,6 @@ def of_two_blocks(scene: Scene) -> Quantities:
         stops=(),
         frictions=(),
         has_stop=bool(scene.stops),
-        has_rigid_stop=bool(scene.rigid_stops),
         has_friction=two,
         has_motor=scene.has_motor,
         has_source=is_driven(scene),
@@ -133,7 +131,6 @@ def of_parts(scene: Scene, frictions: Iterable[str]) -> Quantities:
         stops=tuple(stop.name for stop in scene.stops),
         frictions=frictions,
         has_stop=bool(scene.stops),
-        has_rigid_stop=bool(scene.rigid_stops),
         has_friction=bool(frictions),
         has_motor=scene.has_motor,
         has_source=is_driven(scene),
