@@ -1,13 +1,12 @@
 """What runs of one scene share, whatever they start from: the rows of its modes, packed for C, and what
 follows their events.
 
-Restarts from events, ensembles of starts and disturbances run the same scene many times; making its modes
-anew costs a millisecond each time.
+Restarts from events, ensembles of starts, disturbances and branches over the speed of a motor run the same
+modes many times; making them anew costs a millisecond each time.
 """
 
 import pickle
 from collections import OrderedDict
-from dataclasses import replace
 from threading import Lock
 
 from vibsim.engine.meters import MeterMaker
@@ -67,7 +66,9 @@ _lock = Lock()
 
 
 def mode_table(scene):
-    """The table of a scene, the same for all scenes that differ in their starts, ends and samples alone."""
+    """The table of a scene, the same for all that differ in nothing but their starts, ends, samples and the
+    numbers of a motor, which no row holds.
+    """
     key = _signature(scene)
     with _lock:
         table = _tables.pop(key, None) or ModeTable(scene)
@@ -80,6 +81,6 @@ def mode_table(scene):
 def _signature(scene):
     """Bits of all numbers and names that modes are made of: -0.0 is not 0.0 here."""
     masses = [body.m for body in scene.bodies]
-    motor = scene.motor and replace(scene.motor, phi=0.0, phidot=0.0)
+    driven = scene.motor.on if scene.motor else None
     parts = scene.links, scene.stops, scene.frictions, scene.forces, scene.base, scene.clearances
-    return pickle.dumps((masses, parts, motor, scene.method, scene.order, scene.tol))
+    return pickle.dumps((masses, parts, driven, scene.method, scene.order, scene.tol))
