@@ -79,7 +79,7 @@ class Carrier:
         n = len(scene.bodies)
         rotor = (2 * n + 1, 2 * n + 2) if scene.motor is not None else ()
         # of the rows of a state in C: the time and then the components
-        self._order = [0, *range(1, 2 * n, 2), *range(2, 2 * n + 1, 2), *rotor]
+        self._order = np.array([0, *range(1, 2 * n, 2), *range(2, 2 * n + 1, 2), *rotor])
 
     def carry(self, state, end, vectors=None):
         """The motion from `state`, the components at t = 0, to `end` [s], as `Carried`.
@@ -88,17 +88,23 @@ class Carrier:
         ValueError for components that are not as many as the scene has or not finite, or an end that is not
         after the start, EngineError where the run fails.
         """
-        vectors = np.eye(self.size) if vectors is None else np.array(vectors, dtype="f8")
+        vectors = np.eye(self.size) if vectors is None else np.asarray(vectors, dtype="f8")
         vectors = vectors.reshape(-1, self.size) if vectors.size == 0 else vectors
         state = np.asarray(state, dtype="f8")
-        if state.shape != (self.size,) or not np.all(np.isfinite(state)):
+        if state.shape != (self.size,) or not _finite(state):
             raise ValueError(f"a state of this scene is {self.size} finite numbers")
-        if vectors.ndim != 2 or vectors.shape[1] != self.size or not np.all(np.isfinite(vectors)):
+        if vectors.ndim != 2 or vectors.shape[1] != self.size or not _finite(vectors):
             raise ValueError(f"a disturbance of this scene is {self.size} finite numbers")
         if not (isfinite(end) and end > 0):
             raise ValueError(f"the end must be after the start, got {end} s")
+        return self.carried(state.tolist(), float(end), vectors)
+
+    def carried(self, components, end, vectors):
+        """As `carry`, for those who know their arguments: a list of finite numbers, a time after the start
+        and an array of one finite disturbance per row.
+        """
         carried = self._by_python if self.engine == "python" else self._by_c
-        return carried(state.tolist(), float(end), vectors)
+        return carried(components, end, vectors)
 
     def _start(self, components):
         """The state of components at t = 0."""
@@ -120,8 +126,8 @@ class Carrier:
             entries = self.run.disturbances
             moved, undefined = entries["vectors"], entries["undefined"]
         rows = self.run.rows[tally["mode"]]
-        codes = np.concatenate([codes for _, codes in blocks], axis=1).T[1:-1]  # without start and end
-        table = np.concatenate([states for states, _ in blocks], axis=1)[self._order, 1:-1].T
+        codes = _joined([codes for _, codes in blocks])[:, 1:-1].T.copy()  # without start and end
+        table = _joined([states for states, _ in blocks])[:, 1:-1][self._order].T
         return self._told(State(*tally["state"]), rows, moved, codes, table, (uncertified, margin), undefined)
 
     def _by_python(self, components, end, vectors):
@@ -176,3 +182,13 @@ class Carrier:
             certificate[1],
             undefined_time if count else nan,
         )
+
+
+def _finite(values):
+    """Whether all values are finite: their sum says it at once, but for an overflow."""
+    return isfinite(values.sum()) or bool(np.isfinite(values).all())
+
+
+def _joined(parts):
+    """Columns of blocks side by side; most motions are one block."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)

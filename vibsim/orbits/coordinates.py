@@ -41,22 +41,19 @@ class Coordinates:
         squares = weights(scene, Doubles)
         self.weights = np.sqrt([squares[i] for i in free])
         self.count = len(free)
-        self._free = np.array(free)
-        self._from = [(row, reference[i]) for row, i in enumerate(free) if i in reference]
+        self.one = np.eye(self.count)
+        self.ratios = (
+            self.weights[:, None] / self.weights
+        )  # by which entries of a matrix of unknowns are weighed
+        self._take = np.ascontiguousarray(self.take.T)
 
     def of(self, state):
-        """Unknowns of state components, the last axis of `state`."""
-        state = np.asarray(state)
-        X = state[..., self._free]
-        for row, r in self._from:
-            X[..., row] = X[..., row] - state[..., r]
-        return X
+        """Unknowns of state components, the last axis of `state`: sums and differences, rounded once."""
+        return np.asarray(state) @ self._take
 
     def lifted(self, X):
         """State components on the section, references at x = 0."""
-        state = np.zeros(len(self.columns))
-        state[self._free] = X
-        return state
+        return self.put @ X
 
     @cached_property
     def disturbances(self):
@@ -77,11 +74,11 @@ class Coordinates:
 
     def size(self, X):
         """The largest of the unknowns, as weighed [m/s]."""
-        return float(np.max(np.abs(X) * self.weights, initial=0.0))
+        return float(np.abs(X * self.weights).max())
 
     def travel(self, carried):
         """The largest of the unknowns at the events of a motion, as weighed [m/s]."""
-        return float(np.max(np.abs(self.of(carried.states)) * self.weights, initial=0.0))
+        return self.size(self.of(carried.states)) if len(carried.states) else 0.0
 
     def _name(self, i, reference):
         return self.columns[i] if reference is None else f"{self.columns[i]}-{self.columns[reference]}"

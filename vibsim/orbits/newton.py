@@ -6,11 +6,12 @@ sticks there to the bit.
 """
 
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 
 from vibsim.engine.errors import EngineError
-from vibsim.orbits.errors import NotConverged
+from vibsim.orbits.errors import NotConverged, OrbitError
 from vibsim.orbits.return_map import Return
 
 STEPS, HALVINGS = 40, 12
@@ -20,6 +21,7 @@ EPS = 2.0**-53
 OPERATIONS = 128
 SINGULAR = 1e-9  # of the largest singular value of I - dP/dX: below, the equation says nothing on a direction
 NEARLY, GOOD = 1e-3, 0.1  # the same, but for what is left of it nearby; by so much a step must help
+CLOSE = 1e-6  # of the size of the motion at its end: no rounding is as large
 STAGNANT = 16  # times the tolerance: a residual that no step makes smaller is rounding still
 
 
@@ -51,20 +53,44 @@ def solve(return_map, X, T=None, steps=STEPS):
 
     Returns a `Solution`. Raises NotConverged, OrbitError.
     """
-    end = _motion(return_map, X, T)
-    if end is None:
-        raise NotConverged("the motion from the start of Newton's method cannot be computed", np.inf)
+    end = _first(return_map, X, T)
     for taken in range(steps + 1):
-        bound = tolerance(end)
+        bound = _bound(end)
         if end.residual <= bound:
             return Solution(end, taken, bound)
         nearer = _next(return_map, end)
-        if nearer is None and end.residual <= STAGNANT * bound:
-            return Solution(end, taken, bound)
+        if nearer is None and end.residual <= STAGNANT * tolerance(end):
+            return Solution(end, taken, tolerance(end))
         if nearer is None:
             break
         end = nearer
     raise _failure(return_map, end, taken)
+
+
+def _first(return_map, X, T):
+    """The motion from the start."""
+    try:
+        end = return_map(X, T)
+    except EngineError as error:
+        raise NotConverged(f"the motion from the start of Newton's method fails: {error}", np.inf) from error
+    if not _has_derivative(end):
+        raise NotConverged(
+            "the motion from the start of Newton's method has no derivative: at "
+            f"{end.carried.undefined_at:.6g} s it grazes a rigid stop or strikes several at one instant; "
+            "start a little beside it",
+            end.residual,
+        )
+    return end
+
+
+def _has_derivative(end):
+    """Whether small disturbances of the start make small ones of the end."""
+    return isfinite(end.residual) and isfinite(end.flow_matrix.sum())
+
+
+def _bound(end):
+    """The tolerance; 0 for a motion so far from closing that it does not matter."""
+    return tolerance(end) if end.residual <= CLOSE * end.coordinates.size(end.image) else 0.0
 
 
 def _failure(return_map, end, steps):
@@ -79,7 +105,7 @@ def _failure(return_map, end, steps):
 def tolerance(end):
     """Rounding of the residual of a motion [m/s, as weighed]."""
     at = end.coordinates
-    gain = np.max(np.abs(end.flow_matrix) * (at.weights[:, None] / at.weights), initial=1.0)
+    gain = max(1.0, float(np.abs(end.flow_matrix * at.ratios).max()))
     size = max(at.size(end.X), at.size(end.image), at.travel(end.carried))
     return OPERATIONS * EPS * gain * size
 
@@ -90,10 +116,10 @@ def newton_step(end, cut=None):
     cut : leave out directions whose singular value is below so much of the largest, where it is given
     """
     at, timed = end.coordinates, end.tilt is None
-    matrix, right = np.eye(at.count) - end.derivative, end.difference
+    matrix, right = at.one - end.derivative, end.difference
     if not timed:
         right = right - end.rate * (end.ahead / end.tilt[1])
-    scaled = matrix * (at.weights[:, None] / at.weights)
+    scaled = matrix * at.ratios
     if cut is None:
         change = _solved(scaled, right * at.weights) / at.weights
     else:
@@ -105,15 +131,11 @@ def newton_step(end, cut=None):
 
 
 def _solved(matrix, right):
-    """The solution of matrix x = right; the shortest one where the matrix is singular but for rounding."""
+    """The solution of matrix x = right; the shortest one where the matrix is singular."""
     try:
-        x = np.linalg.solve(matrix, right)
+        return np.linalg.solve(matrix, right)
     except np.linalg.LinAlgError:
-        x = np.full(len(right), np.inf)
-    largest, size = np.abs(matrix).max(initial=0.0), np.abs(right).max(initial=0.0)
-    if largest * np.abs(x).max(initial=0.0) * SINGULAR > size:
-        x = np.linalg.lstsq(matrix, right, rcond=SINGULAR)[0]
-    return x
+        return np.linalg.lstsq(matrix, right, rcond=SINGULAR)[0]
 
 
 def _next(return_map, end):
@@ -128,6 +150,7 @@ def _next(return_map, end):
         after = _motion(return_map, _moved(end, short, later), end.T + later) if later > -end.T else None
         if after is not None and after.residual < GOOD * end.residual:
             return after
+        change, longer = newton_step(end, SINGULAR)
     share = 1.0 if longer == 0 else min(1.0, end.T / (2 * abs(longer)))
     for _ in range(HALVINGS):
         X = _moved(end, change, longer) if share == 1.0 else end.X + share * change
@@ -145,10 +168,9 @@ def _moved(end, change, longer):
 
 
 def _motion(return_map, X, T):
-    """The motion from X, None where it fails or has no derivative."""
+    """The motion from X, None where it fails, is asked for no time or has no derivative."""
     try:
         end = return_map(X, T)
-    except EngineError:
+    except (EngineError, OrbitError):
         return None
-    known = np.isfinite(end.residual) and np.isnan(end.carried.undefined_at)
-    return end if known else None
+    return end if _has_derivative(end) else None

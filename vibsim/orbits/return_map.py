@@ -10,6 +10,7 @@ which has lost the multiplier 1 that a shift along the orbit brings.
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import inf, isfinite
 from typing import Any
 
 import numpy as np
@@ -131,9 +132,12 @@ class ReturnMap:
             T = self.section.time(self.n)
         elif T is None:
             T = self.time_of_return(X)
-        at, vectors = self.coordinates, self.coordinates.disturbances
-        carried = self.carrier.carry(at.lifted(X), T, vectors)
-        return Return(at, np.asarray(X, dtype="f8"), float(T), self._ahead(carried), carried)
+        at, X, T = self.coordinates, np.asarray(X, dtype="f8"), float(T)
+        components = at.lifted(X).tolist()
+        if not (all(map(isfinite, components)) and 0 < T < inf):
+            raise OrbitError(f"a motion needs a finite start and a time after it, got {components} and {T} s")
+        carried = self.carrier.carried(components, T, at.disturbances)
+        return Return(at, X, T, self._ahead(carried), carried)
 
     def _ahead(self, carried):
         if self.section.timed:
