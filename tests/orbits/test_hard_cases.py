@@ -148,3 +148,17 @@ def test_limits_that_are_watched_stop_no_orbit():
     watched = replace(of, clearances=(Clearance("room", 0, GROUND, 0.0),), stop_on_violation=True)
     orbit = find_orbit(watched, {"x_m": 0.1, "v_m": 0.1}, 1)
     assert orbit.spelled == find_orbit(of, {"x_m": 0.1, "v_m": 0.1}, 1).spelled
+
+
+@pytest.mark.parametrize(("k", "least"), [(1000, 25), (10000, 75)])
+def test_large_multipliers(k, least):
+    """A soft impact on a stiff wall: an orbit that run after run leaves by a factor of 29, or 79, a period; from
+    starts on all sides of it the same one, its multipliers multiply to exp(-c T / m).
+    """
+    changes = {"stops.wall.k": f"{k} N/m", "forces.drive.A": "0.362 N"}
+    starts = [{"x_mass": x, "v_mass": v} for x, v in ((1.0, 0.1), (1.0, 0.02), (0.95, 0.3))]
+    orbits = [vibsim.orbit("gallery/bilinear-oscillator", changes, start=start, period=1) for start in starts]
+    for orbit in orbits:
+        assert abs(orbit.multipliers[0]) > least and orbit.residual <= orbit.solution.tolerance
+        assert np.prod(orbit.multipliers).real == pytest.approx(np.exp(-0.02 * orbit.period), rel=1e-11)
+        np.testing.assert_allclose(orbit.X, orbits[0].X, rtol=0, atol=1e-13)
