@@ -152,7 +152,7 @@ def test_limits_that_are_watched_stop_no_orbit():
 
 @pytest.mark.parametrize(("k", "least"), [(1000, 25), (10000, 75)])
 def test_large_multipliers(k, least):
-    """A soft impact on a stiff wall: an orbit that run after run leaves by a factor of 29, or 79, a period; from
+    """A soft impact on a stiff wall: an orbit that runs leave by a factor of 29, or 79, in each period; from
     starts on all sides of it the same one, its multipliers multiply to exp(-c T / m).
     """
     changes = {"stops.wall.k": f"{k} N/m", "forces.drive.A": "0.362 N"}
@@ -162,3 +162,26 @@ def test_large_multipliers(k, least):
         assert abs(orbit.multipliers[0]) > least and orbit.residual <= orbit.solution.tolerance
         assert np.prod(orbit.multipliers).real == pytest.approx(np.exp(-0.02 * orbit.period), rel=1e-11)
         np.testing.assert_allclose(orbit.X, orbits[0].X, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize(
+    "name", ["impact-oscillator", "impact-oscillator-coco", "impact-pair", "ball-on-shaken-table"]
+)
+def test_rigid_stops_obey_liouville(name):
+    """An impact multiplies the volume of disturbances by e^2 (the depth and its rate, each turned by e), the
+    flight between by exp(-c t / m).
+    """
+    case = load_case(f"gallery/{name}")
+    orbit, of = vibsim.orbit(case), case.scene()
+    restitutions = [of.stops[part].e for kind, part in orbit.events if kind == "impact"]
+    rate = sum(link.c for link in of.links) / of.bodies[0].m
+    law = np.prod(restitutions) ** 2 * np.exp(-rate * orbit.period)
+    assert np.prod(orbit.multipliers).real == pytest.approx(law, rel=1e-9)
+    assert orbit.stable and len(restitutions) == len(orbit.events) > 0
+
+
+def test_an_orbit_that_chatters_forgets_everything():
+    """Behind an infinite sequence of impacts the body rests, whatever its start: multipliers of 0."""
+    orbit = vibsim.orbit("gallery/chattering-oscillator", {"run.t_end": "60 s"})
+    assert orbit.n == 1 and orbit.multipliers.tolist() == [0, 0] and orbit.stable
+    assert {"chatter", "rest_begin", "rest_end"} <= {kind for kind, _ in orbit.events}

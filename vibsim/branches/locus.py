@@ -198,9 +198,7 @@ def follow_pair(plane: Plane, point: PlanePoint) -> None:
     plane.pair = min(pairs, key=lambda mu: abs(mu - plane.pair))
 
 
-def _at_bound(
-    plane: Plane, here: PlanePoint, point: PlanePoint, span: tuple[float, float]
-) -> PlanePoint:
+def _at_bound(plane: Plane, here: PlanePoint, point: PlanePoint, span: tuple[float, float]) -> PlanePoint:
     """The point at the end of the range of the second parameter, between one inside and one outside."""
     bound = min(max(point.second, min(span)), max(span)) / plane.scale[-1]
     if bound == point.z[-1]:
