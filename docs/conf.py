@@ -3,6 +3,7 @@
 Pages under docs/generated/ are written here, before the sources are read: from_code/ says what from.
 """
 
+import re
 import sys
 from pathlib import Path
 
@@ -21,7 +22,6 @@ myst_heading_anchors = 3
 exclude_patterns = ["from_code/*"]
 smartquotes = False  # --set is an option, not a dash
 highlight_language = "none"
-suppress_warnings = ["toc.empty_glob"]
 
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"
@@ -34,6 +34,14 @@ html_theme_options = {"sidebar_hide_name": False}
 html_copy_source = False
 
 
+def as_rest(app, what, name, obj, options, lines):
+    """Docstrings are plain text: |x| is a magnitude, and `Orbit`s a plural."""
+    for i, line in enumerate(lines):
+        if not line.lstrip().startswith((">>>", "...")):
+            lines[i] = re.sub(r"`(\w+)`(?=\w)", r"``\1``\\ ", line).replace("|", r"\|")
+
+
 def setup(app):
     """Write the generated pages when the build begins."""
     app.connect("builder-inited", lambda app: write_pages(Path(app.srcdir)))
+    app.connect("autodoc-process-docstring", as_rest)

@@ -13,6 +13,11 @@ def open_result(path: str | Path) -> Any:
     """The Result (SweepResult, FitResult, Branch, BenchResult) in an HDF5 file that vibsim wrote.
 
     Raises ResultFileError when the file is missing, not readable, foreign, damaged or of a newer format.
+
+    >>> import vibsim
+    >>> path = vibsim.simulate(vibsim.load_case("gallery/three-balls")).save("balls.h5")
+    >>> vibsim.open_result(path).attrs["impacts"]
+    1
     """
     match kind_of(path):
         case "trajectory":

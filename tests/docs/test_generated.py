@@ -4,11 +4,13 @@ import re
 
 import pytest
 
+import vibsim
 from from_code import PAGES
 from from_code.attribute_meanings import MEANINGS
 from from_code.gallery import comment
 from from_code.gallery_numbers import NUMBERS, Number
 from from_code.markdown import plain
+from tests.docs.pages import DOCS
 from vibsim.branches.store import structure as branch_structure
 from vibsim.cases import load_case
 from vibsim.cases.forms import LONG, SHORT
@@ -60,6 +62,12 @@ def test_every_command_and_exit_code_has_its_place():
     assert re.findall(r"^## vibsim (\w+)$", text, flags=re.MULTILINE) == [*COMMANDS]
     codes = re.findall(r"^\| (\d+) \|", PAGES["exit-codes"](), flags=re.MULTILINE)
     assert [int(code) for code in codes] == [*EXIT_CODES]
+
+
+def test_every_public_name_is_on_the_page_of_python():
+    text = (DOCS / "python.md").read_text(encoding="utf-8")
+    listed = re.findall(r"auto(?:function|class|exception):: vibsim\.(\w+)", text)
+    assert sorted(listed) == [name for name in sorted(vibsim.__all__) if not name.startswith("__")]
 
 
 def test_every_case_of_the_gallery_has_a_number_and_a_source():

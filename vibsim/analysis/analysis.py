@@ -38,6 +38,13 @@ class Analysis:
     case : name of the case
     span : window that was looked at; capture is judged on all of it
     steady : what is left of it without the transient; the rest is judged on that
+
+    >>> import vibsim
+    >>> verdicts = vibsim.analyse("gallery/impact-pair", what=["impacts", "drift"])
+    >>> [verdicts.impacts[wall].impacts for wall in ("left", "right")]  # per cycle
+    [1.0, 1.0]
+    >>> verdicts.capture is None  # it was not asked for
+    True
     """
 
     case: str
@@ -70,6 +77,11 @@ def analyse(
         more run
 
     Raises ValueError for other names, a window outside the run, and a transient that leaves nothing.
+
+    >>> import vibsim
+    >>> verdicts = vibsim.analyse("gallery/impact-oscillator", what=["impacts", "regime"])
+    >>> print(verdicts.regime.verdict, verdicts.regime.period, verdicts.impacts.verdict)
+    periodic 2 some cycles
     """
     unknown = [name for name in what if name not in WHAT]
     if unknown:

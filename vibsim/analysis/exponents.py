@@ -46,6 +46,12 @@ class Lyapunov:
     rank_losses : directions that sticking and rest took
     volume_residual : what is missing in the identity of Liouville [-]; NaN without all exponents
     warnings : what speaks against the exponents, in sentences
+
+    >>> import vibsim
+    >>> case = vibsim.load_case("gallery/friction-oscillator", {"run.t_end": "100 s"})
+    >>> spectrum = vibsim.lyapunov(case)
+    >>> spectrum.exponents.round(2), spectrum.span, spectrum.rank_losses
+    (array([-0.08, -0.36]), (50.0, 100.0), 0)
     """
 
     exponents: np.ndarray
@@ -73,6 +79,13 @@ def lyapunov(
 
     Raises ValueError for a count that the case has not got and for a transient that leaves nothing,
     EngineError (in `vibsim.engine.errors`) when the run fails.
+
+    Of a damped oscillator x'' + c x' + x = cos(w t) that never meets its stop both are -c/2:
+
+    >>> import vibsim
+    >>> changes = {"links.spring.c": "0.2 N s/m", "stops.wall.gap": "50 m", "run.t_end": "200 s"}
+    >>> vibsim.lyapunov(vibsim.load_case("gallery/bilinear-oscillator", changes)).exponents.round(3)
+    array([-0.1, -0.1])
     """
     from vibsim.cases.loading import as_case
 

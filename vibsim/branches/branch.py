@@ -51,6 +51,11 @@ class Branch:
     """A branch: `branch["period"]` and so on along it, `branch.specials` on it.
 
     plan : what was continued; attrs : of its file
+
+    >>> import vibsim
+    >>> branch = vibsim.continue_branch("gallery/friction-oscillator", "drive.omega", "0.88:0.92 rad/s")
+    >>> branch.key, branch.specials, bool(branch["period"].max() > 6.98)
+    ('forces.drive.omega', [], True)
     """
 
     def __init__(

@@ -39,6 +39,11 @@ def continue_branch(
         `force`
 
     Returns a `Branch`. Raises BranchError, OrbitError, CaseError, UnknownKeyError, ResultFileError.
+
+    >>> import vibsim
+    >>> branch = vibsim.continue_branch("gallery/friction-oscillator", "drive.A", "1.4:1.6 N", max_points=6)
+    >>> len(branch["period"]) <= 6
+    True
     """
     if switch is not None:
         plan = switched(orbit if isinstance(orbit, Branch) else read_branch(orbit), switch)

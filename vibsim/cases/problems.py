@@ -33,7 +33,15 @@ class Problem:
 
 
 class CaseError(Exception):
-    """A case that cannot be used; `problems` lists everything that was found wrong with it."""
+    """A case that cannot be used; `problems` lists everything that was found wrong with it.
+
+    >>> import vibsim
+    >>> try:
+    ...     vibsim.load_case("II-B", {"c": "1 kg", "mu": -1})
+    ... except vibsim.CaseError as error:
+    ...     print([problem.key for problem in error.problems])
+    ['coupling.c', 'friction.mu']
+    """
 
     def __init__(self, problems: Iterable[Problem]):
         self.problems = list(problems)

@@ -27,6 +27,20 @@ class FitResult:
     `fit.ranking` are the candidates that were judged from all starts, the cheapest first, those that were
     judged again from fresh starts before the others; `fit.best` is the first. `fit.attrs` says where it
     comes from.
+
+    >>> import vibsim
+    >>> statement = "impacts per cycle between 0.9 and 1.1"
+    >>> result = vibsim.fit(
+    ...     "gallery/impact-oscillator-coco",
+    ...     {},
+    ...     [statement],
+    ...     readings=["wall.e=0.7"],
+    ...     confirm=0,
+    ...     ensemble=0,
+    ...     jobs=1,
+    ... )
+    >>> [each.candidate.changes for each in result.ranking], result.best.price, result.complete
+    ([{}, {'stops.wall.e': '0.7'}], 0.0, True)
     """
 
     def __init__(

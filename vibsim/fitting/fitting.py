@@ -71,6 +71,14 @@ def fit(
     out : HDF5 file; one that holds a part of this very fit is completed, any other is an error unless `force`
 
     Raises CaseError, FitError and ResultFileError. A run that fails counts as one that fulfils no statement.
+
+    >>> import vibsim
+    >>> free, statement = {"drive.A": "0.05:0.5 N"}, "impacts per cycle between 0.9 and 1.1"
+    >>> result = vibsim.fit(
+    ...     "gallery/impact-oscillator-coco", free, [statement], candidates=4, confirm=0, ensemble=0, jobs=1
+    ... )
+    >>> len(result.candidates), result.best.price <= min(each.price for each in result.ranking)
+    (5, True)
     """
     listed = [cases] if isinstance(cases, (Case, str, PathLike)) else list(cases)
     read = [as_case(case) for case in listed]

@@ -2,7 +2,15 @@
 
 
 class OrbitError(ValueError):
-    """An orbit that cannot be looked for, or was not found: cause and remedy in one sentence."""
+    """An orbit that cannot be looked for, or was not found: cause and remedy in one sentence.
+
+    >>> import vibsim
+    >>> try:
+    ...     vibsim.orbit("gallery/three-balls")
+    ... except vibsim.OrbitError as error:
+    ...     print(str(error).partition(":")[0])
+    nothing drives the scene with a period
+    """
 
 
 class NoSection(OrbitError):

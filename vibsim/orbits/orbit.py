@@ -18,6 +18,11 @@ class Orbit:
 
     return_map, solution : the map over its n periods, and its fixed point
     case : the case it belongs to, or None
+
+    >>> import vibsim
+    >>> orbit = vibsim.orbit("gallery/friction-oscillator")
+    >>> orbit.n, bool(orbit.stable), round(orbit.period, 6), abs(orbit.multipliers).round(4)
+    (1, True, 6.981317, array([0.5694, 0.0872]))
     """
 
     return_map: Any

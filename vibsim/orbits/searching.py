@@ -108,6 +108,10 @@ def search_orbits(source, count, seed=0, period=None, engine="auto"):
     period : periods of the source, or turns of the motor, that are asked for; None: as they come
 
     Returns a list of `Orbit`s. Raises OrbitError, CaseError, EngineError.
+
+    >>> import vibsim
+    >>> [orbit.n for orbit in vibsim.search_orbits("gallery/friction-oscillator", 2, seed=1)]
+    [1]
     """
     from vibsim.cases.loading import as_case
 

@@ -29,6 +29,11 @@ def orbit(source, changes=None, start=None, period=None, engine="auto"):
         itself, or as the start has
 
     Returns an `Orbit`. Raises OrbitError, CaseError, EngineError.
+
+    >>> import vibsim
+    >>> orbit = vibsim.orbit("gallery/friction-oscillator", {"drive.A": "1.6 N"})
+    >>> orbit.n, bool(orbit.stable)
+    (1, True)
     """
     case, result = _opened(source, changes)
     begin = start if start is not None else (result if _is_orbit(result) else None)

@@ -23,6 +23,13 @@ def join(paths: Iterable[str | PathLike[str]]) -> SweepResult:
 
     A column is read when it is asked for, from all files; `save` writes one file. Raises ResultFileError
     where the files are not parts of one sweep.
+
+    >>> import vibsim
+    >>> case = vibsim.load_case("II-B", {"run.t_end": "5 s"})
+    >>> for speeds, path in (("3,4 Hz", "slow.h5"), ("5,6 Hz", "fast.h5")):
+    ...     part = vibsim.sweep(case, {"Omega0": speeds}, section=0, jobs=1, out=path)
+    >>> vibsim.join(["fast.h5", "slow.h5"])["omega0"]
+    array([3., 4., 5., 6.])
     """
     files = [Path(path) for path in paths]
     if not files:
