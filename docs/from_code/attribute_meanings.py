@@ -65,6 +65,7 @@ RUN = {
     "lyapunov_tangencies": "events that were crossed almost tangentially",
     "lyapunov_closest_tangency": "the smallest relative crossing speed of them",
     "lyapunov_closest_tangency_time": "when [s]",
+    "lyapunov_undefined_time": "when the motion first had no derivative, grazing a rigid stop say [s]",
     "lyapunov_volume_residual": "what is missing in Liouville's identity [-]",
 }
 SWEEP = {
