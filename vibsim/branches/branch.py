@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,8 @@ from vibsim.branches.plan import BranchPlan
 from vibsim.branches.records import OrbitRecord, PointRecord, SpecialRecord, Word
 from vibsim.branches.special import LABELS
 from vibsim.branches.tracing import CLOSED
+from vibsim.labelled.arrays import Arrays
+from vibsim.labelled.labelled import Labelled, few
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,7 @@ class SpecialPoint:
         return np.array(self.orbit.multipliers)
 
 
-class Branch:
+class Branch(Labelled):
     """A branch: `branch["period"]` and so on along it, `branch.specials` on it.
 
     plan : what was continued; attrs : of its file
@@ -125,6 +127,45 @@ class Branch:
         if name not in self._arrays:
             raise KeyError(f"{name} is not in this branch; it has {', '.join(self._arrays)}")
         return self._arrays[name]
+
+    def arrays(self) -> Arrays:
+        """What its file holds: columns along the points, those along the special points, multipliers."""
+        from vibsim.branches.store.branch_file import values_of
+        from vibsim.branches.store.structure import POINT, datasets_of
+
+        values = cache(partial(values_of, self))
+        declared = datasets_of(self.unit)
+        lengths = {dataset.name: len(values()[dataset.name]) for dataset in declared if dataset.is_scale}
+
+        def read(name: str) -> np.ndarray:
+            dims = next(dataset.dims for dataset in declared if dataset.name == name)
+            return np.reshape(np.asarray(values()[name]), [lengths[each] for each in dims])
+
+        shown = ("parameter", "period", "multiplier_re")
+        return Arrays(tuple(declared), read, (POINT,), self.attrs, shown=shown)
+
+    def heading(self) -> str:
+        """Name of the case, what was continued over what, and how many points."""
+        from vibsim.branches.description import branch_lines
+
+        what = branch_lines(self)[0][1]
+        return f"{what}, {len(self)} points, {len(self.specials)} special points"
+
+    def lines(self) -> list[tuple[str, str]]:
+        """Points, ends, special points, and the names of the arrays."""
+        from vibsim.branches.description import branch_lines
+
+        special = few(f"{one.label} at {one.parameter:.6g} {self.unit}".strip() for one in self.specials)
+        return [*branch_lines(self)[1:], ("special", special or "none"), ("arrays", few(self.keys()))]
+
+    def case_at(self, point: int) -> Any:
+        """The case that runs one period on the orbit of a point."""
+        from vibsim.orbits.start import case_on_orbit
+
+        orbit = self.points[point].orbit
+        family = self.plan.family()
+        state = family.map(orbit.parameter).coordinates.state(np.array(orbit.state))
+        return case_on_orbit(family.at(orbit.parameter), state, orbit.period)
 
     @cached_property
     def _arrays(self) -> dict[str, np.ndarray]:

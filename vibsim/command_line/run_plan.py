@@ -59,13 +59,13 @@ def hdf5_name(output: str) -> str:
 
 
 def read_case(source: str, changes: dict[str, str]) -> "Case":
-    """A case from a YAML file, a shipped name, "-", or the file of a run or of a sweep of it."""
+    """A case from a YAML file, a shipped name, "-", or the file of a run, sweep or branch."""
     from vibsim.cases import load_case
 
     if source == "-" or not is_result_file(source):
         return load_case(source, changes)
-    if kind_of(source) not in ("trajectory", "sweep"):
-        raise ResultFileError(f"{source}: holds no run; give a case, or the file of a run or sweep")
+    if kind_of(source) not in ("trajectory", "sweep", "branch"):
+        raise ResultFileError(f"{source}: holds no run; give a case, or the file of a run, sweep or branch")
     result = open_result(source)
     case = replace(result.case, text=result.attrs["case_yaml"])
     return case.with_values(changes) if changes else case

@@ -23,6 +23,7 @@ class Arrays:
     rows : dimensions of one row of a table, such as ("omega0", "c", "direction") of a sweep. Arrays with one
         further dimension make tables of their own, with a row for each position along it too
     numbered : whether rows are told apart by their number rather than by their coordinates
+    shown : columns to look at first: one along the axis, and two over it
     """
 
     declared: tuple[Dataset, ...]
@@ -30,6 +31,7 @@ class Arrays:
     rows: tuple[str, ...]
     attrs: Mapping[str, Any] = field(default_factory=dict)
     numbered: bool = False
+    shown: tuple[str, ...] = ()
 
     @cached_property
     def datasets(self) -> dict[str, Dataset]:

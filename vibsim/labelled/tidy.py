@@ -20,7 +20,8 @@ class Tidy:
     ----------
     arrays : what the table is made of
     along : a dimension that only some arrays have, such as "section": the table holds these, with a row for
-        each position along it; empty: the others, with a row per point
+        each position along it, at each point where they have points too; empty: the others, with a row per
+        point
 
     Raises ValueError for a dimension that there is not.
     """
@@ -33,10 +34,14 @@ class Tidy:
             listed = ", ".join(self.arrays.further) or "none"
             raise ValueError(f"no further dimension is called {self.along!r}; there are: {listed}")
 
-    @property
+    @cached_property
     def dims(self) -> tuple[str, ...]:
         """Dimensions of a row."""
-        return (*self.arrays.rows, self.along) if self.along else self.arrays.rows
+        rows = self.arrays.rows
+        if not self.along:
+            return rows
+        of_points = any({*rows, self.along} <= set(each.dims) for each in self.arrays.datasets.values())
+        return (*rows, self.along) if of_points else (self.along,)
 
     @cached_property
     def columns(self) -> dict[str, Column]:

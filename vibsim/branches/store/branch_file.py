@@ -46,11 +46,19 @@ def origin(plan: BranchPlan, engine: str) -> dict[str, Any]:
 
 def write_branch(path: Path, branch: Branch, attrs: dict[str, Any], complete: bool) -> None:
     """Write a branch to `path`, replacing what is there in one instant. Raises ResultFileError."""
+    found, orbits = branch.specials, branch.points
+    counts = {"points": len(orbits), "special_points": len(found), "complete": int(complete)}
+    names = {"names_json": json.dumps(branch.names)}
+    write_hdf5(path, {**attrs, **names, **counts}, datasets_of(branch.unit), values_of(branch))
+
+
+def values_of(branch: Branch) -> dict[str, Any]:
+    """What stands in the datasets of a branch, by name."""
     specials = branch.specials
     records = {record.unknowns: record for record in branch.records[1]}
     found = [records[one.unknowns] for one in specials]
     orbits = [point.orbit for point in branch.points]
-    values: dict[str, Any] = {
+    return {
         POINT: np.arange(len(orbits)),
         SPECIAL: np.arange(len(found)),
         UNKNOWN: np.arange(len(branch.plan.state)),
@@ -66,9 +74,6 @@ def write_branch(path: Path, branch: Branch, attrs: dict[str, Any], complete: bo
         "special_after": [branch.spelled(record.after) for record in found],
         "special_jump": [record.jump for record in found],
     }
-    counts = {"points": len(orbits), "special_points": len(found), "complete": int(complete)}
-    names = {"names_json": json.dumps(branch.names)}
-    write_hdf5(path, {**attrs, **names, **counts}, datasets_of(branch.unit), values)
 
 
 def orbit_values(prefix: str, spelled: Callable[[Word], str], records: Sequence[Any]) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -80,14 +80,18 @@ def _first(subject: Subject, table: Tidy, numbers: Sequence[str]) -> dict[str, A
     """What is drawn at first: along the first axis, what the kinds that fit show, coloured by the second."""
     known = [FIRST[kind.name] for kind in fitting([subject]) if FIRST.get(kind.name) in numbers]
     shown = [*known, *(name for name in numbers if name not in known)][:2]
-    lengths = table.arrays.lengths
+    lengths, hinted = table.arrays.lengths, table.arrays.shown
+    if hinted:
+        return {"x": hinted[0], "y": list(hinted[1:3]), "colour": ""}
     several = [name for name in table.dims if lengths[name] > 1 and name in table.columns]
     x = several[0] if several else next(iter(table.columns))
     return {"x": x, "y": [shown[0], shown[-1]], "colour": several[1] if len(several) > 1 else ""}
 
 
 def commands(subject: Subject) -> list[str] | None:
-    """The command line that runs each point of a sweep, in the order of the table; None for other results."""
+    """The command line that runs each point, in the order of the table; None where a point is no run."""
+    if subject.reads == "branch":
+        return [_written(subject, _differences(subject, point)) for point in range(len(subject.result))]
     if subject.reads != "sweep":
         return None
     plan = subject.result.plan
@@ -103,8 +107,18 @@ def _command(subject: Subject, index: tuple[int, ...]) -> str:
         changes |= {key: str(value) for key, value in case.items() if str(own.get(key)) != str(value)}
     elif result.plan.carry:
         remark = "  # begins from the end of the point before"
+    return _written(subject, changes) + remark
+
+
+def _differences(subject: Subject, point: int) -> dict[str, str]:
+    """What the case of an orbit has other than that of its branch."""
+    own, case = subject.result.case.values, subject.result.case_at(point).values
+    return {key: str(value) for key, value in case.items() if str(own.get(key)) != str(value)}
+
+
+def _written(subject: Subject, changes: Mapping[str, str]) -> str:
     words = [f"-s {shlex.quote(f'{key}={text}')}" for key, text in changes.items()]
-    return f"vibsim run {shlex.quote(_source(subject))} {' '.join(words)} -o point.h5{remark}"
+    return f"vibsim run {shlex.quote(_source(subject))} {' '.join(words)} -o point.h5"
 
 
 def _source(subject: Subject) -> str:
