@@ -139,7 +139,11 @@ basins: $(STAMP) ## basins of the belt oscillator, 5,000 starts at each of 18 sp
 	$(BIN)/vibsim sweep gallery/belt-oscillator --param belt.belt=$(BELTS)m/s --ensemble 5000 \
 	  --spread block.x=-2:2m --spread block.v=0:2m/s --t-end 500s --discard 400s --section 0 --compute end-state \
 	  -o results/basins.h5
+	$(BIN)/vibsim sweep gallery/belt-oscillator -s belt.belt='1.5 m/s' --ensemble 5000 --seed 1 \
+	  --spread block.x=-2:2m --spread block.v=0:2m/s --t-end 500s --discard 400s --section 0 --compute end-state \
+	  -o results/basin-starts.h5
 	$(BIN)/vibsim plot results/basins.h5 --kind end-state -o docs/basins.png --force
+	$(BIN)/vibsim plot results/basin-starts.h5 --kind end-state -o docs/basin-starts.png --force
 
 bench: $(STAMP) ## measure speed against error beside other solvers, and draw the picture of docs/speed.md
 	mkdir -p results

@@ -21,6 +21,7 @@ from vibsim.sweeps.computations.end_state import VERDICTS
 from vibsim.sweeps.ensemble import Share
 
 HEIGHT_CM = 6.8
+UNDRAWN = 0.005  # greatest share of a curve that would lie on the axis
 EDGE = 0.02  # of the range, beside the first and last mark
 COLOURS = {"undecided": YELLOW, "rest": BLUE, "vibration": VERMILLION}
 SHADES = [Shade(name, COLOURS[name]) for name in VERDICTS]
@@ -72,7 +73,7 @@ def _draw_shares(subject: Subject, view: View) -> Figure:
     axes = figure.subplots()
     for shade in SHADES:
         share = result.probability(result["end_state"] == VERDICTS[shade.name])
-        if np.any(share.estimate > 0):
+        if np.nanmax(share.estimate) > UNDRAWN:
             _draw_share(axes, axis, share, shade)
     axes.set_ylim(-0.03, 1.03)
     x = numbers(axis)[ascending(axis)]
@@ -81,7 +82,9 @@ def _draw_shares(subject: Subject, view: View) -> Figure:
     axes.set_xlabel(label_of(axis))
     axes.set_ylabel("Share of the starts")
     axes.legend(loc="best")
-    _say(axes, f"{len(result.members)} starts each; bars: 95 %", subject)
+    doubts = int(np.count_nonzero(result["end_state"] == VERDICTS["undecided"]))
+    told = f"; {doubts} undecided" if doubts else ""
+    _say(axes, f"{len(result.members)} starts each; bars: 95 %{told}", subject)
     return figure
 
 
