@@ -1,0 +1,78 @@
+"""Branches of one mass before a stop, against closed forms: grazing, and how maps change there."""
+
+from math import hypot
+
+import numpy as np
+import pytest
+
+from vibsim.branches import continue_branch
+from vibsim.cases import load_case
+from vibsim.orbits.newton import solve
+
+BILINEAR = """
+name: bilinear
+bodies: {m: 1 kg}
+links: {spring: {between: [m, ground], k: 1 N/m, c: 0.02 N s/m}}
+stops: {wall: {between: [m, ground], gap: 1 m, acts: compression, law: elastic, k: 29 N/m}}
+forces: {drive: {on: m, A: 0.3 N, omega: 0.8 rad/s}}
+run: {t_end: 2000 s, every: 0.5 s}
+"""
+GRAZING = hypot(1 - 0.64, 0.02 * 0.8)  # amplitude at which the linear motion just reaches the stop: V12 [N]
+FORCED = 0.9 * 0.64 / 1.26  # PWSDDE-cont's demo: there the motion of period 2 is seen [N]
+
+
+@pytest.fixture(scope="module")
+def branch(tmp_path_factory):
+    path = tmp_path_factory.mktemp("bilinear") / "bilinear.yaml"
+    path.write_text(BILINEAR)
+    return continue_branch(load_case(str(path)), "A", "0.25:0.6 N")
+
+
+def test_it_grazes_where_the_linear_motion_reaches_the_stop(branch):
+    special = branch.special("GR1")
+    assert special.kind == "grazing" and special.parameter == pytest.approx(GRAZING, rel=1e-13)
+    assert special.before == () and len(special.after) == 2 and special.jump == 0
+
+
+def test_multipliers_without_contact_are_those_of_the_oscillator(branch):
+    """det = exp(-c T), below the grazing the same for all amplitudes."""
+    linear = branch["multipliers"][branch["parameter"] < GRAZING]
+    assert len(linear) > 3
+    np.testing.assert_allclose(np.prod(linear, axis=1), np.exp(-0.02 * 2 * np.pi / 0.8), rtol=1e-12)
+
+
+def test_the_period_1_orbit_is_unstable_beside_the_period_2_one(branch):
+    """V12: one impact in two periods, in at 1.073267857664968 m/s by an independent solver.
+
+    It is stable, and lies on the branch that leaves the doubling behind the grazing, beside an unstable orbit
+    of one period.
+    """
+    at = int(np.argmin(abs(branch["parameter"] - FORCED)))
+    assert branch["index"][at] == 1 and branch["multipliers"][at][0].real < -1
+    doubled = continue_branch(branch, switch="PD1", max_points=60)
+    near = int(np.argmin(abs(doubled["parameter"] - FORCED)))
+    start = doubled.points[near].orbit
+    orbit = solve(doubled.plan.family().map(FORCED), np.array(start.state)).end
+    assert doubled.plan.n == 2 and doubled["stable"][near]
+    assert [kind for kind, _ in orbit.events] in (
+        ["contact_begin", "contact_end"],
+        ["contact_end", "contact_begin"],
+    )
+    begin = [kind for kind, _ in orbit.carried.events].index("contact_begin")
+    assert abs(orbit.carried.states[begin, 1]) == pytest.approx(1.073267857664968, rel=1e-12)
+
+
+def test_the_map_changes_like_the_root_of_the_distance(branch):
+    """An elastic stop has a 3/2 map at a grazing: its derivative leaves that without contact like d^0.5."""
+    family = branch.plan.family()
+    start = branch.special("GR1")
+    distances = np.geomspace(1e-9, 1e-5, 9)
+    traces = [trace_at(family, start, GRAZING + d) for d in distances]
+    free = trace_at(family, start, GRAZING - 1e-6)
+    slope = np.polyfit(np.log(distances), np.log(np.abs(np.array(traces) - free)), 1)[0]
+    assert slope == pytest.approx(0.5, abs=0.02)
+
+
+def trace_at(family, special, amplitude):
+    """Trace of the derivative of the map at the orbit of an amplitude [N]."""
+    return float(np.trace(solve(family.map(amplitude), np.array(special.orbit.state)).end.derivative))
