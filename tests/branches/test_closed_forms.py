@@ -76,3 +76,44 @@ def test_the_map_changes_like_the_root_of_the_distance(branch):
 def trace_at(family, special, amplitude):
     """Trace of the derivative of the map at the orbit of an amplitude [N]."""
     return float(np.trace(solve(family.map(amplitude), np.array(special.orbit.state)).end.derivative))
+
+
+def test_the_fold_of_budd_and_dux():
+    """V13: one impact in two periods at a rigid stop; its closed form has a double root at the fold."""
+    case = load_case("gallery/impact-oscillator")
+    found = continue_branch(case, "stops.wall.gap", "0:0.4 m", max_points=250)
+    fold = found.special("F1")
+    assert found.plan.n == 2 and fold.kind == "fold"
+    assert fold.parameter == pytest.approx(0.34514712445281, rel=1e-13)
+    products = np.prod(found["multipliers"], axis=1)
+    flat = np.abs(found["multipliers"]).max(axis=1) < 10
+    np.testing.assert_allclose(products[flat], 0.64, rtol=1e-11)  # e^2: nothing else takes energy
+
+
+@pytest.fixture(scope="module")
+def coco():
+    return continue_branch(load_case("gallery/impact-oscillator-coco"), "A", "0.05:1.1 N")
+
+
+def test_a_branch_ends_where_a_rigid_stop_is_grazed(coco):
+    """V14: the motion with an impact ends in the grazing at A = 0.1, behind a fold 3e-5 below.
+
+    On the branch the root of the map balances a linear term: the depth goes with the square of the distance,
+    and the multiplier with 1 / sqrt(depth), so with 1 / distance.
+    """
+    assert coco.ends[0] == "a multiplier grows without bound: a rigid stop is grazed near by"
+    assert coco["parameter"][0] == pytest.approx(0.1, abs=5e-6)
+    behind = coco["parameter"][: coco.special("F1").between[0]]
+    largest = np.abs(coco["multipliers"][: len(behind)]).max(axis=1)
+    near = largest > 50
+    slope = np.polyfit(np.log(0.1 - behind[near]), np.log(largest[near]), 1)[0]
+    assert near.sum() > 4 and slope == pytest.approx(-1, abs=0.05)
+
+
+def test_a_rigid_stop_makes_a_square_root(coco):
+    """Nordmark's: beside the grazing orbit x = sin t the derivative goes like depth^-0.5."""
+    of = coco.plan.family().map(0.1)
+    depths = np.geomspace(1e-9, 1e-5, 9)
+    sizes = [np.linalg.norm(of(np.array([0.0, 1.0 + depth])).derivative) for depth in depths]
+    slope = np.polyfit(np.log(depths), np.log(sizes), 1)[0]
+    assert slope == pytest.approx(-0.5, abs=0.02)

@@ -14,6 +14,7 @@ from vibsim.branches.special import Special
 from vibsim.branches.step_size import SHARP, Pace, turn
 
 BEHIND = 4  # steps before a branch can have come back to its start
+INFINITE = 200.0  # multiplier of orbits that all but graze a rigid stop, where it goes like 1 / impact speed
 SAME = 1e-8  # scaled distance of a closed branch from its start
 
 
@@ -85,6 +86,8 @@ class Walk:
             shorter = joining(self.family, self.node, node)
             if shorter is not None:
                 return shorter
+        if node.point.end.coordinates.scene.rigid_stops and abs(node.multipliers).max() > INFINITE:
+            return node, "a multiplier grows without bound: a rigid stop is grazed near by"
         low, high = sorted(self.span)
         bound = low if node.parameter < low else high if node.parameter > high else None
         return (node, "") if bound is None else (self._at_bound(node, bound), "end of the range")
