@@ -15,7 +15,7 @@ from vibsim.engine.ledger import struck_entries
 from vibsim.engine.meters import jumps_of
 from vibsim.engine.mode_table import mode_table
 from vibsim.engine.packing import coupled, pack_scene, pack_state
-from vibsim.engine.packing_meters import pack_extremes, pack_ledger
+from vibsim.engine.packing_meters import pack_blows, pack_extremes, pack_ledger
 from vibsim.engine.packing_tangent import DisturbancePacker, pack_bundle
 from vibsim.engine.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, STRIKE
 from vibsim.engine.saltation import released_frictions, saltation
@@ -24,13 +24,14 @@ from vibsim.engine.status import CONTACT, LIFTED, OPEN, RESTING, STICK
 from vibsim.engine.tangencies import Tangencies
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.numbers import Doubles
+from vibsim.physics.parts import AT_FORCE
 from vibsim.physics.period import common_period
 
 SAMPLE_ROOM, EVENT_ROOM, SECTION_ROOM = 65536, 4096, 1024  # at most
 SECONDS = 0.1  # between two blocks where Python decides: Ctrl-C is heard there
 ACCUMULATION, DIVERGED, UNDECIDED = 1, 2, 3
 REASONS = {ACCUMULATION: "accumulation", DIVERGED: "diverged"}
-ASK, CROSS, STAND = range(3)
+ASK, CROSS, STAND, STRUCK = range(4)
 
 
 class Doubts:
@@ -78,6 +79,9 @@ class CRun:
         if self.meters:
             names = self.meters.names
             self.run.keep_ledger(*pack_ledger(scene, names, jumps_of(scene, names), self.maker.ends))
+        if scene.rigid_stops:
+            names = self.meters.names if self.meters else []
+            self.run.keep_blows(*pack_blows(scene, names, self.maker.ends))
         count, begin = tangent
         # disturbances that may come along, by which rules are made; and those of now
         self.tangencies, self.carries, self.moving = (
@@ -270,7 +274,7 @@ class CRun:
         """
         status, i, key = rows.status, event.part, event.key
         if event.kind == STRIKE:
-            return None
+            return self._blow_rule(status, event)
         if event.kind == GAP:
             return self._contact_rule(status, event, key)
         if event.kind == PUSH:
@@ -298,6 +302,18 @@ class CRun:
     @staticmethod
     def _cross(status, kind, part, key, order):
         return CROSS, status, None, -1, kind, part, key, order
+
+    def _blow_rule(self, status, event):
+        """Of a blow on a stop whose ends nothing else acts on that asks for a decision: no tie, friction or
+        damped stop that lets go at zero force, and no rotor.
+        """
+        i, scene = event.part, self.scene
+        struck = {column for column in self.maker.ends(scene.stops[i]) if column < self.n}
+        lifting = [stop for _, stop in scene.elastic_stops if stop.release == AT_FORCE and stop.c != 0]
+        parts = [part for part in (*scene.frictions, *lifting) if struck & set(self.maker.ends(part))]
+        if status.tied or parts or (scene.motor is not None and scene.motor.on in struck):
+            return None
+        return STRUCK, status, None, -1, "impact", i, event.key, 1
 
     def _contact_rule(self, status, event, key):
         i = event.part

@@ -2,6 +2,7 @@
  *
  * What follows an event is decided here where its rule is simple and the decision clear, and left to Python elsewhere:
  *   CROSS  the function falls through its zero: on to the mode `target`
+ *   STRUCK one rigid stop is struck, and nothing else touches: on in the same mode, see blows.c
  *   STAND  a sliding velocity is zero: on to `target`, where it sticks, if every tie of that mode holds, or to `other`, where
  *          it slides the other way, if the tie `hold` gives way
  */
@@ -253,6 +254,23 @@ static double flow_rate(Run *r, const Event *e)
     return rate;
 }
 
+/* Acceleration that drives the ends of a rigid stop together at r->next, in the present mode. */
+double drive_at_next(Run *r, const Event *e)
+{
+    double series[SERIES], steps = r->steps, evaluations = r->evaluations, drive;
+    enter_flow(r, &r->next);
+    if (r->closed) {
+        closed_form_jets(r, 2);
+        drive = -event_derivative(r, e, 2);
+    } else {
+        taylor_polynomial(r, e, series);
+        drive = -(2 * series[2]);
+    }
+    r->steps = steps;
+    r->evaluations = evaluations;
+    return drive;
+}
+
 static double column_value(const Run *r, const double *values, int c)
 {
     return c < r->bodies ? values[c] : 0.0;
@@ -335,6 +353,16 @@ static int take_by_rule(Run *r, Buffers *b)
         }
         r->behind[e->event_key] = e->order;
         run_take(r, b, e->target, 1, &kind, &part);
+        return 1;
+    }
+    if (e->rule == STRUCK) {
+        Blow done;
+        if (!blow_take(r, e, &done))
+            return 0;
+        r->behind[e->key] = 1;
+        run_take(r, b, e->target, 1, &kind, &part);
+        if (r->status == OK)
+            blow_count(r, &done);
         return 1;
     }
     if (e->rule == STAND) {

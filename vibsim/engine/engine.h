@@ -24,7 +24,7 @@ enum { DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL };  /* kinds of term
 enum { SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB };    /* kinds of meters, see meters.py */
 enum { IN_CONTACT = 1, AT_REST = 3 };                           /* codes of a stop */
 enum { ADVANCE, SAMPLE, SECTION, ARRIVE, EXTREMES, LEDGER, TANGENT, STAGES }; /* of a stretch */
-enum { ASK, CROSS, STAND };                                     /* rules for what follows an event */
+enum { ASK, CROSS, STAND, STRUCK };                             /* rules for what follows an event */
 enum { START, CONTACT_BEGIN, CONTACT_END, REVERSAL, STICK_BEGIN, STICK_END, VIOLATION_BEGIN, VIOLATION_END, END,
        IMPACT, TRANSMITTED, CHATTER, REST_BEGIN, REST_END, KINDS };
 enum { OK, ACCUMULATION, DIVERGED, UNDECIDED, NO_MEMORY };      /* status of a run */
@@ -258,6 +258,18 @@ typedef struct {
     Gap *gaps;
 } Extremes;
 
+/* A rigid stop: its number, ends, and the entries of the ledgers that a blow adds to, -1 for none. */
+typedef struct {
+    double gap, e;
+    int stop, P, Q, sense, loss, work, impulse;
+} RigidStop;
+
+/* A blow: rates of the depth before and after it, impulse, velocity of the base. */
+typedef struct {
+    const RigidStop *stop;
+    double before, after, impulse, V;
+} Blow;
+
 /* A run: everything between two calls. */
 typedef struct Run {
     int bodies, columns, parts, clearances, harmonic_count, key_count, mode_count, force_count, base_count;
@@ -280,6 +292,8 @@ typedef struct Run {
     Ledger ledger;
     Section section;
     Extremes extremes;
+    RigidStop *rigid; /* rigid_count of them, in the order of their numbers; NULL where none was told of */
+    int rigid_count;
     Taylor taylor;
     ClosedForm closed_form;
     struct Tangent *tangent; /* small disturbances that it carries along; NULL where there are none */
@@ -362,6 +376,13 @@ void run_arrive(Run *r);
 void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, const int *parts);
 double run_worked_to(const Run *r);
 int run_state_at(Run *r, double t, State *out);
+
+void base_motion_at(const Run *r, double t, double *X, double *V); /* accelerations.c */
+
+/* blows.c; take returns 0 where Python has to decide */
+int blow_take(Run *r, const Event *event, Blow *done);
+void blow_count(Run *r, const Blow *done);
+double drive_at_next(Run *r, const Event *event); /* driver.c */
 
 /* ledger.c; gather returns 0 when the work of one call is spent before the stretch is done */
 void ledger_open(Run *r);

@@ -171,6 +171,25 @@ static PyObject *keep_extremes(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
+/* Rigid stops whose blows C may take; before the start. */
+static PyObject *keep_blows(RunObject *self, PyObject *args)
+{
+    Py_buffer v[2];
+    Reader in;
+    int kept = 0;
+    if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
+        return NULL;
+    if (self->started || self->run.rigid)
+        PyErr_SetString(PyExc_ValueError, "too late for rigid stops");
+    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = blows_read(&self->run, &in)))
+        PyErr_SetString(PyExc_ValueError, "the packed numbers are no rigid stops");
+    PyBuffer_Release(&v[0]);
+    PyBuffer_Release(&v[1]);
+    if (!kept)
+        return NULL;
+    Py_RETURN_NONE;
+}
+
 static PyObject *keep_section(RunObject *self, PyObject *args)
 {
     Section *s = &self->run.section;
@@ -186,7 +205,7 @@ static PyObject *set_rule(RunObject *self, PyObject *args)
     int mode, event, v[8], i;
     if (!PyArg_ParseTuple(args, "ii(iiiiiiii)", &mode, &event, &v[0], &v[1], &v[2], &v[3], &v[4], &v[5], &v[6], &v[7]) || !idle(self))
         return NULL;
-    if (mode < 0 || mode >= r->mode_count || event < 0 || event >= r->modes[mode]->event_count || v[0] < ASK || v[0] > STAND ||
+    if (mode < 0 || mode >= r->mode_count || event < 0 || event >= r->modes[mode]->event_count || v[0] < ASK || v[0] > STRUCK ||
         v[1] < 0 || v[1] >= r->mode_count || v[2] < 0 || v[2] >= r->mode_count || v[4] < 0 || v[4] >= KINDS || v[6] < 0 ||
         v[6] >= r->key_count || v[7] < 0 || v[7] > JET_ORDER) {
         PyErr_SetString(PyExc_ValueError, "no such rule");
@@ -571,6 +590,7 @@ ALONE(keep_ledger)
 ALONE(set_meters)
 ALONE(keep_tangent)
 ALONE(keep_extremes)
+ALONE(keep_blows)
 ALONE(keep_section)
 ALONE(set_rule)
 ALONE(fill)
@@ -593,6 +613,7 @@ static PyMethodDef methods[] = {
     {"set_meters", (PyCFunction)set_meters_alone, METH_VARARGS, "set_meters(mode, ints, doubles): what the ledger integrates there"},
     {"keep_tangent", (PyCFunction)keep_tangent_alone, METH_VARARGS, "keep_tangent(ints, doubles): before the start"},
     {"keep_extremes", (PyCFunction)keep_extremes_alone, METH_VARARGS, "keep_extremes(ints, doubles): before the start and `fill`"},
+    {"keep_blows", (PyCFunction)keep_blows_alone, METH_VARARGS, "keep_blows(ints, doubles): before the start"},
     {"keep_section", (PyCFunction)keep_section_alone, METH_VARARGS,
      "keep_section(cycles, cycles_lo, turns): the period; before the start"},
     {"set_rule", (PyCFunction)set_rule_alone, METH_VARARGS,

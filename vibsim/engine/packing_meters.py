@@ -1,6 +1,7 @@
 """Ledgers, meters, extremes and sections as flat numbers, in the order in which meters.c reads them."""
 
 from vibsim.engine.packing import Packer
+from vibsim.physics.parts import BASE, GROUND
 
 
 def pack_ledger(scene, names, jumps, ends):
@@ -10,6 +11,19 @@ def pack_ledger(scene, names, jumps, ends):
     for jump in jumps:
         stop = scene.stops[jump.stop]
         pack.put((jump.stop, jump.entry, *ends(stop), stop.sense), (stop.gap, stop.k))
+    return pack.ints.tobytes(), pack.doubles.tobytes()
+
+
+def pack_blows(scene, names, ends):
+    """The rigid stops, with the entries `names` of the ledgers that a blow on them adds to."""
+    pack = Packer()
+    entry = {name: number for number, name in enumerate(names)}
+    pack.put((len(scene.rigid_stops),))
+    for j, stop in scene.rigid_stops:
+        place = {GROUND: "ground", BASE: "base"}.get(min(stop.P, stop.Q), "")
+        work = entry.get(("work", "base", ""), -1) if place == "base" else -1
+        entries = entry.get(("loss", "stops", stop.name), -1), work, entry.get(("impulse", place, ""), -1)
+        pack.put((j, *ends(stop), stop.sense, *entries), (stop.gap, stop.e))
     return pack.ints.tobytes(), pack.doubles.tobytes()
 
 

@@ -88,7 +88,6 @@ double accelerations(const Run *r, const Mode *m, const State *state, double *ou
 double response(const Run *r, const Mode *m, const State *state, const double *F, double torque, double base, double *out);
 void seat_disturbances(const Run *r, const Mode *m);
 void join_disturbances(const Run *r, const Mode *m, const State *state);
-void base_motion_at(const Run *r, double t, double *X, double *V);
 
 /* saltation.c */
 Saltation saltation(const Run *r, const State *state, const Mode *before, const Mode *after, const Event *event);
