@@ -69,7 +69,7 @@ oldest: ## run the tests with the oldest dependencies, in an environment of thei
 	build/oldest/bin/python -m pytest -n auto -q
 
 without-compiler: ## install without the C engine into an empty environment, and try it there
-	rm -rf build/without && $(PYTHON) -m venv build/without
+	rm -rf build/without build/lib* build/temp* && $(PYTHON) -m venv build/without
 	CC=false build/without/bin/python -m pip install --quiet --disable-pip-version-check .
 	build/without/bin/python tests/packaging/smoke.py --without-engine
 
@@ -109,6 +109,7 @@ truths: $(STAMP) ## compute the stored truths of `vibsim verify` anew (ten minut
 
 lint: $(STAMP) ## check style and types
 	$(BIN)/ruff check vibsim tests docs setup.py
+	$(BIN)/ruff format --check --quiet vibsim tests docs setup.py
 	$(BIN)/mypy vibsim
 
 figures: $(STAMP) ## run the nine cases and draw each one's overview into figures/

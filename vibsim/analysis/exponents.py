@@ -9,7 +9,7 @@ that of the motion's own direction, as is every exponent of a motion that neithe
 ones approach 0 like log(t) / t.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import hypot, isfinite, nan
 from os import PathLike
@@ -139,7 +139,7 @@ def _half_width(times: np.ndarray, growth: np.ndarray) -> float:
     return known.half_width if known else float("nan")
 
 
-def _warnings(found: LyapunovExponents, tolerance: float):
+def _warnings(found: LyapunovExponents, tolerance: float) -> Iterator[str]:
     if len(found.growth) < 2:
         yield "the run ended before the span of the exponents began"
     else:
@@ -162,7 +162,7 @@ def _warnings(found: LyapunovExponents, tolerance: float):
         )
 
 
-def _trend(times: np.ndarray, growth: np.ndarray):
+def _trend(times: np.ndarray, growth: np.ndarray) -> Iterator[str]:
     """A warning where the largest exponent differs clearly between the halves of the span."""
     middle = len(times) // 2
     halves = [exponent_of(times[part], growth[part]) for part in (slice(middle + 1), slice(middle, None))]

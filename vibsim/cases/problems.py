@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 from vibsim.cases.plain_text import one_line, plain_text
 
@@ -47,7 +48,7 @@ class CaseError(Exception):
         self.problems = list(problems)
         super().__init__("\n".join(map(str, self.problems)))
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return CaseError, (self.problems,)
 
 

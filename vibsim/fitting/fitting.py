@@ -19,7 +19,7 @@ from vibsim.fitting.plan import METHODS, FitPlan, Search
 from vibsim.fitting.reading import read_reading
 from vibsim.fitting.run_store import FileRunStore, RunStore
 from vibsim.fitting.search import search
-from vibsim.sweeps.plan.members import read_members
+from vibsim.sweeps.plan.members import Members, read_members
 from vibsim.sweeps.plan.sweep_plan import PlanError
 from vibsim.sweeps.schedule.workers import LocalWorkers, available_cores
 from vibsim.sweeps.sweeping import read_ensemble
@@ -131,7 +131,7 @@ def _check(settings: Search) -> None:
         raise FitError(f"at least one parameter must be changed at a time, got {settings.at_most}")
 
 
-def _members(cases: list[Case], ensemble: int, seed: int, spread: Mapping[str, str]):
+def _members(cases: list[Case], ensemble: int, seed: int, spread: Mapping[str, str]) -> Members | None:
     if ensemble < 0:
         raise FitError(f"the number of starts must not be negative, got {ensemble}")
     if not ensemble and not spread:

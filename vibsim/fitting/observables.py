@@ -13,7 +13,9 @@ from vibsim.analysis.drift import CYCLES
 from vibsim.analysis.holds import BAND, LEAST_TURNS, TURNS
 from vibsim.engine.section import has_section
 from vibsim.fitting import measures as by
-from vibsim.fitting.measures import CAPTURES, NONE, REGIMES, Measure
+from vibsim.fitting.measures import NONE, Measure
+from vibsim.sweeps.computations.capture_verdict import VERDICTS as CAPTURES
+from vibsim.sweeps.computations.regime_label import VERDICTS as REGIMES
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

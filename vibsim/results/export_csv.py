@@ -5,6 +5,7 @@ does not grow with the file.
 """
 
 from pathlib import Path
+from typing import Any
 
 from vibsim.files.output_file import output_file
 from vibsim.results.columns import tables_of
@@ -44,7 +45,7 @@ def _words(result: Result) -> dict[str, dict[int, str]]:
     }
 
 
-def _texts(values: list, words: dict[int, str] | None) -> list[str]:
+def _texts(values: list[Any], words: dict[int, str] | None) -> list[str]:
     if words is not None:
         return [words.get(code, str(code)) for code in values]
     return [repr(value) for value in values]

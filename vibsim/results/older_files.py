@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from vibsim.engine.trajectory import part_offsets
+from vibsim.files.declarations import Column
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.parts import Scene
+from vibsim.physics.parts import Clearance, Scene
 from vibsim.results.columns import Tables
 
 Table = Mapping[str, np.ndarray]
@@ -18,7 +19,7 @@ def older_tables(tables: Tables, scene: Scene) -> Tables:
     """The columns that such a file has."""
     added = {"part", *(clearance.name for clearance in scene.clearances)}
 
-    def without(columns):
+    def without(columns: Mapping[str, Column]) -> dict[str, Column]:
         return {name: column for name, column in columns.items() if name not in added}
 
     return replace(tables, samples=without(tables.samples), events=without(tables.events))
@@ -35,7 +36,7 @@ class CompletedEvents(dict[str, np.ndarray]):
             self[clearance.name] = _violated(events, clearance)
 
 
-def _violated(events: Table, clearance) -> np.ndarray:
+def _violated(events: Table, clearance: Clearance) -> np.ndarray:
     """Whether the distance is violated behind each event."""
     kind, far = np.asarray(events["kind"]), np.asarray(events["x1"] - events.get("x2", 0.0))
     begun = (kind == EVENT_KINDS["violation_begin"]).astype(int)

@@ -1,6 +1,7 @@
 """Open a trajectory file, and tell what kind of result a file holds."""
 
 from pathlib import Path
+from typing import Any
 
 from vibsim.files.errors import ResultFileError
 from vibsim.files.signals import ended_at_once
@@ -26,7 +27,7 @@ def is_result_file(path: str | Path) -> bool:
     return True
 
 
-def open_trajectory_file(path: str | Path):
+def open_trajectory_file(path: str | Path) -> Any:
     """The Result in a trajectory file; raises as `open_result`, and for no single run."""
     from vibsim.results.result import Result
     from vibsim.results.trajectory_file import TrajectoryFile

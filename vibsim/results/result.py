@@ -1,6 +1,6 @@
 """A trajectory as users meet it: arrays by name, events, attributes, and its state at any instant."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -56,7 +56,7 @@ class Result(Labelled):
     def __contains__(self, name: object) -> bool:
         return name in self._samples
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         return iter(self.keys())
 
     def __len__(self) -> int:
@@ -66,11 +66,11 @@ class Result(Labelled):
         """Names of the sampled columns, `time` first."""
         return list(self._samples)
 
-    def column(self, name: str):
+    def column(self, name: str) -> Any:
         """One sampled column; on file a handle that reads only the rows it is indexed with."""
         return _column(self._samples, name)
 
-    def event_column(self, name: str):
+    def event_column(self, name: str) -> Any:
         """One event column, likewise."""
         return self.events.column(name)
 
@@ -155,7 +155,7 @@ class Result(Labelled):
         judgements = [name for name in JUDGEMENTS if name in self]
         return tables_of(self.case.scene()).judged(judgements)
 
-    def _truth_writer(self, path: str | Path, digits: "Digits", force: bool):
+    def _truth_writer(self, path: str | Path, digits: "Digits", force: bool) -> Any:
         """A writer that has the digits already."""
         from vibsim.results.truth_writer import TruthWriter
 
@@ -197,5 +197,5 @@ def _case(attrs: Mapping[str, Any], case: "Case | None") -> "Case":
     return Case.from_resolved_json(attrs["case_resolved_json"])
 
 
-def _column(table: Table, name: str):
+def _column(table: Table, name: str) -> Any:
     return table.column(name) if hasattr(table, "column") else table[name]

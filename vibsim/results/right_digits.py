@@ -18,6 +18,7 @@ from vibsim.engine.error_growth import error_growth, last_states
 from vibsim.engine.errors import EngineError
 from vibsim.engine.state import State
 from vibsim.engine.truth import open_truth
+from vibsim.physics.parts import Scene
 from vibsim.physics.working_precision import FEWEST_DIGITS, MOST_DIGITS
 from vibsim.results.recording import Watch
 
@@ -132,7 +133,7 @@ def _largest(state: Mapping[str, Decimal], name: str) -> Decimal:
     )
 
 
-def end_in_doubles(scene) -> EndState | None:
+def end_in_doubles(scene: Scene) -> EndState | None:
     """Time and state at the end of a run in doubles; None where it fails."""
     try:
         table = last_states(scene)
@@ -144,7 +145,7 @@ def end_in_doubles(scene) -> EndState | None:
 def end_in_digits(case: "Case", digits: int, watch: Watch | None = None) -> EndState | None:
     """The same in so many digits; None where `watch` stopped the run."""
 
-    def without_samples(number, pi):
+    def without_samples(number: Any, pi: Any) -> Scene:
         return case.exact_scene(number, pi).without_samples()
 
     end = None

@@ -9,7 +9,8 @@ import h5py
 import numpy as np
 
 from vibsim.files.attributes import read_attrs
-from vibsim.files.checking import Dataset, check_datasets, check_values, checked_attributes
+from vibsim.files.checking import check_datasets, check_values, checked_attributes
+from vibsim.files.declarations import Dataset
 from vibsim.files.reading import damage_named, open_hdf5
 from vibsim.physics.parts import Scene
 from vibsim.results.columns import Tables, tables_of

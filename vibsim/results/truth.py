@@ -138,7 +138,7 @@ def check_engine(engine: str) -> None:
         raise ValueError("digits need the Python engine; the C engine has doubles only")
 
 
-def _run(case: "Case", digits: int | str, open_sink: Callable[..., Any], watch: Watch | None = None):
+def _run(case: "Case", digits: int | str, open_sink: Callable[..., Any], watch: Watch | None = None) -> Any:
     """Recording, sink and last attributes of the run whose digits are enough."""
     plan = DigitsPlan(case, digits, watch)
     while True:

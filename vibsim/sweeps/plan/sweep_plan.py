@@ -65,7 +65,7 @@ class Plan:
     every: Fraction | None = None
     compute: tuple[str, ...] = ()
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         names = [axis.name for axis in self.axes]
         if not names:
             raise PlanError("a sweep needs something to vary")

@@ -2,6 +2,7 @@
 
 from vibsim.files.declarations import NUMBER, TEXT, WHOLE, Attribute, Column, Dataset
 from vibsim.files.provenance import PROVENANCE
+from vibsim.sweeps.plan.axis import Axis
 from vibsim.sweeps.plan.members import Members
 from vibsim.sweeps.plan.spread import Spread
 from vibsim.sweeps.plan.sweep_plan import DIRECTION_FLAGS, Plan
@@ -47,7 +48,7 @@ def _scales(plan: Plan) -> list[Dataset]:
     ]
 
 
-def _values_of(axis) -> Column:
+def _values_of(axis: Axis | Members) -> Column:
     key = {"key": axis.key}
     if isinstance(axis, Members):
         return Column(axis.unit or "1", "number of the member of the ensemble", dtype="i8", besides=key)
