@@ -44,6 +44,8 @@ if TYPE_CHECKING:
     from vibsim.cases import load_case as load_case
     from vibsim.fitting import FitResult as FitResult
     from vibsim.fitting import fit as fit
+    from vibsim.labelled.extras import MissingExtra as MissingExtra
+    from vibsim.labelled.labelled import Labelled as Labelled
     from vibsim.opening import open_result as open_result
     from vibsim.orbits import Orbit as Orbit
     from vibsim.orbits import OrbitError as OrbitError
@@ -54,6 +56,7 @@ if TYPE_CHECKING:
     from vibsim.results import Result as Result
     from vibsim.results import ResultFileError as ResultFileError
     from vibsim.results import simulate as simulate
+    from vibsim.results.events import Events as Events
     from vibsim.sweeps import SweepResult as SweepResult
     from vibsim.sweeps import join as join
     from vibsim.sweeps import sweep as sweep
@@ -69,10 +72,13 @@ __getattr__, __dir__, __all__ = lazy_names(
         "vibsim.branches": ["Branch", "continue_branch"],
         "vibsim.cases": ["Case", "CaseError", "load_case"],
         "vibsim.fitting": ["FitResult", "fit"],
+        "vibsim.labelled.extras": ["MissingExtra"],
+        "vibsim.labelled.labelled": ["Labelled"],
         "vibsim.opening": ["open_result"],
         "vibsim.orbits": ["Orbit", "OrbitError", "monodromy", "search_orbits"],
         "vibsim.orbits.seeking": ["orbit"],
         "vibsim.plots.from_python": ["plot"],
+        "vibsim.results.events": ["Events"],
         "vibsim.results": ["Result", "ResultFileError", "simulate"],
         "vibsim.sweeps": ["SweepResult", "join", "sweep"],
     },
