@@ -2,11 +2,13 @@
 
 from array import array
 from time import monotonic
+from typing import Any
 
 import numpy as np
 
 import vibsim.engine._engine as _engine
 from vibsim.engine.automaton import JET, Automaton
+from vibsim.engine.columns import part_columns
 from vibsim.engine.errors import EngineError
 from vibsim.engine.flow import Flow
 from vibsim.engine.harmonics import value_and_rate
@@ -28,6 +30,7 @@ from vibsim.physics.parts import AT_FORCE
 from vibsim.physics.period import common_period
 
 SAMPLE_ROOM, EVENT_ROOM, SECTION_ROOM = 65536, 4096, 1024  # at most
+MOST_RECALLED = 16  # modes that a run is told of before it meets them
 SECONDS = 0.1  # between two blocks where Python decides: Ctrl-C is heard there
 ACCUMULATION, DIVERGED, UNDECIDED = 1, 2, 3
 REASONS = {ACCUMULATION: "accumulation", DIVERGED: "diverged"}
@@ -38,21 +41,21 @@ class Doubts:
     """A certificate that hands doubts on to the run in C."""
 
     def __init__(self):
-        self.run, self.early = None, []
+        self.run: Any = None
         self.margin = float("inf")
 
     def doubt(self, t):
-        if self.run is None:
-            self.early.append(t)
-        else:
-            self.run.doubt(t)
+        self.run.doubt(t)
 
     def keep_turn(self, value, t):
         """Scouts find no turns."""
 
 
 class CRun:
-    """A run of a scene made of parts on the C engine."""
+    """A run of a scene made of parts on the C engine.
+
+    carries : whether disturbances are carried as they are; such a run begins with `restart`
+    """
 
     def __init__(
         self,
@@ -72,7 +75,7 @@ class CRun:
         self.scout = Flow(scene, Doubles, self.doubts, JET + 1)
         self.automaton = Automaton(scene, self.maker, self.scout, Doubles)
         self.harmonics = self.scout.closed.harmonics
-        self.run = _engine.Run(*pack_scene(scene, self.harmonics))
+        self.run = self.doubts.run = _engine.Run(*pack_scene(scene, self.harmonics))
         self.numbers, self.rows, self.ruled = {}, [], set()
         self.packer = None
         self.meters = self.table.meter_maker(momentum) if ledger or momentum else None
@@ -94,15 +97,24 @@ class CRun:
         if extremes:
             self.run.keep_extremes(*pack_extremes(*extremes))
         self.extremes = (len(extremes[0]) + (scene.motor is not None)) if extremes else 0
-        state, status, known = resume or self._begun(start_of(scene, Doubles))
-        self.first = state.copy(), status
         self.sample_room = min(scene.sample_index(scene.t_end) + 2, SAMPLE_ROOM)
         self.section_room = SECTION_ROOM if section and self._keep_section() else 0
         self._fill_new_arrays()
-        self.doubts.run = self.run
-        for t in self.doubts.early:
-            self.run.doubt(t)
+        self._recall()
+        if not carries:
+            self._begin(*(resume or self._begun(start_of(scene, Doubles))))
+
+    def _begin(self, state, status, known):
+        self.first = state.copy(), status
         self._set_off(state, status, known)
+
+    def _recall(self):
+        """Tell C of modes and rules that other runs of the scene have met, where they are few."""
+        for status in self.table.statuses(MOST_RECALLED):
+            self._mode(status)
+        for status, event in self.table.events_with_rules() if self.rows else ():
+            if status in self.numbers:
+                self._set_rule(self.numbers[status], event)
 
     def _set_off(self, state, status, known):
         number = self._mode(status)  # which may know more keys
@@ -132,7 +144,7 @@ class CRun:
 
     def _fill_new_arrays(self):
         """Let C fill new arrays, one row per column: samples, sample modes, events, event codes, section."""
-        n, parts, extremes = self.n, len(self.first[1].codes), 2 * self.extremes
+        n, parts, extremes = self.n, len(part_columns(self.scene)), 2 * self.extremes
         self.arrays = (
             np.empty((3 + 2 * n, self.sample_room)),
             np.empty((parts, self.sample_room), dtype="i1"),

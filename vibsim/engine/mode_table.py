@@ -39,6 +39,15 @@ class ModeTable:
                 self._packed[status] = pack_mode(rows, self.keys)
         return self._packed[status]
 
+    def statuses(self, most):
+        """The modes packed so far, in their order; none where there are more than `most`."""
+        met = list(self._packed)
+        return met if len(met) <= most else []
+
+    def events_with_rules(self):
+        """(status, number of the event) of what rules were made for."""
+        return [key for key, rule in list(self._rules.items()) if rule is not None]
+
     def meter_maker(self, momentum):
         """What makes the meters of the ledgers; momentum: whether of both of them."""
         if momentum not in self._makers:
