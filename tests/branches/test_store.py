@@ -13,7 +13,7 @@ from vibsim.branches.continuing import complete
 from vibsim.branches.plan import plan_from
 from vibsim.branches.records import given, plain
 from vibsim.branches.store.branch_store import BranchFileStore
-from vibsim.cases import CaseError, UnknownKeyError
+from vibsim.cases import UnknownKeyError
 from vibsim.files.errors import ResultFileError
 from vibsim.files.journal import journal_path
 from vibsim.opening import open_result
@@ -107,7 +107,7 @@ def test_another_branch_is_kept(whole, tmp_path):
         ("Omega0", "5.5", ValueError, "5.5 is not FROM:TO with an optional unit, such as 3:9 Hz"),
         ("Omega0", "5:6:0.1", ValueError, "is not FROM:TO"),
         ("Omega0", "5:6 kg", ValueError, "excitation.Omega0 is no mass"),
-        ("c", "-1:1", CaseError, "must be >= 0"),
+        ("c", "-1:1", ValueError, "coupling.c must be >= 0, got -1 N s/m"),
         ("nothing", "1:2", UnknownKeyError, "unknown key"),
     ],
 )

@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from vibsim.branches.arclength import ContinuationError
-from vibsim.cases import Case, CaseError
+from vibsim.branches.scene_path import ScenePath
+from vibsim.cases import Case
 from vibsim.engine.errors import EngineError
 from vibsim.orbits import OrbitError, ReturnMap
 from vibsim.orbits.multipliers import multipliers_of
@@ -53,13 +54,18 @@ class Family:
             self._maps.move_to_end(parameter)
             return self._maps[parameter]
         try:
-            scene = self.at(parameter).scene()
+            scene = self.path.scene(parameter)
             self._maps[parameter] = ReturnMap(scene, self.n, self.engine)
-        except (CaseError, OrbitError) as error:
+        except ValueError as error:
             raise ContinuationError(str(error)) from error
         if len(self._maps) > MAPS:
             self._maps.popitem(last=False)
         return self._maps[parameter]
+
+    @cached_property
+    def path(self) -> ScenePath:
+        """The scenes over the parameter."""
+        return ScenePath(self.case, self.keys, self.unit)
 
     def at(self, parameter: float) -> Case:
         """The case at a value of the parameter. Raises CaseError where it does not allow it."""

@@ -1,6 +1,7 @@
 """Ranges of a parameter: FROM:TO with a unit."""
 
 from vibsim.branches.plan import BranchError
+from vibsim.branches.scene_path import ScenePath
 from vibsim.cases import Case
 from vibsim.cases.keys import measured_at
 from vibsim.cases.problems import shown
@@ -11,8 +12,8 @@ from vibsim.cases.units import UNITS, si_unit
 def read_span(case: Case, key: str, text: str) -> tuple[tuple[str, ...], str, tuple[float, float]]:
     """Dotted keys, unit and ends of a range such as "3:9 Hz" of a key, or of several, KEY=KEY.
 
-    Raises BranchError where it is no range, CaseError where the case does not allow its ends, UnknownKeyError
-    for a key that is none of its numbers.
+    Raises BranchError where it is no range or its ends are not allowed, UnknownKeyError for a key that is
+    none of the case's numbers.
     """
     keys = tuple(_number_key(case, each.strip()) for each in key.split("="))
     dimension = _dimension(keys[0])
@@ -25,8 +26,12 @@ def read_span(case: Case, key: str, text: str) -> tuple[tuple[str, ...], str, tu
     if UNITS[low.unit].dimension != dimension:
         raise BranchError(f"{keys[0]} is no {UNITS[low.unit].dimension}: {shown(text)}")
     ends = float(low.value), float(high.value)
+    path = ScenePath(case, keys, low.unit)
     for end in ends:
-        case.with_values(dict.fromkeys(keys, f"{end!r} {low.unit}".strip()))
+        try:
+            path.scene(end)
+        except ValueError as error:
+            raise BranchError(str(error)) from error
     return keys, low.unit, ends
 
 
