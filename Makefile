@@ -14,7 +14,7 @@ PAPER := I-A I-B I-C I-A-eq211 I-B-eq211 I-C-eq211 II-A II-B II-C
 BUILD_ENGINE := $(BIN)/python setup.py -q build_ext --inplace --force
 SANITIZED := tests/engine tests/kernel tests/events tests/flows tests/tangent tests/sweeps
 
-.PHONY: help env run paper test docs article wheel wheels oldest without-compiler coverage workflows fuzz sanitize verify lint figures sweep sommerfeld basins bench budgets truths clean
+.PHONY: help env run paper test docs article wheel wheels oldest without-compiler coverage workflows fuzz sanitize verify lint figures sweep sommerfeld basins branches bench budgets truths clean
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -145,6 +145,22 @@ basins: $(STAMP) ## basins of the belt oscillator, 5,000 starts at each of 18 sp
 	  -o results/basin-starts.h5
 	$(BIN)/vibsim plot results/basins.h5 --kind end-state -o docs/basins.png --force
 	$(BIN)/vibsim plot results/basin-starts.h5 --kind end-state -o docs/basin-starts.png --force
+
+branches: $(STAMP) ## periodic orbits of II-B for four dampings, and where captures end (three minutes): results/branches/
+	mkdir -p results/branches
+	for c in 0.001 0.01 0.03 0.05; do \
+	  $(BIN)/vibsim continue II-B -s c=$$c -s Omega0=3.8Hz --omega0 3:9 -o results/branches/captured-$$c.h5 && \
+	  $(BIN)/vibsim continue results/branches/captured-$$c.h5 --switch PD2 --max-points 600 \
+	    -o results/branches/two-thirds-$$c.h5 || exit 1; done
+	for label in F1 NS1; do $(BIN)/vibsim continue results/branches/captured-0.03.h5 --locus $$label \
+	  --param c=0.001:0.1 -o results/branches/ends-$$label.h5 || exit 1; done
+	$(BIN)/vibsim plot results/branches/captured-0.03.h5 --kind load-curve -o docs/load-curve.png --force
+	$(BIN)/vibsim plot results/branches/captured-0.03.h5 --kind branch,multipliers -o results/branches/captured.png --force
+	$(BIN)/vibsim plot results/branches/ends-F1.h5 results/branches/ends-NS1.h5 -o results/branches/ends.png --force
+	test ! -f results/up-down.h5 || $(BIN)/vibsim plot results/up-down.h5 results/branches/captured-*.h5 \
+	  results/branches/two-thirds-*.h5 --kind sommerfeld --width page -o results/branches/sommerfeld.png --force
+	test ! -f results/capture-map.h5 || $(BIN)/vibsim plot results/capture-map.h5 results/branches/ends-*.h5 \
+	  --kind capture --width page -o results/branches/capture-map.png --force
 
 bench: $(STAMP) ## measure speed against error beside other solvers, and draw the picture of docs/speed.md
 	mkdir -p results

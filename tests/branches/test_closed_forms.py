@@ -1,6 +1,6 @@
 """Branches of one mass before a stop, against closed forms: grazing, and how maps change there."""
 
-from math import hypot
+from math import hypot, pi
 
 import numpy as np
 import pytest
@@ -117,3 +117,17 @@ def test_a_rigid_stop_makes_a_square_root(coco):
     sizes = [np.linalg.norm(of(np.array([0.0, 1.0 + depth])).derivative) for depth in depths]
     slope = np.polyfit(np.log(depths), np.log(sizes), 1)[0]
     assert slope == pytest.approx(-0.5, abs=0.02)
+
+
+def test_a_ball_on_a_shaken_table():
+    """V15: one bounce a period doubles where a w^2/g = sqrt(b^2 + (2 (1 + e^2) / (1 + e)^2)^2).
+
+    b = pi (1 - e)/(1 + e). At a = 2 b g/w^2 the bounce comes to the section, at the phase of 60 degrees.
+    """
+    found = continue_branch(load_case("gallery/ball-on-shaken-table"), "base.a", "0.3:1.2 mm")
+    born = pi * (1 - 0.8) / (1 + 0.8)
+    doubling = found.special("PD1")
+    assert doubling.parameter == pytest.approx(hypot(born, 2 * 1.64 / 1.8**2), rel=1e-12)
+    assert found.ends[0].startswith("an impact on a rigid stop comes to the section: shift the phase")
+    assert found["parameter"][0] == pytest.approx(2 * born, rel=1e-6)
+    assert (np.diff(found["arclength"]) > 0).all()

@@ -69,8 +69,9 @@ class Branch(Labelled):
     ):
         self.plan, self.attrs = plan, dict(attrs or {})
         self._records = (list(points), list(specials))
-        back = sorted((p for p in points if p.way < 0), key=lambda p: -p.number)
-        self.points = [*back, *sorted((p for p in points if p.way > 0), key=lambda p: p.number)]
+        last = {(point.way, point.number): point for point in points}  # where it is stuck it is told again
+        back = sorted((p for p in last.values() if p.way < 0), key=lambda p: -p.number)
+        self.points = [*back, *sorted((p for p in last.values() if p.way > 0), key=lambda p: p.number)]
 
     @property
     def records(self) -> tuple[list[PointRecord], list[SpecialRecord]]:

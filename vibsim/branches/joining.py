@@ -12,6 +12,7 @@ from vibsim.branches.node import Node, between
 
 FINE = 2.0**-6  # share of a step at which its search ends: nearer, orbits are no longer told apart
 HALVINGS = 40
+JOINS = "joins"
 
 
 def joining(family: Family, one: Node, other: Node) -> tuple[Node, str] | None:
@@ -21,7 +22,7 @@ def joining(family: Family, one: Node, other: Node) -> tuple[Node, str] | None:
     for shorter in (d for d in range(1, family.n) if family.n % d == 0):
         if shift(family, one, shorter) @ shift(family, other, shorter) < 0:
             node = _last_before(family, one, other, shorter)
-            return node, f"joins the orbits of {shorter} period{'s' * (shorter > 1)}"
+            return node, f"{JOINS} the orbits of {shorter} period{'s' * (shorter > 1)}"
     return None
 
 

@@ -51,7 +51,7 @@ class ScenePath:
 
     def scene(self, value: float) -> Scene:
         """The scene at a value. Raises ValueError where the key does not allow it."""
-        quantity = parse_quantity(f"{value!r} {self.unit}".strip(), self._dimension)
+        quantity = parse_quantity(f"{float(value)!r} {self.unit}".strip(), self._dimension)
         broken = self._measured.broken_bound(quantity.value) if self._measured else None
         if broken:
             raise ValueError(f"{self.keys[0]} must be {broken}, got {value:g} {self.unit}".rstrip())

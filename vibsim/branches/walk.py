@@ -8,13 +8,15 @@ import numpy as np
 from vibsim.branches.arclength import ContinuationError
 from vibsim.branches.family import Family
 from vibsim.branches.inspection import inspect
-from vibsim.branches.joining import joining
+from vibsim.branches.joining import JOINS, joining
 from vibsim.branches.node import Node, ahead_of, between, node_at
-from vibsim.branches.special import Special
+from vibsim.branches.special import BRANCHING, FOLD, Special
 from vibsim.branches.step_size import SHARP, Pace, turn
 
 BEHIND = 4  # steps before a branch can have come back to its start
 INFINITE = 200.0  # multiplier of orbits that all but graze a rigid stop, where it goes like 1 / impact speed
+IMPACTS = ("impact", "transmitted")
+AT_SECTION = 1e-6  # share of the period
 SAME = 1e-8  # scaled distance of a closed branch from its start
 
 
@@ -51,15 +53,25 @@ class Walk:
             try:
                 node, following = self._next()
             except ContinuationError as error:
-                yield Step(self.node, (), self.step, f"stuck: {error}")
+                yield Step(self.node, (), self.step, self._stuck(error))
                 return
             node, ended = self._ended(node)
             specials = tuple(inspect(self.family, self.node, node))
+            if ended.startswith(JOINS):  # the doubling there, which is told by the other branch
+                specials = tuple(each for each in specials if each.kind not in (FOLD, BRANCHING))
             self.bend = bend(self.node.z, self.node.ahead, node)
             self.node, self.step, self.count = node, following, self.count + 1
             yield Step(node, specials, following, ended)
             if ended:
                 return
+
+    def _stuck(self, error: Exception) -> str:
+        """Why there is no next node."""
+        carried, T = self.node.point.end.carried, self.node.point.period
+        impacts = [t for t, (kind, _) in zip(carried.times, carried.events, strict=True) if kind in IMPACTS]
+        if any(min(t, T - t) < AT_SECTION * T for t in impacts):
+            return "an impact on a rigid stop comes to the section: shift the phase of the source to go on"
+        return f"stuck: {error}"
 
     def _next(self) -> tuple[Node, float]:
         """The next node, and the length of the step behind it. Raises ContinuationError."""
