@@ -29,7 +29,9 @@ def test_a_crate_holds_case_versions_output_and_checksums():
     about = entities["ro-crate-metadata.json"]
     assert about["about"] == {"@id": "./"} and about["conformsTo"] == {"@id": "https://w3id.org/ro/crate/1.1"}
     root = entities["./"]
-    assert root["@type"] == "Dataset" and root["conformsTo"]["@id"].startswith("https://w3id.org/ro/wfrun/process")
+    assert root["@type"] == "Dataset" and root["conformsTo"]["@id"].startswith(
+        "https://w3id.org/ro/wfrun/process"
+    )
     assert {"name", "description", "datePublished"} <= set(root)
     action = entities[root["mentions"]["@id"]]
     assert action["@type"] == "CreateAction" and action["result"] == {"@id": "II-B.h5"}

@@ -2,18 +2,23 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibsim.labelled.arrays import Arrays
+from vibsim.labelled.labelled import Labelled, few
 from vibsim.orbits.measures import energy_of, points_of
 from vibsim.orbits.multipliers import exponents_of, multipliers_of
 from vibsim.orbits.sliding import sliding_margin
 from vibsim.orbits.word import cyclic, spelled
 
+if TYPE_CHECKING:
+    from vibsim.results.result import Result
 
-@dataclass(frozen=True)
-class Orbit:
+
+@dataclass(frozen=True, repr=False)
+class Orbit(Labelled):
     """One orbit of a scene.
 
     return_map, solution : the map over its n periods, and its fixed point
@@ -124,6 +129,40 @@ class Orbit:
     def points(self) -> np.ndarray:
         """The unknowns at each of its n returns to the section, (n, m)."""
         return points_of(self)
+
+    @cached_property
+    def run(self) -> "Result":
+        """One period as a run, from the section on. Raises ValueError for the orbit of a scene alone."""
+        from vibsim.orbits.start import case_on_orbit
+        from vibsim.results.simulation import simulate
+
+        if self.case is None:
+            raise ValueError("the orbit of a scene alone has no case to be run")
+        return simulate(case_on_orbit(self.case, self.state, self.period))
+
+    def arrays(self) -> Arrays:
+        """The columns of one period on it, over time."""
+        return self.run.arrays()
+
+    def plot(self, kind: str | None = None, **how: Any) -> Any:
+        """Draw one period on it, as `Result.plot`; without a kind the relative motion."""
+        return self.run.plot(kind or "relative", **how)
+
+    def heading(self) -> str:
+        """Name of the case, period, and whether it is stable."""
+        name = f"of {self.case.name}: " if self.case is not None else ""
+        return f"{name}period {self.period:.8g} s, {'stable' if self.stable else 'unstable'}"
+
+    def lines(self) -> list[tuple[str, str]]:
+        """Unknowns on the section, events, multipliers and margin."""
+        start = ", ".join(f"{name} = {value:.6g}" for name, value in self.coordinates.items())
+        multipliers = few(f"{mu.real:.5g}{mu.imag:+.5g}i" for mu in self.multipliers.tolist())
+        return [
+            ("section", start),
+            ("events", self.spelled or "none"),
+            ("multipliers", multipliers or "none"),
+            ("margin", f"{self.margin:.5g} m"),
+        ]
 
     @property
     def certified(self) -> bool:

@@ -93,6 +93,7 @@ def subject_of(result: Any) -> Subject:
 
     if isinstance(result, Case):
         return Subject(result.name, as_text(result.name), "case", result)
+    result = getattr(result, "run", result)  # an orbit is shown by the run of one period
     attrs = getattr(result, "attrs", {})
     if "vibsim_kind" not in attrs:
         raise PlotError(f"this is no result of vibsim and no case: {result!r:.80}")
