@@ -19,6 +19,7 @@ from vibsim.engine.mode_table import mode_table
 from vibsim.engine.packing import coupled, pack_scene, pack_state
 from vibsim.engine.packing_meters import pack_blows, pack_extremes, pack_ledger
 from vibsim.engine.packing_tangent import DisturbancePacker, pack_bundle
+from vibsim.engine.plain_start import PlainStart
 from vibsim.engine.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, STRIKE
 from vibsim.engine.saltation import released_frictions, saltation
 from vibsim.engine.state import State, start_of
@@ -77,7 +78,7 @@ class CRun:
         self.harmonics = self.scout.closed.harmonics
         self.run = self.doubts.run = _engine.Run(*pack_scene(scene, self.harmonics))
         self.numbers, self.rows, self.ruled = {}, [], set()
-        self.packer = None
+        self.packer = self.plain = None
         self.meters = self.table.meter_maker(momentum) if ledger or momentum else None
         if self.meters:
             names = self.meters.names
@@ -126,10 +127,23 @@ class CRun:
         """
         self.run.rewind(end)
         self.moving = len(vectors) > 0
+        self.packer = self.packer or DisturbancePacker(self.scene, self.maker.ends)
+        self.plain = self.plain or PlainStart(self.scene, self.maker.ends)
         if self.moving:
-            self.packer = self.packer or DisturbancePacker(self.scene, self.maker.ends)
             self.run.keep_tangent(*self.packer.packed(vectors))
-        self._set_off(*self._begun(state))
+        status = self.plain.status(state) if self.plain.known else None
+        self._set_off(*(self._begun(state) if status is None else (state, status, {})))
+
+    def run_out(self):
+        """Run to the end: (states, codes) of the events, one row per column, which hold until a restart.
+        Raises EngineError.
+        """
+        first = self.run.advance()
+        *counts, finished, status = first
+        if finished and status != UNDECIDED and status not in REASONS:
+            return tuple(array[:, : counts[1]] for array in self.arrays[2:4])
+        blocks = [(states, codes) for _, _, states, codes, *_ in self.blocks(first)]
+        return tuple(np.concatenate(parts, axis=1) for parts in zip(*blocks, strict=True))
 
     def _begun(self, state):
         """A state at t = 0 with the mode that the motion starts in, and the known zeros there."""
@@ -171,13 +185,16 @@ class CRun:
                 orders[self.keys[key]] = order
         return orders.tobytes()
 
-    def blocks(self):
+    def blocks(self, advanced=None):
         """Yield (samples, sample modes, events, event codes, section), arrays of one row per column, and
         (time reached, time worked out to); raises EngineError. What is yielded holds until a restart.
+
+        advanced : what the first call of C has come to, where it has been made
         """
         finished, told = 0, monotonic()
         while not finished:
-            *counts, finished, status = self.run.advance()
+            *counts, finished, status = advanced or self.run.advance()
+            advanced = None
             if status == UNDECIDED:
                 number, event, values = self.run.pending()
                 if self._set_rule(number, event):

@@ -118,7 +118,7 @@ class Carrier:
 
         self.run = self.run or CRun(self.scene, carries=True)
         self.run.restart(self._start(components), end, vectors)
-        blocks = [(states, codes) for _, _, states, codes, *_ in self.run.blocks()]
+        states, codes = self.run.run_out()
         tally = self.run.tally
         uncertified, _, margin, _ = tally["certificate"]
         moved, undefined = [], (0, nan)
@@ -126,8 +126,8 @@ class Carrier:
             entries = self.run.disturbances
             moved, undefined = entries["vectors"], entries["undefined"]
         rows = self.run.rows[tally["mode"]]
-        codes = _joined([codes for _, codes in blocks])[:, 1:-1].T.copy()  # without start and end
-        table = _joined([states for states, _ in blocks])[:, 1:-1][self._order].T
+        codes = codes[:, 1:-1].T.copy()  # without start and end
+        table = states[:, 1:-1][self._order].T
         return self._told(State(*tally["state"]), rows, moved, codes, table, (uncertified, margin), undefined)
 
     def _by_python(self, components, end, vectors):
@@ -187,8 +187,3 @@ class Carrier:
 def _finite(values):
     """Whether all values are finite: their sum says it at once, but for an overflow."""
     return isfinite(values.sum()) or bool(np.isfinite(values).all())
-
-
-def _joined(parts):
-    """Columns of blocks side by side; most motions are one block."""
-    return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
