@@ -39,7 +39,7 @@ test: $(STAMP) ## run the test suite in parallel
 	$(BIN)/python -m pytest -n auto -q
 
 docs: $(STAMP) ## build the site and run the gallery: build/site/index.html; warnings are errors
-	$(BIN)/python -c "import sphinx, myst_parser, furo" 2>/dev/null || \
+	$(BIN)/python -c "import sphinx, myst_parser, furo, latex2mathml" 2>/dev/null || \
 	  $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
 	$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going -b html docs build/site
 

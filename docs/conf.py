@@ -10,13 +10,14 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 
 from from_code import write_pages
+from from_code.mathml import setup_mathml
 from vibsim import __version__
 
 project = "vibsim"
 author = copyright = "The vibsim developers"
 version = release = __version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.mathjax"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
 myst_heading_anchors = 3
 exclude_patterns = ["from_code/*"]
@@ -28,6 +29,7 @@ autodoc_member_order = "bysource"
 napoleon_google_docstring = False
 napoleon_use_rtype = False
 
+html_math_renderer = "mathml"
 html_theme = "furo"
 html_title = f"vibsim {release}"
 html_theme_options = {"sidebar_hide_name": False}
@@ -44,4 +46,5 @@ def as_rest(app, what, name, obj, options, lines):
 def setup(app):
     """Write the generated pages when the build begins."""
     app.connect("builder-inited", lambda app: write_pages(Path(app.srcdir)))
+    setup_mathml(app)
     app.connect("autodoc-process-docstring", as_rest)

@@ -106,7 +106,8 @@ def comment(text: str, label: str) -> str:
     """A paragraph of the comment at the top of a case file."""
     comment = re.sub(r"(?m)^# ?", "", text.partition("\n\nname:")[0])
     paragraphs = comment.split("\n\n")
-    return next(p for p in paragraphs if p.startswith(f"{label}: ")).removeprefix(f"{label}: ")
+    paragraph = next(each for each in paragraphs if each.startswith(f"{label}: ")).removeprefix(f"{label}: ")
+    return paragraph[0].upper() + paragraph[1:]
 
 
 def _withoutcomment(text: str) -> str:
