@@ -388,3 +388,22 @@ def test_no_kick_pushes_a_body_through_the_stop_that_it_rests_on():
     scale = {name: float(np.abs(result.events[name]).max()) for name in state_columns(case)}
     assert row["floor"] == RESTING and scale["v_ball"] > 1
     assert list(_kick(case, row, scale)) == ["x_ball"]
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+@pytest.mark.parametrize("method", ("auto", "taylor"))
+@pytest.mark.parametrize("e", (0.0, 0.5))
+def test_letting_go_is_no_grazing(engine, method, e):
+    """A ball on a table that shakes harder than gravity holds it down: where it leaves there is no turn."""
+    omega = 2 * np.pi * 2.6
+    of = Scene(
+        (Body("ball", 1.0, 0.06, 0.0),),
+        stops=(RigidStop("table", BASE, 0, 0.0, COMPRESSION, e),),
+        forces=(Force("g", 0, -9.81, ()),),
+        base=(Harmonic(0.05, omega, 2.6, 0.0, 0.5),),
+        t_end=3.0,
+        method=method,
+    )
+    found = run(of, engine)
+    assert found.events["kind"].tolist().count(EVENT_KINDS["rest_end"]) > 4
+    assert np.isnan(found.totals["grazing_margin"])

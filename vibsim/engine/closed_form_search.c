@@ -124,10 +124,10 @@ static int lead(Run *r)
         ahead = deflated_step(order, first, event_derivative(r, e, order + 1), bound);
         step = ahead < step ? ahead : step;
         if (e->turns) {
+            int parted = order >= 2 ? order : 0, n; /* as rest ends: what rounding left of zeros is no turn */
             s->watched[i][0] = r->t0;
-            s->watched[i][1] = event_derivative(r, e, 0);
-            s->watched[i][2] = event_derivative(r, e, 1);
-            s->watched[i][3] = event_derivative(r, e, 2);
+            for (n = 0; n < 3; n++)
+                s->watched[i][1 + n] = n < parted ? 0.0 : event_derivative(r, e, n);
             s->watched[i][4] = event_bound(r, e, 2, s->window);
         }
     }

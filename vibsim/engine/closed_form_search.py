@@ -87,8 +87,10 @@ class ClosedFormSearch:
             ahead = deflated_step(self.kit, order, lead, derivatives[order + 1], bound)
             step = ahead if ahead < step else step
             if event.turns:
-                limit = of.bound(event, 2, self.window)
-                self.watched[event.key] = (self.t0, *derivatives[:3], limit)
+                limit, zero = of.bound(event, 2, self.window), self.kit.number(0)
+                parted = order if order >= 2 else 0  # as rest ends: what rounding left of zeros is no turn
+                watched = (zero if n < parted else derivatives[n] for n in range(3))
+                self.watched[event.key] = (self.t0, *watched, limit)
         self._adapt_reach(step)
         self._move(step)
         return None
