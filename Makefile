@@ -152,13 +152,16 @@ branches: $(STAMP) ## periodic orbits of II-B for four dampings, and where captu
 	  $(BIN)/vibsim continue II-B -s c=$$c -s Omega0=3.8Hz --omega0 3:9 -o results/branches/captured-$$c.h5 && \
 	  $(BIN)/vibsim continue results/branches/captured-$$c.h5 --switch PD2 --max-points 600 \
 	    -o results/branches/two-thirds-$$c.h5 || exit 1; done
+	$(BIN)/vibsim continue II-B -s c=0.001 -s Omega0=5.9Hz --omega0 5:9 -o results/branches/three-quarters-0.001.h5
+	$(BIN)/vibsim continue II-B -s c=0.01 -s Omega0=6.1Hz --omega0 5:9 -o results/branches/three-quarters-0.01.h5
+	$(BIN)/vibsim continue II-B -s c=0.03 -s Omega0=7Hz --omega0 5:9 -o results/branches/three-quarters-0.03.h5
 	for label in F1 NS1; do $(BIN)/vibsim continue results/branches/captured-0.03.h5 --locus $$label \
 	  --param c=0.001:0.1 -o results/branches/ends-$$label.h5 || exit 1; done
 	$(BIN)/vibsim plot results/branches/captured-0.03.h5 --kind load-curve -o docs/load-curve.png --force
 	$(BIN)/vibsim plot results/branches/captured-0.03.h5 --kind branch,multipliers -o results/branches/captured.png --force
 	$(BIN)/vibsim plot results/branches/ends-F1.h5 results/branches/ends-NS1.h5 -o results/branches/ends.png --force
 	test ! -f results/up-down.h5 || $(BIN)/vibsim plot results/up-down.h5 results/branches/captured-*.h5 \
-	  results/branches/two-thirds-*.h5 --kind sommerfeld --width page -o results/branches/sommerfeld.png --force
+	  results/branches/two-thirds-*.h5 results/branches/three-quarters-*.h5 --kind sommerfeld --width page -o results/branches/sommerfeld.png --force
 	test ! -f results/capture-map.h5 || $(BIN)/vibsim plot results/capture-map.h5 results/branches/ends-*.h5 \
 	  --kind capture --width page -o results/branches/capture-map.png --force
 

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +19,7 @@ BEHIND = 4  # steps before a branch can have come back to its start
 INFINITE = 200.0  # multiplier of orbits that all but graze a rigid stop, where it goes like 1 / impact speed
 IMPACTS = ("impact", "transmitted")
 AT_SECTION = 1e-6  # share of the period
+POLISH = 3  # Newton steps of a time of return that is known to 1e-9
 SAME = 1e-8  # scaled distance of a closed branch from its start
 
 
@@ -92,8 +95,10 @@ class Walk:
 
     def _ended(self, node: Node) -> tuple[Node, str]:
         """The node at which the walk ends, and why; the node itself and nothing where it goes on."""
-        if self.count >= BEHIND and self._closes(node):
-            return self.start, "closed"
+        if self.count >= BEHIND:
+            there = self._closed(node)
+            if there is not None:
+                return there, "closed"
         if node.ahead * self.node.ahead < 0:
             shorter = joining(self.family, self.node, node)
             if shorter is not None:
@@ -112,19 +117,51 @@ class Walk:
         start[-1] = target
         return node_at(self.family, start, None, node, float(np.linalg.norm(node.z - self.node.z)))
 
-    def _closes(self, node: Node) -> bool:
-        """Whether the start lies between the last node and this one."""
+    def _closed(self, node: Node) -> Node | None:
+        """The node where the branch comes back to its start between the last node and this one, if it does.
+
+        To the start itself, or to the same orbit some periods of the source later.
+        """
         chord = node.z - self.node.z
         length = float(np.linalg.norm(chord))
-        share = float((self.start.z - self.node.z) @ chord) / length**2
-        beside = self.start.z - self.node.z - share * chord
-        if not 0 < share <= 1 or np.linalg.norm(beside) > length / 4 or chord @ self.start.tangent <= 0:
-            return False
+        for z in self._starts:
+            share = float((z - self.node.z) @ chord) / length**2
+            if not 0 < share <= 1 or np.linalg.norm(z - self.node.z - share * chord) > length / 4:
+                continue
+            of_parameter = (z[-1] - self.node.z[-1]) / chord[-1] if chord[-1] else share
+            for place in (share, float(of_parameter)):  # what `between` takes for a share
+                there = self._there(node, place)
+                if there is not None and np.linalg.norm(there.z - z) <= SAME:
+                    return there
+        return None
+
+    def _there(self, node: Node, share: float) -> Node | None:
+        if not 0 < share <= 1:
+            return None
         try:
-            there = between(self.family, self.node, node, share)
+            return between(self.family, self.node, node, share)
         except ContinuationError:
-            return False
-        return bool(np.linalg.norm(there.z - self.start.z) <= SAME)
+            return None
+
+    @cached_property
+    def _starts(self) -> list[np.ndarray]:
+        """The start, and the same orbit after each number of periods less than its own."""
+        end, z = self.start.point.end, self.start.z
+        once, X, starts = self.family.map(self.start.parameter).of(1), end.X, [z]
+        for _ in range(1, self.family.n):
+            X = landed(once, X).image
+            starts.append(np.array([*(X / self.family.scale[: len(X)]), *z[len(X) :]]))
+        return starts
+
+
+def landed(return_map: Any, X: np.ndarray) -> Any:
+    """The motion from X to its next return to the section, to rounding."""
+    T = None if return_map.section.timed else return_map.time_of_return(X)
+    end = return_map(X, T)
+    for _ in range(0 if T is None else POLISH):
+        T -= end.ahead / end.tilt[1]
+        end = return_map(X, T)
+    return end
 
 
 def bend(z: np.ndarray, ahead: float, node: Node) -> float:
