@@ -5,7 +5,14 @@ from typing import Any
 
 
 class MissingExtra(ImportError):
-    """A package that is not installed; the message names the extra of vibsim that brings it."""
+    """A package that is not installed; the message names the extra of vibsim that brings it.
+
+    >>> import vibsim
+    >>> try:
+    ...     table = vibsim.simulate("I-A", overrides={"t_end": "1 s"}).to_dataframe()
+    ... except vibsim.MissingExtra as missing:
+    ...     print(missing)
+    """
 
 
 def extra(package: str, name: str) -> Any:
