@@ -28,7 +28,7 @@ WHAT = ("capture", "drift", "impacts", "regime", "frequencies")
 
 @dataclass(frozen=True)
 class Analysis:
-    """Verdicts on a run; None for what was not asked and for what the scene has not got.
+    """Verdicts on a run; None where it was not asked for, or the scene lacks the part that it is about.
 
     Of drift, impacts and frequencies there is one verdict for two blocks, and for every other scene in which
     one thing alone can be meant; where there are several, a dictionary by the names of bodies or parts.

@@ -77,7 +77,7 @@ def lyapunov(
     case, overrides : as of `load_case`
     discard : time [s] that is left out at the start, for the motion to settle; None: half of the run
 
-    Raises ValueError for a count that the case has not got and for a transient that leaves nothing,
+    Raises ValueError for more exponents than the case has and for a transient that leaves nothing,
     EngineError (in `vibsim.engine.errors`) when the run fails.
 
     Of a damped oscillator x'' + c x' + x = cos(w t) that never meets its stop both are -c/2:

@@ -25,7 +25,7 @@ class Fact(NamedTuple):
 
 
 def derived_facts(scene: Scene) -> list[Fact]:
-    """Facts of a scene, of the paper's two blocks by the paper's symbols; those that need what it has not got
+    """Facts of a scene, of the paper's two blocks by the paper's symbols; those that need a missing part
     are left out.
     """
     if is_papers(scene):

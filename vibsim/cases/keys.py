@@ -145,7 +145,7 @@ def _names(section: Any) -> tuple[str, ...]:
 def full_key(key: str, present: Iterable[str] = (), allowed: Iterable[str] | None = None) -> str:
     """The dotted key that `key` stands for: itself, or the only one that ends in it (Omega0).
 
-    Keys that are `present` in a case win over those that it has not got. allowed : all keys that may be
+    Keys that are `present` in a case win over all others. allowed : all keys that may be
     set; by default those of the short form. Raises UnknownKeyError.
     """
     allowed = keys_of(SHORT, {}) if allowed is None else tuple(allowed)

@@ -14,7 +14,7 @@ NOT_PHYSICS = ("name", "title", "run.trust_tolerance")
 
 
 def nested_values(case: CaseHead) -> dict[str, Any]:
-    """Sections as dicts of quantities, words and whole numbers; what the case has not got is left out."""
+    """Sections as dicts of quantities, words and whole numbers; missing sections are left out."""
     values = _section_values(case)
     if not isinstance(case, CaseFile):
         from vibsim.cases.parts.defaults import with_defaults

@@ -66,7 +66,7 @@ def rule_value(rule: Mapping[str, Any], omega: Quantity) -> tuple[Fraction, int]
 
 
 def build_two_blocks(case: CaseFile, numbers: NumberType = DOUBLES) -> TwoBlocks:
-    """The scene of a case [SI, rad/s]; what the case has not got is None."""
+    """The scene of a case [SI, rad/s]; parts missing from the case are None."""
     every = case.run.every.value
     return TwoBlocks(
         **_blocks(case, numbers),

@@ -44,7 +44,7 @@ COMPLETION = (
     "(zsh_source for zsh, fish_source for fish)."
 )
 
-# What libraries start unless told otherwise: numpy threads for large matrices, which vibsim has not got; they
+# What libraries start unless told otherwise: numpy threads for large matrices, which vibsim lacks; they
 # spin while they wait (30 ms of a core). pydantic a search of all installed packages for its plugins.
 NOT_NEEDED = {"OPENBLAS_NUM_THREADS": "1", "PYDANTIC_DISABLE_PLUGINS": "__all__"}
 

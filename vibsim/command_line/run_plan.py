@@ -98,7 +98,7 @@ def with_exponents(
 ) -> list[Job]:
     """The jobs with so many Lyapunov exponents ("all": as many as each case has) behind a transient.
 
-    Raises UsageError for a count that a case has not got, a transient that leaves nothing of a run, a
+    Raises UsageError for more exponents than a case has, a transient that leaves nothing of a run, a
     transient without exponents, and exponents with digits.
     """
     if count is None:

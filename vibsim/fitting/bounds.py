@@ -12,7 +12,7 @@ class Bounds:
     high: float = inf
 
     def contain(self, value: float) -> bool:
-        """Whether a value is in the range; NaN, a quantity that a run has not got, is not."""
+        """Whether a value is in the range; NaN, where a run has no such quantity, is not."""
         return self.low <= value <= self.high
 
     def shortfall(self, value: float) -> float:

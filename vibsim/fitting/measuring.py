@@ -88,7 +88,7 @@ def run(case: Case, engine: str, go_on: Callable[[], bool] | None, trust: bool =
 
 
 def measure(result: Result, asked: tuple[Asked, ...]) -> dict[str, float]:
-    """What is asked of a run, by position as text; NaN for what it has not got."""
+    """What is asked of a run, by position as text; NaN where the run has no such quantity."""
     return {
         str(i): each.observable.measure(result, each.window_in(result.t_reached), each.argument)
         for i, each in enumerate(asked)

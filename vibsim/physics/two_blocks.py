@@ -1,7 +1,7 @@
 """The machine of the paper by the symbols of the paper: two blocks, one spring, one stop, one friction.
 
-What a scene has not got is None and is not modelled. The fields are floats; the arbitrary-precision runs put
-other number types in. The engines read `as_parts()`.
+Parts missing from the scene are None and add no terms. The fields are floats; runs of arbitrary
+precision put other number types in. The engines read `as_parts()`.
 """
 
 from dataclasses import dataclass

@@ -18,7 +18,7 @@ Active = dict["Future[list[Point]]", Handed]
 
 
 def run(store: Store, workers: Workers, watch: Watch | None = None) -> bool:
-    """Compute the points that `store` has not got; whether all of them were reached.
+    """Compute the points that `store` lacks; whether all of them were reached.
 
     A point never depends on when, where or beside which others it is computed, so neither does the result.
     """
