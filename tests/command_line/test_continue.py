@@ -81,6 +81,11 @@ def test_what_is_refused(given, code, message):
     assert result.exit_code == code and message in result.stderr, result.stderr
 
 
+def test_a_branch_is_no_orbit(followed):
+    result = call("continue", followed[0], "--omega0", "3:9")
+    assert result.exit_code == 2 and "holds a branch; --switch PD1 or --locus NS1" in result.stderr
+
+
 def test_a_file_that_holds_another_branch_is_kept(followed):
     path, _ = followed
     before = path.read_bytes()

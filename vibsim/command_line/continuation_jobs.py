@@ -47,6 +47,7 @@ def read_plan(
         return _switched(source, changes, given, switch, output)
     if given != 1:
         raise click.UsageError("give one range to follow: --omega0, --omega or --param KEY=FROM:TO")
+    _check_kind(source)
     case = read_case(source, changes)
     if param is None:
         option, text = chosen[0]
@@ -59,6 +60,15 @@ def read_plan(
     except (BranchError, UnknownKeyError) as error:
         raise click.UsageError(f"{option}: {error}") from None
     return plan, hdf5_name(output or f"{case.name}-{scale_name(keys[0])}-branch.h5")
+
+
+def _check_kind(source: str) -> None:
+    """Usage error for a file that holds neither an orbit nor a run."""
+    kind = kind_of(source) if source != "-" and is_result_file(source) else "trajectory"
+    if kind == "branch":
+        raise click.UsageError(f"{source} holds a branch; --switch PD1 or --locus NS1 go on from one")
+    if kind != "trajectory":
+        raise click.UsageError(f"{source} holds a {kind}; give a case, or the file of an orbit or a run")
 
 
 def _switched(
