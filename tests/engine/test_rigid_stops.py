@@ -407,3 +407,27 @@ def test_letting_go_is_no_grazing(engine, method, e):
     found = run(of, engine)
     assert found.events["kind"].tolist().count(EVENT_KINDS["rest_end"]) > 4
     assert np.isnan(found.totals["grazing_margin"])
+
+
+@pytest.mark.parametrize("method", ("auto", "taylor"))
+@pytest.mark.parametrize("x", (0.00675, 1.0))
+def test_chatter_under_friction_ends_and_tells_what_it_left_out(x, method):
+    """A body pressed to a wall by F, rubbing with N: it rises against a = (F + N) / m, returns with
+    b = (F - N) / m, so speeds shrink by q = e sqrt(b / a), and rest begins after
+    e v (1 / a + 1 / sqrt(a b)) / (1 - q). Rounding of x hides the last hops.
+    """
+    F, N, m, v, e = 0.9, 0.32, 0.57, 0.04, 0.8
+    of = Scene(
+        (Body("b", m, x, v),),
+        stops=(RigidStop("wall", 0, GROUND, x, COMPRESSION, e, True),),
+        frictions=(Friction("f", 0, GROUND, N, N, 0.0),),
+        forces=(Force("F", 0, F, ()),),
+        t_end=1.0,
+        method=method,
+    )
+    found = run(of, "c", most=1000)
+    a, b = (F + N) / m, (F - N) / m
+    expected = e * v * (1 / a + 1 / sqrt(a * b)) / (1 - e * sqrt(b / a))
+    left_out = found.totals["chatter_time"]
+    assert times(found, "rest_begin") + left_out == pytest.approx([expected], abs=left_out / 100)
+    assert 0 < left_out < 10 * sqrt(2 * 1024 * 2.0**-53 * 2 * x / a)

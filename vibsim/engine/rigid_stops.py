@@ -9,6 +9,11 @@ Resolution of time: behind a blow with the speed w, against the acceleration a t
 the next blow comes after 2 w / a and the last one after 2 w / (a (1 - e)), as long as a stays what it is. The
 former cannot be told from now below NEXT units in the last place of t, the latter is not worth waiting for
 below LAST of them. Where the approach itself was as slow as that there was no impact, but a touch that stays.
+
+Resolution of length: where a friction turns round at the top of a hop, the motion starts anew from rounded
+displacements, and the return is lost in that where the height w^2 / (2 a) is. So the sequence ends below
+LOWEST of their rounding. With the acceleration b of the return it would have lasted for another
+w (1 / a + 1 / sqrt(a b)) / (1 - e sqrt(b / a)), some 1e-7 s, which is told.
 """
 
 from dataclasses import dataclass, field
@@ -34,6 +39,7 @@ from vibsim.physics.parts import AT_FORCE
 
 NEXT, LAST = 2, 8  # units in the last place of the time
 ROUNDING = 8  # of a sum or a difference of two numbers, in units of eps
+LOWEST = 1024  # of displacements; event functions near zero are watched to some hundred
 
 
 @dataclass
@@ -93,7 +99,7 @@ class RigidStops:
         """What follows where stop `i` touches, as `Automaton.take`: (status, what happened, known zeros)."""
         touch = self._touching(state, status, i)
         self._strike(state, touch)
-        after, lifts = self._lifted(state, self._turned(state, status, touch), touch)
+        after, lifts = self._lifted(state, self._turned(state, status, touch.moved), touch)
         settled = self._settled(state, after, touch)
         while self._ends(state, settled, touch):
             settled = self._settled(state, after, touch)
@@ -203,12 +209,12 @@ class RigidStops:
                 known[PUSH, i] = 0
         return known
 
-    def _turned(self, state, status, touch):
-        """The status with the frictions as the velocities behind the blows say."""
+    def _turned(self, state, status, moved):
+        """The status with the frictions of the columns `moved` as the velocities say."""
         v, turned = self._velocities(state), {}
         for i, friction in enumerate(self.scene.frictions):
             P, Q = self.maker.ends(friction)
-            if touch.moved & {P, Q}:
+            if moved & {P, Q}:
                 slip = (v[P] - v[Q]) - friction.belt
                 noise = ROUNDING * self.kit.eps * (abs(v[P]) + abs(v[Q]) + abs(friction.belt))
                 turned[i] = STICK if abs(slip) <= noise else FORWARD if slip > 0 else BACKWARD
@@ -236,8 +242,9 @@ class RigidStops:
         """
         rests = {self.frictions + j: STICK if rate == 0 else FORWARD for j, rate in touch.rates.items()}
         status = status.with_ties(rests)
+        seats = [self.maker.ends(self.maker.tie(k)) for k in status.tied if k >= self.frictions]
+        self._join(state, seats)
         standing = status.tied
-        self._join(state, [self.maker.ends(self.maker.tie(k)) for k in standing if k >= self.frictions])
         settled = self.automaton._settle(state, status, standing) if standing else status
         if RESTING in settled.stops and not self.automaton._possible(self.maker.rows(settled)):
             raise EngineError("crushed", state)
@@ -280,14 +287,41 @@ class RigidStops:
             if drive <= 0:
                 continue
             after = 2 * speed / drive
-            if after <= NEXT * unit or (c.e < 1 and after <= (1 - c.e) * (LAST * unit)):
-                last = after if c.e == 1 else after / (1 - c.e)
+            last = after if c.e == 1 else after / (1 - c.e)
+            soon = after <= NEXT * unit or (c.e < 1 and after <= (1 - c.e) * (LAST * unit))
+            rubbing = [] if soon or c.e == 1 else self._rubbing(status, c)
+            if rubbing and self._is_low(state, c.stop, speed * after / 4):
+                soon, last = True, self._lasting(state, status, c, rubbing, speed, drive)
+            if soon:
                 cut = self.cut_off
                 cut.time, cut.speed = cut.time + last, cut.speed + speed
                 cut.distance = cut.distance + speed * after / 8
                 touch.rates[c.stop], touch.ended[c.stop] = self.kit.number(0), drive
                 found = True
         return found
+
+    def _rubbing(self, status, contact):
+        """Frictions that slip at an end of a stop."""
+        ends = {column for column in (contact.P, contact.Q) if column < self.maker.n}
+        frictions = enumerate(self.scene.frictions)
+        return [
+            i for i, one in frictions if status.frictions[i] != STICK and ends & set(self.maker.ends(one))
+        ]
+
+    def _is_low(self, state, j, height):
+        """Whether rounding of displacements hides a hop of some height [m]."""
+        return height <= LOWEST * self.kit.eps * self._size(self.scene.stops[j], state)
+
+    def _lasting(self, state, status, c, rubbing, speed, drive):
+        """How long a sequence of impacts would go on whose hops rise against `drive` and return with the
+        frictions `rubbing` turned round [s].
+        """
+        turned = status.with_frictions({i: -status.frictions[i] for i in rubbing})
+        back = self._drive(state, turned, c.stop)
+        if not 0 < back < drive:
+            return 2 * speed / drive / (1 - c.e)
+        share = self.kit.sqrt(back / drive)
+        return speed / drive * (1 + 1 / share) / (1 - c.e * share)
 
     def _drive(self, state, status, j):
         """Acceleration that drives the ends of an open stop together [m/s^2]."""
