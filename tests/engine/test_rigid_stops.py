@@ -28,6 +28,7 @@ from vibsim.physics.parts import (
     Motor,
     RigidStop,
     Scene,
+    Stop,
 )
 
 METHODS = ("auto", "taylor")
@@ -431,3 +432,21 @@ def test_chatter_under_friction_ends_and_tells_what_it_left_out(x, method):
     left_out = found.totals["chatter_time"]
     assert times(found, "rest_begin") + left_out == pytest.approx([expected], abs=left_out / 100)
     assert 0 < left_out < 10 * sqrt(2 * 1024 * 2.0**-53 * 2 * x / a)
+
+
+def test_a_body_that_stands_at_one_stop_and_is_struck_through_another_does_not_pass():
+    """At t = 0 b2 stands at the wall, about to part from it, when b3 strikes it: both stops take part."""
+    bodies = (
+        Body("b0", 0.40644332916521275, -0.00133, 0.0),
+        Body("b1", 0.3953666200681279, 0.0, 0.0),
+        Body("b2", 2.2594357702209775, 0.0, 0.0),
+        Body("b3", 0.4518559443749224, -0.0018, 0.01872389221539517),
+    )
+    stops = (
+        Stop("s0", 1, 0, -0.002, EXTENSION, 74.19245410465113, 0.0),
+        RigidStop("r0", 2, 3, -0.0018, EXTENSION, 0.3, True),
+        RigidStop("r2", 2, GROUND, 0.0, COMPRESSION, 0.3, True),
+    )
+    links = (Link("l0", 2, 0, 22.354231116646613, 0.0),)
+    scene = Scene(bodies, links, stops, t_end=0.07957747154594767, every_num=1, every_den=40)
+    assert run(scene).samples["x_b2"].max() < 1e-16

@@ -61,10 +61,18 @@ static double depth_of(const Run *r, const RigidStop *s, double X)
     return -(s->sense * (column(r, r->next.x, s->P, X) - column(r, r->next.x, s->Q, X))) - s->gap;
 }
 
-/* Whether a stop is open by so much that it takes no part in what happens at r->next. */
-static int stands_off(const Run *r, const RigidStop *s, double X, double V, double unit)
+static double size_of(const Run *r, const RigidStop *s, double X)
 {
-    double size = fabs(column(r, r->next.x, s->P, X)) + fabs(column(r, r->next.x, s->Q, X)) + fabs(s->gap);
+    return fabs(column(r, r->next.x, s->P, X)) + fabs(column(r, r->next.x, s->Q, X)) + fabs(s->gap);
+}
+
+/* Whether a stop is open by so much that it takes no part in what happens to `struck` at r->next, whose seating
+ * may have moved a body that they share.
+ */
+static int stands_off(
+    const Run *r, const RigidStop *s, const RigidStop *struck, double X, double V, double unit)
+{
+    double size = fmax(size_of(r, s, X), size_of(r, struck, X));
     double rate = -(s->sense * (column(r, r->next.v, s->P, V) - column(r, r->next.v, s->Q, V)));
     return -depth_of(r, s, X) > NEAR * (fabs(rate) * unit + EPS * size);
 }
@@ -100,7 +108,7 @@ int blow_take(Run *r, const Event *event, Blow *done)
     if (!(done->before > 0))
         return 0;
     for (i = 0; i < r->rigid_count; i++)
-        if (&r->rigid[i] != s && !stands_off(r, &r->rigid[i], X, V, unit))
+        if (&r->rigid[i] != s && !stands_off(r, &r->rigid[i], s, X, V, unit))
             return 0;
     drive = drive_at_next(r, event);
     speed = s->e * done->before;

@@ -145,13 +145,18 @@ class RigidStops:
         return Contact(j, P, Q, stop.sense, stop.e)
 
     def _touching(self, state, status, i):
-        """The stops that rest, and those that meet stop `i` within the resolution of time and length."""
+        """The stops that rest, and those that meet stop `i` within the resolution of time and length.
+
+        A body that was seated at one stop has moved by the rounding of that one's displacements.
+        """
         v, kit = self._velocities(state), self.kit
         within = LAST * self._unit_of(state.t)
         contacts, together = [], False
         for j, stop in self.scene.rigid_stops:
             contact, room = self._contact(j), -self.automaton._depth(stop, state)
             rate, size = rate_of(kit, contact, v), self._size(stop, state)
+            if j != i and self._share(i, j):
+                size = max(size, self._size(self.scene.stops[i], state))
             if j == i or status.stops[j] == RESTING or room <= abs(rate) * within + ROUNDING * kit.eps * size:
                 contacts.append(contact)
             if j != i and status.stops[j] == OPEN and rate > 0 and self._share(i, j):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from vibsim.cases import load_case
+from vibsim.cases.loading import load_case_text
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.evidence.peers.attempt import kinds_of
 from vibsim.evidence.peers.eventless import eventless_motion
@@ -92,11 +93,11 @@ def test_events_and_displacements(name, peer, allowed):
 @pytest.mark.parametrize(("peer", "allowed"), PEERS)
 @pytest.mark.parametrize("name", CHATTERING)
 def test_chatter_ends_in_rest(name, peer, allowed):
-    """Hops within the tolerance are left out, so impacts are fewer; rests are the same."""
+    """Where the last hops are left out differs; rests are the same."""
     error, kinds, expected = solved(peer, name, CHATTERING[name])
     assert kinds.count("rest_begin") == expected.count("rest_begin") >= 1
     assert kinds.count("rest_end") == expected.count("rest_end")
-    assert 5 < kinds.count("impact") < expected.count("impact")
+    assert kinds.count("impact") > 5
     assert error < allowed
 
 
@@ -114,3 +115,37 @@ def test_a_stop_that_lets_go_by_force_does_not_pull_without_events_either():
     free = motion(0.0, [0.0] * 4)[1]
     assert motion(0.0, deep)[1] == pytest.approx(free - stop.k * 1e-6 / scene.bodies[0].m, rel=1e-9)
     assert motion(0.0, apart)[1] == free
+
+
+@pytest.mark.parametrize(("peer", "allowed"), PEERS)
+def test_a_body_that_starts_at_its_stop_and_comes_back(peer, allowed):
+    """Its depth is exactly 0 at the start; v0 / (g / 2) later it meets the stop again."""
+    text = """
+    bodies: {ball: 1 kg}
+    stops: {floor: {between: [ball, ground], gap: 0 m, acts: extension, k: 100 N/m}}
+    forces: {weight: {on: ball, F0: -10 N}}
+    initial: {ball: {v: 1 m/s}}
+    run: {t_end: 0.3 s, every: 10 ms}
+    """
+    scene = load_case_text(text, name="thrown").scene()
+    times = np.array([scene.sample_time(i) for i in range(scene.sample_count)])
+    attempt = peer(scene).run(times, TimeLimit())
+    assert [EVENT_NAMES[kind] for _, kind in attempt.events] == ["contact_begin"]
+    assert attempt.events[0][0] == pytest.approx(0.2, abs=1e-10)
+    late = times[times > 0.2] - 0.2  # the spring at work: x = -g/w^2 (1 - cos wt) - v/w sin wt, w = 10 / s
+    expected = -0.1 * (1 - np.cos(10 * late)) - 0.1 * np.sin(10 * late)
+    assert np.abs(attempt.states[times > 0.2, 0] - expected).max() < allowed
+
+
+@pytest.mark.parametrize(("peer", "allowed"), PEERS)
+def test_a_body_without_forces_is_a_scene_too(peer, allowed):
+    text = "bodies: {a: 1 kg, b: 1 kg}\ninitial: {a: {v: 1 m/s}}\nrun: {t_end: 1 s, every: 0.1 s}"
+    scene = load_case_text(text, name="free").scene()
+    attempt = peer(scene).run(np.linspace(0, 1, 11), TimeLimit())
+    assert attempt.states[-1] == pytest.approx([1, 1, 0, 0], abs=allowed)
+
+
+def test_ties_whose_forces_are_not_unique_are_refused():
+    scene = load_case("hard/pressed-on-a-stop", {"run.t_end": "2 s"}).scene()
+    with pytest.raises(ArithmeticError, match="hold the same bodies at once: their forces are not unique"):
+        dop853(scene).run(np.linspace(0, 2, 11), TimeLimit())

@@ -21,22 +21,14 @@ States = list[str]
 def consistent_states(at: Instant, states: States, undecided: Sequence[int]) -> States | None:
     """`states` with those of the parts `undecided` chosen; None where no combination is consistent.
 
-    Raises ArithmeticError where one might be, and its forces are not unique.
+    Raises ArithmeticError where one may be whose forces are not unique: its consistency cannot be told.
     """
     if not undecided:
         return states
     if len(undecided) == 1 and isinstance(at.switches[undecided[0]].part, Friction):
         return _of_one_friction(at, states, undecided[0])
-    problem: ArithmeticError | None = None
-    for trial in _combinations(at, states, undecided):
-        try:
-            if _is_consistent(at, trial, undecided):
-                return trial
-        except ArithmeticError as error:
-            problem = problem or error
-    if problem is not None:
-        raise problem
-    return None
+    trials = _combinations(at, states, undecided)
+    return next((trial for trial in trials if _is_consistent(at, trial, undecided)), None)
 
 
 def _of_one_friction(at: Instant, states: States, i: int) -> States:

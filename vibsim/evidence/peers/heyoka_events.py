@@ -49,7 +49,8 @@ class HeyokaEvents:
         pieces, steps, stopped, first = [np.array([start_of(self.scene)])], 0, False, 0
         try:
             while first < len(times) - 1:
-                ahead = times[first : first + PIECE + 1]
+                ahead = times[first : first + PIECE + 1].copy()
+                ahead[0] = self.integrator.time
                 outcome, _, _, taken, _, states = self.integrator.propagate_grid(ahead)
                 steps += taken
                 if self.problem is not None:
@@ -76,6 +77,8 @@ class HeyokaEvents:
         self._set_parameters(self.integrator)
         if self.integrator.with_events:
             self.integrator.reset_cooldowns()
+        # where an event function is exactly 0, heyoka misses its next zero in the same step: so a short one
+        self.integrator.step(SHORTEST_HOP)
 
     def _set_parameters(self, integrator):
         integrator.pars[:] = self.mode.parameters[: len(integrator.pars)]  # the last may be in no equation
@@ -109,6 +112,12 @@ def expressions(scene: Scene):
     states = hy.make_vars(*names)
     parameters = [hy.par[i] for i in range(parameter_count(scene))]
     equations = ModeEquations(scene, KIT, hy.time, states, parameters)
-    system = list(zip(states, equations.rates, strict=True))
+    system = [(state, _expression(rate)) for state, rate in zip(states, equations.rates, strict=True)]
     parts = range(len(equations.switches))
-    return system, [(i, function) for i in parts for function in equations.ends_in_any_state(i)]
+    ends = [(i, _expression(end)) for i in parts for end in equations.ends_in_any_state(i)]
+    return system, ends
+
+
+def _expression(value):
+    """A value of heyoka's: a plain number, such as the rate of a body without forces, becomes one."""
+    return hy.expression(value) if isinstance(value, float) else value

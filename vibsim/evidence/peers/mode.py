@@ -32,6 +32,8 @@ KINDS = {
     (REST, OPEN): "rest_end",
 }
 
+STILL = 1e-12  # of the fastest velocity: at rest but for rounding
+
 Events = list[str]  # kinds
 
 
@@ -98,7 +100,7 @@ class Mode:
             case "stick":
                 self.states[i] = self._torn(at, i)
             case "forward" | "backward":
-                undecided.append(i)
+                undecided += [i, *self._still(at, i)]
             case _:
                 self.states[i] = _elastic_behind(at, i, before[i])
         self._settle(at, undecided, i)
@@ -109,6 +111,12 @@ class Mode:
         struck = strike(at, self.states, striking, undecided, self.shortest)
         self.hop_ends = struck.hop_ends
         return ["impact"] * struck.impacts, struck.undecided
+
+    def _still(self, at: Instant, i: int) -> list[int]:
+        """Frictions that slide, and come to rest at the same instant as friction i."""
+        fastest = max(map(abs, at.state[1 : 2 * len(self.compiled.masses) : 2]))
+        slides = (j for j, each in enumerate(self.states) if each in (FORWARD, BACKWARD) and j != i)
+        return [j for j in slides if abs(at.rate(j)) <= STILL * fastest]
 
     def _torn(self, at: Instant, i: int) -> str:
         """The way a stick that ends begins to slip."""
