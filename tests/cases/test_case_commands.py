@@ -8,7 +8,7 @@ import pytest
 import yaml
 from click.testing import CliRunner
 
-from vibsim.cases import CaseError, gallery_case_names, shipped_case_names
+from vibsim.cases import gallery_case_names, shipped_case_names
 from vibsim.cases.forms import LONG, SHORT
 from vibsim.cases.keys import all_keys
 from vibsim.command_line.main import group
@@ -51,14 +51,6 @@ def test_cases_prints_the_long_form():
     assert vibsim("check", "-", stdin=out) == (0, "-: ok (II-B: motor 5.5 Hz, 300 s every 5 ms)\n")
     with pytest.raises(click.UsageError, match="give the NAME of one"):
         CliRunner().invoke(group, ["cases", "--resolved"], standalone_mode=False, catch_exceptions=False)
-
-
-def test_a_bench_says_that_its_peers_know_two_blocks_only(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    Path("hammer.yaml").write_text("bodies: {ram: 2 kg}\n")
-    with pytest.raises(CaseError, match="named parts have no symbols of the paper"):
-        CliRunner().invoke(group, ["bench", "hammer.yaml"], standalone_mode=False, catch_exceptions=False)
-    assert [path.name for path in tmp_path.iterdir()] == ["hammer.yaml"]
 
 
 def test_cases_as_json():

@@ -9,6 +9,7 @@ import pytest
 import vibsim
 from tests.engine.test_closed_cases import harmonic, scene
 from vibsim.cases import load_case
+from vibsim.command_line.orbit_text import stability_text
 from vibsim.orbits import find_orbit
 from vibsim.orbits.stability import neighbours
 from vibsim.physics.parts import COMPRESSION, GROUND, Body, Clearance, Force, Friction, Link, Stop
@@ -47,6 +48,7 @@ def test_a_family_of_orbits_under_dry_friction(x):
     assert abs(one - 1) < 1e-13 and abs(other - np.prod(reversal_factors(of, orbit))) < 1e-13
     assert orbit.X[1] == pytest.approx(2 / 3, abs=1e-12)  # 1 / (1 - 1/4) of the force, at its rate 1/2
     assert [near.kind for near in neighbours(orbit)] == ["family"]
+    assert not orbit.stable and "undecided by first order: 1 multiplier on" in stability_text(orbit)
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -7,6 +7,7 @@ from typing import Any
 from vibsim.command_line.multiplier_text import multiplier_text
 from vibsim.command_line.quantity_text import counted, metres
 from vibsim.command_line.terminal import style
+from vibsim.orbits.multipliers import sides_of_circle
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.stability import neighbours
 from vibsim.orbits.word import LETTERS
@@ -77,12 +78,14 @@ def multipliers_text(orbit: Orbit) -> str:
 
 def stability_text(orbit: Orbit) -> str:
     """Whether it is stable, and which bifurcations are near."""
-    outside = int((abs(orbit.multipliers) >= 1).sum())
-    said = (
-        "stable"
-        if orbit.stable
-        else style(f"unstable: {counted(outside, 'multiplier')} outside", fg="yellow")
-    )
+    _, on_circle, outside = sides_of_circle(orbit.multipliers)
+    said = "stable"
+    if outside:
+        said = style(f"unstable: {counted(outside, 'multiplier')} outside", fg="yellow")
+    elif on_circle:
+        said = style(
+            f"undecided by first order: {counted(on_circle, 'multiplier')} on the unit circle", fg="yellow"
+        )
     near = [neighbour.text for neighbour in neighbours(orbit)]
     return "; ".join([said, *near])
 

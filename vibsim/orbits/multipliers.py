@@ -6,6 +6,7 @@ import numpy as np
 
 EPS = 2.0**-53
 ROUNDING = 64  # units in the last place of the matrix: rounding of its eigenvalues, where they are simple
+ON_CIRCLE = 1e-10  # of a multiplier beside the unit circle: on it but for rounding
 FORGETS = {"stick_begin", "chatter", "rest_begin"}  # events behind which a direction is lost
 
 
@@ -23,6 +24,13 @@ def multipliers_of(end):
     if len(values) and any(kind in FORGETS for kind, _ in end.events):
         values[-1] = 0.0
     return values
+
+
+def sides_of_circle(multipliers):
+    """How many multipliers are inside the unit circle, on it but for rounding, and outside."""
+    beyond = np.abs(multipliers) - 1
+    outside, inside = int((beyond > ON_CIRCLE).sum()), int((beyond < -ON_CIRCLE).sum())
+    return inside, len(beyond) - inside - outside, outside
 
 
 def exponents_of(multipliers, period):

@@ -9,7 +9,7 @@ import numpy as np
 from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.labelled import Labelled, few
 from vibsim.orbits.measures import energy_of, points_of
-from vibsim.orbits.multipliers import exponents_of, multipliers_of
+from vibsim.orbits.multipliers import exponents_of, multipliers_of, sides_of_circle
 from vibsim.orbits.sliding import sliding_margin
 from vibsim.orbits.word import cyclic, spelled
 
@@ -80,8 +80,9 @@ class Orbit(Labelled):
 
     @property
     def stable(self) -> bool:
-        """Whether all multipliers are inside the unit circle."""
-        return bool(np.abs(self.multipliers).max(initial=0.0) < 1)
+        """Whether all multipliers are inside the unit circle, by more than rounding."""
+        inside, _, _ = sides_of_circle(self.multipliers)
+        return inside == len(self.multipliers)
 
     @property
     def events(self) -> tuple[tuple[str, int], ...]:
@@ -151,7 +152,9 @@ class Orbit(Labelled):
     def heading(self) -> str:
         """Name of the case, period, and whether it is stable."""
         name = f"of {self.case.name}: " if self.case is not None else ""
-        return f"{name}period {self.period:.8g} s, {'stable' if self.stable else 'unstable'}"
+        _, on_circle, outside = sides_of_circle(self.multipliers)
+        said = "unstable" if outside else "neither stable nor unstable" if on_circle else "stable"
+        return f"{name}period {self.period:.8g} s, {said}"
 
     def lines(self) -> list[tuple[str, str]]:
         """Unknowns on the section, events, multipliers and margin."""

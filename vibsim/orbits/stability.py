@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass
 
+from vibsim.orbits.multipliers import ON_CIRCLE
+
 NEAR = 0.02  # distance of a multiplier from the unit circle that is worth telling
-ROUNDING = 1e-10  # of a multiplier: 1 within it is 1
 
 
 @dataclass(frozen=True)
@@ -35,4 +36,4 @@ def _kind(mu):
         return "Neimark-Sacker"
     if mu.real < 0:
         return "period doubling"
-    return "family" if abs(mu - 1) < ROUNDING else "fold"
+    return "family" if abs(mu - 1) < ON_CIRCLE else "fold"
