@@ -23,8 +23,9 @@ kind = os.environ.get("VIBSIM_BUILD", "")
 
 engine = Extension(
     "vibsim.engine._engine",
-    sources=sorted(glob(f"{ROOM}/*.c")),
-    depends=sorted(glob(f"{ROOM}/*.h")),
+    sources=sorted(glob(f"{ROOM}/**/*.c", recursive=True)),
+    depends=sorted(glob(f"{ROOM}/**/*.h", recursive=True)),
+    include_dirs=[ROOM, *sorted(glob(f"{ROOM}/*/"))],
     extra_compile_args=MSVC_FLAGS if os.name == "nt" else GCC_FLAGS + EXTRA[kind],
     extra_link_args=[flag for flag in EXTRA[kind] if flag.startswith(("-fsanitize", "--coverage"))],
     optional=not kind,

@@ -8,7 +8,7 @@ import pytest
 
 import vibsim
 from vibsim.analysis.exponents import judged
-from vibsim.engine.lyapunov import LyapunovExponents
+from vibsim.engine.tangent.lyapunov import LyapunovExponents
 
 RATE, TIMES = 0.7, np.linspace(100.0, 300.0, 101)
 

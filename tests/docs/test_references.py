@@ -90,7 +90,7 @@ def test_nothing_cites_a_file_that_is_not_in_the_repository():
         ("see shared/physics.md", ["shared/physics.md"]),
         ("see docs/nosuch.md, docs/engine.md", ["docs/nosuch.md"]),
         ("`results/structure.py`", ["results/structure.py"]),
-        ("`engine/rows.py` and `physics/parts.py`", []),
+        ("`engine/modes/rows.py` and `physics/parts.py`", []),
     ],
 )
 def test_what_is_missing_is_found(text, absent):

@@ -3,7 +3,7 @@
 from dataclasses import fields, is_dataclass, replace
 
 from vibsim.engine.driver import Driver
-from vibsim.engine.tangent_space import dimension
+from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.engine.trajectory import open_trajectory
 
 PER_PIECE = 400 * 2.0**-53  # of the volume: cut-off 1.65**20 / 20! = 9e-15, rounding of the vectors

@@ -11,7 +11,7 @@ import vibsim.engine.c_engine as c_engine
 from tests.engine.random_parts import rigid_scenes
 from tests.engine.runs import differences, outcome, run
 from tests.engine.test_closed_cases import harmonic, scene
-from vibsim.engine.rows import STRIKE
+from vibsim.engine.modes.rows import STRIKE
 from vibsim.physics.parts import BASE, COMPRESSION, EXTENSION, GROUND, Body, Force, Link, RigidStop
 
 G, H = 9.81, 0.05

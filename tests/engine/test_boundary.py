@@ -10,9 +10,9 @@ from tests.scenes import harmonic, paper, scene
 from vibsim.cases import load_case
 from vibsim.engine import _engine
 from vibsim.engine.c_engine import CRun
-from vibsim.engine.packing import pack_mode, pack_scene, pack_state
-from vibsim.engine.packing_tangent import DisturbancePacker, pack_bundle
-from vibsim.engine.tangent_space import dimension, length
+from vibsim.engine.modes.packing import pack_mode, pack_scene, pack_state
+from vibsim.engine.tangent.packing_tangent import DisturbancePacker, pack_bundle
+from vibsim.engine.tangent.tangent_space import dimension, length
 
 HUGE = (2**31 - 1, 10**6, -(10**6), -(2**31))
 PAPER = paper("II-B").as_parts()

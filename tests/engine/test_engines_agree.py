@@ -14,7 +14,7 @@ from tests.engine.random_parts import part_scenes, rigid_scenes
 from tests.engine.runs import Run, differences, outcome, run
 from tests.scenes import CASE_NAMES, MOTORS, paper
 from vibsim.engine.c_engine import CRun
-from vibsim.engine.tangent_space import dimension
+from vibsim.engine.tangent.tangent_space import dimension
 
 
 def assert_engines_agree(scene, tangent=0):

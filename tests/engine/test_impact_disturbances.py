@@ -17,9 +17,9 @@ from tests.engine.test_closed_cases import harmonic, scene
 from tests.engine.test_monodromy import ENGINES, METHODS, assert_same, outcome, start_of
 from tests.engine.test_tangent_jacobian import CLOSE, DIGITS, SHIFT, numbers
 from vibsim.engine.errors import EngineError
-from vibsim.engine.monodromy import Carrier
-from vibsim.engine.rows import RowMaker
-from vibsim.engine.tangent_space import Gauge, TangentSpace, dimension
+from vibsim.engine.modes.rows import RowMaker
+from vibsim.engine.tangent.monodromy import Carrier
+from vibsim.engine.tangent.tangent_space import Gauge, TangentSpace, dimension
 from vibsim.physics.modes import EVENT_NAMES
 from vibsim.physics.multiprecision import Balls
 from vibsim.physics.parts import (

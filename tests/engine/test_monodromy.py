@@ -15,9 +15,9 @@ from tests.engine.test_closed_cases import harmonic, scene
 from tests.engine.test_tangent_jacobian import DIGITS, SCENES, SHIFT, numbers
 from tests.scenes import paper
 from vibsim.engine.errors import EngineError
-from vibsim.engine.monodromy import Carrier
-from vibsim.engine.rows import RowMaker
-from vibsim.engine.tangent_space import TangentSpace, length
+from vibsim.engine.modes.rows import RowMaker
+from vibsim.engine.tangent.monodromy import Carrier
+from vibsim.engine.tangent.tangent_space import TangentSpace, length
 from vibsim.physics.multiprecision import Balls
 from vibsim.physics.parts import COMPRESSION, GROUND, Body, Force, Friction, Link, Stop
 

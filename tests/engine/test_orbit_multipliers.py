@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.scenes import paper
-from vibsim.engine.monodromy import Carrier
+from vibsim.engine.tangent.monodromy import Carrier
 
 # case, its changes; period [s]; y = x1 - x2, v1, v2 and phi' on the section; multipliers
 ORBITS = {

@@ -7,11 +7,11 @@ from hypothesis import given, settings
 
 from tests.engine.random_parts import part_scenes
 from tests.engine.test_closed_cases import scene
-from vibsim.engine.automaton import JET, Automaton
-from vibsim.engine.certificate import Certificate
-from vibsim.engine.flow import Flow
-from vibsim.engine.plain_start import PlainStart
-from vibsim.engine.rows import RowMaker
+from vibsim.engine.events.automaton import JET, Automaton
+from vibsim.engine.events.certificate import Certificate
+from vibsim.engine.events.plain_start import PlainStart
+from vibsim.engine.flows.flow import Flow
+from vibsim.engine.modes.rows import RowMaker
 from vibsim.engine.state import start_of
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import COMPRESSION, GROUND, Body, Friction, Stop

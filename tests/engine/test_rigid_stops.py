@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from tests.engine.random_parts import rigid_scenes
 from tests.engine.runs import outcome, run
 from vibsim.engine.columns import state_columns
-from vibsim.engine.error_growth import _kick
-from vibsim.engine.status import RESTING
+from vibsim.engine.modes.status import RESTING
+from vibsim.engine.tangent.error_growth import _kick
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import (
     BASE,

@@ -12,8 +12,8 @@ from tests.engine.test_published_numbers import oscillator
 from tests.engine.test_restart import assert_restarts
 from vibsim.engine.columns import part_columns, state_columns
 from vibsim.engine.driver import Driver
+from vibsim.engine.modes.rows import SLIDE
 from vibsim.engine.resume import resume_point
-from vibsim.engine.rows import SLIDE
 from vibsim.engine.truth import open_truth
 from vibsim.physics.modes import EVENT_KINDS, EVENT_NAMES
 from vibsim.physics.numbers import Doubles

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from vibsim.engine.first_root import deflated_step, leading_order, safe_step
-from vibsim.engine.polynomial_root import PolynomialSearch
+from vibsim.engine.events.first_root import deflated_step, leading_order, safe_step
+from vibsim.engine.events.polynomial_root import PolynomialSearch
 from vibsim.physics.numbers import Doubles
 
 EPS = 2.0**-53

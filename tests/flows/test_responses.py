@@ -13,7 +13,7 @@ import mpmath
 import pytest
 
 from tests.flows.exact_responses import exact_responses, sensitivity
-from vibsim.engine.responses import Oscillator, free_harmonic_response
+from vibsim.engine.flows.responses import Oscillator, free_harmonic_response
 from vibsim.physics.numbers import Doubles
 
 EPS = 2.0**-53

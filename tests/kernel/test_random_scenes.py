@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 
 from tests.random_scenes import scenes
 from vibsim.engine.errors import EngineError
-from vibsim.engine.tangent_space import dimension
+from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.engine.trajectory import open_trajectory, state_at
 
 COUNT = int(os.environ.get("VIBSIM_SCENES", "25"))

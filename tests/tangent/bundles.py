@@ -3,8 +3,8 @@
 import numpy as np
 
 from tests.trajectories import opened
-from vibsim.engine.lyapunov import exponents_of
-from vibsim.engine.tangent_space import dimension
+from vibsim.engine.tangent.lyapunov import exponents_of
+from vibsim.engine.tangent.tangent_space import dimension
 
 
 def totals(scene, engine="auto", count=None, begin=0.0, resume=None):

@@ -6,7 +6,7 @@ import pytest
 import vibsim
 from tests.truth.made import case, true_end
 from vibsim.cases import shipped_case_names
-from vibsim.engine.error_growth import error_growth
+from vibsim.engine.tangent.error_growth import error_growth
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.engine.truth import open_truth
 from vibsim.physics import number_kits

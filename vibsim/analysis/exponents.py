@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibsim.analysis.regime.largest_exponent import exponent_of
-from vibsim.engine.lyapunov import LyapunovExponents, lyapunov_exponents
+from vibsim.engine.tangent.lyapunov import LyapunovExponents, lyapunov_exponents
 from vibsim.results.result import Result
 
 if TYPE_CHECKING:

@@ -111,7 +111,7 @@ def with_exponents(
 
 
 def _tangent(case: "Case", count: int | str, discard: str | None) -> tuple[int, float]:
-    from vibsim.engine.tangent_space import dimension
+    from vibsim.engine.tangent.tangent_space import dimension
     from vibsim.sweeps.plan.discard import HALF, parse_discard
 
     scene = case.scene()

@@ -7,24 +7,24 @@ from typing import Any
 import numpy as np
 
 import vibsim.engine._engine as _engine
-from vibsim.engine.automaton import JET, Automaton
 from vibsim.engine.columns import part_columns
 from vibsim.engine.errors import EngineError
-from vibsim.engine.flow import Flow
-from vibsim.engine.harmonics import value_and_rate
-from vibsim.engine.impact_saltation import UNDEFINED
-from vibsim.engine.ledger import struck_entries
-from vibsim.engine.meters import jumps_of
-from vibsim.engine.mode_table import mode_table
-from vibsim.engine.packing import coupled, pack_scene, pack_state
-from vibsim.engine.packing_meters import pack_blows, pack_extremes, pack_ledger
-from vibsim.engine.packing_tangent import DisturbancePacker, pack_bundle
-from vibsim.engine.plain_start import PlainStart
-from vibsim.engine.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, STRIKE
-from vibsim.engine.saltation import released_frictions, saltation
+from vibsim.engine.events.automaton import JET, Automaton
+from vibsim.engine.events.plain_start import PlainStart
+from vibsim.engine.flows.flow import Flow
+from vibsim.engine.flows.harmonics import value_and_rate
+from vibsim.engine.ledgers.ledger import struck_entries
+from vibsim.engine.ledgers.meters import jumps_of
+from vibsim.engine.ledgers.packing_meters import pack_blows, pack_extremes, pack_ledger
+from vibsim.engine.modes.mode_table import mode_table
+from vibsim.engine.modes.packing import coupled, pack_scene, pack_state
+from vibsim.engine.modes.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, STRIKE
+from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK
 from vibsim.engine.state import State, start_of
-from vibsim.engine.status import CONTACT, LIFTED, OPEN, RESTING, STICK
-from vibsim.engine.tangencies import Tangencies
+from vibsim.engine.tangent.impact_saltation import UNDEFINED
+from vibsim.engine.tangent.packing_tangent import DisturbancePacker, pack_bundle
+from vibsim.engine.tangent.saltation import released_frictions, saltation
+from vibsim.engine.tangent.tangencies import Tangencies
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import AT_FORCE

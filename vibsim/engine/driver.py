@@ -7,16 +7,16 @@ import time
 from math import inf
 from typing import Any
 
-from vibsim.engine.automaton import JET, Automaton
-from vibsim.engine.disturbances import Disturbances
 from vibsim.engine.errors import EngineError
+from vibsim.engine.events.automaton import JET, Automaton
 from vibsim.engine.extremes import Extremes
-from vibsim.engine.flow import Flow
-from vibsim.engine.ledger import Ledger
-from vibsim.engine.rows import STRIKE, RowMaker
+from vibsim.engine.flows.flow import Flow
+from vibsim.engine.ledgers.ledger import Ledger
+from vibsim.engine.modes.rows import STRIKE, RowMaker
 from vibsim.engine.section import StroboscopicSection
 from vibsim.engine.state import start_of
-from vibsim.engine.tangent_bundle import TangentBundle
+from vibsim.engine.tangent.disturbances import Disturbances
+from vibsim.engine.tangent.tangent_bundle import TangentBundle
 from vibsim.physics.modes import EVENT_KINDS
 
 EVENTS_AT_ONE_INSTANT = 64

@@ -10,8 +10,8 @@ Reading them changes no trajectory.
 
 from math import inf
 
-from vibsim.engine.harmonics import value_and_rate
-from vibsim.engine.status import OPEN
+from vibsim.engine.flows.harmonics import value_and_rate
+from vibsim.engine.modes.status import OPEN
 
 NODES_OF_CLOSED_FORM = 4  # in a piece of 2.25 rad of the fastest rate
 ORDERS_TO_A_NODE = 10  # of a Taylor step, which spans 1.3 rad with order 20

@@ -3,10 +3,10 @@
 from math import isfinite
 
 from vibsim.engine.columns import flags_of_parts, part_columns, state_columns
-from vibsim.engine.harmonics import value_and_rate
-from vibsim.engine.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE
+from vibsim.engine.flows.harmonics import value_and_rate
+from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE
+from vibsim.engine.modes.status import LIFTED, OPEN, Status
 from vibsim.engine.state import State
-from vibsim.engine.status import LIFTED, OPEN, Status
 from vibsim.physics.modes import EVENT_NAMES, RIGID_KINDS
 from vibsim.physics.numbers import TWO_PI, Doubles
 from vibsim.physics.parts import AT_FORCE, BASE, columns_of

@@ -2,8 +2,8 @@
 
 from math import inf, nan
 
-from vibsim.engine.closed_form import total_of
-from vibsim.engine.ledger import momenta, stored_energy
+from vibsim.engine.flows.closed_form import total_of
+from vibsim.engine.ledgers.ledger import momenta, stored_energy
 from vibsim.physics.modes import EVENT_KINDS
 
 INTO = {  # totals of the energy ledger, by quantity and section of the case

@@ -21,11 +21,11 @@ from vibsim.engine.columns import (
     section_columns,
 )
 from vibsim.engine.driver import Driver
+from vibsim.engine.modes.status import LIFTED
 from vibsim.engine.resume import resume_point
 from vibsim.engine.state import State
-from vibsim.engine.status import LIFTED
-from vibsim.engine.tangent_space import dimension
-from vibsim.engine.tangent_totals import tangent_totals
+from vibsim.engine.tangent.tangent_space import dimension
+from vibsim.engine.tangent.tangent_totals import tangent_totals
 from vibsim.engine.totals import ledger_totals, rigid_totals, totals_of
 from vibsim.physics.modes import EVENT_KINDS, RIGID_KINDS
 from vibsim.physics.numbers import Doubles

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from vibsim.engine.tangent_space import length, weights
+from vibsim.engine.tangent.tangent_space import length, weights
 from vibsim.orbits.section import section_of
 from vibsim.physics.body_sets import body_sets
 from vibsim.physics.numbers import Doubles

@@ -7,8 +7,8 @@ the same digits, so the multipliers are as right as the orbit, but for their con
 from dataclasses import dataclass, replace
 from math import log10
 
-from vibsim.engine.accelerations import accelerations
 from vibsim.engine.driver import Driver
+from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.truth import bare
 from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.orbit import Orbit

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.engine.monodromy import Carried, Carrier
+from vibsim.engine.tangent.monodromy import Carried, Carrier
 from vibsim.orbits.coordinates import Coordinates
 from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.section import section_of

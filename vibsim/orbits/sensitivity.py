@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibsim.engine.monodromy import Carrier
+from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.orbits.coordinates import component_names
 from vibsim.orbits.errors import OrbitError
 

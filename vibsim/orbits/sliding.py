@@ -8,10 +8,10 @@ it; an orbit on which the two are equal is at a sliding bifurcation.
 
 from math import inf
 
-from vibsim.engine.accelerations import accelerations
-from vibsim.engine.rows import RowMaker
+from vibsim.engine.flows.accelerations import accelerations
+from vibsim.engine.modes.rows import RowMaker
+from vibsim.engine.modes.status import BACKWARD, FORWARD, Status
 from vibsim.engine.state import State
-from vibsim.engine.status import BACKWARD, FORWARD, Status
 from vibsim.orbits.word import OF_FRICTION
 from vibsim.physics.numbers import Doubles
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.engine.columns import part_columns
-from vibsim.engine.status import CONTACT, RESTING
+from vibsim.engine.modes.status import CONTACT, RESTING
 from vibsim.physics.parts import Scene, columns_of
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span

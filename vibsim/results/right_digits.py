@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.engine.columns import state_columns
-from vibsim.engine.error_growth import error_growth, last_states
 from vibsim.engine.errors import EngineError
 from vibsim.engine.state import State
+from vibsim.engine.tangent.error_growth import error_growth, last_states
 from vibsim.engine.truth import open_truth
 from vibsim.physics.parts import Scene
 from vibsim.physics.working_precision import FEWEST_DIGITS, MOST_DIGITS

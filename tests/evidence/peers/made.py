@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 
 from vibsim.cases import load_case
-from vibsim.engine.error_growth import error_growth
+from vibsim.engine.tangent.error_growth import error_growth
 from vibsim.engine.truth import open_truth
 from vibsim.evidence.peers.attempt import EVERY_KIND
 from vibsim.physics.modes import EVENT_KINDS

@@ -12,7 +12,7 @@ import numpy as np
 from vibsim.analysis.block_averages import average
 from vibsim.analysis.regime.points import Exponent
 from vibsim.analysis.span import steady_span
-from vibsim.engine.lyapunov import lyapunov_exponents
+from vibsim.engine.tangent.lyapunov import lyapunov_exponents
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.engine.error_growth import error_growth
 from vibsim.engine.errors import EngineError
+from vibsim.engine.tangent.error_growth import error_growth
 from vibsim.evidence.benchmark.plan import Plan
 from vibsim.results.right_digits import DigitsPlan
 from vibsim.results.truth import TruthMemory, TruthRecording

@@ -9,7 +9,7 @@ the conditioning of the motion, amplification by impacts and chaos included.
 from dataclasses import replace
 from random import Random
 
-from vibsim.engine.flow import Flow
+from vibsim.engine.flows.flow import Flow
 from vibsim.engine.state import State
 
 UNIT = 2.0**-53  # unit round-off of doubles

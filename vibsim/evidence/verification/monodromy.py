@@ -13,7 +13,7 @@ from math import exp, log
 import numpy as np
 
 from vibsim.cases import Case, shipped_case_names
-from vibsim.engine.tangent_space import dimension
+from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.evidence.verification.check import Check
 from vibsim.evidence.verification.kicks import STATE_UNITS, UNIT

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 from vibsim.analysis.exponents import judged
-from vibsim.engine.lyapunov import lyapunov_exponents
-from vibsim.engine.tangent_space import dimension
+from vibsim.engine.tangent.lyapunov import lyapunov_exponents
+from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.engine.trajectory import Block
 from vibsim.files.declarations import Column
 from vibsim.sweeps.computations.task import Task

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from vibsim.cases.spelling import did_you_mean
-from vibsim.engine.tangent_space import dimension as exponents
+from vibsim.engine.tangent.tangent_space import dimension as exponents
 from vibsim.engine.trajectory import Block
 from vibsim.physics.parts import Scene
 from vibsim.sweeps.computations import (

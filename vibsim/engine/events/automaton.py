@@ -1,0 +1,484 @@
+"""What follows an event: the one mode that is consistent with the state behind it, the Filippov solution.
+
+A mode is consistent where each of its event functions is positive just behind the instant: its first
+derivative that is not zero is. So every decision at a zero looks at derivatives, never at the sign of a
+rounded zero. Each transition tells which event functions are zero at its instant, and to which order. A
+decision that rounding could turn is in doubt, and the certificate counts it. Two events at one instant are
+taken one after the other.
+"""
+
+from itertools import combinations, product
+
+from vibsim.engine.events.rigid_stops import RigidStops
+from vibsim.engine.flows.harmonics import value_and_rate
+from vibsim.engine.modes.rows import CLEARANCE, COUPLING, DIFFERENCE, GAP, HOLD, PUSH, SLIDE, STRIKE
+from vibsim.engine.modes.status import (
+    BACKWARD,
+    CONTACT,
+    FORWARD,
+    KEPT,
+    LIFTED,
+    OPEN,
+    RESTING,
+    STICK,
+    VIOLATED,
+    Status,
+)
+from vibsim.physics.parts import AT_FORCE, Stop
+
+JET = 7  # order of the highest derivative consulted where lower ones vanish
+START_ROUNDING = 16  # at least: each of three numbers and of two differences is rounded once
+
+
+class Automaton:
+    """Decides the modes of a run."""
+
+    def __init__(self, scene, maker, flow, kit):
+        self.scene, self.maker, self.flow, self.kit = scene, maker, flow, kit
+        self.rigid = RigidStops(self)
+
+    # -- start
+
+    def initial(self, state):
+        """Status that the motion starts in from `state`, and the known zeros there."""
+        scene = self.scene
+        depths = [self._depth(stop, state) for stop in scene.stops]
+        met = [self._met(stop, g, state, stop.gap) for stop, g in zip(scene.stops, depths, strict=True)]
+        deep = [
+            g > 0 and not at and isinstance(s, Stop)
+            for g, at, s in zip(depths, met, scene.stops, strict=True)
+        ]
+        stops = tuple(CONTACT if inside else OPEN for inside in deep)
+        slacks = [self._excess(c, state) for c in scene.clearances]
+        clearances = tuple(VIOLATED if over > 0 else KEPT for over in slacks)
+        rates = [self._slip(f, state) for f in scene.frictions]
+        frictions = tuple(sign(rate) for rate in rates)
+        status = self._pressing(state, Status(stops, frictions, clearances), met)
+        known: dict[tuple, int] = {}
+        touching, seated = self.rigid.at_start(state, [i for i, at in enumerate(met) if at])
+        standing = [i for i, sense in enumerate(frictions) if sense == 0]
+        standing += [len(frictions) + i for i in seated]
+        if standing:
+            status = self._settle(state, status, standing)
+            known |= {(SLIDE, i): 1 for i in standing if i < len(frictions) and status.frictions[i] != STICK}
+        known |= {(STRIKE, i): order for i, order in touching.items() if status.stops[i] == OPEN}
+        for i, (g, stop) in enumerate(zip(depths, scene.stops, strict=True)):
+            if not met[i] and self._blurred(g, stop, state, stop.sense * stop.gap):
+                self._doubt(state)
+            if met[i] and isinstance(stop, Stop):
+                turning = -self._leading_sign(state, status.with_stop(i, OPEN), (GAP, i))
+                status, known = status.with_stop(i, CONTACT if turning > 0 else OPEN), {**known, (GAP, i): 1}
+        for i, over in enumerate(slacks):
+            at = self._met(scene.clearances[i], over, state, scene.clearances[i].distance)
+            if not at and self._blurred(over, scene.clearances[i], state, -scene.clearances[i].distance):
+                self._doubt(state)
+            if at:
+                kept = status.with_clearance(i, KEPT)
+                turning = -self._leading_sign(state, kept, (CLEARANCE, i))
+                status = status.with_clearance(i, VIOLATED if turning > 0 else KEPT)
+                known = {**known, (CLEARANCE, i): 1}
+        return status, known
+
+    def _pressing(self, state, status, met):
+        """The status with the stops whose force velocities tell: ties at rest are settled under it. Those
+        that are `met` push where they close; deep ones whose damper would have to pull are lifted.
+        """
+        for i, stop in enumerate(self.scene.stops):
+            if met[i] and isinstance(stop, Stop):
+                vP, vQ = self._ends(stop, state, "v")
+                status = status.with_stop(i, CONTACT if -(stop.sense * (vP - vQ)) > 0 else OPEN)
+            elif status.stops[i] == CONTACT and self._pulls(state, status, i):
+                status = status.with_stop(i, LIFTED)
+        return status
+
+    def _pulls(self, state, status, i):
+        """Whether the damper of stop `i`, in contact, would have to pull."""
+        stop = self.scene.stops[i]
+        return stop.c != 0 and stop.release == AT_FORCE and self._value(state, status, (PUSH, i)) < 0
+
+    def _ends(self, part, state, of):
+        values = (*(state.x if of == "x" else state.v), self.kit.number(0), self._base(state, of))
+        P, Q = self.maker.ends(part)
+        return values[P], values[Q]
+
+    def _base(self, state, of):
+        return value_and_rate(self.kit, self.scene.base, state.t)[0 if of == "x" else 1]
+
+    def _depth(self, stop, state):
+        xP, xQ = self._ends(stop, state, "x")
+        return -(stop.sense * (xP - xQ)) - stop.gap
+
+    def _excess(self, clearance, state):
+        xP, xQ = self._ends(clearance, state, "x")
+        return (xP - xQ) - clearance.distance
+
+    def _slip(self, friction, state):
+        vP, vQ = self._ends(friction, state, "v")
+        return (vP - vQ) - friction.belt
+
+    def _met(self, part, value, state, distance):
+        """Whether a start lies exactly where `value` = x_P - x_Q + ... is zero: as computed, or as told from
+        exact numbers, whose rounding it may be then.
+        """
+        xP, xQ = self._ends(part, state, "x")
+        size = abs(xP) + abs(xQ) + abs(distance)
+        return value == 0 or (part.at_start and abs(value) <= START_ROUNDING * self.kit.eps * size)
+
+    def _blurred(self, value, part, state, distance):
+        """Whether the rounding of x_P - x_Q and of its sum with `distance` could turn the sign of `value`."""
+        xP, xQ = self._ends(part, state, "x")
+        y = xP - xQ
+        lost = abs(_difference_error(xP, xQ, y)) + abs(_difference_error(y, -distance, y + distance))
+        return lost > 0 and abs(value) <= lost
+
+    def _doubt(self, state):
+        self.flow.certificate.doubt(state.t)
+
+    # -- event functions at a state
+
+    def _enter(self, state, status):
+        rows = self.maker.rows(status)
+        self.flow.enter(state, rows, {})
+        return rows
+
+    def _event(self, rows, key):
+        return next(event for event in rows.events if event.key == key)
+
+    def _value(self, state, status, key):
+        rows = self._enter(state, status)
+        return self.flow.derivatives(self._event(rows, key), 0)[0]
+
+    def _leading_sign(self, state, status, key, first=1):
+        """Sign of the first derivative, from order `first`, that is not zero."""
+        rows = self._enter(state, status)
+        return first_sign(self.flow.derivatives(self._event(rows, key), JET)[first:])
+
+    # -- events
+
+    def take(self, state, status, event):
+        """What the zero of `event` at `state` leads to: (status, [(kind name, part)], known zeros).
+
+        Moves the velocities of bodies that stick onto each other. At a reversal it keeps the residue of the
+        time grid: the friction force turns dt too late, where cutting the residue would take momentum.
+        """
+        if event.kind == GAP:
+            return self._contact_switch(state, status, event)
+        if event.kind == STRIKE:
+            return self.rigid.meet(state, status, event.part)
+        if event.kind == PUSH:
+            return self._push_switch(state, status, event)
+        if event.kind == CLEARANCE:
+            return self._clearance_switch(state, status, event)
+        if event.kind == SLIDE:
+            return self._sliding_ends(state, status, event)
+        return self._hold_ends(state, status, event)
+
+    def blows(self, event):
+        """The impulses that rigid stops passed at `event`, taken just now."""
+        touch = self.touch(event)
+        return touch.passed if touch else ()
+
+    def touch(self, event):
+        """The `Touch` of rigid stops that `event`, taken just now, was; None of other events."""
+        return self.rigid.touch if event.kind == STRIKE else None
+
+    def _contact_switch(self, state, status, event):
+        i = event.part
+        stop, before = self.scene.stops[i], status.stops[i]
+        deeper = -event.direction * self._crossing(state, status, event.key)  # sign of the depth behind here
+        after = before if deeper == 0 else CONTACT if deeper > 0 else OPEN
+        if before == LIFTED:
+            after = OPEN if deeper < 0 else LIFTED
+        status = status.with_stop(i, after)
+        happened = []
+        if after != before and before != LIFTED:
+            happened.append(("contact_begin" if after == CONTACT else "contact_end", i))
+        known = {event.key: 1}
+        if after != before and stop.c != 0 and status.tied:
+            tied = status
+            status = self._settle(state, status, tied.tied)
+            happened += self._changes(tied, status, known)
+        return status, happened, known
+
+    @staticmethod
+    def _changes(before, after, known):
+        """Events of frictions and rigid stops whose status differs; adds the zeros of those that begin to
+        slip or part to `known`.
+        """
+        happened = []
+        for i, (old, new) in enumerate(zip(before.frictions, after.frictions, strict=True)):
+            if new != STICK and new != old:
+                known.setdefault((SLIDE, i), 1)
+                happened.append(("stick_end" if old == STICK else "reversal", i))
+            elif new != old:
+                happened.append(("stick_begin", i))
+        for i, (old, new) in enumerate(zip(before.stops, after.stops, strict=True)):
+            if (old, new) == (RESTING, OPEN):
+                known[STRIKE, i] = 2
+                happened.append(("rest_end", i))
+            elif (old, new) == (OPEN, RESTING):
+                happened.append(("rest_begin", i))
+        return happened
+
+    def _crossing(self, state, status, key):
+        """+1 where the event function goes on falling through its zero, -1 where it turns back."""
+        event = self._event(self.maker.rows(status), key)
+        if all(term.kind == DIFFERENCE for term in event.terms):
+            rate = self._direct_rate(state, event)
+            if rate != 0:
+                return -sign(rate)
+        return -self._leading_sign(state, status, key)
+
+    def _direct_rate(self, state, event):
+        """Rate of a function made of differences, from the velocities: no rounding of a flow in it."""
+        v = (*state.v, self.kit.number(0), self._base(state, "v"))
+        total = None
+        for term in event.terms:
+            part = term.coefficient * (v[term.P] - v[term.Q])
+            total = part if total is None else total + part
+        return total
+
+    def _hold_values(self, state, rows, event):
+        """Derivatives of a HOLD function; its value straight from the state where couplings alone make it."""
+        values = self.flow.derivatives(event, JET)
+        if event.terms and all(term.kind == COUPLING for term in event.terms):
+            values[0] = self._direct_hold(state, rows, event)
+        return values
+
+    def _direct_hold(self, state, rows, event):
+        x = (*state.x, self.kit.number(0), self._base(state, "x"))
+        v = (*state.v, self.kit.number(0), self._base(state, "v"))
+        total = None
+        for term in event.terms:
+            one = rows.couplings[term.P]
+            force = one.k * (x[one.P] - x[one.Q]) + one.c * (v[one.P] - v[one.Q]) + one.offset
+            part = term.coefficient * force
+            total = part if total is None else total + part
+        return total + event.constant
+
+    def _push_switch(self, state, status, event):
+        i, before = event.part, status.stops[event.part]
+        if self._crossing(state, status, event.key) <= 0:
+            return status, [], {event.key: 1}
+        after = LIFTED if before == CONTACT else CONTACT
+        kind = "contact_end" if after == LIFTED else "contact_begin"
+        return status.with_stop(i, after), [(kind, i)], {event.key: 1}
+
+    def _clearance_switch(self, state, status, event):
+        i, before = event.part, status.clearances[event.part]
+        turning = self._crossing(state, status, event.key)
+        after = before if turning <= 0 else 1 - before
+        happened = [] if after == before else [("violation_begin" if after else "violation_end", i)]
+        return status.with_clearance(i, after), happened, {event.key: 1}
+
+    def _sliding_ends(self, state, status, event):
+        i = event.part
+        standing = self._standing(status, i)
+        after = self._settle(state, status, standing)
+        known = {}
+        if after.frictions[i] == STICK:
+            self._join(state, self.maker.rows(after), i)
+        else:
+            known[SLIDE, i] = 1
+        return after, self._changes(status, after, known), known
+
+    def _standing(self, status, i):
+        """Ties that stand in the moment in which friction `i` comes to v_rel = 0: those that hold, and
+        frictions that others which hold then keep from sliding.
+        """
+        standing = {i, *status.tied}
+        while True:
+            tied = status.with_ties(dict.fromkeys(standing, STICK))
+            leader, drift = self.maker.ties(tied)
+            more = {
+                k
+                for k, friction in enumerate(self.scene.frictions)
+                for P, Q in [self.maker.ends(friction)]
+                if k not in standing and leader[P] == leader[Q] and drift[P] - drift[Q] == friction.belt
+            }
+            if not more:
+                return sorted(standing)
+            standing |= more
+
+    def _hold_ends(self, state, status, event):
+        rows = self.maker.rows(status)
+        cut = rows.cuts[event.part]
+        if self._crossing(state, status, event.key) <= 0:
+            return status, [], {event.key: 1}
+        slips = {i: orientation * event.direction for i, orientation in cut.ties}
+        count = len(status.frictions)
+        after = status.with_ties(slips)
+        drops = [i for i, sense in slips.items() if i < count and self.scene.frictions[i].drops(sense)]
+        if not drops:
+            happened = [("stick_end", i) if i < count else ("rest_end", i - count) for i in slips]
+            known = {(SLIDE, i) if i < count else (STRIKE, i - count): 2 if i < count else 3 for i in slips}
+            return after, happened, known
+        known = {}
+        after = self._settle_behind(state, status, after)
+        return after, self._changes(status, after, known), known
+
+    def _settle_behind(self, state, status, after):
+        """The mode behind a release at which a friction force drops: the jump of the accelerations may tear
+        other ties too. after: the status with the ties of the cut let go.
+        """
+        standing = status.tied
+        settled = self._release(state, after, standing)
+        if settled is not None:
+            return settled
+        self._doubt(state)
+        found = self._first_consistent(state, after, standing, besides=status)
+        return after if found is None else found
+
+    # -- friction at rest
+
+    def _settle(self, state, status, standing):
+        """The status in which the ties `standing` (frictions with v_rel = 0, rigid stops with g = g' = 0)
+        hold or let go consistently.
+        """
+        possible = self._possible(self.maker.rows(status.with_ties(dict.fromkeys(standing, STICK))))
+        if possible:
+            after = self._release(state, status.with_ties(dict.fromkeys(standing, STICK)), standing)
+            if after is not None:
+                return after
+            self._doubt(state)
+        consistent = self._first_consistent(state, status, standing)
+        if consistent is not None:
+            return consistent
+        if not possible:
+            self._doubt(state)
+        return status.with_ties(dict.fromkeys(standing, STICK))
+
+    def _first_consistent(self, state, status, standing, besides=None):
+        """The first consistent combination of the ties `standing`, those with most ties first; None
+        without any. besides: a status that has been left.
+        """
+        for choice in combinations_of(standing, len(status.frictions)):
+            candidate = status.with_ties(choice)
+            if candidate != besides and self._consistent(state, candidate, standing):
+                return candidate
+        return None
+
+    def _possible(self, rows):
+        """Whether the ties of a mode can last: a base that moves cannot be tied to the ground, though it may
+        rest for an instant.
+        """
+        ground = self.maker.n
+        tied = rows.leader[ground + 1] == ground
+        return not (tied and any(term.amplitude != 0 for term in self.scene.base))
+
+    def _release(self, state, candidate, standing):
+        """As long as cuts are overloaded, the ties of the one that is so most let go. None where that is not
+        consistent in the end.
+        """
+        for _ in range(len(standing) + 1):
+            rows = self._enter(state, candidate)
+            broken = self._overloaded(state, rows)
+            if broken is None:
+                break
+            cut = rows.cuts[broken.part]
+            slips = {i: orientation * broken.direction for i, orientation in cut.ties}
+            candidate = candidate.with_ties(slips)
+        else:
+            return None
+        slipping = self._apart(candidate, standing)
+        if len(standing) == 1 or self._slips_as_said(state, candidate, slipping):
+            return candidate
+        return None
+
+    @staticmethod
+    def _apart(status, standing):
+        """The ties among `standing` that do not hold."""
+        tied = set(status.tied)
+        return [k for k in standing if k not in tied]
+
+    def _overloaded(self, state, rows):
+        """The HOLD event furthest below zero behind the instant, or None."""
+        worst, depth = None, None
+        for event in rows.events:
+            if event.kind == HOLD:
+                values = self._hold_values(state, rows, event)
+                if abs(values[0]) < 4 * self.kit.eps * self._size(state, rows, event):
+                    self._doubt(state)
+                if first_sign(values) < 0 and (depth is None or values[0] < depth):
+                    worst, depth = event, values[0]
+        return worst
+
+    def _size(self, state, rows, event):
+        """Sum of the magnitudes of the terms of the force in a HOLD event: what its rounding is
+        proportional to.
+        """
+        size = self.kit.number(0)
+        x, v = (*state.x, 0, self._base(state, "x")), (*state.v, 0, self._base(state, "v"))
+        for term in event.terms:
+            if term.kind == COUPLING:
+                one = rows.couplings[term.P]
+                P, Q = one.P, one.Q
+                part = one.k * abs(x[P] - x[Q]) + one.c * abs(v[P] - v[Q]) + abs(one.offset)
+                size = size + abs(term.coefficient) * part
+        return size
+
+    def _slips_as_said(self, state, status, slipping):
+        """Whether the ties that let go do so in the direction of their status, and stops part."""
+        if not slipping:
+            return True
+        rows, count = self._enter(state, status), len(status.frictions)
+        for k in slipping:
+            key, order = ((SLIDE, k), 1) if k < count else ((STRIKE, k - count), 2)
+            if first_sign(self.flow.derivatives(self._event(rows, key), JET)[order:]) < 0:
+                return False
+        return True
+
+    def _consistent(self, state, status, standing):
+        if not self._possible(self.maker.rows(status)):
+            return False
+        rows = self._enter(state, status)
+        if self._overloaded(state, rows) is not None:
+            return False
+        return self._slips_as_said(state, status, self._apart(status, standing))
+
+    def _join(self, state, rows, i):
+        """Give the bodies that friction `i` ties their common velocity; momentum is kept where they move
+        freely.
+        """
+        P, _ = self.maker.ends(self.scene.frictions[i])
+        leader, n = rows.leader[P], self.maker.n
+        members = [c for c in rows.groups.members[leader] if c < n]
+        if leader >= n:
+            common = self.kit.number(0) if leader == n else self._base(state, "v")
+        else:
+            momentum = None
+            for c in members:
+                share = self.scene.bodies[c].m * (state.v[c] - rows.drift[c])
+                momentum = share if momentum is None else momentum + share
+            common = momentum / rows.mass[leader]
+        for c in members:
+            state.v[c] = common + rows.drift[c]
+
+
+def _difference_error(a, b, difference):
+    """What rounding took from a - b (Knuth's two-sum)."""
+    back = a - difference
+    return (a - (difference + back)) + (back - b)
+
+
+def sign(value):
+    """-1, 0 or +1."""
+    return 1 if value > 0 else -1 if value < 0 else 0
+
+
+def combinations_of(standing, frictions):
+    """Statuses {number: status} that ties may go on with: those where most hold first. A tie behind the
+    `frictions` is a stop, which opens one way only.
+    """
+    for count in range(len(standing) + 1):
+        for chosen in combinations(standing, count):
+            for senses in product(*((FORWARD, BACKWARD) if k < frictions else (FORWARD,) for k in chosen)):
+                yield dict.fromkeys(standing, STICK) | dict(zip(chosen, senses, strict=True))
+
+
+def first_sign(values):
+    """Sign of the first value that is not zero; 0 where all are."""
+    for value in values:
+        if value != 0:
+            return sign(value)
+    return 0

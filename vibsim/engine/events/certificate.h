@@ -1,0 +1,48 @@
+/* Doubts of a run and its grazing margin; twin of vibsim/engine/events/certificate.py. */
+#ifndef VIBSIM_CERTIFICATE_H
+#define VIBSIM_CERTIFICATE_H
+
+#include "engine.h"
+
+static inline void certificate_open(Certificate *c)
+{
+    c->margin = INFINITY;
+    c->margin_time = c->uncertified = c->first_doubt = 0.0;
+    c->doubted = NAN;
+}
+
+static inline void doubt(Certificate *c, double anchor)
+{
+    if (anchor != c->doubted) {
+        if (c->uncertified == 0)
+            c->first_doubt = anchor;
+        c->uncertified += 1;
+        c->doubted = anchor;
+    }
+}
+
+static inline void keep_turn(Certificate *c, double value, double t)
+{
+    value = value > 0 ? value : 0 * value;
+    if (value < c->margin) {
+        c->margin = value;
+        c->margin_time = t;
+    }
+}
+
+static inline int crosses(double slope, double bound, double error)
+{
+    return slope < 0 && -slope > 2 * bound * (error / -slope);
+}
+
+static inline double latest_zero(double value, double slope, double noise, double t)
+{
+    return (value + noise) / -slope + (nextafter(t, INFINITY) - t);
+}
+
+static inline int may_vanish_by(double value, double slope, double noise, double latest)
+{
+    return slope < 0 && value - noise <= -slope * latest;
+}
+
+#endif

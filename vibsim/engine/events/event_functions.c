@@ -1,0 +1,234 @@
+/* Event functions of the closed-form flow; twin of vibsim/engine/events/event_functions.py. */
+#include "event_functions.h"
+
+static double difference(const Run *r, int pair, int n)
+{
+    const ClosedForm *f = &r->closed_form;
+    const Modal *modal = r->mode->modal;
+    const Place *p = &modal->pairs[pair];
+    double total = 0.0;
+    int i;
+    for (i = 0; i < p->shares; i++) {
+        const Share *share = &modal->shares[p->first_share + i];
+        double part = share->share * f->motions[share->m].jet[n];
+        total = i == 0 ? part : total + part;
+    }
+    if (n == 0)
+        for (i = 0; i < p->fixed; i++) {
+            const Fixed *fixed = &modal->fixed[p->first_fixed + i];
+            total = total + fixed->sign * f->x0[fixed->column];
+        }
+    return p->base ? total + p->base * f->base[n] : total;
+}
+
+/* n-th derivative of the force on a column. */
+static double load_derivative(const Run *r, int column, int n)
+{
+    const ClosedForm *f = &r->closed_form;
+    double total = 0.0;
+    int i, j, k;
+    for (i = 0; i < r->force_count; i++) {
+        const Force *force = &r->forces[i];
+        if (force->on != column)
+            continue;
+        if (n == 0)
+            total = total + force->constant;
+        for (j = 0; j < force->count; j++) {
+            const Harmonic *term = &force->terms[j];
+            double factor = term->amplitude, turns[4];
+            if (term->harmonic < 0)
+                continue;
+            turns[0] = f->sines[term->harmonic];
+            turns[1] = f->cosines[term->harmonic];
+            turns[2] = -turns[0];
+            turns[3] = -turns[1];
+            for (k = 0; k < n; k++)
+                factor = factor * term->omega;
+            total = total + factor * turns[n % 4];
+        }
+    }
+    return total;
+}
+
+/* n-th derivative of x_c, n > 0. */
+static double column_derivative(const Run *r, int c, int n)
+{
+    const Modal *modal = r->mode->modal;
+    const Place *place = &modal->places[c];
+    double total = place->base ? r->closed_form.base[n] : 0.0;
+    int i;
+    for (i = 0; i < place->shares; i++) {
+        const Share *share = &modal->shares[place->first_share + i];
+        total = total + share->share * r->closed_form.motions[share->m].jet[n];
+    }
+    return total;
+}
+
+static double term_derivative(const Run *r, const Term *t, int n)
+{
+    switch (t->kind) {
+    case DIFFERENCE:
+        return difference(r, t->pair, n);
+    case RATE:
+        return difference(r, t->pair, n + 1);
+    case COUPLING: {
+        const Coupling *c = &r->mode->couplings[t->P];
+        double force = c->k * difference(r, c->pair, n) + c->c * difference(r, c->pair, n + 1);
+        return n == 0 ? force + c->offset : force;
+    }
+    case LOAD:
+        return load_derivative(r, t->P, n);
+    default:
+        return column_derivative(r, t->P, n + 2);
+    }
+}
+
+double sum_of_terms(const Run *r, int first, int count, int n)
+{
+    const Term *terms = r->mode->terms + first;
+    double total = 0.0;
+    int i;
+    for (i = 0; i < count; i++) {
+        double part = terms[i].coefficient * term_derivative(r, &terms[i], n);
+        total = i == 0 ? part : total + part;
+    }
+    return total;
+}
+
+static double harmonics_bound(const Harmonic *terms, int count, int n)
+{
+    double total = 0.0;
+    int i, k;
+    for (i = 0; i < count; i++) {
+        double size = fabs(terms[i].amplitude);
+        for (k = 0; k < n; k++)
+            size = size * terms[i].omega;
+        total = total + size;
+    }
+    return total;
+}
+
+static double load_bound(const Run *r, int column, int n)
+{
+    double total = 0.0;
+    int i, j, k;
+    for (i = 0; i < r->force_count; i++)
+        if (r->forces[i].on == column)
+            for (j = 0; j < r->forces[i].count; j++) {
+                double size = fabs(r->forces[i].terms[j].amplitude);
+                for (k = 0; k < n; k++)
+                    size = size * r->forces[i].terms[j].omega;
+                total = total + size;
+            }
+    return total;
+}
+
+static double difference_bound(const Run *r, int pair, int n, double reach)
+{
+    const Modal *modal = r->mode->modal;
+    const Place *p = &modal->pairs[pair];
+    double total = 0.0;
+    int i;
+    for (i = 0; i < p->shares; i++) {
+        const Share *share = &modal->shares[p->first_share + i];
+        double part = fabs(share->share) * coordinate_bound(r, share->m, n, reach);
+        total = i == 0 ? part : total + part;
+    }
+    return p->base ? total + harmonics_bound(r->base, r->base_count, n) : total;
+}
+
+static double term_bound(const Run *r, const Term *t, int n, double reach)
+{
+    const Modal *modal = r->mode->modal;
+    switch (t->kind) {
+    case DIFFERENCE:
+        return difference_bound(r, t->pair, n, reach);
+    case RATE:
+        return difference_bound(r, t->pair, n + 1, reach);
+    case COUPLING: {
+        const Coupling *c = &r->mode->couplings[t->P];
+        double force = c->k * difference_bound(r, c->pair, n, reach);
+        return force + c->c * difference_bound(r, c->pair, n + 1, reach);
+    }
+    case LOAD:
+        return load_bound(r, t->P, n);
+    default: {
+        const Place *place = &modal->places[t->P];
+        double total = place->base ? harmonics_bound(r->base, r->base_count, n + 2) : 0.0;
+        int i;
+        for (i = 0; i < place->shares; i++) {
+            const Share *share = &modal->shares[place->first_share + i];
+            total = total + fabs(share->share) * coordinate_bound(r, share->m, n + 2, reach);
+        }
+        return total;
+    }
+    }
+}
+
+double bound_of_sum(const Run *r, int first, int count, int n, double reach)
+{
+    const Term *terms = r->mode->terms + first;
+    double total = 0.0;
+    int i;
+    for (i = 0; i < count; i++) {
+        double part = fabs(terms[i].coefficient) * term_bound(r, &terms[i], n, reach);
+        total = i == 0 ? part : total + part;
+    }
+    return total;
+}
+
+static double difference_scale(const Run *r, int pair, int order)
+{
+    const ClosedForm *f = &r->closed_form;
+    const Modal *modal = r->mode->modal;
+    const Place *p = &modal->pairs[pair];
+    double total = 0.0;
+    int i;
+    for (i = 0; i < p->shares; i++) {
+        const Share *share = &modal->shares[p->first_share + i];
+        const Motion *y = &f->motions[share->m];
+        double part = fabs(share->share) * (order == 0 ? y->scale_q : y->scale_u);
+        total = i == 0 ? part : total + part;
+    }
+    if (order == 0)
+        for (i = 0; i < p->fixed; i++)
+            total = total + fabs(f->x0[modal->fixed[p->first_fixed + i].column]);
+    return p->base ? total + harmonics_bound(r->base, r->base_count, order) : total;
+}
+
+static double term_scale(const Run *r, const Term *t)
+{
+    switch (t->kind) {
+    case DIFFERENCE:
+        return difference_scale(r, t->pair, 0);
+    case RATE:
+        return difference_scale(r, t->pair, 1);
+    case COUPLING: {
+        const Coupling *c = &r->mode->couplings[t->P];
+        double force = c->k * difference_scale(r, c->pair, 0);
+        return force + c->c * difference_scale(r, c->pair, 1) + fabs(c->offset);
+    }
+    case LOAD: {
+        double total = load_bound(r, t->P, 0);
+        int i;
+        for (i = 0; i < r->force_count; i++)
+            if (r->forces[i].on == t->P)
+                total = total + fabs(r->forces[i].constant);
+        return total;
+    }
+    default:
+        return term_bound(r, t, 0, r->mode->modal->window);
+    }
+}
+
+double scale_of_sum(const Run *r, int first, int count)
+{
+    const Term *terms = r->mode->terms + first;
+    double total = 0.0;
+    int i;
+    for (i = 0; i < count; i++) {
+        double part = fabs(terms[i].coefficient) * term_scale(r, &terms[i]);
+        total = i == 0 ? part : total + part;
+    }
+    return total;
+}

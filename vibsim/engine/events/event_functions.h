@@ -1,0 +1,121 @@
+/* Event functions of the closed-form flow, at the point whose jets were taken last and to the orders that those were taken
+ * for; twin of vibsim/engine/events/event_functions.py. Sums of one term are evaluated here, others term by term.
+ */
+#ifndef VIBSIM_EVENT_FUNCTIONS_H
+#define VIBSIM_EVENT_FUNCTIONS_H
+
+#include "engine.h"
+
+/* event_functions.c; of `count` terms from number `first` */
+double sum_of_terms(const Run *r, int first, int count, int n);
+double bound_of_sum(const Run *r, int first, int count, int n, double reach);
+double scale_of_sum(const Run *r, int first, int count);
+
+static inline double single_difference(const Run *r, const Single *s, int n)
+{
+    const Motion *motions = r->closed_form.motions;
+    double y = s->share * motions[s->m].jet[n];
+    return s->other < 0 ? y : y + s->other_share * motions[s->other].jet[n];
+}
+
+/* n-th derivative of a sum of terms. */
+static inline double sum_derivative(const Run *r, const Single *s, int first, int count, int n)
+{
+    double force;
+    if (s->kind == NOTHING)
+        return sum_of_terms(r, first, count, n);
+    if (s->kind != COUPLING)
+        return s->coefficient * single_difference(r, s, n + (s->kind == RATE));
+    force = s->k * single_difference(r, s, n) + s->c * single_difference(r, s, n + 1);
+    return s->coefficient * (n == 0 ? force + s->offset : force);
+}
+
+static inline double event_derivative(const Run *r, const Event *e, int n)
+{
+    double value, total = 0.0;
+    int i, k;
+    if (n == 0 || e->slopes == 0) {
+        value = sum_derivative(r, &e->single, e->first, e->terms, n);
+        return n == 0 ? value + e->constant : value;
+    }
+    for (i = 0; i < e->slopes; i++) {
+        const Slope *s = &r->mode->slopes[e->first_slope + i];
+        double force = sum_derivative(r, &s->single, s->first, s->terms, n - 1), part;
+        if (n == 1)
+            for (k = 0; k < s->constants; k++)
+                force = force + r->mode->slope_constants[s->first_constant + k];
+        part = s->factor * force / s->mass;
+        total = i == 0 ? part : total + part;
+    }
+    return total;
+}
+
+/* Bound of |q^(n)| up to `reach` ahead. */
+static inline double coordinate_bound(const Run *r, int m, int n, double reach)
+{
+    const Coordinate *c = &r->mode->modal->coordinates[m];
+    const double *d = r->closed_form.motions[m].jet;
+    double w0 = c->oscillator.w0, size = fabs(d[n]) + fabs(d[n + 1]) * reach;
+    if (w0 > 0) {
+        double energy = fabs(d[n]) + fabs(d[n + 1]) / w0;
+        if (energy < size)
+            size = energy;
+    }
+    return size + c->forced[n] * (reach * reach);
+}
+
+static inline double single_difference_bound(const Run *r, const Single *s, int n, double reach)
+{
+    double y = fabs(s->share) * coordinate_bound(r, s->m, n, reach);
+    return s->other < 0 ? y : y + fabs(s->other_share) * coordinate_bound(r, s->other, n, reach);
+}
+
+static inline double sum_bound(const Run *r, const Single *s, int first, int count, int n, double reach)
+{
+    double size;
+    if (s->kind == NOTHING)
+        return bound_of_sum(r, first, count, n, reach);
+    size = single_difference_bound(r, s, n + (s->kind == RATE), reach);
+    if (s->kind == COUPLING)
+        size = s->k * size + s->c * single_difference_bound(r, s, n + 1, reach);
+    return fabs(s->coefficient) * size;
+}
+
+/* Bound of the n-th derivative of an event function up to `reach` ahead, n >= 2. */
+static inline double event_bound(const Run *r, const Event *e, int n, double reach)
+{
+    double total = 0.0;
+    int i;
+    if (e->slopes == 0)
+        return sum_bound(r, &e->single, e->first, e->terms, n, reach);
+    for (i = 0; i < e->slopes; i++) {
+        const Slope *s = &r->mode->slopes[e->first_slope + i];
+        double part = fabs(s->factor) * sum_bound(r, &s->single, s->first, s->terms, n - 1, reach) / s->mass;
+        total = i == 0 ? part : total + part;
+    }
+    return total;
+}
+
+static inline double single_scale(const Run *r, const Single *s, int order)
+{
+    const Motion *y = &r->closed_form.motions[s->m], *other = &r->closed_form.motions[s->other < 0 ? s->m : s->other];
+    double size = fabs(s->share) * (order ? y->scale_u : y->scale_q);
+    return s->other < 0 ? size : size + fabs(s->other_share) * (order ? other->scale_u : other->scale_q);
+}
+
+/* What the rounding of an event function is proportional to. */
+static inline double event_noise(const Run *r, const Event *e)
+{
+    const Single *s = &e->single;
+    double unit = EPS * (16 + r->mode->modal->pace * r->closed_form.tau), size;
+    if (e->terms == 0)
+        return unit * e->size;
+    if (s->kind == NOTHING)
+        return unit * (scale_of_sum(r, e->first, e->terms) + e->size);
+    size = single_scale(r, s, s->kind == RATE);
+    if (s->kind == COUPLING)
+        size = s->k * size + s->c * single_scale(r, s, 1) + fabs(s->offset);
+    return unit * (fabs(s->coefficient) * size + e->size);
+}
+
+#endif

@@ -1,0 +1,192 @@
+"""The event functions of the closed-form flow: derivatives, bounds of them ahead, and rounding bounds."""
+
+from typing import Any
+
+from vibsim.engine.modes.rows import ACCELERATION, COUPLING, DIFFERENCE, LOAD, RATE
+
+
+class EventFunctions:
+    """Event functions of a `ClosedForm` flow at the point that it evaluated last; call `here` first."""
+
+    def __init__(self, flow):
+        self.flow, self.kit = flow, flow.kit
+
+    def here(self, count):
+        """Take the derivatives of the coordinates up to order `count`."""
+        self.jets = self.flow.jets(count)
+        self.count = count
+        self.base: Any = self.flow.base_jet(count) if self.flow.scene.base else None
+
+    def difference(self, P, Q, n):
+        """n-th derivative of x_P - x_Q."""
+        terms, fixed, base = self.flow.modal.pairs[P, Q]
+        total = None
+        for m, coefficient in terms:
+            part = coefficient * self.jets[m][n]
+            total = part if total is None else total + part
+        total = self.kit.number(0) if total is None else total
+        if n == 0:
+            for sign, c in fixed:
+                total = total + sign * self.flow.x0[c]
+        return total + base * self.base[n] if base else total
+
+    def derivative(self, event, n):
+        """n-th time derivative of an event function, n >= 0."""
+        if n > 0 and event.slope:
+            total = None
+            for mass, factor, terms, constants in event.slope:
+                force = self._sum(terms, n - 1)
+                if n == 1:
+                    for value in constants:
+                        force = force + value
+                part = factor * force / mass
+                total = part if total is None else total + part
+            return total
+        value = self._sum(event.terms, n)
+        return value + event.constant if n == 0 else value
+
+    def _sum(self, terms, n):
+        total = None
+        for term in terms:
+            part = term.coefficient * self._term(term, n)
+            total = part if total is None else total + part
+        return self.kit.number(0) if total is None else total
+
+    def _term(self, term, n):
+        if term.kind == DIFFERENCE:
+            return self.difference(term.P, term.Q, n)
+        if term.kind == RATE:
+            return self.difference(term.P, term.Q, n + 1)
+        if term.kind == COUPLING:
+            one = self.flow.rows.couplings[term.P]
+            force = one.k * self.difference(one.P, one.Q, n) + one.c * self.difference(one.P, one.Q, n + 1)
+            return force + one.offset if n == 0 else force
+        if term.kind == LOAD:
+            return self.flow.load_jet(term.P, n)[n]
+        return self._column(term.P, n + 2)
+
+    def _column(self, c, n):
+        """n-th derivative of x_c, n > 0."""
+        place = self.flow.modal.places[c]
+        total = self.base[n] if place.base else self.kit.number(0)
+        for m, share in place.shape.items():
+            total = total + share * self.jets[m][n]
+        return total
+
+    def bound(self, event, n, reach):
+        """Bound of the absolute n-th derivative of an event function up to `reach` ahead [s], n >= 2."""
+        if event.slope:
+            total = None
+            for mass, factor, terms, _ in event.slope:
+                part = abs(factor) * self._bound_of_sum(terms, n - 1, reach) / mass
+                total = part if total is None else total + part
+            return total
+        return self._bound_of_sum(event.terms, n, reach)
+
+    def _bound_of_sum(self, terms, n, reach):
+        total = None
+        for term in terms:
+            part = abs(term.coefficient) * self._bound_of_term(term, n, reach)
+            total = part if total is None else total + part
+        return self.kit.number(0) if total is None else total
+
+    def _bound_of_term(self, term, n, reach):
+        if term.kind == DIFFERENCE:
+            return self._bound_of_difference(term.P, term.Q, n, reach)
+        if term.kind == RATE:
+            return self._bound_of_difference(term.P, term.Q, n + 1, reach)
+        if term.kind == COUPLING:
+            one = self.flow.rows.couplings[term.P]
+            force = one.k * self._bound_of_difference(one.P, one.Q, n, reach)
+            return force + one.c * self._bound_of_difference(one.P, one.Q, n + 1, reach)
+        if term.kind == LOAD:
+            forces = [force for force in self.flow.scene.forces if force.on == term.P]
+            return self._bound_of_harmonics([t for force in forces for t in force.terms], n)
+        place = self.flow.modal.places[term.P]
+        total = self._bound_of_harmonics(self.flow.scene.base, n + 2) if place.base else self.kit.number(0)
+        for m, share in place.shape.items():
+            total = total + abs(share) * self._bound_of_coordinate(m, n + 2, reach)
+        return total
+
+    def _bound_of_harmonics(self, terms, n):
+        total = self.kit.number(0)
+        for term in terms:
+            size = abs(term.amplitude)
+            for _ in range(n):
+                size = size * term.omega
+            total = total + size
+        return total
+
+    def _bound_of_difference(self, P, Q, n, reach):
+        terms, _, base = self.flow.modal.pairs[P, Q]
+        total = None
+        for m, coefficient in terms:
+            part = abs(coefficient) * self._bound_of_coordinate(m, n, reach)
+            total = part if total is None else total + part
+        total = self.kit.number(0) if total is None else total
+        return total + self._bound_of_harmonics(self.flow.scene.base, n) if base else total
+
+    def _bound_of_coordinate(self, m, n, reach):
+        """Bound of |q^(n)| up to `reach` ahead.
+
+        q^(n) obeys the same oscillator: its free part stays below both the energy and the ballistic bound,
+        the forced part below |R| omega^n reach^2 / 2 because |S(t)| <= t.
+        """
+        constants = self.flow.modal.constants[m]
+        d, w0 = self.jets[m], constants.oscillators[0].w0
+        value, rate = d[n], d[n + 1]
+        size = abs(value) + abs(rate) * reach
+        if w0 > 0:
+            energy = abs(value) + abs(rate) / w0
+            if energy < size:
+                size = energy
+        return size + constants.forced[n] * (reach * reach)
+
+    def noise(self, event):
+        """Rounding bound of an event function."""
+        flow = self.flow
+        unit = self.kit.eps * (16 + flow.modal.pace * flow.tau)
+        total = None
+        for term in event.terms:
+            part = abs(term.coefficient) * self._scale(term)
+            total = part if total is None else total + part
+        return unit * (event.size if total is None else total + event.size)
+
+    def _scale(self, term):
+        flow = self.flow
+        if term.kind == DIFFERENCE:
+            return self._scale_of_difference(term.P, term.Q, flow.scale_q, True)
+        if term.kind == RATE:
+            return self._scale_of_difference(term.P, term.Q, flow.scale_u, False)
+        if term.kind == COUPLING:
+            one = flow.rows.couplings[term.P]
+            force = one.k * self._scale_of_difference(one.P, one.Q, flow.scale_q, True)
+            return (
+                force + one.c * self._scale_of_difference(one.P, one.Q, flow.scale_u, False) + abs(one.offset)
+            )
+        if term.kind == LOAD:
+            forces = [force for force in flow.scene.forces if force.on == term.P]
+            total = self._bound_of_harmonics([t for force in forces for t in force.terms], 0)
+            for force in forces:
+                total = total + abs(force.constant)
+            return total
+        return self._bound_of_term(term, 0, flow.modal.window)
+
+    def _scale_of_difference(self, P, Q, scales, places):
+        terms, fixed, base = self.flow.modal.pairs[P, Q]
+        total = None
+        for m, coefficient in terms:
+            part = abs(coefficient) * scales[m]
+            total = part if total is None else total + part
+        total = self.kit.number(0) if total is None else total
+        if places:
+            for _, c in fixed:
+                total = total + abs(self.flow.x0[c])
+        return total + self._bound_of_harmonics(self.flow.scene.base, 0 if places else 1) if base else total
+
+
+def reaches(event):
+    """How many orders above its own an event function reads."""
+    kinds = {term.kind for term in event.terms}
+    kinds |= {term.kind for _, _, terms, _ in event.slope for term in terms}
+    return 2 if ACCELERATION in kinds else 1 if kinds & {RATE, COUPLING, LOAD} else 0

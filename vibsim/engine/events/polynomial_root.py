@@ -1,0 +1,176 @@
+"""Certified first root of an event function that is a polynomial over one step."""
+
+from math import inf
+
+from vibsim.engine.events.certificate import Certificate, crosses
+from vibsim.engine.events.first_root import safe_step
+from vibsim.engine.events.turning_point import turning_point
+
+MARCH_LIMIT = 1000  # a march longer than this goes on from a new expansion, whose bounds are tighter
+PIECES = 8  # a step spans less than two radians of the fastest motion: one minimum at most
+
+
+class PolynomialSearch:
+    """Finds first roots, and watches how close the gap function comes without one."""
+
+    def __init__(self, kit):
+        self.kit = kit
+        self.certificate = Certificate(kit)
+        self.settled = kit.power_of_two(kit.exponent(kit.eps) / 3)
+
+    def first_root(self, coefficients, known, t0, h, keep_margin):
+        """How far the polynomial in t - t0 is known to be positive: (grid time, whether it is zero there).
+
+        coefficients: lowest first; positive at the start but for a zero there of order `known`, which is
+        divided out together with any further coefficient that is exactly zero. h: length of the step [s].
+        The time is None where it is positive on the whole step. keep_margin: look for a grazing minimum
+        before the root or the end of the step.
+        """
+        order = known
+        while order < len(coefficients) and coefficients[order] == 0:
+            order += 1
+        if order == len(coefficients):
+            return None, False
+        series = coefficients[order:]
+        total, fall, curvature, swing, truncation = self._bounds(series, h)
+        error = 4 * self.kit.eps * total + truncation
+        end, zero = None, False
+        if series[0] - error - fall <= 0:
+            end, zero = self._march(series, error, curvature, t0, h)
+        close = keep_margin and series[0] - fall < self.certificate.margin
+        if close and self._may_turn(series, order, total, swing, h):
+            self._watch_turns(coefficients, t0, h if end is None else end - t0)
+        return end, zero
+
+    def value_and_slope(self, coefficients, known, tau):
+        """Value and slope at tau of the polynomial without its known zeros (see `first_root`)."""
+        order = known
+        while order < len(coefficients) - 1 and coefficients[order] == 0:
+            order += 1
+        return self._value_and_slope(coefficients[order:], tau)
+
+    def near_zero(self, coefficients, known, tau, size):
+        """(value, slope, rounding bound) at tau of the polynomial without its known zeros (see `first_root`);
+        None where it rests at zero.
+
+        size: sum of the magnitudes that its coefficient 0 is made of, where it is not known to be zero.
+        """
+        order = known
+        while order < len(coefficients) and coefficients[order] == 0:
+            order += 1
+        if order == len(coefficients):
+            return None
+        value, slope = self._value_and_slope(coefficients[order:], tau)
+        noise = self._noise(coefficients[order:], tau)
+        return value, slope, noise + 4 * self.kit.eps * size if order == 0 else noise
+
+    def _bounds(self, series, h):
+        """sum |b_n| h^n, the largest possible fall below b_0, a bound of |f''|, sum n |b_n| h^n, and a bound
+        of what follows the last term.
+
+        The last two terms bound what follows them as long as terms fall to less than 0.7 of the one before;
+        the step control lets them fall to tol^(1/order), 0.16 by default.
+        """
+        zero = self.kit.number(0)
+        total, fall, curvature, swing, power = abs(series[0]), zero, zero, zero, h
+        before = term = zero
+        for n in range(1, len(series)):
+            before, term = term, abs(series[n]) * power
+            total = total + term
+            swing = swing + n * term
+            if n > 1:
+                curvature = curvature + n * (n - 1) * term
+                fall = fall + term
+            elif series[1] < 0:
+                fall = fall + term
+            power = power * h
+        return total, fall, curvature / (h * h), swing, before + term
+
+    @staticmethod
+    def _may_turn(series, order, total, swing, h):
+        """Whether f = t^order sum b_n t^n may have a minimum within h; not where it is plainly monotonic."""
+        if order > 0:
+            return order * series[0] <= swing + order * (total - series[0])
+        return len(series) > 1 and 2 * abs(series[1]) * h <= swing
+
+    def _march(self, series, error, bound, t0, h):
+        """March by safe steps from t0; as `first_root`.
+
+        The function is proved positive where the polynomial stays above `error`. Where it falls below, and is
+        sure to cross zero, one Newton step leads there. Otherwise the stretch is in doubt, and the march goes
+        on to where the value is zero but for its rounding.
+        """
+        zero = self.kit.number(0)
+        t, stall, near = t0, self.kit.number(1), False
+        floor = noise = error
+        for _ in range(MARCH_LIMIT):
+            tau = t - t0
+            if tau > h:
+                return None, False
+            value, slope = self._value_and_slope(series, tau)
+            if value <= error and not near:
+                if crosses(slope, bound, 2 * error):
+                    zero = self._newton(tau, value, slope)
+                    return (self.kit.exact(t0 + zero), True) if zero <= h else (None, False)
+                near = True
+                self.certificate.doubt(t0)
+            if near:
+                floor = noise = self._noise(series, tau)
+            if value < -noise or (value <= noise and slope <= 0):
+                return t, True
+            room = value - floor if value > floor else zero
+            step = safe_step(self.kit, room, slope, bound)
+            if step > h:
+                return None, False
+            ahead = self.kit.exact(t0 + (tau + step))
+            if ahead <= t:
+                if slope < 0:
+                    return self.kit.exact(t0 + self._newton(tau, value, slope)), True
+                self.certificate.doubt(t0)
+                ahead = t + (self.kit.next_after(t, inf) - t) * stall
+                stall = stall * 2
+            else:
+                stall = self.kit.number(1)
+            t = ahead
+        return t, False
+
+    @staticmethod
+    def _newton(tau, value, slope):
+        """The zero that a Newton step from tau leads to, not before the start of the step."""
+        zero = tau - value / slope
+        return zero if zero > 0 else 0 * tau
+
+    def _noise(self, series, tau):
+        """Rounding bound of the value at tau."""
+        total = abs(series[-1])
+        for coefficient in reversed(series[:-1]):
+            total = total * tau + abs(coefficient)
+        return 4 * self.kit.eps * total
+
+    @staticmethod
+    def _value_and_slope(series, tau):
+        """f and f' by Horner's rule."""
+        value, slope = series[-1], series[-1] * 0
+        for coefficient in reversed(series[:-1]):
+            slope = slope * tau + value
+            value = value * tau + coefficient
+        return value, slope
+
+    def _watch_turns(self, series, t0, stop):
+        """Keep the smallest minimum of the gap function within a step: slopes at PIECES points tell where."""
+        slopes = [n * series[n] for n in range(1, len(series))]
+        low, falling = 0 * stop, next((slope for slope in slopes if slope != 0), slopes[0])
+        for i in range(1, PIECES + 1):
+            high = stop * i / PIECES
+            rising, _ = self._value_and_slope(slopes, high)
+            if falling < 0 <= rising:
+                self._turn_between(series, slopes, t0, low, high)
+            low, falling = high, rising
+
+    def _turn_between(self, series, slopes, t0, low, high):
+        def slope_at(tau):
+            return self._value_and_slope(slopes, tau)
+
+        tau, turn, depth = turning_point(slope_at, low, high, (high - low) * self.settled)
+        value, _ = self._value_and_slope(series, tau)
+        self.certificate.keep_turn(value - depth, t0 + turn)

@@ -1,0 +1,379 @@
+"""What follows where rigid stops touch: impacts, rest, and the end of infinite sequences of impacts.
+
+Within one instant, in this order: the law of impacts over all rigid stops that touch, again as long as one of
+them still closes; frictions and damped stops as the new velocities say; what is at rest sticks, rests or
+parts as the accelerations say. A stop that would be struck again within the resolution of time is at the end
+of such a sequence and comes to rest.
+
+Resolution of time: behind a blow with the speed w, against the acceleration a that drives the ends together,
+the next blow comes after 2 w / a and the last one after 2 w / (a (1 - e)), as long as a stays what it is. The
+former cannot be told from now below NEXT units in the last place of t, the latter is not worth waiting for
+below LAST of them. Where the approach itself was as slow as that there was no impact, but a touch that stays.
+
+Resolution of length: where a friction turns round at the top of a hop, the motion starts anew from rounded
+displacements, and the return is lost in that where the height w^2 / (2 a) is. So the sequence ends below
+LOWEST of their rounding. With the acceleration b of the return it would have lasted for another
+w (1 / a + 1 / sqrt(a b)) / (1 - e sqrt(b / a)), some 1e-7 s, which is told.
+"""
+
+from dataclasses import dataclass, field
+from math import inf
+from typing import Any
+
+from vibsim.engine.errors import EngineError
+from vibsim.engine.events.newton_moreau import (
+    MOST_BLOWS,
+    NEAR,
+    Contact,
+    Impulse,
+    blow,
+    masses,
+    rate_of,
+    size_of,
+    unmet,
+)
+from vibsim.engine.modes.rows import PUSH, SLIDE, STRIKE
+from vibsim.engine.modes.status import BACKWARD, CONTACT, FORWARD, LIFTED, OPEN, RESTING, STICK
+from vibsim.engine.modes.ties import Groups
+from vibsim.physics.parts import AT_FORCE
+
+NEXT, LAST = 2, 8  # units in the last place of the time
+ROUNDING = 8  # of a sum or a difference of two numbers, in units of eps
+LOWEST = 1024  # of displacements; event functions near zero are watched to some hundred
+
+
+@dataclass
+class Touch:
+    """The rigid stops that touch at an instant, and what blows did there.
+
+    before : rates of their depths before the first blow; v, w : velocities of all columns and of the rotor
+    there
+    rates : behind the last one, exactly 0 where the law or rounding says so; blows : by blow, the stops that
+    passed an impulse, and these; moved : columns whose velocities they changed
+    ended : by stop, the accelerations that ended infinite sequences of impacts
+    together : whether rounding might decide if another stop, of one of its bodies, is struck before this one
+    """
+
+    contacts: list[Contact]
+    before: dict[int, Any]
+    rates: dict[int, Any]
+    v: list[Any]
+    w: Any
+    together: bool
+    blows: list[list[tuple[Contact, Impulse]]] = field(default_factory=list)
+    moved: set[int] = field(default_factory=set)
+    ended: dict[int, Any] = field(default_factory=dict)
+
+    @property
+    def passed(self):
+        """The impulses, blow by blow."""
+        return [impulse for one in self.blows for _, impulse in one]
+
+
+@dataclass
+class CutOff:
+    """What the ends of infinite sequences of impacts left out, summed: time [s], speed [m/s], distance
+    [m].
+    """
+
+    time: Any
+    speed: Any
+    distance: Any
+
+
+class RigidStops:
+    """Decides for the `Automaton` what rigid stops do.
+
+    touch : what the event taken last was; cut_off : see `CutOff`
+    """
+
+    def __init__(self, automaton):
+        self.automaton = automaton
+        self.scene, self.maker, self.kit = automaton.scene, automaton.maker, automaton.kit
+        self.frictions = len(self.scene.frictions)
+        self.touch: Touch | None = None
+        zero = self.kit.number(0)
+        self.cut_off = CutOff(zero, zero, zero)
+
+    def meet(self, state, status, i):
+        """What follows where stop `i` touches, as `Automaton.take`: (status, what happened, known zeros)."""
+        touch = self._touching(state, status, i)
+        self._strike(state, touch)
+        after, lifts = self._lifted(state, self._turned(state, status, touch.moved), touch)
+        settled = self._settled(state, after, touch)
+        while self._ends(state, settled, touch):
+            settled = self._settled(state, after, touch)
+        resting = [j for j in touch.rates if status.stops[j] == OPEN != settled.stops[j]]
+        self._seat(state, sorted({*resting, *(one.stop for one in touch.passed)}))
+        for k, (old, new) in enumerate(zip(status.frictions, settled.frictions, strict=True)):
+            if old != STICK == new:
+                self.automaton._join(state, self.maker.rows(settled), k)
+        self.touch = touch
+        known = self._forgotten(touch, after)
+        changes = self.automaton._changes(status, settled, known)
+        opened = {j for j in touch.rates if status.stops[j] == RESTING}
+        for j in {i, *opened, *(one.stop for one in touch.passed)}:
+            if settled.stops[j] == OPEN:
+                known[STRIKE, j] = 2 if touch.rates[j] == 0 else 1
+        return settled, [*self._happened(state, touch), *lifts, *changes], known
+
+    def at_start(self, state, met):
+        """Of the stops `met` at the start: ({stop: order of the zero of its depth}, those that neither close
+        nor part). One that closes is struck at once.
+        """
+        orders, standing = {}, []
+        for j, _ in self.scene.rigid_stops:
+            if j in met:
+                rate = rate_of(self.kit, self._contact(j), self._velocities(state))
+                if rate == 0:
+                    standing.append(j)
+                if rate <= 0:
+                    orders[j] = 2 if rate == 0 else 1
+        if standing:
+            self._join(state, [self.maker.ends(self.scene.stops[j]) for j in standing])
+            self._seat(state, standing)
+        return orders, standing
+
+    # -- who touches
+
+    def _velocities(self, state):
+        return [*state.v, self.kit.number(0), self.automaton._base(state, "v")]
+
+    def _contact(self, j):
+        stop = self.scene.stops[j]
+        P, Q = self.maker.ends(stop)
+        return Contact(j, P, Q, stop.sense, stop.e)
+
+    def _touching(self, state, status, i):
+        """The stops that rest, and those that meet stop `i` within the resolution of time and length.
+
+        A body that was seated at one stop has moved by the rounding of that one's displacements.
+        """
+        v, kit = self._velocities(state), self.kit
+        within = LAST * self._unit_of(state.t)
+        contacts, together = [], False
+        for j, stop in self.scene.rigid_stops:
+            contact, room = self._contact(j), -self.automaton._depth(stop, state)
+            rate, size = rate_of(kit, contact, v), self._size(stop, state)
+            if j != i and self._share(i, j):
+                size = max(size, self._size(self.scene.stops[i], state))
+            if j == i or status.stops[j] == RESTING or room <= abs(rate) * within + ROUNDING * kit.eps * size:
+                contacts.append(contact)
+            if j != i and status.stops[j] == OPEN and rate > 0 and self._share(i, j):
+                together |= room <= NEAR * (rate * self._unit_of(state.t) + kit.eps * size)
+        rates = {c.stop: rate_of(kit, c, v) for c in contacts}
+        return Touch(contacts, dict(rates), rates, v, state.w, together)
+
+    def _share(self, i, j):
+        """Whether two stops act on a common body."""
+        ends, others = (set(self.maker.ends(self.scene.stops[k])) for k in (i, j))
+        return any(column < self.maker.n for column in ends & others)
+
+    def _size(self, stop, state):
+        xP, xQ = self.automaton._ends(stop, state, "x")
+        return abs(xP) + abs(xQ) + abs(stop.gap)
+
+    def _unit_of(self, t):
+        """One unit in the last place of a time [s]."""
+        return self.kit.next_after(t, inf) - t
+
+    # -- blows
+
+    def _strike(self, state, touch):
+        """Blows as long as a stop closes; the last of too many are plastic."""
+        v, w = self._velocities(state), state.w
+        bodies, contacts = masses(self.scene, self.kit, state.phase), touch.contacts
+        size = size_of(contacts, v)
+        for count in range(MOST_BLOWS + len(contacts)):
+            if not any(rate > 0 for rate in touch.rates.values()):
+                break
+            if count == MOST_BLOWS:
+                self.automaton._doubt(state)
+                contacts = [Contact(c.stop, c.P, c.Q, c.sense, self.kit.number(0)) for c in contacts]
+            struck, w, passed = blow(self.kit, bodies, contacts, v, w)
+            if unmet(self.kit, contacts, v, struck):
+                raise EngineError("crushed", state)
+            v = struck
+            touch.rates = {c.stop: rate_of(self.kit, c, v, size) for c in contacts}
+            touch.rates |= {one.stop: one.after for one in passed}
+            contact = {c.stop: c for c in contacts}
+            touch.blows.append([(contact[one.stop], one) for one in passed])
+        ends = [(c.P, c.Q) for one in touch.passed for c in contacts if c.stop == one.stop]
+        touch.moved = {column for pair in ends for column in pair if column < self.maker.n}
+        state.v[:] = [self.kit.exact(value) for value in v[: self.maker.n]]
+        state.w = self.kit.exact(w)
+
+    def _forgotten(self, touch, status):
+        """Zeros of functions of velocities that blows have changed: none any more, but for what stands."""
+        known: dict[tuple, int] = {}
+        for i, friction in enumerate(self.scene.frictions):
+            if touch.moved & set(self.maker.ends(friction)) and status.frictions[i] != STICK:
+                known[SLIDE, i] = 0
+        for i, stop in self.scene.elastic_stops:
+            if touch.moved & set(self.maker.ends(stop)):
+                known[PUSH, i] = 0
+        return known
+
+    def _turned(self, state, status, moved):
+        """The status with the frictions of the columns `moved` as the velocities say."""
+        v, turned = self._velocities(state), {}
+        for i, friction in enumerate(self.scene.frictions):
+            P, Q = self.maker.ends(friction)
+            if moved & {P, Q}:
+                slip = (v[P] - v[Q]) - friction.belt
+                noise = ROUNDING * self.kit.eps * (abs(v[P]) + abs(v[Q]) + abs(friction.belt))
+                turned[i] = STICK if abs(slip) <= noise else FORWARD if slip > 0 else BACKWARD
+        return status.with_frictions(turned)
+
+    def _lifted(self, state, status, touch):
+        """The status with the damped stops that let go at zero force as the velocities say; what happened."""
+        happened, auto = [], self.automaton
+        for i, stop in self.scene.elastic_stops:
+            pressed = stop.release == AT_FORCE and stop.c != 0 and status.stops[i] != OPEN
+            if pressed and touch.moved & set(self.maker.ends(stop)):
+                (vP, vQ), depth = auto._ends(stop, state, "v"), auto._depth(stop, state)
+                pushes = stop.k * depth - stop.c * (stop.sense * (vP - vQ)) >= 0
+                after = CONTACT if pushes else LIFTED
+                if after != status.stops[i]:
+                    happened.append(("contact_begin" if pushes else "contact_end", i))
+                status = status.with_stop(i, after)
+        return status, happened
+
+    # -- rest
+
+    def _settled(self, state, status, touch):
+        """The status in which all that stands sticks, rests or parts consistently; tied bodies get their
+        common velocities.
+        """
+        rests = {self.frictions + j: STICK if rate == 0 else FORWARD for j, rate in touch.rates.items()}
+        status = status.with_ties(rests)
+        seats = [self.maker.ends(self.maker.tie(k)) for k in status.tied if k >= self.frictions]
+        self._join(state, seats)
+        standing = status.tied
+        settled = self.automaton._settle(state, status, standing) if standing else status
+        if RESTING in settled.stops and not self.automaton._possible(self.maker.rows(settled)):
+            raise EngineError("crushed", state)
+        return settled
+
+    def _join(self, state, edges):
+        """Give bodies that touch without closing one velocity; momentum is kept where they move freely."""
+        n, zero = self.maker.n, self.kit.number(0)
+        groups = Groups(n, [(0, *edge) for edge in edges])
+        for leader, members in groups.members.items():
+            bodies = [c for c in members if c < n]
+            if len(members) > 1 and bodies:
+                if leader >= n:
+                    common = zero if leader == n else self.automaton._base(state, "v")
+                else:
+                    common = self._mean(bodies, [state.v[c] for c in bodies])
+                for c in bodies:
+                    state.v[c] = common
+
+    def _mean(self, bodies, values):
+        """Mean of values of bodies, weighted by their masses; equal ones are their mean."""
+        if all(value == values[0] for value in values):
+            return values[0]
+        total = weight = self.kit.number(0)
+        for c, value in zip(bodies, values, strict=True):
+            m = self.scene.bodies[c].m
+            total, weight = total + m * value, weight + m
+        return self.kit.exact(total / weight)
+
+    def _ends(self, state, status, touch):
+        """Bring open stops to rest that would be struck again within the resolution of time; whether there
+        are any.
+        """
+        unit, found = self._unit_of(state.t), False
+        for c in touch.contacts:
+            speed = -touch.rates[c.stop]
+            if status.stops[c.stop] != OPEN or speed == 0:
+                continue
+            drive = self._drive(state, status, c.stop)
+            if drive <= 0:
+                continue
+            after = 2 * speed / drive
+            last = after if c.e == 1 else after / (1 - c.e)
+            soon = after <= NEXT * unit or (c.e < 1 and after <= (1 - c.e) * (LAST * unit))
+            rubbing = [] if soon or c.e == 1 else self._rubbing(status, c)
+            if rubbing and self._is_low(state, c.stop, speed * after / 4):
+                soon, last = True, self._lasting(state, status, c, rubbing, speed, drive)
+            if soon:
+                cut = self.cut_off
+                cut.time, cut.speed = cut.time + last, cut.speed + speed
+                cut.distance = cut.distance + speed * after / 8
+                touch.rates[c.stop], touch.ended[c.stop] = self.kit.number(0), drive
+                found = True
+        return found
+
+    def _rubbing(self, status, contact):
+        """Frictions that slip at an end of a stop."""
+        ends = {column for column in (contact.P, contact.Q) if column < self.maker.n}
+        frictions = enumerate(self.scene.frictions)
+        return [
+            i for i, one in frictions if status.frictions[i] != STICK and ends & set(self.maker.ends(one))
+        ]
+
+    def _is_low(self, state, j, height):
+        """Whether rounding of displacements hides a hop of some height [m]."""
+        return height <= LOWEST * self.kit.eps * self._size(self.scene.stops[j], state)
+
+    def _lasting(self, state, status, c, rubbing, speed, drive):
+        """How long a sequence of impacts would go on whose hops rise against `drive` and return with the
+        frictions `rubbing` turned round [s].
+        """
+        turned = status.with_frictions({i: -status.frictions[i] for i in rubbing})
+        back = self._drive(state, turned, c.stop)
+        if not 0 < back < drive:
+            return 2 * speed / drive / (1 - c.e)
+        share = self.kit.sqrt(back / drive)
+        return speed / drive * (1 + 1 / share) / (1 - c.e * share)
+
+    def _drive(self, state, status, j):
+        """Acceleration that drives the ends of an open stop together [m/s^2]."""
+        rows = self.automaton._enter(state, status)
+        event = self.automaton._event(rows, (STRIKE, j))
+        return -self.automaton.flow.derivatives(event, 2)[2]
+
+    def _seat(self, state, stops):
+        """Take what rounding left of the depths of stops that were struck or come to rest: the ends move
+        onto each other, their centre of mass stays where they move freely.
+        """
+        n, edges = self.maker.n, []
+        for j in stops:
+            stop = self.scene.stops[j]
+            depth = self.automaton._depth(stop, state)
+            ends = self.maker.ends(stop)
+            edges.append((0, *ends))
+            if depth != 0:
+                self._shift(state, Groups(n, edges[:-1]), ends, stop.sense * depth)
+
+    def _shift(self, state, groups, ends, distance):
+        """Move the group of P by `distance` against that of Q, shared as their masses say."""
+        sides = [groups.members[groups.leader[end]] for end in ends]
+        if set(sides[0]) & set(sides[1]):
+            return
+        held = [any(c >= self.maker.n for c in side) for side in sides]
+        if any(held):
+            shares: Any = [int(not one) for one in held]
+        else:
+            own, other = (sum(self.scene.bodies[c].m for c in side) for side in sides)
+            shares = [other / (own + other), own / (own + other)]
+        for side, share, sign in zip(sides, shares, (1, -1), strict=True):
+            for c in side:
+                if c < self.maker.n:
+                    state.x[c] = self.kit.exact(state.x[c] + sign * (share * distance))
+
+    # -- what is told
+
+    def _happened(self, state, touch):
+        """Impacts, blows passed on and ends of infinite sequences, by stop."""
+        unit, happened, ended = self._unit_of(state.t), [], []
+        for j in sorted({one.stop for one in touch.passed}):
+            approach = touch.before[j]
+            slow = j in touch.ended and 2 * approach <= NEXT * unit * touch.ended[j]
+            if approach <= 0:
+                happened.append(("transmitted", j))
+            elif not slow:
+                happened.append(("impact", j))
+                ended += [("chatter", j)] if j in touch.ended and self.scene.stops[j].e > 0 else []
+        return happened + ended

@@ -1,0 +1,1 @@
+"""Motion inside a mode: closed form by modal coordinates, Taylor series elsewhere."""

@@ -1,0 +1,198 @@
+/* The vector field of a mode at a state; twin of vibsim/engine/flows/accelerations.py. */
+#include "friction_laws.h"
+#include "tangent.h"
+
+static void value_and_rate(const Harmonic *terms, int count, double t, double *value, double *rate)
+{
+    int i;
+    *value = *rate = 0.0;
+    for (i = 0; i < count; i++) {
+        const Harmonic *term = &terms[i];
+        double angle = turn_angle(term->cycles, term->cycles_lo, t) + term->phase;
+        *value = *value + term->amplitude * sin(angle);
+        *rate = *rate + term->amplitude * term->omega * cos(angle);
+    }
+}
+
+void base_motion_at(const Run *r, double t, double *X, double *V)
+{
+    value_and_rate(r->base, r->base_count, t, X, V);
+}
+
+static double base_acceleration(const Run *r, double t)
+{
+    double total = 0.0;
+    int i;
+    for (i = 0; i < r->base_count; i++) {
+        const Harmonic *term = &r->base[i];
+        double sine = sin(turn_angle(term->cycles, term->cycles_lo, t) + term->phase);
+        total = total - term->amplitude * term->omega * term->omega * sine;
+    }
+    return total;
+}
+
+/* Displacement and velocity of a column. */
+static void motion_of(const Run *r, const State *state, int column, double X, double V, double *x, double *v)
+{
+    *x = column < r->bodies ? state->x[column] : column == r->bodies ? 0.0 : X;
+    *v = column < r->bodies ? state->v[column] : column == r->bodies ? 0.0 : V;
+}
+
+static double coupling_force(const Run *r, const Coupling *q, const State *state, double X, double V)
+{
+    double xP, xQ, vP, vQ;
+    motion_of(r, state, q->P, X, V, &xP, &vP);
+    motion_of(r, state, q->Q, X, V, &xQ, &vQ);
+    return q->k * (xP - xQ) + q->c * (vP - vQ) + q->offset;
+}
+
+static double fall_force(const Run *r, const Falling *one, const State *state, double X, double V)
+{
+    double xP, xQ, vP, vQ;
+    motion_of(r, state, one->P, X, V, &xP, &vP);
+    motion_of(r, state, one->Q, X, V, &xQ, &vQ);
+    return one->on_P * law_start(one->law, one->rate * ((vP - vQ) - one->drift));
+}
+
+double accelerations(const Run *r, const Mode *m, const State *state, double *out)
+{
+    double X, V, value, rate, torque = 0.0, *F = r->tangent->force;
+    int i;
+    base_motion_at(r, state->t, &X, &V);
+    for (i = 0; i < r->columns; i++)
+        F[i] = 0.0;
+    for (i = 0; i < r->force_count; i++) {
+        const Force *force = &r->forces[i];
+        int leader = m->leader[force->on];
+        value_and_rate(force->terms, force->count, state->t, &value, &rate);
+        F[leader] = F[leader] + (value + force->constant);
+    }
+    for (i = 0; i < m->coupling_count; i++) {
+        const Coupling *q = &m->couplings[i];
+        double force = coupling_force(r, q, state, X, V);
+        F[q->to_P] = F[q->to_P] - force;
+        F[q->to_Q] = F[q->to_Q] + force;
+    }
+    for (i = 0; i < m->constant_count; i++) {
+        int leader = m->leader[m->constant_columns[i]];
+        F[leader] = F[leader] + m->constants[i];
+    }
+    for (i = 0; i < m->fall_count; i++) {
+        const Falling *one = &m->falls[i];
+        double force = fall_force(r, one, state, X, V);
+        F[one->to_P] = F[one->to_P] + force;
+        F[one->to_Q] = F[one->to_Q] - force;
+    }
+    if (r->has_motor) {
+        int on = m->leader[r->motor_on];
+        F[on] = F[on] + r->m3 * r->e * (state->w * state->w * cos(state->phase));
+        torque = r->M0 - r->M0 / r->Omega0 * state->w;
+    }
+    return response(r, m, state, F, torque, base_acceleration(r, state->t), out);
+}
+
+double response(const Run *r, const Mode *m, const State *state, const double *F, double torque, double base, double *out)
+{
+    double own, rotor = 0.0;
+    int on = r->has_motor ? m->leader[r->motor_on] : -1, c;
+    for (c = 0; c < r->columns; c++)
+        if (m->leader[c] == c)
+            out[c] = c == r->columns - 1 ? base : F[c] * m->mobility[c];
+    if (on >= 0) {
+        double inertia = r->J + r->m3 * r->e * r->e, coupling = r->m3 * r->e * sin(state->phase);
+        own = out[on];
+        if (m->carried == 0) {
+            rotor = (torque + coupling * own) / inertia;
+        } else {
+            double mass = m->group_mass[on] + r->m3, determinant = mass * inertia - coupling * coupling;
+            out[on] = (inertia * F[on] + coupling * torque) / determinant;
+            rotor = (mass * torque + coupling * F[on]) / determinant;
+        }
+    }
+    for (c = 0; c < r->columns; c++)
+        out[c] = out[m->leader[c]];
+    return rotor;
+}
+
+/* `vector`, one entry after the other, after the ties of a mode have given tied bodies one velocity. */
+static void join_disturbance(const Run *r, const Mode *m, const State *state, double *vector)
+{
+    Tangent *b = r->tangent;
+    double *P = b->force, *velocities = b->accelerations, *dv = vector + r->bodies, turning = 0.0, rotor;
+    int n = r->bodies, c, d, on = r->motor_on;
+    for (c = 0; c < r->columns; c++)
+        P[c] = 0.0;
+    for (c = 0; c < n; c++)
+        P[m->leader[c]] = P[m->leader[c]] + r->masses[c] * dv[c];
+    if (r->has_motor) {
+        double inertia = r->J + r->m3 * r->e * r->e, coupling = r->m3 * r->e * sin(state->phase), dw = vector[2 * n + 1];
+        P[m->leader[on]] = P[m->leader[on]] + (r->m3 * dv[on] - coupling * dw);
+        turning = inertia * dw - coupling * dv[on];
+    }
+    rotor = response(r, m, state, P, turning, 0.0, velocities);
+    for (c = 0; c < n; c++) {
+        int tied = m->leader[c] != c;
+        for (d = 0; d < n; d++)
+            tied = tied || (d != c && m->leader[d] == m->leader[c]);
+        if (!tied)
+            continue;
+        dv[c] = velocities[c];
+        if (r->has_motor && c == on)
+            vector[2 * n + 1] = rotor;
+    }
+}
+
+/* `vector` after rigid stops have come to rest: their ends have one displacement, the centre of mass stays where they
+ * move freely.
+ */
+static void seat_disturbance(const Run *r, double *vector)
+{
+    const int *seat = r->tangent->seat;
+    int n = r->bodies, leader, c;
+    for (leader = 0; leader < r->columns; leader++) {
+        double moment = 0.0, mass = 0.0, common = 0.0;
+        int count = leader >= n;
+        for (c = 0; c < n; c++)
+            if (seat[c] == leader) {
+                moment = moment + r->masses[c] * vector[c];
+                mass = mass + r->masses[c];
+                count++;
+            }
+        if (count < 2)
+            continue;
+        if (leader < n)
+            common = moment / mass;
+        for (c = 0; c < n; c++)
+            if (seat[c] == leader)
+                vector[c] = common;
+    }
+}
+
+/* The same of all possible disturbances. */
+void seat_disturbances(const Run *r, const Mode *m)
+{
+    Tangent *b = r->tangent;
+    int i, k;
+    seats_of(r, m);
+    for (i = 0; i < b->possible; i++) {
+        for (k = 0; k < r->bodies; k++)
+            b->vector[k] = b->vectors[k * b->stride + i];
+        seat_disturbance(r, b->vector);
+        for (k = 0; k < r->bodies; k++)
+            b->vectors[k * b->stride + i] = b->vector[k];
+    }
+}
+
+/* All possible disturbances after the ties of a mode have given tied bodies one velocity. */
+void join_disturbances(const Run *r, const Mode *m, const State *state)
+{
+    Tangent *b = r->tangent;
+    int i, k;
+    for (i = 0; i < b->possible; i++) {
+        for (k = 0; k < b->size; k++)
+            b->vector[k] = b->vectors[k * b->stride + i];
+        join_disturbance(r, m, state, b->vector);
+        for (k = 0; k < b->size; k++)
+            b->vectors[k * b->stride + i] = b->vector[k];
+    }
+}

@@ -1,0 +1,93 @@
+"""The vector field of a mode at a state: accelerations of all columns and of the rotor.
+
+It is written from the equations of motion and uses no flow.
+"""
+
+from vibsim.engine.flows.harmonics import sine_and_cosine, value_and_rate
+
+
+def base_acceleration(scene, kit, t):
+    """Second derivative of the motion of the base [m/s^2]."""
+    total = kit.number(0)
+    for term in scene.base:
+        sine, _ = sine_and_cosine(kit, term, t)
+        total = total - term.amplitude * term.omega * term.omega * sine
+    return total
+
+
+def accelerations(scene, kit, rows, state):
+    """Accelerations [m/s^2] of bodies, ground and base, and that of the rotor [rad/s^2], in the mode of
+    `rows`.
+    """
+    n, zero, leader = len(scene.bodies), kit.number(0), rows.leader
+    X, V = value_and_rate(kit, scene.base, state.t)
+    x, v = (*state.x, zero, X), (*state.v, zero, V)
+    F, torque = [zero] * (n + 2), zero
+    for force in scene.forces:
+        value, _ = value_and_rate(kit, force.terms, state.t)
+        F[leader[force.on]] = F[leader[force.on]] + (value + force.constant)
+    for q in rows.couplings:
+        value = q.k * (x[q.P] - x[q.Q]) + q.c * (v[q.P] - v[q.Q]) + q.offset
+        F[leader[q.P]] = F[leader[q.P]] - value
+        F[leader[q.Q]] = F[leader[q.Q]] + value
+    for column, value in rows.constants:
+        F[leader[column]] = F[leader[column]] + value
+    for fall in rows.falls:
+        force = fall.on_P * fall.law.start(kit, fall.rate * ((v[fall.P] - v[fall.Q]) - fall.drift))
+        F[leader[fall.P]] = F[leader[fall.P]] + force
+        F[leader[fall.Q]] = F[leader[fall.Q]] - force
+    motor = scene.motor
+    if motor is not None:
+        on = leader[motor.on]
+        F[on] = F[on] + motor.m3 * motor.e * (state.w * state.w * kit.cos(state.phase))
+        torque = motor.M0 - motor.M0 / motor.Omega0 * state.w
+    return response(scene, kit, rows, state, F, torque, base_acceleration(scene, kit, state.t))
+
+
+def response(scene, kit, rows, state, F, torque, base):
+    """Accelerations that forces F [N] on the leading columns, a torque [N m] on the rotor and the
+    acceleration of the base make: F and the torque over the mass matrix at `state`.
+    """
+    zero, motor, leader = kit.number(0), scene.motor, rows.leader
+    own = [force * mobility for force, mobility in zip(F, rows.mobility, strict=True)]
+    own[-1] = base
+    rotor = zero
+    if motor is not None:
+        on = leader[motor.on]
+        inertia = motor.J + motor.m3 * motor.e * motor.e
+        coupling = motor.m3 * motor.e * kit.sin(state.phase)
+        if rows.mass[on] is None:
+            rotor = (torque + coupling * own[on]) / inertia
+        else:
+            mass = rows.mass[on] + motor.m3
+            determinant = mass * inertia - coupling * coupling
+            own[on] = (inertia * F[on] + coupling * torque) / determinant
+            rotor = (mass * torque + coupling * F[on]) / determinant
+    return [own[leader[c]] for c in range(len(leader))], rotor
+
+
+def joined(scene, kit, rows, state, vector):
+    """The disturbance (dx, dv, ...) after the ties of the mode have given tied bodies one velocity: momentum
+    is kept, what the ground or the base holds stops.
+    """
+    n, zero, motor, leader = len(scene.bodies), kit.number(0), scene.motor, rows.leader
+    tied = {leader[c] for c in range(n) if leader[c] != c}
+    if not tied:
+        return list(vector)
+    P, turning, rotor = [zero] * (n + 2), zero, zero
+    for c in range(n):
+        P[leader[c]] = P[leader[c]] + scene.bodies[c].m * vector[n + c]
+    if motor is not None:
+        inertia = motor.J + motor.m3 * motor.e * motor.e
+        coupling = motor.m3 * motor.e * kit.sin(state.phase)
+        dv, dw, on = vector[n + motor.on], vector[-1], leader[motor.on]
+        P[on] = P[on] + (motor.m3 * dv - coupling * dw)
+        turning = inertia * dw - coupling * dv
+    velocities, rotor = response(scene, kit, rows, state, P, turning, zero)
+    after = list(vector)
+    for c in range(n):
+        if leader[c] in tied:
+            after[n + c] = velocities[c]
+    if motor is not None and leader[motor.on] in tied:
+        after[-1] = rotor
+    return after

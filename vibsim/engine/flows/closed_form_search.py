@@ -1,0 +1,249 @@
+"""Certified first event on the closed-form flow: safe steps from bounds of the event functions' curvature."""
+
+from math import inf
+
+from vibsim.engine.events.certificate import crosses, latest_zero, may_vanish_by
+from vibsim.engine.events.event_functions import EventFunctions, reaches
+from vibsim.engine.events.first_root import deflated_step, leading_order, safe_step
+from vibsim.engine.events.turning_point import extreme_of_slope, turning_point
+from vibsim.engine.modes.rows import STRIKE
+
+JET_ORDER = 9  # derivatives taken at the start of a segment: enough for a zero of order 6
+STEPS_PER_CALL = 4096
+POLISHING = 10  # Halley's iteration triples the right digits
+NARROWER = 16  # steps shorter than this part of the reach of the bounds shorten it to that; others widen it
+
+
+class ClosedFormSearch:
+    """Marches a `ClosedForm` flow from event to event, and watches how close the gap functions come."""
+
+    def __init__(self, flow):
+        self.flow, self.kit = flow, flow.kit
+        self.functions_of = EventFunctions(flow)
+        self.certificate = flow.certificate
+        self.settled = flow.kit.power_of_two(flow.kit.exponent(flow.kit.eps) / 3)  # next error: this cubed
+        self.steps = 0
+
+    def open(self, events, known):
+        """Start at the flow's anchor; known: {event key: order of its zero here}."""
+        self.events, self.known, self.leading = events, known, True
+        self.more = max((reaches(event) for event in events), default=0)
+        self.t0 = self.t = self.flow.t0
+        self.reach = self.window = self.flow.modal.window
+        self.watched = {event.key: (self.t0,) + (self.kit.number(0),) * 4 for event in events if event.turns}
+        self.stall = self.kit.number(1)
+        self.residues = {}  # what is left of a known zero by the rounding of the segment before
+
+    def advance(self, limit):
+        """March to the first event or to `limit`; returns (time, event or None)."""
+        if self.leading:
+            first = self._lead()
+            if first is not None:
+                return self.t, first
+        if not self.events:
+            self.t = limit
+        for _ in range(STEPS_PER_CALL):
+            first = self._step() if self.t < limit else None
+            if self.t >= limit and (first is None or self.t > limit):  # at the end, or polished past it
+                self.t = limit
+                self._turn_before(None)
+                return limit, None
+            if first is not None:
+                self._turn_before(first)
+                return self.t, first
+        return self.t, None
+
+    def _lead(self):
+        """The first stretch of a segment, known zeros divided out, from the derivatives at its start."""
+        self.leading = False
+        self.flow.measure()
+        step, of = self.window, self.functions_of
+        of.here(JET_ORDER + (1 if self.more > 1 else 0))
+        for event in self.events:
+            known = self.known.get(event.key, 0)
+            derivatives = [of.derivative(event, n) for n in range(JET_ORDER - 2)]
+            order = leading_order(derivatives, known)
+            self.residues[event.key] = abs(derivatives[0]) if known > 0 else self.kit.number(0)
+            if order >= JET_ORDER - 3:  # more zeros than the motion has modes: it rests at zero
+                self.events = [other for other in self.events if other is not event]
+                continue
+            lead, bound = derivatives[order], of.bound(event, order + 2, self.window)
+            if event.kind == STRIKE and order > known and lead < 0:  # closes from exactly zero
+                return event
+            if known == 0 < order and lead < 0:  # zero, by no event, and on its way below
+                self.certificate.doubt(self.t0)
+                return event
+            if order == 0:
+                noise = of.noise(event)
+                if lead <= noise and derivatives[1] <= 0:
+                    self._certify_crossing(derivatives[1], bound, noise)
+                    others = [other for other in self.events if self.known.get(other.key, 0) == 0]
+                    self._certify_order(event, others, lead, derivatives[1], noise)
+                    return event
+                lead = lead - noise
+                if lead <= 0:  # rises from within rounding of zero: on which side it began is not proved
+                    self.certificate.doubt(self.t0)
+            lead = lead if lead > 0 else self.kit.number(0)
+            ahead = deflated_step(self.kit, order, lead, derivatives[order + 1], bound)
+            step = ahead if ahead < step else step
+            if event.turns:
+                limit, zero = of.bound(event, 2, self.window), self.kit.number(0)
+                parted = order if order >= 2 else 0  # as rest ends: what rounding left of zeros is no turn
+                watched = (zero if n < parted else derivatives[n] for n in range(3))
+                self.watched[event.key] = (self.t0, *watched, limit)
+        self._adapt_reach(step)
+        self._move(step)
+        return None
+
+    def _here(self):
+        self.functions_of.here(3 + max(self.more, 1))
+
+    def _step(self):
+        """One certified step; returns the event whose function reached zero here, or None."""
+        self.steps += 1
+        self.flow.evaluate(self.t - self.t0)
+        self.flow.measure()
+        of, step = self.functions_of, self.reach
+        rival, nearest, alone = step, None, False
+        self._here()
+        for event in self.events:
+            value, slope = of.derivative(event, 0), of.derivative(event, 1)
+            noise = of.noise(event) + self.residues[event.key]
+            bound = of.bound(event, 2, self.reach)
+            if value < -noise or (value <= noise and slope <= 0):
+                self._certify_crossing(slope, bound, noise)
+                self._certify_order(event, self.events, value, slope, noise)
+                return event
+            if event.turns:
+                self._watch_turn(event, value, slope, of.derivative(event, 2), bound)
+            room = value - noise
+            ahead = safe_step(self.kit, room if room > 0 else self.kit.number(0), slope, bound)
+            if ahead < step:
+                step, rival, nearest = ahead, step, (event if slope < 0 else None)
+                near = -2 * value / slope if slope < 0 else step
+                alone = slope < 0 and 4 * near * bound < -slope
+                course = value, slope, bound, noise
+            elif ahead < rival:
+                rival = ahead
+        if alone and near <= rival:
+            self._polish(nearest)
+            return nearest
+        self._adapt_reach(step)
+        before = self.t
+        self._move(step)
+        if self.t > before:
+            self.stall = self.kit.number(1)
+            return None
+        if nearest is None:
+            self._creep(before)
+        else:
+            value, slope, bound, noise = course
+            self._certify_crossing(slope, bound, noise)
+            self._certify_order(nearest, self.events, value, slope, noise)
+        return nearest
+
+    def _creep(self, before):
+        """Leave a point where the certified step is shorter than the time grid's."""
+        self.certificate.doubt(self.t0)
+        self.t = before + (self.kit.next_after(before, inf) - before) * self.stall
+        self.stall = self.stall * 2
+
+    def _adapt_reach(self, step):
+        """Let the bounds of the next step reach as far as it needs: they are the tighter the less they do."""
+        needed = NARROWER * step
+        self.reach = needed if needed < self.window else self.window
+
+    def _certify_crossing(self, slope, bound, noise):
+        if not crosses(slope, bound, noise):
+            self.certificate.doubt(self.t0)
+
+    def _certify_order(self, first, events, value, slope, noise):
+        """Doubt that the zero of `first` is the first, where that of another of `events` may come as soon;
+        value, slope and noise are those of `first`. Two names of one function vanish together.
+        """
+        if slope >= 0:  # a touch is in doubt by itself
+            return
+        of, latest = self.functions_of, latest_zero(self.kit, value, slope, noise, self.t)
+        for event in events:
+            other, fall = of.derivative(event, 0), of.derivative(event, 1)
+            blur = of.noise(event) + self.residues.get(event.key, self.kit.number(0))
+            same = event is first or (other == value and fall == slope)
+            if not same and may_vanish_by(other, fall, blur, latest):
+                self.certificate.doubt(self.t0)
+
+    def _polish(self, event):
+        """Go to the one zero of the event function ahead, by Halley's iteration.
+
+        Called where 8 f |f''| < f'^2 and f' < 0: then f falls all the way to its zero, which lies within
+        -2 f / f' and is the only one there (Kantorovich), and no other event function can vanish within that.
+        """
+        start, of = self.t, self.functions_of
+        for _ in range(POLISHING):
+            self._here()
+            value, slope = of.derivative(event, 0), of.derivative(event, 1)
+            curvature, before = of.derivative(event, 2), self.t
+            newton = value / slope
+            step = -(2 * newton) / (2 - newton * (curvature / slope))
+            self._move(step)
+            self.t = self.t if self.t > start else start
+            near = self.window if abs(curvature) * self.window < abs(slope) else abs(slope / curvature)
+            if self.t == before or abs(step) < self.settled * near:
+                return
+            self.steps += 1
+            self.flow.evaluate(self.t - self.t0)
+
+    def _move(self, step):
+        """Go ahead by `step` on the time grid."""
+        self.t = self.kit.exact(self.t0 + ((self.t - self.t0) + step))
+
+    def _watch_turn(self, event, value, slope, curvature, bound):
+        """Look for a minimum of a gap function since the point watched before; then watch from here on.
+
+        bound: on its second derivative ahead. A minimum that cannot undercut the grazing margin is not looked
+        for. Between slopes of one sign there may be a maximum beside the minimum: then the slope itself has
+        an extreme between, which the curvatures tell.
+        """
+        low, was, before, bend, limit = self.watched[event.key]
+        self.watched[event.key] = (self.t, value, slope, curvature, bound)
+        length = self.t - low
+        least = was + before * length - limit * (length * length) / 2
+        if (least if least < was else was) >= self.certificate.margin:
+            return
+        if before < 0 <= slope:
+            self._turn_between(event, low, self.t)
+        elif (before < 0) == (slope < 0) and (bend < 0 < curvature or (before < 0 and curvature < 0 < bend)):
+            middle = low + extreme_of_slope(self.kit, length, before, bend, slope, curvature)
+            between, _ = self._gap_slope(event, middle)
+            if before >= 0 > between:
+                self._turn_between(event, middle, self.t)
+            elif before < 0 <= between:
+                self._turn_between(event, low, middle)
+        self.flow.evaluate(self.t - self.t0)
+        self._here()
+
+    def _turn_between(self, event, low, high):
+        def slope_at(t):
+            return self._gap_slope(event, t)
+
+        t, turn, depth = turning_point(slope_at, low, high, self.settled * self.window)
+        self.flow.evaluate(t - self.t0)
+        self.functions_of.here(2)
+        value = self.functions_of.derivative(event, 0)
+        self.certificate.keep_turn(value - depth, turn)
+
+    def _gap_slope(self, event, t):
+        """Slope and curvature of a gap function at time t."""
+        self.flow.evaluate(t - self.t0)
+        self._here()
+        return self.functions_of.derivative(event, 1), self.functions_of.derivative(event, 2)
+
+    def _turn_before(self, first):
+        """Look for minima of the gap functions between the points watched last and an event of another kind,
+        or the end of the run.
+        """
+        for event in self.flow.rows.events:
+            if event.turns and event is not first:
+                self.flow.evaluate(self.t - self.t0)
+                self._here()
+                value, slope, curvature = (self.functions_of.derivative(event, n) for n in range(3))
+                self._watch_turn(event, value, slope, curvature, self.kit.number(0))

@@ -1,0 +1,282 @@
+/* The ledgers of energy and momentum; twin of vibsim/engine/ledgers/ledger.py. */
+#include <string.h>
+
+#include "event_functions.h"
+#include "gauss_nodes.h"
+#include "numbers.h"
+#include "wide.h"
+
+/* A series of `count` coefficients `stride` apart at all nodes: `horner` node by node, side by side. */
+WIDE static void series_at_nodes(const double *c, int count, int stride, const double *tau, const double *square, double *out)
+{
+    double high[NODE_COUNT], low[NODE_COUNT];
+    int n, i;
+    for (i = 0; i < NODE_COUNT; i++) {
+        high[i] = c[(count - 1) * stride];
+        low[i] = c[(count - 2) * stride];
+    }
+    for (n = count - 3; n > 0; n -= 2) {
+        double a = c[n * stride], b = c[(n - 1) * stride];
+        for (i = 0; i < NODE_COUNT; i++)
+            high[i] = high[i] * square[i] + a;
+        for (i = 0; i < NODE_COUNT; i++)
+            low[i] = low[i] * square[i] + b;
+    }
+    for (i = 0; i < NODE_COUNT; i++)
+        out[i] = count % 2 == 0 ? low[i] + tau[i] * high[i] : (high[i] * square[i] + c[0]) + tau[i] * low[i];
+}
+
+static double force_at(const Run *r, const Force *force, double tau)
+{
+    double total = force->constant;
+    int i;
+    for (i = 0; i < force->count; i++) {
+        const Harmonic *term = &force->terms[i];
+        double anchor = turn_angle(term->cycles, term->cycles_lo, r->t0) + term->phase;
+        double sine = sin(anchor + turn_angle(term->cycles, term->cycles_lo, tau));
+        total = total + term->amplitude * sine;
+    }
+    return total;
+}
+
+static double force_here(const Run *r, const Force *force)
+{
+    double total = force->constant;
+    int i;
+    for (i = 0; i < force->count; i++)
+        if (force->terms[i].harmonic >= 0)
+            total = total + force->terms[i].amplitude * r->closed_form.sines[force->terms[i].harmonic];
+    return total;
+}
+
+static void taylor_nodes(Run *r, const Meters *m, const double *tau)
+{
+    Taylor *f = &r->taylor;
+    Nodes *at = &r->ledger.nodes;
+    const double *rates = f->table + f->rates;
+    int rows = f->order + 2, i, n;
+    double squares[NODE_COUNT];
+    for (n = 0; n < NODE_COUNT; n++)
+        squares[n] = tau[n] * tau[n];
+    for (i = 0; i < m->column_count; i++) {
+        int c = m->columns[i];
+        if (c < r->bodies || (c > r->bodies && r->base_count > 0))
+            series_at_nodes(rates + column_in_table(r, c), rows, f->stride, tau, squares, at->v[c]);
+    }
+    if (m->spins)
+        series_at_nodes(rates + r->bodies, rows, f->stride, tau, squares, at->w);
+    for (i = 0; m->forces && i < r->force_count; i++)
+        for (n = 0; n < NODE_COUNT; n++)
+            at->force[i][n] = force_at(r, &r->forces[i], tau[n]);
+    for (i = 0; i < m->function_count; i++)
+        series_at_nodes(at->series[i], at->lengths[i], 1, tau, squares, at->function[i]);
+}
+
+static int ascend(const double *tau)
+{
+    int n = 1;
+    while (n < NODE_COUNT && tau[n - 1] < tau[n])
+        n++;
+    return n == NODE_COUNT;
+}
+
+/* All nodes but the last, and but the first where the closed form was evaluated last; returns which is the first of them. */
+static int many_nodes(Run *r, const Meters *m, const double *tau)
+{
+    Nodes *at = &r->ledger.nodes;
+    const int first = tau[0] == r->closed_form.tau, base = r->columns - 1, count = NODE_COUNT - 1 - first;
+    double X[NODE_COUNT], x[NODE_COUNT];
+    int i, k, n;
+    closed_form_many(r, tau + first, count);
+    closed_form_base(r, X, at->v[base] + first);
+    for (i = 0; i < m->column_count; i++)
+        if (m->columns[i] < r->bodies)
+            closed_form_body(r, m->columns[i], X, at->v[base] + first, x, at->v[m->columns[i]] + first);
+    for (i = 0; m->forces && i < r->force_count; i++) {
+        const Force *force = &r->forces[i];
+        double *out = at->force[i] + first, sines[NODE_COUNT];
+        for (n = 0; n < count; n++)
+            out[n] = force->constant;
+        for (k = 0; k < force->count; k++) {
+            if (force->terms[k].harmonic < 0)
+                continue;
+            closed_form_sines(r, force->terms[k].harmonic, sines);
+            for (n = 0; n < count; n++)
+                out[n] = out[n] + force->terms[k].amplitude * sines[n];
+        }
+    }
+    return first;
+}
+
+static void closed_form_nodes(Run *r, const Meters *m, const double *tau)
+{
+    Nodes *at = &r->ledger.nodes;
+    const ClosedForm *f = &r->closed_form;
+    const int base = r->columns - 1, one_by_one = m->function_count > 0 || !ascend(tau); /* they coincide in a very short piece */
+    const int first = one_by_one ? NODE_COUNT : many_nodes(r, m, tau);
+    int i, n;
+    for (n = 0; n < NODE_COUNT; n++) {
+        if (n == first)
+            n = NODE_COUNT - 1;
+        closed_form_state_after(r, tau[n], &r->scratch);
+        for (i = 0; i < m->column_count; i++)
+            if (m->columns[i] < r->bodies)
+                at->v[m->columns[i]][n] = r->scratch.v[m->columns[i]];
+        at->v[base][n] = 0.0;
+        for (i = 0; i < r->base_count; i++)
+            if (r->base[i].harmonic >= 0)
+                at->v[base][n] = at->v[base][n] + r->base[i].amplitude * r->base[i].omega * f->cosines[r->base[i].harmonic];
+        for (i = 0; m->forces && i < r->force_count; i++)
+            at->force[i][n] = force_here(r, &r->forces[i]);
+        if (m->function_count > 0)
+            closed_form_jets(r, 2);
+        for (i = 0; i < m->function_count; i++)
+            at->function[i][n] = event_derivative(r, &m->functions[i], 0);
+    }
+}
+
+/* The integral of a meter over the nodes, by the length of the piece. */
+static double integral(const Run *r, const Meter *m)
+{
+    const Nodes *at = &r->ledger.nodes;
+    double total = 0.0;
+    int n;
+    switch (m->kind) {
+    case SQUARE:
+        for (n = 0; n < NODE_COUNT; n++) {
+            double u = at->v[m->P][n] - at->v[m->Q][n];
+            total = total + WEIGHTS[n] * (u * u);
+        }
+        return total;
+    case WORK:
+        for (n = 0; n < NODE_COUNT; n++)
+            total = total + WEIGHTS[n] * (at->force[m->source][n] * at->v[m->P][n]);
+        return total;
+    case TORQUE:
+        for (n = 0; n < NODE_COUNT; n++)
+            total = total + WEIGHTS[n] * (r->M0 * (1 - at->w[n] / r->Omega0) * at->w[n]);
+        return total;
+    case SLIP:
+        for (n = 0; n < NODE_COUNT; n++)
+            total = total + WEIGHTS[n] * ((at->v[m->P][n] - at->v[m->Q][n]) - m->drift);
+        return total;
+    case RUB:
+        for (n = 0; n < NODE_COUNT; n++)
+            total = total + WEIGHTS[n] * (at->function[m->source][n] * ((at->v[m->P][n] - at->v[m->Q][n]) - m->drift));
+        return total;
+    case IMPULSE:
+        for (n = 0; n < NODE_COUNT; n++)
+            total = total + WEIGHTS[n] * at->force[m->source][n];
+        return total;
+    default:
+        for (n = 0; n < NODE_COUNT; n++) {
+            double value = at->function[m->source][n];
+            total = total + WEIGHTS[n] * (m->P < 0 ? value : value * at->v[m->P][n]);
+        }
+        return total;
+    }
+}
+
+static void integrate(Run *r, const Meters *m, double tau, double length)
+{
+    double offsets[NODE_COUNT], *entries = r->ledger.open;
+    int i;
+    for (i = 0; i < NODE_COUNT; i++)
+        offsets[i] = tau + NODES[i] * length;
+    if (r->closed)
+        closed_form_nodes(r, m, offsets);
+    else
+        taylor_nodes(r, m, offsets);
+    for (i = 0; i < m->count; i++)
+        entries[m->meters[i].entry] = entries[m->meters[i].entry] + length * (m->meters[i].factor * integral(r, &m->meters[i]));
+}
+
+/* Displacement of a column at `state`. */
+static double place(const Run *r, const State *state, int column, double X)
+{
+    return column < r->bodies ? state->x[column] : column == r->bodies ? 0.0 : X;
+}
+
+static double base_place(const Run *r, double t)
+{
+    double X = 0.0;
+    int i;
+    for (i = 0; i < r->base_count; i++) {
+        const Harmonic *term = &r->base[i];
+        X = X + term->amplitude * sin(turn_angle(term->cycles, term->cycles_lo, t) + term->phase);
+    }
+    return X;
+}
+
+/* Longest stretch from tau that one quadrature rule integrates to round-off. */
+double longest_piece(const Run *r, double tau)
+{
+    double longest;
+    int m;
+    if (!r->closed)
+        return r->taylor.longest;
+    longest = 1.5 * r->mode->modal->window;
+    for (m = 0; m < r->mode->modal->count; m++) {
+        double a = r->mode->modal->coordinates[m].a;
+        if (a > 0) {
+            double growing = 1.5 / (2 * a) + tau;
+            longest = growing < longest ? growing : longest;
+        }
+    }
+    return longest;
+}
+
+void ledger_open(Run *r)
+{
+    Ledger *l = &r->ledger;
+    Nodes *at = &l->nodes;
+    const Meters *m = &r->mode->meters;
+    int i;
+    if (!l->wanted)
+        return;
+    memcpy(l->open, l->entries, sizeof(double) * (size_t)l->count);
+    l->tau = r->state.t - r->t0;
+    if (!r->closed)
+        for (i = 0; i < m->function_count; i++)
+            at->lengths[i] = taylor_polynomial(r, &m->functions[i], at->series[i]);
+}
+
+int ledger_gather(Run *r)
+{
+    Ledger *l = &r->ledger;
+    const Meters *m = &r->mode->meters;
+    double last = r->pending_tau, *done;
+    if (!l->wanted)
+        return 1;
+    while (l->tau < last) {
+        double piece = longest_piece(r, l->tau);
+        double ahead = piece < last - l->tau ? l->tau + piece : last;
+        if (r->spent > r->work_at_once)
+            return 0;
+        integrate(r, m, l->tau, ahead - l->tau);
+        r->spent += NODE_COUNT;
+        l->tau = ahead;
+    }
+    done = l->open;
+    l->open = l->entries;
+    l->entries = done;
+    return 1;
+}
+
+/* Count what the springs of stops hold where those let go, or push again, though pressed. */
+void ledger_cross(Run *r, const State *state, const int *before, const int *after)
+{
+    Ledger *l = &r->ledger;
+    int i;
+    for (i = 0; i < l->jump_count; i++) {
+        const Jump *j = &l->jumps[i];
+        int pressed = before[j->stop] == IN_CONTACT;
+        double X, depth, held;
+        if (pressed == (after[j->stop] == IN_CONTACT))
+            continue;
+        X = r->base_count > 0 ? base_place(r, state->t) : 0.0;
+        depth = -(j->sense * (place(r, state, j->P, X) - place(r, state, j->Q, X))) - j->gap;
+        held = j->k * (depth * depth) / 2;
+        l->entries[j->entry] = pressed ? l->entries[j->entry] + held : l->entries[j->entry] - held;
+    }
+}

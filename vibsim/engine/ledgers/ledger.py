@@ -1,0 +1,171 @@
+"""The ledgers of energy and momentum: what goes into a scene, what is lost, and what is stored.
+
+    energy    stored: kinetic energy of bodies and rotor, springs of links, stops in contact
+              in: work of forces, motor, base and belts; out: losses in links, stops and frictions
+    momentum  of bodies and unbalanced mass; changed by impulses of forces, ground, base and belts alone
+
+The integrals are taken stretch by stretch by Gauss-Legendre quadrature of the flow itself, to round-off, so
+that stored - stored(0) - work + losses is zero but for rounding: a check on every run (first law).
+"""
+
+from vibsim.engine.flows.harmonics import value_and_rate
+from vibsim.engine.ledgers.meters import (
+    IMPULSE,
+    NOTHING,
+    RUB,
+    SLIP,
+    SQUARE,
+    TORQUE,
+    WORK,
+    MeterMaker,
+    jumps_of,
+)
+from vibsim.engine.modes.status import CONTACT
+from vibsim.physics.gauss_nodes import NODES, WEIGHTS
+from vibsim.physics.parts import GROUND
+
+
+class Ledger:
+    """Sums the entries of `names` over the stretches of a run."""
+
+    def __init__(self, scene, kit, maker, flow, momentum=False):
+        self.scene, self.kit, self.flow = scene, kit, flow
+        self.ground, self.base = maker.n, maker.n + 1
+        self.maker = MeterMaker(scene, kit, maker, momentum)
+        self.names = self.maker.names
+        self.entries = [kit.number(0)] * len(self.names)
+        self.jumps = jumps_of(scene, self.names)
+
+    def gather(self, start, last, rows):
+        """Add the stretch from the state `start` in the mode of `rows` to `last` [s] after the flow's start.
+
+        A generator, which yields how far it is [s] after every piece; the entries change when all are done.
+        """
+        meters, t0 = self.maker.meters(rows), self.flow.t0
+        tau = start.t - t0
+        entries = list(self.entries)
+        self.flow.open_nodes(meters)
+        while tau < last:
+            piece = self.flow.longest_piece(tau)
+            ahead = tau + piece if piece < last - tau else last
+            self._integrate(entries, meters, tau, ahead - tau)
+            tau = ahead
+            yield t0 + tau
+        self.entries = entries
+
+    def _integrate(self, entries, meters, tau, length):
+        """Add one piece. The nodes lie where they should, not on the time grid, whose rounding would show in
+        the sums.
+        """
+        totals = [self.kit.number(0)] * len(meters.meters)
+        for node, weight in zip(NODES, WEIGHTS, strict=True):
+            point = self.flow.node(tau + node * length, meters)
+            for i, meter in enumerate(meters.meters):
+                totals[i] = totals[i] + weight * self._rate(meter, point)
+        for meter, total in zip(meters.meters, totals, strict=True):
+            entries[meter.entry] = entries[meter.entry] + length * (meter.factor * total)
+
+    def _rate(self, meter, point):
+        """What a meter integrates, at a node."""
+        v, w, forces, functions = point
+        if meter.kind == SQUARE:
+            u = v[meter.P] - v[meter.Q]
+            return u * u
+        if meter.kind == WORK:
+            return forces[meter.source] * v[meter.P]
+        if meter.kind == TORQUE:
+            motor = self.scene.motor
+            return motor.M0 * (1 - w / motor.Omega0) * w
+        if meter.kind == SLIP:
+            return (v[meter.P] - v[meter.Q]) - meter.drift
+        if meter.kind == IMPULSE:
+            return forces[meter.source]
+        value = functions[meter.source]
+        if meter.kind == RUB:
+            return value * ((v[meter.P] - v[meter.Q]) - meter.drift)
+        return value if meter.P == NOTHING else value * v[meter.P]
+
+    def strike(self, state, passed):
+        """Count the blows of rigid stops at `state`."""
+        if passed:
+            V = value_and_rate(self.kit, self.scene.base, state.t)[1]
+            for entry, value in struck_entries(self.scene, self.names, passed, V):
+                self.entries[entry] = self.entries[entry] + value
+
+    def _places(self, state):
+        """Displacements of all columns."""
+        zero = self.kit.number(0)
+        X = value_and_rate(self.kit, self.scene.base, state.t)[0] if self.scene.base else zero
+        return (*state.x, zero, X)
+
+    def cross(self, state, before, after):
+        """Count what the springs of stops hold where those let go, or push again, though pressed."""
+        for jump in self.jumps:
+            pressed = before.stops[jump.stop] == CONTACT, after.stops[jump.stop] == CONTACT
+            if pressed[0] != pressed[1]:
+                held = stop_energy(self.scene.stops[jump.stop], self._places(state), self.ground)
+                entry = self.entries[jump.entry]
+                self.entries[jump.entry] = entry + held if pressed[0] else entry - held
+
+
+def struck_entries(scene, names, passed, V):
+    """What blows add to the entries `names`, as [(number of the entry, value)]: loss at the stops, work and
+    impulses of ground and base.
+
+    passed: the `Impulse`s; V: velocity of the base [m/s]. A blow takes L (g' before + g' after) / 2; the base
+    gives V times its impulse.
+    """
+    added = []
+    for one in passed:
+        stop = scene.stops[one.stop]
+        added.append((names.index(("loss", "stops", stop.name)), one.impulse * (one.before + one.after) / 2))
+        for end, other, sign in ((stop.P, stop.Q, stop.sense), (stop.Q, stop.P, -stop.sense)):
+            if end >= 0 > other:
+                impulse, place = sign * one.impulse, "ground" if other == GROUND else "base"
+                if place == "base":
+                    added.append((names.index(("work", "base", "")), V * impulse))
+                if ("impulse", place, "") in names:
+                    added.append((names.index(("impulse", place, "")), impulse))
+    return added
+
+
+def stop_energy(stop, places, ground):
+    """Energy [J] that the spring of a stop in contact holds; places: displacements of all columns."""
+    P, Q = (end if end >= 0 else ground - 1 - end for end in (stop.P, stop.Q))
+    depth = -(stop.sense * (places[P] - places[Q])) - stop.gap
+    return stop.k * (depth * depth) / 2
+
+
+def stored_energy(scene, kit, state, status):
+    """Kinetic and elastic energy [J] of `state` in the mode `status`; the unbalanced mass moves with velocity
+    (v - e w sin phi, e w cos phi), Eqs. (2.8)-(2.10).
+    """
+    ground, energy = len(scene.bodies), kit.number(0)
+    X = value_and_rate(kit, scene.base, state.t)[0] if scene.base else kit.number(0)
+    places = (*state.x, kit.number(0), X)
+    for body, v in zip(scene.bodies, state.v, strict=True):
+        energy = energy + body.m * (v * v) / 2
+    for link in scene.links:
+        P, Q = (end if end >= 0 else ground - 1 - end for end in (link.P, link.Q))
+        d = places[P] - places[Q]
+        energy = energy + link.k * (d * d) / 2
+    for stop, code in zip(scene.stops, status.stops, strict=True):
+        if code == CONTACT:
+            energy = energy + stop_energy(stop, places, ground)
+    return energy + rotor_energy(scene, kit, state) if scene.motor else energy
+
+
+def rotor_energy(scene, kit, state):
+    """Kinetic energy [J] of rotor and unbalanced mass."""
+    motor, v = scene.motor, state.v[scene.motor.on]
+    energy = motor.m3 * (v * v) / 2 + (motor.J + motor.m3 * motor.e * motor.e) * (state.w * state.w) / 2
+    return energy - motor.m3 * (v * (motor.e * state.w * kit.sin(state.phase)))
+
+
+def momenta(scene, kit, state):
+    """Momenta [N s] of bodies and unbalanced mass along the line."""
+    each = [body.m * v for body, v in zip(scene.bodies, state.v, strict=True)]
+    if scene.motor:
+        motor = scene.motor
+        each += [motor.m3 * state.v[motor.on], -(motor.m3 * (motor.e * state.w * kit.sin(state.phase)))]
+    return each

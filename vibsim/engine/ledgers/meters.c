@@ -1,0 +1,137 @@
+/* Ledgers and the meters of modes from packed numbers, in the order in which vibsim/engine/ledgers/packing_meters.py writes them. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "modes.h"
+
+enum { MOST = 100000 };
+
+static void *room(size_t count, size_t size)
+{
+    return calloc(count ? count : 1, size);
+}
+
+/* Room for the entries and what is read at the nodes; 0 without memory or where the numbers are no ledger. */
+int ledger_read(Run *r, Reader *in)
+{
+    Ledger *l = &r->ledger;
+    size_t columns = (size_t)r->columns;
+    int i;
+    l->count = read_index(in, 0, MOST);
+    l->jump_count = read_index(in, 0, r->parts);
+    l->entries = room((size_t)l->count, sizeof(double));
+    l->open = room((size_t)l->count, sizeof(double));
+    l->jumps = room((size_t)l->jump_count, sizeof(Jump));
+    l->nodes.v = room(columns + (size_t)r->force_count + 1, sizeof *l->nodes.v);
+    if (!l->entries || !l->open || !l->jumps || !l->nodes.v)
+        return 0;
+    l->nodes.force = l->nodes.v + columns;
+    for (i = 0; i < l->jump_count; i++) {
+        Jump *j = &l->jumps[i];
+        j->stop = read_index(in, 0, r->parts - 1);
+        j->entry = read_index(in, 0, l->count - 1);
+        j->P = read_index(in, 0, r->columns - 1);
+        j->Q = read_index(in, 0, r->columns - 1);
+        j->sense = read_index(in, -1, 1);
+        j->gap = read_double(in);
+        j->k = read_double(in);
+    }
+    l->wanted = 1;
+    return read_through(in);
+}
+
+static int room_for_functions(Nodes *at, int count)
+{
+    double(*series)[SERIES], (*function)[NODE_COUNT];
+    int *lengths;
+    if (count <= at->function_room)
+        return 1;
+    series = realloc(at->series, sizeof *series * (size_t)count);
+    at->series = series ? series : at->series;
+    function = realloc(at->function, sizeof *function * (size_t)count);
+    at->function = function ? function : at->function;
+    lengths = realloc(at->lengths, sizeof *lengths * (size_t)count);
+    at->lengths = lengths ? lengths : at->lengths;
+    if (!series || !function || !lengths)
+        return 0;
+    at->function_room = count;
+    return 1;
+}
+
+static void read_functions(Run *r, Mode *m, Reader *in, int first)
+{
+    int i, k;
+    for (i = 0; i < m->meters.function_count; i++) {
+        Event *e = &m->meters.functions[i];
+        int count = read_index(in, 0, MOST);
+        e->kind = HOLD;
+        e->first = first;
+        e->constant = read_double(in);
+        for (k = 0; k < count && !in->short_of; k++) {
+            Term *t = &m->terms[first++];
+            t->kind = read_index(in, COUPLING, FALL);
+            t->P = read_index(in, 0, (t->kind == COUPLING ? m->coupling_count : t->kind == FALL ? m->fall_count : r->columns) - 1);
+            t->Q = t->pair = -1;
+            t->coefficient = read_double(in);
+        }
+        e->terms = count;
+        if (!in->short_of)
+            function_prepare(m, e);
+    }
+}
+
+/* The meters of mode `m`; 0 without memory, or where the numbers are no meters (look at the reader). */
+int meters_read(Run *r, Mode *m, Reader *in)
+{
+    Meters *to = &m->meters;
+    int terms, more, i;
+    Term *grown;
+    to->count = read_index(in, 0, MOST);
+    to->function_count = read_index(in, 0, MOST);
+    to->column_count = read_index(in, 0, r->columns);
+    terms = read_index(in, 0, MOST);
+    more = read_index(in, 0, MOST);
+    to->forces = read_index(in, 0, 1);
+    to->spins = read_index(in, 0, r->has_motor);
+    to->meters = room((size_t)to->count, sizeof(Meter));
+    to->functions = room((size_t)to->function_count, sizeof(Event));
+    to->columns = room((size_t)to->column_count, sizeof(int));
+    grown = realloc(m->terms, sizeof(Term) * (size_t)(terms + more + 1));
+    m->terms = grown ? grown : m->terms;
+    if (in->short_of || !to->meters || !to->functions || !to->columns || !grown || !room_for_functions(&r->ledger.nodes, to->function_count))
+        return 0;
+    for (i = 0; i < to->column_count; i++)
+        to->columns[i] = read_index(in, 0, r->columns - 1);
+    for (i = 0; i < to->count; i++) {
+        Meter *one = &to->meters[i];
+        int of_force;
+        one->kind = read_index(in, SQUARE, RUB);
+        of_force = one->kind == WORK || one->kind == IMPULSE;
+        one->entry = read_index(in, 0, r->ledger.count - 1);
+        one->P = read_index(in, one->kind == FUNCTION || one->kind == IMPULSE || one->kind == TORQUE ? -1 : 0, r->columns - 1);
+        one->Q = read_index(in, one->kind == SQUARE || one->kind == SLIP || one->kind == RUB ? 0 : -1, r->columns - 1);
+        one->source = read_index(in, of_force || one->kind == FUNCTION || one->kind == RUB ? 0 : -1, (of_force ? r->force_count : to->function_count) - 1);
+        one->factor = read_double(in);
+        one->drift = read_double(in);
+    }
+    read_functions(r, m, in, terms);
+    return read_through(in);
+}
+
+void meters_free(Meters *m)
+{
+    free(m->meters);
+    free(m->functions);
+    free(m->columns);
+}
+
+void ledger_free(Ledger *l)
+{
+    free(l->entries);
+    free(l->open);
+    free(l->jumps);
+    free(l->nodes.v);
+    free(l->nodes.series);
+    free(l->nodes.function);
+    free(l->nodes.lengths);
+}

@@ -1,0 +1,235 @@
+"""Meter rows: what the ledgers integrate in a mode, made from its rows when it is met.
+
+A meter adds factor times an integral over each stretch of the mode to one entry of a ledger:
+
+    SQUARE    (v_P - v_Q)^2
+    WORK      force number `source` times v_P
+    TORQUE    torque of the motor times the speed of its rotor
+    FUNCTION  a function of the mode's rows, times the velocity of column P where that is not NOTHING
+    IMPULSE   force number `source`
+    SLIP      v_P - v_Q - drift: from velocities, whose digits do not drown in displacements
+    RUB       a function of the mode's rows, times v_P - v_Q - drift
+"""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from vibsim.engine.modes.rows import COUPLING, FALL, HOLD, Event, Term
+from vibsim.engine.modes.status import CONTACT, STICK
+from vibsim.engine.modes.ties import Groups, beyond
+from vibsim.physics.parts import AT_FORCE
+
+SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB = range(7)
+NOTHING = -1
+
+
+@dataclass(frozen=True)
+class Meter:
+    """factor times the integral that `kind` names, for entry number `entry`."""
+
+    kind: int
+    entry: int
+    factor: Any
+    P: int = NOTHING
+    Q: int = NOTHING
+    source: int = NOTHING
+    drift: Any = 0.0
+
+
+@dataclass
+class Meters:
+    """The meters of a mode, and what they read at the nodes of the quadrature."""
+
+    meters: list[Meter] = field(default_factory=list)
+    functions: list[Event] = field(default_factory=list)
+
+    @property
+    def columns(self):
+        """Bodies whose velocities are read, and the base where its velocity is."""
+        read = {m.P for m in self.meters if m.kind in (SQUARE, WORK, FUNCTION, SLIP, RUB)}
+        read |= {m.Q for m in self.meters if m.kind in (SQUARE, SLIP, RUB)}
+        return sorted(read - {NOTHING})
+
+    @property
+    def forces(self):
+        """Whether forces are read."""
+        return any(m.kind in (WORK, IMPULSE) for m in self.meters)
+
+    @property
+    def spins(self):
+        """Whether the speed of the rotor is read."""
+        return any(m.kind == TORQUE for m in self.meters)
+
+
+@dataclass(frozen=True)
+class Jump:
+    """A stop that may let go while it is pressed: what its spring holds then, k g^2 / 2, is lost there, and
+    counts against the loss where it pushes again.
+    """
+
+    stop: int
+    entry: int
+
+
+def entries_of(scene, momentum=False):
+    """Names of the entries of a scene's ledger: (quantity, section, part), work and loss [J], impulse
+    [N s].
+    """
+    belts = [f.name for f in scene.frictions if f.belt != 0]
+    names = [("work", "forces", force.name) for force in scene.forces]
+    names += [("work", "motor", "")] if scene.motor else []
+    names += [("work", "base", "")] if scene.base else []
+    names += [("work", "friction", name) for name in belts]
+    names += [("loss", "links", link.name) for link in scene.links if link.c != 0]
+    rigid = [i for i, _ in scene.rigid_stops]
+    names += [("loss", "stops", s.name) for i, s in enumerate(scene.stops) if i in rigid or s.c != 0]
+    names += [("loss", "friction", friction.name) for friction in scene.frictions]
+    if momentum:
+        names += [("impulse", "forces", force.name) for force in scene.forces]
+        names += [("impulse", "ground", "")]
+        names += [("impulse", "base", "")] if scene.base else []
+        names += [("impulse", "friction", name) for name in belts]
+    return names
+
+
+def jumps_of(scene, names):
+    """The stops whose stored energy jumps where they let go by force."""
+    return [
+        Jump(i, names.index(("loss", "stops", stop.name)))
+        for i, stop in scene.elastic_stops
+        if stop.release == AT_FORCE and stop.c != 0
+    ]
+
+
+class MeterMaker:
+    """Makes the meters of the modes of a scene."""
+
+    def __init__(self, scene, kit, maker, momentum=False):
+        self.scene, self.kit, self.maker, self.momentum = scene, kit, maker, momentum
+        self.names = entries_of(scene, momentum)
+        self.ground, self.base = maker.n, maker.n + 1
+        self.made = {}
+
+    def meters(self, rows):
+        """The meters of the mode of `rows`."""
+        if rows.status not in self.made:
+            self.made[rows.status] = self._make(rows)
+        return self.made[rows.status]
+
+    def _make(self, rows):
+        self.now = Meters()
+        self._sources()
+        self._dampers(rows.status)
+        self._couplings(rows)
+        for i, friction in enumerate(self.scene.frictions):
+            if rows.status.frictions[i] != STICK:
+                self._slipping(i, friction, rows.status.frictions[i])
+        for k, fall in enumerate(rows.falls):
+            self._falling(k, fall)
+        for k, function, orientation in self._ties(rows):
+            self._holding(k, function, orientation)
+        return self.now
+
+    def _add(self, kind, name, factor, **more):
+        if name in self.names:
+            self.now.meters.append(Meter(kind, self.names.index(name), factor, **more))
+
+    def _function(self, terms, constant):
+        """Number of a function of the rows."""
+        self.now.functions.append(Event(HOLD, 0, 1, (), tuple(terms), constant, self.kit.number(0)))
+        return len(self.now.functions) - 1
+
+    def _sources(self):
+        one = self.kit.number(1)
+        for i, force in enumerate(self.scene.forces):
+            self._add(WORK, ("work", "forces", force.name), one, P=force.on, source=i)
+            self._add(IMPULSE, ("impulse", "forces", force.name), one, source=i)
+        self._add(TORQUE, ("work", "motor", ""), one)
+
+    def _dampers(self, status):
+        for link in self.scene.links:
+            P, Q = self.maker.ends(link)
+            self._add(SQUARE, ("loss", "links", link.name), link.c, P=P, Q=Q)
+        for i, stop in enumerate(self.scene.stops):
+            if status.stops[i] == CONTACT:
+                P, Q = self.maker.ends(stop)
+                self._add(SQUARE, ("loss", "stops", stop.name), stop.c, P=P, Q=Q)
+
+    def _couplings(self, rows):
+        """Forces of couplings that end at the base, or at the ground for the balance of momentum."""
+        one, zero = self.kit.number(1), self.kit.number(0)
+        for q, coupling in enumerate(rows.couplings):
+            outside = [end for end in (coupling.P, coupling.Q) if end >= self.ground]
+            if self.base in outside or (self.momentum and outside):
+                source = self._function([Term(COUPLING, 1, q)], zero)
+                self._driven((coupling.P, coupling.Q), -one, zero, "", FUNCTION, source)  # -S on P
+
+    def _driven(self, ends, on_P, belt, name, kind, source):
+        """Meters of a force between P and Q, on_P times a function (or, for SLIP, times 1) on P and the
+        opposite on Q: what base and belt, which keep their courses, put in, and the impulse from outside.
+        """
+        for end, on_end in zip(ends, (on_P, -on_P), strict=True):
+            if end == self.base:
+                P, Q = (self.base, self.ground) if kind == SLIP else (self.base, NOTHING)
+                self._add(kind, ("work", "base", ""), -on_end, P=P, Q=Q, source=source)
+        if belt != 0:
+            self._timed(kind, ("work", "friction", name), on_P * belt, source)
+        outside = [end for end in ends if end >= self.ground]
+        if self.momentum and len(outside) == 1:
+            on_body = on_P if outside[0] == ends[1] else -on_P
+            place = "base" if outside[0] == self.base else "ground"
+            entry = ("impulse", "friction", name) if belt != 0 else ("impulse", place, "")
+            self._timed(kind, entry, on_body, source)
+
+    def _timed(self, kind, name, factor, source):
+        """factor times the integral of the function, or of 1."""
+        if kind == SLIP:
+            self._add(SLIP, name, factor, P=self.ground, Q=self.ground, drift=-self.kit.number(1))
+        else:
+            self._add(FUNCTION, name, factor, source=source)
+
+    def _slipping(self, i, friction, sign):
+        P, Q = self.maker.ends(friction)
+        on_P = -friction.forward if sign > 0 else friction.backward
+        self._add(SLIP, ("loss", "friction", friction.name), -on_P, P=P, Q=Q, drift=friction.belt)
+        self._driven((P, Q), on_P, friction.belt, friction.name, SLIP, NOTHING)
+
+    def _falling(self, k, fall):
+        """Loss and work of what falls with speed, beside those of the constant part."""
+        zero, name = self.kit.number(0), self.scene.frictions[fall.part].name
+        source = self._function([Term(FALL, 1, k)], zero)
+        loss = ("loss", "friction", name)
+        self._add(RUB, loss, -fall.on_P, P=fall.P, Q=fall.Q, source=source, drift=fall.drift)
+        self._driven((fall.P, fall.Q), fall.on_P, fall.drift, name, FUNCTION, source)
+
+    def _holding(self, k, function, orientation):
+        part, belt = self.maker.tie(k), self.maker.belt(k)
+        P, Q = self.maker.ends(part)
+        if belt != 0 or self.base in (P, Q) or (self.momentum and max(P, Q) >= self.ground):
+            on_P = self.kit.number(1) if orientation > 0 else -self.kit.number(1)
+            source = self._function(*function)
+            self._driven((P, Q), on_P, belt, part.name, FUNCTION, source)
+
+    def _ties(self, rows):
+        """(number of the tie, (terms, constant) of the force T that it passes, +1 where T acts on P and -1 on
+        Q).
+
+        Where ties are redundant the split of the force is not unique: stops carry it, then the first
+        frictions that hold the group together. The sums of the ledgers do not depend on that.
+        """
+        frictions = len(self.scene.frictions)
+        stuck = sorted(self.maker.stuck(rows.status), key=lambda tie: tie[0] < frictions)
+        tree: list[tuple[int, int, int]] = []
+        joined = 0
+        for tie in stuck:
+            members = Groups(self.maker.n, [*tree, tie]).members
+            if len(members) < self.maker.n + 2 - joined:
+                tree.append(tie)
+                joined += 1
+        for i, P, Q in tree:
+            leader = rows.leader[P]
+            group = [tie for tie in tree if rows.leader[tie[1]] == leader]
+            edges = [(a, b) for _, a, b in group]
+            reference = self.maker.reference(leader, rows.groups.members[leader])
+            side = beyond(edges, group.index((i, P, Q)), reference)
+            yield i, self.maker.tie_force(rows, side), 1 if P in side else -1

@@ -1,0 +1,59 @@
+"""Ledgers, meters, extremes and sections as flat numbers, in the order in which meters.c reads them."""
+
+from vibsim.engine.modes.packing import Packer
+from vibsim.physics.parts import BASE, GROUND
+
+
+def pack_ledger(scene, names, jumps, ends):
+    """Number of entries, and the stops whose stored energy jumps. ends: columns of the ends of a part."""
+    pack = Packer()
+    pack.put((len(names), len(jumps)))
+    for jump in jumps:
+        stop = scene.stops[jump.stop]
+        pack.put((jump.stop, jump.entry, *ends(stop), stop.sense), (stop.gap, stop.k))
+    return pack.ints.tobytes(), pack.doubles.tobytes()
+
+
+def pack_blows(scene, names, ends):
+    """The rigid stops, with the entries `names` of the ledgers that a blow on them adds to."""
+    pack = Packer()
+    entry = {name: number for number, name in enumerate(names)}
+    pack.put((len(scene.rigid_stops),))
+    for j, stop in scene.rigid_stops:
+        place = {GROUND: "ground", BASE: "base"}.get(min(stop.P, stop.Q), "")
+        work = entry.get(("work", "base", ""), -1) if place == "base" else -1
+        entries = entry.get(("loss", "stops", stop.name), -1), work, entry.get(("impulse", place, ""), -1)
+        pack.put((j, *ends(stop), stop.sense, *entries), (stop.gap, stop.e))
+    return pack.ints.tobytes(), pack.doubles.tobytes()
+
+
+def pack_extremes(pairs, gaps, since):
+    """The pairs of columns whose extremes are kept, the stops whose gaps are, and the time they begin at."""
+    pack = Packer()
+    pack.put((len(pairs), len(gaps), *(column for pair in pairs for column in pair)))
+    for stop, pair, sense, gap in gaps:
+        pack.put((stop, pair, sense), (gap,))
+    pack.put((), (since,))
+    return pack.ints.tobytes(), pack.doubles.tobytes()
+
+
+def pack_meters(meters, terms):
+    """The meters of a mode, whose event functions have so many `terms`."""
+    pack, columns = Packer(), meters.columns
+    pack.put((len(meters.meters), len(meters.functions), len(columns)))
+    pack.put((terms, sum(len(function.terms) for function in meters.functions)))
+    pack.put((meters.forces, meters.spins))
+    pack.put(columns)
+    for m in meters.meters:
+        pack.put((m.kind, m.entry, m.P, m.Q, m.source), (m.factor, m.drift))
+    for function in meters.functions:
+        pack.put((len(function.terms),), (function.constant,))
+        for term in function.terms:
+            pack.put((term.kind, term.P), (term.coefficient,))
+    return pack.ints.tobytes(), pack.doubles.tobytes()
+
+
+def terms_of(rows):
+    """Number of terms of the event functions of a mode."""
+    slopes = [terms for event in rows.events for _, _, terms, _ in event.slope]
+    return sum(len(event.terms) for event in rows.events) + sum(map(len, slopes))

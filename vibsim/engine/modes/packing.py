@@ -1,0 +1,167 @@
+"""Scenes and modes as flat numbers, in the order in which modes.c reads them."""
+
+from array import array
+from math import log2
+from typing import Any
+
+from vibsim.engine.flows.modal import pitch
+from vibsim.engine.modes.rows import COUPLING, DIFFERENCE, RATE
+from vibsim.physics.parts import BASE, GROUND
+
+
+class Packer:
+    """Two lists of numbers: integers and doubles."""
+
+    def __init__(self):
+        self.ints, self.doubles = array("i"), array("d")
+
+    def put(self, ints=(), doubles=()):
+        self.ints.extend(ints)
+        self.doubles.extend(doubles)
+
+
+def harmonic(term):
+    return term.amplitude, term.omega, term.cycles, term.cycles_lo, term.phase
+
+
+def pack_scene(scene, harmonics):
+    """The scene as bytes of ints and of doubles. harmonics: distinct pitches, as `ClosedForm.harmonics`."""
+    pack, motor = Packer(), scene.motor
+    parts = len(scene.stops) + len(scene.frictions) + len(scene.clearances)
+
+    def number(term):
+        return harmonics.index(pitch(term)) if term.amplitude != 0 else -1
+
+    pack.put(
+        (len(scene.bodies), parts, len(scene.clearances), len(harmonics), len(scene.forces), len(scene.base))
+    )
+    pack.put((motor is not None, motor.on if motor else 0, rest_columns(scene)))
+    pack.put((scene.stop_on_violation, scene.order))
+    pack.put((), (motor.m3, motor.e, motor.J, motor.M0, motor.Omega0) if motor else (0.0,) * 5)
+    pack.put((), (log2(scene.tol), scene.t_end, scene.every_num, scene.every_den))
+    pack.put((), (body.m for body in scene.bodies))
+    for one in harmonics:
+        pack.put((), (1.0, *one))
+    for term in scene.base:
+        pack.put((number(term),), harmonic(term))
+    for force in scene.forces:
+        pack.put((force.on, len(force.terms)), (force.constant,))
+        for term in force.terms:
+            pack.put((number(term),), harmonic(term))
+    return pack.ints.tobytes(), pack.doubles.tobytes()
+
+
+def rest_columns(scene):
+    """How many columns at rest the tables of Taylor series need: ground and base, the ground, or none."""
+    coupled = (*scene.links, *scene.stops)
+    if scene.base or any(BASE in (p.P, p.Q) for p in (*coupled, *scene.frictions, *scene.clearances)):
+        return 2
+    return int(any(GROUND in (part.P, part.Q) for part in coupled))
+
+
+def pack_state(state):
+    return array("d", (state.t, *state.x, *state.v, state.phase, state.turns, state.w)).tobytes()
+
+
+def pack_mode(rows, keys):
+    """The rows of a mode as bytes of ints and of doubles. keys: {event key: number}, which grows."""
+    pack, modal = Packer(), rows.modal
+    terms: list[Any] = []
+    slopes: list[Any] = []
+    slope_constants: list[Any] = []
+    events: list[Any] = []
+    for event in rows.events:
+        first, first_slope = len(terms), len(slopes)
+        terms += event.terms
+        for mass, factor, its_terms, constants in event.slope:
+            slopes.append((len(terms), len(its_terms), len(slope_constants), len(constants), mass, factor))
+            terms += its_terms
+            slope_constants += constants
+        key = keys.setdefault(event.key, len(keys))
+        events.append((event, key, first, len(event.terms), first_slope, len(slopes) - first_slope))
+    pairs = {pair: i for i, pair in enumerate(modal.pairs)} if modal else {}
+    pack.put(
+        (
+            len(rows.couplings),
+            len(rows.falls),
+            len(events),
+            len(rows.constants),
+            len(terms),
+            len(slopes),
+            len(slope_constants),
+        )
+    )
+    pack.put((len(pairs),))
+    pack.put(rows.status.codes)
+    for leader, mobility, mass, drift in zip(rows.leader, rows.mobility, rows.mass, rows.drift, strict=True):
+        pack.put((leader,), (mobility, 0.0 if mass is None else mass, drift))
+    for q in rows.couplings:
+        pack.put((q.P, q.Q, pairs.get((q.P, q.Q), -1)), (q.k, q.c, q.offset))
+    for fall in rows.falls:
+        pack.put((fall.law.NUMBER, fall.P, fall.Q), (fall.on_P, fall.rate, fall.drift))
+    for column, value in rows.constants:
+        pack.put((column,), (value,))
+    pack.put((), slope_constants)
+    for term in terms:
+        kind, paired = term.kind, term.kind in (DIFFERENCE, RATE)
+        pack.put(
+            (kind, term.P, term.Q, pairs[term.P, term.Q] if modal and paired else -1), (term.coefficient,)
+        )
+    for first, count, first_constant, constants, mass, factor in slopes:
+        pack.put((first, count, first_constant, constants), (mass, factor))
+    for event, key, first, count, first_slope, slope_count in events:
+        pack.put((event.kind, event.part, key, event.turns, first, count, first_slope, slope_count))
+        pack.put((), (event.constant, event.size))
+    pack.put((bool(modal),))
+    if modal:
+        pack_modal(pack, modal)
+    return pack.ints.tobytes(), pack.doubles.tobytes()
+
+
+def pack_modal(pack, modal):
+    sources: list[Any] = []
+    shifts: list[Any] = []
+    shares: list[Any] = []
+    fixed: list[Any] = []
+
+    def place(shape, positions, base):
+        first, first_fixed = len(shares), len(fixed)
+        shares.extend(shape)
+        fixed.extend((column, sign) for sign, column in positions)
+        return first, len(shares) - first, first_fixed, len(fixed) - first_fixed, base
+
+    places = [place(one.shape.items(), one.fixed, one.base) for one in modal.places]
+    places += [place(*pair) for pair in modal.pairs.values()]
+    spans = []
+    for coordinate in modal.coordinates:
+        spans.append((len(sources), len(coordinate.sources), len(shifts), len(coordinate.shifts)))
+        sources += coordinate.sources
+        for factor, plus, minus in coordinate.shifts:
+            first = len(fixed)
+            fixed.extend((column, sign) for sign, column in plus)
+            fixed.extend((column, -sign) for sign, column in minus)
+            shifts.append((first, len(fixed) - first, factor))
+    pack.put((len(modal.coordinates), len(sources), len(shifts), len(shares), len(fixed)))
+    for (P, Q), weight in sources:
+        pack.put((P, -1 if Q is None else Q), (weight,))
+    for first, count, factor in shifts:
+        pack.put((first, count), (factor,))
+    for m, share in shares:
+        pack.put((m,), (share,))
+    for column, sign in fixed:
+        pack.put((column, sign))
+    for one in places:
+        pack.put(one)
+    pack.put((), (modal.window,))
+    for coordinate, (first, count, first_shift, shift_count) in zip(modal.coordinates, spans, strict=True):
+        pack.put(
+            (coordinate.free, first, count, first_shift, shift_count),
+            (coordinate.a, coordinate.b, coordinate.load),
+        )
+        pack.put((), coordinate.sines)
+        pack.put((), coordinate.cosines)
+
+
+def coupled(event):
+    """Whether all terms of an event function are couplings."""
+    return all(term.kind == COUPLING for term in event.terms)

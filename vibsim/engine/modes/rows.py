@@ -1,0 +1,384 @@
+"""Mode rows: what a mode is to the engine, made once when it is met.
+
+    couplings    links, and stops in contact, merged per pair of columns: S = k d + c d' + offset of the
+    difference
+                 d = x_P - x_Q; -S on P, +S on Q
+    constants    forces of slipping frictions
+    falls        what of these falls with speed
+    ties         frictions that stick and rigid stops at rest, numbered in this order: frictions, stops
+    events       functions that are positive inside the mode and end it at zero: sums of differences, their
+    rates,
+                 couplings, loads and accelerations
+
+Columns are the bodies in order, then ground and base.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK
+from vibsim.engine.modes.ties import Cut, Groups, cuts
+from vibsim.physics.friction_laws import LAWS
+from vibsim.physics.parts import AT_GAP, BASE, EXTENSION, GROUND, RigidStop
+
+GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE = range(6)  # kinds of event functions; STRIKE: of a rigid stop
+DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL = range(6)  # kinds of terms
+
+
+@dataclass
+class Coupling:
+    """S = k d + c d' + offset of the difference d = x_P - x_Q [N]."""
+
+    P: int
+    Q: int
+    k: Any
+    c: Any
+    offset: Any
+
+
+@dataclass(frozen=True)
+class Falling:
+    """Friction that falls with speed: the force on_P f(s) on P [N], the opposite on Q, s = rate (v_P - v_Q -
+    drift), which is positive while it slips; law: module of vibsim.physics.friction_laws.
+    """
+
+    law: Any
+    P: int
+    Q: int
+    on_P: Any
+    rate: Any
+    drift: Any
+    part: int
+
+
+@dataclass(frozen=True)
+class Term:
+    """coefficient times what `kind` names: the difference of columns (P, Q), its rate, coupling number P, the
+    load on column P, its acceleration, or f of falling friction number P.
+    """
+
+    kind: int
+    coefficient: Any
+    P: int
+    Q: int = -1
+
+
+@dataclass(frozen=True)
+class Event:
+    """An event function: the sum of its terms and a constant.
+
+    key : (kind, what it watches), the same in every mode
+    part : index of the stop, friction or clearance; of the cut in `ModeRows.cuts` for HOLD
+    slope : terms of its first derivative by the balance of forces, where that is better than differentiating
+    (SLIDE):
+        pairs (divisor, terms, constants); empty elsewhere
+    turns : whether its minima count for the grazing margin
+    """
+
+    kind: int
+    part: int
+    direction: int
+    key: tuple
+    terms: tuple[Term, ...]
+    constant: Any
+    size: Any
+    slope: tuple = ()
+    turns: bool = False
+
+
+@dataclass
+class ModeRows:
+    """All that the flows read of one mode."""
+
+    status: Any
+    groups: Groups
+    leader: list[int]
+    mass: list[Any]  # of the group, by leading column; None where it does not move on its own
+    mobility: list[Any]  # 1 / mass, 0 where it does not move on its own; by column
+    couplings: list[Coupling]
+    constants: list[tuple[int, Any]]
+    falls: list[Falling] = field(default_factory=list)
+    events: list[Event] = field(default_factory=list)
+    cuts: list[Cut] = field(default_factory=list)
+    drift: list[Any] = field(default_factory=list)  # velocity of a column against its leader [m/s]
+    modal: Any = None  # closed form of the mode, where there is one
+    tied: list[int] = field(default_factory=list)  # bodies that are tied to another column
+
+
+class RowMaker:
+    """Makes the rows of the modes of a scene, each once."""
+
+    def __init__(self, scene, kit):
+        self.scene, self.kit = scene, kit
+        self.n = len(scene.bodies)
+        self.zero = kit.number(0)
+        self.made = {}
+
+    def column(self, end):
+        """Column of an end of a part."""
+        return {GROUND: self.n, BASE: self.n + 1}.get(end, end)
+
+    def ends(self, part):
+        return self.column(part.P), self.column(part.Q)
+
+    def rows(self, status):
+        """The rows of the mode `status`."""
+        if status not in self.made:
+            self.made[status] = self._make(status)
+        return self.made[status]
+
+    def stuck(self, status):
+        """The ties that hold: (number, columns of P and Q)."""
+        return [(k, *self.ends(self.tie(k))) for k in status.tied]
+
+    def tie(self, k):
+        """The part that is tie number k: a friction, or a stop."""
+        count = len(self.scene.frictions)
+        return self.scene.frictions[k] if k < count else self.scene.stops[k - count]
+
+    def limits(self, k):
+        """What tie number k holds against P going forwards and backwards against Q [N]; None: any force."""
+        part = self.tie(k)
+        if isinstance(part, RigidStop):
+            return (self.zero, None) if part.sense == EXTENSION else (None, self.zero)
+        return part.limits
+
+    def belt(self, k):
+        """Velocity of P against Q where tie number k holds [m/s]."""
+        part = self.tie(k)
+        return self.zero if isinstance(part, RigidStop) else part.belt
+
+    def ties(self, status):
+        """Leading column of each column, and its velocity against that one [m/s]."""
+        stuck = self.stuck(status)
+        groups = Groups(self.n, stuck)
+        return groups.leader, self._drifts(groups, stuck)
+
+    def _make(self, status):
+        scene, stuck = self.scene, self.stuck(status)
+        groups = Groups(self.n, stuck)
+        mass, mobility = self._masses(groups)
+        rows = ModeRows(
+            status, groups, groups.leader, mass, mobility, self._couplings(status), self._constants(status)
+        )
+        rows.falls = self._falls(status)
+        rows.drift = self._drifts(groups, stuck)
+        rows.tied = [c for c in range(self.n) if len(groups.members[groups.leader[c]]) > 1]
+        for i, stop in enumerate(scene.stops):
+            rows.events += self._stop_events(i, stop, status.stops[i])
+        self._friction_events(rows, stuck)
+        for i, clearance in enumerate(scene.clearances):
+            rows.events.append(self._clearance_event(i, clearance, status.clearances[i]))
+        return rows
+
+    def _masses(self, groups):
+        """Mass and mobility by column."""
+        mass: list[Any] = [None] * (self.n + 2)
+        mobility = [self.zero] * (self.n + 2)
+        for c in range(self.n):
+            if groups.leader[c] == c:
+                total: Any = None
+                for member in groups.members[c]:
+                    m = self.scene.bodies[member].m
+                    total = m if total is None else total + m
+                mass[c], mobility[c] = total, 1 / total
+        return mass, mobility
+
+    def _drifts(self, groups, stuck):
+        """Velocity of each column against its leader: belts between them."""
+        drift = [self.zero] * (self.n + 2)
+        reached = set(groups.members)
+        ahead = list(reached)
+        while ahead:
+            c = ahead.pop()
+            for i, P, Q in stuck:
+                belt = self.belt(i)
+                if c == Q and P not in reached:
+                    drift[P] = drift[Q] + belt
+                    reached.add(P)
+                    ahead.append(P)
+                elif c == P and Q not in reached:
+                    drift[Q] = drift[P] - belt
+                    reached.add(Q)
+                    ahead.append(Q)
+        return drift
+
+    def _couplings(self, status):
+        merged: dict[tuple[int, int], Coupling] = {}
+        for link in self.scene.links:
+            self._couple(merged, self.ends(link), link.k, link.c, self.zero)
+        for i, stop in enumerate(self.scene.stops):
+            if status.stops[i] == CONTACT:
+                self._couple(merged, self.ends(stop), stop.k, stop.c, stop.k * (stop.sense * stop.gap))
+        return list(merged.values())
+
+    @staticmethod
+    def _couple(merged, ends, k, c, offset):
+        P, Q = ends
+        if (Q, P) in merged:
+            P, Q, offset = Q, P, -offset
+        if (P, Q) not in merged:
+            merged[P, Q] = Coupling(P, Q, k, c, offset)
+        else:
+            one = merged[P, Q]
+            one.k, one.c, one.offset = one.k + k, one.c + c, one.offset + offset
+
+    def _constants(self, status):
+        """Forces of slipping frictions by column [N]."""
+        constants: dict[int, Any] = {}
+        for i, friction in enumerate(self.scene.frictions):
+            if status.frictions[i] != STICK:
+                force = -friction.forward if status.frictions[i] > 0 else friction.backward
+                P, Q = self.ends(friction)
+                for column, value in ((P, force), (Q, -force)):
+                    if column < self.n:
+                        constants[column] = value if column not in constants else constants[column] + value
+        return sorted(constants.items())
+
+    def _falls(self, status):
+        """What falls with speed of the slipping frictions, in their order."""
+        falls = []
+        for i, friction in enumerate(self.scene.frictions):
+            sense = status.frictions[i]
+            fall = friction.fall(sense)
+            if sense != STICK and fall is not None:
+                on_P, rate = (-fall.drop, fall.rate) if sense > 0 else (fall.drop, -fall.rate)
+                P, Q = self.ends(friction)
+                falls.append(Falling(LAWS[fall.law], P, Q, on_P, rate, friction.belt, i))
+        return falls
+
+    def _stop_events(self, i, stop, state):
+        P, Q = self.ends(stop)
+        s, gap = stop.sense, stop.gap
+
+        def depth(sign, turns=True):
+            terms = (Term(DIFFERENCE, -sign * s, P, Q),)
+            return Event(GAP, i, sign, (GAP, i), terms, -sign * gap, abs(gap), turns=turns)
+
+        def push(sign):
+            terms = (Term(DIFFERENCE, -sign * s * stop.k, P, Q), Term(RATE, -sign * s * stop.c, P, Q))
+            constant = -sign * (stop.k * gap)
+            return Event(PUSH, i, sign, (PUSH, i), terms, constant, abs(constant))
+
+        if isinstance(stop, RigidStop):
+            return [] if state == RESTING else [self._strike_event(i, stop)]
+        if state == OPEN:
+            return [depth(-1)]
+        if state == LIFTED:
+            return [push(-1), depth(1, turns=False)]
+        if stop.release == AT_GAP or stop.c == 0:
+            return [depth(1)]
+        return [push(1)]
+
+    def _strike_event(self, i, stop):
+        P, Q = self.ends(stop)
+        terms = (Term(DIFFERENCE, stop.sense, P, Q),)
+        return Event(STRIKE, i, -1, (STRIKE, i), terms, stop.gap, abs(stop.gap), turns=True)
+
+    def _friction_events(self, rows, stuck):
+        """SLIDE of each slipping friction, HOLD of each cut through a group; in the order of the ties."""
+        scene, status = self.scene, rows.status
+        held: dict[int, list[Cut]] = {}
+        limits = {k: self.limits(k) for k, _, _ in stuck}
+        for leader, members in rows.groups.members.items():
+            ties = [tie for tie in stuck if rows.leader[tie[1]] == leader]
+            if ties:
+                for cut in cuts(members, ties, limits, self.reference(leader, members)):
+                    first = min(i for i, _ in cut.ties)
+                    held.setdefault(first, []).append(cut)
+        for k in range(len(scene.frictions) + len(scene.stops)):
+            if k < len(scene.frictions) and status.frictions[k] != STICK:
+                rows.events.append(self._slide_event(rows, k, scene.frictions[k], status.frictions[k]))
+            for cut in held.get(k, ()):
+                rows.cuts.append(cut)
+                rows.events += self._hold_events(rows, len(rows.cuts) - 1, cut)
+
+    def reference(self, leader, members):
+        """The column of a group that cuts leave on the other side: ground, base, else the motor's body."""
+        if leader < self.n and self.scene.motor is not None and self.scene.motor.on in members:
+            return self.scene.motor.on
+        return leader
+
+    def _slide_event(self, rows, i, friction, sign):
+        P, Q = self.ends(friction)
+        slope = tuple(
+            self._acceleration(rows, rows.leader[end], sign * side)
+            for end, side in ((P, 1), (Q, -1))
+            if rows.leader[end] != self.n
+        )
+        terms = (Term(RATE, sign, P, Q),)
+        constant = -(sign * friction.belt)
+        return Event(SLIDE, i, sign, (SLIDE, i), terms, constant, abs(friction.belt), slope)
+
+    def _acceleration(self, rows, leader, factor):
+        """Acceleration of a group as (mass, factor, terms of its force, constants)."""
+        if leader > self.n:
+            return self.kit.number(1), factor, (Term(ACCELERATION, 1, leader),), ()
+        members = rows.groups.members[leader]
+        terms, constants = self._force_on(rows, members)
+        return rows.mass[leader], factor, terms, constants
+
+    def _force_on(self, rows, members):
+        """Terms and constants of the force from outside on a set of columns."""
+        members = set(members)
+        terms = []
+        for q, coupling in enumerate(rows.couplings):
+            if (coupling.P in members) != (coupling.Q in members):
+                terms.append(Term(COUPLING, 1 if coupling.Q in members else -1, q))
+        terms += [Term(LOAD, 1, c) for c in sorted(members) if self._loaded(c)]
+        for k, fall in enumerate(rows.falls):
+            if (fall.P in members) != (fall.Q in members):
+                terms.append(Term(FALL, fall.on_P if fall.P in members else -fall.on_P, k))
+        return tuple(terms), tuple(value for column, value in rows.constants if column in members)
+
+    def _loaded(self, column):
+        motor = self.scene.motor
+        return any(force.on == column for force in self.scene.forces) or (
+            motor is not None and motor.on == column
+        )
+
+    def _hold_events(self, rows, number, cut):
+        """above - T and below + T of the force T = m a - F that the ties of a cut must pass to its
+        columns, the one without where it is not limited.
+        """
+        terms, constants = self._unbalanced(rows, cut.columns)
+        # slipping forwards (the columns of the cut overtake) comes first: there T = -below
+        events = []
+        for direction, limit in ((1, cut.below), (-1, cut.above)):
+            if limit is None:
+                continue
+            turned = tuple(Term(t.kind, -direction * t.coefficient, t.P, t.Q) for t in terms)
+            constant = limit
+            for value in constants:
+                constant = constant - direction * value
+            key = (HOLD, cut.columns, direction)
+            events.append(Event(HOLD, number, direction, key, turned, constant, abs(constant)))
+        return events
+
+    def _unbalanced(self, rows, columns):
+        """Terms and constants of F - m a, what the force from outside on a part of a group is too much for
+        its motion.
+        """
+        terms, constants = self._force_on(rows, columns)
+        leader = rows.leader[columns[0]]
+        if leader != self.n:
+            m: Any = None
+            for c in columns:
+                m = self.scene.bodies[c].m if m is None else m + self.scene.bodies[c].m
+            terms += (Term(ACCELERATION, -m, leader),)
+        return terms, constants
+
+    def tie_force(self, rows, columns):
+        """Terms and constant of the force m a - F that ties must pass to a part of a group."""
+        terms, constants = self._unbalanced(rows, columns)
+        constant = self.zero
+        for value in constants:
+            constant = constant - value
+        return tuple(Term(t.kind, -t.coefficient, t.P, t.Q) for t in terms), constant
+
+    def _clearance_event(self, i, clearance, state):
+        P, Q = self.ends(clearance)
+        sign = 1 if state else -1
+        terms = (Term(DIFFERENCE, sign, P, Q),)
+        distance = clearance.distance
+        return Event(CLEARANCE, i, sign, (CLEARANCE, i), terms, -sign * distance, abs(distance))

@@ -1,0 +1,1 @@
+"""Small disturbances of the motion: exponents, the monodromy matrix, growth of errors."""

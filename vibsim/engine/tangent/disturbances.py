@@ -1,0 +1,98 @@
+"""Small disturbances that are carried through modes and events: the derivative of the motion.
+
+Between events they obey the equations of the mode, linearised; an event multiplies them by its saltation
+matrix; ties that begin give tied bodies one velocity, momentum kept, and rigid stops that come to rest one
+displacement of their ends.
+"""
+
+from typing import Any
+
+from vibsim.engine.flows.accelerations import joined
+from vibsim.engine.tangent.impact_saltation import UNDEFINED
+from vibsim.engine.tangent.saltation import resting, saltation
+from vibsim.engine.tangent.tangencies import Tangencies
+from vibsim.engine.tangent.tangent_closed_form import ClosedFormTangent
+from vibsim.engine.tangent.tangent_space import seated
+from vibsim.engine.tangent.tangent_taylor import TaylorTangent
+
+TANGENTS = {"closed_form": ClosedFormTangent, "taylor": TaylorTangent}
+
+
+class Disturbances:
+    """Carries `vectors`, rows (dx of each body, dv of each body, dphi, dw), over the stretches of a run, as
+    they are.
+
+    possible : how many of them move
+    pieces : stretches that they moved over at once
+    """
+
+    def __init__(self, scene, kit, flow, vectors=()):
+        self.scene, self.kit, self.flow = scene, kit, flow
+        self.vectors, self.possible = [list(vector) for vector in vectors], len(vectors)
+        flows = (flow.taylor, flow.closed)
+        self.tangents: Any = {of.method: TANGENTS[of.method](scene, kit, of) for of in flows}
+        self.tangencies = Tangencies(scene, kit)
+        self.pieces = 0
+
+    def open(self, state, rows):
+        """At the start: what the ties of the mode allow of the disturbances."""
+        self.tangencies.pass_by(state)
+        self._join(state, rows)
+
+    def gather(self, start, end, tau, state):
+        """Carry the disturbances over the stretch from the state `start` to `state` at the time `end`, `tau`
+        [s] after the start of the flow; the instant of an impact is not on the grid of time.
+
+        A generator, which yields how far it is [s] after every piece.
+        """
+        t, tangent = start.t, self.tangents[self.flow.now.method]
+        late = tau - (end - self.flow.t0)
+        while t < end or late != 0:
+            ahead = tangent.piece_end(t, end, self._mark(end)) if t < end else end
+            if ahead < end:
+                tangent.prepare(t, ahead)
+            else:
+                tangent.prepare(t, ahead, late)
+                late = 0
+            for i in range(self.possible):
+                self.vectors[i] = tangent.moved(self.vectors[i])
+            self.pieces += 1
+            self._moved(t, ahead)
+            t = ahead
+            yield t
+        self.tangencies.pass_by(state)
+
+    def cross(self, event, state, before, after, touch=None):
+        """Take `event` at `state` from the mode of the rows `before` to that of `after`; touch: of rigid
+        stops, where it was one.
+        """
+        if before is after and touch is None:
+            return
+        jump = saltation(self.scene, self.kit, state, before, after, event, touch)
+        self.tangencies.judge(event, state, before, after, jump)
+        jump = None if jump is UNDEFINED else jump
+        if jump is not None:
+            for i in range(self.possible):
+                self.vectors[i] = jump.applied(self.vectors[i])
+        if before.leader != after.leader or resting(before.status) != resting(after.status):
+            self._change_ties(state, after)
+        elif jump is not None:
+            self._jumped(jump)
+
+    def _join(self, state, rows):
+        for i in range(self.possible):
+            vector = seated(self.scene, self.kit, rows.status, self.vectors[i])
+            self.vectors[i] = joined(self.scene, self.kit, rows, state, vector)
+
+    def _mark(self, end):
+        """Time [s] that no piece goes beyond."""
+        return end
+
+    def _moved(self, t, ahead):
+        """What is done after a piece from t to `ahead` [s]."""
+
+    def _jumped(self, jump):
+        """What is done after an event that changed no ties."""
+
+    def _change_ties(self, state, after):
+        self._join(state, after)

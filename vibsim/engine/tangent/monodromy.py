@@ -1,0 +1,189 @@
+"""The derivative of a motion by its start: where small disturbances have moved by a later time.
+
+Unit disturbances of all components make the monodromy matrix M(T) = d state(T) / d state(0), with the
+saltation of every event on the way, impacts on rigid stops among them. Components are x of each body, v of
+each body, then phi and w with a motor. Where ties hold at the start, disturbances are first made possible:
+tied bodies get one velocity, those that rest on each other one displacement. A motion that just grazes a
+rigid stop, or strikes several at one instant, has no such derivative: that is told.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from math import isfinite, nan
+
+import numpy as np
+
+from vibsim.engine.choice import engine_name
+from vibsim.engine.driver import Driver
+from vibsim.engine.flows.accelerations import accelerations
+from vibsim.engine.state import State
+from vibsim.engine.tangent.tangent_space import length
+from vibsim.physics.modes import EVENT_NAMES
+from vibsim.physics.numbers import Doubles
+
+PIECES = 4096  # of the Python engine at once
+
+
+@dataclass(frozen=True)
+class Carried:
+    """A motion from a start to a time, and disturbances of its start.
+
+    state : components at the end [m, m/s, rad, rad/s]; rate_there : tells their rates of change there
+    vectors : the disturbances at the end, one per row
+    events : (kind, part) of what happened on the way, in order; part: number among its sort, -1 for none
+    times, states, codes : when these happened [s], the components behind them and the states of the parts
+        (`Status.codes`), one row each
+    uncertified : number of doubts of the certificate; 0 where it is sure that no event was missed
+    margin : smallest gap at a turn without contact [m], inf without any
+    undefined_at : time [s] of the first event that has no derivative, a grazing touch of a rigid stop say;
+        NaN where all have one. `vectors` are NaN then
+    """
+
+    state: np.ndarray
+    rate_there: Callable[[], np.ndarray]
+    vectors: np.ndarray
+    events: tuple[tuple[str, int], ...]
+    times: np.ndarray
+    states: np.ndarray
+    codes: np.ndarray
+    uncertified: int
+    margin: float
+    undefined_at: float = nan
+
+    @cached_property
+    def rate(self):
+        """Rates of change of the components at the end."""
+        return self.rate_there()
+
+    @property
+    def matrix(self):
+        """Column j: what became of disturbance j. The monodromy matrix where these were the unit ones."""
+        return self.vectors.T
+
+
+class Carrier:
+    """Carries states of one scene over any times, with disturbances. What the C engine knows of the scene's
+    modes it keeps from one to the next.
+
+    scene : a `vibsim.physics.parts.Scene`, whose start and end do not matter
+    engine : "auto" (C where it was built, else Python), "c" or "python"; equal bit for bit
+    """
+
+    def __init__(self, scene, engine="auto"):
+        stops = tuple(replace(stop, at_start=False) for stop in scene.stops)
+        clearances = tuple(replace(one, at_start=False) for one in scene.clearances)
+        of = {"stops": stops, "clearances": clearances, "stop_on_violation": False}
+        self.scene = replace(scene, **of, every_num=10**9, every_den=1)
+        self.engine, self.size, self.run = engine_name(engine), length(scene), None
+        n = len(scene.bodies)
+        rotor = (2 * n + 1, 2 * n + 2) if scene.motor is not None else ()
+        # of the rows of a state in C: the time and then the components
+        self._order = np.array([0, *range(1, 2 * n, 2), *range(2, 2 * n + 1, 2), *rotor])
+
+    def carry(self, state, end, vectors=None):
+        """The motion from `state`, the components at t = 0, to `end` [s], as `Carried`.
+
+        vectors: disturbances of the start, one per row; all unit ones where they are left out. Raises
+        ValueError for components that are not as many as the scene has or not finite, or an end that is not
+        after the start, EngineError where the run fails.
+        """
+        vectors = np.eye(self.size) if vectors is None else np.asarray(vectors, dtype="f8")
+        vectors = vectors.reshape(-1, self.size) if vectors.size == 0 else vectors
+        state = np.asarray(state, dtype="f8")
+        if state.shape != (self.size,) or not _finite(state):
+            raise ValueError(f"a state of this scene is {self.size} finite numbers")
+        if vectors.ndim != 2 or vectors.shape[1] != self.size or not _finite(vectors):
+            raise ValueError(f"a disturbance of this scene is {self.size} finite numbers")
+        if not (isfinite(end) and end > 0):
+            raise ValueError(f"the end must be after the start, got {end} s")
+        return self.carried(state.tolist(), float(end), vectors)
+
+    def carried(self, components, end, vectors):
+        """As `carry`, for those who know their arguments: a list of finite numbers, a time after the start
+        and an array of one finite disturbance per row.
+        """
+        carried = self._by_python if self.engine == "python" else self._by_c
+        return carried(components, end, vectors)
+
+    def _start(self, components):
+        """The state of components at t = 0."""
+        n, zero = len(self.scene.bodies), 0.0
+        x, v, rotor = components[:n], components[n : 2 * n], components[2 * n :]
+        phase, turns = Doubles.reduce_angle(rotor[0]) if rotor else (zero, zero)
+        return State(zero, x, v, phase, turns, rotor[1] if rotor else zero)
+
+    def _by_c(self, components, end, vectors):
+        from vibsim.engine.c_engine import CRun
+
+        self.run = self.run or CRun(self.scene, carries=True)
+        self.run.restart(self._start(components), end, vectors)
+        states, codes = self.run.run_out()
+        tally = self.run.tally
+        uncertified, _, margin, _ = tally["certificate"]
+        moved, undefined = [], (0, nan)
+        if len(vectors):
+            entries = self.run.disturbances
+            moved, undefined = entries["vectors"], entries["undefined"]
+        rows = self.run.rows[tally["mode"]]
+        codes = codes[:, 1:-1].T.copy()  # without start and end
+        table = states[:, 1:-1][self._order].T
+        return self._told(State(*tally["state"]), rows, moved, codes, table, (uncertified, margin), undefined)
+
+    def _by_python(self, components, end, vectors):
+        driver = Driver(self._started(components, end), Doubles, carry=vectors.tolist())
+        while not driver.finished:
+            driver.run(PIECES)
+        codes = [(kind, part, *status.codes) for kind, part, _, status, _ in driver.events[1:-1]]
+        width = 2 + len(driver.status.codes)
+        kept, rows = driver.flow.certificate, driver.maker.rows(driver.status)
+        moved, undefined = [], (0, nan)
+        if driver.tangent:
+            near = driver.tangent.tangencies
+            moved, undefined = driver.tangent.vectors, (near.undefined, near.undefined_time)
+        table = np.array([(one.t, *self._components(one)) for _, _, one, *_ in driver.events[1:-1]])
+        table = table.reshape(-1, 1 + self.size)
+        happened = np.array(codes, dtype="i1").reshape(-1, width)
+        certificate = kept.uncertified, kept.margin
+        return self._told(driver.state, rows, moved, happened, table, certificate, undefined)
+
+    def _started(self, components, end):
+        """The scene from the components of a state to `end` [s]."""
+        n, motor = len(self.scene.bodies), self.scene.motor
+        starts = zip(self.scene.bodies, components[:n], components[n : 2 * n], strict=True)
+        bodies = tuple(replace(body, x=x, v=v) for body, x, v in starts)
+        if motor is not None:
+            motor = replace(motor, phi=components[-2], phidot=components[-1])
+        return replace(self.scene, bodies=bodies, motor=motor, t_end=end)
+
+    def _components(self, state):
+        motor = self.scene.motor is not None
+        rotor = (Doubles.unwind(state.phase, state.turns), state.w) if motor else ()
+        return [*state.x, *state.v, *rotor]
+
+    def _rate(self, state, rows):
+        """Rates of change of the components of a state in the mode of `rows`."""
+        a, alpha = accelerations(self.scene, Doubles, rows, state)
+        rotor = (state.w, alpha) if self.scene.motor is not None else ()
+        return np.array([*state.v, *a[: len(self.scene.bodies)], *rotor])
+
+    def _told(self, state, rows, moved, codes, table, certificate, undefined):
+        vectors = np.array(moved, dtype="f8").reshape(-1, self.size)
+        count, undefined_time = undefined
+        return Carried(
+            np.array(self._components(state)),
+            partial(self._rate, state, rows),
+            np.full_like(vectors, nan) if count else vectors,
+            tuple((EVENT_NAMES[kind], part) for kind, part in codes[:, :2].tolist()),
+            table[:, 0],
+            table[:, 1:],
+            codes[:, 2:],
+            int(certificate[0]),
+            certificate[1],
+            undefined_time if count else nan,
+        )
+
+
+def _finite(values):
+    """Whether all values are finite: their sum says it at once, but for an overflow."""
+    return isfinite(values.sum()) or bool(np.isfinite(values).all())

@@ -1,0 +1,174 @@
+/* The tangent bundle from packed numbers, in the order in which vibsim/engine/tangent/packing_tangent.py writes them. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "modes.h"
+#include "tangent.h"
+
+static void *room(size_t count, size_t size)
+{
+    return calloc(count ? count : 1, size);
+}
+
+static int *read_indices(Reader *in, int count, int high)
+{
+    int *values = room((size_t)count, sizeof(int)), i;
+    for (i = 0; values && i < count; i++)
+        values[i] = read_index(in, 0, high);
+    return values;
+}
+
+/* A second flow, for expansions within a step. */
+static int room_for_spare(const Run *r, TaylorTangent *of)
+{
+    size_t row = 2 * ((size_t)r->bodies + 3), columns = (size_t)r->columns, i;
+    Taylor *f = &of->spare;
+    *f = r->taylor;
+    f->arguments = f->falls = NULL;
+    f->table = room((SERIES + 1) * row, sizeof(double));
+    f->load = room(columns * SERIES, sizeof(double));
+    f->loaded_on = room(columns, sizeof(double *));
+    if (!f->table || !f->load || !f->loaded_on)
+        return 0;
+    f->values = f->table + SERIES * row;
+    for (i = 0; i < columns; i++)
+        f->loaded_on[i] = r->taylor.loaded_on[i] ? f->load + i * SERIES : NULL;
+    return 1;
+}
+
+static int room_for_all(const Run *r, Tangent *b)
+{
+    size_t count = (size_t)b->count, size = (size_t)b->size, stride = (size_t)b->stride, columns = (size_t)r->columns;
+    size_t coordinates = 2 * columns;
+    b->columns = room(2 * count, sizeof(int));
+    b->lost = room(count, sizeof(int));
+    b->vectors = room(2 * size * stride, sizeof(double));
+    b->sums = room(2 * count, sizeof(double));
+    b->rows = room((SPANS + 1) * (1 + count), sizeof(double));
+    b->fitted = room((count + size + columns + 1) * size, sizeof(double));
+    b->q = room((2 * coordinates + 2) * stride, sizeof(double));
+    b->accelerations = room(3 * columns + size, sizeof(double));
+    b->moving = room(coordinates, sizeof(Moving));
+    b->taylor.series = room(TANGENT_GROUP * (2 * columns + 1) * SERIES, sizeof *b->taylor.series);
+    b->taylor.force = room(columns, sizeof *b->taylor.force);
+    b->seat = room(columns, sizeof(int));
+    b->tangencies.fastest = room((size_t)b->stop_count, sizeof(double));
+    if (!b->columns || !b->lost || !b->vectors || !b->sums || !b->rows || !b->fitted || !b->q || !b->accelerations || !b->moving ||
+        !b->taylor.series || !b->taylor.force || !b->seat || !b->tangencies.fastest)
+        return 0;
+    b->over_columns = b->columns + count;
+    b->over = b->sums + count;
+    b->moved = b->vectors + size * stride;
+    b->candidates = b->fitted + count * size;
+    b->vector = b->candidates + (size + columns) * size;
+    b->u = b->q + coordinates * stride;
+    b->line = b->u + coordinates * stride;
+    b->zeros = b->line + stride;
+    b->other_accelerations = b->accelerations + columns;
+    b->force = b->other_accelerations + columns;
+    b->jump = b->force + columns;
+    return room_for_spare(r, &b->taylor) && (r->fall_room == 0 || tangent_room_for_falls(b, r->fall_room));
+}
+
+/* Ends and laws of stops and frictions. */
+static int read_parts(const Run *r, Tangent *b, Reader *in)
+{
+    int last = r->columns - 1, i;
+    b->stops = room((size_t)b->stop_count, sizeof(StopEnds));
+    b->frictions = room((size_t)b->friction_count, sizeof(FrictionEnds));
+    if (!b->stops || !b->frictions)
+        return 0;
+    for (i = 0; i < b->stop_count; i++) {
+        b->stops[i].P = read_index(in, 0, last);
+        b->stops[i].Q = read_index(in, 0, last);
+        b->stops[i].c = read_double(in);
+    }
+    for (i = 0; i < b->friction_count; i++) {
+        b->frictions[i].P = read_index(in, 0, last);
+        b->frictions[i].Q = read_index(in, 0, last);
+        b->frictions[i].forward = read_double(in);
+        b->frictions[i].backward = read_double(in);
+    }
+    return 1;
+}
+
+static int read_bundle(Run *r, Tangent *b, Reader *in)
+{
+    int i, k;
+    b->size = 2 * r->bodies + 2 * r->has_motor;
+    b->given = read_index(in, 0, 1);
+    b->count = read_index(in, 1, 1000000);
+    b->stop_count = read_index(in, 0, r->parts);
+    b->friction_count = read_index(in, 0, r->parts - b->stop_count);
+    b->component_count = read_index(in, b->given ? 1 : b->count, b->size);
+    b->shift_count = read_index(in, 0, r->bodies);
+    b->reference_count = read_index(in, 0, r->bodies);
+    if (in->short_of || (!b->given && b->count > b->component_count) || (b->given && b->count > in->double_count / b->size))
+        return 0;
+    b->stride = b->count + b->count % 2;
+    b->complete = !b->given && b->count == b->component_count;
+    b->components = read_indices(in, b->component_count, b->size - 1);
+    b->shift_from = read_indices(in, b->shift_count, r->bodies - 1);
+    b->shift_to = read_indices(in, b->shift_count, r->bodies - 1);
+    b->references = read_indices(in, b->reference_count, r->bodies - 1);
+    b->weights = room((size_t)b->size, sizeof(double));
+    if (!b->components || !b->shift_from || !b->shift_to || !b->references || !b->weights || !room_for_all(r, b) ||
+        !read_parts(r, b, in))
+        return 0;
+    b->begin = read_double(in);
+    b->taylor.reach = read_double(in);
+    b->tangencies.rate = read_double(in);
+    for (k = 0; k < b->size; k++)
+        b->weights[k] = read_double(in);
+    for (i = 0; b->given && i < b->count; i++)
+        for (k = 0; k < b->size; k++)
+            b->vectors[k * b->stride + i] = read_double(in);
+    tangencies_forget(&b->tangencies);
+    return read_through(in);
+}
+
+/* Room for the series of so many falling frictions; 0 without memory. */
+int tangent_room_for_falls(Tangent *b, int count)
+{
+    TaylorTangent *of = &b->taylor;
+    return room_for_series(&of->slopes, count) && room_for_series(&of->spare.arguments, count) && room_for_series(&of->spare.falls, count);
+}
+
+int tangent_read(Run *r, Reader *in)
+{
+    r->tangent = room(1, sizeof(Tangent));
+    return r->tangent && read_bundle(r, r->tangent, in);
+}
+
+void tangent_free(Tangent *b)
+{
+    if (!b)
+        return;
+    free(b->components);
+    free(b->shift_from);
+    free(b->shift_to);
+    free(b->references);
+    free(b->weights);
+    free(b->stops);
+    free(b->frictions);
+    free(b->columns);
+    free(b->lost);
+    free(b->vectors);
+    free(b->sums);
+    free(b->rows);
+    free(b->fitted);
+    free(b->q);
+    free(b->accelerations);
+    free(b->moving);
+    free(b->taylor.series);
+    free(b->taylor.force);
+    free(b->taylor.spare.table);
+    free(b->taylor.spare.load);
+    free(b->taylor.spare.arguments);
+    free(b->taylor.spare.falls);
+    free(b->taylor.slopes);
+    free(b->taylor.spare.loaded_on);
+    free(b->seat);
+    free(b->tangencies.fastest);
+    free(b);
+}

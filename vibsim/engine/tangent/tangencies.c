@@ -1,0 +1,90 @@
+/* Events that are crossed almost tangentially; twin of vibsim/engine/tangent/tangencies.py. */
+#include "tangent.h"
+
+#define CLOSE 1e-6
+
+void tangencies_forget(Tangencies *near)
+{
+    near->count = 0;
+    near->closest = 1.0;
+    near->closest_time = 0.0;
+    near->undefined = 0;
+    near->undefined_time = 0.0;
+}
+
+/* Learn of an event at t that has no derivative. */
+void tangencies_refuse(Tangencies *near, double t)
+{
+    if (near->undefined == 0)
+        near->undefined_time = t;
+    near->undefined++;
+}
+
+static double column(const Run *r, const double *values, int c, double base)
+{
+    return c < r->bodies ? values[c] : c == r->bodies ? 0.0 : base;
+}
+
+/* x_P - x_Q and v_P - v_Q of a stop. */
+static void between(const Run *r, const StopEnds *stop, const State *state, double *distance, double *rate)
+{
+    double X, V;
+    base_motion_at(r, state->t, &X, &V);
+    *distance = column(r, state->x, stop->P, X) - column(r, state->x, stop->Q, X);
+    *rate = column(r, state->v, stop->P, V) - column(r, state->v, stop->Q, V);
+}
+
+/* Learn how fast the ends of the stops move against each other. */
+void tangencies_pass_by(Run *r, const State *state)
+{
+    Tangencies *near = &r->tangent->tangencies;
+    int i;
+    for (i = 0; i < r->tangent->stop_count; i++) {
+        double distance, rate, speed;
+        between(r, &r->tangent->stops[i], state, &distance, &rate);
+        speed = fabs(rate) + near->rate * fabs(distance);
+        near->fastest[i] = speed > near->fastest[i] ? speed : near->fastest[i];
+    }
+}
+
+/* Deceleration of a sliding that ends, over the largest with which it can end in sticking. */
+static double stopping_share(const Run *r, const Event *event, const State *state, const Mode *before)
+{
+    Tangent *b = r->tangent;
+    double largest;
+    int c;
+    reversal_accelerations(r, before, state, event->part, b->accelerations);
+    for (c = 0; c < r->bodies; c++) {
+        b->vector[c] = 0.0;
+        b->vector[r->bodies + c] = b->accelerations[c];
+    }
+    largest = gradient(r, before, event, b->vector, 1);
+    return largest != 0 ? -event_rate_at(r, state, before, event) / largest : 1.0;
+}
+
+void tangencies_judge(Run *r, const Event *event, const State *state, const Mode *before, const Mode *after)
+{
+    Tangent *b = r->tangent;
+    Tangencies *near = &b->tangencies;
+    int i = event->part;
+    double share, distance;
+    if (event->kind == GAP && near->fastest[i] > 0 && before->codes[i] != after->codes[i]) {
+        between(r, &b->stops[i], state, &distance, &share);
+        share = share / near->fastest[i];
+    } else if (event->kind == SLIDE && after->codes[b->stop_count + i] == 0) {
+        share = stopping_share(r, event, state, before);
+    } else {
+        return;
+    }
+    share = share * share;
+    tangencies_note(near, share < CLOSE, share, state->t);
+}
+
+void tangencies_note(Tangencies *near, int count, double share, double t)
+{
+    near->count += count;
+    if (share < near->closest) {
+        near->closest = share;
+        near->closest_time = t;
+    }
+}

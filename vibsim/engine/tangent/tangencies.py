@@ -1,0 +1,117 @@
+"""Events that are crossed almost tangentially: there a disturbance is small only as long as it is tiny.
+
+Where an event function h is crossed at the rate h', the motion goes beyond by about h'^2 / (2 |h''|) before
+it can turn. A disturbance larger than that misses the event, and first order (the tangent flow) says nothing
+of it. Crossings are judged by the square of their rate over that of the whole motion, about their share of
+the depth of the deepest one. A share below CLOSE counts as a tangency. An impact on a rigid stop counts
+where the acceleration in front of it parts the ends; where it drives them together, as in chatter, no motion
+turns before the stop. Below GRAZING rounding decides whether it comes up to the stop at all, and there is no
+derivative; nor at other events whose saltation is undefined.
+"""
+
+from vibsim.engine.flows.harmonics import value_and_rate
+from vibsim.engine.modes.rows import GAP, HOLD, SLIDE, STRIKE
+from vibsim.engine.modes.status import STICK
+from vibsim.engine.tangent.impact_saltation import UNDEFINED
+from vibsim.engine.tangent.saltation import (
+    event_rate,
+    forced,
+    gradient,
+    released_frictions,
+    reversal,
+    tie_rate,
+)
+from vibsim.engine.tangent.tangent_space import natural_rate
+
+CLOSE = 1e-6  # a rate of 1/1000 of the largest
+GRAZING = 2.0**-40  # a depth of some thousand roundings
+
+
+class Tangencies:
+    """Counts close crossings and keeps the closest.
+
+    fastest : by stop, the largest |v_P - v_Q| + rate |x_P - x_Q| at an event or the end of a step [m/s]
+    undefined, undefined_time : events that have no derivative, the time of the first [s]
+    """
+
+    def __init__(self, scene, kit):
+        self.scene, self.kit, self.rate = scene, kit, natural_rate(scene, kit)
+        self.fastest = [kit.number(0)] * len(scene.stops)
+        self.nothing = kit.number(1), kit.number(0)
+        self.forget()
+
+    def forget(self):
+        """Begin to count anew."""
+        self.count = 0
+        self.closest, self.time = self.nothing
+        self.undefined, self.undefined_time = 0, self.kit.number(0)
+
+    def refuse(self, t):
+        """Learn of an event at t [s] that has no derivative."""
+        if self.undefined == 0:
+            self.undefined_time = t
+        self.undefined += 1
+
+    def pass_by(self, state):
+        """Learn how fast the ends of the stops move against each other."""
+        for i, stop in enumerate(self.scene.stops):
+            distance, rate = self._between(stop, state)
+            speed = abs(rate) + self.rate * abs(distance)
+            self.fastest[i] = speed if speed > self.fastest[i] else self.fastest[i]
+
+    def _between(self, stop, state):
+        """x_P - x_Q and v_P - v_Q."""
+        X, V = value_and_rate(self.kit, self.scene.base, state.t)
+        zero = self.kit.number(0)
+        x, v = (*state.x, X, zero), (*state.v, V, zero)  # BASE is -2, GROUND -1
+        return x[stop.P] - x[stop.Q], v[stop.P] - v[stop.Q]
+
+    def judge(self, event, state, before, after, jump):
+        """Judge `event` at `state` between the modes of the rows `before` and `after`, with its saltation."""
+        i = event.part
+        if jump is UNDEFINED:
+            self.refuse(state.t)
+            return
+        if event.kind == GAP and self.fastest[i] > 0 and before.status.stops[i] != after.status.stops[i]:
+            _, rate = self._between(self.scene.stops[i], state)
+            share = rate / self.fastest[i]
+        elif event.kind == STRIKE and jump is not None and self.fastest[i] > 0 and jump.drive <= 0:
+            share = jump.approach / self.fastest[i]
+            if share * share < GRAZING:
+                self.refuse(state.t)
+        elif event.kind == SLIDE and after.status.frictions[i] == STICK:
+            share = self._stopping_share(event, state, before)
+        elif event.kind == HOLD and before.leader != after.leader:
+            share = self._tearing_share(event, state, before, after)
+            if share is None:
+                return
+        else:
+            return
+        share = share * share
+        if share < CLOSE:
+            self.count += 1
+        if share < self.closest:
+            self.closest, self.time = share, state.t
+
+    def _tearing_share(self, event, state, before, after):
+        """How fast the force of ties comes to a limit at which it drops, over a sweep through all that they
+        can hold at the natural rate [-]; None where it does not drop, so that nothing depends on the instant.
+        """
+        cut = before.cuts[event.part]
+        if not released_frictions(self.scene, before, after):
+            return None
+        return -tie_rate(self.scene, self.kit, state, before, event) / ((cut.above + cut.below) * self.rate)
+
+    def _stopping_share(self, event, state, before):
+        """Deceleration of a sliding that ends, over the largest with which it can end in sticking [-]: with
+        the friction turned round it would be 0 at least.
+
+        It is 0 where the motion just touches v_rel = 0, which a disturbed one may miss; 1 where ground and
+        base hold both ends, so that no force decides.
+        """
+        scene, kit, i = self.scene, self.kit, event.part
+        n = len(scene.bodies)
+        forces = reversal(scene.frictions[i], before.status.frictions[i])
+        gained, _ = forced(scene, kit, before, state, forces)
+        largest = gradient(event, [kit.number(0)] * n + gained[:n], n)
+        return -event_rate(scene, kit, state, before, event) / largest if largest != 0 else kit.number(1)

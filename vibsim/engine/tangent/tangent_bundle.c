@@ -1,0 +1,373 @@
+/* The tangent bundle of a run: disturbances carried through modes and events; twin of vibsim/engine/tangent/tangent_bundle.py. */
+#include <string.h>
+
+#include "tangent.h"
+
+#define FLAT 0x1p-7
+#define LOST 0x1p-40
+
+static void start_to_count(Tangent *b)
+{
+    int i;
+    for (i = 0; i < b->count; i++) {
+        b->sums[i] = 0.0;
+        b->columns[i] = i;
+        b->lost[i] = 0;
+    }
+}
+
+static void mark_waiting(Tangent *b)
+{
+    int i;
+    for (i = b->possible; i < b->count; i++)
+        b->lost[i] = 1;
+}
+
+/* Time of the next row. */
+static double mark(const Run *r)
+{
+    const Tangent *b = r->tangent;
+    return b->next_row >= SPANS ? r->t_end : b->begin + (r->t_end - b->begin) * b->next_row / SPANS;
+}
+
+/* Keep a row where one is due at t. */
+static void keep_row(const Run *r, double t)
+{
+    Tangent *b = r->tangent;
+    double *row;
+    int i;
+    if (b->next_row > SPANS || t < mark(r))
+        return;
+    if (b->next_row == 0) {
+        start_to_count(b);
+        mark_waiting(b);
+        b->losses = b->outside;
+        tangencies_forget(&b->tangencies);
+    }
+    row = b->rows + b->row_count++ * (1 + b->count);
+    row[0] = t;
+    for (i = 0; i < b->count; i++)
+        row[1 + b->columns[i]] = b->sums[i];
+    while (b->next_row <= SPANS && mark(r) <= t)
+        b->next_row++;
+}
+
+static double product(const Tangent *b, const double *one, const double *other)
+{
+    double total = b->weights[0] * (one[0] * other[0]);
+    int k;
+    for (k = 1; k < b->size; k++)
+        total = total + b->weights[k] * (one[k] * other[k]);
+    return total;
+}
+
+/* Leave of a vector what lies beside `count` orthonormal ones, of length 1; returns how long it was. */
+static double orthonormalise(const Tangent *b, double *vector, const double *others, int count)
+{
+    double size;
+    int i, k;
+    for (i = 0; i < count; i++, others += b->size) {
+        double overlap = product(b, others, vector);
+        for (k = 0; k < b->size; k++)
+            vector[k] = vector[k] - overlap * others[k];
+    }
+    size = sqrt(product(b, vector, vector));
+    for (k = 0; size > 0 && k < b->size; k++)
+        vector[k] = vector[k] / size;
+    return size;
+}
+
+static double growth_of(double size)
+{
+    return size > 0 ? log(size) : -INFINITY;
+}
+
+static double length_of(const Tangent *b, int i)
+{
+    const double *vector = b->vectors + i;
+    double total = b->weights[0] * (vector[0] * vector[0]);
+    const int stride = b->stride;
+    int k;
+    for (k = 1; k < b->size; k++)
+        total = total + b->weights[k] * (vector[k * stride] * vector[k * stride]);
+    return sqrt(total);
+}
+
+/* Make a disturbance of length 1; returns how long it was. */
+static double normalise(Tangent *b, int i)
+{
+    double *vector = b->vectors + i, size = length_of(b, i);
+    const int stride = b->stride;
+    int k;
+    for (k = 0; size > 0 && k < b->size; k++)
+        vector[k * stride] = vector[k * stride] / size;
+    return size;
+}
+
+/* Leave of the disturbances behind number i what lies beside it. */
+static void project(Tangent *b, int i)
+{
+    double *overlap = b->line;
+    int j, k;
+    for (k = 0; k < b->size; k++) {
+        const double *entry = b->vectors + k * b->stride, own = entry[i], weight = b->weights[k];
+        if (k == 0)
+            for (j = i + 1; j < b->possible; j++)
+                overlap[j] = weight * (own * entry[j]);
+        else
+            for (j = i + 1; j < b->possible; j++)
+                overlap[j] = overlap[j] + weight * (own * entry[j]);
+    }
+    for (k = 0; k < b->size; k++) {
+        double *entry = b->vectors + k * b->stride, own = entry[i];
+        for (j = i + 1; j < b->possible; j++)
+            entry[j] = entry[j] - overlap[j] * own;
+    }
+}
+
+/* Orthonormalise the possible disturbances, add to the growth; returns the logarithm of the volume that they spanned. */
+static double renormalise(Tangent *b)
+{
+    double volume = 0.0;
+    int i;
+    b->shortest = INFINITY;
+    for (i = 0; i < b->possible; i++) {
+        double size = normalise(b, i), growth = growth_of(size);
+        b->shortest = size < b->shortest ? size : b->shortest;
+        project(b, i);
+        b->sums[i] = b->sums[i] + growth;
+        volume = volume + growth;
+    }
+    return volume;
+}
+
+static void put_vector(Tangent *b, int i, const double *vector)
+{
+    int k;
+    for (k = 0; k < b->size; k++)
+        b->vectors[k * b->stride + i] = vector[k];
+}
+
+/* Add from the candidates, each time that which is least like the `before` vectors there are, up to `count` of them. */
+static int fill(Tangent *b, int candidates, int before, int count)
+{
+    int i, k;
+    for (; before < count; before++) {
+        double *most = b->fitted + before * b->size, longest = 0.0;
+        for (i = 0; i < candidates; i++) {
+            double whole, share;
+            memcpy(b->vector, b->candidates + i * b->size, sizeof(double) * (size_t)b->size);
+            whole = sqrt(product(b, b->vector, b->vector));
+            share = orthonormalise(b, b->vector, b->fitted, before) / whole;
+            if (i == 0 || share > longest) {
+                longest = share;
+                for (k = 0; k < b->size; k++)
+                    most[k] = b->vector[k];
+            }
+        }
+    }
+    return before;
+}
+
+/* Orthonormalise the possible disturbances in the tangent space of m; replace those that are lost and those that waited. */
+static void fit(const Run *r, const Mode *m)
+{
+    Tangent *b = r->tangent;
+    int room = b->component_count - b->outside, fitting = 0, over = 0, vectors, i, k;
+    for (i = b->possible; i < b->count; i++, over++) {
+        b->over[over] = b->sums[i];
+        b->over_columns[over] = b->columns[i];
+    }
+    for (i = 0; i < b->possible; i++) {
+        double *vector = b->fitted + fitting * b->size, size;
+        for (k = 0; k < b->size; k++)
+            b->vector[k] = b->vectors[k * b->stride + i];
+        size = orthonormalise(b, b->vector, b->fitted, fitting);
+        if (size > LOST && fitting < room) {
+            memcpy(vector, b->vector, sizeof(double) * (size_t)b->size);
+            b->sums[fitting] = b->sums[i] + log(size);
+            b->columns[fitting] = b->columns[i];
+            b->lost[fitting++] = b->lost[i];
+        } else {
+            b->over[over] = b->sums[i];
+            b->over_columns[over++] = b->columns[i];
+        }
+    }
+    b->possible = room < b->count ? room : b->count;
+    vectors = fill(b, space_inside(r, m), fitting, b->possible);
+    fill(b, space_outside(r, m), vectors, b->count);
+    for (i = 0; i < b->count; i++)
+        put_vector(b, i, b->fitted + i * b->size);
+    for (i = 0; i < over; i++) {
+        b->sums[fitting + i] = b->over[i];
+        b->columns[fitting + i] = b->over_columns[i];
+        b->lost[fitting + i] = 1;
+    }
+}
+
+/* Disturbances at the start: a general one, then one component each. */
+void tangent_open(Run *r)
+{
+    Tangent *b = r->tangent;
+    int i;
+    if (!b)
+        return;
+    tangencies_pass_by(r, &r->state);
+    b->possible = b->count;
+    b->outside = b->losses = space_held(r, r->mode);
+    if (b->given) {
+        seat_disturbances(r, r->mode);
+        join_disturbances(r, r->mode, &r->state);
+        return;
+    }
+    for (i = 0; i < b->component_count; i++)
+        b->vectors[b->components[i] * b->stride] = 1.0;
+    for (i = 1; i < b->count; i++)
+        b->vectors[b->components[i] * b->stride + i] = 1.0;
+    renormalise(b);
+    if (b->outside) {
+        seat_disturbances(r, r->mode);
+        join_disturbances(r, r->mode, &r->state);
+        gauge_apply(b);
+        fit(r, r->mode);
+    }
+    start_to_count(b);
+    mark_waiting(b);
+    keep_row(r, r->state.t);
+}
+
+void tangent_begin_stretch(Run *r)
+{
+    if (r->tangent) {
+        r->tangent->t = r->state.t;
+        r->tangent->arrived = 0;
+    }
+}
+
+static void account(Run *r, double t, double ahead)
+{
+    Tangent *b = r->tangent;
+    double volume;
+    gauge_apply(b);
+    volume = renormalise(b);
+    if (b->complete)
+        b->residual = b->residual + (volume - log_volume(r, t, ahead));
+}
+
+int tangent_gather(Run *r)
+{
+    Tangent *b = r->tangent;
+    double end = r->pending_end, late;
+    if (!b)
+        return 1;
+    late = r->pending_tau - (end - r->t0); /* the instant of an impact is not on the grid of time */
+    while (b->t < end || (late != 0 && !b->arrived)) {
+        double ahead = end, tau;
+        if (b->t < end)
+            ahead = r->closed ? closed_form_piece_end(r, b->t, end, b->given ? end : mark(r)) : taylor_piece_end(r, b->t, end);
+        if (r->spent > r->work_at_once)
+            return 0;
+        b->arrived = !(ahead < end);
+        tau = b->arrived ? (ahead - b->t) + late : ahead - b->t;
+        if (r->closed)
+            closed_form_move(r, tau);
+        else
+            taylor_move(r, b->t, tau);
+        r->spent += 1 + b->possible;
+        b->pieces += 1;
+        if (!b->given)
+            account(r, b->t, ahead);
+        b->t = ahead;
+        if (!b->given)
+            keep_row(r, ahead);
+    }
+    tangencies_pass_by(r, &r->next);
+    return 1;
+}
+
+double tangent_worked_to(const Run *r)
+{
+    return r->tangent->t;
+}
+
+static int same_ties(const Run *r, const Mode *one, const Mode *other)
+{
+    return memcmp(one->leader, other->leader, sizeof(int) * (size_t)r->columns) == 0 && same_seats(r, one, other);
+}
+
+static void change_ties(Run *r, const Mode *after)
+{
+    Tangent *b = r->tangent;
+    int outside = space_held(r, after);
+    b->losses += outside > b->outside ? outside - b->outside : 0;
+    b->outside = outside;
+    seat_disturbances(r, after);
+    join_disturbances(r, after, &r->next);
+    if (b->given)
+        return;
+    gauge_apply(b);
+    fit(r, after);
+}
+
+/* Judge an event and apply its saltation. */
+static Handed jump(Run *r, const Event *e, const Mode *before, const Mode *after)
+{
+    Handed done = {0, 0, 0, 0, 1.0, 1.0};
+    Saltation s;
+    tangencies_judge(r, e, &r->next, before, after);
+    s = saltation(r, &r->next, before, after, e);
+    saltation_apply(r, &s, &r->next);
+    done.jumps = s.kind != SAME;
+    done.determinant = s.determinant;
+    return done;
+}
+
+/* The same where Python has done so. */
+static Handed note_handed(Run *r)
+{
+    Tangent *b = r->tangent;
+    tangencies_note(&b->tangencies, b->handed.tangencies, b->handed.closest, r->next.t);
+    if (b->handed.undefined)
+        tangencies_refuse(&b->tangencies, r->next.t);
+    return b->handed;
+}
+
+/* Whether a stop or friction that an event is of is among those of the scene. */
+static int known_part(const Tangent *b, const Event *e)
+{
+    return e->kind == GAP || e->kind == STRIKE ? e->part < b->stop_count : e->kind != SLIDE || e->part < b->friction_count;
+}
+
+/* Take the event at r->next from one mode to another. */
+void tangent_cross(Run *r, int event, const Mode *before, const Mode *after)
+{
+    Tangent *b = r->tangent;
+    const Event *e = &before->events[event];
+    Handed done;
+    if (!b || (before == after && e->kind != STRIKE) || !known_part(b, e))
+        return;
+    done = b->handed.here ? note_handed(r) : jump(r, e, before, after);
+    b->handed.here = 0;
+    if (!same_ties(r, before, after)) {
+        change_ties(r, after);
+    } else if (done.jumps && !b->given) {
+        double volume, longest = 0.0, determinant = fabs(done.determinant);
+        int i, flat;
+        gauge_apply(b);
+        if (determinant == 0) {
+            b->losses += 1;
+            fit(r, after);
+            return;
+        }
+        for (i = 0; i < b->possible; i++) {
+            double length = length_of(b, i);
+            longest = length > longest ? length : longest;
+        }
+        volume = renormalise(b);
+        flat = b->shortest <= FLAT * longest;
+        if (flat) /* what is left of nearly parallel vectors is not orthogonal to rounding */
+            renormalise(b);
+        if (b->complete && determinant > FLAT && !flat)
+            b->residual = b->residual + (volume - log(determinant));
+    }
+}

@@ -1,0 +1,219 @@
+"""The tangent bundle of a run: K disturbances carried through modes and events, and how fast they grow.
+
+Disturbances are orthonormalised (modified Gram-Schmidt) at every step and every event that changes them; what
+they grow by there adds up to the exponents (Benettin et al. 1980), the largest first. Event times lie on the
+grid of doubles, while the saltation matrices are those of the exact event: the difference is of the size of
+rounding.
+
+Each tie takes a direction from the tangent space, a rigid stop at rest two, and an impact without restitution
+one: a rank loss, counted. Disturbances that do not fit into it any longer are replaced: by possible ones as
+far as there is room, by some that wait outside, unmoved, until ties let go. A direction that was replaced has
+the exponent minus infinity over the span.
+
+A complete bundle checks itself (Liouville, V10): the logarithm of its volume must grow by the integral of the
+trace of the equations of motion and by the logarithms of the determinants at the events. Sticking, where the
+determinant is 0, reversals that all but stick and slow impacts, which press a volume flat, are left out on
+both sides.
+"""
+
+from math import inf
+from typing import Any
+
+from vibsim.engine.tangent.disturbances import Disturbances
+from vibsim.engine.tangent.tangent_space import Gauge, TangentSpace, components, dimension, length, weights
+from vibsim.engine.tangent.tangent_volume import log_volume
+
+SPANS = 100  # that the growth is recorded in
+# Determinant of a jump, and share of the longest disturbance that it leaves of the flattest, below which
+# their rounding, eps / FLAT, would drown the check.
+FLAT = 2.0**-7
+LOST = 2.0**-40  # of the length of a disturbance in a rank loss: what is left is rounding
+
+
+class TangentBundle(Disturbances):
+    """Carries `count` disturbances over the stretches of a run.
+
+    begin : time [s] from which growth counts. `rows` holds (t, logarithm of each one's growth since then) at
+    `begin`, at the ends of SPANS equal spans from there to t_end, each at the next event or step behind it.
+
+    vectors : the first `possible` of them lie in the tangent space of the mode, the others wait outside
+    columns : of `rows`, by vector; lost : whether a vector has replaced a direction since `begin`
+    """
+
+    def __init__(self, scene, kit, flow, count, begin=0.0):
+        super().__init__(scene, kit, flow)
+        self.count = count
+        self.complete = count == dimension(scene)
+        self.begin = kit.number(begin)
+        self.weights, self.gauge = weights(scene, kit), Gauge(scene)
+        self.residual = kit.number(0)  # growth of the logarithm of the volume that nothing explains
+        self.shortest = kit.number(1)  # length that the last orthogonalisation left
+        self.rows, self.next_row, self.losses = [], 0, 0
+        self._start_to_count()
+
+    def _start_to_count(self):
+        self.sums = [self.kit.number(0)] * self.count
+        self.columns, self.lost = list(range(self.count)), [False] * self.count
+
+    def open(self, state, rows):
+        """Disturbances at the start: a general one, then one component each."""
+        self.tangencies.pass_by(state)
+        zero, one, size = self.kit.number(0), self.kit.number(1), length(self.scene)
+        present = components(self.scene)
+        general = [one if k in present else zero for k in range(size)]
+        units = [[one if k == other else zero for k in range(size)] for other in present[1:]]
+        self.vectors, self.possible = [general, *units][: self.count], self.count
+        self.renormalise()
+        self.space = TangentSpace(self.scene, self.kit, rows)
+        self.losses = len(self.space.outside)
+        if self.space.outside:
+            self._join(state, rows)
+            self._shift()
+            self._fit()
+        self._start_to_count()
+        self._mark_waiting()
+        self._record(state.t)
+
+    def _moved(self, t, ahead):
+        self._shift()
+        volume = self.renormalise()
+        if self.complete:
+            grown = log_volume(self.scene, self.kit, self.flow.now, t, ahead)
+            self.residual = self.residual + (volume - grown)
+        self._record(ahead)
+
+    def _shift(self):
+        """Measure displacements from the references."""
+        for i in range(self.possible):
+            self.vectors[i] = self.gauge.apply(self.kit, self.vectors[i])
+
+    def _jumped(self, jump):
+        self._shift()
+        if jump.determinant == 0:
+            self.losses += 1
+            self._fit()
+            return
+        longest = max(self.kit.sqrt(self._product(one, one)) for one in self.vectors[: self.possible])
+        volume, determinant = self.renormalise(), abs(jump.determinant)
+        flat = self.shortest <= FLAT * longest
+        if flat:  # what is left of nearly parallel vectors is not orthogonal to rounding
+            self.renormalise()
+        if self.complete and determinant > FLAT and not flat:
+            self.residual = self.residual + (volume - self.kit.log(determinant))
+
+    def _change_ties(self, state, after):
+        outside = len(self.space.outside)
+        self.space = TangentSpace(self.scene, self.kit, after)
+        self.losses += max(len(self.space.outside) - outside, 0)
+        self._join(state, after)
+        self._shift()
+        self._fit()
+
+    def _fit(self):
+        """Orthonormalise the possible disturbances in the new tangent space; replace those that are lost, and
+        those that waited.
+        """
+        room = len(self.space.inside)
+        tried = [(self.vectors[i], self.sums[i], self.columns[i], self.lost[i]) for i in range(self.possible)]
+        over = [(self.sums[i], self.columns[i]) for i in range(self.possible, self.count)]
+        fitting: list[Any] = []
+        for vector, total, column, lost in tried:
+            vector, size = self._orthonormal(vector, [one for one, *_ in fitting])
+            if size > LOST and len(fitting) < room:
+                fitting.append((vector, total + self.kit.log(size), column, lost))
+            else:
+                over.append((total, column))
+        self.vectors = [vector for vector, *_ in fitting]
+        missing = self.count - len(fitting)
+        self.possible = min(room, self.count)
+        self._fill(self.space.inside, self.possible)
+        self._fill(self.space.outside, self.count)
+        self.sums = [total for _, total, *_ in fitting] + [total for total, _ in over]
+        self.columns = [column for *_, column, _ in fitting] + [column for _, column in over]
+        self.lost = [lost for *_, lost in fitting] + [True] * missing
+
+    def _fill(self, candidates, count):
+        """Add from the candidates, each time that which is least like the others, up to `count` vectors."""
+        while len(self.vectors) < count:
+            tried = [self._orthonormal(vector, self.vectors, scaled=True) for vector in candidates]
+            self.vectors.append(max(tried, key=lambda one: one[1])[0])
+
+    def _mark_waiting(self):
+        """Directions that wait outside when counting begins are lost already."""
+        for i in range(self.possible, self.count):
+            self.lost[i] = True
+
+    def renormalise(self):
+        """Orthonormalise the possible disturbances, add to the growth; returns the logarithm of the volume
+        that they spanned.
+        """
+        volume = self.kit.number(0)
+        self.shortest = inf
+        for i in range(self.possible):
+            self.vectors[i], size = self._orthonormal(self.vectors[i], self.vectors[:i])
+            self.shortest = size if size < self.shortest else self.shortest
+            growth = self.kit.log(size) if size > 0 else -inf
+            self.sums[i] = self.sums[i] + growth
+            volume = volume + growth
+        return volume
+
+    def _orthonormal(self, vector, others, scaled=False):
+        """What is left of a vector beside orthonormal others, of length 1, and how long it was.
+
+        scaled: in units of the length of the vector.
+        """
+        kit = self.kit
+        whole = kit.sqrt(self._product(vector, vector)) if scaled else kit.number(1)
+        for other in others:
+            overlap = self._product(other, vector)
+            vector = [a - overlap * b for a, b in zip(vector, other, strict=True)]
+        size = kit.sqrt(self._product(vector, vector))
+        if size > 0:
+            vector = [kit.exact(a / size) for a in vector]
+        return vector, size / whole
+
+    def _product(self, a, b):
+        total = self.weights[0] * (a[0] * b[0])
+        for k in range(1, len(a)):
+            total = total + self.weights[k] * (a[k] * b[k])
+        return total
+
+    def _mark(self, end):
+        return self._next_mark()
+
+    def _next_mark(self):
+        """Time [s] of the next row."""
+        if self.next_row >= SPANS:
+            return self.scene.t_end
+        return self.begin + (self.scene.t_end - self.begin) * self.next_row / SPANS
+
+    def _record(self, t):
+        """Keep a row where one is due at t [s]."""
+        if self.next_row > SPANS or t < self._next_mark():
+            return
+        if self.next_row == 0:
+            self._start_to_count()
+            self._mark_waiting()
+            self.losses = len(self.space.outside)
+            self.tangencies.forget()
+        row = [self.kit.number(0)] * self.count
+        for column, total in zip(self.columns, self.sums, strict=True):
+            row[column] = total
+        self.rows.append((t, *row))
+        while self.next_row <= SPANS and self._next_mark() <= t:
+            self.next_row += 1
+
+    def entries(self):
+        """What `tangent_totals` needs, by name."""
+        near = self.tangencies
+        return {
+            "complete": self.complete,
+            "rows": self.rows,
+            "columns": self.columns,
+            "lost": self.lost,
+            "losses": self.losses,
+            "pieces": self.pieces,
+            "residual": self.residual,
+            "near": (near.count, near.closest, near.time, max(near.fastest, default=0)),
+            "undefined": (near.undefined, near.undefined_time),
+        }

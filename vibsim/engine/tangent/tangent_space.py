@@ -1,0 +1,159 @@
+"""A small disturbance of the state of a scene: dx of each body, dv of each body, then dphi, dw with a motor.
+
+Two sorts of directions in which a disturbance neither grows nor shrinks are left out. A set of bodies that
+links and stops join to each other, but not to ground or base, may be shifted as a whole without any force
+feeling it: there dx is measured from the last body of the set, its reference, whose dx is 0. And a
+disturbance of the state is none of time, whose direction ideal sources would add.
+
+In a mode with ties only some disturbances are possible: those in which tied bodies have one dv, and bodies
+tied to the ground or the base have none. Bodies that rigid stops at rest tie have one dx as well. They are
+the tangent space of the mode.
+"""
+
+from vibsim.engine.modes.status import RESTING
+from vibsim.engine.modes.ties import Groups
+from vibsim.physics.parts import BASE, GROUND
+from vibsim.physics.rates import mobility
+
+
+def references(scene):
+    """By body: its reference, or None where a part ties its set to the ground or the base."""
+    joins = [(i, part.P, part.Q) for i, part in enumerate((*scene.links, *scene.stops))]
+    n = len(scene.bodies)
+    groups = Groups(n, [(i, *(_column(end, n) for end in ends)) for i, *ends in joins])
+    return [max(groups.members[groups.leader[c]]) if groups.moves(c) else None for c in range(n)]
+
+
+def _column(end, n):
+    """Column of an end of a part; the base is as good as the ground here."""
+    return end if end >= 0 else n
+
+
+def components(scene):
+    """Indices of the components that the scene has, in the order in which disturbances at the start take
+    them.
+    """
+    n, reference = len(scene.bodies), references(scene)
+    rotor = [2 * n, 2 * n + 1] if scene.motor is not None else []
+    return [*(c for c in range(n) if reference[c] != c), n, *rotor, *range(n + 1, 2 * n)]
+
+
+def length(scene):
+    """Number of entries of a disturbance."""
+    return 2 * len(scene.bodies) + (2 if scene.motor is not None else 0)
+
+
+def dimension(scene):
+    """Number of Lyapunov exponents of the scene."""
+    return len(components(scene))
+
+
+def natural_rate(scene, kit):
+    """Rate [rad/s] that compares displacements with velocities: that of the two ends of a link on its spring,
+    the largest of them; of a stop where no link has a spring, 1 without either.
+    """
+    elastic = [stop for _, stop in scene.elastic_stops]
+    for parts in (scene.links, elastic):
+        springs: dict = {}
+        for part in parts:
+            ends = frozenset((part.P, part.Q))
+            springs[ends] = springs[ends] + part.k if ends in springs else part.k
+        squares = [k * mobility(scene, ends) for ends, k in springs.items() if k > 0]
+        if squares:
+            return kit.sqrt(max(squares))
+    return kit.number(1)
+
+
+def weights(scene, kit):
+    """Weights of the squared components: each is measured as a velocity [m/s], dx by the natural rate, dw by
+    the arm e of the unbalanced mass, dphi by both.
+    """
+    n, one, rate = len(scene.bodies), kit.number(1), natural_rate(scene, kit)
+    values = [rate * rate] * n + [one] * n
+    if scene.motor is not None:
+        arm = scene.motor.e
+        values += [(arm * rate) * (arm * rate), arm * arm]
+    return values
+
+
+class TangentSpace:
+    """The disturbances that are possible in a mode, and those that are not.
+
+    inside : vectors that span the tangent space
+    outside : vectors orthogonal to it (where all dv weigh the same) that span the rest
+    """
+
+    def __init__(self, scene, kit, rows):
+        n, zero, one = len(scene.bodies), kit.number(0), kit.number(1)
+        size = length(scene)
+
+        def vector(entries):
+            return [entries.get(k, zero) for k in range(size)]
+
+        self.inside, self.outside = [], []
+        reference = references(scene)
+        for leader, members in sorted(seats_of(scene, rows.status).members.items()):
+            bodies = [c for c in members if c < n]
+            moves = leader < n and not any(reference[c] == c for c in bodies)
+            if moves:
+                self.inside.append(vector(dict.fromkeys(bodies, one)))
+            for c in bodies[1:] if moves else (c for c in bodies if reference[c] != c):
+                share = one / len(bodies) if moves else zero
+                self.outside.append(vector({d: (one if d == c else zero) - share for d in bodies}))
+        self.inside += [vector({k: one}) for k in components(scene) if k >= 2 * n]
+        for leader, members in sorted(rows.groups.members.items()):
+            bodies = [c for c in members if c < n]
+            if leader < n:
+                self.inside.append(vector({n + c: one for c in bodies}))
+            for c in bodies[1 if leader < n else 0 :]:
+                share = one / len(bodies) if leader < n else zero
+                self.outside.append(vector({n + d: (one if d == c else zero) - share for d in bodies}))
+
+
+def seats_of(scene, status):
+    """Groups of columns that rigid stops at rest join."""
+    n = len(scene.bodies)
+    columns = {GROUND: n, BASE: n + 1}
+    stops = [stop for stop, now in zip(scene.stops, status.stops, strict=True) if now == RESTING]
+    return Groups(n, [(0, columns.get(stop.P, stop.P), columns.get(stop.Q, stop.Q)) for stop in stops])
+
+
+def seated(scene, kit, status, vector):
+    """The disturbance after rigid stops have come to rest: their ends have one displacement, the centre of
+    mass stays where they move freely.
+    """
+    n, after = len(scene.bodies), list(vector)
+    for leader, members in seats_of(scene, status).members.items():
+        bodies = [c for c in members if c < n]
+        if len(members) < 2:
+            continue
+        common = kit.number(0)
+        if leader < n:
+            moment = mass = common
+            for c in bodies:
+                moment, mass = moment + scene.bodies[c].m * vector[c], mass + scene.bodies[c].m
+            common = moment / mass
+        for c in bodies:
+            after[c] = common
+    return after
+
+
+class Gauge:
+    """Takes shifts that no force feels out of disturbances."""
+
+    def __init__(self, scene):
+        self.shifts = [(c, r) for c, r in enumerate(references(scene)) if r is not None and r != c]
+        self.references = sorted({r for _, r in self.shifts} | set(_alone(scene)))
+
+    def apply(self, kit, vector):
+        """The disturbance with each dx measured from its reference."""
+        moved = list(vector)
+        for c, r in self.shifts:
+            moved[c] = vector[c] - vector[r]
+        for r in self.references:
+            moved[r] = kit.number(0)
+        return moved
+
+
+def _alone(scene):
+    return [c for c, r in enumerate(references(scene)) if r == c]

@@ -1,0 +1,410 @@
+/* Disturbances along a step of the Taylor flow, two at a time; twin of vibsim/engine/tangent/tangent_taylor.py. */
+#include <stddef.h>
+
+#include "friction_laws.h"
+#include "tangent.h"
+
+#define REACH 1.25
+#define INLINE static inline __attribute__((always_inline))
+#define SHAPE __attribute__((noinline)) static void /* one function each, as in taylor_expansion.c */
+
+typedef double Lane[2]; /* one number of two disturbances */
+
+/* Bound of the largest eigenvalue of stiffness (stiff) or damping of the couplings' differences. */
+static double fastest(const Run *r, int stiff)
+{
+    const Mode *m = r->mode;
+    double *strength = r->tangent->force, largest = 0.0;
+    int i;
+    for (i = 0; i < r->columns; i++)
+        strength[i] = 0.0;
+    for (i = 0; i < m->coupling_count; i++) {
+        const Coupling *q = &m->couplings[i];
+        double value = stiff ? q->k : q->c;
+        if (q->to_P == q->to_Q)
+            continue;
+        strength[q->to_P] = strength[q->to_P] + value;
+        strength[q->to_Q] = strength[q->to_Q] + value;
+    }
+    for (i = 0; i < m->coupling_count; i++) {
+        const Coupling *q = &m->couplings[i];
+        if (q->to_P != q->to_Q && (stiff ? q->k : q->c) > 0) {
+            double row = strength[q->to_P] * m->mobility[q->to_P] + strength[q->to_Q] * m->mobility[q->to_Q];
+            largest = row > largest ? row : largest;
+        }
+    }
+    return largest;
+}
+
+/* Rate at which the motor's drag damps the rotor, at most. */
+static double dragging(const Run *r)
+{
+    const Taylor *f = &r->taylor;
+    double mass;
+    if (r->mode->carried == 0)
+        return f->drag / f->inertia;
+    mass = r->mode->carried + r->m3;
+    return f->drag * mass / (mass * f->inertia - f->unbalance * f->unbalance);
+}
+
+/* Rate at which falling friction k makes disturbances grow, at the start or the end of the stretch. */
+static double rising(const Run *r, int k, double end)
+{
+    const Mode *m = r->mode;
+    const Falling *one = &m->falls[k];
+    const double *f = r->taylor.falls[k];
+    double start = fabs(law_slope(one->law, f[0]));
+    double last = fabs(law_slope(one->law, horner(f, r->taylor.order, end - r->t0)));
+    double mobility = m->mobility[one->to_P] + m->mobility[one->to_Q];
+    return fabs(one->on_P * one->rate) * (start > last ? start : last) * mobility;
+}
+
+double taylor_piece_end(const Run *r, double t, double end)
+{
+    double rates[4], rate, ahead;
+    int count = 2, i;
+    rates[0] = sqrt(fastest(r, 1)) / REACH;
+    rates[1] = fastest(r, 0);
+    for (i = 0; i < r->mode->fall_count; i++)
+        rates[1] = rates[1] + rising(r, i, end);
+    if (r->has_motor) {
+        rates[2] = dragging(r);
+        rates[3] = fabs(r->taylor.w_back[r->taylor.order]) / REACH;
+        count = 4;
+    }
+    rate = rates[0];
+    for (i = 1; i < count; i++)
+        rate = rates[i] > rate ? rates[i] : rate;
+    ahead = rate > 0 ? t + r->tangent->taylor.reach / rate : end;
+    return t < ahead && ahead < end ? ahead : end;
+}
+
+/* Series c w = s' and c a1 of the flow, and its mass matrix, as it is expanded now. */
+static void prepare_motor(Run *r)
+{
+    const Taylor *f = &r->taylor;
+    TaylorTangent *of = &r->tangent->taylor;
+    int p = f->order, n, i;
+    for (n = 0; n <= p; n++)
+        of->joint[n].sine[0] = of->joint[n].sine[1] = f->sine[n];
+    of->first_turning[0] = of->first_turning[1] = f->sine[1];
+    for (n = 0; n < p - 1; n++)
+        of->joint[n].turning[0] = of->joint[n].turning[1] = (n + 2) * f->sine[n + 2];
+    for (n = 0; n < p - 1; n++) {
+        const double *back = f->a1_back + (p - n); /* back[i]: order n - i */
+        Pair sums = make_pair(0, 0);
+        for (i = 0; i < n; i += 2)
+            sums = add_product(sums, load_pair(f->cosine + i), load_pair(back + i));
+        if (i == n)
+            sums = add_product(sums, make_pair(f->cosine[i], 0), make_pair(back[i], 0));
+        of->joint[n].pull[0] = of->joint[n].pull[1] = sum_of_pair(sums);
+    }
+    if (r->mode->carried > 0) {
+        double mass = r->mode->carried + r->m3, coupling = f->unbalance * f->sine[0];
+        double inverse_det = 1 / (mass * f->inertia - coupling * coupling);
+        of->to_a1 = f->inertia * inverse_det;
+        of->to_w = mass * inverse_det;
+        of->cross = coupling * inverse_det;
+    }
+}
+
+static void prepare_here(Run *r)
+{
+    const Mode *m = r->mode;
+    int k;
+    if (r->has_motor)
+        prepare_motor(r);
+    for (k = 0; k < m->fall_count; k++)
+        law_slopes(m->falls[k].law, r->taylor.falls[k], r->taylor.order, r->tangent->taylor.slopes[k]);
+}
+
+/* The same with the flow expanded anew at t, within its step. */
+static void prepare_at(Run *r, double t)
+{
+    TaylorTangent *of = &r->tangent->taylor;
+    Taylor flow = r->taylor;
+    double t0 = r->t0, steps = r->steps;
+    flow_state(r, t, &r->scratch);
+    r->taylor = of->spare;
+    taylor_enter(r, &r->scratch);
+    prepare_here(r);
+    of->spare = r->taylor;
+    r->taylor = flow;
+    r->t0 = t0;
+    r->steps = steps;
+}
+
+static void prepare(Run *r, double t, double tau)
+{
+    r->tangent->taylor.tau = tau;
+    if (!r->has_motor && r->mode->fall_count == 0)
+        return;
+    if (t != r->t0)
+        prepare_at(r, t);
+    else
+        prepare_here(r);
+}
+
+/* Series of the components: displacements of the bodies, phi, 0; then their rates; then the acceleration of the motor's group.
+ * Those of the rotor, and that acceleration, run backwards: coefficient n is number order - n.
+ */
+static inline int components_of(const Run *r)
+{
+    return 2 * r->bodies + 5;
+}
+
+static inline Lane *component(Lane *series, int k)
+{
+    return series + k * SERIES;
+}
+
+/* Coefficient n + 1 of q without s_0 dw_(n+1), and n of c a1 dphi + s A1 without s_0 A1_n. phi[i]: order n - i; so w and a1. */
+INLINE void products(const TaylorTangent *of, const Lane *phi, const Lane *w, const Lane *a1, int n, Pair *tail, Pair *back)
+{
+    Pair turned = make_pair(0, 0), pulled = turned, driven = turned, pushed = turned;
+    Pair turned_odd = turned, pulled_odd = turned, driven_odd = turned, pushed_odd = turned;
+    const Joint *joint = of->joint;
+    ptrdiff_t i;
+    for (i = 2; i < n; i += 2) {
+        Pair angle = load_pair(phi[i]), sine = load_pair(joint[i].sine);
+        Pair angle_odd = load_pair(phi[i + 1]), sine_odd = load_pair(joint[i + 1].sine);
+        turned = add_product(turned, load_pair(joint[i].turning), angle);
+        pulled = add_product(pulled, load_pair(joint[i].pull), angle);
+        driven = add_product(driven, sine, load_pair(w[i - 1]));
+        pushed = add_product(pushed, sine, load_pair(a1[i]));
+        turned_odd = add_product(turned_odd, load_pair(joint[i + 1].turning), angle_odd);
+        pulled_odd = add_product(pulled_odd, load_pair(joint[i + 1].pull), angle_odd);
+        driven_odd = add_product(driven_odd, sine_odd, load_pair(w[i]));
+        pushed_odd = add_product(pushed_odd, sine_odd, load_pair(a1[i + 1]));
+    }
+    if (i == n) {
+        Pair angle = load_pair(phi[i]), sine = load_pair(joint[i].sine);
+        turned = add_product(turned, load_pair(joint[i].turning), angle);
+        pulled = add_product(pulled, load_pair(joint[i].pull), angle);
+        driven = add_product(driven, sine, load_pair(w[i - 1]));
+        pushed = add_product(pushed, sine, load_pair(a1[i]));
+    }
+    turned = add_pair(add_pair(turned, turned_odd), add_pair(driven, driven_odd));
+    pulled = add_pair(add_pair(pulled, pulled_odd), add_pair(pushed, pushed_odd));
+    if (n > 0) {
+        Pair sine = load_pair(joint[1].sine);
+        turned = add_product(turned, load_pair(joint[1].turning), load_pair(phi[1]));
+        pulled = add_product(pulled, load_pair(joint[1].pull), load_pair(phi[1]));
+        turned = add_product(turned, sine, load_pair(w[0]));
+        pulled = add_product(pulled, sine, load_pair(a1[1]));
+    }
+    turned = add_product(turned, load_pair(joint[0].turning), load_pair(phi[0]));
+    pulled = add_product(pulled, load_pair(joint[0].pull), load_pair(phi[0]));
+    turned = add_product(turned, load_pair(of->first_turning), load_pair(phi[-1]));
+    *tail = add_product(turned, load_pair(joint[n + 1].sine), load_pair(w[n]));
+    *back = pulled;
+}
+
+/* What the recurrences read, in locals: the compiler then knows that no store to a series changes it. */
+typedef struct {
+    const double *inverse;
+    double unbalance, drag, inertia, to_a1, to_w, cross, k, c, mobility, mobility_far;
+    int order;
+} Law;
+
+static Law law_of(const Run *r)
+{
+    const Taylor *f = &r->taylor;
+    const TaylorTangent *of = &r->tangent->taylor;
+    Law law = {f->inverse, f->unbalance, f->drag, f->inertia, of->to_a1, of->to_w, of->cross, r->mode->small.k, r->mode->small.c,
+               r->mode->mobility[0], r->bodies > 1 ? r->mode->mobility[1] : 0.0, f->order};
+    return law;
+}
+
+/* Disturbed acceleration of the motor's group under `force`; advances the rotor. carried: whether the group moves as the ground
+ * or the base does.
+ */
+INLINE Pair turn(const TaylorTangent *of, const Law *law, Lane *series, int bodies, int n, Pair force, Pair inverse,
+                 const int carried)
+{
+    Lane *phi = component(series, bodies) + (law->order - n), *w = component(series, 2 * bodies + 2) + (law->order - n);
+    Lane *a1 = component(series, 2 * bodies + 4) + (law->order - n);
+    Pair tail, back, torque, thrust, rotor, pushed = make_pair(0, 0);
+    store_pair(phi[-1], multiply_pair(load_pair(w[0]), inverse));
+    products(of, (const Lane *)phi, (const Lane *)w, (const Lane *)a1, n, &tail, &back);
+    torque = subtract_pair(multiply_pair(twice(law->unbalance), back), multiply_pair(twice(law->drag), load_pair(w[0])));
+    if (carried) {
+        rotor = make_pair(first_of_pair(torque) / law->inertia, second_of_pair(torque) / law->inertia);
+    } else {
+        thrust = add_product(force, twice(law->unbalance), multiply_pair(twice(n + 1), tail));
+        pushed = add_product(multiply_pair(twice(law->to_a1), thrust), twice(law->cross), torque);
+        rotor = add_product(multiply_pair(twice(law->to_w), torque), twice(law->cross), thrust);
+    }
+    store_pair(w[-1], multiply_pair(rotor, inverse));
+    store_pair(a1[0], pushed);
+    return pushed;
+}
+
+/* Coefficient n of the disturbed force of falling friction k on its P. */
+static Pair fall(const Run *r, Lane *series, int k, int n)
+{
+    const Falling *one = &r->mode->falls[k];
+    const double *slopes = r->tangent->taylor.slopes[k];
+    const int bodies = r->bodies, zero = bodies + 1, rates = bodies + 2;
+    const Lane *P = component(series, rates + (one->P < bodies ? one->P : zero)) + n;
+    const Lane *Q = component(series, rates + (one->Q < bodies ? one->Q : zero)) + n;
+    Pair sums[2] = {make_pair(0, 0), make_pair(0, 0)};
+    int i;
+    for (i = 0; i <= n; i++) {
+        Pair s = multiply_pair(twice(one->rate), subtract_pair(load_pair(P[-i]), load_pair(Q[-i])));
+        sums[i % 2] = add_product(sums[i % 2], twice(slopes[i]), s);
+    }
+    return multiply_pair(twice(one->on_P), add_pair(sums[0], sums[1]));
+}
+
+/* Coefficients n + 1 from those of order n and below. */
+static void advance(const Run *r, const Law *law, Lane *series, int n)
+{
+    const Mode *m = r->mode;
+    const int bodies = r->bodies, zero = bodies + 1, rates = bodies + 2, on = r->has_motor ? m->leader[r->motor_on] : -1;
+    const Pair inverse = twice(law->inverse[n + 1]);
+    Lane *F = r->tangent->taylor.force;
+    int i, c;
+    for (i = 0; i < r->columns; i++)
+        F[i][0] = F[i][1] = 0.0;
+    for (i = 0; i < m->coupling_count; i++) {
+        const Coupling *q = &m->couplings[i];
+        const Lane *P = component(series, q->P < bodies ? q->P : zero) + n, *Q = component(series, q->Q < bodies ? q->Q : zero) + n;
+        Pair force = multiply_pair(twice(q->k), subtract_pair(load_pair(*P), load_pair(*Q)));
+        force = add_product(force, twice(q->c), subtract_pair(load_pair(P[rates * SERIES]), load_pair(Q[rates * SERIES])));
+        store_pair(F[q->to_P], subtract_pair(load_pair(F[q->to_P]), force));
+        store_pair(F[q->to_Q], add_pair(load_pair(F[q->to_Q]), force));
+    }
+    for (i = 0; i < m->fall_count; i++) {
+        const Falling *one = &m->falls[i];
+        Pair force = fall(r, series, i, n);
+        store_pair(F[one->to_P], add_pair(load_pair(F[one->to_P]), force));
+        store_pair(F[one->to_Q], subtract_pair(load_pair(F[one->to_Q]), force));
+    }
+    for (c = 0; c < bodies; c++)
+        if (c != on)
+            store_pair(F[c], multiply_pair(load_pair(F[c]), twice(m->mobility[c])));
+    if (on >= 0)
+        store_pair(F[on], turn(&r->tangent->taylor, law, series, bodies, n, load_pair(F[on]), inverse, r->mode->carried == 0));
+    for (c = 0; c < bodies; c++) {
+        Lane *x = component(series, c), *v = component(series, rates + c);
+        Pair acceleration = m->leader[c] < bodies ? load_pair(F[m->leader[c]]) : make_pair(0, 0);
+        store_pair(x[n + 1], multiply_pair(load_pair(v[n]), inverse));
+        store_pair(v[n + 1], multiply_pair(acceleration, inverse));
+    }
+}
+
+/* The same of a body that moves and a second column, as in taylor_expansion.c. */
+INLINE void advance_small(const TaylorTangent *of, const Law *law, Lane *series, int n, const int bodies, const int moving, const int motor)
+{
+    const int far = bodies > 1 ? 1 : bodies + 1, rates = bodies + 2;
+    const Pair inverse = twice(law->inverse[n + 1]);
+    Lane *x = series + n, *x_far = component(series, far) + n, *v = component(series, rates) + n, *v_far = component(series, rates + far) + n;
+    Pair rate = load_pair(*v), rate_far = load_pair(*v_far), force, F, F_far;
+    force = multiply_pair(twice(law->k), subtract_pair(load_pair(*x), load_pair(*x_far)));
+    force = add_product(force, twice(law->c), subtract_pair(rate, rate_far));
+    F = subtract_pair(make_pair(0, 0), force);
+    F = motor ? turn(of, law, series, bodies, n, F, inverse, 0) : multiply_pair(F, twice(law->mobility));
+    store_pair(x[1], multiply_pair(rate, inverse));
+    store_pair(v[1], multiply_pair(F, inverse));
+    if (bodies > 1) {
+        F_far = moving > 1 ? multiply_pair(multiply_pair(force, twice(law->mobility_far)), inverse) : make_pair(0, 0);
+        store_pair(x_far[1], multiply_pair(rate_far, inverse));
+        store_pair(v_far[1], F_far);
+    }
+}
+
+INLINE void expand_small(const Run *r, int pairs, const int bodies, const int moving, const int motor)
+{
+    const int block = (2 * bodies + 5) * SERIES;
+    const Law law = law_of(r);
+    int n, i;
+    for (n = 0; n < law.order - 1; n++)
+        for (i = 0; i < pairs; i++)
+            advance_small(&r->tangent->taylor, &law, r->tangent->taylor.series + i * block, n, bodies, moving, motor);
+}
+
+SHAPE two_free(const Run *r, int pairs) { expand_small(r, pairs, 2, 2, 0); }
+SHAPE two_free_with_motor(const Run *r, int pairs) { expand_small(r, pairs, 2, 2, 1); }
+SHAPE two_held(const Run *r, int pairs) { expand_small(r, pairs, 2, 1, 0); }
+SHAPE two_held_with_motor(const Run *r, int pairs) { expand_small(r, pairs, 2, 1, 1); }
+SHAPE one(const Run *r, int pairs) { expand_small(r, pairs, 1, 1, 0); }
+SHAPE one_with_motor(const Run *r, int pairs) { expand_small(r, pairs, 1, 1, 1); }
+
+SHAPE any(const Run *r, int pairs)
+{
+    const Law law = law_of(r);
+    int n, i;
+    for (n = 0; n < law.order - 1; n++)
+        for (i = 0; i < pairs; i++)
+            advance(r, &law, r->tangent->taylor.series + i * components_of(r) * SERIES, n);
+}
+
+/* Series of so many pairs of disturbances, one's chains of operations in the waits of another's. */
+static void expand(const Run *r, int pairs)
+{
+    static void (*const shapes[])(const Run *, int) = {
+        any, any, two_free, two_free_with_motor, two_held, two_held_with_motor, one, one_with_motor,
+    };
+    shapes[2 * r->mode->shape + r->has_motor](r, pairs);
+}
+
+/* `horner` of both; the coefficients are `step` apart. */
+static Pair value_at(const Lane *c, ptrdiff_t step, int count, double tau)
+{
+    const Pair time = twice(tau), square = twice(tau * tau);
+    Pair high = load_pair(c[(count - 1) * step]), low = load_pair(c[(count - 2) * step]);
+    int n;
+    for (n = count - 3; n > 0; n -= 2) {
+        high = add_product(load_pair(c[n * step]), high, square);
+        low = add_product(load_pair(c[(n - 1) * step]), low, square);
+    }
+    if (count % 2 == 0)
+        return add_product(low, time, high);
+    return add_product(add_product(load_pair(c[0]), high, square), time, low);
+}
+
+/* Series of the entry k of a pair of disturbances, from its coefficient 0 on; they are `step` apart. */
+static inline Lane *series_of_entry(const Run *r, Lane *series, int k, ptrdiff_t *step)
+{
+    const int n = r->bodies;
+    *step = k < 2 * n ? 1 : -1;
+    if (k < 2 * n)
+        return component(series, k < n ? k : k + 2);
+    return component(series, k == 2 * n ? n : 2 * n + 2) + r->taylor.order;
+}
+
+/* Up to TANGENT_GROUP pairs of disturbances after the piece, the first of them number `first`. */
+static void move_group(Run *r, int first, int pairs)
+{
+    Tangent *b = r->tangent;
+    const int order = r->taylor.order, block = components_of(r) * SERIES;
+    Lane *series = b->taylor.series;
+    ptrdiff_t step;
+    int k, i;
+    for (k = 0; k < b->size; k++)
+        for (i = 0; i < pairs; i++)
+            store_pair(*series_of_entry(r, series + i * block, k, &step), load_pair(b->vectors + k * b->stride + first + 2 * i));
+    expand(r, pairs);
+    for (k = 0; k < b->size; k++)
+        for (i = 0; i < pairs; i++) {
+            const Lane *of = (const Lane *)series_of_entry(r, series + i * block, k, &step);
+            Pair moved = value_at(of, step, order, b->taylor.tau);
+            int number = first + 2 * i;
+            double *to = b->vectors + k * b->stride + number;
+            if (number + 1 < b->possible)
+                store_pair(to, moved);
+            else
+                to[0] = first_of_pair(moved);
+        }
+}
+
+void taylor_move(Run *r, double t, double tau)
+{
+    int first, pairs;
+    prepare(r, t, tau);
+    for (first = 0; first < r->tangent->possible; first += 2 * TANGENT_GROUP) {
+        pairs = (r->tangent->possible - first + 1) / 2;
+        move_group(r, first, pairs < TANGENT_GROUP ? pairs : TANGENT_GROUP);
+    }
+}

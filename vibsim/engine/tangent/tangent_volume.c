@@ -1,0 +1,133 @@
+/* How a volume of disturbances grows within a mode; twin of vibsim/engine/tangent/tangent_volume.py. */
+#include "friction_laws.h"
+#include "gauss_nodes.h"
+#include "tangent.h"
+
+#define POINTS (NODE_COUNT + 2) /* the nodes, then end and start */
+
+/* The rotor's angle at times after the expansion point: `horner` point by point, side by side. */
+static void angles(const Run *r, const double *tau, double *out)
+{
+    const Taylor *f = &r->taylor;
+    const double *c = f->table + r->bodies;
+    double square[POINTS], high[POINTS], low[POINTS];
+    int count = f->order + 2, n, i;
+    for (i = 0; i < POINTS; i++) {
+        square[i] = tau[i] * tau[i];
+        high[i] = c[(count - 1) * f->stride];
+        low[i] = c[(count - 2) * f->stride];
+    }
+    for (n = count - 3; n > 0; n -= 2) {
+        double a = c[n * f->stride], b = c[(n - 1) * f->stride];
+        for (i = 0; i < POINTS; i++)
+            high[i] = high[i] * square[i] + a;
+        for (i = 0; i < POINTS; i++)
+            low[i] = low[i] * square[i] + b;
+    }
+    for (i = 0; i < POINTS; i++)
+        out[i] = count % 2 == 0 ? low[i] + tau[i] * high[i] : (high[i] * square[i] + c[0]) + tau[i] * low[i];
+}
+
+/* det M = (m + m3)(J + m3 e^2) - (m3 e sin phi)^2 at the points. */
+static void determinants(const Run *r, double mass, double inertia, const double *tau, double *out)
+{
+    double turns;
+    int i;
+    angles(r, tau, out);
+    for (i = 0; i < POINTS; i++) {
+        double coupling = r->m3 * r->e * sin(reduce_angle(out[i], &turns));
+        out[i] = mass * inertia - coupling * coupling;
+    }
+}
+
+/* Force of falling friction k by the rate v_P' - v_Q', negative, a time `at` after the expansion point; 0 within a group. */
+static double damping_of_fall(const Run *r, int k, double at)
+{
+    const Falling *one = &r->mode->falls[k];
+    return one->to_P == one->to_Q ? 0.0 : -(one->on_P * one->rate * law_slope(one->law, horner(r->taylor.falls[k], r->taylor.order, at)));
+}
+
+/* Sum of falling frictions' damping by mass, of all groups but `on`. */
+static double slowed(const Run *r, double at, int on)
+{
+    const Mode *m = r->mode;
+    double total = 0.0;
+    int k;
+    for (k = 0; k < m->fall_count; k++) {
+        const Falling *one = &m->falls[k];
+        double damping = damping_of_fall(r, k, at);
+        if (one->to_P == one->to_Q)
+            continue;
+        if (one->to_P != on)
+            total = total + damping * m->mobility[one->to_P];
+        if (one->to_Q != on)
+            total = total + damping * m->mobility[one->to_Q];
+    }
+    return total;
+}
+
+/* Sum of falling frictions' damping of the group `on`. */
+static double slowed_with_rotor(const Run *r, double at, int on)
+{
+    const Mode *m = r->mode;
+    double total = 0.0;
+    int k;
+    for (k = 0; k < m->fall_count; k++)
+        if (m->falls[k].to_P != m->falls[k].to_Q && (m->falls[k].to_P == on || m->falls[k].to_Q == on))
+            total = total + damping_of_fall(r, k, at);
+    return total;
+}
+
+static double with_rotor(const Run *r, double mass, double inertia, double damping, double drag, double t, double tau)
+{
+    double share = 0.0, damped, start = t - r->t0, points[POINTS], values[POINTS];
+    int i;
+    for (i = 0; i < NODE_COUNT; i++)
+        points[i] = start + NODES[i] * tau;
+    points[NODE_COUNT] = start + tau;
+    points[NODE_COUNT + 1] = start;
+    determinants(r, mass, inertia, points, values);
+    for (i = 0; i < NODE_COUNT; i++)
+        share = share + WEIGHTS[i] / values[i];
+    damped = (damping * inertia + drag * mass) * (tau * share);
+    if (r->mode->fall_count > 0) {
+        double mean = 0.0;
+        for (i = 0; i < NODE_COUNT; i++)
+            mean = mean + WEIGHTS[i] * (slowed_with_rotor(r, points[i], r->mode->leader[r->motor_on]) / values[i]);
+        damped = damped + inertia * (tau * mean);
+    }
+    return -damped - log(values[NODE_COUNT] / values[NODE_COUNT + 1]);
+}
+
+/* Logarithm of the growth from t to `end`, within the stretch in hand, of a volume that fills the tangent space. */
+double log_volume(const Run *r, double t, double end)
+{
+    const Mode *m = r->mode;
+    const int on = r->has_motor ? m->leader[r->motor_on] : -1;
+    double rate = 0.0, damping = 0.0, tau = end - t, fixed, drag, inertia;
+    int i, side;
+    for (i = 0; i < m->coupling_count; i++) {
+        const Coupling *q = &m->couplings[i];
+        for (side = 0; q->to_P != q->to_Q && side < 2; side++) {
+            int column = side ? q->to_Q : q->to_P;
+            if (column == on)
+                damping = damping + q->c;
+            else
+                rate = rate + q->c * m->mobility[column];
+        }
+    }
+    fixed = -(rate * tau);
+    if (m->fall_count > 0) {
+        double mean = 0.0;
+        for (i = 0; i < NODE_COUNT; i++)
+            mean = mean + WEIGHTS[i] * slowed(r, (t - r->t0) + NODES[i] * tau, on);
+        fixed = fixed - tau * mean;
+    }
+    if (!r->has_motor)
+        return fixed;
+    drag = r->M0 / r->Omega0;
+    inertia = r->J + r->m3 * r->e * r->e;
+    if (m->carried == 0)
+        return fixed - drag / inertia * tau;
+    return fixed + with_rotor(r, m->group_mass[on] + r->m3, inertia, damping, drag, t, tau);
+}
