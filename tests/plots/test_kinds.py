@@ -13,7 +13,7 @@ from vibsim.plots.registry import KINDS, kind_named
 from vibsim.plots.view import View
 
 UNIT = re.compile(r"\((s|Hz|°|[kmµn]?(m|m/s|N|N m))\)$")
-SINGLE = [kind for kind in KINDS if kind.reads in ("trajectory", "case")]
+SINGLE = [kind for kind in KINDS if kind.reads in ("trajectory", "case") and kind.name != "orbit-portrait"]
 
 
 def drawn(kind, subjects, view=None):

@@ -81,7 +81,7 @@ DEFAULT_CASE = "II-B"
     "--compute", "computed", metavar="NAME,...", default="",
     help="What to compute of each point besides: power, impact-velocity, contact-section, grazing, "
     "certificate, capture, lyapunov (one more run), lyapunov-spectrum (one more, three times as long), "
-    "regime, end-state; or all. See --list.",
+    "regime, orbit, end-state; or all. See --list.",
 )  # fmt: skip
 @click.option("--list", "list_computations", is_flag=True, help="List what --compute takes, and stop.")
 @set_option

@@ -29,7 +29,8 @@ def multipliers_of(end):
 def sides_of_circle(multipliers):
     """How many multipliers are inside the unit circle, on it but for rounding, and outside."""
     beyond = np.abs(multipliers) - 1
-    outside, inside = int((beyond > ON_CIRCLE).sum()), int((beyond < -ON_CIRCLE).sum())
+    outside = int(np.count_nonzero(beyond > ON_CIRCLE))
+    inside = int(np.count_nonzero(beyond < -ON_CIRCLE))
     return inside, len(beyond) - inside - outside, outside
 
 

@@ -93,7 +93,8 @@ class TangentBundle(Disturbances):
             self.losses += 1
             self._fit()
             return
-        longest = max(self.kit.sqrt(self._product(one, one)) for one in self.vectors[: self.possible])
+        lengths = [self.kit.sqrt(self._product(one, one)) for one in self.vectors[: self.possible]]
+        longest = max(lengths, default=self.kit.number(0))
         volume, determinant = self.renormalise(), abs(jump.determinant)
         flat = self.shortest <= FLAT * longest
         if flat:  # what is left of nearly parallel vectors is not orthogonal to rounding

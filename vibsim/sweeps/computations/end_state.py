@@ -47,8 +47,10 @@ class EndState:
         events, samples = block.events, block.samples
         self._changes.append(events["t"][np.isin(events["kind"], self._codes)])
         self._times.append(samples["time"])
-        moving = [half * samples[v] ** 2 for v, half in self._half_masses.items()]
-        self._energies.append(np.sum(moving, axis=0))
+        energy = np.zeros(len(samples["time"]))
+        for v, half in self._half_masses.items():
+            energy = energy + half * samples[v] ** 2
+        self._energies.append(energy)
 
     def values(
         self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]
