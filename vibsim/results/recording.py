@@ -65,13 +65,17 @@ class Recording:
                 times = block.samples["time"][-1:].tolist()
                 self._known_to = max(float(block.t_reached), *times, self._known_to)
                 self._worked_to = getattr(block, "worked_to", self._known_to)
-                samples = self._thinning.thinned(self._trust.judged(block.samples, go_on))
+                samples = self._thinning.thinned(self._trust.judged(block.samples, go_on, self._left_out()))
                 sink.append(samples, block.events)
                 self._distances.update(samples, block.events)
                 self.t_reached = self._known_to
                 if not go_on():
                     return
         self.complete = True
+
+    def _left_out(self) -> float:
+        """Distance that completed chatter has left out so far [m]."""
+        return self.trajectory.totals["chatter_distance"] if self.scene.rigid_stops else 0.0
 
     @property
     def progress(self) -> float:

@@ -30,7 +30,9 @@ class NoTrust:
     def __exit__(self, *failure: object) -> None:
         pass
 
-    def judged(self, samples: Mapping[str, np.ndarray], go_on: GoOn) -> Mapping[str, np.ndarray]:
+    def judged(
+        self, samples: Mapping[str, np.ndarray], go_on: GoOn, left_out: float = 0.0
+    ) -> Mapping[str, np.ndarray]:
         """The samples as they are."""
         return samples
 
@@ -66,11 +68,17 @@ class Trust(NoTrust):
         """Time that the companion has reached [s]; infinite once it has ended."""
         return self._companion.t_reached
 
-    def judged(self, samples: Mapping[str, np.ndarray], go_on: GoOn) -> dict[str, np.ndarray]:
-        """The next block of samples with the column `error_estimate` [m]; `go_on` as in `Companion.take`."""
+    def judged(
+        self, samples: Mapping[str, np.ndarray], go_on: GoOn, left_out: float = 0.0
+    ) -> dict[str, np.ndarray]:
+        """The next block of samples with the column `error_estimate` [m]; `go_on` as in `Companion.take`.
+
+        left_out : distance [m] that the run has left out of infinite sequences of impacts, as its companion
+        has
+        """
         ours = np.stack([samples[name] for name in self._names])
         theirs = self._companion.take(ours.shape[1], go_on)
-        return {**samples, COLUMN: self._estimate.update(samples["time"], ours, theirs)}
+        return {**samples, COLUMN: self._estimate.update(samples["time"], ours, theirs, left_out)}
 
     def attrs(self, t_reached: float) -> dict[str, Any]:
         """Attributes of the file: horizon [s], tolerance [m], method, and the largest estimate [m].

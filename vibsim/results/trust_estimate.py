@@ -44,17 +44,20 @@ class ErrorEstimate:
         self._within = 0.0  # time of the last sample before the estimate passes the tolerance [s]
         self._passed = False
 
-    def update(self, time: np.ndarray, ours: np.ndarray, theirs: np.ndarray) -> np.ndarray:
+    def update(
+        self, time: np.ndarray, ours: np.ndarray, theirs: np.ndarray, left_out: float = 0.0
+    ) -> np.ndarray:
         """Estimates [m] at the next samples, shape of `time` [s].
 
         ours, theirs : displacements [m] of the run and its companion, shape (bodies, samples). NaN
         where the companion has failed: nothing is known any more, and the estimate is the size of the motion.
+        left_out : a distance [m] that both are known to lack, at least
         """
         if not len(time):
             return np.empty(0)
         size = np.maximum.accumulate(np.maximum(np.abs(ours).max(axis=0), self._size))
         apart = np.abs(ours - theirs).max(axis=0)
-        apart = np.where(np.isnan(apart), size, apart)
+        apart = np.maximum(np.where(np.isnan(apart), size, apart), left_out)
         times, apart = np.append(self._time, time), np.append(self._distance, apart)
         distance = held(times, apart, self._fading)[1:]
         estimate = rounded_up(widened(distance, ULP * size))
