@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from vibsim.engine.modes.modes import mode_table as tables
+from vibsim.engine.modes import mode_table as tables
 
 from tests.engine.runs import differences, run
 from vibsim.cases import load_case
