@@ -6,6 +6,8 @@ import pytest
 from tests.branches.made import CAPTURED, RESONANT, branch_of, nearest
 from vibsim.branches import BranchError, continue_branch
 
+pytestmark = pytest.mark.slow  # branches of doubled orbits, followed whole
+
 
 @pytest.fixture(scope="module")
 def doubled():

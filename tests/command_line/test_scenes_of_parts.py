@@ -86,7 +86,9 @@ def test_export_has_a_column_for_every_body_and_part(folder):
     assert np.isfinite([float(row[3]) for row in rows]).all()
 
 
-@pytest.mark.parametrize("name", ["damper.h5", "shaker.h5", "shaker.yaml"])
+@pytest.mark.parametrize(
+    "name", [pytest.param("damper.h5", marks=pytest.mark.slow), "shaker.h5", "shaker.yaml"]
+)
 def test_every_kind_of_picture_that_fits(folder, name):
     listed = json.loads(call("--json", "plot", folder / name, "--list").stdout)
     kinds = {kind["name"] for kind in listed}

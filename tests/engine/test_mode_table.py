@@ -3,10 +3,10 @@
 from dataclasses import replace
 
 import pytest
-from vibsim.engine.modes import mode_table as tables
 
 from tests.engine.runs import differences, run
 from vibsim.cases import load_case
+from vibsim.engine.modes import mode_table as tables
 
 
 def changed_speed(scene):

@@ -14,7 +14,7 @@ def test_no_mutant_of_a_few_ends_badly(tmp_path):
         "-m",
         "tests.fuzz",
         "--count",
-        "45",
+        "25",
         "--patience",
         "20",
         "--keep",

@@ -168,7 +168,7 @@ def test_a_page_holds_the_motion(runs, tmp_path):
 
 
 @pytest.mark.skipif(program() is None, reason="no Chromium on this machine")
-@pytest.mark.parametrize("width", [1200, 400])
+@pytest.mark.parametrize("width", [pytest.param(1200, marks=pytest.mark.slow), 400])
 def test_a_page_goes_stops_and_slows(runs, tmp_path, width):
     out = tmp_path / "a.html"
     assert call("animate", runs["motor"], "-o", str(out), "--window", "10:12", "-q").exit_code == 0

@@ -168,7 +168,7 @@ def test_between_rows_a_page_shows_the_motion(browser, folder, runs):
 
 
 @needs_browser
-@pytest.mark.parametrize("width", [1200, 400])
+@pytest.mark.parametrize("width", [pytest.param(1200, marks=pytest.mark.slow), 400])
 @pytest.mark.parametrize("name", ["run", "rigid", "sweep"])
 def test_both_widths_and_both_themes(browser, folder, name, width):
     browser.open(folder / f"{name}.html", width)

@@ -17,9 +17,8 @@ def rounds_to(value, text, units=Decimal("0.5")):
     return abs(value - Decimal(text)) <= units * Decimal(1).scaleb(Decimal(text).as_tuple().exponent)
 
 
-@pytest.mark.parametrize(
-    "name", ["I-A", pytest.param("I-B", marks=pytest.mark.slow), pytest.param("I-C", marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["I-A", "I-B", "I-C"])
 def test_case_i_at_its_end(name):
     expected, (impacts, sticks, _) = CASE_I[name]
     totals, end = true_end(name, "300 s", 60)

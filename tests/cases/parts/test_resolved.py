@@ -38,7 +38,7 @@ def test_a_shipped_case(name):
     reads_back(load_case(name))
 
 
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(changes())
 def test_any_case_of_the_short_form(overrides):
     reads_back(BASE.with_values(overrides))
@@ -94,7 +94,7 @@ def long_cases(draw):
     return load_case_text(json.dumps(case, ensure_ascii=False))
 
 
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(long_cases())
 def test_any_case_of_the_long_form(case):
     reads_back(case)
