@@ -16,6 +16,8 @@ from vibsim.cases import load_case
 from vibsim.opening import open_result
 from vibsim.orbits import find_orbit
 
+pytestmark = pytest.mark.slow  # curves in two parameters, followed whole
+
 
 def plan_of(label, span):
     branch = branch_of(CAPTURED, "4.9:6 Hz")

@@ -41,6 +41,7 @@ def chaos():
     return case("I-B-eq211", "45 s")
 
 
+@pytest.mark.slow
 def test_a_chaotic_case_gets_what_it_needs():
     result = vibsim.simulate(chaos(), digits="auto")
     right, carried = result.attrs["digits_right"], result.attrs["digits"]

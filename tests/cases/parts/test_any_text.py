@@ -24,7 +24,7 @@ def only_case_or_problems(text, overrides):
         assert load_case_text(case.long_text()).scene() == case.scene()
 
 
-@settings(max_examples=75)
+@settings(max_examples=50)
 @given(st.data())
 def test_a_damaged_case_gives_a_case_or_its_problems(data):
     start = data.draw(st.integers(0, len(TEXT)))
@@ -58,7 +58,7 @@ KEYS = [
 VALUES = ["none", "", "1 kg", "[ram, ground]", "[ram", "{}", "3", "-1 N", "nan", "[ram, ram]", "0.1"]
 
 
-@settings(max_examples=75)
+@settings(max_examples=50)
 @given(st.dictionaries(st.sampled_from(KEYS), st.sampled_from(VALUES), min_size=1, max_size=3))
 def test_any_overrides_give_a_case_or_their_problems(overrides):
     only_case_or_problems(TEXT, overrides)
