@@ -209,72 +209,52 @@ double taylor_advance(Run *r, double limit, int *event)
     return end;
 }
 
-/* Three pairs of columns of the table at two times at once: as `dense_block` at each. */
-static void dense_twice(const double *table, int rows, const double *tau, double *out, double *other)
-{
-    const Pair square = twice(tau[0] * tau[0]), other_square = twice(tau[1] * tau[1]);
-    const double *row = table + (rows - 1) * 6;
-    Pair high[3], low[3], other_high[3], other_low[3];
-    int n, k;
-    for (k = 0; k < 3; k++) {
-        high[k] = other_high[k] = load_pair(row + 2 * k);
-        low[k] = other_low[k] = load_pair(row - 6 + 2 * k);
-    }
-    row -= 12;
-    for (n = rows - 3; n > 0; n -= 2, row -= 12)
-        for (k = 0; k < 3; k++) {
-            const Pair first = load_pair(row + 2 * k), second = load_pair(row - 6 + 2 * k);
-            high[k] = add_product(first, high[k], square);
-            other_high[k] = add_product(first, other_high[k], other_square);
-            low[k] = add_product(second, low[k], square);
-            other_low[k] = add_product(second, other_low[k], other_square);
-        }
-    for (k = 0; k < 3; k++) {
-        if (rows % 2 != 0) {
-            high[k] = add_product(load_pair(table + 2 * k), high[k], square);
-            other_high[k] = add_product(load_pair(table + 2 * k), other_high[k], other_square);
-        }
-        store_pair(out + 2 * k, rows % 2 == 0 ? add_product(low[k], twice(tau[0]), high[k]) : add_product(high[k], twice(tau[0]), low[k]));
-        store_pair(other + 2 * k,
-                   rows % 2 == 0 ? add_product(other_low[k], twice(tau[1]), other_high[k]) : add_product(other_high[k], twice(tau[1]), other_low[k]));
-    }
-}
+enum { SMALL_PAIRS = 3, MOST_PAIRS = 4, MOST_TIMES = 2 }; /* SMALL_PAIRS: of columns of a small scene */
 
-/* Columns of the table at tau, `horner` row by row: `count` of them, in pairs. */
-INLINE void dense_block(const double *table, int rows, const int count, int stride, double tau, double *out)
+/* Columns of the table at `times` times tau, `horner` row by row: `count` pairs of columns, one time after the other. */
+INLINE void dense_block(const double *table, int rows, const int count, int stride, const int times, const double *tau, double *out)
 {
-    const Pair time = make_pair(tau, tau), square = make_pair(tau * tau, tau * tau);
     const double *row = table + (rows - 1) * stride;
-    Pair high[4], low[4];
-    int n, k;
-    for (k = 0; k < count; k++) {
-        high[k] = load_pair(row + 2 * k);
-        low[k] = load_pair(row - stride + 2 * k);
+    Pair high[MOST_PAIRS][MOST_TIMES], low[MOST_PAIRS][MOST_TIMES], time[MOST_TIMES], square[MOST_TIMES];
+    int n, k, i;
+    for (i = 0; i < times; i++) {
+        time[i] = twice(tau[i]);
+        square[i] = twice(tau[i] * tau[i]);
     }
+    for (k = 0; k < count; k++)
+        for (i = 0; i < times; i++) {
+            high[k][i] = load_pair(row + 2 * k);
+            low[k][i] = load_pair(row - stride + 2 * k);
+        }
     row -= 2 * stride;
     for (n = rows - 3; n > 0; n -= 2, row -= 2 * stride)
         for (k = 0; k < count; k++) {
-            high[k] = add_product(load_pair(row + 2 * k), high[k], square);
-            low[k] = add_product(load_pair(row - stride + 2 * k), low[k], square);
+            const Pair first = load_pair(row + 2 * k), second = load_pair(row - stride + 2 * k);
+            for (i = 0; i < times; i++) {
+                high[k][i] = add_product(first, high[k][i], square[i]);
+                low[k][i] = add_product(second, low[k][i], square[i]);
+            }
         }
-    for (k = 0; k < count; k++) {
-        if (rows % 2 != 0)
-            high[k] = add_product(load_pair(table + 2 * k), high[k], square);
-        store_pair(out + 2 * k, rows % 2 == 0 ? add_product(low[k], time, high[k]) : add_product(high[k], time, low[k]));
-    }
+    for (k = 0; k < count; k++)
+        for (i = 0; i < times; i++) {
+            if (rows % 2 != 0)
+                high[k][i] = add_product(load_pair(table + 2 * k), high[k][i], square[i]);
+            store_pair(out + 2 * (i * count + k),
+                       rows % 2 == 0 ? add_product(low[k][i], time[i], high[k][i]) : add_product(high[k][i], time[i], low[k][i]));
+        }
 }
 
 static void dense_output(const Taylor *f, double tau, double *out)
 {
     int rows = f->order + 2, pairs = f->stride / 2, k;
-    if (pairs == 3) {
-        dense_block(f->table, rows, 3, 6, tau, out);
+    if (pairs == SMALL_PAIRS) {
+        dense_block(f->table, rows, SMALL_PAIRS, 2 * SMALL_PAIRS, 1, &tau, out);
         return;
     }
-    for (k = 0; k + 4 <= pairs; k += 4)
-        dense_block(f->table + 2 * k, rows, 4, f->stride, tau, out + 2 * k);
-    for (; k < pairs; k++)
-        dense_block(f->table + 2 * k, rows, 1, f->stride, tau, out + 2 * k);
+    for (k = 0; k + MOST_PAIRS <= pairs; k += MOST_PAIRS, out += 2 * MOST_PAIRS)
+        dense_block(f->table + 2 * k, rows, MOST_PAIRS, f->stride, 1, &tau, out);
+    for (; k < pairs; k++, out += 2)
+        dense_block(f->table + 2 * k, rows, 1, f->stride, 1, &tau, out);
 }
 
 /* Rate of the speed of the rotor. */
@@ -312,12 +292,12 @@ static void write_values(const Run *r, const double *values, double *column, lon
 void taylor_samples(Run *r, const double *tau, int count, double *row, long room)
 {
     const Taylor *f = &r->taylor;
-    double other[6];
+    double two[MOST_TIMES * 2 * SMALL_PAIRS];
     int i = 0;
-    for (; f->stride == 6 && i + 2 <= count; i += 2) {
-        dense_twice(f->table, f->order + 2, tau + i, f->values, other);
-        write_values(r, f->values, row + i, room);
-        write_values(r, other, row + i + 1, room);
+    for (; f->stride == 2 * SMALL_PAIRS && i + 2 <= count; i += 2) {
+        dense_block(f->table, f->order + 2, SMALL_PAIRS, 2 * SMALL_PAIRS, 2, tau + i, two);
+        write_values(r, two, row + i, room);
+        write_values(r, two + 2 * SMALL_PAIRS, row + i + 1, room);
     }
     for (; i < count; i++) {
         dense_output(f, tau[i], f->values);
