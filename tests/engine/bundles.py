@@ -5,6 +5,7 @@ from dataclasses import fields, is_dataclass, replace
 from vibsim.engine.driver import Driver
 from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.engine.trajectory import open_trajectory
+from vibsim.physics.parts import Harmonic
 
 PER_PIECE = 400 * 2.0**-53  # of the volume: cut-off 1.65**20 / 20! = 9e-15, rounding of the vectors
 
@@ -24,6 +25,11 @@ def exact(value, kit):
         return kit.number(value)
     if isinstance(value, tuple):
         return tuple(exact(one, kit) for one in value)
+    if isinstance(value, Harmonic):  # both as doubles would be of two frequencies
+        cycles = kit.number(value.cycles) + value.cycles_lo
+        return Harmonic(
+            kit.number(value.amplitude), kit.exact(2 * kit.pi * cycles), cycles, kit.number(0), kit.number(value.phase)
+        )
     if is_dataclass(value):
         return replace(value, **{f.name: exact(getattr(value, f.name), kit) for f in fields(value)})
     return value

@@ -23,21 +23,21 @@ KEPT = ("order", "tol", "every_num", "every_den")  # what is no physical number
 
 
 def exact_parts(scene):
-    """Makes the scene whose numbers are exactly those doubles."""
+    """Makes the scene whose numbers are exactly those doubles; an omega is 2 pi times its cycles."""
 
-    def convert(part, number):
+    def convert(part, number, pi):
         if isinstance(part, Harmonic):
-            values = (number(Fraction(getattr(part, name))) for name in ("amplitude", "omega", "phase"))
-            amplitude, omega, phase = values
-            return Harmonic(amplitude, omega, Fraction(part.cycles) + Fraction(part.cycles_lo), 0, phase)
+            amplitude, phase = (number(Fraction(getattr(part, name))) for name in ("amplitude", "phase"))
+            cycles = Fraction(part.cycles) + Fraction(part.cycles_lo)
+            return Harmonic(amplitude, 2 * pi * number(cycles), cycles, 0, phase)
         if is_dataclass(part):
             names = [field.name for field in fields(part) if field.name not in KEPT]
-            return replace(part, **{name: convert(getattr(part, name), number) for name in names})
+            return replace(part, **{name: convert(getattr(part, name), number, pi) for name in names})
         if isinstance(part, tuple):
-            return tuple(convert(one, number) for one in part)
+            return tuple(convert(one, number, pi) for one in part)
         return number(Fraction(part)) if isinstance(part, float) else part
 
-    return lambda number, pi: convert(scene, number)
+    return lambda number, pi: convert(scene, number, pi)
 
 
 def truth(make, digits, **options):
