@@ -85,9 +85,11 @@ class Timed:
 
 def engines(cases: tuple[str, ...]) -> tuple[Timed, Timed]:
     """Engine runs by this build and by the pinned one."""
-    return tuple(Timed(which, ENGINE[which], RUN_ENGINE, cases) for which in ("current", "pinned"))  # type: ignore[return-value]
+    ours, theirs = (Timed(which, ENGINE[which], RUN_ENGINE, cases) for which in ("current", "pinned"))
+    return ours, theirs
 
 
 def simulations(cases: tuple[str, ...]) -> tuple[Timed, Timed]:
     """`vibsim.simulate` by this build and by the pinned one."""
-    return tuple(Timed(which, SIMULATE, RUN_SIMULATE, cases) for which in ("current", "pinned"))  # type: ignore[return-value]
+    ours, theirs = (Timed(which, SIMULATE, RUN_SIMULATE, cases) for which in ("current", "pinned"))
+    return ours, theirs

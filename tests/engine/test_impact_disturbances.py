@@ -10,18 +10,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.engine.bundles import PER_PIECE, course, finished, in_digits, started, totals
+from tests.engine.bundles import PER_PIECE, totals
 from tests.engine.random_parts import rigid_scenes
 from tests.engine.runs import differences, run
 from tests.engine.test_closed_cases import harmonic, scene
 from tests.engine.test_monodromy import ENGINES, METHODS, assert_same, outcome, start_of
-from tests.engine.test_tangent_jacobian import CLOSE, DIGITS, SHIFT, numbers
+from tests.engine.test_tangent_jacobian import assert_derivative
 from vibsim.engine.errors import EngineError
-from vibsim.engine.modes.rows import RowMaker
 from vibsim.engine.tangent.monodromy import Carrier
-from vibsim.engine.tangent.tangent_space import Gauge, TangentSpace, dimension
-from vibsim.physics.modes import EVENT_NAMES
-from vibsim.physics.multiprecision import Balls
+from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.physics.parts import (
     BASE,
     COMPRESSION,
@@ -230,36 +227,6 @@ def test_plastic_impacts_and_rest_take_directions(engine):
     assert abs(found["volume_residual"]) < PER_PIECE * found["tangent_pieces"]
     rested = totals(replace(ball_over(0.0), t_end=1.0), engine=engine)
     assert rested["rank_losses"] == 2 and np.all(np.isneginf(rested["exponents"]))
-
-
-def quotients(of):
-    """Yields (difference quotient, what was carried, kinds of events) of disturbances of the start, in 40
-    digits; none where the shifted motion takes another course.
-    """
-    kit = Balls(DIGITS)
-    exact, shift, gauge = in_digits(of, kit), kit.number(SHIFT), Gauge(of)
-    base = finished(exact, kit)
-    rows = RowMaker(exact, kit).rows(base.events[0][3])
-    for vector in TangentSpace(exact, kit, rows).inside:
-        moved = finished(started(exact, [shift * value for value in vector]), kit)
-        bundle = finished(exact, kit, vector).tangent
-        if course(moved) != course(base) or bundle.tangencies.undefined:
-            continue
-        size = 0 if bundle.lost[0] else kit.exp(bundle.sums[0])
-        ends = zip(numbers(moved), numbers(base), strict=True)
-        theirs = gauge.apply(kit, [(after - before) / shift for after, before in ends])
-        yield theirs, [size * value for value in bundle.vectors[0]], {EVENT_NAMES[k] for k, *_ in base.events}
-
-
-def assert_derivative(of):
-    """Compares all columns; returns their number and the kinds of the events."""
-    columns, kinds = 0, set()
-    for theirs, ours, happened in quotients(of):
-        largest = max(max(abs(float(value.mid())) for value in theirs), 1e-3)
-        for one, other in zip(ours, theirs, strict=True):
-            assert abs(float((one - other).mid())) < CLOSE * largest
-        columns, kinds = columns + 1, happened
-    return columns, kinds
 
 
 def apart(of):

@@ -7,9 +7,8 @@ Newton's method for orbits begins motions by the thousand.
 from vibsim.engine.modes.status import BACKWARD, CONTACT, FORWARD, OPEN, Status
 from vibsim.physics.parts import AT_FORCE, RigidStop
 
-NEAR = (
-    2.0**-40
-)  # of the sizes that a depth or a velocity is the difference of: rounding is a thousandth of it
+# of the sizes that a depth or a velocity is the difference of: rounding is a thousandth of it
+NEAR = 2.0**-40
 
 
 class PlainStart:

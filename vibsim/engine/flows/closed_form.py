@@ -263,11 +263,7 @@ class ClosedForm:
         """Derivatives of order 0 to `count` of the base's displacement at the point evaluated last."""
         d = [self.kit.number(0)] * (count + 1)
         for term in sounding(self.scene.base):
-            h, factor = self.harmonics.index(pitch(term)), term.amplitude
-            turns = self.sines[h], self.cosines[h], -self.sines[h], -self.cosines[h]
-            for n in range(count + 1):
-                d[n] = d[n] + factor * turns[n % 4]
-                factor = factor * term.omega
+            self._add_jet(d, term)
         return d
 
     def load_jet(self, column, count):
@@ -277,12 +273,16 @@ class ClosedForm:
             if force.on == column:
                 d[0] = d[0] + force.constant
                 for term in sounding(force.terms):
-                    h, factor = self.harmonics.index(pitch(term)), term.amplitude
-                    turns = self.sines[h], self.cosines[h], -self.sines[h], -self.cosines[h]
-                    for n in range(count + 1):
-                        d[n] = d[n] + factor * turns[n % 4]
-                        factor = factor * term.omega
+                    self._add_jet(d, term)
         return d
+
+    def _add_jet(self, d, term):
+        """Add the derivatives of a harmonic at the point evaluated last to those in d."""
+        h, factor = self.harmonics.index(pitch(term)), term.amplitude
+        turns = self.sines[h], self.cosines[h], -self.sines[h], -self.cosines[h]
+        for n in range(len(d)):
+            d[n] = d[n] + factor * turns[n % 4]
+            factor = factor * term.omega
 
     def value_and_slope(self, event, tau):
         """Value and slope of an event function a time tau after the anchor."""
