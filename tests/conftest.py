@@ -1,5 +1,6 @@
 """Hypothesis for the whole suite: the same draws in every run of the same tests (it also draws numbers that
-stand in the modules loaded so far, so other tests beside them change them), no deadlines. Ctrl-C as on a terminal.
+stand in the modules loaded so far, so other tests beside them change them), no deadlines. Ctrl-C as on a
+terminal.
 
 VIBSIM_HYPOTHESIS=search draws afresh, for hunting.
 """

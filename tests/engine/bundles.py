@@ -27,9 +27,8 @@ def exact(value, kit):
         return tuple(exact(one, kit) for one in value)
     if isinstance(value, Harmonic):  # both as doubles would be of two frequencies
         cycles = kit.number(value.cycles) + value.cycles_lo
-        return Harmonic(
-            kit.number(value.amplitude), kit.exact(2 * kit.pi * cycles), cycles, kit.number(0), kit.number(value.phase)
-        )
+        amplitude, phase = kit.number(value.amplitude), kit.number(value.phase)
+        return Harmonic(amplitude, kit.exact(2 * kit.pi * cycles), cycles, kit.number(0), phase)
     if is_dataclass(value):
         return replace(value, **{f.name: exact(getattr(value, f.name), kit) for f in fields(value)})
     return value
