@@ -14,6 +14,7 @@ from tests.engine.runs import same_bits
 from tests.engine.test_closed_cases import harmonic, scene
 from tests.engine.test_tangent_jacobian import DIGITS, SCENES, SHIFT, numbers
 from tests.scenes import paper
+from vibsim.cases import load_case
 from vibsim.engine.errors import EngineError
 from vibsim.engine.modes.rows import RowMaker
 from vibsim.engine.tangent.monodromy import Carrier
@@ -160,3 +161,57 @@ def test_disturbances_after_states_alone(label):
 def test_what_cannot_be_carried(state, end, vectors, message):
     with pytest.raises(ValueError, match=message):
         Carrier(scene([Body("m", 1.0, 0.0, 0.0)])).carry(state, end, vectors)
+
+
+def tuned(of, factor):
+    """The scene with other frequencies of its forces, and another no-load speed and eccentricity."""
+
+    def faster(term):
+        rates = {name: factor * getattr(term, name) for name in ("omega", "cycles", "cycles_lo")}
+        return replace(term, **rates)
+
+    forces = tuple(replace(one, terms=tuple(map(faster, one.terms))) for one in of.forces)
+    motor = of.motor and replace(of.motor, Omega0=factor * of.motor.Omega0, e=factor * of.motor.e)
+    return replace(of, forces=forces, motor=motor)
+
+
+@settings(max_examples=15)
+@given(part_scenes(), st.sampled_from(METHODS))
+def test_carriers_that_take_turns(of, method):
+    """On one run for three scenes, there and back, as each on a run of its own; the Python engine says so."""
+    of = replace(of, method=method)
+    scenes = [of, tuned(of, 1.25), tuned(of, 0.75)]
+    first = Carrier(of, "c")
+    turns = [first, *(first.of(each) for each in scenes[1:])]
+    assert all(first.shares(each) for each in scenes)
+    for i in (0, 1, 2, 0, 1):
+        results = [
+            outcome(carrier, start_of(of), of.t_end, None)
+            for carrier in (turns[i], Carrier(scenes[i], "c"), Carrier(scenes[i], "python"))
+        ]
+        for other in results[1:]:
+            if isinstance(other, str) or isinstance(results[0], str):
+                assert results[0] == other
+            else:
+                assert_same(results[0], other)
+
+
+@pytest.mark.parametrize("name", ["I-A", "II-B", "gallery/friction-oscillator", "gallery/impact-oscillator"])
+def test_they_take_turns_on_shipped_cases(name):
+    of = load_case(name).scene()
+    first = Carrier(of, "c")
+    for factor in (1.1, 0.9, 1.0):
+        scene_there = tuned(of, factor)
+        one, other = (
+            carrier.carry(start_of(of), 3.0)
+            for carrier in (first.of(scene_there), Carrier(scene_there, "python"))
+        )
+        assert_same(one, other)
+
+
+def test_scenes_of_other_modes_take_no_turns():
+    of = load_case("I-A").scene()
+    first = Carrier(of, "c")
+    louder = replace(of, forces=(replace(of.forces[0], constant=1e-3),))
+    assert not first.shares(louder) and not first.shares(replace(of, tol=1e-12))
+    assert not Carrier(of, "python").shares(of)

@@ -21,6 +21,7 @@ from vibsim.engine.errors import EngineError
 from vibsim.orbits import OrbitError, ReturnMap
 from vibsim.orbits.multipliers import multipliers_of
 from vibsim.orbits.word import cyclic
+from vibsim.physics.parts import Scene
 
 SHIFT = 2.0**-23  # of the parameter, scaled: rounding over it is as small as what it leaves out, 1e-7
 MAPS = 4  # return maps that are kept
@@ -54,13 +55,18 @@ class Family:
             self._maps.move_to_end(parameter)
             return self._maps[parameter]
         try:
-            scene = self.path.scene(parameter)
-            self._maps[parameter] = ReturnMap(scene, self.n, self.engine)
+            self._maps[parameter] = self._new_map(self.path.scene(parameter))
         except ValueError as error:
             raise ContinuationError(str(error)) from error
         if len(self._maps) > MAPS:
             self._maps.popitem(last=False)
         return self._maps[parameter]
+
+    def _new_map(self, scene: Scene) -> ReturnMap:
+        """On the run of the maps that there are, where that can be."""
+        for known in self._maps.values():
+            return known.at(scene)
+        return ReturnMap(scene, self.n, self.engine)
 
     @cached_property
     def path(self) -> ScenePath:

@@ -11,7 +11,7 @@ from typing import Any
 
 from vibsim.cases import Case, CaseError
 from vibsim.cases.keys import measured_at
-from vibsim.cases.parts.building import build_parts
+from vibsim.cases.parts.building import build_parts, rebuild_parts
 from vibsim.cases.quantities import Quantity, decimal_text, parse_quantity
 from vibsim.cases.units import si_unit
 from vibsim.physics.parts import Scene
@@ -32,6 +32,8 @@ class ScenePath:
         self._values = case.long_values()
         before, after = dict(leaves(self._values)), dict(leaves(self._beside(case).long_values()))
         self._places = [place for place in before if before[place] != after[place]]
+        self._sections = list(dict.fromkeys(section for section, *_ in self._places))
+        self._scene: Scene | None = None  # the first, whose other parts all have
 
     def _beside(self, case: Case) -> Case:
         """The case with the parameter a little changed."""
@@ -55,10 +57,15 @@ class ScenePath:
         broken = self._measured.broken_bound(quantity.value) if self._measured else None
         if broken:
             raise ValueError(f"{self.keys[0]} must be {broken}, got {value:g} {self.unit}".rstrip())
-        values = self._values
+        values, scene = self._values, self._scene
         for place in self._places:
             values = replaced(values, place, quantity)
-        return build_parts(values)
+        if scene is None:
+            scene = self._scene = build_parts(values)
+            return scene
+        for section in self._sections:
+            scene = rebuild_parts(scene, values, section)
+        return scene
 
 
 def leaves(values: Mapping[str, Any], place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:

@@ -1,6 +1,7 @@
 """The C engine as a trajectory: packs the scene, adds modes as they are met, decides what C leaves open."""
 
 from array import array
+from functools import cached_property
 from time import monotonic
 from typing import Any
 
@@ -13,18 +14,20 @@ from vibsim.engine.events.automaton import JET, Automaton
 from vibsim.engine.events.plain_start import PlainStart
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.flows.harmonics import value_and_rate
+from vibsim.engine.flows.modal import pitch, sounding
 from vibsim.engine.ledgers.ledger import struck_entries
 from vibsim.engine.ledgers.meters import jumps_of
 from vibsim.engine.ledgers.packing_meters import pack_blows, pack_extremes, pack_ledger
 from vibsim.engine.modes.mode_table import mode_table
 from vibsim.engine.modes.packing import coupled, pack_scene, pack_state
-from vibsim.engine.modes.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, STRIKE
+from vibsim.engine.modes.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, STRIKE, RowMaker
 from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK
 from vibsim.engine.state import State, start_of
 from vibsim.engine.tangent.impact_saltation import UNDEFINED
 from vibsim.engine.tangent.packing_tangent import DisturbancePacker, pack_bundle
 from vibsim.engine.tangent.saltation import released_frictions, saltation
 from vibsim.engine.tangent.tangencies import Tangencies
+from vibsim.engine.tangent.tangent_space import length
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import AT_FORCE
@@ -36,6 +39,11 @@ SECONDS = 0.1  # between two blocks where Python decides: Ctrl-C is heard there
 ACCUMULATION, DIVERGED, UNDECIDED = 1, 2, 3
 REASONS = {ACCUMULATION: "accumulation", DIVERGED: "diverged"}
 ASK, CROSS, STAND, STRUCK = range(4)
+
+
+def harmonics_of(scene):
+    """The distinct frequencies and phases of forces and base, as `ClosedForm.harmonics`."""
+    return list(dict.fromkeys(pitch(term) for term in sounding(scene.harmonics)))
 
 
 class Doubts:
@@ -70,14 +78,11 @@ class CRun:
         extremes=None,
     ):
         self.scene, self.n = scene, len(scene.bodies)
-        self.table, self.momentum = mode_table(scene), momentum
-        self.maker, self.keys = self.table.maker, self.table.keys
-        self.doubts = Doubts()
-        self.scout = Flow(scene, Doubles, self.doubts, JET + 1)
-        self.automaton = Automaton(scene, self.maker, self.scout, Doubles)
-        self.harmonics = self.scout.closed.harmonics
-        self.run = self.doubts.run = _engine.Run(*pack_scene(scene, self.harmonics))
-        self.numbers, self.rows, self.ruled = {}, [], set()
+        self.table, self.momentum = mode_table(scene, pitched=not carries), momentum
+        self.keys, self.doubts = self.table.keys, Doubts()
+        self.carries = carries or tangent[0] > 0  # disturbances, now or later, by which rules are made
+        self.run = self.doubts.run = _engine.Run(*pack_scene(scene, harmonics_of(scene)))
+        self.numbers, self.statuses, self.ruled = {}, [], set()
         self.packer = self.plain = None
         self.meters = self.table.meter_maker(momentum) if ledger or momentum else None
         if self.meters:
@@ -87,12 +92,7 @@ class CRun:
             names = self.meters.names if self.meters else []
             self.run.keep_blows(*pack_blows(scene, names, self.maker.ends))
         count, begin = tangent
-        # disturbances that may come along, by which rules are made; and those of now
-        self.tangencies, self.carries, self.moving = (
-            Tangencies(scene, Doubles),
-            carries or count > 0,
-            count > 0,
-        )
+        self.moving = count > 0
         if self.moving:
             self.run.keep_tangent(*pack_bundle(scene, count, begin, self.maker.ends))
         if extremes:
@@ -105,6 +105,48 @@ class CRun:
         if not carries:
             self._begin(*(resume or self._begun(start_of(scene, Doubles))))
 
+    @cached_property
+    def maker(self):
+        """Makes the rows of the modes of the scene, its closed forms among them."""
+        maker = self.table.maker
+        if self.carries and harmonics_of(maker.scene) != harmonics_of(self.scene):
+            maker = RowMaker(self.scene, Doubles)
+        return maker
+
+    @cached_property
+    def scout(self):
+        """Looks ahead from an event that Python decides."""
+        return Flow(self.scene, Doubles, self.doubts, JET + 1)
+
+    @cached_property
+    def automaton(self):
+        """Decides what C leaves open."""
+        return Automaton(self.scene, self.maker, self.scout, Doubles)
+
+    @cached_property
+    def tangencies(self):
+        """Judges the jumps of disturbances that Python takes."""
+        return Tangencies(self.scene, Doubles)
+
+    def rows_of(self, number):
+        """The rows of a mode by its number in C."""
+        return self.maker.rows(self.statuses[number])
+
+    def retune(self, scene):
+        """Go over to a scene whose modes are packed the same (`mode_table.same_packed`): another motor, other
+        frequencies. A restart has to follow.
+        """
+        arms = [one.motor.e for one in (self.scene, scene) if one.motor is not None]
+        stale = ["scout", "automaton", "tangencies"]
+        if harmonics_of(scene) != harmonics_of(self.scene):
+            stale.append("maker")
+        if len(set(arms)) > 1:  # which disturbances are weighed by
+            self.packer = None
+        for name in stale:
+            self.__dict__.pop(name, None)
+        self.scene = scene
+        self.run.retune(pack_scene(scene, harmonics_of(scene))[1])
+
     def _begin(self, state, status, known):
         self.first = state.copy(), status
         self._set_off(state, status, known)
@@ -113,7 +155,7 @@ class CRun:
         """Tell C of modes and rules that other runs of the scene have met, where they are few."""
         for status in self.table.statuses(MOST_RECALLED):
             self._mode(status)
-        for status, event in self.table.events_with_rules() if self.rows else ():
+        for status, event in self.table.events_with_rules() if self.statuses else ():
             if status in self.numbers:
                 self._set_rule(self.numbers[status], event)
 
@@ -175,7 +217,7 @@ class CRun:
             if self.meters:
                 self.run.set_meters(number, *self.table.packed_meters(status, self.momentum))
             self.numbers[status] = number
-            self.rows.append(self.maker.rows(status))
+            self.statuses.append(status)
         return self.numbers[status]
 
     def _known(self, known, missing):
@@ -234,11 +276,13 @@ class CRun:
 
     def _decide(self, number, event, state):
         """Let the automaton of the Python engine decide the pending event."""
-        rows = self.rows[number]
+        rows = self.rows_of(number)
         status, happened, known = self.automaton.take(state, rows.status, rows.events[event])
         target = self._mode(status)
-        if self.moving and not self._jumps_in_c(rows, self.rows[target], rows.events[event]):
-            self._hand_jump(rows.events[event], state, rows, self.rows[target])
+        if self.moving:
+            after = self.rows_of(target)
+            if not self._jumps_in_c(rows, after, rows.events[event]):
+                self._hand_jump(rows.events[event], state, rows, after)
         kinds = array("i", (EVENT_KINDS[kind] for kind, _ in happened)).tobytes()
         parts = array("i", (part for _, part in happened)).tobytes()
         known = self._known(known, -1)
@@ -261,7 +305,7 @@ class CRun:
     def _rule_jumps_in_c(self, rows, rule, event):
         """The same for all that a rule may lead to."""
         _, target, other, hold, *_ = rule
-        behind = [self.rows[number] for number in ((target, other) if hold >= 0 else (target,))]
+        behind = [self.rows_of(number) for number in ((target, other) if hold >= 0 else (target,))]
         return not self.carries or all(self._jumps_in_c(rows, after, event) for after in behind)
 
     def _hand_jump(self, event, state, before, after):
@@ -284,7 +328,7 @@ class CRun:
         if (number, event) in self.ruled:
             return False
         self.ruled.add((number, event))
-        rows = self.rows[number]
+        rows = self.rows_of(number)
         rule = self.table.rule(rows, event, self._rule)
         if rule is None:
             return False
@@ -391,6 +435,24 @@ class CRun:
         entries = self.run.disturbances()
         near = *entries["near"], max(entries["fastest"], default=0)
         return entries | {"lost": [bool(one) for one in entries["lost"]], "near": near}
+
+    @cached_property
+    def _room(self):
+        """Room for what a motion with all disturbances comes to."""
+        size = length(self.scene)
+        return np.empty(9 + 2 * self.n + size * (1 + size))
+
+    def outcome(self, count):
+        """What the motion with `count` disturbances has come to: (doubts, margin, number of the mode, events
+        without a derivative, when the first was; t, x and v of each body, phase, turns, w), rates of change
+        of the components and disturbances (count, components); empty where none were carried.
+        """
+        size = length(self.scene)
+        if count > size:
+            self._room = np.empty(9 + 2 * self.n + size * (1 + count))
+        numbers = self._room[: self.run.outcome(self._room)].copy()
+        head = 9 + 2 * self.n
+        return numbers[:head].tolist(), numbers[head : head + size], numbers[head + size :].reshape(-1, size)
 
     @property
     def tally(self):

@@ -17,6 +17,7 @@
 #define NODE_COUNT 12 /* of the quadrature */
 #define TIMES_AT_ONCE 32
 #define WORK_AT_ONCE 100000 /* evaluations of the motion of two bodies between two returns to Python */
+#define UNHURRIED 1e100 /* window of a free mass [s] */
 #define EPS 1.1102230246251565e-16 /* 2^-53, unit round-off */
 
 enum { GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE };             /* kinds of event functions */

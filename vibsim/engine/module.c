@@ -364,6 +364,23 @@ static PyObject *rewind_run(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
+/* Other numbers of the motor and other frequencies, as the doubles of a scene of the same shape; a start has to follow. */
+static PyObject *retune(RunObject *self, PyObject *args)
+{
+    Py_buffer v[2] = {{0}};
+    Reader in;
+    int done = 0;
+    if (!PyArg_ParseTuple(args, "y*", &v[1]))
+        return NULL;
+    if (idle(self) && reader_of(&v[0], &v[1], &in) == 0 && !(done = scene_retune(&self->run, &in)))
+        PyErr_SetString(PyExc_ValueError, "not the numbers of a scene of that shape");
+    self->started = 0;
+    PyBuffer_Release(&v[1]);
+    if (!done)
+        return NULL;
+    Py_RETURN_NONE;
+}
+
 static int ready(RunObject *self)
 {
     if (!self->started)
@@ -548,6 +565,56 @@ static PyObject *disturbances(RunObject *self, PyObject *none)
                          b->tangencies.undefined_time);
 }
 
+/* Fills `out` with what a motion with disturbances has come to: doubts, margin, number of the mode, events without a derivative and
+ * when the first was; t, x and v of each body, phase, turns, w; rates of x, v, phi, w where there is a motor; disturbances, one
+ * after the other. Rates and disturbances are left out where none were carried. How many numbers there are.
+ */
+static PyObject *outcome(RunObject *self, PyObject *args)
+{
+    const Run *r = &self->run;
+    const Tangent *b = r->tangent;
+    const State *s = &r->state;
+    Py_buffer view;
+    double *at;
+    int n = r->bodies, i, k;
+    Py_ssize_t count = 5 + 4 + 2 * n + (b ? (1 + b->possible) * b->size : 0);
+    if (!ready(self) || !PyArg_ParseTuple(args, "w*", &view))
+        return NULL;
+    if (view.len < count * (Py_ssize_t)sizeof(double)) {
+        PyBuffer_Release(&view);
+        PyErr_SetString(PyExc_ValueError, "no room for the outcome");
+        return NULL;
+    }
+    at = view.buf;
+    *at++ = r->certificate.uncertified;
+    *at++ = r->certificate.margin;
+    *at++ = r->mode_number;
+    *at++ = b ? (double)b->tangencies.undefined : 0.0;
+    *at++ = b ? b->tangencies.undefined_time : 0.0;
+    *at++ = s->t;
+    memcpy(at, s->x, (size_t)n * sizeof(double));
+    memcpy(at + n, s->v, (size_t)n * sizeof(double));
+    at += 2 * n;
+    *at++ = s->phase;
+    *at++ = s->turns;
+    *at++ = s->w;
+    if (b) {
+        double rotor = accelerations(r, r->mode, s, b->accelerations);
+        memcpy(at, s->v, (size_t)n * sizeof(double));
+        memcpy(at + n, b->accelerations, (size_t)n * sizeof(double));
+        at += 2 * n;
+        if (r->has_motor) {
+            *at++ = s->w;
+            *at++ = rotor;
+        }
+        for (i = 0; i < b->possible; i++)
+            for (k = 0; k < b->size; k++)
+                *at++ = b->vectors[k * b->stride + i];
+    }
+    PyBuffer_Release(&view);
+    return PyLong_FromSsize_t(count);
+}
+
 /* What the pending event does to the disturbances, where Python takes it: those that it left, and whether it moved them. */
 static PyObject *hand_jump(RunObject *self, PyObject *args)
 {
@@ -596,6 +663,7 @@ ALONE(set_rule)
 ALONE(fill)
 ALONE(start)
 ALONE(rewind_run)
+ALONE(retune)
 ALONE(advance)
 ALONE(pending)
 ALONE(take)
@@ -604,6 +672,7 @@ ALONE(doubt_here)
 ALONE(state_at)
 ALONE(extremes)
 ALONE(disturbances)
+ALONE(outcome)
 ALONE(hand_jump)
 ALONE(tally)
 
@@ -623,6 +692,8 @@ static PyMethodDef methods[] = {
     {"start", (PyCFunction)start_alone, METH_VARARGS, "start(mode, state, known) -> as advance"},
     {"rewind", (PyCFunction)rewind_run_alone, METH_VARARGS,
      "rewind(t_end): as before the start, without disturbances; modes and rules are kept"},
+    {"retune", (PyCFunction)retune_alone, METH_VARARGS,
+     "retune(doubles): the numbers of another scene of the same modes; `rewind` and `start` have to follow"},
     {"advance", (PyCFunction)advance_alone, METH_NOARGS,
      "advance() -> (samples, events, section, finished, status): how many the arrays hold\n\n"
      "Compute on until an array is full, a slice of work is done, Python has to decide or the run ends."},
@@ -636,6 +707,8 @@ static PyMethodDef methods[] = {
      "state_at(t) -> state before the next event, or None where more work is to do; t ascending from call to call"},
     {"extremes", (PyCFunction)extremes_alone, METH_NOARGS, "extremes() -> lists of the least, the greatest, the smallest gaps"},
     {"disturbances", (PyCFunction)disturbances_alone, METH_NOARGS, "disturbances() -> dict of what a TangentBundle tells"},
+    {"outcome", (PyCFunction)outcome_alone, METH_VARARGS,
+     "outcome(out) -> how many numbers: fills `out` with what a motion that carries disturbances has come to"},
     {"hand_jump", (PyCFunction)hand_jump_alone, METH_VARARGS,
      "hand_jump(jumps, determinant, tangencies, closest, undefined, vectors): what the pending event, which Python takes, did to disturbances"},
     {"tally", (PyCFunction)tally_alone, METH_NOARGS, "tally() -> dict of state, counts and margins"},

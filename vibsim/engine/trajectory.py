@@ -328,7 +328,7 @@ class CTrajectory(Trajectory):
             tally["first_violation"] if tally["violated_once"] else nan,
         )
         if self.run.meters:
-            now = State(*tally["state"]), self.run.rows[tally["mode"]].status
+            now = State(*tally["state"]), self.run.statuses[tally["mode"]]
             where = self.run.first, now
             totals |= ledger_totals(self.scene, Doubles, self.run.meters.names, tally["entries"], *where)
         cut = self.run.automaton.rigid.cut_off
@@ -348,4 +348,4 @@ class CTrajectory(Trajectory):
         rows = [self.run.state_at(t) for t in times]
         width = 3 + 2 * len(self.scene.bodies)
         table = np.array(rows, dtype="f8").reshape(-1, width).T
-        return self.columns_of(table, self.run.rows[self.run.tally["mode"]].status.codes)
+        return self.columns_of(table, self.run.statuses[self.run.tally["mode"]].codes)

@@ -124,6 +124,20 @@ class ReturnMap:
         vars(other).update(vars(self), n=n)
         return other
 
+    def at(self, scene):
+        """The map of another scene with the same bodies, on the same run of the engine by turns where that
+        can be.
+        """
+        if not self.carrier.shares(scene):
+            return ReturnMap(scene, self.n, self.carrier.engine)
+        other = object.__new__(ReturnMap)
+        vars(other).update(vars(self), scene=scene, carrier=self.carrier.of(scene))
+        if self.section.timed:
+            other.section = section_of(scene)
+        if scene.motor is not None and scene.motor.e != self.scene.motor.e:  # an arm that unknowns weigh by
+            other.coordinates = Coordinates(scene, other.section)
+        return other
+
     def __call__(self, X, T=None):
         """The motion from the unknowns X, as `Return`; T [s] where the section does not tell it, estimated
         where it is left out. Raises EngineError where the run fails.

@@ -1,5 +1,6 @@
 """From the values of the long form to a scene of parts: exact quantities to numbers, each rounded once."""
 
+from dataclasses import replace
 from typing import Any
 
 from vibsim.cases.parts.ends import BASE as BASE_END
@@ -27,12 +28,32 @@ from vibsim.physics.parts import (
 )
 
 Values = dict[str, Any]
+# sections of a case that make a part of a scene each, and which
+FIELDS = {
+    "links": "links",
+    "stops": "stops",
+    "friction": "frictions",
+    "forces": "forces",
+    "base": "base",
+    "motor": "motor",
+    "clearances": "clearances",
+}
 SENSES = {"extension": EXTENSION, "compression": COMPRESSION}
 
 
 def build_parts(values: Values, numbers: NumberType = DOUBLES) -> Scene:
     """The scene [SI, rad/s] of the nested values of a case in the long form, defaults filled in."""
     return _SceneBuilder(values, numbers).scene()
+
+
+def rebuild_parts(scene: Scene, values: Values, section: str, numbers: NumberType = DOUBLES) -> Scene:
+    """The scene of values that differ from those of `scene` in one section; the other parts are the same
+    objects. Bodies have a say in other parts, and no section of their own here.
+    """
+    if section not in FIELDS:
+        return build_parts(values, numbers)
+    changed: dict[str, Any] = {FIELDS[section]: _SceneBuilder(values, numbers).section(section)}
+    return replace(scene, **changed)
 
 
 class _SceneBuilder:
@@ -48,13 +69,7 @@ class _SceneBuilder:
         every = run["every"].value
         return Scene(
             bodies=tuple(self.body(name, mass) for name, mass in self.values["bodies"].items()),
-            links=self.made("links", self.link),
-            stops=self.made("stops", self.stop),
-            frictions=tuple(part for part in self.made("friction", self.friction) if part is not None),
-            forces=self.made("forces", self.force),
-            base=self.harmonics(self.values.get("base", {}), "a"),
-            motor=self.motor(self.values["motor"]) if "motor" in self.values else None,
-            clearances=self.made("clearances", self.clearance),
+            **{field: self.section(name) for name, field in FIELDS.items()},
             stop_on_violation=run["on_violation"] == "stop",
             t_end=self.numbers.of(run["t_end"]),
             every_num=every.numerator,
@@ -64,8 +79,22 @@ class _SceneBuilder:
             tol=self.numbers.of(run["tol"]),
         )
 
-    def made(self, section: str, make: Any) -> tuple[Any, ...]:
-        return tuple(make(name, part) for name, part in self.values.get(section, {}).items())
+    def section(self, name: str) -> Any:
+        """What of the scene a section of the case makes."""
+        part = self.values.get(name, {})
+        if name == "base":
+            return self.harmonics(part, "a")
+        if name == "motor":
+            return self.motor(part) if part else None
+        make = {
+            "links": self.link,
+            "stops": self.stop,
+            "friction": self.friction,
+            "forces": self.force,
+            "clearances": self.clearance,
+        }[name]
+        parts = (make(*each) for each in part.items())
+        return tuple(one for one in parts if one is not None)
 
     def ends(self, part: Values) -> tuple[int, int]:
         return self.index[part["between"].P], self.index[part["between"].Q]

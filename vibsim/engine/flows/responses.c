@@ -3,7 +3,6 @@
 #include "numbers.h"
 #include "responses.h"
 
-#define UNHURRIED 1e100
 
 static void series_coefficients(const Oscillator *o, double omega, double *real, double *imag)
 {

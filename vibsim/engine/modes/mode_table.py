@@ -9,6 +9,7 @@ import pickle
 from collections import OrderedDict
 from threading import Lock
 
+from vibsim.engine.flows.modal import pitch, sounding
 from vibsim.engine.ledgers.meters import MeterMaker
 from vibsim.engine.ledgers.packing_meters import pack_meters, terms_of
 from vibsim.engine.modes.packing import pack_mode
@@ -74,11 +75,14 @@ _tables: OrderedDict[bytes, ModeTable] = OrderedDict()
 _lock = Lock()
 
 
-def mode_table(scene):
+def mode_table(scene, pitched=True):
     """The table of a scene, the same for all that differ in nothing but their starts, ends, samples and the
     numbers of a motor, which no row holds.
+
+    pitched : False to share it over the frequencies of forces as well; then what is packed is that of all
+        these scenes, and of its rows the closed form is that of the first
     """
-    key = _signature(scene)
+    key = _signature(scene, pitched)
     with _lock:
         table = _tables.pop(key, None) or ModeTable(scene)
         _tables[key] = table
@@ -87,9 +91,36 @@ def mode_table(scene):
     return table
 
 
-def _signature(scene):
+def same_packed(one, other):
+    """Whether the modes of two scenes are packed the same: they differ in starts, ends, samples, numbers of a
+    motor and frequencies of forces alone.
+    """
+    if all(getattr(one, name) is getattr(other, name) for name in (*PARTS, "bodies", "forces")):
+        return (one.motor is None) == (other.motor is None) and _settings(one) == _settings(other)
+    return _signature(one, False) == _signature(other, False)
+
+
+PARTS = ("links", "stops", "frictions", "base", "clearances")
+
+
+def _signature(scene, pitched):
     """Bits of all numbers and names that modes are made of: -0.0 is not 0.0 here."""
     masses = [body.m for body in scene.bodies]
-    driven = scene.motor.on if scene.motor else None
-    parts = scene.links, scene.stops, scene.frictions, scene.forces, scene.base, scene.clearances
-    return pickle.dumps((masses, parts, driven, scene.method, scene.order, scene.tol))
+    parts = [getattr(scene, name) for name in PARTS]
+    forces = scene.forces if pitched else _loads(scene)
+    return pickle.dumps((pitched, masses, parts, forces, _settings(scene)))
+
+
+def _settings(scene):
+    return scene.motor.on if scene.motor else None, scene.method, scene.order, scene.tol
+
+
+def _loads(scene):
+    """Forces with the number of the harmonic in the place of its frequency and phase."""
+    numbers: dict[tuple, int] = {}
+    for term in sounding(scene.harmonics):
+        numbers.setdefault(pitch(term), len(numbers))
+    return [
+        (force.on, force.constant, [(term.amplitude, numbers.get(pitch(term))) for term in force.terms])
+        for force in scene.forces
+    ]

@@ -14,16 +14,13 @@ static void *room(size_t count, size_t size)
     return calloc(count ? count : 1, size);
 }
 
-static Harmonic read_harmonic(Reader *in, int harmonic)
+static void read_harmonic(Reader *in, Harmonic *h)
 {
-    Harmonic h;
-    h.amplitude = read_double(in);
-    h.omega = read_double(in);
-    h.cycles = read_double(in);
-    h.cycles_lo = read_double(in);
-    h.phase = read_double(in);
-    h.harmonic = harmonic;
-    return h;
+    h->amplitude = read_double(in);
+    h->omega = read_double(in);
+    h->cycles = read_double(in);
+    h->cycles_lo = read_double(in);
+    h->phase = read_double(in);
 }
 
 static int room_for_flows(Run *r)
@@ -67,7 +64,8 @@ static int room_for_flows(Run *r)
     return 1;
 }
 
-int scene_read(Run *r, Reader *in)
+/* What a scene counts, and room for it. */
+static int scene_shape(Run *r, Reader *in)
 {
     int i, j;
     r->bodies = read_index(in, 1, MOST);
@@ -82,15 +80,6 @@ int scene_read(Run *r, Reader *in)
     r->rest_columns = read_index(in, r->base_count > 0 ? 2 : 0, 2);
     r->stop_on_violation = read_index(in, 0, 1);
     r->taylor.order = read_index(in, 2, MAX_ORDER);
-    r->m3 = read_double(in);
-    r->e = read_double(in);
-    r->J = read_double(in);
-    r->M0 = read_double(in);
-    r->Omega0 = read_double(in);
-    r->tolerance_exponent = read_double(in);
-    r->t_end = read_double(in);
-    r->every_num = read_double(in);
-    r->every_den = read_double(in);
     if (in->short_of)
         return 0;
     r->masses = room((size_t)r->bodies, sizeof(double));
@@ -100,23 +89,55 @@ int scene_read(Run *r, Reader *in)
     r->taylor.loaded = room((size_t)r->bodies, sizeof(int));
     if (!r->masses || !r->harmonics || !r->forces || !r->base || !r->taylor.loaded || !room_for_flows(r))
         return 0;
-    for (i = 0; i < r->bodies; i++)
-        r->masses[i] = read_double(in);
     for (i = 0; i < r->harmonic_count; i++)
-        r->harmonics[i] = read_harmonic(in, i);
+        r->harmonics[i].harmonic = i;
     for (i = 0; i < r->base_count; i++)
-        r->base[i] = read_harmonic(in, read_index(in, -1, r->harmonic_count - 1));
+        r->base[i].harmonic = read_index(in, -1, r->harmonic_count - 1);
     for (i = 0; i < r->force_count; i++) {
         Force *f = &r->forces[i];
         f->on = read_index(in, 0, r->bodies - 1);
         f->count = read_index(in, 0, MOST);
-        f->constant = read_double(in);
-        f->terms = room((size_t)f->count, sizeof(Harmonic));
-        if (!f->terms || in->short_of)
+        f->terms = in->short_of ? NULL : room((size_t)f->count, sizeof(Harmonic));
+        if (!f->terms)
             return 0;
         for (j = 0; j < f->count; j++)
-            f->terms[j] = read_harmonic(in, read_index(in, -1, r->harmonic_count - 1));
+            f->terms[j].harmonic = read_index(in, -1, r->harmonic_count - 1);
     }
+    return 1;
+}
+
+/* The numbers of a scene of that shape. */
+static void scene_numbers(Run *r, Reader *in)
+{
+    int i, j;
+    r->m3 = read_double(in);
+    r->e = read_double(in);
+    r->J = read_double(in);
+    r->M0 = read_double(in);
+    r->Omega0 = read_double(in);
+    r->tolerance_exponent = read_double(in);
+    r->t_end = read_double(in);
+    r->every_num = read_double(in);
+    r->every_den = read_double(in);
+    for (i = 0; i < r->bodies; i++)
+        r->masses[i] = read_double(in);
+    for (i = 0; i < r->harmonic_count; i++)
+        read_harmonic(in, &r->harmonics[i]);
+    for (i = 0; i < r->base_count; i++)
+        read_harmonic(in, &r->base[i]);
+    for (i = 0; i < r->force_count; i++) {
+        r->forces[i].constant = read_double(in);
+        for (j = 0; j < r->forces[i].count; j++)
+            read_harmonic(in, &r->forces[i].terms[j]);
+    }
+}
+
+int scene_read(Run *r, Reader *in)
+{
+    int i, j;
+    if (!scene_shape(r, in))
+        return 0;
+    scene_numbers(r, in);
     for (i = 0; i < r->bodies; i++) { /* in the order of the columns */
         int any = 0;
         for (j = 0; j < r->force_count; j++)
@@ -172,9 +193,68 @@ static void read_place(Reader *in, Place *p, int shares, int fixed, const Share 
     p->share = all + p->first_share;
 }
 
+/* What of a coordinate depends on the frequencies of its drives. */
+static void tune_coordinate(const Run *r, Coordinate *c)
+{
+    int i, n;
+    for (i = 0; i < c->drive_count; i++) {
+        Drive *drive = &c->drives[i];
+        double omega = r->harmonics[drive->harmonic].omega, size = drive->size / 2;
+        oscillator_set(&drive->oscillator, c->a, c->b, omega);
+        for (n = 0; n < JET_ORDER + 3; n++) {
+            c->forced[n] = i == 0 ? size : c->forced[n] + size;
+            size = size * omega;
+        }
+    }
+    if (c->drive_count > 0)
+        c->oscillator = c->drives[0].oscillator;
+    else
+        oscillator_set(&c->oscillator, c->a, c->b, 0.0);
+}
+
+static double smaller(double a, double b)
+{
+    return b < a ? b : a;
+}
+
+/* The same of a closed form, with its window and pace. */
+static void tune_modal(const Run *r, Modal *m)
+{
+    int bounded = r->harmonic_count > 0, i, k;
+    double window = INFINITY;
+    m->pace = 0.0;
+    for (i = 0; i < m->count; i++) {
+        Coordinate *c = &m->coordinates[i];
+        tune_coordinate(r, c);
+        m->pace = c->oscillator.w0 > m->pace ? c->oscillator.w0 : m->pace;
+        bounded = bounded || !c->is_free;
+        if (!c->is_free)
+            window = smaller(window, c->oscillator.window);
+        for (k = 1; !c->is_free && k < c->drive_count; k++)
+            window = smaller(window, c->drives[k].oscillator.window);
+    }
+    for (i = 0; i < r->harmonic_count; i++)
+        window = smaller(window, 1.5 / r->harmonics[i].omega);
+    m->window = bounded ? window : UNHURRIED;
+}
+
+int scene_retune(Run *r, Reader *in)
+{
+    int i;
+    scene_numbers(r, in);
+    taylor_set(r);
+    for (i = 0; i < r->mode_count; i++) {
+        Mode *m = r->modes[i];
+        m->carried = r->has_motor ? m->group_mass[m->leader[r->motor_on]] : 0.0;
+        if (m->modal)
+            tune_modal(r, m->modal);
+    }
+    return read_through(in);
+}
+
 static int read_coordinate(Reader *in, const Run *r, Coordinate *c, int sources, int shifts)
 {
-    int h, n;
+    int h;
     c->is_free = read_index(in, 0, 1);
     c->first_source = read_index(in, 0, sources);
     c->sources = read_index(in, 0, sources - c->first_source);
@@ -192,25 +272,14 @@ static int read_coordinate(Reader *in, const Run *r, Coordinate *c, int sources,
         c->drives[h].cosine = read_double(in);
     for (h = 0; h < r->harmonic_count; h++) {
         Drive *drive = &c->drives[c->drive_count];
-        double size;
         if (c->drives[h].sine == 0 && c->drives[h].cosine == 0)
             continue;
         drive->sine = c->drives[h].sine;
         drive->cosine = c->drives[h].cosine;
         drive->harmonic = h;
         drive->size = fabs(drive->sine) + fabs(drive->cosine);
-        oscillator_set(&drive->oscillator, c->a, c->b, r->harmonics[h].omega);
-        size = drive->size / 2;
-        for (n = 0; n < JET_ORDER + 3; n++) {
-            c->forced[n] = c->drive_count == 0 ? size : c->forced[n] + size;
-            size = size * r->harmonics[h].omega;
-        }
         c->drive_count++;
     }
-    if (c->drive_count > 0)
-        c->oscillator = c->drives[0].oscillator;
-    else
-        oscillator_set(&c->oscillator, c->a, c->b, 0.0);
     return 1;
 }
 
@@ -255,16 +324,13 @@ static Modal *modal_read(const Run *r, Reader *in, int pairs)
     }
     for (i = 0; i < r->columns + pairs; i++)
         read_place(in, &m->places[i], shares, fixed, m->shares);
-    m->pace = 0.0;
-    m->window = read_double(in);
-    for (i = 0; i < count; i++) {
+    for (i = 0; i < count; i++)
         if (!read_coordinate(in, r, &m->coordinates[i], sources, shifts)) {
             in->short_of = 1;
             return m;
         }
-        if (m->coordinates[i].oscillator.w0 > m->pace)
-            m->pace = m->coordinates[i].oscillator.w0;
-    }
+    if (!in->short_of)
+        tune_modal(r, m);
     return m;
 }
 

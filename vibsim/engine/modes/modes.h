@@ -6,6 +6,7 @@
 #include "reading.h"
 
 int scene_read(Run *r, Reader *in);       /* whether the numbers made a scene */
+int scene_retune(Run *r, Reader *in);     /* other numbers of the motor and other frequencies; whether they were as many */
 Mode *mode_read(Run *r, Reader *in);      /* NULL without memory; look at the reader for what else was wrong */
 int mode_add(Run *r, Mode *m);
 void function_prepare(Mode *m, Event *e);  /* in the closed form of its mode, where it has one */

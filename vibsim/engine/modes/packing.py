@@ -152,7 +152,6 @@ def pack_modal(pack, modal):
         pack.put((column, sign))
     for one in places:
         pack.put(one)
-    pack.put((), (modal.window,))
     for coordinate, (first, count, first_shift, shift_count) in zip(modal.coordinates, spans, strict=True):
         pack.put(
             (coordinate.free, first, count, first_shift, shift_count),

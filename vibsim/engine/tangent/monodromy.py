@@ -17,6 +17,7 @@ import numpy as np
 from vibsim.engine.choice import engine_name
 from vibsim.engine.driver import Driver
 from vibsim.engine.flows.accelerations import accelerations
+from vibsim.engine.modes.mode_table import same_packed
 from vibsim.engine.state import State
 from vibsim.engine.tangent.tangent_space import length
 from vibsim.physics.modes import EVENT_NAMES
@@ -29,11 +30,12 @@ PIECES = 4096  # of the Python engine at once
 class Carried:
     """A motion from a start to a time, and disturbances of its start.
 
-    state : components at the end [m, m/s, rad, rad/s]; rate_there : tells their rates of change there
+    state : components at the end [m, m/s, rad, rad/s]; rate_there : their rates of change there, or what
+        tells them
     vectors : the disturbances at the end, one per row
-    events : (kind, part) of what happened on the way, in order; part: number among its sort, -1 for none
-    times, states, codes : when these happened [s], the components behind them and the states of the parts
-        (`Status.codes`), one row each
+    happened : kind and number of the part among its sort of what happened on the way, -1 for none, and the
+        states of the parts behind it (`Status.codes`), one row each
+    table : when [s], and the components behind it, one row each
     uncertified : number of doubts of the certificate; 0 where it is sure that no event was missed
     margin : smallest gap at a turn without contact [m], inf without any
     undefined_at : time [s] of the first event that has no derivative, a grazing touch of a rigid stop say;
@@ -41,12 +43,10 @@ class Carried:
     """
 
     state: np.ndarray
-    rate_there: Callable[[], np.ndarray]
+    rate_there: np.ndarray | Callable[[], np.ndarray]
     vectors: np.ndarray
-    events: tuple[tuple[str, int], ...]
-    times: np.ndarray
-    states: np.ndarray
-    codes: np.ndarray
+    happened: np.ndarray
+    table: np.ndarray
     uncertified: int
     margin: float
     undefined_at: float = nan
@@ -54,12 +54,39 @@ class Carried:
     @cached_property
     def rate(self):
         """Rates of change of the components at the end."""
-        return self.rate_there()
+        return self.rate_there() if callable(self.rate_there) else self.rate_there
+
+    @cached_property
+    def events(self):
+        """(kind, part) of what happened on the way, in order."""
+        return tuple((EVENT_NAMES[kind], part) for kind, part in self.happened[:, :2].tolist())
+
+    @property
+    def times(self):
+        """When these happened [s]."""
+        return self.table[:, 0]
+
+    @property
+    def states(self):
+        """The components behind them, one row each."""
+        return self.table[:, 1:]
+
+    @property
+    def codes(self):
+        """The states of the parts behind them (`Status.codes`), one row each."""
+        return self.happened[:, 2:]
 
     @property
     def matrix(self):
         """Column j: what became of disturbance j. The monodromy matrix where these were the unit ones."""
         return self.vectors.T
+
+
+class _Shared:
+    """A run on the C engine that carriers of several scenes use by turns, and the scene that it is on."""
+
+    def __init__(self):
+        self.run = self.scene = None
 
 
 class Carrier:
@@ -74,8 +101,8 @@ class Carrier:
         stops = tuple(replace(stop, at_start=False) for stop in scene.stops)
         clearances = tuple(replace(one, at_start=False) for one in scene.clearances)
         of = {"stops": stops, "clearances": clearances, "stop_on_violation": False}
-        self.scene = replace(scene, **of, every_num=10**9, every_den=1)
-        self.engine, self.size, self.run = engine_name(engine), length(scene), None
+        self.scene, self._origin = replace(scene, **of, every_num=10**9, every_den=1), scene
+        self.engine, self.size, self._shared = engine_name(engine), length(scene), _Shared()
         n = len(scene.bodies)
         rotor = (2 * n + 1, 2 * n + 2) if scene.motor is not None else ()
         # of the rows of a state in C: the time and then the components
@@ -114,21 +141,44 @@ class Carrier:
         return State(zero, x, v, phase, turns, rotor[1] if rotor else zero)
 
     def _by_c(self, components, end, vectors):
+        run = self._tuned()
+        run.restart(self._start(components), end, vectors)
+        states, codes = run.run_out()
+        head, rates, moved = run.outcome(len(vectors))
+        uncertified, margin, mode, undefined, undefined_time, *numbers = head
+        n = run.n
+        state = State(numbers[0], numbers[1 : n + 1], numbers[n + 1 : 2 * n + 1], *numbers[2 * n + 1 :])
+        there = rates if len(vectors) else partial(self._rate, state, run.rows_of(int(mode)))
+        happened = codes[:, 1:-1].T.copy()  # without start and end
+        table = states[:, 1:-1].T[:, self._order]
+        return self._told(
+            state, there, moved, happened, table, (uncertified, margin), (undefined, undefined_time)
+        )
+
+    def _tuned(self):
+        """The run on the C engine, on the numbers of this scene."""
         from vibsim.engine.c_engine import CRun
 
-        self.run = self.run or CRun(self.scene, carries=True)
-        self.run.restart(self._start(components), end, vectors)
-        states, codes = self.run.run_out()
-        tally = self.run.tally
-        uncertified, _, margin, _ = tally["certificate"]
-        moved, undefined = [], (0, nan)
-        if len(vectors):
-            entries = self.run.disturbances
-            moved, undefined = entries["vectors"], entries["undefined"]
-        rows = self.run.rows[tally["mode"]]
-        codes = codes[:, 1:-1].T.copy()  # without start and end
-        table = states[:, 1:-1][self._order].T
-        return self._told(State(*tally["state"]), rows, moved, codes, table, (uncertified, margin), undefined)
+        shared = self._shared
+        if shared.run is None:
+            shared.run = CRun(self.scene, carries=True)
+        elif shared.scene is not self.scene:
+            shared.run.retune(self.scene)
+        shared.scene = self.scene
+        return shared.run
+
+    def shares(self, scene):
+        """Whether a carrier of another scene can use the same run of the C engine: the modes of both are
+        packed the same.
+        """
+        return self.engine == "c" and same_packed(scene, self._origin)
+
+    def of(self, scene):
+        """A carrier of another scene that `shares` the run with this one, by turns."""
+        other = object.__new__(Carrier)
+        vars(other).update(vars(self), _origin=scene)
+        other.scene = replace(self.scene, motor=scene.motor, forces=scene.forces)
+        return other
 
     def _by_python(self, components, end, vectors):
         driver = Driver(self._started(components, end), Doubles, carry=vectors.tolist())
@@ -145,7 +195,8 @@ class Carrier:
         table = table.reshape(-1, 1 + self.size)
         happened = np.array(codes, dtype="i1").reshape(-1, width)
         certificate = kept.uncertified, kept.margin
-        return self._told(driver.state, rows, moved, happened, table, certificate, undefined)
+        there = partial(self._rate, driver.state, rows)
+        return self._told(driver.state, there, moved, happened, table, certificate, undefined)
 
     def _started(self, components, end):
         """The scene from the components of a state to `end` [s]."""
@@ -167,17 +218,15 @@ class Carrier:
         rotor = (state.w, alpha) if self.scene.motor is not None else ()
         return np.array([*state.v, *a[: len(self.scene.bodies)], *rotor])
 
-    def _told(self, state, rows, moved, codes, table, certificate, undefined):
-        vectors = np.array(moved, dtype="f8").reshape(-1, self.size)
+    def _told(self, state, rate_there, moved, happened, table, certificate, undefined):
+        vectors = np.asarray(moved, dtype="f8").reshape(-1, self.size)
         count, undefined_time = undefined
         return Carried(
             np.array(self._components(state)),
-            partial(self._rate, state, rows),
+            rate_there,
             np.full_like(vectors, nan) if count else vectors,
-            tuple((EVENT_NAMES[kind], part) for kind, part in codes[:, :2].tolist()),
-            table[:, 0],
-            table[:, 1:],
-            codes[:, 2:],
+            happened,
+            table,
             int(certificate[0]),
             certificate[1],
             undefined_time if count else nan,
