@@ -1,9 +1,11 @@
 """A multiplier that is exactly 1 because orbits come in families: no fold is told of."""
 
 import numpy as np
+import pytest
 
 from vibsim.branches import continue_branch
 from vibsim.cases import load_case
+from vibsim.orbits import find_orbit
 
 STUCK = """
 name: family
@@ -26,3 +28,31 @@ def test_a_body_that_sticks_anywhere(tmp_path):
     assert branch.specials == [] and branch.ends == ("end of the range", "end of the range")
     assert np.abs(branch["multipliers"] - 1).min(axis=1).max() < 1e-12
     assert (branch["v_b"] == 0).all() and branch["residual"].max() < 1e-12
+
+
+RUBBING = """
+name: rubbing
+bodies: {m: 1 kg}
+links: {spring: {between: [m, ground], k: 1 N/m}}
+friction: {floor: {between: [m, ground], N: 0.1 N, mu: 1}}
+forces: {drive: {on: m, A: 1 N, omega: 0.5 rad/s}}
+run: {t_end: 400 s, every: 0.5 s}
+"""
+
+
+@pytest.mark.parametrize(("key", "span"), [("A", "0.97:1.5 N"), ("friction.floor.N", "0.05:0.104 N")])
+def test_the_family_of_csernak_stepan_and_shaw(key, span, tmp_path):
+    """At half the natural frequency orbits that never stick form a family (Csernak, Stepan and Shaw 2007): in
+    half a period the body moves by 2 A / (1 - 1/4), wherever it is. One multiplier is 1 all along, and is no
+    fold; nor does its rounding count as a change of the index.
+    """
+    (tmp_path / "rubbing.yaml").write_text(RUBBING)
+    case = load_case(str(tmp_path / "rubbing.yaml"))
+    orbit = find_orbit(case.scene(), {"x_m": 0.0, "v_m": 2 / 3}, 1, case=case)
+    branch = continue_branch(orbit, key, span)
+    assert branch.specials == [] and branch.ends == ("end of the range", "end of the range")
+    assert np.abs(branch["multipliers"] - 1).min(axis=1).max() < 1e-12 and set(branch["word"]) == {"rr"}
+    force = branch["parameter"] if key == "A" else 1.0
+    np.testing.assert_allclose(branch["v_m"], 2 / 3 * force, rtol=1e-12)
+    np.testing.assert_allclose(branch["x_m"], 0.0, atol=1e-6)  # the shortest steps keep where it is
+    assert not branch["index"].any() and not branch["stable"].any()

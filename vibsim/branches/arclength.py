@@ -16,7 +16,8 @@ import numpy as np
 ITERATIONS = 8  # of Newton's method: more mean that the step was too long
 CLOSE = 1e-13  # scaled length of a Newton step behind which rounding begins
 ROUGH = 1e-8  # of the last Newton step, where rounding keeps it from growing shorter
-KERNEL = 1e-9  # singular values below this share of the largest span the kernel, next to the smallest one
+KERNEL = 1e-9  # singular values below this share of the largest are zero
+BY_SLOPE = 1e-6  # the same where the derivative by the parameter, a difference quotient, has a say
 
 
 class Point(Protocol):
@@ -53,9 +54,18 @@ class Corrected:
 
 
 def kernel(jacobian: np.ndarray) -> np.ndarray:
-    """Orthonormal vectors that span the kernel of an n x (n + 1) matrix, one or more, one per row."""
+    """Orthonormal vectors that span the kernel of an n x (n + 1) matrix, one or more, one per row.
+
+    It has more than one only where the exact derivatives, all columns but the last, are singular too.
+    """
     _, values, vectors = np.linalg.svd(jacobian)
-    dimension = 1 + int(np.sum(values <= KERNEL * values[0])) if values[0] > 0 else len(vectors)
+    if values[0] == 0:
+        return vectors
+    dimension = 1
+    if values[-1] <= BY_SLOPE * values[0]:
+        exact = np.linalg.svd(jacobian[:, :-1], compute_uv=False)
+        zeros = int(np.sum(exact <= KERNEL * exact[0]))
+        dimension += min(zeros, int(np.sum(values <= BY_SLOPE * values[0])))
     return vectors[len(vectors) - dimension :]
 
 
@@ -75,11 +85,13 @@ def correct(
     across: np.ndarray,
     limit: float,
     slope: np.ndarray | None = None,
+    families: bool = False,
 ) -> Corrected:
     """The point of the curve on the hyperplane through `start` across the unit vector `across`.
 
     evaluate : the `Point` at z; limit : no Newton step may be longer
     slope : derivative by the parameter from nearby, which spares its own at every step
+    families : whether solutions nearby have more dimensions than one: then the shortest step is taken
 
     Raises ContinuationError where Newton's method does not come to an end.
     """
@@ -88,7 +100,7 @@ def correct(
         point = evaluate(z)
         matrix = np.vstack([point.jacobian(slope), across])
         right = np.append(point.residual, across @ (z - start))
-        step = -_solved(matrix, right)
+        step = -_solved(matrix, right, families)
         length = float(np.linalg.norm(step))
         if (length <= CLOSE or (last <= ROUGH and length >= last / 2)) and point.settled:
             return Corrected(point, iteration)
@@ -98,8 +110,10 @@ def correct(
     raise ContinuationError(f"Newton's method took more than {ITERATIONS} steps")
 
 
-def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+def _solved(matrix: np.ndarray, right: np.ndarray, families: bool) -> np.ndarray:
     """The solution of matrix x = right; the shortest one where the matrix is singular but for rounding."""
+    if families:
+        return np.asarray(np.linalg.lstsq(matrix, right, rcond=BY_SLOPE)[0])
     try:
         x = np.linalg.solve(matrix, right)
     except np.linalg.LinAlgError:

@@ -177,7 +177,7 @@ class Branch(Labelled):
             "period": np.array([orbit.period for orbit in orbits]),
             "multipliers": np.array([orbit.multipliers for orbit in orbits]),
             "index": np.array([orbit.index for orbit in orbits]),
-            "stable": np.array([orbit.index == 0 for orbit in orbits]),
+            "stable": np.array([orbit.stable for orbit in orbits]),
             "word": np.array([self.spelled(orbit.word) for orbit in orbits], dtype=object),
             "arclength": self._arclength(),
             "dp_ds": np.array([point.way * point.tangent[-1] for point in self.points]),

@@ -27,6 +27,7 @@ from vibsim.branches.special import (
 )
 
 SHORT = 1e-9  # scaled length of a stretch that is not halved any more to part its events
+LONGEST_PART = 0.9  # of a stretch that is halved
 NARROW = 4e-15  # scaled length of a bracket that a change of the order of events is located in
 TRIES = 100  # evaluations while locating
 NEAR = 1e-3  # how far a located multiplier may be from where it crosses the circle [-]
@@ -69,7 +70,7 @@ def _with_sides(family: Family, special: Special, one: Node, other: Node) -> Ite
 def detect(one: Node, other: Node) -> list[str]:
     """Kinds of what must have happened between two nodes; a change of the order of events is called so."""
     kinds = []
-    if one.families == other.families == 0:
+    if not (one.in_family or other.in_family):
         if one.ahead * other.ahead < 0:
             kinds.append(FOLD)
         elif one.fold * other.fold < 0:
@@ -179,12 +180,17 @@ def _change(family: Family, one: Node, other: Node) -> Special | None:
 
 
 def _middle(family: Family, one: Node, other: Node) -> Node | None:
-    """The node about halfway between two; None where they are too near or Newton's method fails."""
-    if np.linalg.norm(other.z - one.z) <= SHORT:
+    """The node about halfway between two; None where they are too near, or Newton's method fails or leads
+    elsewhere, as it may within a family of orbits.
+    """
+    length = float(np.linalg.norm(other.z - one.z))
+    if length <= SHORT:
         return None
     for share in (0.5, 0.4, 0.6, 0.3, 0.7):
         try:
-            return between(family, one, other, share)
+            middle = between(family, one, other, share)
         except ContinuationError:
             continue
+        if max(np.linalg.norm(middle.z - end.z) for end in (one, other)) < LONGEST_PART * length:
+            return middle
     return None

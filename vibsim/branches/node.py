@@ -8,9 +8,11 @@ import numpy as np
 
 from vibsim.branches.arclength import correct, kernel, tangent
 from vibsim.branches.family import Family, FamilyPoint
+from vibsim.orbits.multipliers import ON_CIRCLE
 
 STEADY = 4.0  # times that the share of the parameter in the tangent may change where Newton holds it
 LEAST_LIMIT = 1e-6  # scaled length that a Newton step may have, however near two nodes are
+UNIT = 1e-6  # distance from 1 of multipliers that may be those of a family
 REAL = 1e-9  # imaginary part, over its size, below which a multiplier counts as real
 
 
@@ -59,8 +61,17 @@ class Node:
 
     @property
     def index(self) -> int:
-        """Number of multipliers outside the unit circle."""
-        return int(np.sum(np.abs(self.multipliers) > 1))
+        """Number of multipliers outside the unit circle; those of a family are on it but for rounding."""
+        return int(np.sum(np.abs(self.own_multipliers) > 1))
+
+    @cached_property
+    def own_multipliers(self) -> np.ndarray:
+        """The multipliers without those that are 1 because the orbit belongs to a family."""
+        distances = abs(self.multipliers - 1)
+        if not (distances < UNIT).any():
+            return self.multipliers
+        count = max(self.families, int(np.sum(distances < ON_CIRCLE)))
+        return np.delete(self.multipliers, np.argsort(distances)[:count])
 
     @property
     def ahead(self) -> float:
@@ -96,6 +107,11 @@ class Node:
         products += [(abs((a + b) / 2 - near.real) + abs(near.imag), a * b) for a, b in combinations(real, 2)]
         return min(products)[1] - 1.0
 
+    @property
+    def in_family(self) -> bool:
+        """Whether the orbit is one of a family at its parameter, or at neighbouring ones."""
+        return len(self.own_multipliers) < len(self.multipliers)
+
     @cached_property
     def families(self) -> int:
         """Dimensions of the family that the orbit belongs to at its parameter: 0 for an orbit alone."""
@@ -113,7 +129,8 @@ def node_at(
         slope: np.ndarray | None = np.zeros(len(start) - 1)  # nothing depends on it
     else:
         slope = near.point.slope if near is not None and near.families == 0 else None
-    corrected = correct(family, start, unit if across is None else across, limit, slope)
+    families = near is not None and near.in_family
+    corrected = correct(family, start, unit if across is None else across, limit, slope, families)
     return Node(corrected.point, unit if near is None else near.heading, corrected.iterations)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from vibsim.branches.node import Node
 from vibsim.branches.special import Special
 from vibsim.branches.walk import Step
+from vibsim.orbits.multipliers import sides_of_circle
 
 Word = tuple[tuple[str, int], ...]
 
@@ -37,8 +38,13 @@ class OrbitRecord:
 
     @property
     def index(self) -> int:
-        """Number of multipliers outside the unit circle."""
-        return sum(abs(mu) > 1 for mu in self.multipliers)
+        """Number of multipliers outside the unit circle, by more than rounding."""
+        return sides_of_circle(np.array(self.multipliers))[2]
+
+    @property
+    def stable(self) -> bool:
+        """Whether all multipliers are inside the unit circle, by more than rounding."""
+        return sides_of_circle(np.array(self.multipliers))[0] == len(self.multipliers)
 
 
 @dataclass(frozen=True)

@@ -106,7 +106,7 @@ def _operating_points(axes: Axes, branch: Any, torque: Value, no_load: Sequence[
             if (low - value) * (high - value) <= 0 and low != high:
                 share = (value - low) / (high - low)
                 x, y = ((1 - share) * of(one.orbit) + share * of(other.orbit) for of in (speed, torque))
-                stable = one.orbit.index == 0 if share < 0.5 else other.orbit.index == 0
+                stable = one.orbit.stable if share < 0.5 else other.orbit.stable
                 face = BLACK if stable else "white"
                 axes.plot(
                     x, y, "o", markersize=3.0, markerfacecolor=face, markeredgecolor=BLACK,
