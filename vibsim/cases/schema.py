@@ -192,7 +192,9 @@ class Run(Section):
     t_end: Duration = optional("300 s", "end of the run")
     every: Duration = optional("5 ms", "output interval; never changes the trajectory", "5 ms", "1/60 s")
     method: Literal["auto", "closed_form", "taylor"] = Field(
-        default="auto", description="auto: the closed form where it exists (no motor), else Taylor series"
+        default="auto",
+        description="auto: the closed form in each mode that has one (none with a motor or falling friction), "
+        "else Taylor series; closed_form: the same, but refused with a motor; taylor: series in every mode",
     )
     order: Annotated[int, BeforeValidator(whole_number)] = Field(
         default=20, ge=4, le=40, description="order of the Taylor series"
