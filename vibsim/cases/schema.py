@@ -193,7 +193,7 @@ class Run(Section):
     every: Duration = optional("5 ms", "output interval; never changes the trajectory", "5 ms", "1/60 s")
     method: Literal["auto", "closed_form", "taylor"] = Field(
         default="auto",
-        description="auto: the closed form in each mode that has one (none with a motor or falling friction), "
+        description="auto: the closed form in modes that have one (none with a motor or falling friction), "
         "else Taylor series; closed_form: the same, but refused with a motor; taylor: series in every mode",
     )
     order: Annotated[int, BeforeValidator(whole_number)] = Field(
