@@ -7,6 +7,7 @@ from math import pi
 import numpy as np
 import pytest
 
+from vibsim.cases import load_case
 from vibsim.engine.c_engine import CRun
 from vibsim.engine.resume import resume_point
 from vibsim.engine.trajectory import open_trajectory
@@ -117,3 +118,16 @@ def test_a_state_far_from_its_event_takes_many_calls():
     near = open_trajectory(quiet, "c", resume=row).state_at([1e5])
     there = open_trajectory(replace(quiet, t_end=1e5, every_num=10**5), "c").blocks()
     assert near["x_m"][0] == np.concatenate([block.samples["x_m"] for block in there])[-1]
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+@pytest.mark.parametrize("gap", ("1e-300 m", "1e-40 m"))
+def test_a_gap_that_opens_by_the_fourth_power_of_time_takes_few_steps(engine, gap):
+    """A motor that sets off from rest parts the blocks in proportion to t^4. Bounds that hold for a whole
+    Taylor step would allow steps of the root of the gap, and 1e9 of them or more.
+    """
+    case = load_case("II-B", {"x1": gap, "G": "0 m", "run.t_end": "0.05 s"})
+    trajectory = open_trajectory(case.scene(), engine)
+    samples = [block.samples["x1"] for block in islice(trajectory.blocks(), 40)]
+    assert len(np.concatenate(samples)) == 11
+    assert trajectory.totals["steps"] < 20

@@ -18,6 +18,7 @@
 #define TIMES_AT_ONCE 32
 #define WORK_AT_ONCE 100000 /* evaluations of the motion of two bodies between two returns to Python */
 #define UNHURRIED 1e100 /* window of a free mass [s] */
+#define MARCH_LIMIT 1000 /* evaluations of an event function in one march */
 #define EPS 1.1102230246251565e-16 /* 2^-53, unit round-off */
 
 enum { GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE };             /* kinds of event functions */

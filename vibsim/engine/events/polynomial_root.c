@@ -5,7 +5,8 @@
 #include "numbers.h"
 #include "turning_point.h"
 
-#define MARCH_LIMIT 1000
+#define LONG_MARCH 64
+#define NARROWER 4
 #define PIECES 8
 
 static void value_and_slope(const double *series, int count, double tau, double *value, double *slope)
@@ -35,6 +36,22 @@ static double newton(double tau, double value, double slope)
 {
     double zero = tau - value / slope;
     return zero > 0 ? zero : 0 * tau;
+}
+
+/* The safe step from tau by a bound of |f''| that reaches a few times as far as the march has come, or `step`, that by the
+ * bound of all h, whichever is longer.
+ */
+static double nearer_step(const double *series, int count, double tau, double room, double slope, double step, double h)
+{
+    double reach = NARROWER * (tau > step ? tau : step), bound = 0.0, nearer;
+    int n;
+    if (reach >= h)
+        return step;
+    for (n = count - 1; n > 1; n--)
+        bound = bound * reach + n * (n - 1) * fabs(series[n]);
+    nearer = safe_step(room, slope, bound);
+    nearer = nearer < reach - tau ? nearer : reach - tau;
+    return nearer > step ? nearer : step;
 }
 
 /* March by safe steps from t0; `error` proves a stretch, the rounding of its value blurs the place of a zero. */
@@ -68,6 +85,8 @@ static int march(Certificate *c, const double *series, int count, double error, 
         step = safe_step(room, slope, bound);
         if (step > h)
             return POSITIVE;
+        if (i >= LONG_MARCH)
+            step = nearer_step(series, count, tau, room, slope, step, h);
         ahead = t0 + (tau + step);
         if (ahead <= t) {
             if (slope < 0) {

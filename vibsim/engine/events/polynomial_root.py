@@ -7,6 +7,8 @@ from vibsim.engine.events.first_root import safe_step
 from vibsim.engine.events.turning_point import turning_point
 
 MARCH_LIMIT = 1000  # a march longer than this goes on from a new expansion, whose bounds are tighter
+LONG_MARCH = 64  # steps from which on bounds reach less far, and are the tighter for it
+NARROWER = 4  # reach of such bounds, in ways marched so far
 PIECES = 8  # a step spans less than two radians of the fastest motion: one minimum at most
 
 
@@ -103,7 +105,7 @@ class PolynomialSearch:
         zero = self.kit.number(0)
         t, stall, near = t0, self.kit.number(1), False
         floor = noise = error
-        for _ in range(MARCH_LIMIT):
+        for count in range(MARCH_LIMIT):
             tau = t - t0
             if tau > h:
                 return None, False
@@ -122,6 +124,8 @@ class PolynomialSearch:
             step = safe_step(self.kit, room, slope, bound)
             if step > h:
                 return None, False
+            if count >= LONG_MARCH:
+                step = self._nearer_step(series, tau, room, slope, step, h)
             ahead = self.kit.exact(t0 + (tau + step))
             if ahead <= t:
                 if slope < 0:
@@ -133,6 +137,20 @@ class PolynomialSearch:
                 stall = self.kit.number(1)
             t = ahead
         return t, False
+
+    def _nearer_step(self, series, tau, room, slope, step, h):
+        """The safe step from tau by a bound of |f''| that reaches a few times as far as the march has come,
+        or `step`, that by the bound of all h, whichever is longer.
+        """
+        reach = NARROWER * (tau if tau > step else step)
+        if reach >= h:
+            return step
+        bound = self.kit.number(0)
+        for n in range(len(series) - 1, 1, -1):
+            bound = bound * reach + n * (n - 1) * abs(series[n])
+        nearer, room_ahead = safe_step(self.kit, room, slope, bound), reach - tau
+        nearer = nearer if nearer < room_ahead else room_ahead
+        return nearer if nearer > step else step
 
     @staticmethod
     def _newton(tau, value, slope):

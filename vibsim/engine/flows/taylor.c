@@ -196,6 +196,7 @@ double taylor_advance(Run *r, double limit, int *event)
             return r->t0;
         }
         outcome = polynomial_first_root(&r->certificate, coefficients, count, r->known[e->key], r->t0, h, e->turns, &t);
+        r->spent += outcome == UNFINISHED ? MARCH_LIMIT : 0;
         if (outcome != POSITIVE && (t < end || (outcome == ZERO && *event == NOTHING))) {
             end = t;
             *event = outcome == ZERO ? i : NOTHING;
