@@ -101,3 +101,11 @@ def test_values_that_do_not_fit_the_scales(tmp_path):
     with pytest.raises(ValueError, match="reshape"):
         write_hdf5(tmp_path / "a.h5", ATTRS, DECLARED, {**VALUES, "load": [1.0]})
     assert not list(tmp_path.iterdir())
+
+
+def test_an_attribute_whose_name_is_no_text_is_left_out(written):
+    """h5py gives a name that is no UTF-8 as bytes."""
+    with h5py.File(written, "r+") as file:
+        h5py.h5a.create(file.id, b"\xff\xfe", h5py.h5t.NATIVE_INT64, h5py.h5s.create(h5py.h5s.SCALAR))
+    with opened(written, "sweep") as file:
+        assert read_attributes(written, file, [Attribute("title", TEXT)])["title"] == "two runs"

@@ -18,8 +18,11 @@ def write_attrs(location: Any, attrs: Mapping[str, Any]) -> None:
 
 
 def read_attrs(location: Any) -> dict[str, Any]:
-    """Attributes of a file, group or dataset as plain values: str, int, float, or an array."""
-    return {name: _plain(value) for name, value in location.attrs.items()}
+    """Attributes of a file, group or dataset as plain values: str, int, float, or an array.
+
+    A name that is no UTF-8, which h5py gives as bytes, is none of ours, and left out.
+    """
+    return {name: _plain(value) for name, value in location.attrs.items() if isinstance(name, str)}
 
 
 def _write(location: Any, name: bytes, value: Any) -> None:
