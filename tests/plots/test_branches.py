@@ -5,13 +5,17 @@ import pytest
 
 from tests.branches.made import CAPTURED, RESONANT, branch_of
 from tests.plots.artists import clipped_texts, lines, points
+from vibsim.branches import continue_branch
 from vibsim.cases import load_case
+from vibsim.orbits import find_orbit
 from vibsim.orbits.start import case_on_orbit
 from vibsim.plots.branch_curves import pieces
 from vibsim.plots.branch_over_sweep import belongs
 from vibsim.plots.branch_values import amplitude_of, mean_speed_of, parameter_of
 from vibsim.plots.errors import PlotError
-from vibsim.plots.load_curve import torque_of
+from vibsim.plots.leaps import dead_ends, leaps_of
+from vibsim.plots.motor_lines import LoadCurve, crossings, torque_of
+from vibsim.plots.quantities import Scale
 from vibsim.plots.registry import choose, kind_named
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_curves import curves, families
@@ -119,3 +123,53 @@ def test_branches_lie_over_a_sweep_of_their_values(captured):
     sweep = Subject("sweep.h5", "II-B", "sweep", swept.plan.case, swept)
     groups = families(curves([sweep]))
     assert [[belongs(captured, curve) for curve in group] for group in groups] == [[False], [True]]
+    figure = kind_named("sommerfeld").draw([sweep, captured], View(width="page"))
+    (named,) = figure.legends
+    assert [text.get_text() for text in named.get_texts()][-4:] == [
+        "stable", "unstable", "fold", "Neimark–Sacker",
+    ]  # fmt: skip
+
+
+PASSED = {"x1": 0.01999, "x2": 0.0, "v1": 0.001247, "v2": -0.0001133, "phi": 0.0, "phidot": 35.55}
+
+
+def passed_with(changes, span):
+    """The orbits at the right of the resonance, near the no-load speed at which the captured ones end."""
+    case = load_case("II-B", {"c": "0.03", "excitation.Omega0": "5.76 Hz", **changes})
+    branch = continue_branch(find_orbit(case.scene(), PASSED, 1, case=case), "excitation.Omega0", span)
+    return Subject("passed.h5", "passed", "branch", case, branch)
+
+
+def test_an_operating_point_stays_up_to_the_neimark_sacker_point_and_no_further(captured):
+    """5.794011 Hz, and the fold at 5.794093: nearer to either than the points of the branch are."""
+    curve = LoadCurve(captured.result, Scale(1e3, "mN m"))
+    assert [place.stable for place in crossings(curve, 5.79400)] == [True, False]
+    assert [place.stable for place in crossings(curve, 5.79405)] == [False, False]
+    assert crossings(curve, 5.79410) == []
+
+
+def test_the_motor_leaps_along_its_line_from_where_captures_end(captured):
+    passed = passed_with({}, "5.7:5.9 Hz")
+    figure = kind_named("load-curve").draw([captured, passed], View(width="page"))
+    (line,) = lines(figure, "line of the leap")
+    speed, torque = points(line)
+    end = captured.result.special("NS1")
+    assert speed[0] == pytest.approx(1 / end.period, rel=1e-12)
+    no_load = speed / (1 - torque * 1e-3 / captured.scene.motor.M0)
+    assert no_load == pytest.approx([end.parameter] * 2, rel=1e-12)
+    beyond = np.interp(end.parameter, passed.result["parameter"], 1 / passed.result["period"])
+    assert speed[1] == pytest.approx(beyond, rel=1e-4)
+    figure.draw_without_rendering()
+    assert clipped_texts(figure) == []
+
+
+def test_a_motor_does_not_leap_to_orbits_of_another_machine(captured):
+    other = passed_with({"J": "0.0011"}, "5.7:5.9 Hz")
+    curves = [LoadCurve(subject.result, Scale(1e3, "mN m")) for subject in (captured, other)]
+    assert len(crossings(curves[1], 5.794)) == 1 and leaps_of(curves, (3, 6)) == []
+
+
+def test_orbits_end_where_the_branch_turns_back_as_the_no_load_speed_rises(captured):
+    """The Neimark-Sacker point 8e-5 Hz before the fold; behind the fold nothing was stable before."""
+    branch = captured.result
+    assert dead_ends(branch) == [branch.special("NS1").orbit]

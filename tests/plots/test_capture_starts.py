@@ -52,7 +52,7 @@ def test_probability_over_two_ranges(ensemble):
     verdicts[1, 2] = CAPTURED
     verdicts[0, 1, :1] = CAPTURED
     figure = draw(ensemble({"Omega0": "3, 4 Hz", "c": "0.01:0.03/3"}, verdicts))
-    (mesh,) = [artist for artist in figure.axes[0].collections if artist.get_gid() == "probability"]
+    (mesh,) = [artist for artist in figure.axes[0].collections if artist.get_gid() == "share"]
     np.testing.assert_array_equal(mesh.get_array(), [[0, 0], [0.25, 0], [0, 1]])
 
 

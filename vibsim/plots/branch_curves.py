@@ -46,6 +46,15 @@ def pieces(branch: Any, x: Value, y: Value) -> list[Piece]:
     return found
 
 
+def orbits_along(branch: Any) -> list[Any]:
+    """Every orbit of a branch, those at its special points between the others."""
+    orbits = [branch.points[0].orbit]
+    for i in range(len(branch) - 1):
+        orbits += [special.orbit for special in branch.specials if special.between == (i, i + 1)]
+        orbits.append(branch.points[i + 1].orbit)
+    return orbits
+
+
 def _stretches(branch: Any, i: int) -> list[tuple[Any, Any, bool]]:
     """From point i to the next by way of the special points between: (orbit, orbit, stable)."""
     orbit, index = branch.points[i].orbit, branch.points[i].orbit.index
@@ -65,21 +74,22 @@ def draw_branch(
     colour: Any = BLACK,
     label: str = "",
     kinds: Sequence[str] = tuple(MARKS),
+    size: float = 1.0,
 ) -> None:
-    """One branch with its bifurcations; `kinds` are marked."""
+    """One branch with its bifurcations; `kinds` are marked, all of it larger or smaller by `size`."""
     for piece in pieces(branch, x, y):
         style = "-" if piece.stable else DASHES
         gid = "stable" if piece.stable else "unstable"
-        axes.plot(piece.x, piece.y, color=colour, linestyle=style, linewidth=WIDTH, zorder=4, gid=gid)
+        axes.plot(piece.x, piece.y, color=colour, linestyle=style, linewidth=size * WIDTH, zorder=4, gid=gid)
     if label:
         axes.plot([], [], color=colour, linewidth=WIDTH, label=label)
     for kind in kinds:
-        marker, size, filled, _ = MARKS[kind]
+        marker, pt, filled, _ = MARKS[kind]
         orbits = [special.orbit for special in branch.specials if special.kind == kind]
         if orbits:
             axes.plot(
-                [x(o) for o in orbits], [y(o) for o in orbits], marker, color=colour, markersize=size,
-                markerfacecolor=colour if filled else "white", markeredgewidth=0.7, gid=kind,
+                [x(o) for o in orbits], [y(o) for o in orbits], marker, color=colour, markersize=size * pt,
+                markerfacecolor=colour if filled else "white", markeredgewidth=0.7 * size, gid=kind,
                 zorder=6 if filled else 5,
             )  # fmt: skip
 

@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from vibsim.plots.branch_curves import draw_branch
+from vibsim.plots.branch_curves import draw_branch, keys_to_marks
 from vibsim.plots.branch_values import mean_speed_of, parameter_of
+from vibsim.plots.sheet import add_below
 from vibsim.plots.style import BLACK
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_curves import Curve
 
 MARKED = ("fold", "doubling", "neimark-sacker")
+SIZE = 0.7  # of lines and marks: what was swept shall show beside them
 
 
 def lay_branches(axes: Axes, drawn: Sequence[Curve], branches: Sequence[Subject]) -> None:
@@ -21,9 +24,15 @@ def lay_branches(axes: Axes, drawn: Sequence[Curve], branches: Sequence[Subject]
     for branch in branches:
         if any(belongs(branch, curve) for curve in drawn):
             result = branch.result
-            draw_branch(axes, result, parameter_of(result), mean_speed_of(result), BLACK, "", MARKED)
+            draw_branch(axes, result, parameter_of(result), mean_speed_of(result), BLACK, "", MARKED, SIZE)
     axes.set_xlim(*limits[0])
     axes.set_ylim(*limits[1])
+
+
+def name_branches(figure: Figure, branches: Sequence[Subject]) -> None:
+    """What lines and marks of the branches mean, in the legend under the picture."""
+    if branches:
+        add_below(figure, keys_to_marks([branch.result for branch in branches], MARKED))
 
 
 def belongs(branch: Subject, curve: Curve) -> bool:

@@ -6,11 +6,14 @@ from collections.abc import Sequence
 
 from matplotlib.figure import Figure
 
-from vibsim.plots.capture_map import draw_map, draw_probability_map
-from vibsim.plots.capture_starts import draw_probability, draw_starts
-from vibsim.plots.locus_over_map import lay_locus
+from vibsim.plots.capture_map import draw_map
+from vibsim.plots.capture_starts import CAPTURED, draw_probability, draw_starts
+from vibsim.plots.ensemble_pictures import Pictures, share_map
+from vibsim.plots.locus_over_map import lay_loci
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
+
+PICTURES = Pictures(draw_map, draw_starts, draw_probability, share_map("capture", CAPTURED, "captured"))
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
@@ -21,17 +24,6 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     ensemble alone: its starts, coloured by the verdict. Loci are laid over maps.
     """
     (subject,) = (each for each in subjects if each.reads == "sweep")
-    figure = _drawn(subject, view)
-    for locus in (each.result for each in subjects if each.reads == "locus"):
-        lay_locus(figure, subject, locus)
+    figure = PICTURES.draw(subject, view)
+    lay_loci(figure, subject, [each.result for each in subjects if each.reads == "locus"])
     return figure
-
-
-def _drawn(subject: Subject, view: View) -> Figure:
-    result = subject.result
-    ranges = sum(len(axis) > 1 for axis in result.axes if axis is not result.members)
-    if result.members is None:
-        return draw_map(subject, view)
-    if ranges == 0:
-        return draw_starts(subject, view)
-    return draw_probability(subject, view) if ranges == 1 else draw_probability_map(subject, view)

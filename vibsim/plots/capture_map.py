@@ -1,4 +1,4 @@
-"""Capture over two ranges: the verdict on every point and the speed at which it was held, or the share."""
+"""Capture over two ranges: the verdict on every point, and the speed at which it was held."""
 
 from __future__ import annotations
 
@@ -45,19 +45,6 @@ def draw_map(subject: Subject, view: View) -> Figure:
         bar.ax.set_yticklabels(rounded(edges.tolist()))
         bar.ax.minorticks_off()
     legend_of(figure, SHADES, verdicts[..., : len(directions)])
-    return figure
-
-
-def draw_probability_map(subject: Subject, view: View) -> Figure:
-    """Share of the members that are captured, at every point of two ranges."""
-    plane = plane_of(subject)
-    result = subject.result
-    shares = result.probability(result["capture"] == VERDICTS["captured"]).estimate
-    figure, grid = map_sheet(plane, 1, view)
-    for d, axes in enumerate(grid):
-        shown = plane.lay(axes, plane.grid(shares, d), cmap="viridis", vmin=0, vmax=1, gid="probability")
-        label = f"Share captured of {len(result.members)} starts"
-        figure.colorbar(shown, ax=axes, label=label, pad=0.02, aspect=30)
     return figure
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from vibsim.plots.ensemble_pictures import Pictures, share_map
 from vibsim.plots.map_sheet import map_sheet
 from vibsim.plots.sheet import note, sheet
 from vibsim.plots.style import BLUE, VERMILLION, YELLOW
@@ -36,13 +37,7 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     ensemble alone over two start values: its starts, coloured by the verdict.
     """
     (subject,) = subjects
-    result = subject.result
-    ranges = sum(len(axis) > 1 for axis in result.axes if axis is not result.members)
-    if result.members is None:
-        return _draw_map(subject, view)
-    if ranges == 0:
-        return _draw_starts(subject, view)
-    return _draw_shares(subject, view) if ranges == 1 else _draw_share_map(subject, view)
+    return PICTURES.draw(subject, view)
 
 
 def _draw_map(subject: Subject, view: View) -> Figure:
@@ -51,17 +46,6 @@ def _draw_map(subject: Subject, view: View) -> Figure:
     for d, axes in enumerate(panels):
         lay_classes(axes, plane, plane.grid(verdicts, d), SHADES, "end_state")
     legend_of(figure, SHADES, verdicts[..., : len(panels)])
-    return figure
-
-
-def _draw_share_map(subject: Subject, view: View) -> Figure:
-    plane, result = plane_of(subject), subject.result
-    shares = result.probability(result["end_state"] == VERDICTS["rest"]).estimate
-    figure, panels = map_sheet(plane, 1, view)
-    for d, axes in enumerate(panels):
-        drawn = plane.lay(axes, plane.grid(shares, d), cmap="viridis", vmin=0, vmax=1, gid="share")
-        label = f"Share at rest of {len(result.members)} starts"
-        figure.colorbar(drawn, ax=axes, label=label, pad=0.02, aspect=30)
     return figure
 
 
@@ -125,3 +109,8 @@ def _draw_starts(subject: Subject, view: View) -> Figure:
 def _say(axes: Axes, words: str, subject: Subject) -> None:
     """A note above the axes, and what of the sweep is missing."""
     note(axes, "; ".join(filter(None, [words, missing_note(subject)])))
+
+
+PICTURES = Pictures(
+    _draw_map, _draw_starts, _draw_shares, share_map("end_state", VERDICTS["rest"], "at rest")
+)  # after the functions that it names

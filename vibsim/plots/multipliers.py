@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from vibsim.plots.branch_curves import orbits_along
 from vibsim.plots.branch_values import parameter_label, parameter_of
 from vibsim.plots.sheet import legend_above, letter_panels, sheet
 from vibsim.plots.style import BLUE, GREY, VERMILLION
@@ -18,7 +19,7 @@ HEIGHT_CM = 7.0
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
-    """(a) magnitudes against the parameter, with the special points of the branch; (b) the plane."""
+    """(a) magnitudes against the parameter, at the special points of the branch too; (b) the plane."""
     figure = sheet(view, HEIGHT_CM)
     left, right = figure.subplots(1, 2, width_ratios=(3, 2))
     _magnitudes(left, subjects[0])
@@ -33,8 +34,9 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
 
 def _magnitudes(axes: Axes, subject: Subject) -> None:
     branch = subject.result
-    x = np.array([parameter_of(branch)(point.orbit) for point in branch.points])
-    sizes = np.abs(branch["multipliers"])
+    orbits = orbits_along(branch)
+    x = np.array([parameter_of(branch)(orbit) for orbit in orbits])
+    sizes = np.abs([orbit.multipliers for orbit in orbits])
     for k in range(sizes.shape[1]):
         outside = sizes[:, k] > 1
         axes.plot(x, sizes[:, k], color=BLUE, linewidth=0.8, gid="magnitude", zorder=2)

@@ -84,6 +84,19 @@ def legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[str], 
     figure.legend(handles, labels, loc="outside lower center", ncols=columns, **options)
 
 
+def add_below(figure: Figure, handles: Sequence[Any]) -> None:
+    """More entries, by the labels of their handles, in the legend under the picture, or the first there."""
+    drawn: list[Any] = []
+    for legend in list(figure.legends):
+        for handle, text in zip(legend.legend_handles, legend.get_texts(), strict=True):
+            assert handle is not None
+            handle.set_label(text.get_text())
+            drawn.append(handle)
+        legend.remove()
+    every = [*drawn, *handles]
+    legend_below(figure, every, [str(handle.get_label()) for handle in every])
+
+
 def letter_panels(panels: Sequence[Axes]) -> None:
     """(a), (b), ... above the upper left corners of the panels, in this order; none for a lone panel."""
     if len(panels) < 2:

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vibsim.plots.branch_over_sweep import lay_branches
+from vibsim.plots.branch_over_sweep import lay_branches, name_branches
 from vibsim.plots.margin_labels import Level, draw_levels
 from vibsim.plots.sheet import letter_panels, note, sheet
 from vibsim.plots.style import GREY, ORANGE
@@ -75,6 +75,7 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     name_curves(
         figure, panels, [curve for group in groups for curve in group] if len(groups) == 1 else groups[0]
     )
+    name_branches(figure, branches)
     letter_panels(panels)
     return figure
 

@@ -1,0 +1,69 @@
+"""Loci of bifurcations, by themselves and over the map of a sweep."""
+
+import numpy as np
+import pytest
+
+from tests.branches.made import CAPTURED, branch_of
+from tests.plots.artists import clipped_texts, lines, points
+from vibsim.branches.locus_plan import locus_plan
+from vibsim.branches.span import read_span
+from vibsim.branches.store.locus_file import LocusStore
+from vibsim.cases import load_case
+from vibsim.plots.errors import PlotError
+from vibsim.plots.registry import kind_named
+from vibsim.plots.subject import Subject
+from vibsim.plots.view import View
+from vibsim.sweeps import sweep
+
+POINTS = 3
+
+
+@pytest.fixture(scope="module")
+def loci():
+    """Folds and Neimark-Sacker points of captured orbits, a few of each, over Omega0 and c."""
+    branch = branch_of(CAPTURED, "4.9:6 Hz")
+    plans = [locus_plan(branch, label, *read_span(branch.case, "c", "0.02:0.04")) for label in ("F1", "NS1")]
+    followed = [LocusStore(plan).complete(POINTS)[0] for plan in plans]
+    return [Subject(f"{one.kind}.h5", one.kind, "locus", one.case, one) for one in followed]
+
+
+@pytest.fixture(scope="module")
+def mapped():
+    """Capture over Omega0 and c, and over Omega0 and mu."""
+    case = load_case("II-B", {"run.t_end": "1 s"})
+    every = []
+    for key, text in (("c", "0.02, 0.04"), ("mu", "0.001, 0.002")):
+        swept = sweep(case, {"Omega0": "5, 6 Hz", key: text}, compute=["capture"])
+        every.append(Subject(f"{key}.h5", "II-B", "sweep", swept.plan.case, swept))
+    return every
+
+
+def test_both_kinds_are_seen_where_they_lie_on_each_other(loci):
+    figure = kind_named("locus").draw(loci, View())
+    (folds,), (tori,) = lines(figure, "fold"), lines(figure, "neimark-sacker")
+    assert folds.get_color() != tori.get_color() and tori.get_zorder() > folds.get_zorder()
+    x, y = points(folds)
+    np.testing.assert_allclose(x[np.abs(y - 0.03).argmin()], 5.794093157256641, rtol=1e-11)
+    assert names(figure) == ["folds", "Neimark–Sacker points"]
+
+
+def test_loci_over_a_map_are_named_beside_its_verdicts(loci, mapped):
+    plain = kind_named("capture").draw(mapped[:1], View(width="page"))
+    figure = kind_named("capture").draw([mapped[0], *loci], View(width="page"))
+    assert names(figure) == [*names(plain), "folds", "Neimark–Sacker points"]
+    assert len(lines(figure, "fold")) == 2  # in both panels
+    assert figure.axes[0].get_xlim() == plain.axes[0].get_xlim()
+    figure.draw_without_rendering()
+    assert clipped_texts(figure) == []
+
+
+def test_a_locus_over_something_else_is_refused(loci, mapped):
+    with pytest.raises(
+        PlotError, match=r"over .*Omega0 and .*c does not lie in a map over .*Omega0 and .*mu"
+    ):
+        kind_named("capture").draw([mapped[1], *loci], View(width="page"))
+
+
+def names(figure):
+    """What the legend under the picture names."""
+    return [text.get_text() for legend in figure.legends for text in legend.get_texts()]
