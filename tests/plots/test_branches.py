@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tests.branches.made import CAPTURED, RESONANT, branch_of
+from tests.branches.test_families import STUCK
 from tests.plots.artists import clipped_texts, lines, points
 from vibsim.branches import continue_branch
 from vibsim.cases import load_case
@@ -61,6 +62,14 @@ def test_pieces_meet_at_the_neimark_sacker_point(captured):
     assert found[0].x[-1] == found[1].x[0] == branch.special("NS1").parameter
     assert found[0].y[-1] == pytest.approx(1 / branch.special("NS1").period, rel=1e-15)
     assert sum(len(piece.x) for piece in found) == len(branch) + 3  # the point twice, and the fold
+
+
+def test_a_family_of_orbits_is_not_drawn_as_stable(tmp_path):
+    """A body that rests anywhere on its friction: one multiplier is exactly 1, none is outside."""
+    (tmp_path / "family.yaml").write_text(STUCK)
+    branch = continue_branch(load_case(str(tmp_path / "family.yaml")), "A", "0.9:1.1 N", max_points=5)
+    assert not branch["index"].any()
+    assert not any(piece.stable for piece in pieces(branch, parameter_of(branch), amplitude_of(branch)))
 
 
 def test_stable_orbits_are_drawn_solid(captured):

@@ -56,14 +56,19 @@ def orbits_along(branch: Any) -> list[Any]:
 
 
 def _stretches(branch: Any, i: int) -> list[tuple[Any, Any, bool]]:
-    """From point i to the next by way of the special points between: (orbit, orbit, stable)."""
-    orbit, index = branch.points[i].orbit, branch.points[i].orbit.index
+    """From point i to the next by way of the special points between: (orbit, orbit, stable).
+
+    Orbits of a family have a multiplier on the unit circle and are not stable, though none is outside.
+    """
+    ends = [point.orbit for point in branch.points[i : i + 2]]
+    family = all(end.index == 0 and not end.stable for end in ends)
+    orbit, index = ends[0], ends[0].index
     found = []
     for special in branch.specials:
         if special.between == (i, i + 1) and special.jump:
-            found.append((orbit, special.orbit, index == 0))
+            found.append((orbit, special.orbit, index == 0 and not family))
             orbit, index = special.orbit, index + special.jump
-    return [*found, (orbit, branch.points[i + 1].orbit, index == 0)]
+    return [*found, (orbit, ends[1], index == 0 and not family)]
 
 
 def draw_branch(
