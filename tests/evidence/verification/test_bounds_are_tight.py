@@ -7,6 +7,7 @@ import pytest
 import vibsim.engine.trajectory
 from vibsim.evidence.verification import runs, verify
 from vibsim.evidence.verification.catalogue import all_checks
+from vibsim.orbits import return_map
 from vibsim.results import recording
 
 WRONG = 1 + 1e-13
@@ -37,14 +38,27 @@ def test_a_wrong_mass_is_noticed_in_settled_motions(name, monkeypatch):
     assert is_noticed(name, 1 + 1e-10, monkeypatch)
 
 
+@pytest.mark.parametrize("name", ["V13/orbit", "V13/fold", "V14/orbit"])
+def test_a_wrong_mass_is_noticed_in_orbits(name, monkeypatch):
+    """Of a mass wrong by 1e-11, a bound is noticed that is wider than it must be by 100 or more."""
+    right = return_map.Carrier
+    monkeypatch.setattr(return_map, "Carrier", lambda scene, *more: right(heavier(scene, 1 + 1e-11), *more))
+    assert not all(row.passed for row in verify([name], "c"))
+
+
 def is_noticed(name, wrong, monkeypatch):
     """Whether the check falls short with the mass of the first body times `wrong`."""
     right = vibsim.engine.trajectory.open_trajectory
 
-    def heavier(scene, *given, **options):
-        first, *others = scene.bodies
-        return right(replace(scene, bodies=(replace(first, m=first.m * wrong), *others)), *given, **options)
+    def run(scene, *more, **options):
+        return right(heavier(scene, wrong), *more, **options)
 
-    monkeypatch.setattr(recording, "open_trajectory", heavier)
-    monkeypatch.setattr(runs, "open_trajectory", heavier)
+    monkeypatch.setattr(recording, "open_trajectory", run)
+    monkeypatch.setattr(runs, "open_trajectory", run)
     return not all(row.passed for row in verify([name], "c"))
+
+
+def heavier(scene, wrong):
+    """The scene with the mass of its first body times `wrong`."""
+    first, *others = scene.bodies
+    return replace(scene, bodies=(replace(first, m=first.m * wrong), *others))

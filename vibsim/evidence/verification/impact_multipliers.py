@@ -66,17 +66,21 @@ def monodromy(sigma: float, step: float, engine: str) -> np.ndarray:
 
 def carried(sigma: float, push: np.ndarray, engine: str) -> np.ndarray:
     """x [m] and v [m/s] two periods after a start `push` beside the motion, AWAY behind an impact."""
+    result = run(made_case(CASE, "Budd and Dux", **between_impacts(sigma, *push.tolist())), engine)
+    return np.array([result.events["x_mass"][-1], result.events["v_mass"][-1]])
+
+
+def between_impacts(sigma: float, dx: float = 0.0, dv: float = 0.0) -> dict[str, object]:
+    """A run of two periods that starts AWAY behind an impact, dx [m] and dv [m/s] beside the motion."""
     a, b, gamma, phase = orbit(sigma)
     turned = OMEGA * AWAY + phase
     x = a * cos(AWAY) + b * sin(AWAY) + gamma * cos(turned)
     v = -a * sin(AWAY) + b * cos(AWAY) - gamma * OMEGA * sin(turned)
-    given = {
+    return {
         "stops__wall__gap": sigma,
-        "initial__mass__x": x + float(push[0]),
-        "initial__mass__v": v + float(push[1]),
+        "initial__mass__x": x + dx,
+        "initial__mass__v": v + dv,
         "forces__drive__phase": turned + pi / 2,
         "run__t_end": PERIOD,
         "run__every": "1 s",
     }
-    result = run(made_case(CASE, "Budd and Dux", **given), engine)
-    return np.array([result.events["x_mass"][-1], result.events["v_mass"][-1]])
