@@ -14,7 +14,7 @@ from tests.engine.runs import Run, outcome, whole
 from vibsim.cases import load_case
 from vibsim.engine.truth import open_truth
 from vibsim.physics import number_kits
-from vibsim.physics.parts import GROUND, Body, Friction, Harmonic, Link, Scene
+from vibsim.physics.parts import GROUND, Body, Friction, Harmonic, Link, RigidStop, Scene
 
 pytest.importorskip("flint")
 GALLERY = Path(__file__).parents[2] / "cases" / "gallery"
@@ -23,7 +23,9 @@ KEPT = ("order", "tol", "every_num", "every_den")  # what is no physical number
 
 
 def exact_parts(scene):
-    """Makes the scene whose numbers are exactly those doubles; an omega is 2 pi times its cycles."""
+    """Makes the scene whose numbers are exactly those doubles, but for what follows from others: an omega is
+    2 pi times its cycles, and the gap of a rigid stop that touches at the start is where its ends are.
+    """
 
     def convert(part, number, pi):
         if isinstance(part, Harmonic):
@@ -37,7 +39,29 @@ def exact_parts(scene):
             return tuple(convert(one, number, pi) for one in part)
         return number(Fraction(part)) if isinstance(part, float) else part
 
-    return lambda number, pi: convert(scene, number, pi)
+    def make(number, pi):
+        parts = convert(scene, number, pi)
+        base = sum((term.amplitude * sine(term.phase) for term in parts.base), number(0))
+        places = [*(body.x for body in parts.bodies), base, number(0)]  # BASE is -2, GROUND -1
+        stops = (touching(stop, places) if touches(stop) else stop for stop in parts.stops)
+        return replace(parts, stops=tuple(stops))
+
+    return make
+
+
+def touches(stop):
+    """Whether a stop is a rigid one whose ends meet at the start."""
+    return isinstance(stop, RigidStop) and stop.at_start
+
+
+def touching(stop, places):
+    """The stop with the gap that its ends leave."""
+    return replace(stop, gap=-(stop.sense * (places[stop.P] - places[stop.Q])))
+
+
+def sine(phase):
+    """Sine of a phase [rad] in python-flint's numbers."""
+    return phase.sin()
 
 
 def truth(make, digits, **options):

@@ -46,6 +46,11 @@ class BigFloats(WorkingPrecision):
         """The time `t` on the grid of the number type."""
         return t
 
+    @staticmethod
+    def all_exact(values):
+        """The list `values`: they carry nothing besides their digits."""
+        return values
+
     def sqrt(self, x):
         """Square root; 0 where rounding has left x below it."""
         return self.context.sqrt(x) if x > 0 else self.context.zero

@@ -2,8 +2,9 @@
 
 Arb numbers carry a radius. The state is stripped of it at the start of every segment (`settle`), because
 radii follow worst cases while the right digits of a chaotic run are told by its own error growth: compare
-two precisions. Inside a segment every decision is one between balls; the unit round-off `eps` stands
-GUARD_BITS above the working precision so that rounding never blurs it.
+two precisions. Inside a segment decisions are those of doubles: event functions are compared without radii,
+so that one that rests at zero is zero. The unit round-off `eps` stands GUARD_BITS above the working
+precision: radii are far below what a decision allows for rounding.
 """
 
 from fractions import Fraction
@@ -36,6 +37,11 @@ class Balls(WorkingPrecision):
     def exact(t):
         """The time `t` without its radius."""
         return t.mid()
+
+    @staticmethod
+    def all_exact(values):
+        """The list `values` without radii."""
+        return [value.mid() for value in values]
 
     @staticmethod
     def number(value):

@@ -149,9 +149,15 @@ class Automaton:
         return self.flow.derivatives(self._event(rows, key), 0)[0]
 
     def _leading_sign(self, state, status, key, first=1):
-        """Sign of the first derivative, from order `first`, that is not zero."""
+        """Sign of the first derivative, from order `first`, that is not zero; that of order 1 is one of
+        velocities where differences alone make the function, and no rounding of a flow is in it.
+        """
         rows = self._enter(state, status)
-        return first_sign(self.flow.derivatives(self._event(rows, key), JET)[first:])
+        event = self._event(rows, key)
+        values = self.flow.derivatives(event, JET)
+        if all(term.kind == DIFFERENCE for term in event.terms):
+            values[1] = self._direct_rate(state, event)
+        return first_sign(values[first:])
 
     # -- events
 

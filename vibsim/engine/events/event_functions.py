@@ -41,9 +41,9 @@ class EventFunctions:
                         force = force + value
                 part = factor * force / mass
                 total = part if total is None else total + part
-            return total
+            return self.kit.exact(total)
         value = self._sum(event.terms, n)
-        return value + event.constant if n == 0 else value
+        return self.kit.exact(value + event.constant if n == 0 else value)
 
     def _sum(self, terms, n):
         total = None

@@ -267,7 +267,7 @@ class Taylor:
         series = self._term(event.terms[0])
         for term in event.terms[1:]:
             series = [a + b for a, b in zip(series, self._term(term), strict=False)]
-        return [series[0] + event.constant] + series[1:]
+        return self.kit.all_exact([series[0] + event.constant] + series[1:])
 
     def _term(self, term):
         P, Q, factor, p = term.P, term.Q, term.coefficient, self.order
