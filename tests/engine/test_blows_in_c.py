@@ -32,7 +32,7 @@ def asked(monkeypatch):
     kinds, decide = [], c_engine.CRun._decide
 
     def counting(self, number, event, state):
-        kinds.append(self.rows[number].events[event].kind)
+        kinds.append(self.rows_of(number).events[event].kind)
         return decide(self, number, event, state)
 
     monkeypatch.setattr(c_engine.CRun, "_decide", counting)
