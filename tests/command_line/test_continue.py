@@ -40,6 +40,17 @@ def test_a_line_per_special_point(followed):
     assert "nothing to compute" in follow(path).stdout
 
 
+def test_a_locus_that_has_its_points_is_left_alone(followed, tmp_path):
+    """The same command once more computed another point on each side."""
+    words = ["continue", followed[0], "--locus", "F1", "--param", "c=0.02:0.04", "--max-points", "3"]
+    first = call(*words, "-o", tmp_path / "folds.h5")
+    assert first.exit_code == 0, first.stderr
+    again = call(*words, "-o", tmp_path / "folds.h5")
+    assert "nothing to compute" in again.stdout
+    assert again.stdout.splitlines()[:-1] == first.stdout.splitlines()[:-1]
+    assert open_result(tmp_path / "folds.h5").attrs["points"] == 3
+
+
 def test_json_lists_the_special_points(followed):
     path, _ = followed
     listed = json.loads(follow(path, "--json").stdout)

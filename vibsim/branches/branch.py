@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.branches.along import Along
 from vibsim.branches.plan import BranchPlan
 from vibsim.branches.records import OrbitRecord, PointRecord, SpecialRecord, Word
 from vibsim.branches.special import LABELS
@@ -49,7 +50,7 @@ class SpecialPoint:
         return np.array(self.orbit.multipliers)
 
 
-class Branch(Labelled):
+class Branch(Along, Labelled):
     """A branch: `branch["period"]` and so on along it, `branch.specials` on it.
 
     plan : what was continued; attrs : of its file
@@ -59,6 +60,8 @@ class Branch(Labelled):
     >>> branch.key, branch.specials, bool(branch["period"].max() > 6.98)
     ('forces.drive.omega', [], True)
     """
+
+    noun = "branch"
 
     def __init__(
         self,
@@ -115,19 +118,6 @@ class Branch(Labelled):
         last = forwards[-1].ended if forwards else ""
         first = backwards[0].ended if backwards else CLOSED if last == CLOSED else ""
         return first, last
-
-    def __len__(self) -> int:
-        return len(self.points)
-
-    def keys(self) -> list[str]:
-        """Names of the arrays along the branch."""
-        return [*self._arrays]
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        """An array along the branch, first axis the points. Raises KeyError with the names that there are."""
-        if name not in self._arrays:
-            raise KeyError(f"{name} is not in this branch; it has {', '.join(self._arrays)}")
-        return self._arrays[name]
 
     def arrays(self) -> Arrays:
         """What its file holds: columns along the points, those along the special points, multipliers."""

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.branches.along import Along
 from vibsim.branches.locus import LocusStep, PlanePoint, walk
 from vibsim.branches.locus_plan import LocusPlan
 from vibsim.branches.node import Node
@@ -36,8 +37,10 @@ class LocusRecord:
     ended: str = ""
 
 
-class Locus:
+class Locus(Along):
     """A locus: `locus["parameter"]`, `locus["second"]` and so on along it."""
+
+    noun = "locus"
 
     def __init__(
         self, plan: LocusPlan, points: Sequence[LocusRecord], attrs: Mapping[str, Any] | None = None
@@ -59,19 +62,6 @@ class Locus:
     def ends(self) -> tuple[str, str]:
         """Why it ends, at its first and its last point; empty where it was not followed further."""
         return (self.points[0].ended, self.points[-1].ended) if self.points else ("", "")
-
-    def __len__(self) -> int:
-        return len(self.points)
-
-    def keys(self) -> list[str]:
-        """Names of the arrays along the locus."""
-        return [*self._arrays]
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        """An array along the locus, first axis the points. Raises KeyError with the names that there are."""
-        if name not in self._arrays:
-            raise KeyError(f"{name} is not in this locus; it has {', '.join(self._arrays)}")
-        return self._arrays[name]
 
     @cached_property
     def _arrays(self) -> dict[str, np.ndarray]:
@@ -103,19 +93,19 @@ def trace_locus(
     for way in WAYS:
         done = [point for point in known if point.way == way or point.number == 0]
         last, plane.pair = done[-1], pair
-        if last.ended:
+        room = (most + 1) // 2 - len(done) if way == WAYS[0] else most - len(known)
+        if last.ended or room <= 0:
             continue
         here, direction = start, way * along
         if last.number:
             here, direction = plane(np.array(last.unknowns)), np.array(last.tangent)
             plane.pair = min(last.orbit.multipliers, key=lambda mu: abs(abs(mu) - 1) + (mu.imag <= 0) * 1e3)
-        share = most if way == WAYS[-1] else (most + 1) // 2
         for number, step in enumerate(walk(plane, here, direction, last.step, plan.spans), last.number + 1):
             known.append(_record_of(step, way, number))
             add(known[-1])
             if watch is not None and not watch(len(known)):
                 return False
-            if len(known) >= share:
+            if number == last.number + room:
                 break
     return True
 

@@ -1,6 +1,5 @@
 """What `vibsim continue` does: find the orbit, follow it with progress, list what was met."""
 
-import time
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
@@ -15,14 +14,12 @@ from vibsim.branches.store.branch_store import BranchFileStore
 from vibsim.branches.switching import switched
 from vibsim.branches.tracing import MOST_POINTS
 from vibsim.cases import Case, UnknownKeyError
-from vibsim.command_line.interruption import Interruption
-from vibsim.command_line.progress import PATIENCE, Progress
-from vibsim.command_line.quantity_text import size
+from vibsim.command_line.following import Following
 from vibsim.command_line.run_plan import hdf5_name, read_case
 from vibsim.command_line.settings import Settings
 from vibsim.command_line.summary import print_lines
 from vibsim.command_line.sweep_jobs import source_key
-from vibsim.command_line.terminal import print_json, say
+from vibsim.command_line.terminal import say
 from vibsim.opening import open_result
 from vibsim.results import is_result_file, kind_of
 from vibsim.sweeps.plan.axis import scale_name
@@ -97,30 +94,13 @@ def run_continuation(
     plan: BranchPlan, output: str, most: int | None, engine: str, force: bool, settings: Settings
 ) -> int:
     """Follow a branch, or complete one; returns the exit code."""
-    path, began = Path(output), time.perf_counter()
-    most = most or MOST_POINTS
-    with Interruption() as interruption:
-        store = BranchFileStore(plan, path, engine, force)
-        for note in store.notes:
-            say(f"Warning: {note}", err=True)
-        had, progress = len(store.points), Progress(not settings.quiet, PATIENCE)
-
-        def watch(count: int, _: object) -> bool:
-            progress.show("points", count, most)
-            return interruption.signum is None
-
-        try:
-            branch, finished = complete(store, most, engine, watch)
-        finally:
-            progress.close()
-    if settings.json:
-        print_json({"file": str(path), **facts(branch)})
-    elif not settings.quiet:
-        print_branch(branch, _file_text(path, branch, had, time.perf_counter() - began))
-    if not finished:
-        say(f"interrupted: {path} holds what was done; the same command goes on from there", err=True)
-        return interruption.exit_code
-    return 0
+    path, most = Path(output), most or MOST_POINTS
+    return Following(
+        lambda: BranchFileStore(plan, path, engine, force),
+        lambda store, watch: complete(store, most, engine, watch),
+        facts,
+        print_branch,
+    ).run(path, most, settings)
 
 
 def print_branch(branch: Branch, file: str, more: Iterable[tuple[str, str]] = ()) -> None:
@@ -132,10 +112,3 @@ def print_branch(branch: Branch, file: str, more: Iterable[tuple[str, str]] = ()
         cells = (text.ljust(width) for text, width in zip(row, widths, strict=True))
         say(f"  {'  '.join(cells)}".rstrip())
     print_lines([*more, ("file", file)])
-
-
-def _file_text(path: Path, branch: Branch, had: int, took: float) -> str:
-    text = f"{path} ({size(path)})"
-    if had == len(branch):
-        return f"{text}, was complete: nothing to compute"
-    return f"{text}, {took:.2f} s" + (f", {had} points were there" if had else "")

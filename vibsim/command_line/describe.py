@@ -1,6 +1,6 @@
 """Describe a result file: a trajectory here, a sweep by the sweeps, others by their tables."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from vibsim.command_line.quantity_text import size
@@ -26,17 +26,9 @@ def print_case(path: str, settings: Settings) -> None:
 def print_description(path: str, settings: Settings) -> None:
     """Print what a result file holds."""
     kind = kind_of(path)
-    if kind == "bench":
-        _print_bench(path, settings)
-        return
-    if kind == "fit":
-        _print_fit(path, settings)
-        return
-    if kind == "branch":
-        _print_branch(path, settings)
-        return
-    if kind == "locus":
-        _print_locus(path, settings)
+    told = {"bench": _print_bench, "fit": _print_fit, "branch": _print_branch, "locus": _print_locus}
+    if kind in told:
+        told[kind](path, settings)
         return
     if kind != "trajectory":
         _print_sweep(path, settings)
@@ -73,35 +65,33 @@ def _print_fit(path: str, settings: Settings) -> None:
     from vibsim.command_line.fit_jobs import print_fit
     from vibsim.fitting.description import facts
 
-    fit = open_result(path)
-    if settings.json:
-        print_json({"file": path, **facts(fit)})
-    elif not settings.quiet:
-        print_fit(fit, f"{path} ({size(path)})", attribute_lines(fit.attrs) if settings.verbose else ())
+    _print_whole(path, settings, facts, print_fit)
 
 
 def _print_branch(path: str, settings: Settings) -> None:
     from vibsim.branches.description import facts
     from vibsim.command_line.continuation_jobs import print_branch
 
-    branch = open_result(path)
-    if settings.json:
-        print_json({"file": path, **facts(branch)})
-    elif not settings.quiet:
-        more = attribute_lines(branch.attrs) if settings.verbose else ()
-        print_branch(branch, f"{path} ({size(path)})", more)
+    _print_whole(path, settings, facts, print_branch)
 
 
 def _print_locus(path: str, settings: Settings) -> None:
     from vibsim.branches.description import locus_facts
     from vibsim.command_line.locus_jobs import print_locus
 
-    locus = open_result(path)
+    _print_whole(path, settings, locus_facts, print_locus)
+
+
+def _print_whole(
+    path: str, settings: Settings, facts: Callable[[Any], dict[str, Any]], show: Callable[..., None]
+) -> None:
+    """What was printed when the file was made, its attributes too if asked for."""
+    result = open_result(path)
     if settings.json:
-        print_json({"file": path, **locus_facts(locus)})
+        print_json({"file": path, **facts(result)})
     elif not settings.quiet:
-        more = attribute_lines(locus.attrs) if settings.verbose else ()
-        print_locus(locus, f"{path} ({size(path)})", more)
+        more = attribute_lines(result.attrs) if settings.verbose else ()
+        show(result, f"{path} ({size(path)})", more)
 
 
 def _print_trajectory(result: Result, path: str, settings: Settings) -> None:

@@ -1,6 +1,5 @@
 """What `vibsim continue --locus` does: follow a bifurcation of a branch in two parameters."""
 
-import time
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -14,13 +13,10 @@ from vibsim.branches.plan import BranchError
 from vibsim.branches.span import read_span
 from vibsim.branches.store.locus_file import LocusStore
 from vibsim.cases import UnknownKeyError
-from vibsim.command_line.interruption import Interruption
-from vibsim.command_line.progress import PATIENCE, Progress
-from vibsim.command_line.quantity_text import size
+from vibsim.command_line.following import Following
 from vibsim.command_line.run_plan import hdf5_name
 from vibsim.command_line.settings import Settings
 from vibsim.command_line.summary import print_lines
-from vibsim.command_line.terminal import print_json, say
 from vibsim.opening import open_result
 from vibsim.results import is_result_file
 
@@ -45,30 +41,13 @@ def run_locus(
     plan: LocusPlan, output: str, most: int | None, engine: str, force: bool, settings: Settings
 ) -> int:
     """Follow a locus, or complete one; returns the exit code."""
-    path, began = Path(output), time.perf_counter()
-    most = most or MOST_POINTS
-    with Interruption() as interruption:
-        store = LocusStore(plan, path, engine, force)
-        for note in store.notes:
-            say(f"Warning: {note}", err=True)
-        progress = Progress(not settings.quiet, PATIENCE)
-
-        def watch(count: int) -> bool:
-            progress.show("points", count, most)
-            return interruption.signum is None
-
-        try:
-            locus, finished = store.complete(most, watch)
-        finally:
-            progress.close()
-    if settings.json:
-        print_json({"file": str(path), **locus_facts(locus)})
-    elif not settings.quiet:
-        print_locus(locus, f"{path} ({size(path)}), {time.perf_counter() - began:.2f} s")
-    if not finished:
-        say(f"interrupted: {path} holds what was done; the same command goes on from there", err=True)
-        return interruption.exit_code
-    return 0
+    path, most = Path(output), most or MOST_POINTS
+    return Following(
+        lambda: LocusStore(plan, path, engine, force),
+        lambda store, watch: store.complete(most, watch),
+        locus_facts,
+        print_locus,
+    ).run(path, most, settings)
 
 
 def print_locus(locus: Locus, file: str, more: Iterable[tuple[str, str]] = ()) -> None:
