@@ -11,6 +11,7 @@ import vibsim.engine._engine as _engine
 from vibsim.engine.columns import part_columns
 from vibsim.engine.errors import EngineError
 from vibsim.engine.events.automaton import JET, Automaton
+from vibsim.engine.events.certificate import Certificate
 from vibsim.engine.events.plain_start import PlainStart
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.flows.harmonics import value_and_rate
@@ -21,6 +22,7 @@ from vibsim.engine.ledgers.packing_meters import pack_blows, pack_extremes, pack
 from vibsim.engine.modes.mode_table import mode_table
 from vibsim.engine.modes.packing import coupled, pack_scene, pack_state
 from vibsim.engine.modes.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, STRIKE, RowMaker
+from vibsim.engine.modes.rule import CROSS, STAND, STRUCK, Rule
 from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK
 from vibsim.engine.state import State, start_of
 from vibsim.engine.tangent.impact_saltation import UNDEFINED
@@ -38,7 +40,6 @@ MOST_RECALLED = 16  # modes that a run is told of before it meets them
 SECONDS = 0.1  # between two blocks where Python decides: Ctrl-C is heard there
 ACCUMULATION, DIVERGED, UNDECIDED = 1, 2, 3
 REASONS = {ACCUMULATION: "accumulation", DIVERGED: "diverged"}
-ASK, CROSS, STAND, STRUCK = range(4)
 
 
 def harmonics_of(scene):
@@ -46,12 +47,12 @@ def harmonics_of(scene):
     return list(dict.fromkeys(pitch(term) for term in sounding(scene.harmonics)))
 
 
-class Doubts:
+class Doubts(Certificate[float]):
     """A certificate that hands doubts on to the run in C."""
 
     def __init__(self):
+        super().__init__(Doubles)
         self.run: Any = None
-        self.margin = float("inf")
 
     def doubt(self, t):
         self.run.doubt(t)
@@ -304,9 +305,10 @@ class CRun:
 
     def _rule_jumps_in_c(self, rows, rule, event):
         """The same for all that a rule may lead to."""
-        _, target, other, hold, *_ = rule
-        behind = [self.rows_of(number) for number in ((target, other) if hold >= 0 else (target,))]
-        return not self.carries or all(self._jumps_in_c(rows, after, event) for after in behind)
+        behind = [rule.target] if rule.other is None or rule.hold < 0 else [rule.target, rule.other]
+        return not self.carries or all(
+            self._jumps_in_c(rows, self.maker.rows(status), event) for status in behind
+        )
 
     def _hand_jump(self, event, state, before, after):
         """Take disturbances from C through `event`, as `TangentBundle.cross` does."""
@@ -332,19 +334,17 @@ class CRun:
         rule = self.table.rule(rows, event, self._rule)
         if rule is None:
             return False
-        kind, *behind, hold, happened, part, key, order = rule
+        behind = rule.target, rule.other
         target, other = (0 if status is None else self._mode(status) for status in behind)
-        numbers = kind, target, other, hold, EVENT_KINDS[happened], part, self.keys[key], order
-        if not self._rule_jumps_in_c(rows, numbers, rows.events[event]):
+        if not self._rule_jumps_in_c(rows, rule, rows.events[event]):
             return False
+        kind = EVENT_KINDS[rule.happened]
+        numbers = rule.kind, target, other, rule.hold, kind, rule.part, self.keys[rule.key], rule.order
         self.run.set_rule(number, event, numbers)
         return True
 
     def _rule(self, rows, event):
-        """(rule, target, other, hold, kind, part, key, order) of an event, or None where Python decides.
-
-        target, other: a status, or None; kind: of the event by name; key: of what is zero behind it.
-        """
+        """The rule of an event, or None where Python decides."""
         status, i, key = rows.status, event.part, event.key
         if event.kind == STRIKE:
             return self._blow_rule(status, event)
@@ -374,7 +374,7 @@ class CRun:
 
     @staticmethod
     def _cross(status, kind, part, key, order):
-        return CROSS, status, None, -1, kind, part, key, order
+        return Rule(CROSS, status, None, -1, kind, part, key, order)
 
     def _blow_rule(self, status, event):
         """Of a blow on a stop whose ends nothing else acts on that asks for a decision: no tie, friction or
@@ -386,7 +386,7 @@ class CRun:
         parts = [part for part in (*scene.frictions, *lifting) if struck & set(self.maker.ends(part))]
         if status.tied or parts or (scene.motor is not None and scene.motor.on in struck):
             return None
-        return STRUCK, status, None, -1, "impact", i, event.key, 1
+        return Rule(STRUCK, status, None, -1, "impact", i, event.key, 1)
 
     def _contact_rule(self, status, event, key):
         i = event.part
@@ -427,7 +427,7 @@ class CRun:
             for number, e in enumerate(rows.events):
                 if e.kind == HOLD and rows.cuts[e.part].ties[0][1] * e.direction == -before:
                     hold = number
-        return STAND, stuck, other, hold, "stick_begin", i, key, 1
+        return Rule(STAND, stuck, other, hold, "stick_begin", i, key, 1)
 
     @property
     def disturbances(self):

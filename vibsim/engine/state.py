@@ -1,11 +1,14 @@
 """The state of a scene: bodies and rotor at one instant."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Generic
+
+from vibsim.physics.numbers import Kit, N
+from vibsim.physics.parts import Scene
 
 
 @dataclass
-class State:
+class State(Generic[N]):
     """Displacements x [m] and velocities v [m/s] of the bodies, rotor angle [rad] and speed w [rad/s] at time
     t [s].
 
@@ -14,17 +17,17 @@ class State:
     instant.
     """
 
-    t: Any
-    x: list[Any]
-    v: list[Any]
-    phase: Any
-    turns: Any
-    w: Any
+    t: N
+    x: list[N]
+    v: list[N]
+    phase: N
+    turns: N
+    w: N
 
-    def copy(self):
+    def copy(self) -> "State[N]":
         return State(self.t, list(self.x), list(self.v), self.phase, self.turns, self.w)
 
-    def settled(self, kit):
+    def settled(self, kit: Kit[N]) -> "State[N]":
         """The state as it starts a segment: without what the numbers of the kit carry besides their
         values.
         """
@@ -33,7 +36,7 @@ class State:
         return State(exact(self.t), x, v, exact(self.phase), exact(self.turns), exact(self.w))
 
 
-def start_of(scene, kit):
+def start_of(scene: Scene[N], kit: Kit[N]) -> State[N]:
     """The state of a scene at t = 0."""
     zero = kit.number(0)
     phase, turns, w = zero, zero, zero

@@ -17,7 +17,6 @@ from vibsim.orbits.word import spelled, word_of
 from vibsim.physics.exact_decimals import decimal_text
 from vibsim.physics.modes import EVENT_NAMES
 from vibsim.physics.number_kits import number_kit
-from vibsim.physics.period import common_period
 from vibsim.physics.working_precision import MOST_DIGITS
 
 GUARD = 15  # digits beyond those asked for: what components much smaller than the largest need
@@ -108,9 +107,9 @@ class _ExactMap:
 
     def start_time(self, orbit):
         """Period [s]: exact where the source tells it, else the double."""
-        if not self.section.timed:
+        period = self.section.period
+        if period is None:
             return self.kit.number(orbit.period)
-        period = common_period(orbit.scene)
         terms = zip(orbit.scene.harmonics, self.scene.harmonics, strict=True)
         pitch = next(exact.cycles for term, exact in terms if term.cycles == period.cycles)
         return self.kit.exact(self.kit.number(self.n * period.turns) / self.kit.number(pitch))

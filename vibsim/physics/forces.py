@@ -4,37 +4,43 @@ The engine has them as rows of a mode; here they stand as printed, for what the 
 Relative displacement y = x1 - x2, its rate u = v1 - v2.
 """
 
+from vibsim.physics.numbers import N
+from vibsim.physics.two_blocks import TwoBlocks
 
-def gap_function(scene, y):
+
+def gap_function(scene: TwoBlocks, y: N) -> N:
     """g [m] of the relative displacement y [m]: contact while g >= 0 (below Eq. 2.5, or its mirror image)."""
-    return -(scene.stop_sign * y) - scene.G
+    depth: N = -(scene.stop_sign * y) - scene.G
+    return depth
 
 
-def transmitted_force(scene, y, u, contact):
+def transmitted_force(scene: TwoBlocks, y: N, u: N, contact: bool) -> N:
     """S = F_s1 + F_d (+ F_s2 in contact) [N], Eqs. (2.4)-(2.6): what block 1 passes to block 2.
 
     Arguments: y [m], u [m/s], contact (bool). Eq. (2.5) is k2 (y + G) with the paper's stop, k2 (y - G) with
     its mirror image.
     """
-    force = scene.k1 * y + scene.c * u
+    force: N = scene.k1 * y + scene.c * u
     if contact:
         force = force + scene.k2 * (y + scene.stop_sign * scene.G)
     return force
 
 
-def source_force(scene, sine):
+def source_force(scene: TwoBlocks, sine: N) -> N | float:
     """Force of the ideal source on block 1 [N], A sin(omega t) + F0, Eq. (2.1), with sine = sin(omega t)."""
     if scene.source != "harmonic":
         return 0.0
-    return scene.A * sine + scene.F0
+    force: N = scene.A * sine + scene.F0
+    return force
 
 
-def motor_torque(scene, w):
+def motor_torque(scene: TwoBlocks, w: N) -> N:
     """Torque of the motor [N m] at the speed w [rad/s], Eq. (2.10): M0 (1 - w / Omega0)."""
-    return scene.M0 * (1.0 - w / scene.Omega0)
+    torque: N = scene.M0 * (1.0 - w / scene.Omega0)
+    return torque
 
 
-def motor_accelerations(scene, force, phi_sine, phi_cosine, w):
+def motor_accelerations(scene: TwoBlocks, force: N, phi_sine: N, phi_cosine: N, w: N) -> tuple[N, N]:
     """a1 [m/s^2] and dw/dt [rad/s^2] from Eqs. (2.8), (2.10), where block 1 passes on the force S = `force`
     [N].
 

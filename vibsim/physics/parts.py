@@ -8,11 +8,10 @@ engines; runs of many digits put other number types in.
 
 from dataclasses import dataclass, replace
 from math import ceil
-from typing import Any
+from typing import Generic
 
+from vibsim.physics.numbers import N
 from vibsim.physics.sampling import Sampled
-
-Number = Any  # float, flint.arb or mpmath.mpf: the engines are duck-typed
 
 GROUND, BASE = -1, -2
 EXTENSION, COMPRESSION = 1, -1  # sense of a stop: it acts where x_Q - x_P, or x_P - x_Q, exceeds its gap
@@ -26,28 +25,28 @@ def columns_of(body: str) -> tuple[str, str]:
 
 
 @dataclass(frozen=True)
-class Body:
+class Body(Generic[N]):
     """A rigid body: mass m > 0 [kg], displacement x [m] and velocity v [m/s] at t = 0."""
 
     name: str
-    m: Number
-    x: Number
-    v: Number
+    m: N
+    x: N
+    v: N
 
 
 @dataclass(frozen=True)
-class Link:
+class Link(Generic[N]):
     """Spring k [N/m] and damper c [N s/m] between P and Q: force -k (x_P - x_Q) - c (v_P - v_Q) on P."""
 
     name: str
     P: int
     Q: int
-    k: Number
-    c: Number
+    k: N
+    c: N
 
 
 @dataclass(frozen=True)
-class Stop:
+class Stop(Generic[N]):
     """Elastic stop between P and Q: depth g = sense (x_Q - x_P) - gap [m], force k g + c g' in contact [N].
 
     `release` AT_GAP: contact while g >= 0; AT_FORCE: the force is max(0, k g + c g') while g > 0. `at_start`:
@@ -57,28 +56,28 @@ class Stop:
     name: str
     P: int
     Q: int
-    gap: Number
+    gap: N
     sense: int
-    k: Number
-    c: Number
+    k: N
+    c: N
     release: str = AT_GAP
     at_start: bool = False
 
 
 @dataclass(frozen=True)
-class Fall:
+class Fall(Generic[N]):
     """What of a friction force falls with the speed of slip: drop f(s) [N], s = rate |v_rel|, rate in s/m.
 
     law : of vibsim.physics.friction_laws, f(0) = 1
     """
 
     law: str
-    drop: Number
-    rate: Number
+    drop: N
+    rate: N
 
 
 @dataclass(frozen=True)
-class RigidStop:
+class RigidStop(Generic[N]):
     """Rigid stop between P and Q: depth g = sense (x_Q - x_P) - gap <= 0 always [m]; restitution e, 0 to 1.
 
     An impact turns the rate of g round and multiplies it by e; at rest, g = g' = 0, the stop pushes as hard
@@ -88,14 +87,14 @@ class RigidStop:
     name: str
     P: int
     Q: int
-    gap: Number
+    gap: N
     sense: int
-    e: Number
+    e: N
     at_start: bool = False
 
 
 @dataclass(frozen=True)
-class Friction:
+class Friction(Generic[N]):
     """Dry friction of P on Q, v_rel = v_P - v_Q - belt.
 
     forward, backward : force while slipping [N], -forward on P where v_rel > 0, +backward where v_rel < 0;
@@ -108,16 +107,16 @@ class Friction:
     name: str
     P: int
     Q: int
-    forward: Number
-    backward: Number
-    belt: Number
-    hold_forward: Number | None = None
-    hold_backward: Number | None = None
-    fall_forward: Fall | None = None
-    fall_backward: Fall | None = None
+    forward: N
+    backward: N
+    belt: N
+    hold_forward: N | None = None
+    hold_backward: N | None = None
+    fall_forward: Fall[N] | None = None
+    fall_backward: Fall[N] | None = None
 
     @property
-    def limits(self) -> tuple[Number, Number]:
+    def limits(self) -> tuple[N, N]:
         """The most that it holds against slip forwards and backwards [N]."""
         forward, backward = self.starts
         return (
@@ -126,7 +125,7 @@ class Friction:
         )
 
     @property
-    def starts(self) -> tuple[Number, Number]:
+    def starts(self) -> tuple[N, N]:
         """The force with which slip begins and ends forwards and backwards [N]."""
         forward, backward = self.fall_forward, self.fall_backward
         return (
@@ -134,7 +133,7 @@ class Friction:
             self.backward if backward is None else self.backward + backward.drop,
         )
 
-    def fall(self, sense: int) -> Fall | None:
+    def fall(self, sense: int) -> Fall[N] | None:
         """What falls with speed while it slips: sense > 0 forwards, < 0 backwards."""
         return self.fall_forward if sense > 0 else self.fall_backward
 
@@ -145,28 +144,28 @@ class Friction:
 
 
 @dataclass(frozen=True)
-class Harmonic:
+class Harmonic(Generic[N]):
     """amplitude sin(omega t + phase); omega / (2 pi) = cycles + cycles_lo [Hz], a double-double."""
 
-    amplitude: Number
-    omega: Number
-    cycles: Number
-    cycles_lo: Number
-    phase: Number
+    amplitude: N
+    omega: N
+    cycles: N
+    cycles_lo: N
+    phase: N
 
 
 @dataclass(frozen=True)
-class Force:
+class Force(Generic[N]):
     """Force on a body: constant + sum of harmonics [N]."""
 
     name: str
     on: int
-    constant: Number
-    terms: tuple[Harmonic, ...]
+    constant: N
+    terms: tuple[Harmonic[N], ...]
 
 
 @dataclass(frozen=True)
-class Motor:
+class Motor(Generic[N]):
     """DC motor of limited power with an unbalanced rotor on a body, Eqs. (2.8)-(2.10) of the paper.
 
     Unbalanced mass m3 [kg], eccentricity e [m], rotor inertia J [kg m^2], stall torque M0 [N m], no-load
@@ -174,28 +173,28 @@ class Motor:
     """
 
     on: int
-    m3: Number
-    e: Number
-    J: Number
-    M0: Number
-    Omega0: Number
-    phi: Number
-    phidot: Number
+    m3: N
+    e: N
+    J: N
+    M0: N
+    Omega0: N
+    phi: N
+    phidot: N
 
 
 @dataclass(frozen=True)
-class Clearance:
+class Clearance(Generic[N]):
     """A limit that is watched and exerts no force: x_P - x_Q <= distance [m]; `at_start` as of a stop."""
 
     name: str
     P: int
     Q: int
-    distance: Number
+    distance: N
     at_start: bool = False
 
 
 @dataclass(frozen=True)
-class Scene(Sampled):
+class Scene(Sampled[N], Generic[N]):
     """Parts and run settings of one simulation.
 
     Attributes
@@ -208,21 +207,21 @@ class Scene(Sampled):
     method : "auto", "closed_form" or "taylor"; order and tol of the Taylor flow
     """
 
-    bodies: tuple[Body, ...]
-    links: tuple[Link, ...] = ()
-    stops: tuple[Stop | RigidStop, ...] = ()
-    frictions: tuple[Friction, ...] = ()
-    forces: tuple[Force, ...] = ()
-    base: tuple[Harmonic, ...] = ()
-    motor: Motor | None = None
-    clearances: tuple[Clearance, ...] = ()
+    bodies: tuple[Body[N], ...]
+    links: tuple[Link[N], ...] = ()
+    stops: tuple[Stop[N] | RigidStop[N], ...] = ()
+    frictions: tuple[Friction[N], ...] = ()
+    forces: tuple[Force[N], ...] = ()
+    base: tuple[Harmonic[N], ...] = ()
+    motor: Motor[N] | None = None
+    clearances: tuple[Clearance[N], ...] = ()
     stop_on_violation: bool = False
-    t_end: Number = 0.0
+    t_end: N | float = 0.0
     every_num: int = 1
     every_den: int = 200
     method: str = "auto"
     order: int = 20
-    tol: Number = 2.0**-53
+    tol: N | float = 2.0**-53
 
     @property
     def has_motor(self) -> bool:
@@ -233,21 +232,21 @@ class Scene(Sampled):
         return bool(self.stops)
 
     @property
-    def elastic_stops(self) -> list[tuple[int, Stop]]:
+    def elastic_stops(self) -> list[tuple[int, Stop[N]]]:
         """The elastic stops, each with its number among all stops."""
         return [(i, stop) for i, stop in enumerate(self.stops) if isinstance(stop, Stop)]
 
     @property
-    def rigid_stops(self) -> list[tuple[int, RigidStop]]:
+    def rigid_stops(self) -> list[tuple[int, RigidStop[N]]]:
         """The rigid stops, each with its number among all stops."""
         return [(i, stop) for i, stop in enumerate(self.stops) if isinstance(stop, RigidStop)]
 
     @property
-    def harmonics(self) -> list[Harmonic]:
+    def harmonics(self) -> list[Harmonic[N]]:
         """The harmonics of all forces, then those of the base."""
         return [term for force in self.forces for term in force.terms] + list(self.base)
 
-    def without_samples(self) -> "Scene":
+    def without_samples(self) -> "Scene[N]":
         """The same with no sample but that of t = 0; no motion depends on its samples."""
         return replace(self, every_num=2 * ceil(float(self.t_end)) or 1, every_den=1)
 

@@ -3,7 +3,11 @@
 from dataclasses import dataclass
 from fractions import Fraction
 from math import lcm
-from typing import Any
+from typing import Any, overload
+
+import numpy as np
+
+from vibsim.physics.parts import Scene
 
 MOST = 1000  # largest denominator of a ratio of frequencies that counts as exact
 EXACT = Fraction(1, 2**100)  # relative: a frequency is a double-double of 107 bits
@@ -13,17 +17,21 @@ EXACT = Fraction(1, 2**100)  # relative: a frequency is a double-double of 107 b
 class Period:
     """`turns` turns of a harmonic of cycles + cycles_lo [Hz], a double-double."""
 
-    cycles: Any
-    cycles_lo: Any
+    cycles: float
+    cycles_lo: float
     turns: int
 
-    def end(self, k):
-        """End of period k [s]."""
+    @overload
+    def end(self, k: float) -> float: ...
+    @overload
+    def end(self, k: np.ndarray) -> np.ndarray: ...
+    def end(self, k: Any) -> Any:
+        """End of period k [s], or of several."""
         t = k * self.turns / self.cycles
         return t - t * (self.cycles_lo / self.cycles)
 
 
-def common_period(scene):
+def common_period(scene: Scene) -> Period | None:
     """The shortest period of all forces and the base, or None where nothing moves them or their frequencies
     have no common one: ratios count as exact within the rounding of double-doubles. Amplitudes of 0 count
     where there are no others: what a sweep begins with at 0 N has a clock already.

@@ -7,7 +7,7 @@ from vibsim.cases.parts.ends import BASE as BASE_END
 from vibsim.cases.parts.ends import GROUND as GROUND_END
 from vibsim.cases.parts.friction_laws import Direction, directions
 from vibsim.cases.quantities import Quantity
-from vibsim.cases.scene_building import DOUBLES, NumberType, rule_value
+from vibsim.cases.scene_building import DOUBLES, Number, NumberType, rule_value
 from vibsim.physics.parts import (
     BASE,
     COMPRESSION,
@@ -21,7 +21,6 @@ from vibsim.physics.parts import (
     Harmonic,
     Link,
     Motor,
-    Number,
     RigidStop,
     Scene,
     Stop,

@@ -7,17 +7,20 @@ further apart than rounding blurs them. All else is a doubt: counted, and the fi
 """
 
 from math import inf
+from typing import Generic
+
+from vibsim.physics.numbers import Kit, N
 
 
-class Certificate:
+class Certificate(Generic[N]):
     """Doubts of a run, and its grazing margin: the smallest gap [m] at a turn of the gap function."""
 
-    def __init__(self, kit):
-        self.margin, self.margin_time = inf, kit.number(0)
+    def __init__(self, kit: Kit[N]) -> None:
+        self.margin, self.margin_time = kit.inf, kit.number(0)
         self.uncertified, self.first_doubt = 0, kit.number(0)
-        self.doubted = None
+        self.doubted: N | None = None
 
-    def doubt(self, anchor):
+    def doubt(self, anchor: N) -> None:
         """Count the stretch that starts at time `anchor` as not proved, once."""
         if anchor != self.doubted:
             if self.uncertified == 0:
@@ -25,14 +28,14 @@ class Certificate:
             self.uncertified += 1
             self.doubted = anchor
 
-    def keep_turn(self, value, t):
+    def keep_turn(self, value: N, t: N) -> None:
         """Keep a minimum of the gap function, of height `value` [m] at time `t` [s]."""
         value = value if value > 0 else 0 * value
         if value < self.margin:
             self.margin, self.margin_time = value, t
 
 
-def crosses(slope, bound, error):
+def crosses(slope: N, bound: N, error: N) -> bool:
     """Whether a function that is zero here with this slope falls below -error: its upper parabola does,
     which is lowest, at -slope^2 / (2 bound), where its slope is zero.
 
@@ -41,7 +44,7 @@ def crosses(slope, bound, error):
     return slope < 0 and -slope > 2 * bound * (error / -slope)
 
 
-def latest_zero(kit, value, slope, noise, t):
+def latest_zero(kit: Kit[N], value: N, slope: N, noise: N, t: N) -> N:
     """How long after time t [s] the zero of a falling function may lie, by its tangent: the rounding of its
     value, and of the time that it is stored with, blur the place.
 
@@ -50,6 +53,6 @@ def latest_zero(kit, value, slope, noise, t):
     return (value + noise) / -slope + (kit.next_after(t, inf) - t)
 
 
-def may_vanish_by(value, slope, noise, latest):
+def may_vanish_by(value: N, slope: N, noise: N, latest: N) -> bool:
     """Whether a falling function may be zero already `latest` [s] from here; see `latest_zero`."""
     return slope < 0 and value - noise <= -slope * latest

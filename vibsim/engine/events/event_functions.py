@@ -1,58 +1,67 @@
 """The event functions of the closed-form flow: derivatives, bounds of them ahead, and rounding bounds."""
 
-from typing import Any
+from __future__ import annotations
 
-from vibsim.engine.modes.rows import ACCELERATION, COUPLING, DIFFERENCE, LOAD, RATE
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Generic
+
+from vibsim.engine.modes.rows import ACCELERATION, COUPLING, DIFFERENCE, LOAD, RATE, Event, Term
+from vibsim.physics.numbers import N, abs
+from vibsim.physics.parts import Harmonic
+
+if TYPE_CHECKING:
+    from vibsim.engine.flows.closed_form import ClosedForm
 
 
-class EventFunctions:
+class EventFunctions(Generic[N]):
     """Event functions of a `ClosedForm` flow at the point that it evaluated last; call `here` first."""
 
-    def __init__(self, flow):
+    def __init__(self, flow: ClosedForm[N]) -> None:
         self.flow, self.kit = flow, flow.kit
 
-    def here(self, count):
+    def here(self, count: int) -> None:
         """Take the derivatives of the coordinates up to order `count`."""
         self.jets = self.flow.jets(count)
         self.count = count
-        self.base: Any = self.flow.base_jet(count) if self.flow.scene.base else None
+        self.base = self.flow.base_jet(count) if self.flow.scene.base else []
 
-    def difference(self, P, Q, n):
+    def difference(self, P: int, Q: int, n: int) -> N:
         """n-th derivative of x_P - x_Q."""
-        terms, fixed, base = self.flow.modal.pairs[P, Q]
+        pair = self.flow.modal.pairs[P, Q]
         total = None
-        for m, coefficient in terms:
+        for m, coefficient in pair.terms:
             part = coefficient * self.jets[m][n]
             total = part if total is None else total + part
         total = self.kit.number(0) if total is None else total
         if n == 0:
-            for sign, c in fixed:
+            for sign, c in pair.fixed:
                 total = total + sign * self.flow.x0[c]
-        return total + base * self.base[n] if base else total
+        return total + pair.base * self.base[n] if pair.base else total
 
-    def derivative(self, event, n):
+    def derivative(self, event: Event[N], n: int) -> N:
         """n-th time derivative of an event function, n >= 0."""
         if n > 0 and event.slope:
             total = None
-            for mass, factor, terms, constants in event.slope:
-                force = self._sum(terms, n - 1)
+            for one in event.slope:
+                force = self._sum(one.terms, n - 1)
                 if n == 1:
-                    for value in constants:
-                        force = force + value
-                part = factor * force / mass
+                    for constant in one.constants:
+                        force = force + constant
+                part = one.factor * force / one.mass
                 total = part if total is None else total + part
+            assert total is not None
             return self.kit.exact(total)
         value = self._sum(event.terms, n)
         return self.kit.exact(value + event.constant if n == 0 else value)
 
-    def _sum(self, terms, n):
+    def _sum(self, terms: Iterable[Term[N]], n: int) -> N:
         total = None
         for term in terms:
             part = term.coefficient * self._term(term, n)
             total = part if total is None else total + part
         return self.kit.number(0) if total is None else total
 
-    def _term(self, term, n):
+    def _term(self, term: Term[N], n: int) -> N:
         if term.kind == DIFFERENCE:
             return self.difference(term.P, term.Q, n)
         if term.kind == RATE:
@@ -65,7 +74,7 @@ class EventFunctions:
             return self.flow.load_jet(term.P, n)[n]
         return self._column(term.P, n + 2)
 
-    def _column(self, c, n):
+    def _column(self, c: int, n: int) -> N:
         """n-th derivative of x_c, n > 0."""
         place = self.flow.modal.places[c]
         total = self.base[n] if place.base else self.kit.number(0)
@@ -73,24 +82,25 @@ class EventFunctions:
             total = total + share * self.jets[m][n]
         return total
 
-    def bound(self, event, n, reach):
+    def bound(self, event: Event[N], n: int, reach: N) -> N:
         """Bound of the absolute n-th derivative of an event function up to `reach` ahead [s], n >= 2."""
         if event.slope:
             total = None
-            for mass, factor, terms, _ in event.slope:
-                part = abs(factor) * self._bound_of_sum(terms, n - 1, reach) / mass
+            for one in event.slope:
+                part = abs(one.factor) * self._bound_of_sum(one.terms, n - 1, reach) / one.mass
                 total = part if total is None else total + part
+            assert total is not None
             return total
         return self._bound_of_sum(event.terms, n, reach)
 
-    def _bound_of_sum(self, terms, n, reach):
+    def _bound_of_sum(self, terms: Iterable[Term[N]], n: int, reach: N) -> N:
         total = None
         for term in terms:
             part = abs(term.coefficient) * self._bound_of_term(term, n, reach)
             total = part if total is None else total + part
         return self.kit.number(0) if total is None else total
 
-    def _bound_of_term(self, term, n, reach):
+    def _bound_of_term(self, term: Term[N], n: int, reach: N) -> N:
         if term.kind == DIFFERENCE:
             return self._bound_of_difference(term.P, term.Q, n, reach)
         if term.kind == RATE:
@@ -108,7 +118,7 @@ class EventFunctions:
             total = total + abs(share) * self._bound_of_coordinate(m, n + 2, reach)
         return total
 
-    def _bound_of_harmonics(self, terms, n):
+    def _bound_of_harmonics(self, terms: Iterable[Harmonic[N]], n: int) -> N:
         total = self.kit.number(0)
         for term in terms:
             size = abs(term.amplitude)
@@ -117,16 +127,16 @@ class EventFunctions:
             total = total + size
         return total
 
-    def _bound_of_difference(self, P, Q, n, reach):
-        terms, _, base = self.flow.modal.pairs[P, Q]
+    def _bound_of_difference(self, P: int, Q: int, n: int, reach: N) -> N:
+        pair = self.flow.modal.pairs[P, Q]
         total = None
-        for m, coefficient in terms:
+        for m, coefficient in pair.terms:
             part = abs(coefficient) * self._bound_of_coordinate(m, n, reach)
             total = part if total is None else total + part
         total = self.kit.number(0) if total is None else total
-        return total + self._bound_of_harmonics(self.flow.scene.base, n) if base else total
+        return total + self._bound_of_harmonics(self.flow.scene.base, n) if pair.base else total
 
-    def _bound_of_coordinate(self, m, n, reach):
+    def _bound_of_coordinate(self, m: int, n: int, reach: N) -> N:
         """Bound of |q^(n)| up to `reach` ahead.
 
         q^(n) obeys the same oscillator: its free part stays below both the energy and the ballistic bound,
@@ -142,7 +152,7 @@ class EventFunctions:
                 size = energy
         return size + constants.forced[n] * (reach * reach)
 
-    def noise(self, event):
+    def noise(self, event: Event[N]) -> N:
         """Rounding bound of an event function."""
         flow = self.flow
         unit = self.kit.eps * (16 + flow.modal.pace * flow.tau)
@@ -152,7 +162,7 @@ class EventFunctions:
             total = part if total is None else total + part
         return unit * (event.size if total is None else total + event.size)
 
-    def _scale(self, term):
+    def _scale(self, term: Term[N]) -> N:
         flow = self.flow
         if term.kind == DIFFERENCE:
             return self._scale_of_difference(term.P, term.Q, flow.scale_q, True)
@@ -167,26 +177,28 @@ class EventFunctions:
         if term.kind == LOAD:
             forces = [force for force in flow.scene.forces if force.on == term.P]
             total = self._bound_of_harmonics([t for force in forces for t in force.terms], 0)
-            for force in forces:
-                total = total + abs(force.constant)
+            for load in forces:
+                total = total + abs(load.constant)
             return total
         return self._bound_of_term(term, 0, flow.modal.window)
 
-    def _scale_of_difference(self, P, Q, scales, places):
-        terms, fixed, base = self.flow.modal.pairs[P, Q]
+    def _scale_of_difference(self, P: int, Q: int, scales: Sequence[N], places: bool) -> N:
+        pair = self.flow.modal.pairs[P, Q]
         total = None
-        for m, coefficient in terms:
+        for m, coefficient in pair.terms:
             part = abs(coefficient) * scales[m]
             total = part if total is None else total + part
         total = self.kit.number(0) if total is None else total
         if places:
-            for _, c in fixed:
+            for _, c in pair.fixed:
                 total = total + abs(self.flow.x0[c])
-        return total + self._bound_of_harmonics(self.flow.scene.base, 0 if places else 1) if base else total
+        if not pair.base:
+            return total
+        return total + self._bound_of_harmonics(self.flow.scene.base, 0 if places else 1)
 
 
-def reaches(event):
+def reaches(event: Event[N]) -> int:
     """How many orders above its own an event function reads."""
     kinds = {term.kind for term in event.terms}
-    kinds |= {term.kind for _, _, terms, _ in event.slope for term in terms}
+    kinds |= {term.kind for one in event.slope for term in one.terms}
     return 2 if ACCELERATION in kinds else 1 if kinds & {RATE, COUPLING, LOAD} else 0

@@ -6,13 +6,15 @@ converges quadratically to a simple root. A zero known to be at the start of a w
 it) is divided out first.
 """
 
-from math import inf
+from collections.abc import Sequence
+
+from vibsim.physics.numbers import Kit, N, abs
 
 TINY = 2.0**-960  # squares below it have lost digits to underflow
 FACTORIALS = (1, 1, 2, 6, 24, 120, 720, 5040, 40320, 362880, 3628800)
 
 
-def safe_step(kit, q0, q1, bound):
+def safe_step(kit: Kit[N], q0: N, q1: N, bound: N) -> N:
     """Length of the stretch on which q0 + q1 t - bound t^2 / 2 is certainly positive.
 
     q0 >= 0: value; q1: slope; bound >= 0 on the absolute second derivative, all at the start of the stretch.
@@ -23,18 +25,18 @@ def safe_step(kit, q0, q1, bound):
     if square < TINY:
         unit = max(q0, abs(q1), bound)
         if unit == 0:
-            return inf
+            return kit.inf
         q0, q1, bound = q0 / unit, q1 / unit, bound / unit
         square = q1 * q1 + 2 * bound * q0
     root = kit.sqrt(square)
     if q1 < 0:
         return 2 * q0 / (root - q1)
     if bound == 0:
-        return inf
+        return kit.inf
     return (q1 + root) / bound
 
 
-def deflated_step(kit, order, leading, following, bound):
+def deflated_step(kit: Kit[N], order: int, leading: N, following: N, bound: N) -> N:
     """The safe step behind a zero of the given order at t = 0, from f / t^order.
 
     leading, following: derivatives of f at 0 of that order and of the next; bound: on the absolute
@@ -49,7 +51,7 @@ def deflated_step(kit, order, leading, following, bound):
     )
 
 
-def leading_order(derivatives, known):
+def leading_order(derivatives: Sequence[N], known: int) -> int:
     """Order of the first derivative that is not zero, the first `known` of them being zero by the event that
     led here.
 

@@ -10,8 +10,12 @@ and Hanson (1974) finds exactly, in a fixed order. What is not tied to a stop go
 elastic stops have finite forces and give no impulse.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Generic
+
+from vibsim.physics.numbers import Kit, N, abs
+from vibsim.physics.parts import Scene
 
 ROUNDING = 8  # roundings of a sum of a few products, in units of eps
 NEAR = 64  # units in the last place of the time or of displacements, below which zeros may be one or none
@@ -19,38 +23,38 @@ MOST_BLOWS = 1000  # one after the other at one instant; behind them the rest is
 
 
 @dataclass(frozen=True)
-class Contact:
+class Contact(Generic[N]):
     """A rigid stop that touches: number of the stop, columns of its ends, sense and restitution."""
 
     stop: int
     P: int
     Q: int
     sense: int
-    e: Any
+    e: N
 
 
 @dataclass(frozen=True)
-class Impulse:
+class Impulse(Generic[N]):
     """What a stop passed in a blow: impulse [N s], rates of its depth before and after it [m/s]."""
 
     stop: int
-    impulse: Any
-    before: Any
-    after: Any
+    impulse: N
+    before: N
+    after: N
 
 
 @dataclass
-class Masses:
+class Masses(Generic[N]):
     """What impulses meet: 1 / mass by column, 0 for ground and base; with a motor the body it is on, and the
     speed that its rotor gains per unit of impulse on that body.
     """
 
-    mobility: list[Any]
+    mobility: list[N]
     on: int = -1
-    turning: Any = 0
+    turning: N | int = 0
 
 
-def masses(scene, kit, phase):
+def masses(scene: Scene[N], kit: Kit[N], phase: N) -> Masses[N]:
     """The `Masses` of a scene whose rotor stands at the angle `phase` [rad]; of every body by itself."""
     zero = kit.number(0)
     mobility = [1 / body.m for body in scene.bodies] + [zero, zero]
@@ -64,7 +68,7 @@ def masses(scene, kit, phase):
     return Masses(mobility, motor.on, coupling / determinant)
 
 
-def rate_of(kit, contact, v, size=0):
+def rate_of(kit: Kit[N], contact: Contact[N], v: Sequence[N], size: N | int = 0) -> N:
     """Rate of the depth of a stop [m/s], from the velocities of all columns; 0 where rounding cannot tell it
     from that.
 
@@ -76,7 +80,7 @@ def rate_of(kit, contact, v, size=0):
     return rate if abs(rate) > noise else 0 * rate
 
 
-def size_of(contacts, v):
+def size_of(contacts: Sequence[Contact[N]], v: Sequence[N]) -> N:
     """Sum of the speeds of the ends of stops [m/s]."""
     columns = sorted({end for c in contacts for end in (c.P, c.Q)})
     total = abs(v[columns[0]])
@@ -85,7 +89,7 @@ def size_of(contacts, v):
     return total
 
 
-def unmet(kit, contacts, before, after):
+def unmet(kit: Kit[N], contacts: Sequence[Contact[N]], before: Sequence[N], after: Sequence[N]) -> bool:
     """Whether velocities `after` a blow break its law beyond rounding: where no impulse can part the ends of
     all stops, since ground and base hold them from both sides.
     """
@@ -93,7 +97,9 @@ def unmet(kit, contacts, before, after):
     return any(rate_of(kit, c, after) + c.e * rate_of(kit, c, before) > noise for c in contacts)
 
 
-def blow(kit, bodies, contacts, v, w):
+def blow(
+    kit: Kit[N], bodies: Masses[N], contacts: Sequence[Contact[N]], v: Sequence[N], w: N
+) -> tuple[list[N], N, list[Impulse[N]]]:
     """One blow: (velocities of all columns behind it, speed of the rotor, [`Impulse`]).
 
     bodies: `Masses`; contacts: the stops that touch; v: velocities of all columns, w: speed of the rotor.
@@ -119,7 +125,9 @@ def blow(kit, bodies, contacts, v, w):
     return after, w + bodies.turning * moved, passed
 
 
-def _single(kit, bodies, c, v, w):
+def _single(
+    kit: Kit[N], bodies: Masses[N], c: Contact[N], v: Sequence[N], w: N
+) -> tuple[list[N], N, list[Impulse[N]]]:
     """A blow at one stop: both ends go on with what they have in common, and part with e times what they
     had not. So the speed of a body before a wall is turned round to the bit where e = 1.
     """
@@ -142,7 +150,7 @@ def _single(kit, bodies, c, v, w):
     return after, w, [Impulse(c.stop, impulse, rate, -(c.e * rate))]
 
 
-def coupling(bodies, a, b):
+def coupling(bodies: Masses[N], a: Contact[N], b: Contact[N]) -> N:
     """By how much an impulse 1 at stop b slows the depth of stop a [1/kg]."""
     total = 0 * bodies.mobility[a.P]
     for column, sign in ((a.P, -a.sense), (a.Q, a.sense)):
@@ -152,10 +160,10 @@ def coupling(bodies, a, b):
     return total
 
 
-def _least(kit, couplings, demands):
+def _least(kit: Kit[N], couplings: Sequence[Sequence[N]], demands: Sequence[N]) -> tuple[list[int], list[N]]:
     """Active stops and their impulses: L >= 0, z = G L - demand >= 0, L z = 0."""
     active: list[int] = []
-    impulses: list[Any] = []
+    impulses: list[N] = []
     barred: set[int] = set()
     for _ in range(3 * len(demands) + 1):
         lacking = {
@@ -167,7 +175,7 @@ def _least(kit, couplings, demands):
         if not needy:
             break
         joining = max(needy, key=lambda j: (lacking[j], -j))
-        tried, solution = solved(kit, couplings, demands, [*active, joining])
+        solution = solved(kit, couplings, demands, [*active, joining])
         if solution is None:  # that stop is held by the others already
             barred.add(joining)
             continue
@@ -175,14 +183,15 @@ def _least(kit, couplings, demands):
         active.append(joining)
         while any(value <= 0 for value in solution):
             active, impulses = _step_back(active, impulses, solution)
-            tried, solution = solved(kit, couplings, demands, active)
-        active, impulses = tried, solution
+            solution = solved(kit, couplings, demands, active)
+            assert solution is not None  # part of an independent set is independent
+        impulses = solution
         barred.clear()
     order = sorted(range(len(active)), key=lambda k: active[k])
     return [active[k] for k in order], [impulses[k] for k in order]
 
 
-def _lack(kit, row, demand, active, impulses):
+def _lack(kit: Kit[N], row: Sequence[N], demand: N, active: Sequence[int], impulses: Sequence[N]) -> N:
     """How much of its demand a stop lacks; 0 where that is rounding."""
     lack, size = demand, abs(demand)
     for j, impulse in zip(active, impulses, strict=True):
@@ -191,28 +200,34 @@ def _lack(kit, row, demand, active, impulses):
     return lack if lack > ROUNDING * kit.eps * size else 0 * lack
 
 
-def _step_back(active, impulses, solution):
+def _step_back(
+    active: Sequence[int], impulses: Sequence[N], solution: Sequence[N]
+) -> tuple[list[int], list[N]]:
     """As far towards the solution as no impulse becomes negative; those that become zero leave."""
-    reach, leaving = None, -1
+    reach: N | None = None
+    leaving = -1
     for k, (now, then) in enumerate(zip(impulses, solution, strict=True)):
         if then <= 0:
             share = now / (now - then) if now > then else 0 * now
             if reach is None or share < reach:
                 reach, leaving = share, k
+    assert reach is not None
     moved = [now + reach * (then - now) for now, then in zip(impulses, solution, strict=True)]
     kept = [k for k in range(len(active)) if k != leaving and moved[k] >= 0]
     return [active[k] for k in kept], [moved[k] for k in kept]
 
 
-def solved(kit, couplings, demands, active):
-    """(active, impulses) with G L = demand on the active stops; impulses None where they depend on each
-    other. Cholesky's factorisation without square roots.
+def solved(
+    kit: Kit[N], couplings: Sequence[Sequence[N]], demands: Sequence[N], active: Sequence[int]
+) -> list[N] | None:
+    """Impulses with G L = demand on the active stops; None where those depend on each other. Cholesky's
+    factorisation without square roots.
     """
     n = len(active)
-    lower: list[list[Any]] = []
-    pivots: list[Any] = []
+    lower: list[list[N]] = []
+    pivots: list[N] = []
     for i in range(n):
-        row: list[Any] = []
+        row: list[N] = []
         pivot = couplings[active[i]][active[i]]
         for k in range(i):
             value = couplings[active[i]][active[k]]
@@ -222,10 +237,10 @@ def solved(kit, couplings, demands, active):
         for k in range(i):
             pivot = pivot - row[k] * row[k] * pivots[k]
         if not pivot > ROUNDING * n * kit.eps * couplings[active[i]][active[i]]:
-            return active, None
+            return None
         lower.append(row)
         pivots.append(pivot)
-    solution: list[Any] = []
+    solution: list[N] = []
     for i in range(n):
         value = demands[active[i]]
         for k in range(i):
@@ -235,4 +250,4 @@ def solved(kit, couplings, demands, active):
     for i in reversed(range(n)):
         for k in range(i + 1, n):
             solution[i] = solution[i] - lower[k][i] * solution[k]
-    return active, solution
+    return solution

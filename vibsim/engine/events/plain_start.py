@@ -4,8 +4,13 @@
 Newton's method for orbits begins motions by the thousand.
 """
 
+from collections.abc import Callable
+
+from vibsim.engine.modes.rows import Joined
 from vibsim.engine.modes.status import BACKWARD, CONTACT, FORWARD, OPEN, Status
-from vibsim.physics.parts import AT_FORCE, RigidStop
+from vibsim.engine.modes.ties import Edge
+from vibsim.engine.state import State
+from vibsim.physics.parts import AT_FORCE, RigidStop, Scene
 
 # of the sizes that a depth or a velocity is the difference of: rounding is a thousandth of it
 NEAR = 2.0**-40
@@ -14,7 +19,7 @@ NEAR = 2.0**-40
 class PlainStart:
     """Tells the modes of plain starts of a scene; `known` says whether it can have any."""
 
-    def __init__(self, scene, ends):
+    def __init__(self, scene: Scene, ends: Callable[[Joined], Edge]) -> None:
         self.known = not (
             scene.base
             or scene.clearances
@@ -26,10 +31,11 @@ class PlainStart:
         self.stops = [(*ends(stop), stop.sense, stop.gap) for stop in scene.stops]
         self.frictions = [(*ends(friction), friction.belt) for friction in scene.frictions]
 
-    def status(self, state):
+    def status(self, state: State) -> Status | None:
         """The mode of `state`, or None where a sign is not plain."""
         x, v = (*state.x, 0.0, 0.0), (*state.v, 0.0, 0.0)  # ground and base rest
-        stops, frictions = [], []
+        stops: list[int] = []
+        frictions: list[int] = []
         for P, Q, sense, gap in self.stops:
             one, other = x[P], x[Q]
             depth = -(sense * (one - other)) - gap

@@ -1,10 +1,13 @@
 """Certified first root of an event function that is a polynomial over one step."""
 
+from collections.abc import Sequence
 from math import inf
+from typing import Generic
 
 from vibsim.engine.events.certificate import Certificate, crosses
 from vibsim.engine.events.first_root import safe_step
 from vibsim.engine.events.turning_point import turning_point
+from vibsim.physics.numbers import Kit, N, abs
 
 MARCH_LIMIT = 1000  # a march longer than this goes on from a new expansion, whose bounds are tighter
 LONG_MARCH = 64  # steps from which on bounds reach less far, and are the tighter for it
@@ -12,15 +15,17 @@ NARROWER = 4  # reach of such bounds, in ways marched so far
 PIECES = 8  # a step spans less than two radians of the fastest motion: one minimum at most
 
 
-class PolynomialSearch:
+class PolynomialSearch(Generic[N]):
     """Finds first roots, and watches how close the gap function comes without one."""
 
-    def __init__(self, kit):
+    def __init__(self, kit: Kit[N]) -> None:
         self.kit = kit
-        self.certificate = Certificate(kit)
+        self.certificate: Certificate[N] = Certificate(kit)
         self.settled = kit.power_of_two(kit.exponent(kit.eps) / 3)
 
-    def first_root(self, coefficients, known, t0, h, keep_margin):
+    def first_root(
+        self, coefficients: Sequence[N], known: int, t0: N, h: N, keep_margin: bool
+    ) -> tuple[N | None, bool]:
         """How far the polynomial in t - t0 is known to be positive: (grid time, whether it is zero there).
 
         coefficients: lowest first; positive at the start but for a zero there of order `known`, which is
@@ -36,7 +41,8 @@ class PolynomialSearch:
         series = coefficients[order:]
         total, fall, curvature, swing, truncation = self._bounds(series, h)
         error = 4 * self.kit.eps * total + truncation
-        end, zero = None, False
+        end: N | None = None
+        zero = False
         if series[0] - error - fall <= 0:
             end, zero = self._march(series, error, curvature, t0, h)
         close = keep_margin and series[0] - fall < self.certificate.margin
@@ -44,14 +50,14 @@ class PolynomialSearch:
             self._watch_turns(coefficients, t0, h if end is None else end - t0)
         return end, zero
 
-    def value_and_slope(self, coefficients, known, tau):
+    def value_and_slope(self, coefficients: Sequence[N], known: int, tau: N) -> tuple[N, N]:
         """Value and slope at tau of the polynomial without its known zeros (see `first_root`)."""
         order = known
         while order < len(coefficients) - 1 and coefficients[order] == 0:
             order += 1
         return self._value_and_slope(coefficients[order:], tau)
 
-    def near_zero(self, coefficients, known, tau, size):
+    def near_zero(self, coefficients: Sequence[N], known: int, tau: N, size: N) -> tuple[N, N, N] | None:
         """(value, slope, rounding bound) at tau of the polynomial without its known zeros (see `first_root`);
         None where it rests at zero.
 
@@ -66,7 +72,7 @@ class PolynomialSearch:
         noise = self._noise(coefficients[order:], tau)
         return value, slope, noise + 4 * self.kit.eps * size if order == 0 else noise
 
-    def _bounds(self, series, h):
+    def _bounds(self, series: Sequence[N], h: N) -> tuple[N, N, N, N, N]:
         """sum |b_n| h^n, the largest possible fall below b_0, a bound of |f''|, sum n |b_n| h^n, and a bound
         of what follows the last term.
 
@@ -89,13 +95,13 @@ class PolynomialSearch:
         return total, fall, curvature / (h * h), swing, before + term
 
     @staticmethod
-    def _may_turn(series, order, total, swing, h):
+    def _may_turn(series: Sequence[N], order: int, total: N, swing: N, h: N) -> bool:
         """Whether f = t^order sum b_n t^n may have a minimum within h; not where it is plainly monotonic."""
         if order > 0:
             return order * series[0] <= swing + order * (total - series[0])
         return len(series) > 1 and 2 * abs(series[1]) * h <= swing
 
-    def _march(self, series, error, bound, t0, h):
+    def _march(self, series: Sequence[N], error: N, bound: N, t0: N, h: N) -> tuple[N | None, bool]:
         """March by safe steps from t0; as `first_root`.
 
         The function is proved positive where the polynomial stays above `error`. Where it falls below, and is
@@ -153,12 +159,12 @@ class PolynomialSearch:
         return nearer if nearer > step else step
 
     @staticmethod
-    def _newton(tau, value, slope):
+    def _newton(tau: N, value: N, slope: N) -> N:
         """The zero that a Newton step from tau leads to, not before the start of the step."""
         zero = tau - value / slope
         return zero if zero > 0 else 0 * tau
 
-    def _noise(self, series, tau):
+    def _noise(self, series: Sequence[N], tau: N) -> N:
         """Rounding bound of the value at tau."""
         total = abs(series[-1])
         for coefficient in reversed(series[:-1]):
@@ -166,7 +172,7 @@ class PolynomialSearch:
         return 4 * self.kit.eps * total
 
     @staticmethod
-    def _value_and_slope(series, tau):
+    def _value_and_slope(series: Sequence[N], tau: N) -> tuple[N, N]:
         """f and f' by Horner's rule."""
         value, slope = series[-1], series[-1] * 0
         for coefficient in reversed(series[:-1]):
@@ -174,7 +180,7 @@ class PolynomialSearch:
             value = value * tau + coefficient
         return value, slope
 
-    def _watch_turns(self, series, t0, stop):
+    def _watch_turns(self, series: Sequence[N], t0: N, stop: N) -> None:
         """Keep the smallest minimum of the gap function within a step: slopes at PIECES points tell where."""
         slopes = [n * series[n] for n in range(1, len(series))]
         low, falling = 0 * stop, next((slope for slope in slopes if slope != 0), slopes[0])
@@ -185,8 +191,8 @@ class PolynomialSearch:
                 self._turn_between(series, slopes, t0, low, high)
             low, falling = high, rising
 
-    def _turn_between(self, series, slopes, t0, low, high):
-        def slope_at(tau):
+    def _turn_between(self, series: Sequence[N], slopes: Sequence[N], t0: N, low: N, high: N) -> None:
+        def slope_at(tau: N) -> tuple[N, N]:
             return self._value_and_slope(slopes, tau)
 
         tau, turn, depth = turning_point(slope_at, low, high, (high - low) * self.settled)

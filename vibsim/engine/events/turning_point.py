@@ -1,9 +1,13 @@
 """The minimum of a function between two points, by safeguarded Newton steps on its slope."""
 
+from collections.abc import Callable
+
+from vibsim.physics.numbers import Kit, N, abs
+
 TURNING = 60
 
 
-def extreme_of_slope(kit, length, before, bend, after, unbend):
+def extreme_of_slope(kit: Kit[N], length: N, before: N, bend: N, after: N, unbend: N) -> N:
     """Where a slope has its extreme within `length`, from its cubic: values before and after, derivatives
     bend and unbend of opposite signs there.
     """
@@ -13,7 +17,7 @@ def extreme_of_slope(kit, length, before, bend, after, unbend):
     return length * (2 * bend / (root - b if bend > 0 else -root - b))
 
 
-def turning_point(slope_at, low, high, settled):
+def turning_point(slope_at: Callable[[N], tuple[N, N]], low: N, high: N, settled: N) -> tuple[N, N, N]:
     """Where a function with a falling slope at `low` and a rising one at `high` turns round.
 
     slope_at(t) -> (slope, curvature); settled: length of a step behind which the next one is round-off.

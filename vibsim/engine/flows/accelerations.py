@@ -3,10 +3,16 @@
 It is written from the equations of motion and uses no flow.
 """
 
+from collections.abc import Sequence
+
 from vibsim.engine.flows.harmonics import sine_and_cosine, value_and_rate
+from vibsim.engine.modes.rows import ModeRows
+from vibsim.engine.state import State
+from vibsim.physics.numbers import Kit, N
+from vibsim.physics.parts import Scene
 
 
-def base_acceleration(scene, kit, t):
+def base_acceleration(scene: Scene[N], kit: Kit[N], t: N) -> N:
     """Second derivative of the motion of the base [m/s^2]."""
     total = kit.number(0)
     for term in scene.base:
@@ -15,7 +21,7 @@ def base_acceleration(scene, kit, t):
     return total
 
 
-def accelerations(scene, kit, rows, state):
+def accelerations(scene: Scene[N], kit: Kit[N], rows: ModeRows[N], state: State[N]) -> tuple[list[N], N]:
     """Accelerations [m/s^2] of bodies, ground and base, and that of the rotor [rad/s^2], in the mode of
     `rows`.
     """
@@ -33,9 +39,9 @@ def accelerations(scene, kit, rows, state):
     for column, value in rows.constants:
         F[leader[column]] = F[leader[column]] + value
     for fall in rows.falls:
-        force = fall.on_P * fall.law.start(kit, fall.rate * ((v[fall.P] - v[fall.Q]) - fall.drift))
-        F[leader[fall.P]] = F[leader[fall.P]] + force
-        F[leader[fall.Q]] = F[leader[fall.Q]] - force
+        drop = fall.on_P * fall.law.start(kit, fall.rate * ((v[fall.P] - v[fall.Q]) - fall.drift))
+        F[leader[fall.P]] = F[leader[fall.P]] + drop
+        F[leader[fall.Q]] = F[leader[fall.Q]] - drop
     motor = scene.motor
     if motor is not None:
         on = leader[motor.on]
@@ -44,7 +50,9 @@ def accelerations(scene, kit, rows, state):
     return response(scene, kit, rows, state, F, torque, base_acceleration(scene, kit, state.t))
 
 
-def response(scene, kit, rows, state, F, torque, base):
+def response(
+    scene: Scene[N], kit: Kit[N], rows: ModeRows[N], state: State[N], F: list[N], torque: N, base: N
+) -> tuple[list[N], N]:
     """Accelerations that forces F [N] on the leading columns, a torque [N m] on the rotor and the
     acceleration of the base make: F and the torque over the mass matrix at `state`.
     """
@@ -56,17 +64,18 @@ def response(scene, kit, rows, state, F, torque, base):
         on = leader[motor.on]
         inertia = motor.J + motor.m3 * motor.e * motor.e
         coupling = motor.m3 * motor.e * kit.sin(state.phase)
-        if rows.mass[on] is None:
+        carried = rows.mass[on]
+        if carried is None:
             rotor = (torque + coupling * own[on]) / inertia
         else:
-            mass = rows.mass[on] + motor.m3
+            mass = carried + motor.m3
             determinant = mass * inertia - coupling * coupling
             own[on] = (inertia * F[on] + coupling * torque) / determinant
             rotor = (mass * torque + coupling * F[on]) / determinant
     return [own[leader[c]] for c in range(len(leader))], rotor
 
 
-def joined(scene, kit, rows, state, vector):
+def joined(scene: Scene[N], kit: Kit[N], rows: ModeRows[N], state: State[N], vector: Sequence[N]) -> list[N]:
     """The disturbance (dx, dv, ...) after the ties of the mode have given tied bodies one velocity: momentum
     is kept, what the ground or the base holds stops.
     """
@@ -74,7 +83,7 @@ def joined(scene, kit, rows, state, vector):
     tied = {leader[c] for c in range(n) if leader[c] != c}
     if not tied:
         return list(vector)
-    P, turning, rotor = [zero] * (n + 2), zero, zero
+    P, turning = [zero] * (n + 2), zero
     for c in range(n):
         P[leader[c]] = P[leader[c]] + scene.bodies[c].m * vector[n + c]
     if motor is not None:

@@ -1,12 +1,20 @@
 """Certified first event on the closed-form flow: safe steps from bounds of the event functions' curvature."""
 
+from __future__ import annotations
+
 from math import inf
+from typing import TYPE_CHECKING, Generic
 
 from vibsim.engine.events.certificate import crosses, latest_zero, may_vanish_by
 from vibsim.engine.events.event_functions import EventFunctions, reaches
 from vibsim.engine.events.first_root import deflated_step, leading_order, safe_step
 from vibsim.engine.events.turning_point import extreme_of_slope, turning_point
-from vibsim.engine.modes.rows import STRIKE
+from vibsim.engine.flows.motion import Advance
+from vibsim.engine.modes.rows import STRIKE, Event, EventKey, Known
+from vibsim.physics.numbers import N, abs
+
+if TYPE_CHECKING:
+    from vibsim.engine.flows.closed_form import ClosedForm
 
 JET_ORDER = 9  # derivatives taken at the start of a segment: enough for a zero of order 6
 STEPS_PER_CALL = 4096
@@ -14,17 +22,17 @@ POLISHING = 10  # Halley's iteration triples the right digits
 NARROWER = 16  # steps shorter than this part of the reach of the bounds shorten it to that; others widen it
 
 
-class ClosedFormSearch:
+class ClosedFormSearch(Generic[N]):
     """Marches a `ClosedForm` flow from event to event, and watches how close the gap functions come."""
 
-    def __init__(self, flow):
+    def __init__(self, flow: ClosedForm[N]) -> None:
         self.flow, self.kit = flow, flow.kit
         self.functions_of = EventFunctions(flow)
         self.certificate = flow.certificate
         self.settled = flow.kit.power_of_two(flow.kit.exponent(flow.kit.eps) / 3)  # next error: this cubed
         self.steps = 0
 
-    def open(self, events, known):
+    def open(self, events: list[Event[N]], known: Known) -> None:
         """Start at the flow's anchor; known: {event key: order of its zero here}."""
         self.events, self.known, self.leading = events, known, True
         self.more = max((reaches(event) for event in events), default=0)
@@ -32,9 +40,11 @@ class ClosedFormSearch:
         self.reach = self.window = self.flow.modal.window
         self.watched = {event.key: (self.t0,) + (self.kit.number(0),) * 4 for event in events if event.turns}
         self.stall = self.kit.number(1)
-        self.residues = {}  # what is left of a known zero by the rounding of the segment before
+        self.residues: dict[
+            EventKey, N
+        ] = {}  # what is left of a known zero by the rounding of the segment before
 
-    def advance(self, limit):
+    def advance(self, limit: N) -> Advance[N]:
         """March to the first event or to `limit`; returns (time, event or None)."""
         if self.leading:
             first = self._lead()
@@ -53,7 +63,7 @@ class ClosedFormSearch:
                 return self.t, first
         return self.t, None
 
-    def _lead(self):
+    def _lead(self) -> Event[N] | None:
         """The first stretch of a segment, known zeros divided out, from the derivatives at its start."""
         self.leading = False
         self.flow.measure()
@@ -89,16 +99,16 @@ class ClosedFormSearch:
             if event.turns:
                 limit, zero = of.bound(event, 2, self.window), self.kit.number(0)
                 parted = order if order >= 2 else 0  # as rest ends: what rounding left of zeros is no turn
-                watched = (zero if n < parted else derivatives[n] for n in range(3))
-                self.watched[event.key] = (self.t0, *watched, limit)
+                value, slope, curvature = (zero if n < parted else derivatives[n] for n in range(3))
+                self.watched[event.key] = (self.t0, value, slope, curvature, limit)
         self._adapt_reach(step)
         self._move(step)
         return None
 
-    def _here(self):
+    def _here(self) -> None:
         self.functions_of.here(3 + max(self.more, 1))
 
-    def _step(self):
+    def _step(self) -> Event[N] | None:
         """One certified step; returns the event whose function reached zero here, or None."""
         self.steps += 1
         self.flow.evaluate(self.t - self.t0)
@@ -125,7 +135,7 @@ class ClosedFormSearch:
                 course = value, slope, bound, noise
             elif ahead < rival:
                 rival = ahead
-        if alone and near <= rival:
+        if nearest is not None and alone and near <= rival:
             self._polish(nearest)
             return nearest
         self._adapt_reach(step)
@@ -142,22 +152,22 @@ class ClosedFormSearch:
             self._certify_order(nearest, self.events, value, slope, noise)
         return nearest
 
-    def _creep(self, before):
+    def _creep(self, before: N) -> None:
         """Leave a point where the certified step is shorter than the time grid's."""
         self.certificate.doubt(self.t0)
         self.t = before + (self.kit.next_after(before, inf) - before) * self.stall
         self.stall = self.stall * 2
 
-    def _adapt_reach(self, step):
+    def _adapt_reach(self, step: N) -> None:
         """Let the bounds of the next step reach as far as it needs: they are the tighter the less they do."""
         needed = NARROWER * step
         self.reach = needed if needed < self.window else self.window
 
-    def _certify_crossing(self, slope, bound, noise):
+    def _certify_crossing(self, slope: N, bound: N, noise: N) -> None:
         if not crosses(slope, bound, noise):
             self.certificate.doubt(self.t0)
 
-    def _certify_order(self, first, events, value, slope, noise):
+    def _certify_order(self, first: Event[N], events: list[Event[N]], value: N, slope: N, noise: N) -> None:
         """Doubt that the zero of `first` is the first, where that of another of `events` may come as soon;
         value, slope and noise are those of `first`. Two names of one function vanish together.
         """
@@ -171,7 +181,7 @@ class ClosedFormSearch:
             if not same and may_vanish_by(other, fall, blur, latest):
                 self.certificate.doubt(self.t0)
 
-    def _polish(self, event):
+    def _polish(self, event: Event[N]) -> None:
         """Go to the one zero of the event function ahead, by Halley's iteration.
 
         Called where 8 f |f''| < f'^2 and f' < 0: then f falls all the way to its zero, which lies within
@@ -192,11 +202,11 @@ class ClosedFormSearch:
             self.steps += 1
             self.flow.evaluate(self.t - self.t0)
 
-    def _move(self, step):
+    def _move(self, step: N) -> None:
         """Go ahead by `step` on the time grid."""
         self.t = self.kit.exact(self.t0 + ((self.t - self.t0) + step))
 
-    def _watch_turn(self, event, value, slope, curvature, bound):
+    def _watch_turn(self, event: Event[N], value: N, slope: N, curvature: N, bound: N) -> None:
         """Look for a minimum of a gap function since the point watched before; then watch from here on.
 
         bound: on its second derivative ahead. A minimum that cannot undercut the grazing margin is not looked
@@ -221,8 +231,8 @@ class ClosedFormSearch:
         self.flow.evaluate(self.t - self.t0)
         self._here()
 
-    def _turn_between(self, event, low, high):
-        def slope_at(t):
+    def _turn_between(self, event: Event[N], low: N, high: N) -> None:
+        def slope_at(t: N) -> tuple[N, N]:
             return self._gap_slope(event, t)
 
         t, turn, depth = turning_point(slope_at, low, high, self.settled * self.window)
@@ -231,13 +241,13 @@ class ClosedFormSearch:
         value = self.functions_of.derivative(event, 0)
         self.certificate.keep_turn(value - depth, turn)
 
-    def _gap_slope(self, event, t):
+    def _gap_slope(self, event: Event[N], t: N) -> tuple[N, N]:
         """Slope and curvature of a gap function at time t."""
         self.flow.evaluate(t - self.t0)
         self._here()
         return self.functions_of.derivative(event, 1), self.functions_of.derivative(event, 2)
 
-    def _turn_before(self, first):
+    def _turn_before(self, first: Event[N] | None) -> None:
         """Look for minima of the gap functions between the points watched last and an event of another kind,
         or the end of the run.
         """

@@ -5,42 +5,56 @@ ones of an infinite sequence of impacts are lower than the rounding of displacem
 looks for the next impact.
 """
 
+from __future__ import annotations
+
 from math import inf
+from typing import Generic
 
 from vibsim.engine.events.certificate import Certificate
 from vibsim.engine.flows.closed_form import ClosedForm
+from vibsim.engine.flows.motion import Advance
 from vibsim.engine.flows.taylor import Taylor
-from vibsim.engine.modes.rows import STRIKE
+from vibsim.engine.ledgers.meters import Meters, Node
+from vibsim.engine.modes.rows import STRIKE, Event, Known, ModeRows
+from vibsim.engine.state import State
+from vibsim.physics.numbers import Kit, N, abs
+from vibsim.physics.parts import Scene
 
 
-class Flow:
+class Flow(Generic[N]):
     """Enters each mode by the flow that suits it; `scene.method` may demand one of them.
 
     order : of the Taylor series; that of the scene, unless derivatives at a state are all that is asked for
     """
 
-    def __init__(self, scene, kit, certificate=None, order=None):
+    def __init__(
+        self,
+        scene: Scene[N],
+        kit: Kit[N],
+        certificate: Certificate[N] | None = None,
+        order: int | None = None,
+    ) -> None:
         self.kit = kit
-        self.certificate = certificate or Certificate(kit)
+        self.certificate: Certificate[N] = certificate or Certificate(kit)
         self.taylor = Taylor(scene, kit, self.certificate, order)
         self.closed = ClosedForm(scene, kit, self.certificate)
         self.method = scene.method
-        self.now = self.taylor
+        self.now: Taylor[N] | ClosedForm[N] = self.taylor
 
-    def suits(self, rows):
+    def suits(self, rows: ModeRows[N]) -> Taylor[N] | ClosedForm[N]:
         """The flow for the mode of `rows`."""
         if self.method == "taylor" or not self.closed.covers(rows):
             return self.taylor
         return self.closed
 
-    def enter(self, state, rows, known):
+    def enter(self, state: State[N], rows: ModeRows[N], known: Known) -> None:
         self.now = self.suits(rows)
         self.now.enter(state, rows, known)
         if self.now is self.closed and self._hops(rows, known):
             self.now = self.taylor
             self.now.enter(state, rows, known)
 
-    def meeting(self, event, end):
+    def meeting(self, event: Event[N], end: N) -> N:
         """How long after its start the flow reaches the zero of the STRIKE `event` that it found at the time
         `end` [s], which lies on the grid of time: the zero itself does not.
         """
@@ -51,14 +65,62 @@ class Flow:
         step = self.kit.exact(value / slope)
         return tau - step if abs(step) <= self.kit.next_after(end, inf) - end else tau
 
-    def _hops(self, rows, known):
+    def _hops(self, rows: ModeRows[N], known: Known) -> bool:
         """Whether a rigid stop that was struck here will be again within the window of the closed form."""
         for event in rows.events:
             if event.kind == STRIKE and known.get(event.key, 0) == 1:
                 _, speed, drive = self.closed.derivatives(event, 2)
-                if drive < 0 and 2 * speed < -drive * rows.modal.window:
+                if drive < 0 and 2 * speed < -drive * self.closed.modal.window:
                     return True
         return False
 
-    def __getattr__(self, name):
-        return getattr(self.now, name)
+    @property
+    def t0(self) -> N:
+        """Start of what the flow of now was entered for [s]."""
+        return self.now.t0
+
+    @property
+    def rows(self) -> ModeRows[N]:
+        """Rows of the mode."""
+        return self.now.rows
+
+    @property
+    def evaluations(self) -> int:
+        """Evaluations of the motion by the flow of now."""
+        return self.now.evaluations
+
+    @property
+    def steps(self) -> int:
+        """Steps of the flow of now."""
+        return self.now.steps
+
+    def carry_on(self, state: State[N]) -> None:
+        self.now.carry_on(state)
+
+    def advance(self, limit: N) -> Advance[N]:
+        return self.now.advance(limit)
+
+    def value_and_slope(self, event: Event[N], tau: N) -> tuple[N, N]:
+        return self.now.value_and_slope(event, tau)
+
+    def derivatives(self, event: Event[N], count: int) -> list[N]:
+        return self.now.derivatives(event, count)
+
+    def state_at(self, t: N) -> State[N]:
+        return self.now.state_at(t)
+
+    def state_after(self, tau: N) -> State[N]:
+        return self.now.state_after(tau)
+
+    def longest_piece(self, tau: N) -> N:
+        return self.now.longest_piece(tau)
+
+    def open_nodes(self, meters: Meters[N]) -> None:
+        self.now.open_nodes(meters)
+
+    def node(self, tau: N, meters: Meters[N]) -> Node[N]:
+        return self.now.node(tau, meters)
+
+    def spin_rate(self, tau: N) -> N:
+        """Rate of the speed of the rotor [rad/s^2], which moves by Taylor series alone."""
+        return self.taylor.spin_rate(tau)

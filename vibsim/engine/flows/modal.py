@@ -10,14 +10,31 @@ or where belts make a load that grows with time, the mode has no closed form her
 series.
 """
 
-from dataclasses import dataclass, field
-from typing import Any
+from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Generic
+
+from vibsim.engine.modes.ties import Edge
+from vibsim.physics.numbers import Kit, N, abs
+from vibsim.physics.parts import Harmonic, Scene
+
+if TYPE_CHECKING:
+    from vibsim.engine.modes.rows import Coupling, ModeRows
+
+Pitch = tuple[N, N, N, N]  # omega, cycles, cycles_lo, phase
+Positions = tuple[tuple[int, int], ...]  # sum of sign times the position of a column at the start
+Source = tuple[tuple[int, int | None], N | int]  # column of differences or None, weight
+Shift = tuple[N, Positions, Positions]  # factor, positions plus and minus
+Vector = tuple[int, list[N]]  # number of a coordinate, differences by it
+Matrix = list[list[N]]
+Stands = dict[int | None, list[int]]  # by leading column: 1 on the side of P of a difference
 SWEEPS = 60  # of Jacobi's rotations; they converge quadratically
 
 
 @dataclass
-class Coordinate:
+class Coordinate(Generic[N]):
     """One modal coordinate.
 
     a, b : of q'' + 2 a q' + b q = load + sum_h (sine_h sin + cosine_h cos)(omega_h t + phase_h)
@@ -25,51 +42,64 @@ class Coordinate:
     shifts : [(weight, coupling)]: loads that the place of bodies within their groups adds
     """
 
-    a: Any
-    b: Any
-    load: Any
-    sines: list[Any]
-    cosines: list[Any]
-    sources: list[tuple]
-    shifts: list[tuple] = field(default_factory=list)
+    a: N
+    b: N
+    load: N
+    sines: list[N]
+    cosines: list[N]
+    sources: list[Source[N]]
+    shifts: list[Shift[N]] = field(default_factory=list)
     free: bool = False  # neither spring nor damper
 
 
 @dataclass
-class Place:
+class Place(Generic[N]):
     """A column as sum of shape[m] q_m, of positions at the start of the segment (sign, column), and of the
     base's displacement times `base`.
     """
 
-    shape: dict[int, Any]
-    fixed: tuple[tuple[int, int], ...]
+    shape: dict[int, N | int]
+    fixed: Positions
     base: int = 0
     sides: tuple[int, ...] = ()  # of each difference of its component without reference, 1 on the side of P
-    vectors: tuple = ()  # (m, difference by q_m) of that component; the same object for all of its columns
+    vectors: tuple[
+        Vector[N], ...
+    ] = ()  # (m, difference by q_m) of that component; the same object for all of its columns
 
 
 @dataclass
-class Modal:
-    """Closed form of a mode: coordinates, and where each column is in terms of them."""
+class Difference(Generic[N]):
+    """x_P - x_Q as sum of coefficient q_m over the `terms` (m, coefficient), of positions at the start of the
+    segment (sign, column), and of the base's displacement times `base`.
+    """
 
-    coordinates: list[Coordinate]
-    places: list[Place]
-    pairs: dict  # (P, Q) -> (terms [(m, coefficient)], fixed, base): x_P - x_Q
-    window: Any = None
-    pace: Any = None
+    terms: list[tuple[int, N | int]]
+    fixed: list[tuple[int, int]]
+    base: int
 
 
-def pitch(term):
+@dataclass
+class Modal(Generic[N]):
+    """Closed form of a mode: coordinates, and where each column, and pair of columns, is in terms of them."""
+
+    coordinates: list[Coordinate[N]]
+    places: list[Place[N]]
+    pairs: dict[Edge, Difference[N]]
+
+
+def pitch(term: Harmonic[N]) -> Pitch[N]:
     """What tells one harmonic function of time from another: frequency and phase."""
     return term.omega, term.cycles, term.cycles_lo, term.phase
 
 
-def sounding(terms):
+def sounding(terms: Iterable[Harmonic[N]]) -> list[Harmonic[N]]:
     """The terms with an amplitude."""
     return [term for term in terms if term.amplitude != 0]
 
 
-def modal_of(scene, kit, rows, harmonics):
+def modal_of(
+    scene: Scene[N], kit: Kit[N], rows: ModeRows[N], harmonics: Sequence[Pitch[N]]
+) -> Modal[N] | None:
     """The closed form of the mode `rows`, or None.
 
     harmonics: the distinct (omega, cycles, cycles_lo, phase) of forces and base.
@@ -79,14 +109,17 @@ def modal_of(scene, kit, rows, harmonics):
     return _Builder(scene, kit, rows, harmonics).build()
 
 
-class _Builder:
-    def __init__(self, scene, kit, rows, harmonics):
+class _Builder(Generic[N]):
+    def __init__(
+        self, scene: Scene[N], kit: Kit[N], rows: ModeRows[N], harmonics: Sequence[Pitch[N]]
+    ) -> None:
         self.scene, self.kit, self.rows, self.harmonics = scene, kit, rows, harmonics
         self.n, self.zero = len(scene.bodies), kit.number(0)
         self.leader, self.moves = rows.leader, rows.groups.moves
-        self.coordinates, self.places = [], {}
+        self.coordinates: list[Coordinate[N]] = []
+        self.places: dict[int, Place[N]] = {}
 
-    def build(self):
+    def build(self) -> Modal[N] | None:
         if self._belts_load():
             return None
         for leader in sorted({c for c in self.leader if not self.moves(c)}, reverse=True):
@@ -97,7 +130,7 @@ class _Builder:
         places = [self.places[c] if c in self.places else self._follower(c) for c in range(self.n + 2)]
         return Modal(self.coordinates, places, self._pairs(places))
 
-    def _belts_load(self):
+    def _belts_load(self) -> bool:
         """Whether a belt moves one end of a spring or damper against its group: a load that grows with
         time.
         """
@@ -108,7 +141,7 @@ class _Builder:
                 return True
         return any(self.rows.drift[c] != 0 and self.moves(c) for c in range(self.n))
 
-    def _place_fixed(self, leader):
+    def _place_fixed(self, leader: int) -> None:
         """Columns of the group of the ground or the base."""
         base = 1 if leader == self.n + 1 else 0
         for c in self.rows.groups.members[leader]:
@@ -120,21 +153,21 @@ class _Builder:
             else:
                 self.places[c] = Place({}, ((1, c),) + (((-1, leader),) if base else ()), base)
 
-    def _coasting(self, c, base):
+    def _coasting(self, c: int, base: int | None) -> Coordinate[N]:
         """A column that moves with a belt at constant speed, measured from the base where that carries it."""
         none = [self.zero] * len(self.harmonics)
         return Coordinate(self.zero, self.zero, self.zero, none, none, [((c, base), 1)], free=True)
 
-    def _follower(self, c):
+    def _follower(self, c: int) -> Place[N]:
         """A body within a group that moves: where its leader is, and the distance at the start."""
         place = self.places[self.leader[c]]
         fixed = (*place.fixed, (1, c), (-1, self.leader[c]))
         return Place(place.shape, fixed, place.base, place.sides, place.vectors)
 
-    def _components(self):
+    def _components(self) -> list[list[int]]:
         """Leading columns that move, by what couplings join them: [(leaders, couplings)]."""
         left = [c for c in range(self.n) if self.leader[c] == c and self.moves(c)]
-        found = []
+        found: list[list[int]] = []
         while left:
             reached, ahead = [left[0]], [left[0]]
             while ahead:
@@ -149,7 +182,7 @@ class _Builder:
             left = [c for c in left if c not in reached]
         return found
 
-    def _component(self, leaders):
+    def _component(self, leaders: list[int]) -> bool:
         """Coordinates of one component; whether it has a closed form."""
         couplings = [q for q in self.rows.couplings if {self.leader[q.P], self.leader[q.Q]} & set(leaders)]
         couplings = [q for q in couplings if self.leader[q.P] != self.leader[q.Q]]
@@ -158,7 +191,7 @@ class _Builder:
         edges = self._tree(leaders, couplings, reference)
         sides = [self._side(P, edges, e) for e, (P, _) in enumerate(edges)]
         differences = self._shares(leaders, sides, reference)
-        stands = {c: [1 if c in side else 0 for side in sides] for c in {*leaders, reference}}
+        stands: Stands = {c: [1 if c in side else 0 for side in sides] for c in {*leaders, reference}}
         shapes = self._oscillators(couplings, edges, stands, reference)
         if shapes is None:
             return False
@@ -167,26 +200,26 @@ class _Builder:
         if reference is None:
             centre = self._centre(leaders)
         for c in leaders:
-            shape: dict[int, Any] = {} if centre is None else {centre: 1}
+            shape: dict[int, N | int] = {} if centre is None else {centre: 1}
             for m, vector in shapes:
-                total: Any = None
+                total: N | None = None
                 for e in range(len(edges)):
                     part = differences[c][e] * vector[e]
                     total = part if total is None else total + part
-                if total != 0:
+                if total is not None and total != 0:
                     shape[m] = total
-            at = self.places[reference] if reference is not None else Place({}, ())
+            at: Place[N] = Place({}, ()) if reference is None else self.places[reference]
             self.places[c] = Place({**at.shape, **shape}, at.fixed, at.base)
             if reference is None:
                 self.places[c].sides, self.places[c].vectors = tuple(stands[c]), vectors
         return True
 
-    def _tree(self, leaders, couplings, reference):
+    def _tree(self, leaders: list[int], couplings: list[Coupling[N]], reference: int | None) -> list[Edge]:
         """Couplings, as (P, Q) of leading columns, that join all `leaders`, and the reference where there
         is one.
         """
-        reached = {reference} if reference is not None else {leaders[0]}
-        edges = []
+        reached = {leaders[0] if reference is None else reference}
+        edges: list[Edge] = []
         while True:
             for q in couplings:
                 P, Q = (self.leader[c] if self.moves(c) else c for c in (q.P, q.Q))
@@ -197,9 +230,9 @@ class _Builder:
             else:
                 return edges
 
-    def _shares(self, leaders, sides, reference):
+    def _shares(self, leaders: list[int], sides: list[set[int]], reference: int | None) -> dict[int, list[N]]:
         """How far each leading column goes with each difference y_e = x_P - x_Q: {column: [share]}."""
-        shares: dict[int, list[Any]] = {c: [] for c in leaders}
+        shares: dict[int, list[N]] = {c: [] for c in leaders}
         for side in sides:
             if reference is not None:
                 away = reference not in side
@@ -214,7 +247,7 @@ class _Builder:
                 shares[c].append(far / (near + far) if c in side else -(near / (near + far)))
         return shares
 
-    def _side(self, start, edges, cut):
+    def _side(self, start: int, edges: list[Edge], cut: int) -> set[int]:
         reached, ahead = {start}, [start]
         while ahead:
             c = ahead.pop()
@@ -225,18 +258,21 @@ class _Builder:
                         ahead.append(other)
         return reached
 
-    def _total(self, leaders):
-        total = None
-        for c in leaders:
-            total = self.rows.mass[c] if total is None else total + self.rows.mass[c]
+    def _total(self, leaders: Iterable[int]) -> N:
+        first, *others = leaders
+        total = self.rows.own_mass(first)
+        for c in others:
+            total = total + self.rows.own_mass(c)
         return total
 
-    def _stretch(self, coupling, stands, reference):
+    def _stretch(self, coupling: Coupling[N], stands: Stands, reference: int | None) -> list[int]:
         """How far a coupling stretches with each difference: 0, 1 or -1."""
         P, Q = (stands[self.leader[c] if self.moves(c) else reference] for c in (coupling.P, coupling.Q))
         return [a - b for a, b in zip(P, Q, strict=True)]
 
-    def _oscillators(self, couplings, edges, stands, reference):
+    def _oscillators(
+        self, couplings: list[Coupling[N]], edges: list[Edge], stands: Stands, reference: int | None
+    ) -> list[Vector[N]] | None:
         """Coordinates of the differences: [(number, y = sum vector q)], or None."""
         size = len(edges)
         if size == 0:
@@ -244,9 +280,9 @@ class _Builder:
         B = [[self._mobility(edges[i], edges[j]) for j in range(size)] for i in range(size)]
         stretches = [self._stretch(q, stands, reference) for q in couplings]
         if size == 1:
-            k = c = None
-            for q in couplings:
-                k, c = (q.k if k is None else k + q.k), (q.c if c is None else c + q.c)
+            k, c = couplings[0].k, couplings[0].c
+            for q in couplings[1:]:
+                k, c = k + q.k, c + q.c
             forward, backward = [[self.kit.number(1)]], [[self.kit.number(1)]]
             rates, damping = [k * B[0][0]], [c * B[0][0] / 2]
         else:
@@ -254,9 +290,11 @@ class _Builder:
             if diagonal is None:
                 return None
             forward, backward, rates, damping = diagonal
-        shapes = []
+        shapes: list[Vector[N]] = []
         for m in range(size):
-            sources = [(edges[e], backward[m][e]) for e in range(size) if backward[m][e] != 0]
+            sources: list[Source[N]] = [
+                (edges[e], backward[m][e]) for e in range(size) if backward[m][e] != 0
+            ]
             load, sines, cosines = self._loads(backward[m], edges, B, couplings, stretches, reference)
             coordinate = Coordinate(damping[m], rates[m], load, sines, cosines, sources)
             coordinate.shifts = self._shifts(backward[m], B, couplings, stretches, reference)
@@ -265,7 +303,7 @@ class _Builder:
             shapes.append((len(self.coordinates) - 1, [forward[e][m] for e in range(size)]))
         return shapes
 
-    def _mobility(self, one, other):
+    def _mobility(self, one: Edge, other: Edge) -> N:
         """Entry of B = D M^-1 D' for two differences."""
         total = None
         for c, sign in ((one[0], 1), (one[1], -1)):
@@ -274,7 +312,15 @@ class _Builder:
                 total = part if total is None else total + part
         return self.zero if total is None else total
 
-    def _loads(self, weights, edges, B, couplings, stretches, reference):
+    def _loads(
+        self,
+        weights: list[N],
+        edges: list[Edge],
+        B: Matrix[N],
+        couplings: list[Coupling[N]],
+        stretches: list[list[int]],
+        reference: int | None,
+    ) -> tuple[N, list[N], list[N]]:
         """load, sines, cosines of a coordinate, from the offsets of couplings, forces and the base."""
         load = self.zero
         for q, stretch in zip(couplings, stretches, strict=True):
@@ -295,7 +341,17 @@ class _Builder:
         self._base_loads(weights, edges, B, couplings, stretches, reference, sines, cosines)
         return load, sines, cosines
 
-    def _base_loads(self, weights, edges, B, couplings, stretches, reference, sines, cosines):
+    def _base_loads(
+        self,
+        weights: list[N],
+        edges: list[Edge],
+        B: Matrix[N],
+        couplings: list[Coupling[N]],
+        stretches: list[list[int]],
+        reference: int | None,
+        sines: list[N],
+        cosines: list[N],
+    ) -> None:
         """Loads from the base: inertia where the component is measured from it, else through links to it."""
         rides = reference is not None and self.places[reference].base == 1
         for term in sounding(self.scene.base):
@@ -315,7 +371,7 @@ class _Builder:
                     sines[h] = sines[h] - share * (q.k * X)
                     cosines[h] = cosines[h] - share * (q.c * V)
 
-    def _weight(self, weights, B, stretch):
+    def _weight(self, weights: list[N], B: Matrix[N], stretch: list[int]) -> N:
         """Acceleration of the coordinate by a unit force in a coupling, with its sign turned: (weights B
         stretch).
         """
@@ -327,7 +383,7 @@ class _Builder:
                     total = part if total is None else total + part
         return self.zero if total is None else total
 
-    def _force_weight(self, weights, edges, column):
+    def _force_weight(self, weights: list[N], edges: list[Edge], column: int) -> tuple[N, N] | None:
         """[(factor, mass)] by which a force on a column accelerates the coordinate; None where it does
         not.
         """
@@ -338,18 +394,25 @@ class _Builder:
             if column in (P, Q) and weight != 0:
                 part = weight if column == P else -weight
                 found = part if found is None else found + part
-        return None if found is None else (found, self.rows.mass[column])
+        return None if found is None else (found, self.rows.own_mass(column))
 
     @staticmethod
-    def _per_mass(value, share):
+    def _per_mass(value: N, share: tuple[N, N]) -> N:
         factor, mass = share
         return factor * (value / mass)
 
-    def _shifts(self, weights, B, couplings, stretches, reference):
+    def _shifts(
+        self,
+        weights: list[N],
+        B: Matrix[N],
+        couplings: list[Coupling[N]],
+        stretches: list[list[int]],
+        reference: int | None,
+    ) -> list[Shift[N]]:
         """Loads -k (distance of an end from the column that stands for it), by coupling: [(factor, plus,
         minus)].
         """
-        shifts = []
+        shifts: list[Shift[N]] = []
         for q, stretch in zip(couplings, stretches, strict=True):
             if q.k == 0:
                 continue
@@ -361,6 +424,7 @@ class _Builder:
                 if (
                     moved is not None
                     and not moved.fixed
+                    and reference is not None
                     and not self.places[reference].fixed
                     and moved.base == self.places[reference].base
                 ):
@@ -370,11 +434,11 @@ class _Builder:
                 )
         return [s for s in shifts if s[1] != s[2]]
 
-    def _fixed(self, c):
+    def _fixed(self, c: int) -> Positions:
         """Positions at the start that a column's place is made of."""
         return self.places[c].fixed if not self.moves(c) else ((1, c),)
 
-    def _centre(self, leaders):
+    def _centre(self, leaders: list[int]) -> int:
         """The coordinate of a centre of mass; its number."""
         total = self._total(leaders)
         load, sines = self.zero, [self.zero] * len(self.harmonics)
@@ -387,14 +451,16 @@ class _Builder:
         for column, value in self.rows.constants:
             if self.leader[column] in leaders:
                 load = load + value
-        sources = [((c, None), self.rows.mass[c] / total) for c in leaders]
+        sources: list[Source[N]] = [((c, None), self.rows.own_mass(c) / total) for c in leaders]
         none = [self.zero] * len(self.harmonics)
         self.coordinates.append(
             Coordinate(self.zero, self.zero, load / total, sines, none, sources, free=True)
         )
         return len(self.coordinates) - 1
 
-    def _diagonal(self, B, couplings, stretches):
+    def _diagonal(
+        self, B: Matrix[N], couplings: list[Coupling[N]], stretches: list[list[int]]
+    ) -> tuple[Matrix[N], Matrix[N], list[N], list[N]] | None:
         """Rotation to normal coordinates: (y by q, q by y, b, a), or None where damping and stiffness do
         not commute.
         """
@@ -416,18 +482,18 @@ class _Builder:
         rates = [k[m][m] if k[m][m] > 0 else self.zero for m in range(size)]
         return forward, backward, rates, [c[m][m] / 2 for m in range(size)]
 
-    def _pairs(self, places):
+    def _pairs(self, places: list[Place[N]]) -> dict[Edge, Difference[N]]:
         """Differences of columns that events, couplings and frictions read."""
         wanted = {(t.P, t.Q) for event in self.rows.events for t in event.terms if t.kind in (0, 1)}
         wanted |= {(q.P, q.Q) for q in self.rows.couplings}
         return {pair: difference(places[pair[0]], places[pair[1]]) for pair in wanted}
 
 
-def difference(one, other):
-    """x_P - x_Q of two places: (terms [(m, coefficient)], fixed positions, base)."""
+def difference(one: Place[N], other: Place[N]) -> Difference[N]:
+    """x_P - x_Q of two places."""
     if one.vectors and one.vectors is other.vectors:  # of one component: its centre drops out exactly
         turns = [a - b for a, b in zip(one.sides, other.sides, strict=True)]
-        shape = {m: weighted(turns, vector) for m, vector in one.vectors}
+        shape: dict[int, N | int] = {m: weighted(turns, vector) for m, vector in one.vectors}
     else:
         shape = dict(one.shape)
         for m, value in other.shape.items():
@@ -437,21 +503,21 @@ def difference(one, other):
         for s, c in place.fixed:
             fixed[c] = fixed.get(c, 0) + sign * s
     terms = [(m, value) for m, value in sorted(shape.items()) if value != 0]
-    return terms, [(s, c) for c, s in sorted(fixed.items()) if s], one.base - other.base
+    return Difference(terms, [(s, c) for c, s in sorted(fixed.items()) if s], one.base - other.base)
 
 
-def weighted(turns, vector):
+def weighted(turns: Iterable[int], vector: Iterable[N]) -> N | int:
     """Sum of the entries of `vector` with the signs `turns` (-1, 0, 1)."""
-    total = 0
+    total: N | int = 0
     for sign, value in zip(turns, vector, strict=True):
         if sign:
             total = sign * value if total == 0 else total + sign * value
     return total
 
 
-def product(A, B):
+def product(A: Matrix[N], B: Matrix[N]) -> Matrix[N]:
     """Matrix product, summed in the order of the indices."""
-    rows: list[list[Any]] = []
+    rows: Matrix[N] = []
     for row in A:
         rows.append([])
         for j in range(len(B[0])):
@@ -462,11 +528,11 @@ def product(A, B):
     return rows
 
 
-def transposed(A):
+def transposed(A: Matrix[N]) -> Matrix[N]:
     return [list(column) for column in zip(*A, strict=True)]
 
 
-def cholesky(kit, A):
+def cholesky(kit: Kit[N], A: Matrix[N]) -> Matrix[N]:
     """Lower triangular L with L L' = A."""
     size = len(A)
     L = [[kit.number(0)] * size for _ in range(size)]
@@ -479,7 +545,7 @@ def cholesky(kit, A):
     return L
 
 
-def inverse_triangular(kit, L):
+def inverse_triangular(kit: Kit[N], L: Matrix[N]) -> Matrix[N]:
     """Inverse of a lower triangular matrix."""
     size = len(L)
     X = [[kit.number(0)] * size for _ in range(size)]
@@ -492,7 +558,7 @@ def inverse_triangular(kit, L):
     return X
 
 
-def norm(kit, A):
+def norm(kit: Kit[N], A: Matrix[N]) -> N:
     total = kit.number(0)
     for row in A:
         for value in row:
@@ -500,7 +566,7 @@ def norm(kit, A):
     return kit.sqrt(total)
 
 
-def jacobi(kit, K, C):
+def jacobi(kit: Kit[N], K: Matrix[N], C: Matrix[N]) -> Matrix[N] | None:
     """Orthogonal V that makes both symmetric matrices diagonal, or None where they do not commute (Jacobi's
     rotations for two matrices, Bunse-Gerstner, Byers & Mehrmann 1993).
     """
@@ -526,7 +592,7 @@ def jacobi(kit, K, C):
     return V if off <= 64 * size * kit.eps else None
 
 
-def _rotate(kit, A, V, p, q, small):
+def _rotate(kit: Kit[N], A: list[Matrix[N]], V: Matrix[N], p: int, q: int, small: N) -> bool:
     """One rotation of rows and columns p, q that makes the off-diagonal entries of all matrices least."""
     size = len(V)
     if max((abs(M[p][q]) for M in A), default=0) <= small / 64:

@@ -11,8 +11,11 @@ nested divided differences or as power series, so that each response keeps full 
 """
 
 from functools import cached_property
+from typing import Generic
 
-from vibsim.physics.numbers import horner
+from vibsim.physics.numbers import Kit, N, abs, horner
+
+Responses = tuple[N, N, N, N]  # Re H, Im H [s^2] and their rates [s]
 
 # Quotients by b and by Z = (r1 - i omega)(r2 - i omega) cancel at most three bits where |Z| t^2 is above a
 # quarter; far above critical damping, where r2 t is large whatever r1 t is, where |r1 - i omega| t is above
@@ -24,10 +27,10 @@ RESONANT = 0.01
 UNHURRIED = 1e100  # window of a free mass [s]: longer than any run, yet finite (0 * inf is no bound)
 
 
-class Oscillator:
+class Oscillator(Generic[N]):
     """Constants of y'' + 2 a y' + b y: damping a [1/s], stiffness b [1/s^2], load frequency omega [rad/s]."""
 
-    def __init__(self, kit, a, b, omega):
+    def __init__(self, kit: Kit[N], a: N, b: N, omega: N) -> None:
         self.kit, self.a, self.b, self.omega = kit, a, b, omega
         self.w0 = kit.sqrt(b)
         discriminant = b - a * a
@@ -50,18 +53,18 @@ class Oscillator:
         self.inverse_i = self.zi / self.zz if self.zz > 0 else kit.number(0)
         fastest = self.w0 if self.w0 > omega else omega
         pace = fastest if fastest > 0 else 2 * a  # a free mass: only its damping sets a pace
-        self.window = 1.5 / pace if pace > 0 else UNHURRIED
+        self.window = 1.5 / pace if pace > 0 else kit.number(UNHURRIED)
         self.rate = a if a > fastest else fastest
 
     @cached_property
-    def steady_series(self):
+    def steady_series(self) -> list[N]:
         return self._series_coefficients(self.kit.number(0))[0]
 
     @cached_property
-    def loaded_series(self):
+    def loaded_series(self) -> tuple[list[N], list[N]]:
         return self._series_coefficients(self.omega)
 
-    def release_and_impulse(self, t):
+    def release_and_impulse(self, t: N) -> tuple[N, N]:
         """C(t) [-] and S(t) [s]."""
         kit = self.kit
         if self.oscillates:
@@ -74,7 +77,7 @@ class Oscillator:
         impulse = decay * (kit.expm1(-(2 * (self.wd * t))) / -(2 * self.wd))
         return decay - self.slow * impulse, impulse
 
-    def constant_response(self, t, release):
+    def constant_response(self, t: N, release: N) -> N:
         """I(t) [s^2], given C(t)."""
         if self.settling * (t * t) >= QUARTER:
             return (1 - release) * self.per_b
@@ -84,7 +87,7 @@ class Oscillator:
             return (slow - kit.expm1(self.fast * t) / self.fast) / (2 * self.wd)
         return t * t * horner(self.steady_series, self.rate * t)
 
-    def harmonic_response(self, t, release, impulse, cosine, sine):
+    def harmonic_response(self, t: N, release: N, impulse: N, cosine: N, sine: N) -> Responses[N]:
         """Re H(t), Im H(t) [s^2] and their rates [s], given C, S and cos, sin of omega t.
 
         From H' = S + i omega H, but for a fast load, where that difference would cancel.
@@ -105,13 +108,13 @@ class Oscillator:
         hc, hs = self._confluent(t, cosine, sine) if self.wd * t >= 0.5 else self.series_response(t)
         return hc, hs, impulse - self.omega * hs, self.omega * hc
 
-    def series_response(self, t):
+    def series_response(self, t: N) -> tuple[N, N]:
         """Re H, Im H [s^2] by power series, for spreads |r t|, |omega t| below 2."""
         square, angle = t * t, self.rate * t
         real, imag = self.loaded_series
         return square * horner(real, angle), square * horner(imag, angle)
 
-    def _confluent(self, t, cosine, sine):
+    def _confluent(self, t: N, cosine: N, sine: N) -> tuple[N, N]:
         """H near resonance: (E1 - E2) / (r1 - r2) with E_k = (exp(r_k t) - exp(i omega t)) / (r_k - i omega).
 
         E1 = t exp((r1 + i omega) t / 2) sinhc((r1 - i omega) t / 2) holds up to the resonance itself
@@ -141,7 +144,7 @@ class Oscillator:
             return hi / (2 * self.wd), -hr / (2 * self.wd)
         return hr / (2 * self.wd), hi / (2 * self.wd)
 
-    def _series_coefficients(self, omega):
+    def _series_coefficients(self, omega: N) -> tuple[list[N], list[N]]:
         """Coefficients g_n of H = t^2 sum g_n (rate t)^n, real and imaginary.
 
         From H'' + 2 a H' + b H = exp(i omega t):
@@ -160,7 +163,7 @@ class Oscillator:
         return real[2:], imag[2:]
 
 
-def sinhc(kit, p, q):
+def sinhc(kit: Kit[N], p: N, q: N) -> tuple[N, N]:
     """Real and imaginary part of sinh(z) / z for z = p + i q."""
     zz = p * p + q * q
     if zz == 0:
@@ -170,7 +173,9 @@ def sinhc(kit, p, q):
     return (nr * p + ni * q) / zz, (ni * p - nr * q) / zz
 
 
-def free_harmonic_response(kit, omega, t, cosine, sine, oscillator):
+def free_harmonic_response(
+    kit: Kit[N], omega: N, t: N, cosine: N, sine: N, oscillator: Oscillator[N]
+) -> tuple[N, N]:
     """H of a free mass (a = b = 0): int int cos(omega s), int int sin(omega s) [s^2].
 
     `oscillator` is one with a = b = 0; its series serves short times.

@@ -8,6 +8,13 @@ The integrals are taken stretch by stretch by Gauss-Legendre quadrature of the f
 that stored - stored(0) - work + losses is zero but for rounding: a check on every run (first law).
 """
 
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Generic
+
+from vibsim.engine.events.newton_moreau import Impulse
+from vibsim.engine.flows.flow import Flow
 from vibsim.engine.flows.harmonics import value_and_rate
 from vibsim.engine.ledgers.meters import (
     IMPULSE,
@@ -17,26 +24,35 @@ from vibsim.engine.ledgers.meters import (
     SQUARE,
     TORQUE,
     WORK,
+    Entry,
+    Meter,
     MeterMaker,
+    Meters,
+    Node,
     jumps_of,
 )
-from vibsim.engine.modes.status import CONTACT
+from vibsim.engine.modes.rows import ModeRows, RowMaker
+from vibsim.engine.modes.status import CONTACT, Status
+from vibsim.engine.state import State
 from vibsim.physics.gauss_nodes import NODES, WEIGHTS
-from vibsim.physics.parts import GROUND
+from vibsim.physics.numbers import Kit, N
+from vibsim.physics.parts import GROUND, Scene, Stop
 
 
-class Ledger:
+class Ledger(Generic[N]):
     """Sums the entries of `names` over the stretches of a run."""
 
-    def __init__(self, scene, kit, maker, flow, momentum=False):
+    def __init__(
+        self, scene: Scene[N], kit: Kit[N], maker: RowMaker[N], flow: Flow[N], momentum: bool = False
+    ) -> None:
         self.scene, self.kit, self.flow = scene, kit, flow
         self.ground, self.base = maker.n, maker.n + 1
         self.maker = MeterMaker(scene, kit, maker, momentum)
         self.names = self.maker.names
         self.entries = [kit.number(0)] * len(self.names)
-        self.jumps = jumps_of(scene, self.names)
+        self.elastic, self.jumps = dict(scene.elastic_stops), jumps_of(scene, self.names)
 
-    def gather(self, start, last, rows):
+    def gather(self, start: State[N], last: N, rows: ModeRows[N]) -> Iterator[N]:
         """Add the stretch from the state `start` in the mode of `rows` to `last` [s] after the flow's start.
 
         A generator, which yields how far it is [s] after every piece; the entries change when all are done.
@@ -53,7 +69,7 @@ class Ledger:
             yield t0 + tau
         self.entries = entries
 
-    def _integrate(self, entries, meters, tau, length):
+    def _integrate(self, entries: list[N], meters: Meters[N], tau: N, length: N) -> None:
         """Add one piece. The nodes lie where they should, not on the time grid, whose rounding would show in
         the sums.
         """
@@ -65,57 +81,58 @@ class Ledger:
         for meter, total in zip(meters.meters, totals, strict=True):
             entries[meter.entry] = entries[meter.entry] + length * (meter.factor * total)
 
-    def _rate(self, meter, point):
+    def _rate(self, meter: Meter[N], point: Node[N]) -> N:
         """What a meter integrates, at a node."""
-        v, w, forces, functions = point
+        v = point.v
         if meter.kind == SQUARE:
             u = v[meter.P] - v[meter.Q]
             return u * u
         if meter.kind == WORK:
-            return forces[meter.source] * v[meter.P]
+            return point.forces[meter.source] * v[meter.P]
         if meter.kind == TORQUE:
-            motor = self.scene.motor
-            return motor.M0 * (1 - w / motor.Omega0) * w
+            return motor_power(self.scene, point.w)
         if meter.kind == SLIP:
             return (v[meter.P] - v[meter.Q]) - meter.drift
         if meter.kind == IMPULSE:
-            return forces[meter.source]
-        value = functions[meter.source]
+            return point.forces[meter.source]
+        value = point.functions[meter.source]
         if meter.kind == RUB:
             return value * ((v[meter.P] - v[meter.Q]) - meter.drift)
         return value if meter.P == NOTHING else value * v[meter.P]
 
-    def strike(self, state, passed):
+    def strike(self, state: State[N], passed: Sequence[Impulse[N]]) -> None:
         """Count the blows of rigid stops at `state`."""
         if passed:
             V = value_and_rate(self.kit, self.scene.base, state.t)[1]
             for entry, value in struck_entries(self.scene, self.names, passed, V):
                 self.entries[entry] = self.entries[entry] + value
 
-    def _places(self, state):
+    def _places(self, state: State[N]) -> tuple[N, ...]:
         """Displacements of all columns."""
         zero = self.kit.number(0)
         X = value_and_rate(self.kit, self.scene.base, state.t)[0] if self.scene.base else zero
         return (*state.x, zero, X)
 
-    def cross(self, state, before, after):
+    def cross(self, state: State[N], before: Status, after: Status) -> None:
         """Count what the springs of stops hold where those let go, or push again, though pressed."""
         for jump in self.jumps:
             pressed = before.stops[jump.stop] == CONTACT, after.stops[jump.stop] == CONTACT
             if pressed[0] != pressed[1]:
-                held = stop_energy(self.scene.stops[jump.stop], self._places(state), self.ground)
+                held = stop_energy(self.elastic[jump.stop], self._places(state), self.ground)
                 entry = self.entries[jump.entry]
                 self.entries[jump.entry] = entry + held if pressed[0] else entry - held
 
 
-def struck_entries(scene, names, passed, V):
+def struck_entries(
+    scene: Scene[N], names: Sequence[Entry], passed: Sequence[Impulse[N]], V: N
+) -> list[tuple[int, N]]:
     """What blows add to the entries `names`, as [(number of the entry, value)]: loss at the stops, work and
     impulses of ground and base.
 
     passed: the `Impulse`s; V: velocity of the base [m/s]. A blow takes L (g' before + g' after) / 2; the base
     gives V times its impulse.
     """
-    added = []
+    added: list[tuple[int, N]] = []
     for one in passed:
         stop = scene.stops[one.stop]
         added.append((names.index(("loss", "stops", stop.name)), one.impulse * (one.before + one.after) / 2))
@@ -129,14 +146,21 @@ def struck_entries(scene, names, passed, V):
     return added
 
 
-def stop_energy(stop, places, ground):
+def motor_power(scene: Scene[N], w: N) -> N:
+    """Power of the motor [W] at the speed w [rad/s] of its rotor, Eq. (2.10)."""
+    motor = scene.motor
+    assert motor is not None
+    return motor.M0 * (1 - w / motor.Omega0) * w
+
+
+def stop_energy(stop: Stop[N], places: Sequence[N], ground: int) -> N:
     """Energy [J] that the spring of a stop in contact holds; places: displacements of all columns."""
     P, Q = (end if end >= 0 else ground - 1 - end for end in (stop.P, stop.Q))
     depth = -(stop.sense * (places[P] - places[Q])) - stop.gap
     return stop.k * (depth * depth) / 2
 
 
-def stored_energy(scene, kit, state, status):
+def stored_energy(scene: Scene[N], kit: Kit[N], state: State[N], status: Status) -> N:
     """Kinetic and elastic energy [J] of `state` in the mode `status`; the unbalanced mass moves with velocity
     (v - e w sin phi, e w cos phi), Eqs. (2.8)-(2.10).
     """
@@ -149,20 +173,22 @@ def stored_energy(scene, kit, state, status):
         P, Q = (end if end >= 0 else ground - 1 - end for end in (link.P, link.Q))
         d = places[P] - places[Q]
         energy = energy + link.k * (d * d) / 2
-    for stop, code in zip(scene.stops, status.stops, strict=True):
-        if code == CONTACT:
+    for i, stop in scene.elastic_stops:
+        if status.stops[i] == CONTACT:
             energy = energy + stop_energy(stop, places, ground)
     return energy + rotor_energy(scene, kit, state) if scene.motor else energy
 
 
-def rotor_energy(scene, kit, state):
+def rotor_energy(scene: Scene[N], kit: Kit[N], state: State[N]) -> N:
     """Kinetic energy [J] of rotor and unbalanced mass."""
-    motor, v = scene.motor, state.v[scene.motor.on]
+    motor = scene.motor
+    assert motor is not None
+    v = state.v[motor.on]
     energy = motor.m3 * (v * v) / 2 + (motor.J + motor.m3 * motor.e * motor.e) * (state.w * state.w) / 2
     return energy - motor.m3 * (v * (motor.e * state.w * kit.sin(state.phase)))
 
 
-def momenta(scene, kit, state):
+def momenta(scene: Scene[N], kit: Kit[N], state: State[N]) -> list[N]:
     """Momenta [N s] of bodies and unbalanced mass along the line."""
     each = [body.m * v for body, v in zip(scene.bodies, state.v, strict=True)]
     if scene.motor:

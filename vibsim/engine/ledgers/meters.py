@@ -11,54 +11,72 @@ A meter adds factor times an integral over each stretch of the mode to one entry
     RUB       a function of the mode's rows, times v_P - v_Q - drift
 """
 
-from dataclasses import dataclass, field
-from typing import Any
+from __future__ import annotations
 
-from vibsim.engine.modes.rows import COUPLING, FALL, HOLD, Event, Term
-from vibsim.engine.modes.status import CONTACT, STICK
-from vibsim.engine.modes.ties import Groups, beyond
-from vibsim.physics.parts import AT_FORCE
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Generic
+
+from vibsim.engine.modes.rows import COUPLING, FALL, HOLD, Event, Falling, ModeRows, RowMaker, Term, Terms
+from vibsim.engine.modes.status import CONTACT, STICK, Status
+from vibsim.engine.modes.ties import Edge, Groups, Tie, beyond
+from vibsim.physics.numbers import Kit, N
+from vibsim.physics.parts import AT_FORCE, Friction, Scene
 
 SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB = range(7)
 NOTHING = -1
 
+Entry = tuple[str, str, str]  # name of an entry: quantity, section of the case, part
+
 
 @dataclass(frozen=True)
-class Meter:
+class Meter(Generic[N]):
     """factor times the integral that `kind` names, for entry number `entry`."""
 
     kind: int
     entry: int
-    factor: Any
+    factor: N
     P: int = NOTHING
     Q: int = NOTHING
     source: int = NOTHING
-    drift: Any = 0.0
+    drift: N | float = 0.0
 
 
 @dataclass
-class Meters:
+class Meters(Generic[N]):
     """The meters of a mode, and what they read at the nodes of the quadrature."""
 
-    meters: list[Meter] = field(default_factory=list)
-    functions: list[Event] = field(default_factory=list)
+    meters: list[Meter[N]] = field(default_factory=list)
+    functions: list[Event[N]] = field(default_factory=list)
 
     @property
-    def columns(self):
+    def columns(self) -> list[int]:
         """Bodies whose velocities are read, and the base where its velocity is."""
         read = {m.P for m in self.meters if m.kind in (SQUARE, WORK, FUNCTION, SLIP, RUB)}
         read |= {m.Q for m in self.meters if m.kind in (SQUARE, SLIP, RUB)}
         return sorted(read - {NOTHING})
 
     @property
-    def forces(self):
+    def forces(self) -> bool:
         """Whether forces are read."""
         return any(m.kind in (WORK, IMPULSE) for m in self.meters)
 
     @property
-    def spins(self):
+    def spins(self) -> bool:
         """Whether the speed of the rotor is read."""
         return any(m.kind == TORQUE for m in self.meters)
+
+
+@dataclass
+class Node(Generic[N]):
+    """What the meters read at a node of the quadrature: velocities by column [m/s], speed of the rotor
+    [rad/s], forces [N] and functions of the rows; 0 and empty where no meter reads them.
+    """
+
+    v: list[N]
+    w: N
+    forces: list[N]
+    functions: list[N]
 
 
 @dataclass(frozen=True)
@@ -71,7 +89,7 @@ class Jump:
     entry: int
 
 
-def entries_of(scene, momentum=False):
+def entries_of(scene: Scene[N], momentum: bool = False) -> list[Entry]:
     """Names of the entries of a scene's ledger: (quantity, section, part), work and loss [J], impulse
     [N s].
     """
@@ -82,7 +100,8 @@ def entries_of(scene, momentum=False):
     names += [("work", "friction", name) for name in belts]
     names += [("loss", "links", link.name) for link in scene.links if link.c != 0]
     rigid = [i for i, _ in scene.rigid_stops]
-    names += [("loss", "stops", s.name) for i, s in enumerate(scene.stops) if i in rigid or s.c != 0]
+    damped = [i for i, stop in scene.elastic_stops if stop.c != 0]
+    names += [("loss", "stops", stop.name) for i, stop in enumerate(scene.stops) if i in (*rigid, *damped)]
     names += [("loss", "friction", friction.name) for friction in scene.frictions]
     if momentum:
         names += [("impulse", "forces", force.name) for force in scene.forces]
@@ -92,7 +111,7 @@ def entries_of(scene, momentum=False):
     return names
 
 
-def jumps_of(scene, names):
+def jumps_of(scene: Scene[N], names: Sequence[Entry]) -> list[Jump]:
     """The stops whose stored energy jumps where they let go by force."""
     return [
         Jump(i, names.index(("loss", "stops", stop.name)))
@@ -101,23 +120,23 @@ def jumps_of(scene, names):
     ]
 
 
-class MeterMaker:
+class MeterMaker(Generic[N]):
     """Makes the meters of the modes of a scene."""
 
-    def __init__(self, scene, kit, maker, momentum=False):
+    def __init__(self, scene: Scene[N], kit: Kit[N], maker: RowMaker[N], momentum: bool = False) -> None:
         self.scene, self.kit, self.maker, self.momentum = scene, kit, maker, momentum
         self.names = entries_of(scene, momentum)
         self.ground, self.base = maker.n, maker.n + 1
-        self.made = {}
+        self.made: dict[Status, Meters[N]] = {}
 
-    def meters(self, rows):
+    def meters(self, rows: ModeRows[N]) -> Meters[N]:
         """The meters of the mode of `rows`."""
         if rows.status not in self.made:
             self.made[rows.status] = self._make(rows)
         return self.made[rows.status]
 
-    def _make(self, rows):
-        self.now = Meters()
+    def _make(self, rows: ModeRows[N]) -> Meters[N]:
+        self.now: Meters[N] = Meters()
         self._sources()
         self._dampers(rows.status)
         self._couplings(rows)
@@ -130,32 +149,43 @@ class MeterMaker:
             self._holding(k, function, orientation)
         return self.now
 
-    def _add(self, kind, name, factor, **more):
+    def _add(
+        self,
+        kind: int,
+        name: Entry,
+        factor: N,
+        P: int = NOTHING,
+        Q: int = NOTHING,
+        source: int = NOTHING,
+        drift: N | float = 0.0,
+    ) -> None:
+        """A meter for the entry `name`, where the ledger has it."""
         if name in self.names:
-            self.now.meters.append(Meter(kind, self.names.index(name), factor, **more))
+            self.now.meters.append(Meter(kind, self.names.index(name), factor, P, Q, source, drift))
 
-    def _function(self, terms, constant):
+    def _function(self, terms: Iterable[Term[N]], constant: N) -> int:
         """Number of a function of the rows."""
-        self.now.functions.append(Event(HOLD, 0, 1, (), tuple(terms), constant, self.kit.number(0)))
+        function: Event[N] = Event(HOLD, 0, 1, (), tuple(terms), constant, self.kit.number(0))
+        self.now.functions.append(function)
         return len(self.now.functions) - 1
 
-    def _sources(self):
+    def _sources(self) -> None:
         one = self.kit.number(1)
         for i, force in enumerate(self.scene.forces):
             self._add(WORK, ("work", "forces", force.name), one, P=force.on, source=i)
             self._add(IMPULSE, ("impulse", "forces", force.name), one, source=i)
         self._add(TORQUE, ("work", "motor", ""), one)
 
-    def _dampers(self, status):
+    def _dampers(self, status: Status) -> None:
         for link in self.scene.links:
             P, Q = self.maker.ends(link)
             self._add(SQUARE, ("loss", "links", link.name), link.c, P=P, Q=Q)
-        for i, stop in enumerate(self.scene.stops):
+        for i, stop in self.scene.elastic_stops:
             if status.stops[i] == CONTACT:
                 P, Q = self.maker.ends(stop)
                 self._add(SQUARE, ("loss", "stops", stop.name), stop.c, P=P, Q=Q)
 
-    def _couplings(self, rows):
+    def _couplings(self, rows: ModeRows[N]) -> None:
         """Forces of couplings that end at the base, or at the ground for the balance of momentum."""
         one, zero = self.kit.number(1), self.kit.number(0)
         for q, coupling in enumerate(rows.couplings):
@@ -164,7 +194,7 @@ class MeterMaker:
                 source = self._function([Term(COUPLING, 1, q)], zero)
                 self._driven((coupling.P, coupling.Q), -one, zero, "", FUNCTION, source)  # -S on P
 
-    def _driven(self, ends, on_P, belt, name, kind, source):
+    def _driven(self, ends: Edge, on_P: N, belt: N, name: str, kind: int, source: int) -> None:
         """Meters of a force between P and Q, on_P times a function (or, for SLIP, times 1) on P and the
         opposite on Q: what base and belt, which keep their courses, put in, and the impulse from outside.
         """
@@ -181,20 +211,20 @@ class MeterMaker:
             entry = ("impulse", "friction", name) if belt != 0 else ("impulse", place, "")
             self._timed(kind, entry, on_body, source)
 
-    def _timed(self, kind, name, factor, source):
+    def _timed(self, kind: int, name: Entry, factor: N, source: int) -> None:
         """factor times the integral of the function, or of 1."""
         if kind == SLIP:
             self._add(SLIP, name, factor, P=self.ground, Q=self.ground, drift=-self.kit.number(1))
         else:
             self._add(FUNCTION, name, factor, source=source)
 
-    def _slipping(self, i, friction, sign):
+    def _slipping(self, i: int, friction: Friction[N], sign: int) -> None:
         P, Q = self.maker.ends(friction)
         on_P = -friction.forward if sign > 0 else friction.backward
         self._add(SLIP, ("loss", "friction", friction.name), -on_P, P=P, Q=Q, drift=friction.belt)
         self._driven((P, Q), on_P, friction.belt, friction.name, SLIP, NOTHING)
 
-    def _falling(self, k, fall):
+    def _falling(self, k: int, fall: Falling[N]) -> None:
         """Loss and work of what falls with speed, beside those of the constant part."""
         zero, name = self.kit.number(0), self.scene.frictions[fall.part].name
         source = self._function([Term(FALL, 1, k)], zero)
@@ -202,7 +232,7 @@ class MeterMaker:
         self._add(RUB, loss, -fall.on_P, P=fall.P, Q=fall.Q, source=source, drift=fall.drift)
         self._driven((fall.P, fall.Q), fall.on_P, fall.drift, name, FUNCTION, source)
 
-    def _holding(self, k, function, orientation):
+    def _holding(self, k: int, function: tuple[Terms[N], N], orientation: int) -> None:
         part, belt = self.maker.tie(k), self.maker.belt(k)
         P, Q = self.maker.ends(part)
         if belt != 0 or self.base in (P, Q) or (self.momentum and max(P, Q) >= self.ground):
@@ -210,7 +240,7 @@ class MeterMaker:
             source = self._function(*function)
             self._driven((P, Q), on_P, belt, part.name, FUNCTION, source)
 
-    def _ties(self, rows):
+    def _ties(self, rows: ModeRows[N]) -> Iterator[tuple[int, tuple[Terms[N], N], int]]:
         """(number of the tie, (terms, constant) of the force T that it passes, +1 where T acts on P and -1 on
         Q).
 
@@ -219,7 +249,7 @@ class MeterMaker:
         """
         frictions = len(self.scene.frictions)
         stuck = sorted(self.maker.stuck(rows.status), key=lambda tie: tie[0] < frictions)
-        tree: list[tuple[int, int, int]] = []
+        tree: list[Tie] = []
         joined = 0
         for tie in stuck:
             members = Groups(self.maker.n, [*tree, tie]).members

@@ -1,20 +1,28 @@
 """Ledgers, meters, extremes and sections as flat numbers, in the order in which meters.c reads them."""
 
+from collections.abc import Callable, Sequence
+
+from vibsim.engine.ledgers.meters import Entry, Jump, Meters
 from vibsim.engine.modes.packing import Packer
-from vibsim.physics.parts import BASE, GROUND
+from vibsim.engine.modes.rows import Joined, ModeRows
+from vibsim.engine.modes.ties import Edge
+from vibsim.physics.parts import BASE, GROUND, Scene
 
 
-def pack_ledger(scene, names, jumps, ends):
+def pack_ledger(
+    scene: Scene, names: Sequence[Entry], jumps: Sequence[Jump], ends: Callable[[Joined], Edge]
+) -> tuple[bytes, bytes]:
     """Number of entries, and the stops whose stored energy jumps. ends: columns of the ends of a part."""
     pack = Packer()
     pack.put((len(names), len(jumps)))
+    elastic = dict(scene.elastic_stops)
     for jump in jumps:
-        stop = scene.stops[jump.stop]
+        stop = elastic[jump.stop]
         pack.put((jump.stop, jump.entry, *ends(stop), stop.sense), (stop.gap, stop.k))
     return pack.ints.tobytes(), pack.doubles.tobytes()
 
 
-def pack_blows(scene, names, ends):
+def pack_blows(scene: Scene, names: Sequence[Entry], ends: Callable[[Joined], Edge]) -> tuple[bytes, bytes]:
     """The rigid stops, with the entries `names` of the ledgers that a blow on them adds to."""
     pack = Packer()
     entry = {name: number for number, name in enumerate(names)}
@@ -27,7 +35,9 @@ def pack_blows(scene, names, ends):
     return pack.ints.tobytes(), pack.doubles.tobytes()
 
 
-def pack_extremes(pairs, gaps, since):
+def pack_extremes(
+    pairs: Sequence[Edge], gaps: Sequence[tuple[int, int, int, float]], since: float
+) -> tuple[bytes, bytes]:
     """The pairs of columns whose extremes are kept, the stops whose gaps are, and the time they begin at."""
     pack = Packer()
     pack.put((len(pairs), len(gaps), *(column for pair in pairs for column in pair)))
@@ -37,7 +47,7 @@ def pack_extremes(pairs, gaps, since):
     return pack.ints.tobytes(), pack.doubles.tobytes()
 
 
-def pack_meters(meters, terms):
+def pack_meters(meters: Meters, terms: int) -> tuple[bytes, bytes]:
     """The meters of a mode, whose event functions have so many `terms`."""
     pack, columns = Packer(), meters.columns
     pack.put((len(meters.meters), len(meters.functions), len(columns)))
@@ -53,7 +63,7 @@ def pack_meters(meters, terms):
     return pack.ints.tobytes(), pack.doubles.tobytes()
 
 
-def terms_of(rows):
+def terms_of(rows: ModeRows) -> int:
     """Number of terms of the event functions of a mode."""
-    slopes = [terms for event in rows.events for _, _, terms, _ in event.slope]
-    return sum(len(event.terms) for event in rows.events) + sum(map(len, slopes))
+    slopes = sum(len(one.terms) for event in rows.events for one in event.slope)
+    return sum(len(event.terms) for event in rows.events) + slopes

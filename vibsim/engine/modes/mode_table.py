@@ -5,16 +5,28 @@ Restarts from events, ensembles of starts, disturbances and branches over the sp
 modes many times; making them anew costs a millisecond each time.
 """
 
+from __future__ import annotations
+
 import pickle
 from collections import OrderedDict
+from collections.abc import Callable
 from threading import Lock
+from typing import TYPE_CHECKING
 
-from vibsim.engine.flows.modal import pitch, sounding
+from vibsim.engine.flows.modal import Pitch, pitch, sounding
 from vibsim.engine.ledgers.meters import MeterMaker
 from vibsim.engine.ledgers.packing_meters import pack_meters, terms_of
 from vibsim.engine.modes.packing import pack_mode
-from vibsim.engine.modes.rows import RowMaker
+from vibsim.engine.modes.rows import Event, EventKey, ModeRows, RowMaker
+from vibsim.engine.modes.rule import Rule
+from vibsim.engine.modes.status import Status
 from vibsim.physics.numbers import Doubles
+from vibsim.physics.parts import Scene
+
+if TYPE_CHECKING:
+    from vibsim.engine.flows.flow import Flow
+
+Packed = tuple[bytes, bytes]  # integers and doubles
 
 SCENES = 16  # whose tables are kept
 
@@ -25,37 +37,41 @@ class ModeTable:
     maker : makes the rows; keys : {event key: number in C}
     """
 
-    def __init__(self, scene):
-        self.scene, self.maker, self.keys = scene, RowMaker(scene, Doubles), {}
-        self._packed, self._meters, self._makers, self._rules = {}, {}, {}, {}
+    def __init__(self, scene: Scene) -> None:
+        self.scene, self.maker = scene, RowMaker(scene, Doubles)
+        self.keys: dict[EventKey, int] = {}
+        self._packed: dict[Status, Packed] = {}
+        self._meters: dict[tuple[Status, bool], Packed] = {}
+        self._makers: dict[bool, MeterMaker] = {}
+        self._rules: dict[tuple[Status, int], Rule | None] = {}
         self._lock = Lock()  # keys are numbered one mode after the other
 
-    def packed(self, status, flow):
+    def packed(self, status: Status, flow: Flow) -> Packed:
         """The rows of a mode as bytes of ints and of doubles; flow: tells whether it has a closed form."""
         with self._lock:
             if status not in self._packed:
                 rows = self.maker.rows(status)
                 if flow.suits(rows) is flow.taylor:
-                    rows.modal = False
+                    rows.modal, rows.modal_sought = None, True
                 self._packed[status] = pack_mode(rows, self.keys)
         return self._packed[status]
 
-    def statuses(self, most):
+    def statuses(self, most: int) -> list[Status]:
         """The modes packed so far, in their order; none where there are more than `most`."""
         met = list(self._packed)
         return met if len(met) <= most else []
 
-    def events_with_rules(self):
+    def events_with_rules(self) -> list[tuple[Status, int]]:
         """(status, number of the event) of what rules were made for."""
         return [key for key, rule in list(self._rules.items()) if rule is not None]
 
-    def meter_maker(self, momentum):
+    def meter_maker(self, momentum: bool) -> MeterMaker:
         """What makes the meters of the ledgers; momentum: whether of both of them."""
         if momentum not in self._makers:
             self._makers[momentum] = MeterMaker(self.scene, Doubles, self.maker, momentum)
         return self._makers[momentum]
 
-    def packed_meters(self, status, momentum):
+    def packed_meters(self, status: Status, momentum: bool) -> Packed:
         """The meters of a mode as bytes of ints and of doubles."""
         if (status, momentum) not in self._meters:
             rows = self.maker.rows(status)
@@ -63,7 +79,9 @@ class ModeTable:
             self._meters[status, momentum] = pack_meters(meters, terms_of(rows))
         return self._meters[status, momentum]
 
-    def rule(self, rows, number, make):
+    def rule(
+        self, rows: ModeRows, number: int, make: Callable[[ModeRows, Event], Rule | None]
+    ) -> Rule | None:
         """What follows event `number` of a mode, made by `make(rows, event)` when it is first asked for."""
         key = rows.status, number
         if key not in self._rules:
@@ -75,7 +93,7 @@ _tables: OrderedDict[bytes, ModeTable] = OrderedDict()
 _lock = Lock()
 
 
-def mode_table(scene, pitched=True):
+def mode_table(scene: Scene, pitched: bool = True) -> ModeTable:
     """The table of a scene, the same for all that differ in nothing but their starts, ends, samples and the
     numbers of a motor, which no row holds.
 
@@ -91,7 +109,7 @@ def mode_table(scene, pitched=True):
     return table
 
 
-def same_packed(one, other):
+def same_packed(one: Scene, other: Scene) -> bool:
     """Whether the modes of two scenes are packed the same: they differ in starts, ends, samples, numbers of a
     motor and frequencies of forces alone.
     """
@@ -103,7 +121,7 @@ def same_packed(one, other):
 PARTS = ("links", "stops", "frictions", "base", "clearances")
 
 
-def _signature(scene, pitched):
+def _signature(scene: Scene, pitched: bool) -> bytes:
     """Bits of all numbers and names that modes are made of: -0.0 is not 0.0 here."""
     masses = [body.m for body in scene.bodies]
     parts = [getattr(scene, name) for name in PARTS]
@@ -111,13 +129,14 @@ def _signature(scene, pitched):
     return pickle.dumps((pitched, masses, parts, forces, _settings(scene)))
 
 
-def _settings(scene):
+def _settings(scene: Scene) -> tuple[int | None, str, int, float]:
+    """On which body a motor is, and how the scene is run."""
     return scene.motor.on if scene.motor else None, scene.method, scene.order, scene.tol
 
 
-def _loads(scene):
+def _loads(scene: Scene) -> list[tuple[int, float, list[tuple[float, int | None]]]]:
     """Forces with the number of the harmonic in the place of its frequency and phase."""
-    numbers: dict[tuple, int] = {}
+    numbers: dict[Pitch, int] = {}
     for term in sounding(scene.harmonics):
         numbers.setdefault(pitch(term), len(numbers))
     return [

@@ -1,35 +1,43 @@
 """Scenes and modes as flat numbers, in the order in which modes.c reads them."""
 
-from array import array
-from math import log2
-from typing import Any
+from __future__ import annotations
 
-from vibsim.engine.flows.modal import pitch
-from vibsim.engine.modes.rows import COUPLING, DIFFERENCE, RATE
-from vibsim.physics.parts import BASE, GROUND
+from array import array
+from collections.abc import Iterable, Sequence
+from math import log2
+from typing import TYPE_CHECKING
+
+from vibsim.engine.flows.modal import Pitch, pitch
+from vibsim.engine.modes.rows import COUPLING, DIFFERENCE, RATE, Event, EventKey, ModeRows, Term
+from vibsim.engine.state import State
+from vibsim.physics.parts import BASE, GROUND, Harmonic, Scene
+
+if TYPE_CHECKING:
+    from vibsim.engine.flows.closed_form import ModalMotion
+    from vibsim.engine.flows.modal import Source
 
 
 class Packer:
     """Two lists of numbers: integers and doubles."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.ints, self.doubles = array("i"), array("d")
 
-    def put(self, ints=(), doubles=()):
+    def put(self, ints: Iterable[int] = (), doubles: Iterable[float] = ()) -> None:
         self.ints.extend(ints)
         self.doubles.extend(doubles)
 
 
-def harmonic(term):
+def harmonic(term: Harmonic) -> tuple[float, ...]:
     return term.amplitude, term.omega, term.cycles, term.cycles_lo, term.phase
 
 
-def pack_scene(scene, harmonics):
+def pack_scene(scene: Scene, harmonics: Sequence[Pitch]) -> tuple[bytes, bytes]:
     """The scene as bytes of ints and of doubles. harmonics: distinct pitches, as `ClosedForm.harmonics`."""
     pack, motor = Packer(), scene.motor
     parts = len(scene.stops) + len(scene.frictions) + len(scene.clearances)
 
-    def number(term):
+    def number(term: Harmonic) -> int:
         return harmonics.index(pitch(term)) if term.amplitude != 0 else -1
 
     pack.put(
@@ -51,7 +59,7 @@ def pack_scene(scene, harmonics):
     return pack.ints.tobytes(), pack.doubles.tobytes()
 
 
-def rest_columns(scene):
+def rest_columns(scene: Scene) -> int:
     """How many columns at rest the tables of Taylor series need: ground and base, the ground, or none."""
     coupled = (*scene.links, *scene.stops)
     if scene.base or any(BASE in (p.P, p.Q) for p in (*coupled, *scene.frictions, *scene.clearances)):
@@ -59,24 +67,25 @@ def rest_columns(scene):
     return int(any(GROUND in (part.P, part.Q) for part in coupled))
 
 
-def pack_state(state):
+def pack_state(state: State) -> bytes:
     return array("d", (state.t, *state.x, *state.v, state.phase, state.turns, state.w)).tobytes()
 
 
-def pack_mode(rows, keys):
+def pack_mode(rows: ModeRows, keys: dict[EventKey, int]) -> tuple[bytes, bytes]:
     """The rows of a mode as bytes of ints and of doubles. keys: {event key: number}, which grows."""
     pack, modal = Packer(), rows.modal
-    terms: list[Any] = []
-    slopes: list[Any] = []
-    slope_constants: list[Any] = []
-    events: list[Any] = []
+    terms: list[Term] = []
+    slopes: list[tuple[int, int, int, int, float, int]] = []
+    slope_constants: list[float] = []
+    events: list[tuple[Event, int, int, int, int, int]] = []
     for event in rows.events:
         first, first_slope = len(terms), len(slopes)
         terms += event.terms
-        for mass, factor, its_terms, constants in event.slope:
-            slopes.append((len(terms), len(its_terms), len(slope_constants), len(constants), mass, factor))
-            terms += its_terms
-            slope_constants += constants
+        for one in event.slope:
+            counts = len(terms), len(one.terms), len(slope_constants), len(one.constants)
+            slopes.append((*counts, one.mass, one.factor))
+            terms += one.terms
+            slope_constants += one.constants
         key = keys.setdefault(event.key, len(keys))
         events.append((event, key, first, len(event.terms), first_slope, len(slopes) - first_slope))
     pairs = {pair: i for i, pair in enumerate(modal.pairs)} if modal else {}
@@ -118,20 +127,22 @@ def pack_mode(rows, keys):
     return pack.ints.tobytes(), pack.doubles.tobytes()
 
 
-def pack_modal(pack, modal):
-    sources: list[Any] = []
-    shifts: list[Any] = []
-    shares: list[Any] = []
-    fixed: list[Any] = []
+def pack_modal(pack: Packer, modal: ModalMotion) -> None:
+    sources: list[Source] = []
+    shifts: list[tuple[int, int, float]] = []
+    shares: list[tuple[int, float]] = []
+    fixed: list[tuple[int, int]] = []
 
-    def place(shape, positions, base):
+    def place(
+        shape: Iterable[tuple[int, float]], positions: Iterable[tuple[int, int]], base: int
+    ) -> tuple[int, ...]:
         first, first_fixed = len(shares), len(fixed)
         shares.extend(shape)
         fixed.extend((column, sign) for sign, column in positions)
         return first, len(shares) - first, first_fixed, len(fixed) - first_fixed, base
 
     places = [place(one.shape.items(), one.fixed, one.base) for one in modal.places]
-    places += [place(*pair) for pair in modal.pairs.values()]
+    places += [place(pair.terms, pair.fixed, pair.base) for pair in modal.pairs.values()]
     spans = []
     for coordinate in modal.coordinates:
         spans.append((len(sources), len(coordinate.sources), len(shifts), len(coordinate.shifts)))
@@ -161,6 +172,6 @@ def pack_modal(pack, modal):
         pack.put((), coordinate.cosines)
 
 
-def coupled(event):
+def coupled(event: Event) -> bool:
     """Whether all terms of an event function are couplings."""
     return all(term.kind == COUPLING for term in event.terms)

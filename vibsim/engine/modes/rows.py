@@ -13,148 +13,200 @@
 Columns are the bodies in order, then ground and base.
 """
 
-from dataclasses import dataclass, field
-from typing import Any
+from __future__ import annotations
 
-from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK
-from vibsim.engine.modes.ties import Cut, Groups, cuts
-from vibsim.physics.friction_laws import LAWS
-from vibsim.physics.parts import AT_GAP, BASE, EXTENSION, GROUND, RigidStop
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Generic, Protocol
+
+from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Status
+from vibsim.engine.modes.ties import Cut, Edge, Groups, Limits, Tie, cuts
+from vibsim.physics.friction_laws import LAWS, Law
+from vibsim.physics.numbers import Kit, N, abs
+from vibsim.physics.parts import (
+    AT_GAP,
+    BASE,
+    EXTENSION,
+    GROUND,
+    Clearance,
+    Friction,
+    RigidStop,
+    Scene,
+    Stop,
+)
+
+if TYPE_CHECKING:
+    from vibsim.engine.flows.closed_form import ModalMotion
 
 GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE = range(6)  # kinds of event functions; STRIKE: of a rigid stop
 DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL = range(6)  # kinds of terms
 
+EventKey = tuple[int | tuple[int, ...], ...]  # kind of an event function and what it watches
+Known = dict[EventKey, int]  # event functions that are zero at an instant, and to which order
+
+
+class Joined(Protocol):
+    """A part between two ends."""
+
+    @property
+    def P(self) -> int: ...
+    @property
+    def Q(self) -> int: ...
+
 
 @dataclass
-class Coupling:
+class Coupling(Generic[N]):
     """S = k d + c d' + offset of the difference d = x_P - x_Q [N]."""
 
     P: int
     Q: int
-    k: Any
-    c: Any
-    offset: Any
+    k: N
+    c: N
+    offset: N
 
 
 @dataclass(frozen=True)
-class Falling:
+class Falling(Generic[N]):
     """Friction that falls with speed: the force on_P f(s) on P [N], the opposite on Q, s = rate (v_P - v_Q -
     drift), which is positive while it slips; law: module of vibsim.physics.friction_laws.
     """
 
-    law: Any
+    law: Law
     P: int
     Q: int
-    on_P: Any
-    rate: Any
-    drift: Any
+    on_P: N
+    rate: N
+    drift: N
     part: int
 
 
 @dataclass(frozen=True)
-class Term:
+class Term(Generic[N]):
     """coefficient times what `kind` names: the difference of columns (P, Q), its rate, coupling number P, the
     load on column P, its acceleration, or f of falling friction number P.
     """
 
     kind: int
-    coefficient: Any
+    coefficient: N | int
     P: int
     Q: int = -1
 
 
+Terms = tuple[Term[N], ...]
+
+
 @dataclass(frozen=True)
-class Event:
+class Acceleration(Generic[N]):
+    """factor times the acceleration of a group: the force of its terms and constants, over its mass."""
+
+    mass: N
+    factor: int
+    terms: Terms[N]
+    constants: tuple[N, ...]
+
+
+@dataclass(frozen=True)
+class Event(Generic[N]):
     """An event function: the sum of its terms and a constant.
 
     key : (kind, what it watches), the same in every mode
     part : index of the stop, friction or clearance; of the cut in `ModeRows.cuts` for HOLD
-    slope : terms of its first derivative by the balance of forces, where that is better than differentiating
-    (SLIDE):
-        pairs (divisor, terms, constants); empty elsewhere
+    slope : its first derivative by the balance of forces, where that is better than differentiating (SLIDE);
+        empty elsewhere
     turns : whether its minima count for the grazing margin
     """
 
     kind: int
     part: int
     direction: int
-    key: tuple
-    terms: tuple[Term, ...]
-    constant: Any
-    size: Any
-    slope: tuple = ()
+    key: EventKey
+    terms: Terms[N]
+    constant: N
+    size: N
+    slope: tuple[Acceleration[N], ...] = ()
     turns: bool = False
 
 
 @dataclass
-class ModeRows:
+class ModeRows(Generic[N]):
     """All that the flows read of one mode."""
 
-    status: Any
+    status: Status
     groups: Groups
     leader: list[int]
-    mass: list[Any]  # of the group, by leading column; None where it does not move on its own
-    mobility: list[Any]  # 1 / mass, 0 where it does not move on its own; by column
-    couplings: list[Coupling]
-    constants: list[tuple[int, Any]]
-    falls: list[Falling] = field(default_factory=list)
-    events: list[Event] = field(default_factory=list)
-    cuts: list[Cut] = field(default_factory=list)
-    drift: list[Any] = field(default_factory=list)  # velocity of a column against its leader [m/s]
-    modal: Any = None  # closed form of the mode, where there is one
+    mass: list[N | None]  # of the group, by leading column; None where it does not move on its own
+    mobility: list[N]  # 1 / mass, 0 where it does not move on its own; by column
+    couplings: list[Coupling[N]]
+    constants: list[tuple[int, N]]
+    falls: list[Falling[N]] = field(default_factory=list)
+    events: list[Event[N]] = field(default_factory=list)
+    cuts: list[Cut[N]] = field(default_factory=list)
+    drift: list[N] = field(default_factory=list)  # velocity of a column against its leader [m/s]
+    modal: ModalMotion[N] | None = None  # closed form of the mode, where there is one
+    modal_sought: bool = False  # whether it has been looked for
     tied: list[int] = field(default_factory=list)  # bodies that are tied to another column
 
+    def own_mass(self, leader: int) -> N:
+        """Mass of a group that moves on its own [kg]."""
+        mass = self.mass[leader]
+        assert mass is not None
+        return mass
 
-class RowMaker:
+
+class RowMaker(Generic[N]):
     """Makes the rows of the modes of a scene, each once."""
 
-    def __init__(self, scene, kit):
+    def __init__(self, scene: Scene[N], kit: Kit[N]) -> None:
         self.scene, self.kit = scene, kit
         self.n = len(scene.bodies)
         self.zero = kit.number(0)
-        self.made = {}
+        self.made: dict[Status, ModeRows[N]] = {}
 
-    def column(self, end):
+    def column(self, end: int) -> int:
         """Column of an end of a part."""
         return {GROUND: self.n, BASE: self.n + 1}.get(end, end)
 
-    def ends(self, part):
+    def ends(self, part: Joined) -> Edge:
         return self.column(part.P), self.column(part.Q)
 
-    def rows(self, status):
+    def rows(self, status: Status) -> ModeRows[N]:
         """The rows of the mode `status`."""
         if status not in self.made:
             self.made[status] = self._make(status)
         return self.made[status]
 
-    def stuck(self, status):
+    def stuck(self, status: Status) -> list[Tie]:
         """The ties that hold: (number, columns of P and Q)."""
         return [(k, *self.ends(self.tie(k))) for k in status.tied]
 
-    def tie(self, k):
-        """The part that is tie number k: a friction, or a stop."""
+    def tie(self, k: int) -> Friction[N] | RigidStop[N]:
+        """The part that is tie number k: a friction, or a rigid stop."""
         count = len(self.scene.frictions)
-        return self.scene.frictions[k] if k < count else self.scene.stops[k - count]
+        if k < count:
+            return self.scene.frictions[k]
+        stop = self.scene.stops[k - count]
+        assert isinstance(stop, RigidStop), "elastic stops do not come to rest"
+        return stop
 
-    def limits(self, k):
+    def limits(self, k: int) -> Limits[N]:
         """What tie number k holds against P going forwards and backwards against Q [N]; None: any force."""
         part = self.tie(k)
         if isinstance(part, RigidStop):
             return (self.zero, None) if part.sense == EXTENSION else (None, self.zero)
         return part.limits
 
-    def belt(self, k):
+    def belt(self, k: int) -> N:
         """Velocity of P against Q where tie number k holds [m/s]."""
         part = self.tie(k)
         return self.zero if isinstance(part, RigidStop) else part.belt
 
-    def ties(self, status):
+    def ties(self, status: Status) -> tuple[list[int], list[N]]:
         """Leading column of each column, and its velocity against that one [m/s]."""
         stuck = self.stuck(status)
         groups = Groups(self.n, stuck)
         return groups.leader, self._drifts(groups, stuck)
 
-    def _make(self, status):
+    def _make(self, status: Status) -> ModeRows[N]:
         scene, stuck = self.scene, self.stuck(status)
         groups = Groups(self.n, stuck)
         mass, mobility = self._masses(groups)
@@ -171,20 +223,21 @@ class RowMaker:
             rows.events.append(self._clearance_event(i, clearance, status.clearances[i]))
         return rows
 
-    def _masses(self, groups):
+    def _masses(self, groups: Groups) -> tuple[list[N | None], list[N]]:
         """Mass and mobility by column."""
-        mass: list[Any] = [None] * (self.n + 2)
+        mass: list[N | None] = [None] * (self.n + 2)
         mobility = [self.zero] * (self.n + 2)
         for c in range(self.n):
             if groups.leader[c] == c:
-                total: Any = None
+                total: N | None = None
                 for member in groups.members[c]:
                     m = self.scene.bodies[member].m
                     total = m if total is None else total + m
+                assert total is not None  # the leader itself is a member
                 mass[c], mobility[c] = total, 1 / total
         return mass, mobility
 
-    def _drifts(self, groups, stuck):
+    def _drifts(self, groups: Groups, stuck: Sequence[Tie]) -> list[N]:
         """Velocity of each column against its leader: belts between them."""
         drift = [self.zero] * (self.n + 2)
         reached = set(groups.members)
@@ -203,17 +256,17 @@ class RowMaker:
                     ahead.append(Q)
         return drift
 
-    def _couplings(self, status):
-        merged: dict[tuple[int, int], Coupling] = {}
+    def _couplings(self, status: Status) -> list[Coupling[N]]:
+        merged: dict[Edge, Coupling[N]] = {}
         for link in self.scene.links:
             self._couple(merged, self.ends(link), link.k, link.c, self.zero)
-        for i, stop in enumerate(self.scene.stops):
+        for i, stop in self.scene.elastic_stops:
             if status.stops[i] == CONTACT:
                 self._couple(merged, self.ends(stop), stop.k, stop.c, stop.k * (stop.sense * stop.gap))
         return list(merged.values())
 
     @staticmethod
-    def _couple(merged, ends, k, c, offset):
+    def _couple(merged: dict[Edge, Coupling[N]], ends: Edge, k: N, c: N, offset: N) -> None:
         P, Q = ends
         if (Q, P) in merged:
             P, Q, offset = Q, P, -offset
@@ -223,9 +276,9 @@ class RowMaker:
             one = merged[P, Q]
             one.k, one.c, one.offset = one.k + k, one.c + c, one.offset + offset
 
-    def _constants(self, status):
+    def _constants(self, status: Status) -> list[tuple[int, N]]:
         """Forces of slipping frictions by column [N]."""
-        constants: dict[int, Any] = {}
+        constants: dict[int, N] = {}
         for i, friction in enumerate(self.scene.frictions):
             if status.frictions[i] != STICK:
                 force = -friction.forward if status.frictions[i] > 0 else friction.backward
@@ -235,9 +288,9 @@ class RowMaker:
                         constants[column] = value if column not in constants else constants[column] + value
         return sorted(constants.items())
 
-    def _falls(self, status):
+    def _falls(self, status: Status) -> list[Falling[N]]:
         """What falls with speed of the slipping frictions, in their order."""
-        falls = []
+        falls: list[Falling[N]] = []
         for i, friction in enumerate(self.scene.frictions):
             sense = status.frictions[i]
             fall = friction.fall(sense)
@@ -247,21 +300,21 @@ class RowMaker:
                 falls.append(Falling(LAWS[fall.law], P, Q, on_P, rate, friction.belt, i))
         return falls
 
-    def _stop_events(self, i, stop, state):
-        P, Q = self.ends(stop)
-        s, gap = stop.sense, stop.gap
-
-        def depth(sign, turns=True):
-            terms = (Term(DIFFERENCE, -sign * s, P, Q),)
-            return Event(GAP, i, sign, (GAP, i), terms, -sign * gap, abs(gap), turns=turns)
-
-        def push(sign):
-            terms = (Term(DIFFERENCE, -sign * s * stop.k, P, Q), Term(RATE, -sign * s * stop.c, P, Q))
-            constant = -sign * (stop.k * gap)
-            return Event(PUSH, i, sign, (PUSH, i), terms, constant, abs(constant))
-
+    def _stop_events(self, i: int, stop: Stop[N] | RigidStop[N], state: int) -> list[Event[N]]:
         if isinstance(stop, RigidStop):
             return [] if state == RESTING else [self._strike_event(i, stop)]
+        P, Q = self.ends(stop)
+        s, gap, k, c = stop.sense, stop.gap, stop.k, stop.c
+
+        def depth(sign: int, turns: bool = True) -> Event[N]:
+            terms: Terms[N] = (Term(DIFFERENCE, -sign * s, P, Q),)
+            return Event(GAP, i, sign, (GAP, i), terms, -sign * gap, abs(gap), turns=turns)
+
+        def push(sign: int) -> Event[N]:
+            terms: Terms[N] = (Term(DIFFERENCE, -sign * s * k, P, Q), Term(RATE, -sign * s * c, P, Q))
+            constant = -sign * (k * gap)
+            return Event(PUSH, i, sign, (PUSH, i), terms, constant, abs(constant))
+
         if state == OPEN:
             return [depth(-1)]
         if state == LIFTED:
@@ -270,15 +323,15 @@ class RowMaker:
             return [depth(1)]
         return [push(1)]
 
-    def _strike_event(self, i, stop):
+    def _strike_event(self, i: int, stop: RigidStop[N]) -> Event[N]:
         P, Q = self.ends(stop)
-        terms = (Term(DIFFERENCE, stop.sense, P, Q),)
+        terms: Terms[N] = (Term(DIFFERENCE, stop.sense, P, Q),)
         return Event(STRIKE, i, -1, (STRIKE, i), terms, stop.gap, abs(stop.gap), turns=True)
 
-    def _friction_events(self, rows, stuck):
+    def _friction_events(self, rows: ModeRows[N], stuck: Sequence[Tie]) -> None:
         """SLIDE of each slipping friction, HOLD of each cut through a group; in the order of the ties."""
         scene, status = self.scene, rows.status
-        held: dict[int, list[Cut]] = {}
+        held: dict[int, list[Cut[N]]] = {}
         limits = {k: self.limits(k) for k, _, _ in stuck}
         for leader, members in rows.groups.members.items():
             ties = [tie for tie in stuck if rows.leader[tie[1]] == leader]
@@ -293,57 +346,57 @@ class RowMaker:
                 rows.cuts.append(cut)
                 rows.events += self._hold_events(rows, len(rows.cuts) - 1, cut)
 
-    def reference(self, leader, members):
+    def reference(self, leader: int, members: Sequence[int]) -> int:
         """The column of a group that cuts leave on the other side: ground, base, else the motor's body."""
         if leader < self.n and self.scene.motor is not None and self.scene.motor.on in members:
             return self.scene.motor.on
         return leader
 
-    def _slide_event(self, rows, i, friction, sign):
+    def _slide_event(self, rows: ModeRows[N], i: int, friction: Friction[N], sign: int) -> Event[N]:
         P, Q = self.ends(friction)
         slope = tuple(
             self._acceleration(rows, rows.leader[end], sign * side)
             for end, side in ((P, 1), (Q, -1))
             if rows.leader[end] != self.n
         )
-        terms = (Term(RATE, sign, P, Q),)
+        terms: Terms[N] = (Term(RATE, sign, P, Q),)
         constant = -(sign * friction.belt)
         return Event(SLIDE, i, sign, (SLIDE, i), terms, constant, abs(friction.belt), slope)
 
-    def _acceleration(self, rows, leader, factor):
-        """Acceleration of a group as (mass, factor, terms of its force, constants)."""
+    def _acceleration(self, rows: ModeRows[N], leader: int, factor: int) -> Acceleration[N]:
+        """factor times the acceleration of a group, or of the base."""
         if leader > self.n:
-            return self.kit.number(1), factor, (Term(ACCELERATION, 1, leader),), ()
+            return Acceleration(self.kit.number(1), factor, (Term(ACCELERATION, 1, leader),), ())
         members = rows.groups.members[leader]
         terms, constants = self._force_on(rows, members)
-        return rows.mass[leader], factor, terms, constants
+        return Acceleration(rows.own_mass(leader), factor, terms, constants)
 
-    def _force_on(self, rows, members):
+    def _force_on(self, rows: ModeRows[N], members: Iterable[int]) -> tuple[Terms[N], tuple[N, ...]]:
         """Terms and constants of the force from outside on a set of columns."""
-        members = set(members)
-        terms = []
+        inside = set(members)
+        terms: list[Term[N]] = []
         for q, coupling in enumerate(rows.couplings):
-            if (coupling.P in members) != (coupling.Q in members):
-                terms.append(Term(COUPLING, 1 if coupling.Q in members else -1, q))
-        terms += [Term(LOAD, 1, c) for c in sorted(members) if self._loaded(c)]
+            if (coupling.P in inside) != (coupling.Q in inside):
+                terms.append(Term(COUPLING, 1 if coupling.Q in inside else -1, q))
+        terms += [Term(LOAD, 1, c) for c in sorted(inside) if self._loaded(c)]
         for k, fall in enumerate(rows.falls):
-            if (fall.P in members) != (fall.Q in members):
-                terms.append(Term(FALL, fall.on_P if fall.P in members else -fall.on_P, k))
-        return tuple(terms), tuple(value for column, value in rows.constants if column in members)
+            if (fall.P in inside) != (fall.Q in inside):
+                terms.append(Term(FALL, fall.on_P if fall.P in inside else -fall.on_P, k))
+        return tuple(terms), tuple(value for column, value in rows.constants if column in inside)
 
-    def _loaded(self, column):
+    def _loaded(self, column: int) -> bool:
         motor = self.scene.motor
         return any(force.on == column for force in self.scene.forces) or (
             motor is not None and motor.on == column
         )
 
-    def _hold_events(self, rows, number, cut):
+    def _hold_events(self, rows: ModeRows[N], number: int, cut: Cut[N]) -> list[Event[N]]:
         """above - T and below + T of the force T = m a - F that the ties of a cut must pass to its
         columns, the one without where it is not limited.
         """
         terms, constants = self._unbalanced(rows, cut.columns)
         # slipping forwards (the columns of the cut overtake) comes first: there T = -below
-        events = []
+        events: list[Event[N]] = []
         for direction, limit in ((1, cut.below), (-1, cut.above)):
             if limit is None:
                 continue
@@ -355,20 +408,20 @@ class RowMaker:
             events.append(Event(HOLD, number, direction, key, turned, constant, abs(constant)))
         return events
 
-    def _unbalanced(self, rows, columns):
+    def _unbalanced(self, rows: ModeRows[N], columns: Sequence[int]) -> tuple[Terms[N], tuple[N, ...]]:
         """Terms and constants of F - m a, what the force from outside on a part of a group is too much for
         its motion.
         """
         terms, constants = self._force_on(rows, columns)
         leader = rows.leader[columns[0]]
         if leader != self.n:
-            m: Any = None
-            for c in columns:
-                m = self.scene.bodies[c].m if m is None else m + self.scene.bodies[c].m
+            m = self.scene.bodies[columns[0]].m
+            for c in columns[1:]:
+                m = m + self.scene.bodies[c].m
             terms += (Term(ACCELERATION, -m, leader),)
         return terms, constants
 
-    def tie_force(self, rows, columns):
+    def tie_force(self, rows: ModeRows[N], columns: Sequence[int]) -> tuple[Terms[N], N]:
         """Terms and constant of the force m a - F that ties must pass to a part of a group."""
         terms, constants = self._unbalanced(rows, columns)
         constant = self.zero
@@ -376,9 +429,9 @@ class RowMaker:
             constant = constant - value
         return tuple(Term(t.kind, -t.coefficient, t.P, t.Q) for t in terms), constant
 
-    def _clearance_event(self, i, clearance, state):
+    def _clearance_event(self, i: int, clearance: Clearance[N], state: int) -> Event[N]:
         P, Q = self.ends(clearance)
         sign = 1 if state else -1
-        terms = (Term(DIFFERENCE, sign, P, Q),)
+        terms: Terms[N] = (Term(DIFFERENCE, sign, P, Q),)
         distance = clearance.distance
         return Event(CLEARANCE, i, sign, (CLEARANCE, i), terms, -sign * distance, abs(distance))

@@ -2,6 +2,7 @@
 scene.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 OPEN, CONTACT, LIFTED = 0, 1, 2  # a stop; LIFTED: depth above zero, but the damper would have to pull
@@ -18,15 +19,15 @@ class Status:
     frictions: tuple[int, ...]
     clearances: tuple[int, ...]
 
-    def with_stop(self, i, value):
+    def with_stop(self, i: int, value: int) -> "Status":
         return Status(replaced(self.stops, i, value), self.frictions, self.clearances)
 
-    def with_frictions(self, values):
+    def with_frictions(self, values: Mapping[int, int]) -> "Status":
         """values: {index: status}."""
         frictions = tuple(values.get(i, old) for i, old in enumerate(self.frictions))
         return Status(self.stops, frictions, self.clearances)
 
-    def with_ties(self, values):
+    def with_ties(self, values: Mapping[int, int]) -> "Status":
         """values: {number of the tie: status of a friction}; ties are the frictions, then the stops, of which
         those that do not stick are open.
         """
@@ -38,20 +39,20 @@ class Status:
         return Status(stops, self.with_frictions(values).frictions, self.clearances)
 
     @property
-    def tied(self):
+    def tied(self) -> list[int]:
         """Numbers of the ties that hold: frictions that stick, then stops that rest."""
         count = len(self.frictions)
         sticking = [i for i, value in enumerate(self.frictions) if value == STICK]
         return sticking + [count + i for i, value in enumerate(self.stops) if value == RESTING]
 
-    def with_clearance(self, i, value):
+    def with_clearance(self, i: int, value: int) -> "Status":
         return Status(self.stops, self.frictions, replaced(self.clearances, i, value))
 
     @property
-    def codes(self):
+    def codes(self) -> tuple[int, ...]:
         """One tuple: stops, frictions, clearances."""
         return self.stops + self.frictions + self.clearances
 
 
-def replaced(values, i, value):
+def replaced(values: tuple[int, ...], i: int, value: int) -> tuple[int, ...]:
     return values[:i] + (value,) + values[i + 1 :]

@@ -8,14 +8,21 @@ limits of the ties that cross it (Ford & Fulkerson 1956). So each such cut is wa
 all ties across it slip or open.
 """
 
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Generic
 
+from vibsim.physics.numbers import N
+
+Edge = tuple[int, int]  # columns of P and Q
+Tie = tuple[int, int, int]  # number, columns of P and Q
+Limits = tuple[N | None, N | None]  # against slip forwards and backwards [N]; None: any force
 LARGEST = 12  # bodies of a group with redundant ties, whose cuts are enumerated
 
 
 @dataclass(frozen=True)
-class Cut:
+class Cut(Generic[N]):
     """A set of columns on one side of ties.
 
     ties : numbers of the ties that cross, with +1 where P is in the set, -1 where Q is
@@ -24,8 +31,8 @@ class Cut:
 
     columns: tuple[int, ...]
     ties: tuple[tuple[int, int], ...]
-    above: object
-    below: object
+    above: N | None
+    below: N | None
 
 
 class Groups:
@@ -35,11 +42,11 @@ class Groups:
     the group of c: the ground, the base, or the first body.
     """
 
-    def __init__(self, bodies, ties):
+    def __init__(self, bodies: int, ties: Iterable[Tie]) -> None:
         self.ground, self.base = bodies, bodies + 1
         parent = list(range(bodies + 2))
 
-        def root(c):
+        def root(c: int) -> int:
             while parent[c] != c:
                 c = parent[c]
             return c
@@ -52,30 +59,31 @@ class Groups:
         self.leader = [root(c) for c in range(bodies + 2)]
         self.members = {c: [d for d in range(bodies + 2) if self.leader[d] == c] for c in set(self.leader)}
 
-    def _rank(self, column):
+    def _rank(self, column: int) -> tuple[int, int]:
         return (0, column) if column >= self.ground else (1, column)
 
-    def moves(self, column):
+    def moves(self, column: int) -> bool:
         """Whether the column is free to move: not tied to the ground or the base."""
         return self.leader[column] < self.ground
 
 
-def connected(columns, edges):
+def connected(columns: Iterable[int], edges: Sequence[Edge]) -> bool:
     """Whether `columns` hang together by `edges` = [(P, Q)]."""
-    columns = set(columns)
-    reached, ahead = set(), [next(iter(columns))]
+    joined = set(columns)
+    reached: set[int] = set()
+    ahead = [next(iter(joined))]
     while ahead:
         c = ahead.pop()
         reached.add(c)
         ahead += [
-            b if a == c else a
-            for a, b in edges
-            if c in (a, b) and {a, b} <= columns and not {a, b} <= reached
+            b if a == c else a for a, b in edges if c in (a, b) and {a, b} <= joined and not {a, b} <= reached
         ]
-    return reached == columns
+    return reached == joined
 
 
-def cuts(members, ties, limits, reference):
+def cuts(
+    members: Sequence[int], ties: Sequence[Tie], limits: Mapping[int, Limits[N]], reference: int
+) -> list[Cut[N]]:
     """The cuts of one group.
 
     members: its columns; ties: its [(number, P, Q)]; limits: {number: (forward, backward)} [N], None: none;
@@ -98,7 +106,7 @@ def cuts(members, ties, limits, reference):
     return [_cut(side, ties, limits) for side in sides]
 
 
-def beyond(edges, k, reference):
+def beyond(edges: Sequence[Edge], k: int, reference: int) -> tuple[int, ...]:
     """Columns that edge k of a tree of ties parts from the reference."""
     reached, ahead = set(), [reference]
     while ahead:
@@ -112,7 +120,7 @@ def beyond(edges, k, reference):
     return tuple(sorted({c for edge in edges for c in edge} - reached))
 
 
-def _cut(side, ties, limits):
+def _cut(side: tuple[int, ...], ties: Sequence[Tie], limits: Mapping[int, Limits[N]]) -> Cut[N]:
     crossing = [(i, 1 if P in side else -1) for i, P, Q in ties if (P in side) != (Q in side)]
     ups, downs = [], []
     for i, orientation in crossing:
@@ -122,11 +130,9 @@ def _cut(side, ties, limits):
     return Cut(tuple(side), tuple(crossing), _together(ups), _together(downs))
 
 
-def _together(limits):
+def _together(limits: Sequence[N | None]) -> N | None:
     """Sum of limits in their order; None where one of them is none."""
-    if None in limits:
-        return None
     total = limits[0]
     for limit in limits[1:]:
-        total = total + limit
+        total = None if total is None or limit is None else total + limit
     return total

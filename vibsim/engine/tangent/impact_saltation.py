@@ -124,7 +124,8 @@ class LinearBlow:
             demands = [
                 demand - self._gain(c) * pushed for demand, (c, _) in zip(demands, self.passed, strict=True)
             ]
-        _, impulses = solved(self.kit, self.couplings, demands, list(range(len(demands))))
+        impulses = solved(self.kit, self.couplings, demands, list(range(len(demands))))
+        assert impulses is not None  # as when the blow itself was solved for
         after = list(dv)
         for (c, _), impulse in zip(self.passed, impulses, strict=True):
             for column, sign in ((c.P, c.sense), (c.Q, -c.sense)):

@@ -36,8 +36,7 @@ class TaylorTangent:
         self.n, self.motor = len(scene.bodies), scene.motor
         self.reach = reach(kit, flow.order, flow.tolerance_exponent)
         if self.motor:
-            self.inertia = self.motor.J + flow.unbalance * self.motor.e
-            self.drag = self.motor.M0 / self.motor.Omega0
+            self.inertia, self.drag = flow.rotor.inertia, flow.rotor.drag
 
     def piece_end(self, t, end, _mark):
         """End [s] of the piece from t that is moved at once: as a rule the whole step."""
@@ -45,7 +44,7 @@ class TaylorTangent:
         for k in range(len(self.flow.falls)):
             rates[1] = rates[1] + self._rising(k, end)
         if self.motor:
-            rates += [self._dragging(), abs(self.flow.w[0]) / REACH]
+            rates += [self._dragging(), abs(self.flow.rotor.w[0]) / REACH]
         rate = max(rates)
         ahead = t + self.reach / rate if rate > 0 else end
         return ahead if t < ahead < end else end
@@ -82,7 +81,7 @@ class TaylorTangent:
         mass = self.flow.rows.mass[self.flow.rows.leader[self.motor.on]]
         if mass is None:
             return self.drag / self.inertia
-        mass, unbalance = mass + self.motor.m3, self.flow.unbalance
+        mass, unbalance = mass + self.motor.m3, self.flow.rotor.unbalance
         return self.drag * mass / (mass * self.inertia - unbalance * unbalance)
 
     def prepare(self, t, end, late=0):
@@ -104,9 +103,9 @@ class TaylorTangent:
 
     def _prepare_motor(self):
         """Series c w = s' and c a1 of the flow."""
-        flow, zero = self.base, self.kit.number(0)
-        self.turning = [(n + 1) * flow.s[n + 1] for n in range(flow.order)]
-        self.pull = [chained(zero, flow.c, flow.a1, n) for n in range(flow.order - 1)]
+        rotor, zero = self.base.rotor, self.kit.number(0)
+        self.turning = [(n + 1) * rotor.s[n + 1] for n in range(rotor.order)]
+        self.pull = [chained(zero, rotor.c, rotor.a1, n) for n in range(rotor.order - 1)]
 
     def moved(self, vector):
         """The disturbance that `vector`, of the tangent space of the mode, becomes over the piece prepared
@@ -150,10 +149,10 @@ class TaylorTangent:
 
     def _thrust(self):
         """Disturbed force of the motor on its body, m3 e d(s w)/dt - m3 a1."""
-        flow, phi, w = self.base, self.phi[0], self.w[0]
-        s, c, speed, turn = flow.s[0], flow.c[0], flow.w[0], flow.w[1]
+        rotor, phi, w = self.base.rotor, self.phi[0], self.w[0]
+        s, c, speed, turn = rotor.s[0], rotor.c[0], rotor.w[0], rotor.w[1]
         pulled = (c * turn - s * speed * speed) * phi + 2 * c * speed * w + s * self.w[1]
-        return flow.unbalance * pulled - self.motor.m3 * self.a1[0]
+        return rotor.unbalance * pulled - self.motor.m3 * self.a1[0]
 
     def _advance(self, n):
         """Coefficients n + 1 from those of order n and below."""
@@ -183,7 +182,7 @@ class TaylorTangent:
 
     def _turn(self, n, force):
         """Disturbed acceleration of the motor's group; advances the rotor."""
-        base, inverse = self.base, self.flow.inverse[n + 1]
+        base, inverse = self.base.rotor, self.flow.inverse[n + 1]
         self.phi.append(self.w[n] * inverse)
         tail, back = self._products(n)
         torque = base.unbalance * back - self.drag * self.w[n]
@@ -203,7 +202,7 @@ class TaylorTangent:
         The newest terms come last; the others are summed in an odd and an even chain, those with dphi apart
         from those with s: four chains that a processor takes side by side.
         """
-        s, turning, pull, phi, w, a1 = self.base.s, self.turning, self.pull, self.phi, self.w, self.a1
+        s, turning, pull, phi, w, a1 = self.base.rotor.s, self.turning, self.pull, self.phi, self.w, self.a1
         zero = self.kit.number(0)
         turned, driven = [[zero, zero], [zero, zero]], [[zero, zero], [zero, zero]]
         for i in range(2, n + 1):

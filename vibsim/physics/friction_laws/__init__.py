@@ -11,9 +11,24 @@ The force is constant + drop f(s), s = rate |v_rel|, with f(0) = 1 and f falling
     slope(f)                          the same of one value
 """
 
-from types import ModuleType
+from typing import Protocol
 
 from vibsim.physics.friction_laws import exponential, hyperbolic
+from vibsim.physics.numbers import Kit, N
 
 HYPERBOLIC, EXPONENTIAL = "stribeck hyperbolic", "stribeck exponential"
-LAWS: dict[str, ModuleType] = {HYPERBOLIC: hyperbolic, EXPONENTIAL: exponential}
+
+
+class Law(Protocol):
+    """What each of the modules has."""
+
+    @property
+    def NUMBER(self) -> int: ...
+    def start(self, kit: Kit[N], s: N, /) -> N: ...
+    def argument(self, n: int, s: N, /) -> N: ...
+    def following(self, total: N, f: list[N], inverse: N, /) -> N: ...
+    def slope(self, f: N, /) -> N: ...
+    def slopes(self, f: list[N], /) -> list[N]: ...
+
+
+LAWS: dict[str, Law] = {HYPERBOLIC: hyperbolic, EXPONENTIAL: exponential}

@@ -1,26 +1,26 @@
 """f = exp(-s): then f' = -s' f, and n f_n = -sum i s_i f_(n-i)."""
 
-from typing import Any
+from vibsim.physics.numbers import Kit, N
 
 NUMBER = 1
 
 
-def start(kit: Any, s: Any) -> Any:
+def start(kit: Kit[N], s: N) -> N:
     return kit.decay(s)
 
 
-def argument(n: int, s: Any) -> Any:
+def argument(n: int, s: N) -> N:
     return n * s
 
 
-def following(total: Any, _f: list[Any], inverse: Any) -> Any:
+def following(total: N, _f: list[N], inverse: N) -> N:
     return -(total * inverse)
 
 
-def slope(f: Any) -> Any:
+def slope(f: N) -> N:
     return -f
 
 
-def slopes(f: list[Any]) -> list[Any]:
+def slopes(f: list[N]) -> list[N]:
     """Series of -f."""
     return [-value for value in f]

@@ -1,27 +1,27 @@
 """f = 1 / (1 + s): then (1 + s) f = 1, and f_n = -f_0 sum s_i f_(n-i)."""
 
-from typing import Any
+from vibsim.physics.numbers import Kit, N
 
 NUMBER = 0
 
 
-def start(_kit: Any, s: Any) -> Any:
+def start(_kit: Kit[N], s: N) -> N:
     return 1 / (1 + s)
 
 
-def argument(_n: int, s: Any) -> Any:
+def argument(_n: int, s: N) -> N:
     return s
 
 
-def following(total: Any, f: list[Any], _inverse: Any) -> Any:
+def following(total: N, f: list[N], _inverse: N) -> N:
     return -(f[0] * total)
 
 
-def slope(f: Any) -> Any:
+def slope(f: N) -> N:
     return -(f * f)
 
 
-def slopes(f: list[Any]) -> list[Any]:
+def slopes(f: list[N]) -> list[N]:
     """Series of -f^2."""
     series = []
     for n in range(len(f)):

@@ -1,0 +1,28 @@
+"""What C is told of an event beforehand: the mode behind it, where that is simple."""
+
+from dataclasses import dataclass
+
+from vibsim.engine.modes.rows import EventKey
+from vibsim.engine.modes.status import Status
+
+ASK, CROSS, STAND, STRUCK = range(4)  # kinds of rules, as in driver.c; ASK: Python decides
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A rule of one event of a mode.
+
+    target : the mode behind it; other : of STAND, the mode where HOLD event number `hold` of the target is
+        overloaded; None and -1 where there is none
+    happened, part : kind of the event by name, and the part that it happens to
+    key, order : of the event function that is zero behind it
+    """
+
+    kind: int
+    target: Status
+    other: Status | None
+    hold: int
+    happened: str
+    part: int
+    key: EventKey
+    order: int
