@@ -103,6 +103,10 @@ def test_a_branch_ends_where_a_rigid_stop_is_grazed(coco):
     """
     assert coco.ends[0] == "a multiplier grows without bound: a rigid stop is grazed near by"
     assert coco["parameter"][0] == pytest.approx(0.1, abs=5e-6)
+    graze = coco.special("GR1")
+    assert graze.parameter == pytest.approx(0.1, rel=1e-14)
+    assert (graze.before, graze.after) == ((), (("impact", 0),))
+    assert graze.orbit.state == pytest.approx((0.0, 1.0), abs=1e-13)
     behind = coco["parameter"][: coco.special("F1").between[0]]
     largest = np.abs(coco["multipliers"][: len(behind)]).max(axis=1)
     near = largest > 50

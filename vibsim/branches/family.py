@@ -68,6 +68,12 @@ class Family:
             return known.at(scene)
         return ReturnMap(scene, self.n, self.engine)
 
+    def over(self, case: Case) -> "Family":
+        """The same of another case."""
+        other = Family(case, self.keys, self.unit, self.n, self.engine)
+        other.scale = self.scale
+        return other
+
     @cached_property
     def path(self) -> ScenePath:
         """The scenes over the parameter."""

@@ -16,14 +16,15 @@ import numpy as np
 from vibsim.branches.arclength import ContinuationError, correct, tangent
 from vibsim.branches.family import SHIFT, Family, FamilyPoint
 from vibsim.branches.node import Node
-from vibsim.branches.special import DOUBLING, FOLD, TORUS
+from vibsim.branches.special import DOUBLING, FOLD, GRAZING, TORUS
 from vibsim.branches.step_size import SHARP, Pace, turn
+from vibsim.branches.touching import TouchFamily, Window, window_of
 from vibsim.cases import Case, CaseError
 
 DIFFERENCE = 2.0**-20  # of a scaled unknown: rounding over it and what it leaves out are about 1e-8
 FAMILIES = 4  # values of the second parameter that are kept
 LOCUS_PACE = Pace(first=0.01, least=1e-7, most=0.05)
-KINDS = (FOLD, DOUBLING, TORUS)
+KINDS = (FOLD, DOUBLING, TORUS, GRAZING)
 
 
 class Plane:
@@ -31,14 +32,25 @@ class Plane:
 
     family : over the first parameter; keys, unit : of the second; scale : of the second
     pair : the multiplier that is followed along Neimark-Sacker points
+    stop, window : the stop that is grazed, and when
     """
 
     def __init__(
-        self, family: Family, keys: Sequence[str], unit: str, scale: float, kind: str, pair: complex
+        self,
+        family: Family,
+        keys: Sequence[str],
+        unit: str,
+        scale: float,
+        kind: str,
+        pair: complex,
+        stop: int = -1,
     ):
         self.family, self.keys, self.unit, self.kind, self.pair = family, tuple(keys), unit, kind, pair
+        self.stop = stop
+        self.window: Window | None = None
         self.scale = np.append(family.scale, scale)
         self._families: OrderedDict[float, Family] = OrderedDict()
+        self._past: dict[float, TouchFamily] = {}
 
     def family_at(self, second: float) -> Family:
         """The orbits over the first parameter at a value of the second. Raises ContinuationError."""
@@ -47,10 +59,7 @@ class Plane:
                 case = self.case_at(second)
             except CaseError as error:
                 raise ContinuationError(str(error)) from error
-            of = self.family
-            family = Family(case, of.keys, of.unit, of.n, of.engine)
-            family.scale = of.scale
-            self._families[second] = family
+            self._families[second] = self.family.over(case)
             if len(self._families) > FAMILIES:
                 self._families.popitem(last=False)
         self._families.move_to_end(second)
@@ -60,15 +69,30 @@ class Plane:
         """The case at a value of the second parameter. Raises CaseError."""
         return self.family.case.with_values(dict.fromkeys(self.keys, f"{second!r} {self.unit}".strip()))
 
+    def watch(self, z: np.ndarray) -> None:
+        """Take the window about the touch from the orbit at scaled unknowns. Raises ContinuationError."""
+        family = self.family_at(float(z[-1] * self.scale[-1]))
+        point = family(z[:-1])
+        self.window = window_of(family.map(point.parameter), point.end.X, point.period, self.stop)
+        self._past.clear()
+
     def __call__(self, z: np.ndarray) -> "PlanePoint":
         """The motion over one return from scaled unknowns. Raises ContinuationError."""
-        return PlanePoint(self, z, self.family_at(float(z[-1] * self.scale[-1]))(z[:-1]))
+        second = float(z[-1] * self.scale[-1])
+        family = self.family_at(second)
+        if self.window is not None:
+            if second not in self._past:
+                self._past[second] = TouchFamily(family, self.window)
+            family = self._past[second]
+        return PlanePoint(self, z, family(z[:-1]))
 
     def test(self, point: FamilyPoint) -> float:
         """The value that is zero at the bifurcation."""
         node = Node(point, point.z, 0)
         if self.kind == FOLD:
             return node.fold
+        if self.kind == GRAZING:
+            return float(point.end.clearance)
         return node.doubling if self.kind == DOUBLING else node.torus(self.pair)
 
 
@@ -118,6 +142,8 @@ class PlanePoint:
     def critical(self) -> list[int]:
         """Places of the multipliers that are on the circle, among all."""
         multipliers = self.point.multipliers
+        if self.plane.kind == GRAZING:
+            return []
         target = {FOLD: 1.0, DOUBLING: -1.0}.get(self.plane.kind)
         if target is not None:
             return [int(np.argmin(abs(multipliers - target)))]
@@ -187,7 +213,17 @@ def _next(
         raise _Short("the locus turns too sharply")
     if plane.kind == TORUS:
         follow_pair(plane, point)
+    if plane.kind == GRAZING:
+        follow_touch(plane, point)
     return point, ahead, turned
+
+
+def follow_touch(plane: Plane, point: PlanePoint) -> None:
+    """Go on with the touch of the stop where it is now; raises _Short where it has no window."""
+    try:
+        plane.watch(point.z)
+    except ContinuationError as error:
+        raise _Short(str(error)) from error
 
 
 def follow_pair(plane: Plane, point: PlanePoint) -> None:

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from vibsim.branches.arclength import correct, tangent
-from vibsim.branches.branch import Branch
+from vibsim.branches.branch import Branch, SpecialPoint
 from vibsim.branches.locus import KINDS, Plane, PlanePoint, follow_pair
 from vibsim.branches.plan import BranchError, BranchPlan, value_in
-from vibsim.branches.special import TORUS
+from vibsim.branches.special import GRAZING, TORUS
+from vibsim.branches.touching import CONTACTS
 
 FIRST_STEP = 0.1  # scaled, that the first correction may have
 
@@ -25,6 +27,7 @@ class LocusPlan:
     branch : plan of the branch; label, kind : of the special point
     keys, unit, span, value : of the second parameter, its range and its value on the branch
     state, period, parameter, pair : of the special point; pair: its multiplier, for a Neimark-Sacker point
+    stop : number of the stop that is grazed, for a grazing
     """
 
     branch: BranchPlan
@@ -38,6 +41,7 @@ class LocusPlan:
     period: float
     parameter: float
     pair: complex
+    stop: int = -1
 
     @cached_property
     def settings(self) -> dict[str, Any]:
@@ -54,6 +58,7 @@ class LocusPlan:
             "period": self.period,
             "parameter": self.parameter,
             "pair": [self.pair.real, self.pair.imag],
+            "stop": self.stop,
         }
 
     @staticmethod
@@ -73,7 +78,8 @@ class LocusPlan:
     def plane(self, engine: str = "auto") -> Plane:
         """The orbits over both parameters."""
         scale = max(abs(self.value), abs(self.span[1] - self.span[0]) / 4)
-        return Plane(self.branch.family(engine), self.keys, self.unit, scale, self.kind, self.pair)
+        family = self.branch.family(engine)
+        return Plane(family, self.keys, self.unit, scale, self.kind, self.pair, self.stop)
 
     def start(self, plane: Plane) -> tuple[PlanePoint, np.ndarray]:
         """The first point, and the tangent there towards larger values of the second parameter.
@@ -85,6 +91,8 @@ class LocusPlan:
             family.unknowns(np.array(self.state), self.period, self.parameter), self.value / plane.scale[-1]
         )
         along = np.eye(len(z))[-1]
+        if self.kind == GRAZING:
+            plane.watch(z)
         point = correct(plane, z, along, FIRST_STEP).point
         if self.kind == TORUS:
             follow_pair(plane, point)
@@ -127,4 +135,15 @@ def locus_plan(
     pair = min(special.orbit.multipliers, key=lambda mu: abs(abs(mu) - 1) + (mu.imag <= 0) * 1e3)
     orbit = special.orbit
     where = orbit.state, orbit.period, orbit.parameter
-    return LocusPlan(branch.plan, label, special.kind, tuple(keys), unit, (low, high), value, *where, pair)
+    stop = touched(special) if special.kind == GRAZING else -1
+    of = branch.plan, label, special.kind, tuple(keys), unit, (low, high), value
+    return LocusPlan(*of, *where, pair, stop)
+
+
+def touched(special: SpecialPoint) -> int:
+    """Number of the stop that is grazed at a special point. Raises BranchError where there are several."""
+    one, other = Counter(special.before), Counter(special.after)
+    stops = {part for kind, part in (one - other) + (other - one) if kind in CONTACTS}
+    if len(stops) != 1:
+        raise BranchError(f"{special.label}: {len(stops)} stops are grazed at once; a locus follows one")
+    return stops.pop()

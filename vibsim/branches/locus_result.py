@@ -12,6 +12,7 @@ from vibsim.branches.locus import LocusStep, PlanePoint, walk
 from vibsim.branches.locus_plan import LocusPlan
 from vibsim.branches.node import Node
 from vibsim.branches.records import OrbitRecord, orbit_record
+from vibsim.branches.special import GRAZING
 
 MOST_POINTS = 2000
 WAYS = (1, -1)
@@ -97,6 +98,8 @@ def trace_locus(
         if last.ended or room <= 0:
             continue
         here, direction = start, way * along
+        if plane.kind == GRAZING:
+            plane.watch(np.array(last.unknowns))
         if last.number:
             here, direction = plane(np.array(last.unknowns)), np.array(last.tangent)
             plane.pair = min(last.orbit.multipliers, key=lambda mu: abs(abs(mu) - 1) + (mu.imag <= 0) * 1e3)

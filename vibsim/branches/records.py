@@ -124,8 +124,7 @@ def special_record(special: Special, way: int, number: int) -> SpecialRecord:
         orbit_record(node),
         tuple(node.z.tolist()),
         tuple(node.tangent.tolist()),
-        special.before.word,
-        special.after.word,
+        *special.words,
         special.jump,
     )
 

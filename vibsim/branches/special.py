@@ -30,17 +30,24 @@ class Special:
 
     kind : one of `LABELS`; node : where it is
     before, after : the branch on both sides of it, as near as it was bracketed
+    told : the words on both sides, where those of `before` and `after` are not they
     """
 
     kind: str
     node: Node
     before: Node
     after: Node
+    told: tuple[tuple[Any, ...], tuple[Any, ...]] | None = None
+
+    @property
+    def words(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        """On both sides."""
+        return self.told or (self.before.word, self.after.word)
 
     @property
     def jump(self) -> int:
         """How many more multipliers are outside the unit circle behind it."""
-        return self.after.index - self.before.index
+        return 0 if self.told else self.after.index - self.before.index
 
 
 def kind_of_change(before: tuple[Any, ...], after: tuple[Any, ...]) -> str:

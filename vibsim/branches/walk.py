@@ -9,6 +9,7 @@ import numpy as np
 
 from vibsim.branches.arclength import ContinuationError
 from vibsim.branches.family import Family
+from vibsim.branches.grazing_end import grazing_end
 from vibsim.branches.inspection import inspect
 from vibsim.branches.joining import JOINS, joining
 from vibsim.branches.node import Node, ahead_of, between, node_at
@@ -18,6 +19,8 @@ from vibsim.branches.step_size import SHARP, Pace, turn
 BEHIND = 4  # steps before a branch can have come back to its start
 INFINITE = 200.0  # multiplier of orbits that all but graze a rigid stop, where it goes like 1 / impact speed
 IMPACTS = ("impact", "transmitted")
+GRAZED = "a multiplier grows without bound: a rigid stop is grazed near by"
+TOUCHED = "a rigid stop is grazed: beyond, orbits strike it, and a multiplier is infinite at first"
 AT_SECTION = 1e-6  # share of the period
 POLISH = 3  # Newton steps of a time of return that is known to 1e-9
 SAME = 1e-8  # scaled distance of a closed branch from its start
@@ -56,7 +59,9 @@ class Walk:
             try:
                 node, following = self._next()
             except ContinuationError as error:
-                yield Step(self.node, (), self.step, self._stuck(error))
+                graze = grazing_end(self.family, self.node)
+                ended = self._stuck(error) if graze is None else TOUCHED
+                yield Step(self.node, () if graze is None else (graze,), self.step, ended)
                 return
             node, ended = self._ended(node)
             specials = tuple(inspect(self.family, self.node, node))
@@ -64,7 +69,8 @@ class Walk:
                 specials = tuple(each for each in specials if each.kind not in (FOLD, BRANCHING))
             self.bend = bend(self.node.z, self.node.ahead, node)
             self.node, self.step, self.count = node, following, self.count + 1
-            yield Step(node, specials, following, ended)
+            graze = grazing_end(self.family, node) if ended == GRAZED else None
+            yield Step(node, specials if graze is None else (*specials, graze), following, ended)
             if ended:
                 return
 
@@ -104,7 +110,7 @@ class Walk:
             if shorter is not None:
                 return shorter
         if node.point.end.coordinates.scene.rigid_stops and abs(node.multipliers).max() > INFINITE:
-            return node, "a multiplier grows without bound: a rigid stop is grazed near by"
+            return node, GRAZED
         low, high = sorted(self.span)
         bound = low if node.parameter < low else high if node.parameter > high else None
         return (node, "") if bound is None else (self._at_bound(node, bound), "end of the range")

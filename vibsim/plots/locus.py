@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from vibsim.plots.branch_values import ParameterAxis, parameter_factor
 from vibsim.plots.errors import PlotError
 from vibsim.plots.sheet import add_below, sheet
-from vibsim.plots.style import BLACK, BLUE, VERMILLION
+from vibsim.plots.style import BLACK, BLUE, GREEN, VERMILLION
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_axes import label_of
 from vibsim.plots.view import View
@@ -25,8 +25,14 @@ LOOKS: dict[
     "fold": {"linestyle": "-", "color": BLACK, "zorder": 4},
     "doubling": {"linestyle": (0, (1, 1.2)), "color": BLUE, "zorder": 4.1},
     "neimark-sacker": {"linestyle": (0, (4, 3)), "color": VERMILLION, "zorder": 4.2},
+    "grazing": {"linestyle": (0, (4, 1.2, 1, 1.2)), "color": GREEN, "zorder": 4.3},
 }
-NAMES = {"fold": "folds", "doubling": "period doublings", "neimark-sacker": "Neimark–Sacker points"}
+NAMES = {
+    "fold": "folds",
+    "doubling": "period doublings",
+    "neimark-sacker": "Neimark–Sacker points",
+    "grazing": "grazings",
+}
 END: dict[str, Any] = {"marker": "o", "color": VERMILLION, "markersize": 3, "linestyle": "none"}
 
 

@@ -1,0 +1,119 @@
+"""Grazings, at rigid stops too, and followed in two parameters, against closed forms."""
+
+from math import hypot, pi
+
+import numpy as np
+import pytest
+
+from tests.branches.made import KEYS, PERIOD_5, orbit_of
+from tests.branches.test_closed_forms import BILINEAR, GRAZING
+from tests.command_line.made import call
+from vibsim.branches import continue_branch
+from vibsim.branches.locus_plan import locus_plan
+from vibsim.branches.span import read_span
+from vibsim.branches.store.locus_file import LocusStore, read_locus
+from vibsim.cases import load_case
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.physics.parts import GROUND
+
+ELASTIC, RIGID = "law: elastic, k: 29 N/m", "law: rigid, e: 0.8"
+
+
+@pytest.fixture(scope="module")
+def branches(tmp_path_factory):
+    """Of the linear motion in front of an elastic and a rigid stop, and beyond the graze."""
+    folder = tmp_path_factory.mktemp("grazings")
+    made = {}
+    for law in (ELASTIC, RIGID):
+        path = folder / f"{law[5:10]}.yaml"
+        path.write_text(BILINEAR.replace(ELASTIC, law))
+        made[law] = continue_branch(
+            load_case(str(path)), "A", "0.29:0.4 N", max_points=90, out=path.with_suffix(".h5")
+        )
+    return made
+
+
+def locus_of(branch, key, span, path=None):
+    plan = locus_plan(branch, "GR1", *read_span(branch.case, key, span))
+    return LocusStore(plan, path).complete()[0]
+
+
+def test_a_branch_ends_at_the_graze_of_a_rigid_stop(branches):
+    """Its last special point is the graze itself; what the motion does beyond has an infinite multiplier."""
+    branch = branches[RIGID]
+    graze = branch.special("GR1")
+    assert graze.parameter == pytest.approx(GRAZING, rel=1e-14)
+    assert (graze.before, graze.after) == ((), (("impact", 0),)) and graze.jump == 0
+    assert branch.ends[1].startswith("a rigid stop is grazed: beyond")
+    assert np.prod(graze.multipliers).real == pytest.approx(np.exp(-0.02 * 2 * pi / 0.8), rel=1e-12)
+
+
+@pytest.mark.parametrize("law", [ELASTIC, RIGID])
+def test_grazings_over_amplitude_and_frequency(branches, law):
+    """The amplitude of the linear motion is the gap: A = G sqrt((k - m w^2)^2 + (c w)^2)."""
+    locus = locus_of(branches[law], "drive.omega", "0.79:0.81 rad/s")
+    w = locus["second"]
+    assert locus.kind == "grazing" and locus.ends == ("end of the range", "end of the range")
+    assert (w[0], w[-1]) == pytest.approx((0.79, 0.81), rel=1e-14)
+    np.testing.assert_allclose(locus["parameter"], np.hypot(1 - w**2, 0.02 * w), rtol=1e-12)
+
+
+def test_grazings_over_the_gap_on_file(branches, tmp_path):
+    """Amplitudes in proportion; gone on with, the same bits."""
+    whole = locus_of(branches[RIGID], "wall.gap", "0.98:1.02 m", tmp_path / "locus.h5")
+    gaps = whole["second"]
+    np.testing.assert_allclose(whole["parameter"], gaps * hypot(1 - 0.64, 0.02 * 0.8), rtol=1e-13)
+    again = LocusStore(whole.plan, tmp_path / "again.h5")
+    part, finished = again.complete(watch=lambda count: count < 3)
+    assert not finished and len(part) == 3
+    rest, finished = LocusStore(whole.plan, tmp_path / "again.h5").complete()
+    assert finished and rest.points == whole.points == read_locus(tmp_path / "locus.h5").points
+    assert call("plot", tmp_path / "locus.h5", "-o", tmp_path / "locus.png").exit_code == 0
+
+
+MOTOR = """
+name: rotor
+bodies: {m: 1 kg}
+links: {spring: {between: [m, ground], k: 40 N/m, c: 1 N s/m}}
+stops: {wall: {between: [m, ground], gap: 20 mm, acts: compression, law: elastic, k: 400 N/m}}
+motor: {on: m, m3: 0.1 kg, e: 50 mm, J: 0.001 kg m^2, M0: 0.1 N m, Omega0: 0.7 Hz}
+run: {t_end: 60 s, every: 10 ms}
+"""
+
+
+def greatest(case):
+    """The greatest displacement of a settled run [m]."""
+    run = open_trajectory(case.scene().without_samples(), extremes=([(0, GROUND)], 50.0))
+    for _ in run.blocks():
+        pass
+    return float(run.extremes[1][0])
+
+
+@pytest.mark.slow
+def test_grazings_under_a_motor(tmp_path):
+    """The gap is what the machine without the stop swings out to, by runs that know of no locus."""
+    (tmp_path / "rotor.yaml").write_text(MOTOR)
+    case = load_case(str(tmp_path / "rotor.yaml"))
+    branch = continue_branch(case, "motor.Omega0", "0.6:1.2 Hz")
+    locus = locus_of(branch, "wall.gap", "10:30 mm")
+    assert len(locus) > 5
+    for i in range(0, len(locus), 4):
+        free = case.with_values(
+            {"motor.Omega0": f"{float(locus['parameter'][i])!r} Hz", "stops.wall.gap": "10 m"}
+        )
+        assert locus["second"][i] / 1e3 == pytest.approx(greatest(free), rel=1e-9)
+
+
+@pytest.mark.slow
+def test_a_graze_among_other_contacts():
+    """The known graze of I-A's orbits of five periods: three other contacts in the word, one stop."""
+    branch = continue_branch(orbit_of(PERIOD_5), KEYS["I"], "3.47:3.53 Hz")
+    graze = min(
+        (one for one in branch.specials if one.kind == "grazing"),
+        key=lambda s: abs(s.parameter - 3.50596783345624),
+    )
+    locus = LocusStore(
+        locus_plan(branch, graze.label, *read_span(branch.case, "c", "0.0009:0.0011"))
+    ).complete(30)[0]
+    start = int(np.argmin(abs(locus["second"] - 0.001)))
+    assert locus["parameter"][start] == pytest.approx(3.50596783345623924804, rel=1e-13)

@@ -1,0 +1,64 @@
+"""Where a branch ends because a rigid stop is grazed: the graze itself, past the touch.
+
+On the side with the impact multipliers grow without bound, on the other the motion meets the stop: no step of
+the branch gets there. Past the touch the orbits go on smoothly, and the graze is where they reach the stop.
+"""
+
+import numpy as np
+
+from vibsim.branches.arclength import CLOSE, ContinuationError
+from vibsim.branches.family import Family, FamilyPoint
+from vibsim.branches.node import Node
+from vibsim.branches.special import GRAZING, Special
+from vibsim.branches.touching import TouchFamily, window_of
+from vibsim.orbits.word import cyclic
+
+STEPS = 12
+DIFFERENCE = 2.0**-20  # of a scaled unknown
+NEAR = 0.1  # scaled distance from the last orbit of the branch
+
+
+def grazing_end(family: Family, node: Node) -> Special | None:
+    """The graze of a rigid stop near the last orbit of a branch; None where there is none."""
+    scene = node.point.end.coordinates.scene
+    for stop, _ in scene.rigid_stops:
+        try:
+            point, middle = _graze(family, node, stop)
+        except ContinuationError:
+            continue
+        at = Node(point, node.heading, 0)
+        impacting = _impacts(node.word, stop) > _impacts(at.word, stop)
+        touched = node.word if impacting else _with(point, middle, stop)
+        words = (node.word, at.word) if touched == node.word else (node.word, touched)
+        return Special(GRAZING, at, node, at, words)
+    return None
+
+
+def _graze(family: Family, node: Node, stop: int) -> tuple[FamilyPoint, float]:
+    """The orbit that grazes, and when [s / period]. Raises ContinuationError."""
+    window = window_of(family.map(node.parameter), node.point.end.X, node.point.period, stop)
+    past, z = TouchFamily(family, window), node.z
+    for _ in range(STEPS):
+        point = past(z)
+        beside = [past(z + shift).end.clearance for shift in DIFFERENCE * np.eye(len(z))]
+        gradient = (np.array(beside) - point.end.clearance) / DIFFERENCE
+        size = float(np.linalg.norm(gradient)) or 1.0
+        matrix = np.vstack([point.jacobian(), gradient / size])
+        step = -np.linalg.lstsq(matrix, np.append(point.residual, point.end.clearance / size), rcond=None)[0]
+        z = z + step
+        if np.linalg.norm(z - node.z) > NEAR:
+            break
+        if np.linalg.norm(step) <= CLOSE:
+            return past(z), window.middle
+    raise ContinuationError("no graze is near")
+
+
+def _impacts(word: tuple[tuple[str, int], ...], stop: int) -> int:
+    return sum(part == stop for _, part in word)
+
+
+def _with(point: FamilyPoint, middle: float, stop: int) -> tuple[tuple[str, int], ...]:
+    """The word with the touch in its place, at a share of the period."""
+    end = point.end
+    before = int(np.sum(end.carried.times < middle * end.T))
+    return cyclic((*end.events[:before], ("impact", stop), *end.events[before:]))

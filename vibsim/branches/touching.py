@@ -1,0 +1,205 @@
+"""The return map past a touch: at an orbit that grazes a stop, as if the stop were not there just then.
+
+Beside a graze the return map has a root of the depth, at a rigid stop an infinite derivative, and the contact
+itself comes and goes. What a locus of grazings needs is smooth: the motion through a short window about the
+touch without that stop, and how far from the stop it turns there, below zero inside it. At the graze itself
+both are those of the motion.
+"""
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from math import floor, log2
+from typing import Any
+
+import numpy as np
+
+from vibsim.branches.arclength import ContinuationError
+from vibsim.branches.family import Family
+from vibsim.engine.modes.status import OPEN
+from vibsim.engine.tangent.monodromy import Carried, Carrier
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.orbits import OrbitError, ReturnMap
+from vibsim.orbits.return_map import Return
+from vibsim.orbits.start import placed
+from vibsim.physics.modes import EVENT_KINDS, RIGID_KINDS
+from vibsim.physics.parts import BASE, Scene
+
+SAMPLES = 4096  # of a period, among which the touch is looked for
+SAME = 1e-4  # share of the period within which events of the stop belong to the touch
+WIDEST, SHARE = 0.05, 0.5  # half of the window: of the period, and of the way to the nearest event
+AT_SECTION = 1e-4  # of the period: a touch so near to the section has no window
+TURNS = 12  # Newton steps to the turn
+CONTACTS = ("contact_begin", "contact_end", "impact", "transmitted")
+OF_STOPS = [EVENT_KINDS[kind] for kind in ("contact_begin", "contact_end", *RIGID_KINDS)]
+
+
+@dataclass(frozen=True)
+class Window:
+    """Where a stop is left out: its number, and the window [s / period] about a middle."""
+
+    stop: int
+    middle: float
+    half: float
+
+    def times(self, T: float) -> tuple[float, float]:
+        """Beginning and end [s]."""
+        return (self.middle - self.half) * T, (self.middle + self.half) * T
+
+
+@dataclass(frozen=True)
+class Touching(Return):
+    """A motion past a touch; clearance: of the stop at the turn [m], below 0 inside it."""
+
+    clearance: float = 0.0
+
+
+class MapPastTouch(ReturnMap):
+    """From the section to itself, without a stop within a window of the motion."""
+
+    def __init__(self, scene: Any, n: int, engine: str, window: Window):
+        super().__init__(scene, n, engine)
+        self.window = window
+        self._engine, self._carriers = engine, dict[float, Carrier]()
+        stops = tuple(stop for i, stop in enumerate(scene.stops) if i != window.stop)
+        self._without = replace(scene, stops=stops)
+
+    def __call__(self, X: np.ndarray, T: float | None = None) -> Touching:
+        """As of a `ReturnMap`. Raises OrbitError where the motion does not turn within the window."""
+        T = self.section.time(self.n) if self.section.timed else self.time_of_return(X) if T is None else T
+        at, window = self.coordinates, self.window.times(T)
+        first = self.carrier.carry(at.lifted(X), window[0], at.disturbances)
+        past = self._from(self._without, window[0])
+        touch = past.carry(first.state, window[1] - window[0], first.vectors)
+        last = self._from(self.scene, window[1]).carry(touch.state, T - window[1], touch.vectors)
+        carried = joined([(0.0, first), (window[0], touch), (window[1], last)], self.window.stop)
+        clearance = self._clearance(past, first.state, window)
+        return Touching(at, np.asarray(X, dtype="f8"), T, self._ahead(carried), carried, clearance)
+
+    def _from(self, scene: Any, t: float) -> Carrier:
+        """A carrier of motions that begin at the time t [s]."""
+        key = -t if scene is self.scene else t
+        if key not in self._carriers:
+            self._carriers[key] = Carrier(later(scene, t), self._engine)
+        return self._carriers[key]
+
+    def _clearance(self, past: Carrier, state: np.ndarray, window: tuple[float, float]) -> float:
+        """The gap where it turns within the window [m]. Raises OrbitError."""
+        begin, end = window
+        s = (end - begin) / 2
+        for _ in range(TURNS):
+            there = past.carry(state, s, [])
+            gap, rate, bend = gap_of(self.scene, self.window.stop, begin + s, there.state, there.rate)
+            if not bend > 0:
+                break
+            step = rate / bend
+            s -= step
+            if not 0 < s < end - begin:
+                break
+            if abs(step) <= 1e-12 * (end - begin):
+                return gap - rate * step / 2
+        raise OrbitError("the motion does not turn before the stop where it did")
+
+
+class TouchFamily(Family):
+    """The orbits of another family past the touch of a window."""
+
+    def __init__(self, of: Family, window: Window):
+        super().__init__(of.case, of.keys, of.unit, of.n, of.engine)
+        self.scale, self.window, self.path = of.scale, window, of.path
+
+    def _new_map(self, scene: Scene) -> ReturnMap:
+        return MapPastTouch(scene, self.n, self.engine, self.window)
+
+
+def gap_of(
+    scene: Any, number: int, t: Any, state: np.ndarray, rates: np.ndarray | None = None
+) -> tuple[Any, Any, Any]:
+    """Gap of a stop [m], its rate and acceleration at states (N, ...), with their rates of change."""
+    stop, n = scene.stops[number], len(scene.bodies)
+    base = motion_of_base(scene, t)
+
+    def apart(values: Any, order: int) -> Any:
+        P, Q = (values[end] if end >= 0 else base[order] if end == BASE else 0.0 for end in (stop.P, stop.Q))
+        return -stop.sense * (Q - P)
+
+    bend = apart(rates[n:], 2) if rates is not None else 0.0
+    return stop.gap + apart(state, 0), apart(state[n:], 1), bend
+
+
+def motion_of_base(scene: Any, t: Any) -> list[Any]:
+    """Displacement, velocity and acceleration of the base at the times t."""
+    return [
+        sum(
+            (term.amplitude * term.omega**k * np.sin(term.omega * t + term.phase + k * np.pi / 2))
+            for term in scene.base
+        )
+        for k in range(3)
+    ]
+
+
+def later(scene: Any, t: float) -> Any:
+    """The scene with its sources as they are at the time t [s], which becomes 0."""
+
+    def shifted(term: Any) -> Any:
+        return replace(term, phase=float(np.remainder(term.phase + term.omega * t, 2 * np.pi)))
+
+    forces = tuple(replace(one, terms=tuple(map(shifted, one.terms))) for one in scene.forces)
+    return replace(scene, forces=forces, base=tuple(map(shifted, scene.base)))
+
+
+def joined(parts: list[tuple[float, Carried]], stop: int) -> Carried:
+    """Motions one after another as one, each with the time at which it begins [s]; in the middle one the stop
+    is left out, whose number the others have.
+    """
+    tables, happened = [], []
+    for begin, each in parts:
+        tables.append(each.table + begin * (np.arange(each.table.shape[1]) == 0))
+        happened.append(each.happened)
+    codes = np.insert(happened[1], 2 + stop, OPEN, axis=1)
+    later_stop = np.isin(codes[:, 0], OF_STOPS) & (codes[:, 1] >= stop)
+    codes[:, 1] += later_stop
+    happened[1] = codes
+    return replace(
+        parts[-1][1],
+        table=np.concatenate(tables),
+        happened=np.concatenate(happened),
+        uncertified=sum(each.uncertified for _, each in parts),
+        margin=min(each.margin for _, each in parts),
+    )
+
+
+def window_of(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> Window:
+    """The window about the touch of a stop on an orbit of the full map: where the gap turns nearest to 0.
+
+    Raises ContinuationError where there is none, or it lies on the section.
+    """
+    middle = _touch(return_map, X, T, stop) / T
+    end = return_map(X, None if return_map.section.timed else T)
+    shares = [
+        t / T
+        for (kind, part), t in zip(end.carried.events, end.carried.times, strict=True)
+        if not (part == stop and kind in CONTACTS and abs(t / T - middle) < SAME)
+    ]
+    nearest = min((abs(share - middle) for share in (0.0, 1.0, *shares)), default=1.0)
+    if nearest < AT_SECTION:
+        raise ContinuationError("the graze comes to the section, or to another event")
+    return Window(stop, round(middle * 2**20) / 2**20, 2.0 ** floor(log2(min(WIDEST, SHARE * nearest))))
+
+
+def _touch(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> float:
+    """When the gap of a stop turns nearest to 0 [s]."""
+    scene = placed(return_map.scene, return_map.coordinates.state(X), T)
+    step = Fraction(T / SAMPLES).limit_denominator(10**9)
+    sampled = replace(scene, every_num=step.numerator, every_den=step.denominator)
+    blocks = [block.samples for block in open_trajectory(sampled, return_map.carrier.engine).blocks()]
+    times, *columns = (
+        np.concatenate([block[name] for block in blocks])
+        for name in ("time", *return_map.coordinates.columns)
+    )
+    gap, rate, _ = gap_of(scene, stop, times, np.array(columns))
+    turns = np.flatnonzero((rate[:-1] < 0) & (rate[1:] >= 0))
+    if not len(turns):
+        raise ContinuationError("no turn before the stop is left of the graze")
+    at = turns[np.argmin(np.abs(gap[turns]))]
+    share = rate[at] / (rate[at] - rate[at + 1])
+    return float(times[at] + share * (times[at + 1] - times[at]))
