@@ -1,5 +1,10 @@
 """How a run can fail inside an engine, and the sentence that tells it."""
 
+from collections.abc import Sequence
+from typing import Any
+
+from vibsim.engine.state import State
+
 REASONS = {
     "accumulation": (
         "more than 64 events at one instant: the motion cannot be continued at double precision",
@@ -26,13 +31,13 @@ class EngineError(Exception):
     one line.
     """
 
-    def __init__(self, reason, state):
+    def __init__(self, reason: str, state: State[Any]) -> None:
         cause, remedy = REASONS[reason]
         self.reason, self.state = reason, state
         values = f"x = {_listed(state.x)} m, v = {_listed(state.v)} m/s"
         super().__init__(f"t = {state.t!s} s: {cause} ({values}); {remedy}")
 
 
-def _listed(numbers):
+def _listed(numbers: Sequence[object]) -> str:
     shown = [str(number) for number in numbers[:MOST_NUMBERS]]
     return ", ".join(shown + ["..."] * (len(numbers) > MOST_NUMBERS))

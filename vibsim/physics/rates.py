@@ -79,7 +79,10 @@ def all_rates(scene: Scene, closed: Iterable[Stop | RigidStop] = ()) -> list[flo
 def _of_pair(scene: Scene, springs: Sequence[Spring]) -> list[float]:
     """Rates of the one or two bodies between which all the springs are."""
     P, Q = springs[0].P, springs[0].Q
-    rate = sqrt(sum(spring.k for spring in springs) / reduced_mass(scene, P, Q))
+    stiffness = 0.0
+    for spring in springs:  # one by one: sum() of floats compensates from Python 3.12 on
+        stiffness += spring.k
+    rate = sqrt(stiffness / reduced_mass(scene, P, Q))
     return [0.0, rate] if P >= 0 and Q >= 0 else [rate]
 
 

@@ -7,11 +7,32 @@ decision that rounding could turn is in doubt, and the certificate counts it. Tw
 taken one after the other.
 """
 
-from itertools import combinations, product
+from __future__ import annotations
 
-from vibsim.engine.events.rigid_stops import RigidStops
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import combinations, product
+from typing import Generic
+
+from vibsim.engine.events.newton_moreau import Impulse
+from vibsim.engine.events.rigid_stops import Happened, RigidStops, Taken, Touch
+from vibsim.engine.flows.flow import Flow
 from vibsim.engine.flows.harmonics import value_and_rate
-from vibsim.engine.modes.rows import CLEARANCE, COUPLING, DIFFERENCE, GAP, HOLD, PUSH, SLIDE, STRIKE
+from vibsim.engine.modes.rows import (
+    CLEARANCE,
+    COUPLING,
+    DIFFERENCE,
+    GAP,
+    HOLD,
+    PUSH,
+    SLIDE,
+    STRIKE,
+    Event,
+    EventKey,
+    Joined,
+    Known,
+    ModeRows,
+    RowMaker,
+)
 from vibsim.engine.modes.status import (
     BACKWARD,
     CONTACT,
@@ -24,22 +45,25 @@ from vibsim.engine.modes.status import (
     VIOLATED,
     Status,
 )
-from vibsim.physics.parts import AT_FORCE, Stop
+from vibsim.engine.state import State
+from vibsim.physics.numbers import Kit, N, abs
+from vibsim.physics.parts import AT_FORCE, Clearance, Friction, RigidStop, Scene, Stop
 
 JET = 7  # order of the highest derivative consulted where lower ones vanish
 START_ROUNDING = 16  # at least: each of three numbers and of two differences is rounded once
 
 
-class Automaton:
+class Automaton(Generic[N]):
     """Decides the modes of a run."""
 
-    def __init__(self, scene, maker, flow, kit):
+    def __init__(self, scene: Scene[N], maker: RowMaker[N], flow: Flow[N], kit: Kit[N]) -> None:
         self.scene, self.maker, self.flow, self.kit = scene, maker, flow, kit
+        self.elastic = dict(scene.elastic_stops)
         self.rigid = RigidStops(self)
 
     # -- start
 
-    def initial(self, state):
+    def initial(self, state: State[N]) -> tuple[Status, Known]:
         """Status that the motion starts in from `state`, and the known zeros there."""
         scene = self.scene
         depths = [self._depth(stop, state) for stop in scene.stops]
@@ -54,7 +78,7 @@ class Automaton:
         rates = [self._slip(f, state) for f in scene.frictions]
         frictions = tuple(sign(rate) for rate in rates)
         status = self._pressing(state, Status(stops, frictions, clearances), met)
-        known: dict[tuple, int] = {}
+        known: Known = {}
         touching, seated = self.rigid.at_start(state, [i for i, at in enumerate(met) if at])
         standing = [i for i, sense in enumerate(frictions) if sense == 0]
         standing += [len(frictions) + i for i in seated]
@@ -79,7 +103,7 @@ class Automaton:
                 known = {**known, (CLEARANCE, i): 1}
         return status, known
 
-    def _pressing(self, state, status, met):
+    def _pressing(self, state: State[N], status: Status, met: Sequence[bool]) -> Status:
         """The status with the stops whose force velocities tell: ties at rest are settled under it. Those
         that are `met` push where they close; deep ones whose damper would have to pull are lifted.
         """
@@ -91,32 +115,34 @@ class Automaton:
                 status = status.with_stop(i, LIFTED)
         return status
 
-    def _pulls(self, state, status, i):
+    def _pulls(self, state: State[N], status: Status, i: int) -> bool:
         """Whether the damper of stop `i`, in contact, would have to pull."""
-        stop = self.scene.stops[i]
+        stop = self.elastic[i]
         return stop.c != 0 and stop.release == AT_FORCE and self._value(state, status, (PUSH, i)) < 0
 
-    def _ends(self, part, state, of):
+    def _ends(self, part: Joined, state: State[N], of: str) -> tuple[N, N]:
         values = (*(state.x if of == "x" else state.v), self.kit.number(0), self._base(state, of))
         P, Q = self.maker.ends(part)
         return values[P], values[Q]
 
-    def _base(self, state, of):
+    def _base(self, state: State[N], of: str) -> N:
         return value_and_rate(self.kit, self.scene.base, state.t)[0 if of == "x" else 1]
 
-    def _depth(self, stop, state):
+    def _depth(self, stop: Stop[N] | RigidStop[N], state: State[N]) -> N:
         xP, xQ = self._ends(stop, state, "x")
         return -(stop.sense * (xP - xQ)) - stop.gap
 
-    def _excess(self, clearance, state):
+    def _excess(self, clearance: Clearance[N], state: State[N]) -> N:
         xP, xQ = self._ends(clearance, state, "x")
         return (xP - xQ) - clearance.distance
 
-    def _slip(self, friction, state):
+    def _slip(self, friction: Friction[N], state: State[N]) -> N:
         vP, vQ = self._ends(friction, state, "v")
         return (vP - vQ) - friction.belt
 
-    def _met(self, part, value, state, distance):
+    def _met(
+        self, part: Stop[N] | RigidStop[N] | Clearance[N], value: N, state: State[N], distance: N
+    ) -> bool:
         """Whether a start lies exactly where `value` = x_P - x_Q + ... is zero: as computed, or as told from
         exact numbers, whose rounding it may be then.
         """
@@ -124,31 +150,31 @@ class Automaton:
         size = abs(xP) + abs(xQ) + abs(distance)
         return value == 0 or (part.at_start and abs(value) <= START_ROUNDING * self.kit.eps * size)
 
-    def _blurred(self, value, part, state, distance):
+    def _blurred(self, value: N, part: Joined, state: State[N], distance: N) -> bool:
         """Whether the rounding of x_P - x_Q and of its sum with `distance` could turn the sign of `value`."""
         xP, xQ = self._ends(part, state, "x")
         y = xP - xQ
         lost = abs(_difference_error(xP, xQ, y)) + abs(_difference_error(y, -distance, y + distance))
         return lost > 0 and abs(value) <= lost
 
-    def _doubt(self, state):
+    def _doubt(self, state: State[N]) -> None:
         self.flow.certificate.doubt(state.t)
 
     # -- event functions at a state
 
-    def _enter(self, state, status):
+    def _enter(self, state: State[N], status: Status) -> ModeRows[N]:
         rows = self.maker.rows(status)
         self.flow.enter(state, rows, {})
         return rows
 
-    def _event(self, rows, key):
+    def _event(self, rows: ModeRows[N], key: EventKey) -> Event[N]:
         return next(event for event in rows.events if event.key == key)
 
-    def _value(self, state, status, key):
+    def _value(self, state: State[N], status: Status, key: EventKey) -> N:
         rows = self._enter(state, status)
         return self.flow.derivatives(self._event(rows, key), 0)[0]
 
-    def _leading_sign(self, state, status, key, first=1):
+    def _leading_sign(self, state: State[N], status: Status, key: EventKey, first: int = 1) -> int:
         """Sign of the first derivative, from order `first`, that is not zero; that of order 1 is one of
         velocities where differences alone make the function, and no rounding of a flow is in it.
         """
@@ -161,7 +187,7 @@ class Automaton:
 
     # -- events
 
-    def take(self, state, status, event):
+    def take(self, state: State[N], status: Status, event: Event[N]) -> Taken:
         """What the zero of `event` at `state` leads to: (status, [(kind name, part)], known zeros).
 
         Moves the velocities of bodies that stick onto each other. At a reversal it keeps the residue of the
@@ -179,27 +205,27 @@ class Automaton:
             return self._sliding_ends(state, status, event)
         return self._hold_ends(state, status, event)
 
-    def blows(self, event):
+    def blows(self, event: Event[N]) -> Sequence[Impulse[N]]:
         """The impulses that rigid stops passed at `event`, taken just now."""
         touch = self.touch(event)
         return touch.passed if touch else ()
 
-    def touch(self, event):
+    def touch(self, event: Event[N]) -> Touch[N] | None:
         """The `Touch` of rigid stops that `event`, taken just now, was; None of other events."""
         return self.rigid.touch if event.kind == STRIKE else None
 
-    def _contact_switch(self, state, status, event):
+    def _contact_switch(self, state: State[N], status: Status, event: Event[N]) -> Taken:
         i = event.part
-        stop, before = self.scene.stops[i], status.stops[i]
+        stop, before = self.elastic[i], status.stops[i]
         deeper = -event.direction * self._crossing(state, status, event.key)  # sign of the depth behind here
         after = before if deeper == 0 else CONTACT if deeper > 0 else OPEN
         if before == LIFTED:
             after = OPEN if deeper < 0 else LIFTED
         status = status.with_stop(i, after)
-        happened = []
+        happened: Happened = []
         if after != before and before != LIFTED:
             happened.append(("contact_begin" if after == CONTACT else "contact_end", i))
-        known = {event.key: 1}
+        known: Known = {event.key: 1}
         if after != before and stop.c != 0 and status.tied:
             tied = status
             status = self._settle(state, status, tied.tied)
@@ -207,11 +233,11 @@ class Automaton:
         return status, happened, known
 
     @staticmethod
-    def _changes(before, after, known):
+    def _changes(before: Status, after: Status, known: Known) -> Happened:
         """Events of frictions and rigid stops whose status differs; adds the zeros of those that begin to
         slip or part to `known`.
         """
-        happened = []
+        happened: Happened = []
         for i, (old, new) in enumerate(zip(before.frictions, after.frictions, strict=True)):
             if new != STICK and new != old:
                 known.setdefault((SLIDE, i), 1)
@@ -226,7 +252,7 @@ class Automaton:
                 happened.append(("rest_begin", i))
         return happened
 
-    def _crossing(self, state, status, key):
+    def _crossing(self, state: State[N], status: Status, key: EventKey) -> int:
         """+1 where the event function goes on falling through its zero, -1 where it turns back."""
         event = self._event(self.maker.rows(status), key)
         if all(term.kind == DIFFERENCE for term in event.terms):
@@ -235,23 +261,24 @@ class Automaton:
                 return -sign(rate)
         return -self._leading_sign(state, status, key)
 
-    def _direct_rate(self, state, event):
+    def _direct_rate(self, state: State[N], event: Event[N]) -> N:
         """Rate of a function made of differences, from the velocities: no rounding of a flow in it."""
         v = (*state.v, self.kit.number(0), self._base(state, "v"))
         total = None
         for term in event.terms:
             part = term.coefficient * (v[term.P] - v[term.Q])
             total = part if total is None else total + part
+        assert total is not None  # no event function is made of nothing
         return total
 
-    def _hold_values(self, state, rows, event):
+    def _hold_values(self, state: State[N], rows: ModeRows[N], event: Event[N]) -> list[N]:
         """Derivatives of a HOLD function; its value straight from the state where couplings alone make it."""
         values = self.flow.derivatives(event, JET)
         if event.terms and all(term.kind == COUPLING for term in event.terms):
             values[0] = self._direct_hold(state, rows, event)
         return values
 
-    def _direct_hold(self, state, rows, event):
+    def _direct_hold(self, state: State[N], rows: ModeRows[N], event: Event[N]) -> N:
         x = (*state.x, self.kit.number(0), self._base(state, "x"))
         v = (*state.v, self.kit.number(0), self._base(state, "v"))
         total = None
@@ -260,9 +287,10 @@ class Automaton:
             force = one.k * (x[one.P] - x[one.Q]) + one.c * (v[one.P] - v[one.Q]) + one.offset
             part = term.coefficient * force
             total = part if total is None else total + part
+        assert total is not None
         return total + event.constant
 
-    def _push_switch(self, state, status, event):
+    def _push_switch(self, state: State[N], status: Status, event: Event[N]) -> Taken:
         i, before = event.part, status.stops[event.part]
         if self._crossing(state, status, event.key) <= 0:
             return status, [], {event.key: 1}
@@ -270,25 +298,25 @@ class Automaton:
         kind = "contact_end" if after == LIFTED else "contact_begin"
         return status.with_stop(i, after), [(kind, i)], {event.key: 1}
 
-    def _clearance_switch(self, state, status, event):
+    def _clearance_switch(self, state: State[N], status: Status, event: Event[N]) -> Taken:
         i, before = event.part, status.clearances[event.part]
         turning = self._crossing(state, status, event.key)
         after = before if turning <= 0 else 1 - before
         happened = [] if after == before else [("violation_begin" if after else "violation_end", i)]
         return status.with_clearance(i, after), happened, {event.key: 1}
 
-    def _sliding_ends(self, state, status, event):
+    def _sliding_ends(self, state: State[N], status: Status, event: Event[N]) -> Taken:
         i = event.part
         standing = self._standing(status, i)
         after = self._settle(state, status, standing)
-        known = {}
+        known: Known = {}
         if after.frictions[i] == STICK:
             self._join(state, self.maker.rows(after), i)
         else:
             known[SLIDE, i] = 1
         return after, self._changes(status, after, known), known
 
-    def _standing(self, status, i):
+    def _standing(self, status: Status, i: int) -> list[int]:
         """Ties that stand in the moment in which friction `i` comes to v_rel = 0: those that hold, and
         frictions that others which hold then keep from sliding.
         """
@@ -306,7 +334,7 @@ class Automaton:
                 return sorted(standing)
             standing |= more
 
-    def _hold_ends(self, state, status, event):
+    def _hold_ends(self, state: State[N], status: Status, event: Event[N]) -> Taken:
         rows = self.maker.rows(status)
         cut = rows.cuts[event.part]
         if self._crossing(state, status, event.key) <= 0:
@@ -317,13 +345,15 @@ class Automaton:
         drops = [i for i, sense in slips.items() if i < count and self.scene.frictions[i].drops(sense)]
         if not drops:
             happened = [("stick_end", i) if i < count else ("rest_end", i - count) for i in slips]
-            known = {(SLIDE, i) if i < count else (STRIKE, i - count): 2 if i < count else 3 for i in slips}
-            return after, happened, known
-        known = {}
+            zeros: Known = {
+                (SLIDE, i) if i < count else (STRIKE, i - count): 2 if i < count else 3 for i in slips
+            }
+            return after, happened, zeros
+        known: Known = {}
         after = self._settle_behind(state, status, after)
         return after, self._changes(status, after, known), known
 
-    def _settle_behind(self, state, status, after):
+    def _settle_behind(self, state: State[N], status: Status, after: Status) -> Status:
         """The mode behind a release at which a friction force drops: the jump of the accelerations may tear
         other ties too. after: the status with the ties of the cut let go.
         """
@@ -337,7 +367,7 @@ class Automaton:
 
     # -- friction at rest
 
-    def _settle(self, state, status, standing):
+    def _settle(self, state: State[N], status: Status, standing: Sequence[int]) -> Status:
         """The status in which the ties `standing` (frictions with v_rel = 0, rigid stops with g = g' = 0)
         hold or let go consistently.
         """
@@ -354,7 +384,9 @@ class Automaton:
             self._doubt(state)
         return status.with_ties(dict.fromkeys(standing, STICK))
 
-    def _first_consistent(self, state, status, standing, besides=None):
+    def _first_consistent(
+        self, state: State[N], status: Status, standing: Sequence[int], besides: Status | None = None
+    ) -> Status | None:
         """The first consistent combination of the ties `standing`, those with most ties first; None
         without any. besides: a status that has been left.
         """
@@ -364,7 +396,7 @@ class Automaton:
                 return candidate
         return None
 
-    def _possible(self, rows):
+    def _possible(self, rows: ModeRows[N]) -> bool:
         """Whether the ties of a mode can last: a base that moves cannot be tied to the ground, though it may
         rest for an instant.
         """
@@ -372,7 +404,7 @@ class Automaton:
         tied = rows.leader[ground + 1] == ground
         return not (tied and any(term.amplitude != 0 for term in self.scene.base))
 
-    def _release(self, state, candidate, standing):
+    def _release(self, state: State[N], candidate: Status, standing: Sequence[int]) -> Status | None:
         """As long as cuts are overloaded, the ties of the one that is so most let go. None where that is not
         consistent in the end.
         """
@@ -392,14 +424,15 @@ class Automaton:
         return None
 
     @staticmethod
-    def _apart(status, standing):
+    def _apart(status: Status, standing: Sequence[int]) -> list[int]:
         """The ties among `standing` that do not hold."""
         tied = set(status.tied)
         return [k for k in standing if k not in tied]
 
-    def _overloaded(self, state, rows):
+    def _overloaded(self, state: State[N], rows: ModeRows[N]) -> Event[N] | None:
         """The HOLD event furthest below zero behind the instant, or None."""
-        worst, depth = None, None
+        worst: Event[N] | None = None
+        depth: N | None = None
         for event in rows.events:
             if event.kind == HOLD:
                 values = self._hold_values(state, rows, event)
@@ -409,12 +442,12 @@ class Automaton:
                     worst, depth = event, values[0]
         return worst
 
-    def _size(self, state, rows, event):
+    def _size(self, state: State[N], rows: ModeRows[N], event: Event[N]) -> N:
         """Sum of the magnitudes of the terms of the force in a HOLD event: what its rounding is
         proportional to.
         """
-        size = self.kit.number(0)
-        x, v = (*state.x, 0, self._base(state, "x")), (*state.v, 0, self._base(state, "v"))
+        size = zero = self.kit.number(0)
+        x, v = (*state.x, zero, self._base(state, "x")), (*state.v, zero, self._base(state, "v"))
         for term in event.terms:
             if term.kind == COUPLING:
                 one = rows.couplings[term.P]
@@ -423,7 +456,7 @@ class Automaton:
                 size = size + abs(term.coefficient) * part
         return size
 
-    def _slips_as_said(self, state, status, slipping):
+    def _slips_as_said(self, state: State[N], status: Status, slipping: Sequence[int]) -> bool:
         """Whether the ties that let go do so in the direction of their status, and stops part."""
         if not slipping:
             return True
@@ -434,7 +467,7 @@ class Automaton:
                 return False
         return True
 
-    def _consistent(self, state, status, standing):
+    def _consistent(self, state: State[N], status: Status, standing: Sequence[int]) -> bool:
         if not self._possible(self.maker.rows(status)):
             return False
         rows = self._enter(state, status)
@@ -442,7 +475,7 @@ class Automaton:
             return False
         return self._slips_as_said(state, status, self._apart(status, standing))
 
-    def _join(self, state, rows, i):
+    def _join(self, state: State[N], rows: ModeRows[N], i: int) -> None:
         """Give the bodies that friction `i` ties their common velocity; momentum is kept where they move
         freely.
         """
@@ -456,23 +489,24 @@ class Automaton:
             for c in members:
                 share = self.scene.bodies[c].m * (state.v[c] - rows.drift[c])
                 momentum = share if momentum is None else momentum + share
-            common = momentum / rows.mass[leader]
+            assert momentum is not None  # the leader itself is a member
+            common = momentum / rows.own_mass(leader)
         for c in members:
             state.v[c] = common + rows.drift[c]
 
 
-def _difference_error(a, b, difference):
+def _difference_error(a: N, b: N, difference: N) -> N:
     """What rounding took from a - b (Knuth's two-sum)."""
     back = a - difference
     return (a - (difference + back)) + (back - b)
 
 
-def sign(value):
+def sign(value: N) -> int:
     """-1, 0 or +1."""
     return 1 if value > 0 else -1 if value < 0 else 0
 
 
-def combinations_of(standing, frictions):
+def combinations_of(standing: Sequence[int], frictions: int) -> Iterator[dict[int, int]]:
     """Statuses {number: status} that ties may go on with: those where most hold first. A tie behind the
     `frictions` is a stop, which opens one way only.
     """
@@ -482,7 +516,7 @@ def combinations_of(standing, frictions):
                 yield dict.fromkeys(standing, STICK) | dict(zip(chosen, senses, strict=True))
 
 
-def first_sign(values):
+def first_sign(values: Iterable[N]) -> int:
     """Sign of the first value that is not zero; 0 where all are."""
     for value in values:
         if value != 0:

@@ -144,7 +144,7 @@ class PolynomialSearch(Generic[N]):
             t = ahead
         return t, False
 
-    def _nearer_step(self, series, tau, room, slope, step, h):
+    def _nearer_step(self, series: Sequence[N], tau: N, room: N, slope: N, step: N, h: N) -> N:
         """The safe step from tau by a bound of |f''| that reaches a few times as far as the march has come,
         or `step`, that by the bound of all h, whichever is longer.
         """

@@ -16,9 +16,12 @@ LOWEST of their rounding. With the acceleration b of the return it would have la
 w (1 / a + 1 / sqrt(a b)) / (1 - e sqrt(b / a)), some 1e-7 s, which is told.
 """
 
+from __future__ import annotations
+
+from collections.abc import Container, Iterable, Sequence, Set
 from dataclasses import dataclass, field
 from math import inf
-from typing import Any
+from typing import TYPE_CHECKING, Generic
 
 from vibsim.engine.errors import EngineError
 from vibsim.engine.events.newton_moreau import (
@@ -32,10 +35,18 @@ from vibsim.engine.events.newton_moreau import (
     size_of,
     unmet,
 )
-from vibsim.engine.modes.rows import PUSH, SLIDE, STRIKE
-from vibsim.engine.modes.status import BACKWARD, CONTACT, FORWARD, LIFTED, OPEN, RESTING, STICK
-from vibsim.engine.modes.ties import Groups
-from vibsim.physics.parts import AT_FORCE
+from vibsim.engine.modes.rows import PUSH, SLIDE, STRIKE, Known
+from vibsim.engine.modes.status import BACKWARD, CONTACT, FORWARD, LIFTED, OPEN, RESTING, STICK, Status
+from vibsim.engine.modes.ties import Edge, Groups, Tie
+from vibsim.engine.state import State
+from vibsim.physics.numbers import N, abs
+from vibsim.physics.parts import AT_FORCE, RigidStop
+
+if TYPE_CHECKING:
+    from vibsim.engine.events.automaton import Automaton
+
+Happened = list[tuple[str, int]]  # kinds of events by name, and the parts that they happen to
+Taken = tuple[Status, Happened, Known]  # the mode behind an event, what happened, and what is zero there
 
 NEXT, LAST = 2, 8  # units in the last place of the time
 ROUNDING = 8  # of a sum or a difference of two numbers, in units of eps
@@ -43,7 +54,7 @@ LOWEST = 1024  # of displacements; event functions near zero are watched to some
 
 
 @dataclass
-class Touch:
+class Touch(Generic[N]):
     """The rigid stops that touch at an instant, and what blows did there.
 
     before : rates of their depths before the first blow; v, w : velocities of all columns and of the rotor
@@ -54,48 +65,49 @@ class Touch:
     together : whether rounding might decide if another stop, of one of its bodies, is struck before this one
     """
 
-    contacts: list[Contact]
-    before: dict[int, Any]
-    rates: dict[int, Any]
-    v: list[Any]
-    w: Any
+    contacts: list[Contact[N]]
+    before: dict[int, N]
+    rates: dict[int, N]
+    v: list[N]
+    w: N
     together: bool
-    blows: list[list[tuple[Contact, Impulse]]] = field(default_factory=list)
+    blows: list[list[tuple[Contact[N], Impulse[N]]]] = field(default_factory=list)
     moved: set[int] = field(default_factory=set)
-    ended: dict[int, Any] = field(default_factory=dict)
+    ended: dict[int, N] = field(default_factory=dict)
 
     @property
-    def passed(self):
+    def passed(self) -> list[Impulse[N]]:
         """The impulses, blow by blow."""
         return [impulse for one in self.blows for _, impulse in one]
 
 
 @dataclass
-class CutOff:
+class CutOff(Generic[N]):
     """What the ends of infinite sequences of impacts left out, summed: time [s], speed [m/s], distance
     [m].
     """
 
-    time: Any
-    speed: Any
-    distance: Any
+    time: N
+    speed: N
+    distance: N
 
 
-class RigidStops:
+class RigidStops(Generic[N]):
     """Decides for the `Automaton` what rigid stops do.
 
     touch : what the event taken last was; cut_off : see `CutOff`
     """
 
-    def __init__(self, automaton):
+    def __init__(self, automaton: Automaton[N]) -> None:
         self.automaton = automaton
         self.scene, self.maker, self.kit = automaton.scene, automaton.maker, automaton.kit
+        self.stops = dict(self.scene.rigid_stops)
         self.frictions = len(self.scene.frictions)
-        self.touch: Touch | None = None
+        self.touch: Touch[N] | None = None
         zero = self.kit.number(0)
         self.cut_off = CutOff(zero, zero, zero)
 
-    def meet(self, state, status, i):
+    def meet(self, state: State[N], status: Status, i: int) -> Taken:
         """What follows where stop `i` touches, as `Automaton.take`: (status, what happened, known zeros)."""
         touch = self._touching(state, status, i)
         self._strike(state, touch)
@@ -117,11 +129,12 @@ class RigidStops:
                 known[STRIKE, j] = 2 if touch.rates[j] == 0 else 1
         return settled, [*self._happened(state, touch), *lifts, *changes], known
 
-    def at_start(self, state, met):
+    def at_start(self, state: State[N], met: Container[int]) -> tuple[dict[int, int], list[int]]:
         """Of the stops `met` at the start: ({stop: order of the zero of its depth}, those that neither close
         nor part). One that closes is struck at once.
         """
-        orders, standing = {}, []
+        orders: dict[int, int] = {}
+        standing: list[int] = []
         for j, _ in self.scene.rigid_stops:
             if j in met:
                 rate = rate_of(self.kit, self._contact(j), self._velocities(state))
@@ -130,33 +143,34 @@ class RigidStops:
                 if rate <= 0:
                     orders[j] = 2 if rate == 0 else 1
         if standing:
-            self._join(state, [self.maker.ends(self.scene.stops[j]) for j in standing])
+            self._join(state, [self.maker.ends(self.stops[j]) for j in standing])
             self._seat(state, standing)
         return orders, standing
 
     # -- who touches
 
-    def _velocities(self, state):
+    def _velocities(self, state: State[N]) -> list[N]:
         return [*state.v, self.kit.number(0), self.automaton._base(state, "v")]
 
-    def _contact(self, j):
-        stop = self.scene.stops[j]
+    def _contact(self, j: int) -> Contact[N]:
+        stop = self.stops[j]
         P, Q = self.maker.ends(stop)
         return Contact(j, P, Q, stop.sense, stop.e)
 
-    def _touching(self, state, status, i):
+    def _touching(self, state: State[N], status: Status, i: int) -> Touch[N]:
         """The stops that rest, and those that meet stop `i` within the resolution of time and length.
 
         A body that was seated at one stop has moved by the rounding of that one's displacements.
         """
         v, kit = self._velocities(state), self.kit
         within = LAST * self._unit_of(state.t)
-        contacts, together = [], False
+        contacts: list[Contact[N]] = []
+        together = False
         for j, stop in self.scene.rigid_stops:
             contact, room = self._contact(j), -self.automaton._depth(stop, state)
             rate, size = rate_of(kit, contact, v), self._size(stop, state)
             if j != i and self._share(i, j):
-                size = max(size, self._size(self.scene.stops[i], state))
+                size = max(size, self._size(self.stops[i], state))
             if j == i or status.stops[j] == RESTING or room <= abs(rate) * within + ROUNDING * kit.eps * size:
                 contacts.append(contact)
             if j != i and status.stops[j] == OPEN and rate > 0 and self._share(i, j):
@@ -164,22 +178,22 @@ class RigidStops:
         rates = {c.stop: rate_of(kit, c, v) for c in contacts}
         return Touch(contacts, dict(rates), rates, v, state.w, together)
 
-    def _share(self, i, j):
+    def _share(self, i: int, j: int) -> bool:
         """Whether two stops act on a common body."""
-        ends, others = (set(self.maker.ends(self.scene.stops[k])) for k in (i, j))
+        ends, others = (set(self.maker.ends(self.stops[k])) for k in (i, j))
         return any(column < self.maker.n for column in ends & others)
 
-    def _size(self, stop, state):
+    def _size(self, stop: RigidStop[N], state: State[N]) -> N:
         xP, xQ = self.automaton._ends(stop, state, "x")
         return abs(xP) + abs(xQ) + abs(stop.gap)
 
-    def _unit_of(self, t):
+    def _unit_of(self, t: N) -> N:
         """One unit in the last place of a time [s]."""
         return self.kit.next_after(t, inf) - t
 
     # -- blows
 
-    def _strike(self, state, touch):
+    def _strike(self, state: State[N], touch: Touch[N]) -> None:
         """Blows as long as a stop closes; the last of too many are plastic."""
         v, w = self._velocities(state), state.w
         bodies, contacts = masses(self.scene, self.kit, state.phase), touch.contacts
@@ -203,9 +217,9 @@ class RigidStops:
         state.v[:] = [self.kit.exact(value) for value in v[: self.maker.n]]
         state.w = self.kit.exact(w)
 
-    def _forgotten(self, touch, status):
+    def _forgotten(self, touch: Touch[N], status: Status) -> Known:
         """Zeros of functions of velocities that blows have changed: none any more, but for what stands."""
-        known: dict[tuple, int] = {}
+        known: Known = {}
         for i, friction in enumerate(self.scene.frictions):
             if touch.moved & set(self.maker.ends(friction)) and status.frictions[i] != STICK:
                 known[SLIDE, i] = 0
@@ -214,9 +228,10 @@ class RigidStops:
                 known[PUSH, i] = 0
         return known
 
-    def _turned(self, state, status, moved):
+    def _turned(self, state: State[N], status: Status, moved: Set[int]) -> Status:
         """The status with the frictions of the columns `moved` as the velocities say."""
-        v, turned = self._velocities(state), {}
+        v = self._velocities(state)
+        turned: dict[int, int] = {}
         for i, friction in enumerate(self.scene.frictions):
             P, Q = self.maker.ends(friction)
             if moved & {P, Q}:
@@ -225,9 +240,10 @@ class RigidStops:
                 turned[i] = STICK if abs(slip) <= noise else FORWARD if slip > 0 else BACKWARD
         return status.with_frictions(turned)
 
-    def _lifted(self, state, status, touch):
+    def _lifted(self, state: State[N], status: Status, touch: Touch[N]) -> tuple[Status, Happened]:
         """The status with the damped stops that let go at zero force as the velocities say; what happened."""
-        happened, auto = [], self.automaton
+        auto = self.automaton
+        happened: Happened = []
         for i, stop in self.scene.elastic_stops:
             pressed = stop.release == AT_FORCE and stop.c != 0 and status.stops[i] != OPEN
             if pressed and touch.moved & set(self.maker.ends(stop)):
@@ -241,7 +257,7 @@ class RigidStops:
 
     # -- rest
 
-    def _settled(self, state, status, touch):
+    def _settled(self, state: State[N], status: Status, touch: Touch[N]) -> Status:
         """The status in which all that stands sticks, rests or parts consistently; tied bodies get their
         common velocities.
         """
@@ -255,7 +271,7 @@ class RigidStops:
             raise EngineError("crushed", state)
         return settled
 
-    def _join(self, state, edges):
+    def _join(self, state: State[N], edges: Iterable[Edge]) -> None:
         """Give bodies that touch without closing one velocity; momentum is kept where they move freely."""
         n, zero = self.maker.n, self.kit.number(0)
         groups = Groups(n, [(0, *edge) for edge in edges])
@@ -269,7 +285,7 @@ class RigidStops:
                 for c in bodies:
                     state.v[c] = common
 
-    def _mean(self, bodies, values):
+    def _mean(self, bodies: Sequence[int], values: Sequence[N]) -> N:
         """Mean of values of bodies, weighted by their masses; equal ones are their mean."""
         if all(value == values[0] for value in values):
             return values[0]
@@ -279,7 +295,7 @@ class RigidStops:
             total, weight = total + m * value, weight + m
         return self.kit.exact(total / weight)
 
-    def _ends(self, state, status, touch):
+    def _ends(self, state: State[N], status: Status, touch: Touch[N]) -> bool:
         """Bring open stops to rest that would be struck again within the resolution of time; whether there
         are any.
         """
@@ -305,7 +321,7 @@ class RigidStops:
                 found = True
         return found
 
-    def _rubbing(self, status, contact):
+    def _rubbing(self, status: Status, contact: Contact[N]) -> list[int]:
         """Frictions that slip at an end of a stop."""
         ends = {column for column in (contact.P, contact.Q) if column < self.maker.n}
         frictions = enumerate(self.scene.frictions)
@@ -313,11 +329,13 @@ class RigidStops:
             i for i, one in frictions if status.frictions[i] != STICK and ends & set(self.maker.ends(one))
         ]
 
-    def _is_low(self, state, j, height):
+    def _is_low(self, state: State[N], j: int, height: N) -> bool:
         """Whether rounding of displacements hides a hop of some height [m]."""
-        return height <= LOWEST * self.kit.eps * self._size(self.scene.stops[j], state)
+        return height <= LOWEST * self.kit.eps * self._size(self.stops[j], state)
 
-    def _lasting(self, state, status, c, rubbing, speed, drive):
+    def _lasting(
+        self, state: State[N], status: Status, c: Contact[N], rubbing: Sequence[int], speed: N, drive: N
+    ) -> N:
         """How long a sequence of impacts would go on whose hops rise against `drive` and return with the
         frictions `rubbing` turned round [s].
         """
@@ -328,46 +346,57 @@ class RigidStops:
         share = self.kit.sqrt(back / drive)
         return speed / drive * (1 + 1 / share) / (1 - c.e * share)
 
-    def _drive(self, state, status, j):
+    def _drive(self, state: State[N], status: Status, j: int) -> N:
         """Acceleration that drives the ends of an open stop together [m/s^2]."""
         rows = self.automaton._enter(state, status)
         event = self.automaton._event(rows, (STRIKE, j))
         return -self.automaton.flow.derivatives(event, 2)[2]
 
-    def _seat(self, state, stops):
+    def _seat(self, state: State[N], stops: Iterable[int]) -> None:
         """Take what rounding left of the depths of stops that were struck or come to rest: the ends move
         onto each other, their centre of mass stays where they move freely.
         """
-        n, edges = self.maker.n, []
+        n = self.maker.n
+        edges: list[Tie] = []
         for j in stops:
-            stop = self.scene.stops[j]
+            stop = self.stops[j]
             depth = self.automaton._depth(stop, state)
             ends = self.maker.ends(stop)
             edges.append((0, *ends))
             if depth != 0:
                 self._shift(state, Groups(n, edges[:-1]), ends, stop.sense * depth)
 
-    def _shift(self, state, groups, ends, distance):
+    def _shift(self, state: State[N], groups: Groups, ends: Edge, distance: N) -> None:
         """Move the group of P by `distance` against that of Q, shared as their masses say."""
         sides = [groups.members[groups.leader[end]] for end in ends]
         if set(sides[0]) & set(sides[1]):
             return
+        zero = self.kit.number(0)
         held = [any(c >= self.maker.n for c in side) for side in sides]
         if any(held):
-            shares: Any = [int(not one) for one in held]
+            shares = [zero if one else zero + 1 for one in held]
         else:
-            own, other = (sum(self.scene.bodies[c].m for c in side) for side in sides)
+            own, other = (self._mass(side) for side in sides)
             shares = [other / (own + other), own / (own + other)]
         for side, share, sign in zip(sides, shares, (1, -1), strict=True):
             for c in side:
                 if c < self.maker.n:
                     state.x[c] = self.kit.exact(state.x[c] + sign * (share * distance))
 
+    def _mass(self, bodies: Iterable[int]) -> N:
+        """Mass of bodies [kg], one by one: sum() of floats compensates from Python 3.12 on."""
+        total = self.kit.number(0)
+        for c in bodies:
+            total = total + self.scene.bodies[c].m
+        return total
+
     # -- what is told
 
-    def _happened(self, state, touch):
+    def _happened(self, state: State[N], touch: Touch[N]) -> Happened:
         """Impacts, blows passed on and ends of infinite sequences, by stop."""
-        unit, happened, ended = self._unit_of(state.t), [], []
+        unit = self._unit_of(state.t)
+        happened: Happened = []
+        ended: Happened = []
         for j in sorted({one.stop for one in touch.passed}):
             approach = touch.before[j]
             slow = j in touch.ended and 2 * approach <= NEXT * unit * touch.ended[j]
@@ -375,5 +404,5 @@ class RigidStops:
                 happened.append(("transmitted", j))
             elif not slow:
                 happened.append(("impact", j))
-                ended += [("chatter", j)] if j in touch.ended and self.scene.stops[j].e > 0 else []
+                ended += [("chatter", j)] if j in touch.ended and self.stops[j].e > 0 else []
         return happened + ended
