@@ -101,7 +101,7 @@ def test_what_has_no_orbit():
     with pytest.raises(NoSection, match="nothing drives the scene"):
         orbit("gallery/bouncing-ball")
     with pytest.raises(NoSection, match="nothing drives the scene"):
-        orbit("gallery/block-on-belt")
+        orbit("gallery/three-balls")
     with pytest.raises(OrbitError, match="one period or more"):
         orbit("I-C", start={"x1": 0, "x2": 0, "v1": 0, "v2": 0}, period=-1)
     with pytest.raises(OrbitError, match="missing v2"):

@@ -15,7 +15,7 @@ def branch_lines(branch: Branch) -> list[tuple[str, str]]:
     low, high = reach(branch)
     span = f"{branch.key} from {low:.6g} to {high:.6g} {branch.unit}".rstrip()
     count = int(branch["stable"].sum())
-    turns = ("turn" if branch.map.section.period is None else "period") + "s" * (branch.plan.n > 1)
+    turns = branch.map.section.of_return.partition(" ")[0] + "s" * (branch.plan.n > 1)
     lines = [
         ("branch", f"{branch.case.name}: orbits of {branch.plan.n} {turns} over {span}"),
         ("points", f"{len(branch)}, {count} of them stable"),

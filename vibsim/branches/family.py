@@ -144,10 +144,16 @@ class FamilyPoint:
         """Events of one return, as a circle."""
         return cyclic(self.end.events)
 
+    @property
+    def lap(self) -> float:
+        """By which the pinned component is divided: a turn of a motor, or the velocity of the scale."""
+        at = self.end.coordinates
+        return float(self.family.scale[0] * at.weights[0]) if at.section.turning else 2 * np.pi
+
     def _scaled(self, end: Any) -> np.ndarray:
         count, scale = len(end.X), self.family.scale
         closing = end.difference / scale[:count]
-        return closing if end.tilt is None else np.append(closing, end.ahead / (2 * np.pi))
+        return closing if end.tilt is None else np.append(closing, end.ahead / self.lap)
 
     @cached_property
     def slope(self) -> np.ndarray:
@@ -178,7 +184,7 @@ class FamilyPoint:
         if self.end.tilt is not None:
             slopes, rate = self.end.tilt
             turned = np.append(slopes * scale[:count], rate * scale[count])
-            matrix = np.vstack([matrix, turned / (2 * np.pi)])
+            matrix = np.vstack([matrix, turned / self.lap])
         return np.column_stack([matrix, self.slope if slope is None else slope])
 
     @property

@@ -47,7 +47,8 @@ from vibsim.command_line.parameters import CASE, FILE, OneOf, OrbitDigitCount, s
 def command(ctx, source, changes, start, period, search, seed, digits, engine, output, force):
     """Find the periodic orbit that CASE or the run in FILE goes to, by Newton's method on the return map.
 
-    The section is phase 0 of forces and base, or phi = 0 of a motor. The orbit need not be stable. It is
+    The section is phase 0 of forces and base, phi = 0 of a motor, or where a body turns round that nothing
+    drives. The orbit need not be stable. It is
     periodic up to a drift of bodies that nothing ties to ground or base.
     """
     from vibsim.command_line.orbit_jobs import Wish, find_one, search_all

@@ -42,17 +42,16 @@ def _drift(orbit: Orbit) -> Lines:
 
 def period_text(orbit: Orbit) -> str:
     """Period, frequency, and how many of the source's it takes."""
-    of = "turn of the motor" if orbit.scene.has_motor else "period of the source"
-    count = (
-        f"1 {of}" if orbit.n == 1 else f"{orbit.n} {of.replace('turn', 'turns').replace('period', 'periods')}"
-    )
-    order = "" if orbit.n == 1 else f", order 1/{orbit.n}"
+    section = orbit.return_map.section
+    what, _, whose = section.of_return.partition(" ")
+    count = f"{counted(orbit.n, what)} {whose}"
+    order = "" if orbit.n == 1 or section.turning else f", order 1/{orbit.n}"
     return f"{orbit.period:.12g} s, {1 / orbit.period:.10g} Hz: {count}{order}"
 
 
 def section_text(orbit: Orbit) -> str:
     """Where the state is taken."""
-    return "phi = 0" if orbit.scene.has_motor else "phase 0 of the source"
+    return str(orbit.return_map.section.place)
 
 
 def counts_of(orbit: Orbit) -> dict[str, int]:
@@ -122,7 +121,7 @@ def certificate_text(orbit: Orbit) -> str:
 
 def orbit_row(orbit: Orbit) -> str:
     """One orbit of a list."""
-    of = "turn" if orbit.scene.has_motor else "period"
+    of = orbit.return_map.section.of_return.partition(" ")[0]
     said = "stable" if orbit.stable else "unstable"
     largest = abs(orbit.multipliers).max(initial=0.0)
     return (

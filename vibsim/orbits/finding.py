@@ -1,5 +1,7 @@
 """From a state near an orbit to the orbit, with its least period."""
 
+from math import pi
+
 import numpy as np
 
 from vibsim.orbits.errors import OrbitError
@@ -7,6 +9,7 @@ from vibsim.orbits.newton import solve, tolerance
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.return_map import ReturnMap
 
+STILL = 1e-9  # of the size of the unknowns: a swing that is none
 SAME = 64  # times what rounding makes of an unknown: two fixed points nearer than that are one
 
 
@@ -39,12 +42,29 @@ def unknowns(coordinates, state):
 
 
 def least(orbit):
-    """The same orbit over its least period: divisors of n are tried, the smallest first."""
+    """The same orbit over its least period: divisors of n are tried, the smallest first.
+
+    Raises OrbitError for a state of rest, which has any period.
+    """
+    if _rests(orbit.end):
+        raise OrbitError(
+            "nothing swings: Newton's method came to a state of rest, or of steady sliding; start from a "
+            "motion further from it"
+        )
     for n in (d for d in range(1, orbit.n) if orbit.n % d == 0):
         shorter = _shorter(orbit, n)
         if shorter is not None:
             return shorter
     return orbit
+
+
+def _rests(end):
+    """Whether the body whose turns are looked at has nowhere to turn."""
+    section = end.coordinates.section
+    if not section.turning:
+        return False
+    rate = 2 * pi / end.T
+    return bool(abs(end.carried.rate[section.pinned]) <= STILL * rate * end.coordinates.size(end.X))
 
 
 def _shorter(orbit, n):

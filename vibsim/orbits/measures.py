@@ -4,6 +4,7 @@ import numpy as np
 
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.orbits.start import placed
+from vibsim.orbits.turning import returns
 
 WORKS = ("work_source", "work_base", "work_belt")
 LOSSES = ("loss_viscous", "loss_stops", "loss_friction")
@@ -23,6 +24,11 @@ def points_of(orbit):
     """The unknowns at each return to the section, (n, m); the first is the start."""
     at = orbit.end.coordinates
     rows = [orbit.X]
+    if at.section.turning and orbit.n > 1:
+        scene = placed(orbit.scene, orbit.state, orbit.period)
+        rows += list(at.of(returns(scene, at, orbit.return_map.carrier.engine)[1]))
+    if at.section.turning:
+        return np.array(rows[: orbit.n])
     for block in _run(orbit, section=True).blocks():
         rows += list(at.of(np.stack([block.section[name] for name in at.columns], axis=1)))
     return np.array(rows[: orbit.n])

@@ -125,7 +125,7 @@ class _ExactMap:
         if p is not None:
             rate = self._rate(driver)
             rates, slopes = self._unknowns(rate), [one[p] / rate[p] for one in driver.tangent.vectors]
-            ahead = (end[p] - self.n * kit.two_pi) / rate[p]
+            ahead = (end[p] if self.section.turning else end[p] - self.n * kit.two_pi) / rate[p]
             matrix = [[matrix[i][j] - rates[i] * slopes[j] for j in range(m)] for i in range(m)]
             right = [value - rates[i] * ahead for i, value in enumerate(right)]
         less = [[(1 if i == j else 0) - matrix[i][j] for j in range(m)] for i in range(m)]
@@ -169,7 +169,8 @@ class _ExactMap:
     def _rate(self, driver):
         state, n = driver.state, len(self.scene.bodies)
         a, alpha = accelerations(self.scene, self.kit, driver.maker.rows(driver.status), state)
-        return [*state.v, *a[:n], state.w, alpha]
+        rotor = (state.w, alpha) if self.scene.motor is not None else ()
+        return [*state.v, *a[:n], *rotor]
 
 
 def _multipliers(kit, matrix, starts):

@@ -19,6 +19,8 @@ from vibsim.engine.tangent.monodromy import Carried, Carrier
 from vibsim.orbits.coordinates import Coordinates
 from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.section import section_of
+from vibsim.orbits.start import placed
+from vibsim.orbits.turning import MANY, returns, slowest_period
 from vibsim.orbits.word import word_of
 
 TRIES = 20  # of the time of return
@@ -76,8 +78,16 @@ class Return:
     @cached_property
     def residual(self):
         """How far the motion is from closing, as weighed [m/s]: difference, and what is left of the turn."""
-        missing = 0.0 if self.tilt is None else abs(self.ahead / self.tilt[1]) * self.pace
-        return max(self.coordinates.size(self.difference), missing)
+        return max(self.coordinates.size(self.difference), self._missing)
+
+    @property
+    def _missing(self):
+        """What is left of the turn, as weighed [m/s]: of a motor, or the velocity of the body that turns."""
+        if self.tilt is None:
+            return 0.0
+        if self.coordinates.section.turning:
+            return abs(self.ahead)
+        return abs(self.ahead / self.tilt[1]) * self.pace
 
     @cached_property
     def pace(self):
@@ -162,6 +172,8 @@ class ReturnMap:
         """Time [s] after which the pinned component has advanced by n of its returns. Raises OrbitError where
         it does not.
         """
+        if self.section.turning:
+            return self._time_of_turns(X)
         target, state = self.n * self.section.advance, self.coordinates.lifted(X)
         speed = state[self.section.pinned + 1]
         T = T or (target / speed if speed > 0 else target / self._fastest_speed())
@@ -172,6 +184,15 @@ class ReturnMap:
                 return T
             T = min(max(T + missing / speed if speed > 0 else 1.5 * T, T / 2), 2 * T)
         raise OrbitError(f"the rotor does not come to turn {self.n} within {T:.4g} s")
+
+    def _time_of_turns(self, X):
+        scene = placed(self.scene, self.coordinates.state(X), MANY * self.n * slowest_period(self.scene))
+        times, _ = returns(scene, self.coordinates, self.carrier.engine, first=self.n)
+        if len(times) < self.n:
+            raise OrbitError(
+                f"{self.section.body} does not turn round {self.n} times within {scene.t_end:.4g} s"
+            )
+        return float(times[self.n - 1])
 
     def _fastest_speed(self):
         return self.scene.motor.Omega0

@@ -55,7 +55,7 @@ def _box(scene, return_map, engine):
         raise OrbitError("the run of the case never meets the section, so there is no telling where to look")
     middle, half = (course.low + course.high) / 2, WIDER * (course.high - course.low) / 2
     low, high = middle - half, middle + half
-    if not return_map.section.timed:  # the rotor turns forwards
+    if not (return_map.section.timed or return_map.section.turning):  # the rotor turns forwards
         low[-1] = max(low[-1], 0.1 * course.high[-1])
     return low, high
 

@@ -1,13 +1,15 @@
 """The section on which the orbits of a scene are looked at.
 
 Ideal sources: phase 0 of the common period of all forces and the base, so the time of return is known. A
-motor: its angle phi = 0 mod 2 pi, so phi is known and the time of return is not.
+motor: its angle phi = 0 mod 2 pi, so phi is known and the time of return is not. Neither: the velocity of a
+body that springs bring back comes up through 0, at its least displacement.
 """
 
 from dataclasses import dataclass
 from math import pi
 
 from vibsim.orbits.errors import NoSection
+from vibsim.physics.parts import columns_of
 from vibsim.physics.period import Period, common_period
 
 
@@ -18,16 +20,41 @@ class Section:
     period : the common period of ideal sources, or None
     pinned : number of the component of the state that the section fixes at 0, or None; such a section is met
         again where the component has advanced by `advance`, after a time that is not known beforehand
+    body : name of the body at whose turn it is, where nothing drives the scene, or empty; `advance` is 0 then
     """
 
     period: Period | None = None
     pinned: int | None = None
     advance: float = 0.0
+    body: str = ""
 
     @property
     def timed(self) -> bool:
         """Whether the time between two returns is known."""
         return self.pinned is None
+
+    @property
+    def turning(self) -> bool:
+        """Whether it is where a body turns round, as nothing drives the scene."""
+        return bool(self.body)
+
+    @property
+    def of_return(self) -> str:
+        """What is counted from one return to the next."""
+        return (
+            f"swing of {self.body}"
+            if self.body
+            else "period of the source"
+            if self.timed
+            else "turn of the motor"
+        )
+
+    @property
+    def place(self) -> str:
+        """Where it is, in words."""
+        if self.body:
+            return f"{columns_of(self.body)[1]} = 0, at the least displacement of {self.body}"
+        return "phase 0 of the source" if self.timed else "phi = 0"
 
     def time(self, n: int) -> float:
         """Time of n periods of the source [s]; of timed sections only."""
@@ -52,7 +79,15 @@ def section_of(scene):
             "the frequencies of forces and base have no common period (no exact ratio of whole numbers), "
             "so the motion is at best quasi-periodic"
         )
+    for i, body in enumerate(scene.bodies):
+        if any(i in (part.P, part.Q) for part in _springs(scene)):
+            return Section(pinned=len(scene.bodies) + i, body=body.name)
     raise NoSection(
-        "nothing drives the scene with a period: no harmonic force, moving base or motor; "
-        "orbits are looked for by the phase of a source"
+        "nothing drives the scene with a period: no harmonic force, moving base or motor; and no spring "
+        "brings a body back, so there is no section that a motion returns to"
     )
+
+
+def _springs(scene):
+    """Links and elastic stops with stiffness."""
+    return [part for part in (*scene.links, *(stop for _, stop in scene.elastic_stops)) if part.k]

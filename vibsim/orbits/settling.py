@@ -6,6 +6,8 @@ import numpy as np
 
 from vibsim.engine.resume import rows_of_instant
 from vibsim.engine.trajectory import open_trajectory
+from vibsim.orbits.errors import OrbitError
+from vibsim.orbits.turning import returns, slowest_period
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.rates import source_period
 
@@ -32,6 +34,8 @@ def course_of(scene, coordinates, engine="auto", resume=None, more=MORE):
 
     resume : event rows to go on from, as of `open_trajectory`. Raises EngineError where the run fails.
     """
+    if coordinates.section.turning:
+        return _course_of_turns(scene, coordinates, engine, resume, more)
     beyond = replace(scene, t_end=scene.t_end + more * source_period(scene), stop_on_violation=False)
     trajectory = open_trajectory(beyond.without_samples(), engine, resume, section=True)
     times, points = np.empty(0), np.empty((0, coordinates.count))
@@ -44,6 +48,19 @@ def course_of(scene, coordinates, engine="auto", resume=None, more=MORE):
         times = np.concatenate([times, block.section["time"]])[-KEPT:]
         points = np.concatenate([points, X])[-KEPT:]
     return Course(times, points, low, high)
+
+
+def _course_of_turns(scene, coordinates, engine, resume, more):
+    """The same of a run that nothing drives."""
+    beyond = replace(scene, t_end=scene.t_end + more * slowest_period(scene), stop_on_violation=False)
+    times, states = returns(beyond, coordinates, engine, resume)
+    if not len(times):
+        raise OrbitError(
+            f"{coordinates.section.body} does not turn round on the run, which comes to rest or drifts away: "
+            "it goes to no periodic orbit"
+        )
+    X = coordinates.of(states)
+    return Course(times[-KEPT:], X[-KEPT:], X.min(axis=0), X.max(axis=0))
 
 
 def course_of_result(result, coordinates, engine="auto"):

@@ -63,6 +63,8 @@ def _orbits(judged: Judged, scene: Scene, states: States) -> Iterator[Orbit]:
         return_map = ReturnMap(scene)
     except OrbitError:
         return
+    if return_map.section.turning:
+        return
     at, times = return_map.coordinates, states["time"]
     X = at.of(np.stack([states[name] for name in at.columns], axis=1))
     told = [judged.period] if judged.period else []

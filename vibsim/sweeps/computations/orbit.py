@@ -9,6 +9,7 @@ from vibsim.engine.trajectory import Block
 from vibsim.files.declarations import Column
 from vibsim.orbits.coordinates import unknown_count
 from vibsim.orbits.errors import OrbitError
+from vibsim.orbits.section import section_of
 from vibsim.physics.parts import Scene
 from vibsim.sweeps.computations.task import Task
 from vibsim.sweeps.statistics.columns import Columns
@@ -34,7 +35,7 @@ def columns(of: Quantities) -> Columns:
 def multipliers(scene: Scene) -> int:
     """How many multipliers the orbits of a scene have; 0 without a section."""
     try:
-        return unknown_count(scene)
+        return 0 if section_of(scene).turning else unknown_count(scene)
     except OrbitError:
         return 0
 

@@ -1,0 +1,127 @@
+"""Orbits of scenes that nothing drives: looked at where a body on a spring turns round."""
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+
+import vibsim
+from tests.command_line.made import call
+from tests.engine.test_closed_cases import scene
+from vibsim.orbits import ReturnMap, find_orbit
+from vibsim.orbits.orbit_digits import refine
+from vibsim.physics.parts import COMPRESSION, GROUND, Body, Friction, Link, Stop
+
+
+@pytest.fixture(scope="module")
+def cycle():
+    return vibsim.orbit("gallery/block-on-belt")
+
+
+def test_stick_slip_on_a_belt(cycle):
+    """V16 (Leine): period, duration of the stick and place of the release by an independent solver."""
+    assert cycle.spelled == "su" and cycle.n == 1 and cycle.stable
+    assert cycle.period == pytest.approx(12.001031294830, rel=1e-13)
+    begin, end = cycle.end.carried.times
+    assert end - begin == pytest.approx(7.705031769350, rel=1e-12)
+    assert cycle.end.carried.states[1, 0] == pytest.approx(1.0, rel=1e-14)
+    assert cycle.multipliers.tolist() == [0]  # the stick forgets; the shift along the orbit is taken out
+    assert cycle.state["v_block"] == 0.0
+
+
+def test_it_is_met_from_beside_it_without_a_time(cycle):
+    """The time of return comes from the turns of the body."""
+    near = {"x_block": cycle.X[0] * 1.001, "v_block": 0.0}
+    for engine in ("c", "python"):
+        again = find_orbit(cycle.scene, near, 1, engine=engine)
+        assert again.period == pytest.approx(cycle.period, rel=1e-13) and again.word == cycle.word
+    twice = find_orbit(cycle.scene, near, 2)
+    assert twice.n == 1 and twice.period == pytest.approx(cycle.period, rel=1e-13)
+
+
+def test_its_digits(cycle):
+    told = refine(cycle, 30)
+    assert float(told.period) == pytest.approx(12.001031294830, rel=1e-13)
+    longer = refine(cycle, 40)
+    assert longer.period.startswith(told.period.partition("e")[0][:29])
+
+
+def test_the_stick_slip_cycle_dies():
+    """V18 (bSTAB's case): the cycle lives up to a belt speed of 1.836600972207926 m/s."""
+    branch = vibsim.continue_branch("gallery/belt-oscillator", "belt.belt", "1.4:1.9 m/s")
+    assert branch.ends[1] and branch["stable"].all() and set(branch["word"]) == {"su"}
+    assert branch["parameter"][-1] == pytest.approx(1.836600972207926, abs=1e-6)
+
+
+def bilinear(gap=0.0):
+    return scene(
+        [Body("m", 1.0, 0.0, 0.0)],
+        links=(Link("spring", 0, GROUND, 1.0, 0.0),),
+        stops=(Stop("wall", 0, GROUND, gap, COMPRESSION, 8.0, 0.0),),
+    )
+
+
+def test_a_free_oscillator_belongs_to_a_family():
+    """Without a loss every swing of a bilinear oscillator without a gap takes pi (1 + 1/3); the multiplier of
+    its energy is 1.
+    """
+    orbit = find_orbit(bilinear(), {"x_m": -0.5, "v_m": 0.0}, 1)
+    assert orbit.period == pytest.approx(pi * 4 / 3, rel=1e-13) and orbit.spelled in ("be", "eb")
+    assert abs(orbit.multipliers[0] - 1) < 1e-12 and not orbit.stable
+    assert orbit.X[0] == pytest.approx(-0.5, rel=1e-12)
+
+
+def test_a_slope_of_the_section():
+    """P' = M - f m_p / f_p, by difference quotients: a block on a falling friction that never sticks."""
+    case = vibsim.load_case("gallery/belt-oscillator")
+    return_map = ReturnMap(case.scene())
+    X, h = np.array([-0.4]), 1e-6
+    T = return_map.time_of_return(X)
+    ends = []
+    for sign in (1, -1):
+        beside, t = X + sign * h, T
+        for _ in range(5):
+            end = return_map(beside, t)
+            t -= end.ahead / end.tilt[1]
+        ends.append(end.image)
+    for _ in range(5):
+        end = return_map(X, T)
+        T -= end.ahead / end.tilt[1]
+    assert (ends[0] - ends[1])[0] / (2 * h) == pytest.approx(end.derivative[0, 0], abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "message"),
+    [
+        (
+            ["gallery/belt-oscillator", "-s", "block.v=0"],
+            4,
+            "nothing swings: Newton's method came to a state",
+        ),
+        (["gallery/bouncing-ball"], 2, "no spring brings a body back"),
+        (["gallery/three-balls"], 2, "nothing drives the scene with a period"),
+    ],
+)
+def test_what_has_none(words, code, message):
+    done = call("orbit", *words)
+    assert done.exit_code == code and message in done.stderr and "Traceback" not in done.stderr
+
+
+def test_a_run_that_comes_to_rest():
+    """A block that rubs itself to rest turns round no more."""
+    of = replace(bilinear(0.1), frictions=(Friction("floor", 0, GROUND, 0.1, 0.1, 0.0),), t_end=30.0)
+    with pytest.raises(vibsim.OrbitError, match=r"does not turn round|nothing swings"):
+        find_orbit(of, {"x_m": 0.05, "v_m": 0.0}, 1)
+
+
+def test_the_command(tmp_path):
+    """Stored, told of, gone on from, drawn."""
+    path = tmp_path / "cycle.h5"
+    shown = call("orbit", "gallery/block-on-belt", "-o", path).stdout
+    assert "1 swing of block" in shown and "v_block = 0, at the least displacement of block" in shown
+    branch = tmp_path / "branch.h5"
+    told = call("continue", path, "--param", "belt.belt=0.19:0.21", "-o", branch).stdout
+    assert "orbits of 1 swing over friction.belt.belt" in told and "holds everywhere" in told
+    assert call("plot", branch, "-o", tmp_path / "branch.png").exit_code == 0
+    assert call("run", path, "--t-end", "30s", "-o", tmp_path / "on.h5").exit_code == 0
