@@ -5,6 +5,8 @@ import pytest
 
 from tests.branches.made import CAPTURED, PERIOD_5, RESONANT, branch_of, nearest, parameter
 from tests.orbits.truths import TRUTHS
+from vibsim.branches.inspection import inspect
+from vibsim.branches.node import Node
 from vibsim.orbits.word import cyclic
 
 LOWER = "3.47:3.53 Hz"
@@ -48,8 +50,12 @@ def test_the_neimark_sacker_point_before_the_fold():
     assert kinds == ["neimark-sacker", "fold"]
     assert [one.jump for one in branch.specials] == [2, -1]
     torus, fold = branch.specials
-    assert torus.between == fold.between  # within one step
     assert branch["stable"][: torus.between[1]].all() and not branch["stable"][fold.between[1] :].any()
+    family = branch.plan.family()
+    ends = [branch.points[i] for i in (torus.between[0], fold.between[1])]
+    one, other = (Node.of(family(np.array(p.unknowns)), np.array(p.tangent), 0) for p in ends)
+    within = [each.node.parameter for each in inspect(family, one, other)]  # one step over both of them
+    assert within == pytest.approx([torus.parameter, fold.parameter], rel=1e-11)
 
 
 def test_between_two_points_the_index_changes_by_what_is_listed():
@@ -91,3 +97,14 @@ def test_the_isola_closes():
     inside = (values > doubling.parameter) & (values < fold.parameter)
     lower = [one for one in branch.specials if abs(one.parameter - 3.2172413) < 2e-7]
     assert inside.mean() > 0.9 and {"fold", "grazing", "doubling"} <= {one.kind for one in lower}
+
+
+def test_the_top_of_a_resonance_is_followed_in_some_hundred_points():
+    """I-C: an orbit of 90 m/s, where a billionth of the frequency turns its phase; it folds there, and the
+    branch goes back and on to the end of the range.
+    """
+    branch = branch_of(RESONANT, "5:8 Hz")
+    assert branch.ends == ("end of the range", "end of the range")
+    assert len(branch) < 600 and branch["v1"].max() > 80
+    assert [one.kind for one in branch.specials[:1]] == ["fold"]
+    assert branch.specials[0].jump == 1 and "unresolved" not in {one.kind for one in branch.specials}

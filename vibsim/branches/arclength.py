@@ -9,6 +9,7 @@ shortest one.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import isfinite, sqrt
 from typing import Any, Protocol
 
 import numpy as np
@@ -30,6 +31,10 @@ class Point(Protocol):
     z: np.ndarray
     residual: np.ndarray
     settled: bool
+
+    @property
+    def linear(self) -> np.ndarray:
+        """Derivative of the residual by z without the parameter (n, n)."""
 
     def jacobian(self, slope: np.ndarray | None = None) -> np.ndarray:
         """Derivative of the residual by z (n, n + 1); slope: its last column, where one is good enough."""
@@ -59,35 +64,41 @@ def kernel(jacobian: np.ndarray) -> np.ndarray:
     It has more than one only where the exact derivatives, all columns but the last, are singular too.
     """
     _, values, vectors = np.linalg.svd(jacobian)
-    if values[0] == 0:
+    sizes = values.tolist()
+    if sizes[0] == 0:
         return vectors
     dimension = 1
-    if values[-1] <= BY_SLOPE * values[0]:
+    if sizes[-1] <= BY_SLOPE * sizes[0]:
         exact = np.linalg.svd(jacobian[:, :-1], compute_uv=False)
         zeros = int(np.sum(exact <= KERNEL * exact[0]))
-        dimension += min(zeros, int(np.sum(values <= BY_SLOPE * values[0])))
+        dimension += min(zeros, sum(size <= BY_SLOPE * sizes[0] for size in sizes))
     return vectors[len(vectors) - dimension :]
 
 
 def tangent(jacobian: np.ndarray, along: np.ndarray) -> np.ndarray:
     """The unit vector of the kernel nearest to `along`."""
-    vectors = kernel(jacobian)
+    return nearest(kernel(jacobian), along)
+
+
+def nearest(vectors: np.ndarray, along: np.ndarray) -> np.ndarray:
+    """The unit vector nearest to `along` of those that orthonormal vectors, one per row, span."""
     shares = vectors @ along
     if not shares.any():
         return vectors[-1]
     direction = shares @ vectors
-    return direction / np.linalg.norm(direction)
+    return direction / sqrt(direction @ direction)
 
 
 def correct(
     evaluate: Callable[[np.ndarray], Any],
     start: np.ndarray,
-    across: np.ndarray,
+    across: np.ndarray | None,
     limit: float,
     slope: np.ndarray | None = None,
     families: bool = False,
 ) -> Corrected:
-    """The point of the curve on the hyperplane through `start` across the unit vector `across`.
+    """The point of the curve on the hyperplane through `start` across the unit vector `across`; without one
+    where the parameter is that of `start`.
 
     evaluate : the `Point` at z; limit : no Newton step may be longer
     slope : derivative by the parameter from nearby, which spares its own at every step
@@ -98,11 +109,13 @@ def correct(
     z, last = start, np.inf
     for iteration in range(ITERATIONS + 1):
         point = evaluate(z)
-        matrix = np.vstack([point.jacobian(slope), across])
-        right = np.append(point.residual, across @ (z - start))
-        step = -_solved(matrix, right, families)
-        length = float(np.linalg.norm(step))
-        if (length <= CLOSE or (last <= ROUGH and length >= last / 2)) and point.settled:
+        if across is None:
+            step = _held_step(point, families)
+        else:
+            step = _step(point, slope, across, z - start, families)
+        length = sqrt(step @ step)
+        rounding = CLOSE * max(1.0, sqrt(z @ z))
+        if (length <= rounding or (last <= ROUGH and length >= last / 2)) and point.settled:
             return Corrected(point, iteration)
         if not length <= limit:
             raise ContinuationError("Newton's method left for elsewhere")
@@ -110,14 +123,37 @@ def correct(
     raise ContinuationError(f"Newton's method took more than {ITERATIONS} steps")
 
 
+def _held_step(point: Any, families: bool) -> np.ndarray:
+    """Newton's step with the parameter held."""
+    step = np.zeros(len(point.z))
+    step[:-1] = -_solved(point.linear, point.residual, families)
+    return step
+
+
+def _step(
+    point: Any, slope: np.ndarray | None, across: np.ndarray, away: np.ndarray, families: bool
+) -> np.ndarray:
+    """Newton's step to the hyperplane across a unit vector, from which the point is `away`."""
+    n = len(away)
+    matrix, right = np.empty((n, n)), np.empty(n)
+    matrix[:-1], matrix[-1] = point.jacobian(slope), across
+    right[:-1], right[-1] = point.residual, across @ away
+    return -_solved(matrix, right, families)
+
+
 def _solved(matrix: np.ndarray, right: np.ndarray, families: bool) -> np.ndarray:
-    """The solution of matrix x = right; the shortest one where the matrix is singular but for rounding."""
+    """The solution of matrix x = right; the shortest one where the matrix is singular but for rounding.
+
+    Raises ContinuationError for a motion without a derivative.
+    """
+    if not isfinite(matrix.sum()):
+        raise ContinuationError("the motion has no derivative there")
     if families:
         return np.asarray(np.linalg.lstsq(matrix, right, rcond=BY_SLOPE)[0])
     try:
         x = np.linalg.solve(matrix, right)
     except np.linalg.LinAlgError:
         x = np.full(len(right), np.inf)
-    if KERNEL * np.abs(x).max() * np.abs(matrix).max() > np.abs(right).max():
+    if KERNEL * abs(x).max() * abs(matrix).max() > abs(right).max():
         x = np.linalg.lstsq(matrix, right, rcond=KERNEL)[0]
     return x

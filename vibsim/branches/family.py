@@ -24,6 +24,7 @@ from vibsim.orbits.word import cyclic
 from vibsim.physics.parts import Scene
 
 SHIFT = 2.0**-23  # of the parameter, scaled: rounding over it is as small as what it leaves out, 1e-7
+STEEP = 256.0  # scaled derivative by the parameter, above which SHIFT is too wide for it
 MAPS = 4  # return maps that are kept
 
 
@@ -87,6 +88,11 @@ class Family:
         """Scaled unknowns of an orbit."""
         times = () if self.map(parameter).section.timed else (T,)
         return np.array([*X, *times, parameter]) / self.scale
+
+    @cached_property
+    def ratios(self) -> np.ndarray:
+        """By which entries of a derivative of one unknown by another are scaled."""
+        return np.asarray(self.scale / self.scale[:, None])
 
     def parameter(self, z: np.ndarray) -> float:
         """The parameter of scaled unknowns."""
@@ -152,40 +158,67 @@ class FamilyPoint:
 
     def _scaled(self, end: Any) -> np.ndarray:
         count, scale = len(end.X), self.family.scale
-        closing = end.difference / scale[:count]
-        return closing if end.tilt is None else np.append(closing, end.ahead / self.lap)
+        closing = np.empty(len(scale) - 1)
+        closing[:count] = end.difference / scale[:count]
+        if end.tilt is not None:
+            closing[count] = end.ahead / self.lap
+        return closing
 
     @cached_property
     def slope(self) -> np.ndarray:
         """Derivative of the residual by the scaled parameter (n)."""
-        family, values = self.family, self.z * self.family.scale
-        of = family.map(float(values[-1]) + SHIFT * float(family.scale[-1]))
-        shift = (float(values[-1]) + SHIFT * float(family.scale[-1]) - float(values[-1])) / family.scale[-1]
+        slope = self._quotient(SHIFT)
+        steepness = float(abs(slope).max())
+        # near a grazing touch of a rigid stop it is as steep as it is bent
+        return slope if steepness <= STEEP else self._quotient(SHIFT / steepness)
+
+    def _quotient(self, shift: float) -> np.ndarray:
+        """Difference quotient of the residual by the scaled parameter."""
+        family, value, unit = self.family, self.parameter, float(self.family.scale[-1])
+        beside = value + shift * unit
+        of = family.map(beside)
         try:
-            end = of(self.end.X, None if of.section.timed else self.end.T)
+            end = of.plain(self.end.X, None if of.section.timed else self.end.T)
         except (EngineError, OrbitError) as error:
             raise ContinuationError(str(error)) from error
-        return (self._scaled(end) - self.residual) / shift
+        return (self._scaled(end) - self.residual) / ((beside - value) / unit)
 
     @cached_property
     def flow(self) -> np.ndarray:
         """Derivative of the scaled state at the end by the scaled unknowns without the parameter."""
-        end, scale = self.end, self.family.scale
+        end, scale, ratios = self.end, self.family.scale, self.family.ratios
         count = len(end.X)
-        matrix = end.flow_matrix * (scale[:count] / scale[:count, None])
-        if end.tilt is None:
-            return matrix
-        return np.column_stack([matrix, end.rate / scale[:count] * scale[count]])
+        flow = np.empty((count, len(scale) - 1))
+        flow[:, :count] = end.flow_matrix * ratios[:count, :count]
+        if end.tilt is not None:
+            flow[:, count] = end.rate * ratios[:count, count]
+        return flow
+
+    @cached_property
+    def linear(self) -> np.ndarray:
+        """Derivative of the residual by z without the parameter (n, n)."""
+        count, scale = len(self.end.X), self.family.scale
+        matrix = np.empty((len(scale) - 1, len(scale) - 1))
+        matrix[:count] = self.flow
+        if self.end.tilt is not None:
+            slopes, rate = self.end.tilt
+            matrix[count, :count], matrix[count, count] = slopes, rate
+            matrix[count] *= scale[:-1] / self.lap
+        diagonal = matrix.reshape(-1)[:: len(matrix) + 1]
+        diagonal[:count] -= 1.0
+        return matrix
 
     def jacobian(self, slope: np.ndarray | None = None) -> np.ndarray:
         """Derivative of the residual by z (n, n + 1); slope: its last column, where one is good enough."""
-        count = len(self.end.X)
-        matrix, scale = self.flow - np.eye(*self.flow.shape), self.family.scale
-        if self.end.tilt is not None:
-            slopes, rate = self.end.tilt
-            turned = np.append(slopes * scale[:count], rate * scale[count])
-            matrix = np.vstack([matrix, turned / self.lap])
-        return np.column_stack([matrix, self.slope if slope is None else slope])
+        n = len(self.z) - 1
+        matrix = np.empty((n, n + 1))
+        matrix[:, :n], matrix[:, n] = self.linear, self.slope if slope is None else slope
+        return matrix
+
+    @cached_property
+    def _forgotten(self) -> np.ndarray:
+        """Which unknowns at the end depend on nothing at the start."""
+        return np.asarray(~self.flow.any(axis=1))
 
     @property
     def settled(self) -> bool:
@@ -193,8 +226,7 @@ class FamilyPoint:
 
         A body that sticks across the section would else begin with a speed of rounding, and stick once more.
         """
-        forgotten = ~self.flow.any(axis=1)
-        return not np.any(self.end.difference[forgotten])
+        return not self.end.difference[self._forgotten].any()
 
     def moved(self, step: np.ndarray, slope: np.ndarray | None = None) -> np.ndarray:
         """z after a Newton step.
@@ -204,8 +236,10 @@ class FamilyPoint:
         section sticks there to the bit.
         """
         count, scale = len(self.end.X), self.family.scale
-        if slope is None or not self.flow.any(axis=1).all():  # another orbit's slope may not have forgotten
-            slope = self.slope
         z = self.z + step
-        z[:count] = self.end.image / scale[:count] + self.flow @ step[:-1] + slope[:count] * step[-1]
+        z[:count] = self.end.image / scale[:count] + self.flow @ step[:-1]
+        if step[-1] != 0:
+            if slope is None or self._forgotten.any():  # another orbit's slope may not have forgotten
+                slope = self.slope
+            z[:count] += slope[:count] * step[-1]
         return z

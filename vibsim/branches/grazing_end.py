@@ -44,6 +44,8 @@ def _graze(family: Family, node: Node, stop: int) -> tuple[FamilyPoint, float]:
         gradient = (np.array(beside) - point.end.clearance) / DIFFERENCE
         size = float(np.linalg.norm(gradient)) or 1.0
         matrix = np.vstack([point.jacobian(), gradient / size])
+        if not np.isfinite(matrix).all():  # another stop is grazed
+            break
         step = -np.linalg.lstsq(matrix, np.append(point.residual, point.end.clearance / size), rcond=None)[0]
         z = z + step
         if np.linalg.norm(z - node.z) > NEAR:

@@ -51,10 +51,24 @@ def inspect(family: Family, one: Node, other: Node) -> Iterator[Special]:
             return
         middle = _middle(family, one, other)
     if middle is None:
-        yield Special(UNRESOLVED, other, one, other)
+        yield from _unparted(family, detected, one, other)
         return
     yield from inspect(family, one, middle)
     yield from inspect(family, middle, other)
+
+
+def _unparted(family: Family, detected: list[str], one: Node, other: Node) -> Iterator[Special]:
+    """What lies between two nodes that are too near to be parted: changes of order one by one, as where a
+    motion that is its own mirror image changes on both sides at once.
+    """
+    try:
+        special = _change(family, one, other, first=True) if CHANGE in detected else None
+    except ContinuationError:
+        special = None
+    if special is None:
+        yield Special(UNRESOLVED, other, one, other)
+    else:
+        yield from _with_sides(family, special, one, other)
 
 
 def _with_sides(family: Family, special: Special, one: Node, other: Node) -> Iterator[Special]:
@@ -160,8 +174,10 @@ def _index_explained(special: Special) -> bool:
     return sorted((before.index, after.index)) == [rest, rest + count]
 
 
-def _change(family: Family, one: Node, other: Node) -> Special | None:
-    """A change of the order of events by bisection; None where there is a third order between."""
+def _change(family: Family, one: Node, other: Node, first: bool = False) -> Special | None:
+    """A change of the order of events by bisection; None where there is a third order between, unless the
+    first change is asked for.
+    """
     low, high = one, other
     for _ in range(TRIES):
         if np.linalg.norm(high.z - low.z) <= NARROW:
@@ -169,7 +185,7 @@ def _change(family: Family, one: Node, other: Node) -> Special | None:
         middle = between(family, low, high, 0.5)
         if middle.word == low.word:
             low, stuck = middle, np.array_equal(middle.z, low.z)
-        elif middle.word == high.word:
+        elif first or middle.word == high.word:
             high, stuck = middle, np.array_equal(middle.z, high.z)
         else:
             return None

@@ -126,6 +126,11 @@ class PlanePoint:
     def _size(self) -> float:
         return float(np.linalg.norm(self._gradient)) or 1.0
 
+    @property
+    def linear(self) -> np.ndarray:
+        """Derivative of the residual by z without the second parameter."""
+        return self.jacobian()[:, :-1]
+
     def jacobian(self, slope: np.ndarray | None = None) -> np.ndarray:
         """Derivative of the residual by z."""
         shift = np.zeros(len(self.z))

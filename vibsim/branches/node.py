@@ -6,11 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.arclength import correct, kernel, tangent
+from vibsim.branches.arclength import correct, kernel, nearest
 from vibsim.branches.family import Family, FamilyPoint
 from vibsim.orbits.multipliers import ON_CIRCLE
 
 STEADY = 4.0  # times that the share of the parameter in the tangent may change where Newton holds it
+CLOSE = 1e-3  # scaled distance of a node whose derivative by the parameter is good enough for Newton's steps
+STEEP = 1e-3  # share of the parameter in the tangent, below which it is not held
+LONGEST = 2.0  # steps, as long as the last one, that the cubic through two nodes is taken ahead
 LEAST_LIMIT = 1e-6  # scaled length that a Newton step may have, however near two nodes are
 UNIT = 1e-6  # distance from 1 of multipliers that may be those of a family
 REAL = 1e-9  # imaginary part, over its size, below which a multiplier counts as real
@@ -35,7 +38,12 @@ class Node:
     @cached_property
     def tangent(self) -> np.ndarray:
         """Unit vector along the branch, scaled, the way that `along` points."""
-        return tangent(self.point.jacobian(), self.along)
+        return nearest(self.kernel, self.along)
+
+    @cached_property
+    def kernel(self) -> np.ndarray:
+        """Orthonormal vectors that the curves through the point span, one per row."""
+        return kernel(self.point.jacobian())
 
     @property
     def heading(self) -> np.ndarray:
@@ -59,10 +67,10 @@ class Node:
     def multipliers(self) -> np.ndarray:
         return self.point.multipliers
 
-    @property
+    @cached_property
     def index(self) -> int:
         """Number of multipliers outside the unit circle; those of a family are on it but for rounding."""
-        return int(np.sum(np.abs(self.own_multipliers) > 1))
+        return sum(abs(mu) > 1 for mu in self.own_multipliers.tolist())
 
     @cached_property
     def own_multipliers(self) -> np.ndarray:
@@ -81,19 +89,19 @@ class Node:
     @cached_property
     def fold(self) -> float:
         """det(P' - I), which is zero with a multiplier 1."""
-        return float(np.linalg.det(self.point.matrix - np.eye(len(self.point.matrix))))
+        return float(np.linalg.det(self.point.matrix - self.point.end.coordinates.one))
 
     @cached_property
     def doubling(self) -> float:
         """det(P' + I), which is zero with a multiplier -1."""
-        return float(np.linalg.det(self.point.matrix + np.eye(len(self.point.matrix))))
+        return float(np.linalg.det(self.point.matrix + self.point.end.coordinates.one))
 
     @cached_property
     def pairs(self) -> list[complex]:
         """Complex multipliers with positive imaginary part, one of each pair, the largest first."""
-        return [mu for mu in self.multipliers if mu.imag > REAL * abs(mu)]
+        return [mu for mu in self.multipliers.tolist() if mu.imag > REAL * abs(mu)]
 
-    @property
+    @cached_property
     def pairs_outside(self) -> int:
         return sum(abs(mu) > 1 for mu in self.pairs)
 
@@ -115,7 +123,7 @@ class Node:
     @cached_property
     def families(self) -> int:
         """Dimensions of the family that the orbit belongs to at its parameter: 0 for an orbit alone."""
-        return len(kernel(self.point.jacobian())) - 1
+        return len(self.kernel) - 1
 
 
 def node_at(
@@ -124,24 +132,34 @@ def node_at(
     """The node on the hyperplane through `start` across a unit vector, or at the parameter of `start` without
     one; its tangent goes on from that of `near`. Raises ContinuationError.
     """
-    unit = np.eye(len(start))[-1]
-    if across is None:
-        slope: np.ndarray | None = np.zeros(len(start) - 1)  # nothing depends on it
-    else:
-        slope = near.point.slope if near is not None and near.families == 0 else None
+    close = across is not None and near is not None and limit <= CLOSE and near.families == 0
+    slope = near.point.slope if near is not None and close else None
     families = near is not None and near.in_family
-    corrected = correct(family, start, unit if across is None else across, limit, slope, families)
-    return Node(corrected.point, unit if near is None else near.heading, corrected.iterations)
+    corrected = correct(family, start, across, limit, slope, families)
+    heading = np.eye(len(start))[-1] if near is None else near.heading
+    return Node(corrected.point, heading, corrected.iterations)
 
 
-def ahead_of(family: Family, node: Node, step: float, bend: float) -> Node:
-    """The node one step ahead along the tangent; bend: change of dp/ds with s.
+def ahead_of(family: Family, before: "Node | None", node: Node, step: float, bend: float) -> Node:
+    """The node one step ahead; before: the node that came before, if any; bend: change of dp/ds with s.
 
-    The parameter is held where no fold is near: then one scene serves all of Newton's steps.
+    The parameter is held where no fold is near, nor a resonance so steep that it tells little of the orbit:
+    then one scene serves all of Newton's steps.
     """
-    start = node.z + step * node.tangent
-    across = node.tangent if abs(node.ahead) < STEADY * step * abs(bend) else None
-    return node_at(family, start, across, node, 4 * step)
+    steady = abs(node.ahead) >= max(STEADY * step * abs(bend), STEEP)
+    across = None if steady else node.tangent
+    return node_at(family, predicted(before, node, step), across, node, 4 * step)
+
+
+def predicted(before: "Node | None", node: Node, step: float) -> np.ndarray:
+    """Scaled unknowns one step ahead of a node: on the cubic through it and the one before, where both have
+    the same order of events, else along its tangent.
+    """
+    if before is not None and before.word == node.word:
+        length = float(np.linalg.norm(node.z - before.z))
+        if step <= LONGEST * length:
+            return _hermite(before, node, 1 + step / length, length)
+    return np.asarray(node.z + step * node.tangent)
 
 
 def between(family: Family, one: Node, other: Node, share: float) -> Node:

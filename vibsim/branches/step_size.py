@@ -1,6 +1,7 @@
 """How long the next step along a branch is: by the angle that the tangent turned, and by Newton's count."""
 
 from dataclasses import dataclass
+from math import asin, sqrt
 
 import numpy as np
 
@@ -12,19 +13,25 @@ GROWTH, SHRINK = 1.6, 0.5
 
 @dataclass(frozen=True)
 class Pace:
-    """Bounds of the step, in scaled length."""
+    """Bounds of the step, in scaled length; the largest grows with the unknowns, as at a resonance."""
 
     first: float = 0.01
     least: float = 1e-9
     most: float = 0.05
 
-    def following(self, step: float, turned: float, iterations: int) -> float:
-        """The step behind one that turned the tangent by `turned` [rad] in so many Newton steps."""
+    def following(self, step: float, turned: float, iterations: int, size: float = 1.0) -> float:
+        """The step behind one that turned the tangent by `turned` [rad] in so many Newton steps, to a point
+        of scaled length `size`.
+        """
         by_angle = TURN / turned if turned > 0 else GROWTH
         by_count = 2.0 ** ((COUNT - iterations) / 2)
-        return min(self.most, max(self.least, step * min(GROWTH, max(SHRINK, min(by_angle, by_count)))))
+        return min(
+            self.most * max(1.0, size),
+            max(self.least, step * min(GROWTH, max(SHRINK, min(by_angle, by_count)))),
+        )
 
 
 def turn(one: np.ndarray, other: np.ndarray) -> float:
     """Angle between two unit vectors [rad], right where it is small."""
-    return 2.0 * float(np.arcsin(min(1.0, float(np.linalg.norm(one - other)) / 2)))
+    between = one - other
+    return 2.0 * asin(min(1.0, sqrt(between @ between) / 2))

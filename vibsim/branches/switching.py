@@ -13,6 +13,7 @@ import numpy as np
 from vibsim.branches.arclength import ContinuationError
 from vibsim.branches.branch import Branch, SpecialPoint
 from vibsim.branches.family import Family
+from vibsim.branches.joining import shift
 from vibsim.branches.node import Node, node_at
 from vibsim.branches.plan import BranchError, BranchPlan
 from vibsim.branches.special import BRANCHING, DOUBLING
@@ -58,10 +59,17 @@ def _first(family: Family, special: SpecialPoint, z: np.ndarray) -> Node:
         except ContinuationError:
             size /= 2
             continue
-        if np.linalg.norm(node.z - z) > size / 2:
+        if np.linalg.norm(node.z - z) > size / 2 and _is_new(family, special, node, size):
             return node
         size /= 2
     raise BranchError(f"no orbit was found on the branch that leaves {special.label}")
+
+
+def _is_new(family: Family, special: SpecialPoint, node: Node, size: float) -> bool:
+    """Whether an orbit is none of the branch that is left: at a doubling, none that repeats itself before."""
+    if special.kind != DOUBLING:
+        return True
+    return bool(np.linalg.norm(shift(family, node, family.n // 2)) > size / 8)
 
 
 def _direction(family: Family, special: SpecialPoint, z: np.ndarray) -> np.ndarray:

@@ -75,6 +75,10 @@ class MapPastTouch(ReturnMap):
         clearance = self._clearance(past, first.state, window)
         return Touching(at, np.asarray(X, dtype="f8"), T, self._ahead(carried), carried, clearance)
 
+    def plain(self, X: np.ndarray, T: float | None = None) -> Touching:
+        """The same: derivatives are no part of what takes long."""
+        return self(X, T)
+
     def _from(self, scene: Any, t: float) -> Carrier:
         """A carrier of motions that begin at the time t [s]."""
         key = -t if scene is self.scene else t

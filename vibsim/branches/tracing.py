@@ -68,7 +68,12 @@ def _walk(plan: BranchPlan, family: Family, start: Node, done: list[PointRecord]
     walk = Walk(family, start, plan.span, plan.pace)
     last = done[-1]
     if last.number > 0:
-        node = Node.of(family(np.array(last.unknowns)), np.array(last.tangent), last.iterations)
-        before = np.array(done[-2].unknowns), way * done[-2].way * done[-2].tangent[-1]
+        before, node = (_node(family, point, way) for point in done[-2:])
         walk.go_on(before, node, last.step, last.number)
     return walk
+
+
+def _node(family: Family, point: PointRecord, way: int) -> Node:
+    """A point that is there, its tangent the way that is walked."""
+    tangent = way * point.way * np.array(point.tangent)
+    return Node.of(family(np.array(point.unknowns)), tangent, point.iterations)

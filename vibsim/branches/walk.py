@@ -46,12 +46,13 @@ class Walk:
     def __init__(self, family: Family, start: Node, span: tuple[float, float], pace: Pace):
         self.family, self.span, self.pace = family, span, pace
         self.start = self.node = start
+        self.before: Node | None = None
         self.step, self.count, self.bend = pace.first, 0, 0.0
 
-    def go_on(self, before: tuple[np.ndarray, float], node: Node, step: float, count: int) -> None:
-        """Go on from a node that a walk came to after `count` steps; before: z and dp/ds one step earlier."""
-        self.node, self.step, self.count = node, step, count
-        self.bend = bend(*before, node)
+    def go_on(self, before: Node, node: Node, step: float, count: int) -> None:
+        """Go on from a node that a walk came to after `count` steps; before: the one before that."""
+        self.before, self.node, self.step, self.count = before, node, step, count
+        self.bend = bend(before, node)
 
     def steps(self) -> Iterator[Step]:
         """The steps, until the branch ends, leaves the span or comes back to its start."""
@@ -67,8 +68,8 @@ class Walk:
             specials = tuple(inspect(self.family, self.node, node))
             if ended.startswith(JOINS):  # the doubling there, which is told by the other branch
                 specials = tuple(each for each in specials if each.kind not in (FOLD, BRANCHING))
-            self.bend = bend(self.node.z, self.node.ahead, node)
-            self.node, self.step, self.count = node, following, self.count + 1
+            self.bend = bend(self.node, node)
+            self.before, self.node, self.step, self.count = self.node, node, following, self.count + 1
             graze = grazing_end(self.family, node) if ended == GRAZED else None
             yield Step(node, specials if graze is None else (*specials, graze), following, ended)
             if ended:
@@ -87,11 +88,12 @@ class Walk:
         length = self.step
         while True:
             try:
-                node = ahead_of(self.family, self.node, length, self.bend)
+                node = ahead_of(self.family, self.before, self.node, length, self.bend)
                 turned = turn(self.node.tangent, node.tangent)
                 chord = node.z - self.node.z
                 if turned <= SHARP and self.node.tangent @ chord > 0.9 * np.linalg.norm(chord):
-                    return node, self.pace.following(length, turned, node.iterations)
+                    size = float(np.linalg.norm(node.z))
+                    return node, self.pace.following(length, turned, node.iterations, size)
                 reason = "the branch turns too sharply"
             except ContinuationError as error:
                 reason = str(error)
@@ -170,7 +172,7 @@ def landed(return_map: Any, X: np.ndarray) -> Any:
     return end
 
 
-def bend(z: np.ndarray, ahead: float, node: Node) -> float:
-    """Change of dp/ds with s from a point to a node."""
-    length = float(np.linalg.norm(node.z - z))
-    return (node.ahead - ahead) / length if length else 0.0
+def bend(before: Node, node: Node) -> float:
+    """Change of dp/ds with s from one node to the next."""
+    length = float(np.linalg.norm(node.z - before.z))
+    return (node.ahead - before.ahead) / length if length else 0.0

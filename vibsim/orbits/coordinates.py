@@ -45,6 +45,7 @@ class Coordinates:
         self.ratios = (
             self.weights[:, None] / self.weights
         )  # by which entries of a matrix of unknowns are weighed
+        self.none = np.empty((0, length(scene)))  # no disturbance
         self._take = np.ascontiguousarray(self.take.T)
 
     def of(self, state):
