@@ -12,6 +12,9 @@ ENGINE := $(wildcard vibsim/engine/*.[ch] vibsim/engine/*/*.[ch])
 BELTS := 0.95,1.025,1.1,1.175,1.25,1.325,1.4,1.475,1.5,1.55,1.625,1.7,1.775,1.83,1.84,1.85,1.925,2
 PAPER := I-A I-B I-C I-A-eq211 I-B-eq211 I-C-eq211 II-A II-B II-C
 BUILD_ENGINE := $(BIN)/python setup.py -q build_ext --inplace --force
+BRANCHES := results/branches
+UP_DOWN := $(BIN)/vibsim sweep II-B --omega0 3:7:0.05 --param c=0.001,0.01,0.03,0.05 --direction both --carry-state \
+  --compute power -o results/up-down.h5
 SANITIZED := tests/engine tests/kernel tests/events tests/flows tests/tangent tests/sweeps
 
 .PHONY: help env run paper test docs article wheel wheels oldest without-compiler coverage workflows fuzz sanitize verify lint figures sweep sommerfeld basins branches bench budgets truths clean
@@ -126,8 +129,7 @@ sweep: $(STAMP) ## sweep the motor constant of II-B and draw the Sommerfeld diag
 
 sommerfeld: $(STAMP) ## the showcase (ten minutes; goes on where it was stopped): docs/sommerfeld.png, docs/capture-map.png
 	mkdir -p results
-	$(BIN)/vibsim sweep II-B --omega0 3:7:0.05 --param c=0.001,0.01,0.03,0.05 --direction both --carry-state \
-	  --compute power -o results/up-down.h5
+	$(UP_DOWN)
 	$(BIN)/vibsim sweep II-B --omega0 3:7:0.04 --param c=0.001:0.1/100 --compute capture,regime --section 0 \
 	  -o results/capture-map.h5
 	$(BIN)/vibsim plot results/up-down.h5 --kind sommerfeld --width page -o docs/sommerfeld.png --force
@@ -146,24 +148,32 @@ basins: $(STAMP) ## basins of the belt oscillator, 5,000 starts at each of 18 sp
 	$(BIN)/vibsim plot results/basins.h5 --kind end-state -o docs/basins.png --force
 	$(BIN)/vibsim plot results/basin-starts.h5 --kind end-state -o docs/basin-starts.png --force
 
-branches: $(STAMP) ## periodic orbits of II-B for four dampings, and where captures end (three minutes): results/branches/
+branches: $(STAMP) ## periodic orbits of II-B for four dampings over its sweep, and where captures end (four minutes; goes on where it was stopped): results/branches/
 	mkdir -p results/branches
 	for c in 0.001 0.01 0.03 0.05; do \
-	  $(BIN)/vibsim continue II-B -s c=$$c -s Omega0=3.8Hz --omega0 3:9 -o results/branches/captured-$$c.h5 && \
-	  $(BIN)/vibsim continue results/branches/captured-$$c.h5 --switch PD2 --max-points 600 \
-	    -o results/branches/two-thirds-$$c.h5 || exit 1; done
-	$(BIN)/vibsim continue II-B -s c=0.001 -s Omega0=5.9Hz --omega0 5:9 -o results/branches/three-quarters-0.001.h5
-	$(BIN)/vibsim continue II-B -s c=0.01 -s Omega0=6.1Hz --omega0 5:9 -o results/branches/three-quarters-0.01.h5
-	$(BIN)/vibsim continue II-B -s c=0.03 -s Omega0=7Hz --omega0 5:9 -o results/branches/three-quarters-0.03.h5
-	for label in F1 NS1; do $(BIN)/vibsim continue results/branches/captured-0.03.h5 --locus $$label \
-	  --param c=0.001:0.1 -o results/branches/ends-$$label.h5 || exit 1; done
-	$(BIN)/vibsim plot results/branches/captured-0.03.h5 --kind load-curve -o docs/load-curve.png --force
-	$(BIN)/vibsim plot results/branches/captured-0.03.h5 --kind branch,multipliers -o results/branches/captured.png --force
-	$(BIN)/vibsim plot results/branches/ends-F1.h5 results/branches/ends-NS1.h5 -o results/branches/ends.png --force
-	test ! -f results/up-down.h5 || $(BIN)/vibsim plot results/up-down.h5 results/branches/captured-*.h5 \
-	  results/branches/two-thirds-*.h5 results/branches/three-quarters-*.h5 --kind sommerfeld --width page -o results/branches/sommerfeld.png --force
-	test ! -f results/capture-map.h5 || $(BIN)/vibsim plot results/capture-map.h5 results/branches/ends-*.h5 \
-	  --kind capture --width page -o results/branches/capture-map.png --force
+	  $(BIN)/vibsim continue II-B -s c=$$c -s Omega0=3.8Hz --omega0 3:9 -o $(BRANCHES)/captured-$$c.h5 && \
+	  $(BIN)/vibsim continue $(BRANCHES)/captured-$$c.h5 --switch PD2 --max-points 600 \
+	    -o $(BRANCHES)/two-thirds-$$c.h5 || exit 1; done
+	$(BIN)/vibsim continue II-B -s c=0.001 -s Omega0=5.9Hz --omega0 5:9 -o $(BRANCHES)/three-quarters-0.001.h5
+	$(BIN)/vibsim continue II-B -s c=0.01 -s Omega0=6.1Hz --omega0 5:9 -o $(BRANCHES)/three-quarters-0.01.h5
+	$(BIN)/vibsim continue II-B -s c=0.03 -s Omega0=7Hz --omega0 5:9 -o $(BRANCHES)/three-quarters-0.03.h5
+	$(BIN)/vibsim orbit II-B -s c=0.03 -s Omega0=7Hz -o $(BRANCHES)/at-0.03.h5 --force
+	$(BIN)/vibsim orbit II-B -s c=0.05 -s Omega0=7Hz --from $(BRANCHES)/at-0.03.h5 -o $(BRANCHES)/at-0.05.h5 --force
+	$(BIN)/vibsim continue $(BRANCHES)/at-0.05.h5 --omega0 5:9 -o $(BRANCHES)/three-quarters-0.05.h5
+	for label in F1 NS1; do $(BIN)/vibsim continue $(BRANCHES)/captured-0.03.h5 --locus $$label \
+	  --param c=0.001:0.1 -o $(BRANCHES)/ends-$$label.h5 || exit 1; done
+	$(UP_DOWN)
+	$(BIN)/vibsim sweep II-B --omega0 3:7:0.08 --param c=0.001:0.1/25 --compute capture --section 0 \
+	  -o $(BRANCHES)/capture-map.h5
+	$(BIN)/vibsim plot $(BRANCHES)/captured-0.03.h5 --kind load-curve -o docs/load-curve.png --force
+	$(BIN)/vibsim plot $(BRANCHES)/captured-0.03.h5 $(BRANCHES)/two-thirds-0.03.h5 $(BRANCHES)/three-quarters-0.03.h5 \
+	  --kind load-curve -o docs/load-curves.png --force
+	$(BIN)/vibsim plot $(BRANCHES)/captured-0.03.h5 --kind branch,multipliers -o $(BRANCHES)/captured.png --force
+	$(BIN)/vibsim plot $(BRANCHES)/ends-F1.h5 $(BRANCHES)/ends-NS1.h5 -o $(BRANCHES)/ends.png --force
+	$(BIN)/vibsim plot results/up-down.h5 $(BRANCHES)/captured-*.h5 $(BRANCHES)/two-thirds-*.h5 \
+	  $(BRANCHES)/three-quarters-*.h5 --kind sommerfeld --width page -o docs/branches-over-sweep.png --force
+	$(BIN)/vibsim plot $(BRANCHES)/capture-map.h5 $(BRANCHES)/ends-*.h5 --kind capture --width page \
+	  -o docs/capture-ends.png --force
 
 bench: $(STAMP) ## measure speed against error beside other solvers, and draw the picture of docs/speed.md
 	mkdir -p results

@@ -66,7 +66,7 @@ def test_make_run_and_make_test_are_shown_and_exist():
 
 
 def test_readme_is_a_newcomers_page():
-    """Two screens, one picture."""
+    """Two screens, two pictures: a run, and why the motor jumps."""
     text = README.read_text(encoding="utf-8")
     assert len(text.splitlines()) <= 120
-    assert len(re.findall(r"!\[", text)) == 1
+    assert len(re.findall(r"!\[", text)) == 2

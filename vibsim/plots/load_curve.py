@@ -55,7 +55,7 @@ def load_curve_panel(
 ) -> None:
     """The load curve in given axes, its legend below the figure.
 
-    no_load : no-load speeds [Hz] whose lines are drawn; None: round ones
+    no_load : no-load speeds [Hz] whose lines are drawn, without leaps; None: round ones, and leaps
     """
     branches = [subject.result for subject in subjects]
     torques = [[torque_of(branch)(point.orbit) for point in branch.points] for branch in branches]
@@ -66,7 +66,7 @@ def load_curve_panel(
         draw_branch(axes, curve.branch, curve.speed, curve.torque, overlay(i)["color"], label, MARKED)
     _limit(axes, curves, view)
     speeds = no_load or _round_speeds(curves)
-    leaps = leaps_of(curves, axes.get_xlim())
+    leaps = leaps_of(curves, axes.get_xlim()) if no_load is None else []
     avoided = [place for curve in curves for place in curve.places()]
     avoided += [place for leap in leaps for place in leap.places()]
     stall = float(scale(motor_of(subjects[0].scene).M0))

@@ -128,6 +128,12 @@ def numbers():
                 for x in LETTERS
             ],
         },
+        "ends": {
+            "as printed": end(4.0513, 3.709, 0.42e-3, "fold"),
+            "c alone": end(4.2498, 3.707, 0.64e-3, "fold"),
+            "J alone": end(4.5453, 3.681, 0.95e-3, "fold"),
+            "the reading": end(5.5029, 3.678, 1.66e-3, "neimark-sacker"),
+        },
         "runs": runs(),
         "long_runs": {name: {"regime": regime(end=3000.0)} for name in runs()},
         "ensembles": ensembles(),
@@ -154,6 +160,11 @@ def numbers():
             {"solver": "broken", "II-B": {"failed": "no longer finite"}, "II-C": {"failed": "why"}},
         ],
     })  # fmt: skip
+
+
+def end(no_load, speed, torque, kind):
+    """Where held orbits end: speeds [Hz], torque [N m]."""
+    return {"no_load_hz": no_load, "speed_hz": speed, "torque": torque, "kind": kind}
 
 
 def ensembles():

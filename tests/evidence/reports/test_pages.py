@@ -20,7 +20,7 @@ from vibsim.evidence.reports.text_page import WIDTH, render_text
 PIXEL = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
 )
-AUDIT = ("search", "growth", "regimes", "drift", "capture")
+AUDIT = ("search", "growth", "load-curves", "regimes", "drift", "capture")
 VOID = {"meta", "img", "br", "hr", "link", "input"}
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 

@@ -79,7 +79,7 @@ def test_the_report_is_whole(report):
     page = read((folder / "report.html").read_text(encoding="utf-8"))
     assert_stands_alone(page)
     assert_accessible(page)
-    assert len(page.all("img")) == len(paper_figures()) + 2 + len(EVIDENCE)
+    assert len(page.all("img")) == len(paper_figures()) + 3 + len(EVIDENCE)
     assert len(claims) == len(page.all("article")) == 25
     assert (folder / "figures" / "all-figures.png").is_file()
     assert sorted(path.stem for path in (folder / "runs").glob("*.h5")) == sorted(PAPER_RUNS)

@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 from matplotlib.image import imread, imsave
 
+from tests.branches.made import CAPTURED, branch_of, parameter
 from tests.evidence.reports.made import numbers
 from vibsim.analysis import judge_capture
 from vibsim.evidence.reports import figure_files
 from vibsim.evidence.reports.document import Picture
 from vibsim.evidence.reports.evidence_figures import draw_capture, draw_drift, draw_regimes
 from vibsim.evidence.reports.figure_files import write_figures, write_page
+from vibsim.evidence.reports.load_curves import followed_cases, load_words, measure_ends
 from vibsim.evidence.reports.paper_figures import PAGE_ROWS, growth_figure, paper_figures
 from vibsim.evidence.reports.paper_runs import Interrupted
 from vibsim.plots.style import BLUE
@@ -154,3 +156,27 @@ def test_drawing_stops_when_told(subjects, tmp_path):
     with pytest.raises(Interrupted):
         write_figures(paper_figures(), subjects, tmp_path, [], lambda step, done, total: done < 1)
     assert [path.name for path in tmp_path.iterdir()] == ["fig-02.png"]
+
+
+def test_ends_of_captures_are_those_of_the_branch():
+    """c = 0.03 N s/m: the Neimark-Sacker point, known to 22 digits, and M0 (1 - n / (T Omega0)) there."""
+    (end,) = measure_ends({"c": branch_of(CAPTURED, "4.9:6 Hz")}).values()
+    no_load = parameter("II-B c=0.03 captured branch NS")
+    assert end["kind"] == "neimark-sacker" and end["no_load_hz"] == pytest.approx(no_load, rel=1e-11)
+    assert end["torque"] == pytest.approx(0.005 * (1 - end["speed_hz"] / no_load), rel=1e-12)
+
+
+def test_the_words_on_load_curves_follow_from_the_numbers():
+    ends = numbers()["ends"]
+    told = load_words(ends)
+    assert "hold neither the motor of 5.5 Hz nor that of 6.5 Hz" in told
+    assert "they can hold the motor of 5.5 Hz, not that of 6.5 Hz" in told
+    ends["the reading"]["no_load_hz"] = 6.6
+    assert "they can hold the motor of 5.5 Hz and 6.5 Hz." in load_words(ends)
+
+
+def test_the_motors_followed_are_the_printed_one_and_the_readings():
+    scenes = {name: case.two_blocks() for name, case in followed_cases().items()}
+    assert [(scene.c, scene.J) for scene in scenes.values()] == [
+        (0.001, 0.001), (0.0035, 0.001), (0.001, 0.0085), (0.0035, 0.0085),
+    ]  # fmt: skip

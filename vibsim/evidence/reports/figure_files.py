@@ -9,8 +9,10 @@ from typing import Any
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 
+from vibsim.branches.branch import Branch
 from vibsim.evidence.reports.document import Picture
 from vibsim.evidence.reports.evidence_figures import draw_capture, draw_drift, draw_regimes
+from vibsim.evidence.reports.load_curves import draw_load_curves
 from vibsim.evidence.reports.measurements import Numbers
 from vibsim.evidence.reports.paper_figures import PAGE_CM, PAGE_ROWS, PaperFigure
 from vibsim.evidence.reports.paper_numbers import Tell
@@ -63,6 +65,19 @@ def write_search(numbers: Numbers, folder: Path, formats: Sequence[str]) -> Pict
         "Two maps over J and c. II-B is captured above a line that falls from left to right, towards smaller "
         "c at larger J. II-C does as said in a region of larger J and small c. The ring lies where the two "
         "meet, the cross far from either.",
+    )
+
+
+def write_load_curves(branches: Mapping[str, Branch], folder: Path, formats: Sequence[str]) -> Picture:
+    """Why motors are held or not, FOLDER/load-curves.FORMAT."""
+    return Picture(
+        save(draw_load_curves(branches), folder / "load-curves", formats),
+        "Load curves",
+        "Fig. 4 completed: mean torque that the vibration takes against the mean speed, along the branch of "
+        "orbits of one turn, for the motor as printed and for the reading; grey: the motors of 3.5, 5.5 and "
+        "6.5 Hz. Where a line meets a solid part the motor stays, where it meets a dashed one it leaves.",
+        "Two curves that rise steeply near 3.7 Hz and turn back. That of the printed motor turns back far "
+        "below the lines of 5.5 and 6.5 Hz; that of the reading reaches just above the line of 5.5 Hz.",
     )
 
 

@@ -3,6 +3,7 @@
 DIR/report.html, report.txt    the audit
 DIR/figures/                   one file for each figure, and all-figures: one page with all
 DIR/runs/                      the trajectories
+DIR/branches/                  orbits over the no-load speed
 DIR/numbers.json               what was measured
 """
 
@@ -10,9 +11,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 
+from vibsim.branches.branch import Branch
 from vibsim.cases import load_case
 from vibsim.evidence.reports.claim import Claim, Finding, Numbers
 from vibsim.evidence.reports.claims import judge_claims
@@ -21,10 +23,12 @@ from vibsim.evidence.reports.figure_files import (
     FORMATS,
     write_evidence,
     write_figures,
+    write_load_curves,
     write_page,
     write_search,
 )
 from vibsim.evidence.reports.html_page import render_html
+from vibsim.evidence.reports.load_curves import obtain_branches
 from vibsim.evidence.reports.numbers_file import NumbersFile
 from vibsim.evidence.reports.paper_document import paper_document
 from vibsim.evidence.reports.paper_figures import growth_figure, paper_figures
@@ -67,8 +71,9 @@ def write_paper(
     """
     root = _made_folder(Path(folder))
     results, simulated = obtain_runs(root / "runs", tell, fresh)
-    numbers = measure_paper(results, NumbersFile(root / "numbers.json", fresh), tell)
-    pictures, audit = draw_pictures(results, numbers, root / "figures", formats, tell)
+    follow = cache(partial(obtain_branches, root / "branches", tell, fresh))
+    numbers = measure_paper(results, follow, NumbersFile(root / "numbers.json", fresh), tell)
+    pictures, audit = draw_pictures(results, follow(), numbers, root / "figures", formats, tell)
     document = paper_document(numbers, pictures, audit)
     pages = {root / "report.html": render_html(document), root / "report.txt": render_text(document)}
     for path, text in pages.items():
@@ -79,7 +84,7 @@ def write_paper(
 
 def _made_folder(root: Path) -> Path:
     try:
-        for name in ("runs", "figures"):
+        for name in ("runs", "branches", "figures"):
             (root / name).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise ResultFileError(f"{root}: cannot write: {reason(error)}") from error
@@ -103,7 +108,12 @@ def _still_at(tell: Tell, done: int, total: int, t_reached: float) -> bool:
 
 
 def draw_pictures(
-    results: Mapping[str, Result], numbers: Numbers, folder: Path, formats: Sequence[str], tell: Tell
+    results: Mapping[str, Result],
+    branches: Mapping[str, Branch],
+    numbers: Numbers,
+    folder: Path,
+    formats: Sequence[str],
+    tell: Tell,
 ) -> tuple[list[Picture], dict[str, Picture]]:
     """The figures of the paper, and those of the audit by name."""
     subjects = {
@@ -116,4 +126,6 @@ def draw_pictures(
         )
         write_page(pictures, folder, formats)
         evidence = write_evidence(numbers, folder, formats)
-        return pictures, {"growth": growth, "search": write_search(numbers, folder, formats), **evidence}
+        search = write_search(numbers, folder, formats)
+        load = write_load_curves(branches, folder, formats)
+        return pictures, {"growth": growth, "search": search, "load-curves": load, **evidence}

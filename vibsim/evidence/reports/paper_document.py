@@ -11,6 +11,7 @@ from vibsim.evidence.reports.claim import ONLY_IF, VERDICTS, Numbers
 from vibsim.evidence.reports.claims import judge_claims, trust_of
 from vibsim.evidence.reports.document import Block, Document, Judged, Paragraph, Picture, Section, Table
 from vibsim.evidence.reports.ensembles import EACH_WAY, STEP
+from vibsim.evidence.reports.load_curves import ends_table, load_words
 from vibsim.evidence.reports.run_tables import facts_table, regime_table
 from vibsim.evidence.reports.search_tables import (
     captured_by,
@@ -128,6 +129,9 @@ def _search(numbers: Numbers, judged: Sequence[Judged], audit: Mapping[str, Pict
         readings_table(numbers["search"]["readings"]["ranking"]),
         Paragraph(captured_by(numbers["search"]["readings"]["ranking"])),
         *why,
+        Paragraph(load_words(numbers["ends"])),
+        audit["load-curves"],
+        ends_table(numbers["ends"]),
         audit["search"],
         audit["growth"],
         Paragraph(STARTS),

@@ -13,6 +13,7 @@ from vibsim.analysis.holds import BAND, run_up_time
 from vibsim.cases import load_case
 from vibsim.cases.derived_facts import derived_facts
 from vibsim.evidence.reports.ensembles import measure_ensemble, starts
+from vibsim.evidence.reports.load_curves import followed_cases, measure_ends
 from vibsim.evidence.reports.measurements import Numbers, measure_run, plain
 from vibsim.evidence.reports.numbers_file import NumbersFile
 from vibsim.evidence.reports.outcomes import Advance, run_all
@@ -31,6 +32,7 @@ from vibsim.evidence.reports.without_stop import measure_without_stop
 from vibsim.results import Result, simulate
 
 if TYPE_CHECKING:
+    from vibsim.branches.branch import Branch
     from vibsim.cases import Case
 
 Tell = Callable[[str, int, int], bool]  # given what is done, how much of it, and of how much; False to stop
@@ -41,8 +43,13 @@ INERTIAS = (0.001, 0.0085)  # [kg m^2] as printed, and of the readings
 HELD_HZ = 3.69
 
 
-def measure_paper(results: Mapping[str, Result], file: NumbersFile, tell: Tell) -> Numbers:
-    """All sections, measured or taken from the file; raises Interrupted when `tell` returns False."""
+def measure_paper(
+    results: Mapping[str, Result], follow: Callable[[], Mapping[str, Branch]], file: NumbersFile, tell: Tell
+) -> Numbers:
+    """All sections, measured or taken from the file; raises Interrupted when `tell` returns False.
+
+    follow : gives the branches of `load_curves.obtain_branches`
+    """
     cases = {name: result.case for name, result in results.items()}
     prints = {name: case.sha256 for name, case in cases.items()}
     motors = [cases[name] for name in SEARCHED]
@@ -54,6 +61,8 @@ def measure_paper(results: Mapping[str, Result], file: NumbersFile, tell: Tell) 
     file.section("facts", [prints, INERTIAS], lambda: measure_facts(cases))
     files = {name: [prints[name], result.attrs["date_created"]] for name, result in results.items()}
     file.section("runs", files, lambda: measure_runs(results, told("measuring")))
+    followed = {name: case.sha256 for name, case in followed_cases().items()}
+    file.section("ends", followed, lambda: measure_ends(follow()))
     file.section("long_runs", [prints, LONG], lambda: measure_long_runs(cases, told("following for longer")))
     for name in cases:
         measure = partial(measure_ensemble, cases[name], told(f"perturbing {name}"))
@@ -76,7 +85,7 @@ def table_of(sections: Mapping[str, Any]) -> Numbers:
         name.split(" ", 1)[1]: value for name, value in sections.items() if name.startswith("ensemble ")
     }
     search = {name: sections[name] for name in ("readings", "plane")}
-    names = ("facts", "runs", "long_runs", "without_stop", "nearby", "solvers")
+    names = ("facts", "ends", "runs", "long_runs", "without_stop", "nearby", "solvers")
     whole = {name: sections[name] for name in names}
     return {**whole, "ensembles": ensembles, "search": search}
 

@@ -21,6 +21,7 @@ PRINTED = ("I-A", "I-B", "I-C")
 EQUAL_FORCE = ("I-A-eq211", "I-B-eq211", "I-C-eq211")
 MOTORS = ("II-A", "II-B", "II-C")
 HERTZ = ("3.5", "5.5", "6.5")  # of A, B and C
+PRINTED_MOTOR = "II-B"  # which the readings are readings of
 READINGS = ("II-B-captured", "II-C-escape")
 PAPER_RUNS = (*PRINTED, *EQUAL_FORCE, *MOTORS, *READINGS)
 
