@@ -259,6 +259,38 @@ def test_rotor_takes_part_in_a_blow():
     assert abs(result.totals["momentum_residual_relative"]) < 1e-14
 
 
+@pytest.mark.parametrize("wall", (False, True))
+def test_rotor_takes_part_in_the_end_of_chatter(wall):
+    """Friction ends the hops at some 1e-7 m/s, which come to rest: the momentum of the line is kept, or the
+    wall takes it (no ledger has what chatter left out), and that of the rotor's angle is kept.
+    """
+    m, m3, e, J = 0.3, 0.14, 0.02, 2.4e-4
+    bodies = [Body("a", m, 0.0, -0.2), Body("b", 0.31, 0.0, 0.3)]
+    forces = (Force("A", 0, 1.0, ()), Force("B", 1, 0.0 if wall else -1.0, ()))
+    result = run(
+        scene(
+            bodies,
+            stops=(RigidStop("face", 0, GROUND if wall else 1, 0.01, COMPRESSION, 0.5),),
+            frictions=(Friction("floor", 0, GROUND, 0.1, 0.1, 0.0),),
+            forces=forces,
+            motor=Motor(0, m3, e, J, 0.007, 20.0, 1.0, 15.0),
+            t_end=0.6,
+        ),
+        momentum=True,
+    )
+    ends = {name: column(result, "chatter", name) for name in result.events}
+    assert len(ends["t"])
+    speed = np.abs(ends["before_v_a"] - (0.0 if wall else ends["before_v_b"]))
+    assert (speed > 1e-8).all()  # large against rounding
+    inertia, coupling = J + m3 * e * e, m3 * e * np.sin(ends["phase"])
+    before, after = (
+        inertia * ends[w] - coupling * ends[v]
+        for w, v in (("before_phidot", "before_v_a"), ("phidot", "v_a"))
+    )
+    assert after == pytest.approx(before, abs=1e-15 * inertia * 20)
+    assert wall or abs(result.totals["momentum_residual_relative"]) < 1e-14
+
+
 def test_struck_body_that_stuck_slips_at_once():
     """The hammer strikes a block at rest on the floor: e = 0.5, the block slides v^2 / (2 mu g)."""
     bodies = [Body("hammer", 1.0, -0.5, 2.0), Body("block", 3.0, 0.0, 0.0)]
@@ -366,8 +398,15 @@ def test_random_scenes_keep_out_of_rigid_stops_and_close_their_ledgers(scene):
     for _, stop in scene.rigid_stops:
         depth = stop.sense * (places[stop.Q] - places[stop.P]) - stop.gap
         assert depth.max() < 1e-14
-    assert result.totals["energy_residual_relative"] < 1e-12
-    assert result.totals["momentum_residual_relative"] < 1e-11
+    mass, speed = sum(body.m for body in scene.bodies), result.totals["chatter_speed"]  # which no ledger has
+    assert result.totals["energy_residual_relative"] < 1e-12 + mass * speed**2 / size(result, "energy")
+    assert result.totals["momentum_residual_relative"] < 1e-11 + mass * speed / size(result, "momentum")
+
+
+def size(result, of):
+    """What a residual of the ledgers is relative to."""
+    residual = abs(result.totals[f"{of}_residual"])
+    return residual / result.totals[f"{of}_residual_relative"] if residual else 1.0
 
 
 def exact(part, number):

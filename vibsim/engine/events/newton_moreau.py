@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Generic
 
 from vibsim.physics.numbers import Kit, N, abs
-from vibsim.physics.parts import Scene
+from vibsim.physics.parts import Motor, Scene
 
 ROUNDING = 8  # roundings of a sum of a few products, in units of eps
 NEAR = 64  # units in the last place of the time or of displacements, below which zeros may be one or none
@@ -66,6 +66,15 @@ def masses(scene: Scene[N], kit: Kit[N], phase: N) -> Masses[N]:
     determinant = (scene.bodies[motor.on].m + motor.m3) * inertia - coupling * coupling
     mobility[motor.on] = inertia / determinant
     return Masses(mobility, motor.on, coupling / determinant)
+
+
+def motor_body(motor: Motor[N], m: N, kit: Kit[N], phase: N) -> tuple[N, N]:
+    """What a blow meets on the body, of mass m, that the motor is on, while its rotor stands at the angle
+    `phase`: (mass [kg], speed that the rotor gains per speed that the body gains [1/m]).
+    """
+    inertia = motor.J + motor.m3 * motor.e * motor.e
+    coupling = motor.m3 * motor.e * kit.sin(phase)
+    return m + motor.m3 - coupling * coupling / inertia, coupling / inertia
 
 
 def rate_of(kit: Kit[N], contact: Contact[N], v: Sequence[N], size: N | int = 0) -> N:

@@ -31,6 +31,7 @@ from vibsim.engine.events.newton_moreau import (
     Impulse,
     blow,
     masses,
+    motor_body,
     rate_of,
     size_of,
     unmet,
@@ -95,7 +96,7 @@ class CutOff(Generic[N]):
 class RigidStops(Generic[N]):
     """Decides for the `Automaton` what rigid stops do.
 
-    touch : what the event taken last was; cut_off : see `CutOff`
+    touch : what the event taken last was; cut_off : see `CutOff`; lowest : see LOWEST
     """
 
     def __init__(self, automaton: Automaton[N]) -> None:
@@ -104,6 +105,7 @@ class RigidStops(Generic[N]):
         self.stops = dict(self.scene.rigid_stops)
         self.frictions = len(self.scene.frictions)
         self.touch: Touch[N] | None = None
+        self.lowest = LOWEST
         zero = self.kit.number(0)
         self.cut_off = CutOff(zero, zero, zero)
 
@@ -272,26 +274,33 @@ class RigidStops(Generic[N]):
         return settled
 
     def _join(self, state: State[N], edges: Iterable[Edge]) -> None:
-        """Give bodies that touch without closing one velocity; momentum is kept where they move freely."""
-        n, zero = self.maker.n, self.kit.number(0)
+        """Give bodies that touch without closing one velocity; momentum is kept where they move freely, and
+        that of the rotor everywhere.
+        """
+        n, zero, motor = self.maker.n, self.kit.number(0), self.scene.motor
         groups = Groups(n, [(0, *edge) for edge in edges])
+        inertias = [body.m for body in self.scene.bodies]
+        if motor is not None:
+            inertias[motor.on], turning = motor_body(motor, inertias[motor.on], self.kit, state.phase)
+            before = state.v[motor.on]
         for leader, members in groups.members.items():
             bodies = [c for c in members if c < n]
             if len(members) > 1 and bodies:
                 if leader >= n:
                     common = zero if leader == n else self.automaton._base(state, "v")
                 else:
-                    common = self._mean(bodies, [state.v[c] for c in bodies])
+                    common = self._mean([inertias[c] for c in bodies], [state.v[c] for c in bodies])
                 for c in bodies:
                     state.v[c] = common
+        if motor is not None:
+            state.w = self.kit.exact(state.w + turning * (state.v[motor.on] - before))
 
-    def _mean(self, bodies: Sequence[int], values: Sequence[N]) -> N:
-        """Mean of values of bodies, weighted by their masses; equal ones are their mean."""
+    def _mean(self, inertias: Sequence[N], values: Sequence[N]) -> N:
+        """Mean of the velocities of bodies, weighted by what impulses meet; equal ones are their mean."""
         if all(value == values[0] for value in values):
             return values[0]
         total = weight = self.kit.number(0)
-        for c, value in zip(bodies, values, strict=True):
-            m = self.scene.bodies[c].m
+        for m, value in zip(inertias, values, strict=True):
             total, weight = total + m * value, weight + m
         return self.kit.exact(total / weight)
 
@@ -331,7 +340,7 @@ class RigidStops(Generic[N]):
 
     def _is_low(self, state: State[N], j: int, height: N) -> bool:
         """Whether rounding of displacements hides a hop of some height [m]."""
-        return height <= LOWEST * self.kit.eps * self._size(self.stops[j], state)
+        return height <= self.lowest * self.kit.eps * self._size(self.stops[j], state)
 
     def _lasting(
         self, state: State[N], status: Status, c: Contact[N], rubbing: Sequence[int], speed: N, drive: N
