@@ -134,9 +134,9 @@ def _step(
     point: Any, slope: np.ndarray | None, across: np.ndarray, away: np.ndarray, families: bool
 ) -> np.ndarray:
     """Newton's step to the hyperplane across a unit vector, from which the point is `away`."""
-    n = len(away)
-    matrix, right = np.empty((n, n)), np.empty(n)
-    matrix[:-1], matrix[-1] = point.jacobian(slope), across
+    jacobian = point.jacobian(slope)
+    matrix, right = np.empty((len(jacobian) + 1, len(away))), np.empty(len(jacobian) + 1)
+    matrix[:-1], matrix[-1] = jacobian, across
     right[:-1], right[-1] = point.residual, across @ away
     return -_solved(matrix, right, families)
 

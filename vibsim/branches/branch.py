@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.branches.along import Along
+from vibsim.branches.energy import ENERGY
 from vibsim.branches.plan import BranchPlan
 from vibsim.branches.records import OrbitRecord, PointRecord, SpecialRecord, Word
 from vibsim.branches.special import LABELS
@@ -167,7 +168,7 @@ class Branch(Along, Labelled):
             "period": np.array([orbit.period for orbit in orbits]),
             "multipliers": np.array([orbit.multipliers for orbit in orbits]),
             "index": np.array([orbit.index for orbit in orbits]),
-            "stable": np.array([orbit.stable for orbit in orbits]),
+            "stable": np.array([self._stable(orbit) for orbit in orbits]),
             "word": np.array([self.spelled(orbit.word) for orbit in orbits], dtype=object),
             "arclength": self._arclength(),
             "dp_ds": np.array([point.way * point.tangent[-1] for point in self.points]),
@@ -176,6 +177,10 @@ class Branch(Along, Labelled):
         for name in ("fold", "doubling", "margin", "residual"):
             arrays[name] = np.array([getattr(orbit, name) for orbit in orbits])
         return arrays | {name: states[:, i] for i, name in enumerate(self.names)}
+
+    def _stable(self, orbit: OrbitRecord) -> bool:
+        """Whether nothing grows; where energy is kept nothing decays either."""
+        return orbit.index == 0 if self.key == ENERGY else orbit.stable
 
     def _arclength(self) -> np.ndarray:
         places = np.array([point.unknowns for point in self.points])

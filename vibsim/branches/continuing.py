@@ -20,6 +20,7 @@ def continue_branch(
     span: str = "",
     *,
     switch: str | None = None,
+    energy: str | None = None,
     max_points: int = MOST_POINTS,
     engine: str = "auto",
     out: str | PathLike[str] | None = None,
@@ -34,6 +35,8 @@ def continue_branch(
     span : range of its values, such as "3:9 Hz"; a bare number is in SI units, of an angular rate in Hz
     switch : label of a special point, such as "PD1": `orbit` is a Branch (or its file), and the branch that
         leaves it there is followed over the same range
+    energy : range of the energy, such as "1e-5:0.1 J", in place of `key` and `span`: the backbone curve of a
+        scene without damping, friction and source is followed; `orbit` may be a case that starts displaced
     max_points : of the branch, on both sides of the start together
     out : HDF5 file; one that holds a part of this very branch is completed, any other is an error unless
         `force`
@@ -47,6 +50,10 @@ def continue_branch(
     """
     if switch is not None:
         plan = switched(orbit if isinstance(orbit, Branch) else read_branch(orbit), switch)
+    elif energy is not None:
+        from vibsim.branches.backbone import energy_plan
+
+        plan = energy_plan(orbit, energy, engine)
     else:
         orbit = orbit_from(orbit, engine)
         plan = plan_from(orbit, *read_span(orbit.case, key, span))

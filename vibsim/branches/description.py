@@ -3,6 +3,7 @@
 from typing import Any
 
 from vibsim.branches.branch import Branch, SpecialPoint
+from vibsim.branches.energy import ENERGY
 from vibsim.branches.locus_plan import LocusPlan
 from vibsim.branches.locus_result import Locus
 from vibsim.branches.special import BIFURCATIONS, UNRESOLVED
@@ -15,16 +16,25 @@ def branch_lines(branch: Branch) -> list[tuple[str, str]]:
     low, high = reach(branch)
     span = f"{branch.key} from {low:.6g} to {high:.6g} {branch.unit}".rstrip()
     count = int(branch["stable"].sum())
+    said = "without a multiplier outside the unit circle" if branch.key == ENERGY else "stable"
     turns = branch.map.section.of_return.partition(" ")[0] + "s" * (branch.plan.n > 1)
     lines = [
         ("branch", f"{branch.case.name}: orbits of {branch.plan.n} {turns} over {span}"),
-        ("points", f"{len(branch)}, {count} of them stable"),
+        ("points", f"{len(branch)}, {count} of them {said}"),
         ("ends", _ends(branch)),
     ]
+    if branch.key == ENERGY:
+        return [*lines, ("frequency", frequencies(branch))]
     unresolved = [one for one in branch.specials if one.kind == UNRESOLVED]
     where = ", ".join(f"{one.parameter:.8g}" for one in unresolved)
     held = "holds everywhere" if not unresolved else f"does not hold at {where} {branch.unit}".rstrip()
     return [*lines, ("index check", held)]
+
+
+def frequencies(branch: Branch) -> str:
+    """Of its first and last orbit, and of that in between which is furthest out."""
+    rates = 1.0 / branch["period"]
+    return f"{rates[0]:.8g} Hz at the least energy, {rates[-1]:.8g} Hz at the greatest"
 
 
 def reach(branch: Branch) -> tuple[float, float]:

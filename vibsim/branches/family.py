@@ -33,7 +33,10 @@ class Family:
 
     keys : of the case, which have the same value; unit : of the parameter
     scale : by which each unknown is divided (n + 1)
+    conservative : whether nothing changes the energy: multipliers then come as mu and 1 / mu
     """
+
+    conservative = False
 
     def __init__(self, case: Case, keys: Sequence[str], unit: str, n: int, engine: str = "auto"):
         self.case, self.keys, self.unit, self.n, self.engine = case, tuple(keys), unit, n, engine
@@ -197,6 +200,10 @@ class FamilyPoint:
     @cached_property
     def linear(self) -> np.ndarray:
         """Derivative of the residual by z without the parameter (n, n)."""
+        return self._closing_matrix()
+
+    def _closing_matrix(self) -> np.ndarray:
+        """Derivative of what closes an orbit by z without the parameter."""
         count, scale = len(self.end.X), self.family.scale
         matrix = np.empty((len(scale) - 1, len(scale) - 1))
         matrix[:count] = self.flow

@@ -5,7 +5,8 @@ at a fold, a branch point or a doubling, by two at a Neimark-Sacker point, by an
 order of events makes the derivative of the map jump. A stretch that shows more than one event, or does not
 satisfy the check, is halved until each part has one event at most. At an event that was located the other
 multipliers must be on the side of the circle that they are on at both ends of its stretch: of a
-Neimark-Sacker point a hair before a fold the ends alone say nothing.
+Neimark-Sacker point a hair before a fold the ends alone say nothing. Multipliers of conservative orbits lie
+on the circle: only changes of the order of events are told of these.
 """
 
 from collections.abc import Callable, Iterator
@@ -41,7 +42,7 @@ Test = Callable[[Node], float]
 def inspect(family: Family, one: Node, other: Node) -> Iterator[Special]:
     """The special points between two nodes, in their order."""
     detected = detect(one, other)
-    if not detected and one.index == other.index:
+    if not detected and (one.index == other.index or family.conservative):
         return
     middle = None if len(detected) == 1 else _middle(family, one, other)
     if middle is None:
@@ -83,6 +84,8 @@ def _with_sides(family: Family, special: Special, one: Node, other: Node) -> Ite
 
 def detect(one: Node, other: Node) -> list[str]:
     """Kinds of what must have happened between two nodes; a change of the order of events is called so."""
+    if one.point.family.conservative:
+        return [CHANGE] if one.word != other.word else []
     kinds = []
     if not (one.in_family or other.in_family):
         if one.ahead * other.ahead < 0:

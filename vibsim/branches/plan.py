@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.branches.energy import ENERGY
 from vibsim.branches.family import Family
 from vibsim.branches.node import Node, node_at
 from vibsim.branches.step_size import Pace
@@ -69,10 +70,17 @@ class BranchPlan:
 
     def family(self, engine: str = "auto") -> Family:
         """The orbits over the parameter, scaled by the first."""
-        family = Family(self.case, self.keys, self.unit, self.n, engine)
+        family = self._family(engine)
         span = abs(self.span[1] - self.span[0])
         family.scaled_by(np.array(self.state), self.period, self.parameter, span, self.travel)
         return family
+
+    def _family(self, engine: str) -> Family:
+        if self.keys != (ENERGY,):
+            return Family(self.case, self.keys, self.unit, self.n, engine)
+        from vibsim.branches.backbone import EnergyFamily
+
+        return EnergyFamily(self.case, self.n, np.array(self.state), engine)
 
     def start(self, family: Family) -> Node:
         """The first node, its tangent along the heading, else towards larger parameters.

@@ -1,5 +1,8 @@
 """Ranges of a parameter: FROM:TO with a unit."""
 
+import re
+from math import nan
+
 from vibsim.branches.plan import BranchError
 from vibsim.branches.scene_path import ScenePath
 from vibsim.cases import Case
@@ -7,6 +10,9 @@ from vibsim.cases.keys import measured_at
 from vibsim.cases.problems import shown
 from vibsim.cases.ranges import parse_range
 from vibsim.cases.units import UNITS, si_unit
+
+FACTORS = {"": 1.0, "J": 1.0, "mJ": 1e-3, "uJ": 1e-6, "kJ": 1e3}
+ENERGIES = re.compile(r"\s*(?P<ends>[^:\sa-df-zA-DF-Z]+:[^:\sa-df-zA-DF-Z]+)\s*(?P<unit>[mku]?J|)\s*")
 
 
 def read_span(case: Case, key: str, text: str) -> tuple[tuple[str, ...], str, tuple[float, float]]:
@@ -33,6 +39,21 @@ def read_span(case: Case, key: str, text: str) -> tuple[tuple[str, ...], str, tu
         except ValueError as error:
             raise BranchError(str(error)) from error
     return keys, low.unit, ends
+
+
+def read_energy_span(text: str) -> tuple[float, float]:
+    """Ends [J] of a range of energies such as "1e-5:0.1 J"; bare numbers are J. Raises BranchError."""
+    match = ENERGIES.fullmatch(text)
+    try:
+        low, high = (float(each) for each in match["ends"].split(":")) if match else (nan, nan)
+    except ValueError:
+        match = None
+    if match is None:
+        raise BranchError(f"{shown(text)} is not FROM:TO with an optional unit, such as 0.01:1 J or 5:50 mJ")
+    low, high = low * FACTORS[match["unit"]], high * FACTORS[match["unit"]]
+    if not 0 < low < high:
+        raise BranchError(f"{shown(text)}: energies must be above 0 and the first the lesser")
+    return low, high
 
 
 def _number_key(case: Case, key: str) -> str:

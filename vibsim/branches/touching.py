@@ -63,11 +63,11 @@ class MapPastTouch(ReturnMap):
         stops = tuple(stop for i, stop in enumerate(scene.stops) if i != window.stop)
         self._without = replace(scene, stops=stops)
 
-    def __call__(self, X: np.ndarray, T: float | None = None) -> Touching:
+    def _motion(self, X: np.ndarray, T: float | None, disturbances: np.ndarray) -> Touching:
         """As of a `ReturnMap`. Raises OrbitError where the motion does not turn within the window."""
         T = self.section.time(self.n) if self.section.timed else self.time_of_return(X) if T is None else T
         at, window = self.coordinates, self.window.times(T)
-        first = self.carrier.carry(at.lifted(X), window[0], at.disturbances)
+        first = self.carrier.carry(at.lifted(X), window[0], disturbances)
         past = self._from(self._without, window[0])
         touch = past.carry(first.state, window[1] - window[0], first.vectors)
         last = self._from(self.scene, window[1]).carry(touch.state, T - window[1], touch.vectors)

@@ -17,6 +17,7 @@ SPAN = Pair("KEY=FROM:TO, such as c=0.01:0.1", some_text, several=True)
         "vibsim continue I-A --omega 3:4",
         "vibsim continue II-B-orbit.h5 --param c=0.01:0.1 --json",
         "vibsim continue captured.h5 --switch PD1       # the branch that leaves there",
+        "vibsim continue I-A -s excitation=none -s c=0 -s friction=none -s x1=5mm --energy 1e-5:0.1",
         "vibsim continue captured.h5 --locus NS1 --param c=0.02:0.1",
         "vibsim plot captured.h5",
         before="An interrupted continuation goes on when the same command is given again.",
@@ -29,6 +30,7 @@ SPAN = Pair("KEY=FROM:TO, such as c=0.01:0.1", some_text, several=True)
     "--param", metavar="KEY=FROM:TO", type=SPAN,
     help="Any number of the case. KEY=KEY=FROM:TO gives several keys the same value.",
 )  # fmt: skip
+@click.option("--energy", metavar="FROM:TO", help="Energies of a conservative orbit [J]: its backbone curve.")
 @click.option("--switch", metavar="LABEL", help="Follow what leaves the branch ORBIT there: PD1, BP1, ...")
 @click.option("--locus", metavar="LABEL", help="Follow NS1, F1, PD1, GR1 of a branch in --param as well.")
 @click.option(
@@ -40,7 +42,9 @@ SPAN = Pair("KEY=FROM:TO, such as c=0.01:0.1", some_text, several=True)
 @click.option("-o", "--output", type=FILE, metavar="FILE", help="Output file. [default: CASE-KEY-branch.h5]")
 @click.option("--force", is_flag=True, help="Replace an output file that holds something else.")
 @click.pass_context
-def command(ctx, source, omega0, omega, param, switch, locus, max_points, changes, engine, output, force):
+def command(
+    ctx, source, omega0, omega, param, energy, switch, locus, max_points, changes, engine, output, force
+):
     """Follow the periodic orbit ORBIT over a parameter, both ways, through folds.
 
     ORBIT is a stored orbit, or a case or the HDF5 file of a run, whose end it is taken from; with --switch
@@ -48,17 +52,22 @@ def command(ctx, source, omega0, omega, param, switch, locus, max_points, change
     events need not be told: where it changes is located, and listed beside folds, doublings and
     Neimark-Sacker points.
     """
-    from vibsim.command_line.continuation_jobs import read_plan, run_continuation
+    from vibsim.command_line.continuation_jobs import read_energy_plan, read_plan, run_continuation
     from vibsim.command_line.run_plan import check_engine
 
     check_engine(engine)
     if locus is not None:
         from vibsim.command_line.locus_jobs import read_locus_plan, run_locus
 
-        if omega0 or omega or switch or changes:
+        if omega0 or omega or energy or switch or changes:
             raise click.UsageError("--locus takes its second parameter from --param, and nothing else")
         locus_plan, output = read_locus_plan(source, locus, param, output)
         return run_locus(locus_plan, output, max_points, engine, force, ctx.obj)
+    if energy is not None:
+        if omega0 or omega or param or switch:
+            raise click.UsageError("--energy is a range of its own; leave other ranges and --switch out")
+        plan, output = read_energy_plan(source, dict(changes), energy, engine, output)
+        return run_continuation(plan, output, max_points, engine, force, ctx.obj)
     ranges = {"--omega0": omega0, "--omega": omega}
     plan, output = read_plan(source, dict(changes), ranges, param, switch, engine, output)
     return run_continuation(plan, output, max_points, engine, force, ctx.obj)

@@ -43,7 +43,7 @@ def read_plan(
     if switch is not None:
         return _switched(source, changes, given, switch, output)
     if given != 1:
-        raise click.UsageError("give one range to follow: --omega0, --omega or --param KEY=FROM:TO")
+        raise click.UsageError("give one range to follow: --omega0, --omega, --energy or --param KEY=FROM:TO")
     _check_kind(source)
     case = read_case(source, changes)
     if param is None:
@@ -57,6 +57,25 @@ def read_plan(
     except (BranchError, UnknownKeyError) as error:
         raise click.UsageError(f"{option}: {error}") from None
     return plan, hdf5_name(output or f"{case.name}-{scale_name(keys[0])}-branch.h5")
+
+
+def read_energy_plan(
+    source: str, changes: dict[str, str], text: str, engine: str, output: str | None
+) -> tuple[BranchPlan, str]:
+    """The plan of a backbone curve, and its file.
+
+    Raises UsageError, CaseError, OrbitError, ResultFileError.
+    """
+    from vibsim.branches.backbone import energy_plan
+
+    _check_kind(source)
+    is_file = not changes and source != "-" and is_result_file(source)
+    subject = open_result(source) if is_file else read_case(source, changes)
+    try:
+        plan = energy_plan(subject, text, engine)
+    except BranchError as error:
+        raise click.UsageError(f"--energy: {error}") from None
+    return plan, hdf5_name(output or f"{plan.case.name}-energy-branch.h5")
 
 
 def _check_kind(source: str) -> None:

@@ -2,7 +2,7 @@
 
 Ideal sources: phase 0 of the common period of all forces and the base, so the time of return is known. A
 motor: its angle phi = 0 mod 2 pi, so phi is known and the time of return is not. Neither: the velocity of a
-body that springs bring back comes up through 0, at its least displacement.
+body that springs bring back is 0, at its least or its greatest displacement, where fewer stops act.
 """
 
 from dataclasses import dataclass
@@ -21,12 +21,14 @@ class Section:
     pinned : number of the component of the state that the section fixes at 0, or None; such a section is met
         again where the component has advanced by `advance`, after a time that is not known beforehand
     body : name of the body at whose turn it is, where nothing drives the scene, or empty; `advance` is 0 then
+    sense : 1 at the least displacement of the body, -1 at the greatest
     """
 
     period: Period | None = None
     pinned: int | None = None
     advance: float = 0.0
     body: str = ""
+    sense: int = 1
 
     @property
     def timed(self) -> bool:
@@ -53,7 +55,8 @@ class Section:
     def place(self) -> str:
         """Where it is, in words."""
         if self.body:
-            return f"{columns_of(self.body)[1]} = 0, at the least displacement of {self.body}"
+            side = "least" if self.sense > 0 else "greatest"
+            return f"{columns_of(self.body)[1]} = 0, at the {side} displacement of {self.body}"
         return "phase 0 of the source" if self.timed else "phi = 0"
 
     def time(self, n: int) -> float:
@@ -81,11 +84,21 @@ def section_of(scene):
         )
     for i, body in enumerate(scene.bodies):
         if any(i in (part.P, part.Q) for part in _springs(scene)):
-            return Section(pinned=len(scene.bodies) + i, body=body.name)
+            return Section(pinned=len(scene.bodies) + i, body=body.name, sense=_freer_side(scene, i))
     raise NoSection(
         "nothing drives the scene with a period: no harmonic force, moving base or motor; and no spring "
         "brings a body back, so there is no section that a motion returns to"
     )
+
+
+def _freer_side(scene, body):
+    """1 where no more stops act at the least displacement of a body than at the greatest, else -1: an orbit
+    that just grazes a stop does so where its body turns.
+    """
+    sides = [
+        stop.sense if body == stop.P else -stop.sense for stop in scene.stops if body in (stop.P, stop.Q)
+    ]
+    return -1 if sum(sides) > 0 else 1
 
 
 def _springs(scene):

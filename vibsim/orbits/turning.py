@@ -1,7 +1,7 @@
 """Runs of scenes that nothing drives, seen where a body turns round: the returns to their section.
 
-The section is met where the velocity of the body comes up through zero, at its least displacement. A run is
-sampled finely against its fastest vibration, and each crossing is then found on the flow.
+The section is met where the velocity of the body comes through zero, at its least or its greatest
+displacement. A run is sampled finely against its fastest vibration, and each crossing is found on the flow.
 """
 
 from dataclasses import replace
@@ -38,9 +38,9 @@ def returns(scene, at, engine="auto", resume=None, first=None):
     for block in open_trajectory(sampled, engine, resume).blocks():
         rows = np.stack([block.samples[name] for name in ("time", *at.columns)])
         rows = np.concatenate([last, rows], axis=1)
-        rates = rows[1 + p]
+        rates = at.section.sense * rows[1 + p]
         for i in np.flatnonzero((rates[:-1] < 0) & (rates[1:] >= 0)):
-            passed, state = _crossing(carrier, rows[1:, i], rows[0, i + 1] - rows[0, i], p)
+            passed, state = _crossing(carrier, rows[1:, i], rows[0, i + 1] - rows[0, i], at.section)
             times.append(rows[0, i] + passed)
             states.append(state)
         if first is not None and len(times) >= first:
@@ -49,11 +49,12 @@ def returns(scene, at, engine="auto", resume=None, first=None):
     return np.array(times), np.array(states).reshape(-1, len(at.columns))
 
 
-def _crossing(carrier, state, step, p):
+def _crossing(carrier, state, step, section):
     """(time, state) of the crossing within a step behind a state."""
     s = step / 2
     for _ in range(STEPS):
         there = carrier.carry(state, s, [])
-        if there.rate[p] > 0:
-            s = min(max(s - there.state[p] / there.rate[p], LEAST * step), step)
+        v, a = there.state[section.pinned], there.rate[section.pinned]
+        if section.sense * a > 0:
+            s = min(max(s - v / a, LEAST * step), step)
     return s, carrier.carry(state, s, []).state

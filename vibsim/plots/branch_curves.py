@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from vibsim.branches.energy import ENERGY
 from vibsim.plots.style import BLACK
 
 WIDTH, DASHES = 1.0, (0, (3, 1.5))
@@ -58,10 +59,11 @@ def orbits_along(branch: Any) -> list[Any]:
 def _stretches(branch: Any, i: int) -> list[tuple[Any, Any, bool]]:
     """From point i to the next by way of the special points between: (orbit, orbit, stable).
 
-    Orbits of a family have a multiplier on the unit circle and are not stable, though none is outside.
+    Orbits of a family have a multiplier on the unit circle and are not stable, though none is outside; those
+    of a backbone curve are drawn solid where none is outside.
     """
     ends = [point.orbit for point in branch.points[i : i + 2]]
-    family = all(end.index == 0 and not end.stable for end in ends)
+    family = all(end.index == 0 for end in ends) and not branch["stable"][i : i + 2].any()
     orbit, index = ends[0], ends[0].index
     found = []
     for special in branch.specials:
@@ -102,7 +104,7 @@ def draw_branch(
 def keys_to_marks(branches: Sequence[Any], kinds: Sequence[str] = tuple(MARKS)) -> list[Line2D]:
     """What lines and marks mean, for a legend: those that are there."""
     there = {special.kind for branch in branches for special in branch.specials}
-    stable = any(branch["stable"].any() for branch in branches)
+    stable = any(branch["stable"].any() for branch in branches if branch.key != ENERGY)
     unstable = any(not branch["stable"].all() for branch in branches)
     keys = [Line2D([], [], color=BLACK, linewidth=WIDTH, label="stable")] * stable
     keys += [Line2D([], [], color=BLACK, linewidth=WIDTH, linestyle=DASHES, label="unstable")] * unstable

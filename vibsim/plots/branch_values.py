@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
+from vibsim.branches.energy import ENERGY
 from vibsim.cases.units import UNITS
 from vibsim.plots.errors import PlotError
 from vibsim.plots.quantities import Scale, symbol
@@ -24,7 +25,11 @@ class ParameterAxis:
 
 
 def parameter_of(branch: Any) -> Value:
-    """The parameter of an orbit: in Hz for the speed of a source, else in its unit."""
+    """The parameter of an orbit: in Hz for the speed of a source, else in its unit; of a backbone curve the
+    frequency in place of the energy.
+    """
+    if branch.key == ENERGY:
+        return mean_speed_of(branch)
     factor = parameter_factor(branch.key, branch.unit)
     return lambda orbit: float(orbit.parameter) * factor
 
@@ -42,7 +47,7 @@ def parameter_label(subjects: Sequence[Subject]) -> str:
     if len({axis.key for axis in axes}) > 1:
         listed = ", ".join(f"{s.path} over {axis.key}" for s, axis in zip(subjects, axes, strict=True))
         raise PlotError(f"branches over different things do not go into one picture: {listed}")
-    return label_of(axes[0])
+    return "Frequency (Hz)" if axes[0].key == ENERGY else label_of(axes[0])
 
 
 def scaled(value: Value, scale: Scale) -> Value:

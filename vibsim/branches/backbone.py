@@ -1,0 +1,165 @@
+"""Backbone curves: the orbits of a scene that neither gains nor loses energy, continued in their energy.
+
+At one energy such orbits stand alone, though the map has the multiplier 1 of the energy, and one more for
+each momentum that is kept: P(X) = X says nothing in these directions. The energy E(X) = E and the momenta of
+the start are added. These are more equations than unknowns, of which some follow from the others:
+Newton's method takes the solution of least squares, which is exact at an orbit.
+"""
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from vibsim.branches.arclength import ContinuationError
+from vibsim.branches.energy import ENERGY, Conserved, what_is_not_conservative, without_still_sources
+from vibsim.branches.family import Family, FamilyPoint
+from vibsim.branches.plan import BranchError, BranchPlan
+from vibsim.branches.span import read_energy_span
+from vibsim.cases import Case
+from vibsim.engine.errors import EngineError
+from vibsim.orbits import OrbitError, ReturnMap
+from vibsim.orbits.finding import unknowns
+from vibsim.orbits.seeking import start_of
+from vibsim.orbits.settling import course_of
+
+
+class EnergyFamily(Family):
+    """The orbits of a conservative case over their energy [J]; momenta: those of the start [N s]."""
+
+    conservative = True
+
+    def __init__(self, case: Case, n: int, start: np.ndarray, engine: str = "auto"):
+        super().__init__(case, (ENERGY,), "J", n, engine)
+        self._map = ReturnMap(conservative_scene(case), n, engine)
+        self.conserved = Conserved(self._map.scene, self._map.coordinates)
+        self.momenta = self.conserved.momenta(start)
+
+    def scaled_by(self, X: np.ndarray, T: float, parameter: float, span: float, travel: float) -> None:
+        """Measure unknowns by an orbit, the energy by the greatest: amplitudes then set the steps."""
+        super().scaled_by(X, T, parameter, span, travel)
+        self.scale[-1] = parameter + span
+
+    def map(self, parameter: float) -> ReturnMap:
+        """One map: the energy is none of its numbers."""
+        return self._map
+
+    def at(self, parameter: float) -> Case:
+        """The case."""
+        return self.case
+
+    def __call__(self, z: np.ndarray) -> "EnergyPoint":
+        """The motion over one return from scaled unknowns. Raises ContinuationError where it fails."""
+        values = z * self.scale
+        count = self._map.coordinates.count
+        if not (values[count] > 0 and values[-1] > 0):
+            raise ContinuationError("Newton's method asks for a time of return or an energy below zero")
+        try:
+            return EnergyPoint(self, z, self._map(values[:count], float(values[count])))
+        except (EngineError, OrbitError, ValueError) as error:
+            raise ContinuationError(str(error)) from error
+
+
+class EnergyPoint(FamilyPoint):
+    """A motion over one return, as a point of a backbone curve."""
+
+    family: EnergyFamily
+
+    @cached_property
+    def residual(self) -> np.ndarray:
+        """What is left of closing, of the energy and of the momenta, scaled."""
+        of, X = self.family.conserved, self.end.X
+        energy = (of.energy(X) - self.parameter) / self.family.scale[-1]
+        momenta = (of.momenta(X) - self.family.momenta) / self._momentum
+        return np.concatenate([self._scaled(self.end), [energy], momenta])
+
+    @property
+    def _momentum(self) -> float:
+        """A momentum to measure by [N s]."""
+        return self.lap * float(self.family.conserved.m.sum())
+
+    @cached_property
+    def slope(self) -> np.ndarray:
+        """Derivative by the scaled energy: of what it is asked to be alone."""
+        slope = np.zeros(len(self.residual))
+        slope[len(self.z) - 1] = -1.0
+        return slope
+
+    @cached_property
+    def linear(self) -> np.ndarray:
+        """Derivative by z without the energy."""
+        of, X, scale = self.family.conserved, self.end.X, self.family.scale
+        count = len(X)
+        rows = np.zeros((1 + len(self.family.momenta), count + 1))
+        rows[0, :count] = of.gradient(X) * scale[:count] / scale[-1]
+        rows[1:, :count] = of.momentum_rows * scale[:count] / self._momentum
+        return np.vstack([self._closing_matrix(), rows])
+
+    def jacobian(self, slope: np.ndarray | None = None) -> np.ndarray:
+        """Derivative of the residual by z."""
+        return np.column_stack([self.linear, self.slope])
+
+    def moved(self, step: np.ndarray, slope: np.ndarray | None = None) -> np.ndarray:
+        """z after a Newton step."""
+        return np.asarray(self.z + step)
+
+    @property
+    def settled(self) -> bool:
+        """A motion without friction forgets nothing."""
+        return True
+
+
+def conservative_scene(case: Case) -> Any:
+    """The scene of a case, its silent sources left out. Raises BranchError where it gains or loses energy."""
+    scene = without_still_sources(case.scene())
+    parts = what_is_not_conservative(scene)
+    if parts:
+        raise BranchError(
+            f"{case.name} does not keep its energy: {', '.join(parts)}; a backbone curve is one of free "
+            "vibrations without loss (c = 0, e = 1, no friction, no source)"
+        )
+    return scene
+
+
+def energy_plan(source: Any, span: str, engine: str = "auto") -> BranchPlan:
+    """The plan of a backbone curve through an orbit (an `Orbit`, a stored one) or the start of a case or run.
+
+    span : range of the energy, such as "1e-5:0.1 J". Raises BranchError, OrbitError.
+    """
+    low, high = read_energy_span(span)
+    case, X, T, n = _start(source, engine)
+    return_map = ReturnMap(conservative_scene(case), n, engine)
+    conserved = Conserved(return_map.scene, return_map.coordinates)
+    energy = conserved.energy(X)
+    if not low <= energy <= high:
+        raise BranchError(
+            f"the start has an energy of {energy:.6g} J, outside the range {low:g}:{high:g}; begin from an "
+            "orbit, or an initial state, within it"
+        )
+    end = return_map(X, T)
+    travel = end.coordinates.travel(end.carried) or end.coordinates.size(X)
+    start = tuple(float(x) for x in X), T, energy, travel
+    return BranchPlan(case, (ENERGY,), "J", (low, high), n, *start)
+
+
+def _start(source: Any, engine: str) -> tuple[Case, np.ndarray, float, int]:
+    """Case, unknowns, time of return and number of swings of what to begin with."""
+    from vibsim.cases.loading import as_case
+    from vibsim.orbits.orbit import Orbit
+    from vibsim.results.result import Result
+
+    if isinstance(source, Orbit) or (isinstance(source, Result) and source.orbit is not None):
+        state, n, T = start_of(source)
+        case = source.case
+        return (
+            case,
+            unknowns(ReturnMap(conservative_scene(case), n, engine).coordinates, state),
+            float(T or 0),
+            n,
+        )
+    case = source.case if isinstance(source, Result) else as_case(source)
+    return_map = ReturnMap(conservative_scene(case), 1, engine)
+    course = course_of(return_map.scene, return_map.coordinates, engine)
+    if len(course.times) < 2:
+        raise OrbitError("the run of the case does not swing; give it an initial displacement")
+    return case, course.points[0], float(course.times[1] - course.times[0]), 1
