@@ -31,9 +31,9 @@ def asked(monkeypatch):
     """Decisions at rigid stops that C leaves to Python."""
     kinds, decide = [], c_engine.CRun._decide
 
-    def counting(self, number, event, state):
+    def counting(self, number, event, *more):
         kinds.append(self.rows_of(number).events[event].kind)
-        return decide(self, number, event, state)
+        return decide(self, number, event, *more)
 
     monkeypatch.setattr(c_engine.CRun, "_decide", counting)
     return lambda: kinds.count(STRIKE)

@@ -271,7 +271,7 @@ def test_rotor_takes_part_in_the_end_of_chatter(wall):
         scene(
             bodies,
             stops=(RigidStop("face", 0, GROUND if wall else 1, 0.01, COMPRESSION, 0.5),),
-            frictions=(Friction("floor", 0, GROUND, 0.1, 0.1, 0.0),),
+            frictions=(Friction("rub", 0, GROUND if wall else 1, 0.1, 0.1, 0.0),),
             forces=forces,
             motor=Motor(0, m3, e, J, 0.007, 20.0, 1.0, 15.0),
             t_end=0.6,

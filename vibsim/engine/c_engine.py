@@ -239,10 +239,10 @@ class CRun:
             *counts, finished, status = advanced or self.run.advance()
             advanced = None
             if status == UNDECIDED:
-                number, event, values = self.run.pending()
+                number, event, order, values = self.run.pending()
                 if self._set_rule(number, event):
                     continue
-                *counts, finished, status = self._decide(number, event, State(*values))
+                *counts, finished, status = self._decide(number, event, State(*values), order)
                 if not finished and status not in REASONS and monotonic() - told < SECONDS:
                     continue
             yield self._block(counts, finished)
@@ -275,10 +275,10 @@ class CRun:
         moving = (value for pair in zip(x, v, strict=True) for value in pair)
         return (t, *moving, Doubles.unwind(phase, turns), w)
 
-    def _decide(self, number, event, state):
-        """Let the automaton of the Python engine decide the pending event."""
+    def _decide(self, number, event, state, order):
+        """Let the automaton of the Python engine decide the pending event; order: as of `Automaton.take`."""
         rows = self.rows_of(number)
-        status, happened, known = self.automaton.take(state, rows.status, rows.events[event])
+        status, happened, known = self.automaton.take(state, rows.status, rows.events[event], order)
         target = self._mode(status)
         if self.moving:
             after = self.rows_of(target)

@@ -181,7 +181,7 @@ class Driver:
     def _switch(self, state, event):
         """Take the event: new mode, record, new segment."""
         before, before_velocities = self.status, (list(state.v), state.w)
-        status, happened, known = self.automaton.take(state, self.status, event)
+        status, happened, known = self.automaton.take(state, self.status, event, self.flow.order_of(event))
         if self.tangent:
             rows = self.maker.rows(before), self.maker.rows(status)
             self.tangent.cross(event, state, *rows, self.automaton.touch(event))

@@ -401,12 +401,19 @@ static PyObject *advance(RunObject *self, PyObject *none)
     return progress(self);
 }
 
+/* Order of the zero of the pending event's function that the stretch began with. */
+static int pending_order(const Run *r)
+{
+    return r->pending_event == NOTHING ? 0 : r->known[r->mode->events[r->pending_event].key];
+}
+
 static PyObject *pending(RunObject *self, PyObject *none)
 {
     (void)none;
     if (!ready(self))
         return NULL;
-    return Py_BuildValue("iiN", self->run.mode_number, self->run.pending_event, state_tuple(&self->run, &self->run.next));
+    return Py_BuildValue("iiiN", self->run.mode_number, self->run.pending_event, pending_order(&self->run),
+                         state_tuple(&self->run, &self->run.next));
 }
 
 static PyObject *take(RunObject *self, PyObject *args)
@@ -697,7 +704,7 @@ static PyMethodDef methods[] = {
     {"advance", (PyCFunction)advance_alone, METH_NOARGS,
      "advance() -> (samples, events, section, finished, status): how many the arrays hold\n\n"
      "Compute on until an array is full, a slice of work is done, Python has to decide or the run ends."},
-    {"pending", (PyCFunction)pending_alone, METH_NOARGS, "pending() -> (mode, event, state) that Python has to decide"},
+    {"pending", (PyCFunction)pending_alone, METH_NOARGS, "pending() -> (mode, event, order of its zero at the start of the stretch, state) that Python has to decide"},
     {"take", (PyCFunction)take_alone, METH_VARARGS,
      "take(mode, state, known, kinds, parts) -> as advance\n\n"
      "Go on behind the pending event; known: order by key, -1 where nothing is said."},

@@ -187,8 +187,10 @@ class Automaton(Generic[N]):
 
     # -- events
 
-    def take(self, state: State[N], status: Status, event: Event[N]) -> Taken:
+    def take(self, state: State[N], status: Status, event: Event[N], order: int = 0) -> Taken:
         """What the zero of `event` at `state` leads to: (status, [(kind name, part)], known zeros).
+
+        order : of the zero of the same function that the stretch began with, 0 for none
 
         Moves the velocities of bodies that stick onto each other. At a reversal it keeps the residue of the
         time grid: the friction force turns dt too late, where cutting the residue would take momentum.
@@ -196,7 +198,7 @@ class Automaton(Generic[N]):
         if event.kind == GAP:
             return self._contact_switch(state, status, event)
         if event.kind == STRIKE:
-            return self.rigid.meet(state, status, event.part)
+            return self.rigid.meet(state, status, event.part, hop=order == 1)
         if event.kind == PUSH:
             return self._push_switch(state, status, event)
         if event.kind == CLEARANCE:

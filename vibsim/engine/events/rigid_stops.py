@@ -18,7 +18,7 @@ w (1 / a + 1 / sqrt(a b)) / (1 - e sqrt(b / a)), some 1e-7 s, which is told.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Sequence, Set
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass, field
 from math import inf
 from typing import TYPE_CHECKING, Generic
@@ -51,6 +51,8 @@ Taken = tuple[Status, Happened, Known]  # the mode behind an event, what happene
 
 NEXT, LAST = 2, 8  # units in the last place of the time
 ROUNDING = 8  # of a sum or a difference of two numbers, in units of eps
+IN_TURN = 32  # blows one after the other that are tried where the order is in doubt
+TURNING = 4  # times the speed of a hop: what slips faster does not turn round in it
 LOWEST = 1024  # of displacements; event functions near zero are watched to some hundred
 
 
@@ -62,7 +64,8 @@ class Touch(Generic[N]):
     there
     rates : behind the last one, exactly 0 where the law or rounding says so; blows : by blow, the stops that
     passed an impulse, and these; moved : columns whose velocities they changed
-    ended : by stop, the accelerations that ended infinite sequences of impacts
+    ended : by stop, the accelerations that ended infinite sequences of impacts; faded : stops at which one
+    ended without a blow; hop : the stop whose last blow was where the stretch began that ends here
     together : whether rounding might decide if another stop, of one of its bodies, is struck before this one
     """
 
@@ -75,6 +78,8 @@ class Touch(Generic[N]):
     blows: list[list[tuple[Contact[N], Impulse[N]]]] = field(default_factory=list)
     moved: set[int] = field(default_factory=set)
     ended: dict[int, N] = field(default_factory=dict)
+    faded: list[int] = field(default_factory=list)
+    hop: int | None = None
 
     @property
     def passed(self) -> list[Impulse[N]]:
@@ -109,14 +114,21 @@ class RigidStops(Generic[N]):
         zero = self.kit.number(0)
         self.cut_off = CutOff(zero, zero, zero)
 
-    def meet(self, state: State[N], status: Status, i: int) -> Taken:
-        """What follows where stop `i` touches, as `Automaton.take`: (status, what happened, known zeros)."""
+    def meet(self, state: State[N], status: Status, i: int, hop: bool = False) -> Taken:
+        """What follows where stop `i` touches, as `Automaton.take`: (status, what happened, known zeros).
+
+        hop : whether the last blow on it was where the stretch began
+        """
         touch = self._touching(state, status, i)
+        touch.hop = i if hop else None
+        self._doubt_order(state, status, touch, i)
         self._strike(state, touch)
-        after, lifts = self._lifted(state, self._turned(state, status, touch.moved), touch)
+        after, lifts = self._lifted(state, self._turned(state, status, touch), touch)
         settled = self._settled(state, after, touch)
         while self._ends(state, settled, touch):
             settled = self._settled(state, after, touch)
+        if touch.hop is not None and touch.before[i] == 0:
+            self._fade(state, settled, touch, i)
         resting = [j for j in touch.rates if status.stops[j] == OPEN != settled.stops[j]]
         self._seat(state, sorted({*resting, *(one.stop for one in touch.passed)}))
         for k, (old, new) in enumerate(zip(status.frictions, settled.frictions, strict=True)):
@@ -219,6 +231,41 @@ class RigidStops(Generic[N]):
         state.v[:] = [self.kit.exact(value) for value in v[: self.maker.n]]
         state.w = self.kit.exact(w)
 
+    def _doubt_order(self, state: State[N], status: Status, touch: Touch[N], i: int) -> None:
+        """Doubt a blow at stop `i` in which others take part that rounding has brought to the same instant,
+        where blows one after the other would have another outcome. Those at rest take part anyway, and what
+        touches at the start does so exactly.
+        """
+        loose = [
+            c
+            for c in touch.contacts
+            if c.stop != i and status.stops[c.stop] == OPEN and not (state.t == 0 and self._starts_at(c.stop))
+        ]
+        if loose:
+            certain = [c for c in touch.contacts if c not in loose]
+            together = self._outcome(state, [touch.contacts])
+            one_by_one = [[c] for c in loose]
+            noise = NEAR * self.kit.eps * size_of(touch.contacts, touch.v)
+            for groups in ([certain, *one_by_one], [*one_by_one, certain]):
+                after = self._outcome(state, groups)
+                if any(abs(a - b) > noise for a, b in zip(together, after, strict=True)):
+                    self.automaton._doubt(state)
+
+    def _starts_at(self, j: int) -> bool:
+        return self.stops[j].at_start
+
+    def _outcome(self, state: State[N], groups: Sequence[Sequence[Contact[N]]]) -> list[N]:
+        """Velocities behind blows at groups of stops, one group after the other, as long as one closes."""
+        v, w = self._velocities(state), state.w
+        bodies = masses(self.scene, self.kit, state.phase)
+        size = size_of([c for group in groups for c in group], v)
+        for _ in range(IN_TURN):
+            closing = [g for g in groups if any(rate_of(self.kit, c, v, size) > 0 for c in g)]
+            if not closing:
+                break
+            v, w, _ = blow(self.kit, bodies, closing[0], v, w)
+        return v
+
     def _forgotten(self, touch: Touch[N], status: Status) -> Known:
         """Zeros of functions of velocities that blows have changed: none any more, but for what stands."""
         known: Known = {}
@@ -230,15 +277,16 @@ class RigidStops(Generic[N]):
                 known[PUSH, i] = 0
         return known
 
-    def _turned(self, state: State[N], status: Status, moved: Set[int]) -> Status:
-        """The status with the frictions of the columns `moved` as the velocities say."""
-        v = self._velocities(state)
+    def _turned(self, state: State[N], status: Status, touch: Touch[N]) -> Status:
+        """The status with the frictions of the columns that blows moved as the velocities say."""
+        v, size = self._velocities(state), size_of(touch.contacts, touch.v)
         turned: dict[int, int] = {}
         for i, friction in enumerate(self.scene.frictions):
             P, Q = self.maker.ends(friction)
-            if moved & {P, Q}:
+            if touch.moved & {P, Q}:
                 slip = (v[P] - v[Q]) - friction.belt
-                noise = ROUNDING * self.kit.eps * (abs(v[P]) + abs(v[Q]) + abs(friction.belt))
+                own = abs(v[P]) + abs(v[Q]) + abs(friction.belt)
+                noise = ROUNDING * self.kit.eps * (own if own > size else size)
                 turned[i] = STICK if abs(slip) <= noise else FORWARD if slip > 0 else BACKWARD
         return status.with_frictions(turned)
 
@@ -319,7 +367,7 @@ class RigidStops(Generic[N]):
             after = 2 * speed / drive
             last = after if c.e == 1 else after / (1 - c.e)
             soon = after <= NEXT * unit or (c.e < 1 and after <= (1 - c.e) * (LAST * unit))
-            rubbing = [] if soon or c.e == 1 else self._rubbing(status, c)
+            rubbing = [] if soon or c.e == 1 else self._rubbing(state, status, c, speed)
             if rubbing and self._is_low(state, c.stop, speed * after / 4):
                 soon, last = True, self._lasting(state, status, c, rubbing, speed, drive)
             if soon:
@@ -330,12 +378,34 @@ class RigidStops(Generic[N]):
                 found = True
         return found
 
-    def _rubbing(self, status: Status, contact: Contact[N]) -> list[int]:
-        """Frictions that slip at an end of a stop."""
+    def _fade(self, state: State[N], status: Status, touch: Touch[N], i: int) -> None:
+        """Take a hop that ends in rest for the last of its sequence: the ends met so slowly that rounding of
+        their velocities told no approach.
+        """
+        c = self._contact(i)
+        if status.stops[i] == RESTING and 0 < c.e < 1:
+            v, drive = self._velocities(state), self._drive(state, status.with_stop(i, OPEN), i)
+            if drive > 0:
+                self._leave_out(self.kit.eps * ROUNDING * (abs(v[c.P]) + abs(v[c.Q])), drive, c.e)
+            touch.faded.append(i)
+
+    def _leave_out(self, speed: N, drive: N, e: N) -> None:
+        """Count the hops that are left out, the first of which begins with a speed [m/s]."""
+        cut, after = self.cut_off, 2 * speed / drive
+        cut.time, cut.speed = cut.time + after / (1 - e), cut.speed + speed
+        cut.distance = cut.distance + speed * after / 8
+
+    def _rubbing(self, state: State[N], status: Status, contact: Contact[N], speed: N) -> list[int]:
+        """Frictions at an end of a stop that slip so slowly that a hop which begins with a speed [m/s] turns
+        them round.
+        """
         ends = {column for column in (contact.P, contact.Q) if column < self.maker.n}
-        frictions = enumerate(self.scene.frictions)
         return [
-            i for i, one in frictions if status.frictions[i] != STICK and ends & set(self.maker.ends(one))
+            i
+            for i, one in enumerate(self.scene.frictions)
+            if status.frictions[i] != STICK
+            and ends & set(self.maker.ends(one))
+            and abs(self.automaton._slip(one, state)) <= TURNING * speed
         ]
 
     def _is_low(self, state: State[N], j: int, height: N) -> bool:
@@ -411,7 +481,8 @@ class RigidStops(Generic[N]):
             slow = j in touch.ended and 2 * approach <= NEXT * unit * touch.ended[j]
             if approach <= 0:
                 happened.append(("transmitted", j))
-            elif not slow:
-                happened.append(("impact", j))
-                ended += [("chatter", j)] if j in touch.ended and self.stops[j].e > 0 else []
-        return happened + ended
+                continue
+            happened += [] if slow else [("impact", j)]
+            if j in touch.ended and self.stops[j].e > 0 and (not slow or touch.hop == j):
+                ended.append(("chatter", j))
+        return happened + ended + [("chatter", j) for j in touch.faded]

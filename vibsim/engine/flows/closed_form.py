@@ -81,6 +81,11 @@ class ClosedForm(Generic[N]):
         """Steps of the search for events."""
         return self.search.steps
 
+    @property
+    def known(self) -> Known:
+        """Orders of the zeros that the segment began with."""
+        return self.search.known
+
     def covers(self, rows: ModeRows[N]) -> bool:
         """Whether the mode has a closed form; prepares it where it has."""
         if not rows.modal_sought:

@@ -54,6 +54,10 @@ class Flow(Generic[N]):
             self.now = self.taylor
             self.now.enter(state, rows, known)
 
+    def order_of(self, event: Event[N]) -> int:
+        """Order of the zero of an event function that the stretch began with; 0 for none."""
+        return self.now.known.get(event.key, 0)
+
     def meeting(self, event: Event[N], end: N) -> N:
         """How long after its start the flow reaches the zero of the STRIKE `event` that it found at the time
         `end` [s], which lies on the grid of time: the zero itself does not.

@@ -1,0 +1,86 @@
+"""Where infinite sequences of impacts end, against 40 digits, and what doubles cannot tell there."""
+
+import numpy as np
+import pytest
+
+from tests.engine.runs import differences, run
+from tests.engine.test_truth import exact_parts, truth
+from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.parts import (
+    COMPRESSION,
+    GROUND,
+    Body,
+    Force,
+    Friction,
+    Motor,
+    RigidStop,
+    Scene,
+)
+
+pytest.importorskip("flint")
+ROUNDED = 1e-14  # m, of displacements below a metre and a handful of stretches behind the chatter
+
+
+def kinds(table):
+    """Which kinds of events a run has."""
+    names = {code: name for name, code in EVENT_KINDS.items()}
+    return {names[code] for code in table["kind"].tolist()}
+
+
+def worst(scene):
+    """(run, largest error of a displacement [m]) against 40 digits; both engines are equal."""
+    fast, slow = run(scene, "c"), run(scene, "python")
+    assert differences(fast, slow) == []
+    samples, *_ = truth(exact_parts(scene), 40)
+    columns = [name for name in samples if name.startswith("x_")]
+    return fast, max(float(np.abs(fast.samples[name] - samples[name]).max()) for name in columns)
+
+
+def pressed(frictions=(), motor=None, others=(), v=0.0):
+    """Two bodies that forces press onto each other; they move with about v [m/s] and meet at 0.2 m/s."""
+    bodies = (Body("a", 1.0, 0.0, v + 0.2), Body("b", 0.6, 0.01, v), *others)
+    stop = RigidStop("between", 0, 1, 0.0, COMPRESSION, 0.5)
+    forces = (Force("left", 0, 2.0, ()), Force("right", 1, -1.5, ()))
+    return Scene(bodies, (), (stop,), frictions, forces, motor=motor, t_end=0.5, every_num=1, every_den=50)
+
+
+ROTOR = Motor(1, 0.4, 0.02, 4e-4, 0.01, 9.4, 0.5, 3.0)
+
+
+def test_a_rotor_takes_part_in_the_end_of_a_chatter():
+    """Friction turns round at the top of each hop, so the last ones are left out, from 2e-7 m/s on: the
+    bodies came to rest on each other as if no rotor hung on one, and were 7e-9 m off half a second later.
+    """
+    found, error = worst(pressed((Friction("f", 0, 1, 0.05, 0.05, 0.0),), ROTOR))
+    assert "reversal" in kinds(found.events) and found.totals["chatters"] == 1
+    assert found.totals["chatter_speed"] > 1e-8 and error < ROUNDED
+
+
+def test_friction_that_goes_on_sliding_ends_no_chatter():
+    """It rubs on another body and does not turn round: the sequence was ended 1.5e-7 s early."""
+    rubbing = Friction("f", 2, 1, 0.05, 0.05, 0.0)
+    found, error = worst(pressed((rubbing,), None, (Body("c", 1.0, 0.0, 2.0),)))
+    assert "reversal" not in kinds(found.events) and found.totals["chatters"] == 1
+    assert found.totals["chatter_time"] < 8 * np.spacing(0.5) / (1 - 0.5) and error < ROUNDED
+
+
+def test_a_chatter_that_fades_below_the_rounding_of_velocities_is_one():
+    """At 30 m/s the last approaches are nothing but rounding: the rest behind them was told without one."""
+    found, error = worst(pressed(v=30.0))
+    assert {"chatter", "rest_begin"} < kinds(found.events)
+    assert 0 < found.totals["chatter_time"] < 1e-12
+    assert error < len(found.events["t"]) * np.spacing(15.0)  # each impact rounds a displacement of 15 m
+
+
+def walls(*restitutions):
+    """A ball that strikes walls at one place at once."""
+    stops = tuple(RigidStop(f"wall{i}", 0, GROUND, 0.3, COMPRESSION, e) for i, e in enumerate(restitutions))
+    return Scene((Body("ball", 1.0, 0.0, 0.7),), (), stops, t_end=1.0, every_num=1, every_den=50)
+
+
+@pytest.mark.parametrize(("restitutions", "doubts"), [((0.8, 0.3), 1), ((0.8, 0.8), 0)])
+def test_a_blow_is_in_doubt_where_the_order_of_two_makes_a_difference(restitutions, doubts):
+    """Struck one after the other, the first wall tells the speed behind; both at once, the harder one."""
+    fast, slow = (run(walls(*restitutions), engine) for engine in ("c", "python"))
+    assert differences(fast, slow) == []
+    assert fast.totals["uncertified"] == doubts
