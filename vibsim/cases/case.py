@@ -56,7 +56,7 @@ class Case:
         """The scene as a list of parts, for both forms of case: SI and rad/s, each number rounded once."""
         return build_parts(self.long_values(), DOUBLES)
 
-    def exact_scene(self, number: Callable[[Fraction], Any], pi: Any = None) -> Scene:
+    def exact_scene(self, number: Callable[[Fraction], Any], pi: Any = None) -> Scene[Any]:
         """The scene in another number type, such as flint.arb or mpmath.mpf.
 
         Parameters

@@ -1,6 +1,9 @@
 """The C engine as a trajectory: packs the scene, adds modes as they are met, decides what C leaves open."""
 
+from __future__ import annotations
+
 from array import array
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from time import monotonic
 from typing import Any
@@ -13,26 +16,42 @@ from vibsim.engine.errors import EngineError
 from vibsim.engine.events.automaton import JET, Automaton
 from vibsim.engine.events.certificate import Certificate
 from vibsim.engine.events.plain_start import PlainStart
+from vibsim.engine.extremes import Gap
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.flows.harmonics import value_and_rate
-from vibsim.engine.flows.modal import pitch, sounding
+from vibsim.engine.flows.modal import Pitch, pitch, sounding
 from vibsim.engine.ledgers.ledger import struck_entries
 from vibsim.engine.ledgers.meters import jumps_of
 from vibsim.engine.ledgers.packing_meters import pack_blows, pack_extremes, pack_ledger
 from vibsim.engine.modes.mode_table import mode_table
 from vibsim.engine.modes.packing import coupled, pack_scene, pack_state
-from vibsim.engine.modes.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, STRIKE, RowMaker
+from vibsim.engine.modes.rows import (
+    CLEARANCE,
+    GAP,
+    HOLD,
+    PUSH,
+    SLIDE,
+    STRIKE,
+    Event,
+    EventKey,
+    Joined,
+    Known,
+    ModeRows,
+    RowMaker,
+)
 from vibsim.engine.modes.rule import CROSS, STAND, STRUCK, Rule
-from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK
+from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Status
+from vibsim.engine.modes.ties import Edge
+from vibsim.engine.resume import Point
 from vibsim.engine.state import State, start_of
-from vibsim.engine.tangent.impact_saltation import UNDEFINED
+from vibsim.engine.tangent.impact_saltation import Undefined
 from vibsim.engine.tangent.packing_tangent import DisturbancePacker, pack_bundle
 from vibsim.engine.tangent.saltation import released_frictions, saltation
 from vibsim.engine.tangent.tangencies import Tangencies
 from vibsim.engine.tangent.tangent_space import length
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.numbers import Doubles
-from vibsim.physics.parts import AT_FORCE
+from vibsim.physics.parts import AT_FORCE, Scene
 from vibsim.physics.period import common_period
 
 SAMPLE_ROOM, EVENT_ROOM, SECTION_ROOM = 65536, 4096, 1024  # at most
@@ -42,7 +61,7 @@ ACCUMULATION, DIVERGED, UNDECIDED = 1, 2, 3
 REASONS = {ACCUMULATION: "accumulation", DIVERGED: "diverged"}
 
 
-def harmonics_of(scene):
+def harmonics_of(scene: Scene) -> list[Pitch]:
     """The distinct frequencies and phases of forces and base, as `ClosedForm.harmonics`."""
     return list(dict.fromkeys(pitch(term) for term in sounding(scene.harmonics)))
 
@@ -50,15 +69,19 @@ def harmonics_of(scene):
 class Doubts(Certificate[float]):
     """A certificate that hands doubts on to the run in C."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         super().__init__(Doubles)
         self.run: Any = None
 
-    def doubt(self, t):
+    def doubt(self, t: float) -> None:
         self.run.doubt(t)
 
-    def keep_turn(self, value, t):
+    def keep_turn(self, value: float, t: float) -> None:
         """Scouts find no turns."""
+
+
+# rows of samples, sample modes, events, event codes, section; time reached, time worked out to [s]
+Filled = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, tuple[float, float]]
 
 
 class CRun:
@@ -69,22 +92,25 @@ class CRun:
 
     def __init__(
         self,
-        scene,
-        resume=None,
-        section=False,
-        ledger=False,
-        momentum=False,
-        tangent=(0, 0.0),
-        carries=False,
-        extremes=None,
-    ):
+        scene: Scene,
+        resume: Point | None = None,
+        section: bool = False,
+        ledger: bool = False,
+        momentum: bool = False,
+        tangent: tuple[int, float] = (0, 0.0),
+        carries: bool = False,
+        extremes: tuple[Sequence[Edge], Sequence[Gap], float] | None = None,
+    ) -> None:
         self.scene, self.n = scene, len(scene.bodies)
         self.table, self.momentum = mode_table(scene, pitched=not carries), momentum
         self.keys, self.doubts = self.table.keys, Doubts()
         self.carries = carries or tangent[0] > 0  # disturbances, now or later, by which rules are made
         self.run = self.doubts.run = _engine.Run(*pack_scene(scene, harmonics_of(scene)))
-        self.numbers, self.statuses, self.ruled = {}, [], set()
-        self.packer = self.plain = None
+        self.numbers: dict[Status, int] = {}
+        self.statuses: list[Status] = []
+        self.ruled: set[tuple[int, int]] = set()
+        self.packer: DisturbancePacker | None = None
+        self.plain: PlainStart | None = None
         self.meters = self.table.meter_maker(momentum) if ledger or momentum else None
         if self.meters:
             names = self.meters.names
@@ -107,7 +133,7 @@ class CRun:
             self._begin(*(resume or self._begun(start_of(scene, Doubles))))
 
     @cached_property
-    def maker(self):
+    def maker(self) -> RowMaker:
         """Makes the rows of the modes of the scene, its closed forms among them."""
         maker = self.table.maker
         if self.carries and harmonics_of(maker.scene) != harmonics_of(self.scene):
@@ -115,25 +141,25 @@ class CRun:
         return maker
 
     @cached_property
-    def scout(self):
+    def scout(self) -> Flow:
         """Looks ahead from an event that Python decides."""
         return Flow(self.scene, Doubles, self.doubts, JET + 1)
 
     @cached_property
-    def automaton(self):
+    def automaton(self) -> Automaton:
         """Decides what C leaves open."""
         return Automaton(self.scene, self.maker, self.scout, Doubles)
 
     @cached_property
-    def tangencies(self):
+    def tangencies(self) -> Tangencies:
         """Judges the jumps of disturbances that Python takes."""
         return Tangencies(self.scene, Doubles)
 
-    def rows_of(self, number):
+    def rows_of(self, number: int) -> ModeRows:
         """The rows of a mode by its number in C."""
         return self.maker.rows(self.statuses[number])
 
-    def retune(self, scene):
+    def retune(self, scene: Scene) -> None:
         """Go over to a scene whose modes are packed the same (`mode_table.same_packed`): another motor, other
         frequencies. A restart has to follow.
         """
@@ -148,11 +174,11 @@ class CRun:
         self.scene = scene
         self.run.retune(pack_scene(scene, harmonics_of(scene))[1])
 
-    def _begin(self, state, status, known):
+    def _begin(self, state: State, status: Status, known: Known) -> None:
         self.first = state.copy(), status
         self._set_off(state, status, known)
 
-    def _recall(self):
+    def _recall(self) -> None:
         """Tell C of modes and rules that other runs of the scene have met, where they are few."""
         for status in self.table.statuses(MOST_RECALLED):
             self._mode(status)
@@ -160,11 +186,11 @@ class CRun:
             if status in self.numbers:
                 self._set_rule(self.numbers[status], event)
 
-    def _set_off(self, state, status, known):
+    def _set_off(self, state: State, status: Status, known: Known) -> None:
         number = self._mode(status)  # which may know more keys
         self.run.start(number, pack_state(state), self._known(known, 0))
 
-    def restart(self, state, end, vectors):
+    def restart(self, state: State, end: float, vectors: np.ndarray) -> None:
         """Begin anew from `state` at t = 0 and run to `end` [s], with disturbances to be carried as they are:
         an array of one per row.
         """
@@ -177,29 +203,33 @@ class CRun:
         status = self.plain.status(state) if self.plain.known else None
         self._set_off(*(self._begun(state) if status is None else (state, status, {})))
 
-    def run_out(self):
+    def run_out(self) -> tuple[np.ndarray, np.ndarray]:
         """Run to the end: (states, codes) of the events, one row per column, which hold until a restart.
         Raises EngineError.
         """
         first = self.run.advance()
         *counts, finished, status = first
         if finished and status != UNDECIDED and status not in REASONS:
-            return tuple(array[:, : counts[1]] for array in self.arrays[2:4])
+            _, _, states, codes, _ = self.arrays
+            return states[:, : counts[1]], codes[:, : counts[1]]
         blocks = [(states, codes) for _, _, states, codes, *_ in self.blocks(first)]
-        return tuple(np.concatenate(parts, axis=1) for parts in zip(*blocks, strict=True))
+        return (
+            np.concatenate([states for states, _ in blocks], axis=1),
+            np.concatenate([codes for _, codes in blocks], axis=1),
+        )
 
-    def _begun(self, state):
+    def _begun(self, state: State) -> Point:
         """A state at t = 0 with the mode that the motion starts in, and the known zeros there."""
         return (state, *self.automaton.initial(state))
 
-    def _keep_section(self):
+    def _keep_section(self) -> bool:
         """Tell C of the period of forces and base; whether there is a section to keep."""
         period = None if self.scene.motor else common_period(self.scene)
         if period is not None:
             self.run.keep_section(period.cycles, period.cycles_lo, period.turns)
         return period is not None or self.scene.motor is not None
 
-    def _fill_new_arrays(self):
+    def _fill_new_arrays(self) -> None:
         """Let C fill new arrays, one row per column: samples, sample modes, events, event codes, section."""
         n, parts, extremes = self.n, len(part_columns(self.scene)), 2 * self.extremes
         self.arrays = (
@@ -211,7 +241,7 @@ class CRun:
         )
         self.run.fill(*self.arrays)
 
-    def _mode(self, status):
+    def _mode(self, status: Status) -> int:
         """Number of a mode in C; adds it where it is new."""
         if status not in self.numbers:
             number = self.run.add_mode(*self.table.packed(status, self.scout))
@@ -221,14 +251,14 @@ class CRun:
             self.statuses.append(status)
         return self.numbers[status]
 
-    def _known(self, known, missing):
+    def _known(self, known: Known, missing: int) -> bytes:
         orders = array("i", [missing]) * len(self.keys)
         for key, order in known.items():
             if key in self.keys:
                 orders[self.keys[key]] = order
         return orders.tobytes()
 
-    def blocks(self, advanced=None):
+    def blocks(self, advanced: _engine.Progress | None = None) -> Iterator[Filled]:
         """Yield (samples, sample modes, events, event codes, section), arrays of one row per column, and
         (time reached, time worked out to); raises EngineError. What is yielded holds until a restart.
 
@@ -250,7 +280,7 @@ class CRun:
             if status in REASONS:
                 raise EngineError(REASONS[status], State(*self.run.tally()["state"]))
 
-    def _block(self, counts, finished):
+    def _block(self, counts: Sequence[int], finished: int) -> Filled:
         """What C has filled, whose arrays are given away where they hold much and copied where they are to
         be filled again.
         """
@@ -263,9 +293,10 @@ class CRun:
             rows = [row.copy() for row in rows]
             self.run.fill(*self.arrays)
         tally = self.run.tally()
-        return *rows, (tally["state"][0], tally["worked_to"])
+        one, two, three, four, five = rows
+        return one, two, three, four, five, (tally["state"][0], tally["worked_to"])
 
-    def state_at(self, t):
+    def state_at(self, t: float) -> tuple[float, ...]:
         """(time, x and v of each body, rotor angle, its speed) at t [s] before the next event; t ascending
         from call to call.
         """
@@ -275,7 +306,7 @@ class CRun:
         moving = (value for pair in zip(x, v, strict=True) for value in pair)
         return (t, *moving, Doubles.unwind(phase, turns), w)
 
-    def _decide(self, number, event, state, order):
+    def _decide(self, number: int, event: int, state: State, order: int) -> _engine.Progress:
         """Let the automaton of the Python engine decide the pending event; order: as of `Automaton.take`."""
         rows = self.rows_of(number)
         status, happened, known = self.automaton.take(state, rows.status, rows.events[event], order)
@@ -286,8 +317,7 @@ class CRun:
                 self._hand_jump(rows.events[event], state, rows, after)
         kinds = array("i", (EVENT_KINDS[kind] for kind, _ in happened)).tobytes()
         parts = array("i", (part for _, part in happened)).tobytes()
-        known = self._known(known, -1)
-        taken = self.run.take(target, pack_state(state), known, kinds, parts)
+        taken = self.run.take(target, pack_state(state), self._known(known, -1), kinds, parts)
         passed = self.automaton.blows(rows.events[event])
         if self.meters and passed:
             V = value_and_rate(Doubles, self.scene.base, state.t)[1]
@@ -295,7 +325,7 @@ class CRun:
                 self.run.add_entry(entry, value)
         return taken
 
-    def _jumps_in_c(self, before, after, event):
+    def _jumps_in_c(self, before: ModeRows, after: ModeRows, event: Event) -> bool:
         """Whether C knows what `event` does to disturbances between the modes of two rows: saltation.c and
         tangencies.c, against `saltation.py` and `tangencies.py`.
         """
@@ -303,14 +333,14 @@ class CRun:
             return False
         return event.kind != HOLD or not released_frictions(self.scene, before, after)
 
-    def _rule_jumps_in_c(self, rows, rule, event):
+    def _rule_jumps_in_c(self, rows: ModeRows, rule: Rule, event: Event) -> bool:
         """The same for all that a rule may lead to."""
         behind = [rule.target] if rule.other is None or rule.hold < 0 else [rule.target, rule.other]
         return not self.carries or all(
             self._jumps_in_c(rows, self.maker.rows(status), event) for status in behind
         )
 
-    def _hand_jump(self, event, state, before, after):
+    def _hand_jump(self, event: Event, state: State, before: ModeRows, after: ModeRows) -> None:
         """Take disturbances from C through `event`, as `TangentBundle.cross` does."""
         entries, near = self.run.disturbances(), self.tangencies
         vectors = entries["vectors"]
@@ -319,13 +349,13 @@ class CRun:
         touch = self.automaton.touch(event)
         jump = saltation(self.scene, Doubles, state, before, after, event, touch)
         near.judge(event, state, before, after, jump)
-        jump = None if jump is UNDEFINED else jump
+        jump = None if isinstance(jump, Undefined) else jump
         determinant = jump.determinant if jump and before.leader == after.leader else 1.0
         moved = array("d", (value for one in vectors for value in (jump.applied(one) if jump else one)))
         lost = near.undefined > 0
         self.run.hand_jump(jump is not None, determinant, near.count, near.closest, lost, moved.tobytes())
 
-    def _set_rule(self, number, event):
+    def _set_rule(self, number: int, event: int) -> bool:
         """Tell C what follows an event, where that is simple; whether it is news."""
         if (number, event) in self.ruled:
             return False
@@ -343,7 +373,7 @@ class CRun:
         self.run.set_rule(number, event, numbers)
         return True
 
-    def _rule(self, rows, event):
+    def _rule(self, rows: ModeRows, event: Event) -> Rule | None:
         """The rule of an event, or None where Python decides."""
         status, i, key = rows.status, event.part, event.key
         if event.kind == STRIKE:
@@ -351,13 +381,13 @@ class CRun:
         if event.kind == GAP:
             return self._contact_rule(status, event, key)
         if event.kind == PUSH:
-            after = LIFTED if status.stops[i] == CONTACT else CONTACT
-            kind = "contact_end" if after == LIFTED else "contact_begin"
-            return self._cross(status.with_stop(i, after), kind, i, key, 1)
+            pulled = LIFTED if status.stops[i] == CONTACT else CONTACT
+            kind = "contact_end" if pulled == LIFTED else "contact_begin"
+            return self._cross(status.with_stop(i, pulled), kind, i, key, 1)
         if event.kind == CLEARANCE:
-            after = 1 - status.clearances[i]
-            kind = "violation_begin" if after else "violation_end"
-            return self._cross(status.with_clearance(i, after), kind, i, key, 1)
+            turned = 1 - status.clearances[i]
+            kind = "violation_begin" if turned else "violation_end"
+            return self._cross(status.with_clearance(i, turned), kind, i, key, 1)
         if event.kind == SLIDE:
             return self._stand_rule(status, event, key)
         cut = rows.cuts[i]
@@ -373,34 +403,35 @@ class CRun:
         return self._cross(after, "stick_end", tie, (SLIDE, tie), 1 if drops else 2)
 
     @staticmethod
-    def _cross(status, kind, part, key, order):
+    def _cross(status: Status, kind: str, part: int, key: EventKey, order: int) -> Rule:
         return Rule(CROSS, status, None, -1, kind, part, key, order)
 
-    def _blow_rule(self, status, event):
+    def _blow_rule(self, status: Status, event: Event) -> Rule | None:
         """Of a blow on a stop whose ends nothing else acts on that asks for a decision: no tie, friction or
         damped stop that lets go at zero force, and no rotor.
         """
         i, scene = event.part, self.scene
         struck = {column for column in self.maker.ends(scene.stops[i]) if column < self.n}
         lifting = [stop for _, stop in scene.elastic_stops if stop.release == AT_FORCE and stop.c != 0]
-        parts = [part for part in (*scene.frictions, *lifting) if struck & set(self.maker.ends(part))]
-        if status.tied or parts or (scene.motor is not None and scene.motor.on in struck):
+        parts: list[Joined] = [*scene.frictions, *lifting]
+        touched = any(struck & set(self.maker.ends(part)) for part in parts)
+        if status.tied or touched or (scene.motor is not None and scene.motor.on in struck):
             return None
         return Rule(STRUCK, status, None, -1, "impact", i, event.key, 1)
 
-    def _contact_rule(self, status, event, key):
+    def _contact_rule(self, status: Status, event: Event, key: EventKey) -> Rule | None:
         i = event.part
-        stop, before = self.scene.stops[i], status.stops[i]
+        stop, before = dict(self.scene.elastic_stops)[i], status.stops[i]
         if before == LIFTED or self._against_base(stop) or (stop.c != 0 and status.tied):
             return None
         after = CONTACT if before == OPEN else OPEN
         kind = "contact_begin" if after == CONTACT else "contact_end"
         return self._cross(status.with_stop(i, after), kind, i, key, 1)
 
-    def _against_base(self, part):
+    def _against_base(self, part: Joined) -> bool:
         return self.n + 1 in self.maker.ends(part)
 
-    def _stand_rule(self, status, event, key):
+    def _stand_rule(self, status: Status, event: Event, key: EventKey) -> Rule | None:
         i = event.part
         if RESTING in status.stops:
             return None
@@ -430,19 +461,19 @@ class CRun:
         return Rule(STAND, stuck, other, hold, "stick_begin", i, key, 1)
 
     @property
-    def disturbances(self):
+    def disturbances(self) -> dict[str, Any]:
         """What `TangentBundle.entries` tells."""
         entries = self.run.disturbances()
         near = *entries["near"], max(entries["fastest"], default=0)
         return entries | {"lost": [bool(one) for one in entries["lost"]], "near": near}
 
     @cached_property
-    def _room(self):
+    def _room(self) -> np.ndarray:
         """Room for what a motion with all disturbances comes to."""
         size = length(self.scene)
         return np.empty(9 + 2 * self.n + size * (1 + size))
 
-    def outcome(self, count):
+    def outcome(self, count: int) -> tuple[list[float], np.ndarray, np.ndarray]:
         """What the motion with `count` disturbances has come to: (doubts, margin, number of the mode, events
         without a derivative, when the first was; t, x and v of each body, phase, turns, w), rates of change
         of the components and disturbances (count, components); empty where none were carried.
@@ -455,5 +486,5 @@ class CRun:
         return numbers[:head].tolist(), numbers[head : head + size], numbers[head + size :].reshape(-1, size)
 
     @property
-    def tally(self):
+    def tally(self) -> dict[str, Any]:
         return self.run.tally()

@@ -1,6 +1,7 @@
 """Names of what a run of a scene made of parts gives: states of bodies and rotor, states of parts."""
 
-from vibsim.physics.parts import AT_FORCE, RigidStop, columns_of
+from vibsim.physics.numbers import N
+from vibsim.physics.parts import AT_FORCE, Clearance, Friction, RigidStop, Scene, Stop, columns_of
 
 RIGID_FLAGS = {"free": 0, "resting": 3}
 FLAGS = {
@@ -10,41 +11,44 @@ FLAGS = {
 }
 
 
-def part_flags(kind, part):
+def part_flags(kind: str, part: Stop[N] | RigidStop[N] | Friction[N] | Clearance[N]) -> dict[str, int]:
     """States of a part by name; only a stop that lets go at zero force can be lifted."""
     if isinstance(part, RigidStop):
         return dict(RIGID_FLAGS)
     flags = dict(FLAGS[kind])
-    if kind == "stops" and not (part.release == AT_FORCE and part.c != 0):
+    if isinstance(part, Stop) and not (part.release == AT_FORCE and part.c != 0):
         del flags["lifted"]
     return flags
 
 
-def state_columns(scene):
+def state_columns(scene: Scene[N]) -> tuple[str, ...]:
     """Displacement and velocity of each body, then angle and speed of the rotor."""
     names = moving_columns(scene)
     return names if scene.motor is not None else names[:-2]
 
 
-def moving_columns(scene):
+def moving_columns(scene: Scene[N]) -> tuple[str, ...]:
     """Displacement and velocity of each body, then angle and speed of a rotor, whether there is one or not:
     what the engines store.
     """
     return (*(name for body in scene.bodies for name in columns_of(body.name)), "phi", "phidot")
 
 
-def stop_column(name):
+def stop_column(name: str) -> str:
     """The column of a stop: its name; `contact` for the paper's, which is called stop."""
     return "contact" if name == "stop" else name
 
 
-def flags_of_parts(scene):
+def flags_of_parts(scene: Scene[N]) -> list[dict[str, int]]:
     """The states that each part can be in, by name, in the order of `Status.codes`."""
-    parts = {"stops": scene.stops, "frictions": scene.frictions, "clearances": scene.clearances}
-    return [part_flags(kind, part) for kind, of_kind in parts.items() for part in of_kind]
+    return [
+        *(part_flags("stops", stop) for stop in scene.stops),
+        *(part_flags("frictions", friction) for friction in scene.frictions),
+        *(part_flags("clearances", clearance) for clearance in scene.clearances),
+    ]
 
 
-def before_columns(scene):
+def before_columns(scene: Scene[N]) -> tuple[str, ...]:
     """Velocities in front of an event, of scenes with rigid stops: those jump."""
     if not scene.rigid_stops:
         return ()
@@ -52,18 +56,19 @@ def before_columns(scene):
     return tuple(f"before_{name}" for name in velocities + ["phidot"] * scene.has_motor)
 
 
-def part_columns(scene):
+def part_columns(scene: Scene[N]) -> tuple[str, ...]:
     """Names of the parts that have states, in the order of `Status.codes`."""
     stops = tuple(stop_column(stop.name) for stop in scene.stops)
-    return (*stops, *(part.name for part in (*scene.frictions, *scene.clearances)))
+    frictions = (friction.name for friction in scene.frictions)
+    return (*stops, *frictions, *(clearance.name for clearance in scene.clearances))
 
 
-def sample_columns(scene):
+def sample_columns(scene: Scene[N]) -> tuple[str, ...]:
     """Names of the sampled columns, in file order."""
     return ("time", *state_columns(scene), *part_columns(scene))
 
 
-def event_columns(scene):
+def event_columns(scene: Scene[N]) -> tuple[str, ...]:
     """Names of the event columns, in file order; `part` is the index of the part among `part_columns`, or
     -1.
     """
@@ -72,6 +77,6 @@ def event_columns(scene):
     return ("t", "kind", "part", *states, *part_columns(scene))
 
 
-def section_columns(scene):
+def section_columns(scene: Scene[N]) -> tuple[str, ...]:
     """Names of the columns of the stroboscopic section, in file order."""
     return ("time", *state_columns(scene))

@@ -3,27 +3,38 @@
 Output cadence never changes a trajectory: samples are read off the flow, states are not restarted there.
 """
 
+from __future__ import annotations
+
 import time
+from collections.abc import Iterator, Sequence
 from math import inf
-from typing import Any
+from typing import Generic
 
 from vibsim.engine.errors import EngineError
 from vibsim.engine.events.automaton import JET, Automaton
-from vibsim.engine.extremes import Extremes
+from vibsim.engine.extremes import Extremes, Gap
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.ledgers.ledger import Ledger
-from vibsim.engine.modes.rows import STRIKE, RowMaker
+from vibsim.engine.modes.rows import STRIKE, Event, RowMaker
+from vibsim.engine.modes.status import Status
+from vibsim.engine.modes.ties import Edge
+from vibsim.engine.resume import Point
 from vibsim.engine.section import StroboscopicSection
-from vibsim.engine.state import start_of
+from vibsim.engine.state import State, start_of
 from vibsim.engine.tangent.disturbances import Disturbances
 from vibsim.engine.tangent.tangent_bundle import TangentBundle
 from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.numbers import Kit, N
+from vibsim.physics.parts import Scene
 
+Velocities = tuple[list[N], N]  # of the bodies [m/s], speed of the rotor [rad/s]
+# code of the kind, part, state and mode behind, velocities in front
+Happening = tuple[int, int, State[N], Status, Velocities[N]]
 EVENTS_AT_ONE_INSTANT = 64
 SAMPLES_AT_ONCE = 256
 
 
-class Driver:
+class Driver(Generic[N]):
     """Runs a scene made of parts from its start, or from `resume` = (state, status, known zeros), to its
     end.
 
@@ -33,17 +44,17 @@ class Driver:
 
     def __init__(
         self,
-        scene,
-        kit,
-        resume=None,
-        section=False,
-        ledger=False,
-        momentum=False,
-        tangent=(0, 0.0),
-        carry=(),
-        flow=None,
-        extremes=None,
-    ):
+        scene: Scene[N],
+        kit: Kit[N],
+        resume: Point[N] | None = None,
+        section: bool = False,
+        ledger: bool = False,
+        momentum: bool = False,
+        tangent: tuple[int, N | float] = (0, 0.0),
+        carry: Sequence[Sequence[N]] = (),
+        flow: Flow[N] | None = None,
+        extremes: tuple[Sequence[Edge], Sequence[Gap], float] | None = None,
+    ) -> None:
         self.scene, self.kit = scene, kit
         self.maker = RowMaker(scene, kit)
         self.flow = flow or Flow(scene, kit)
@@ -51,14 +62,15 @@ class Driver:
         self.section = StroboscopicSection(scene, self.flow) if section else None
         self.ledger = Ledger(scene, kit, self.maker, self.flow, momentum) if ledger or momentum else None
         self.extremes = Extremes(scene, kit, self.flow, *extremes) if extremes else None
-        self.tangent: Any = None
+        self.tangent: Disturbances[N] | None = None
         if tangent[0]:
             self.tangent = TangentBundle(scene, kit, self.flow, *tangent)
         elif len(carry):
             self.tangent = Disturbances(scene, kit, self.flow, carry)
-        self.samples, self.events = [], []
+        self.samples: list[tuple[State[N], Status]] = []
+        self.events: list[Happening[N]] = []
         self.counts = [0] * len(EVENT_KINDS)
-        self.first_violation = None
+        self.first_violation: N | None = None
         self.next_sample = 0
         self.finished = False
         if resume is None:
@@ -80,7 +92,7 @@ class Driver:
         self.worked_to = self.state.t
         self._course = self._stretches()
 
-    def run(self, steps, sample_room=SAMPLES_AT_ONCE, seconds=inf):
+    def run(self, steps: int, sample_room: int = SAMPLES_AT_ONCE, seconds: float = inf) -> None:
         """Advance until `steps` pieces of work are done, so many samples wait to be taken, so many `seconds`
         are gone, or the run ends.
         """
@@ -95,7 +107,7 @@ class Driver:
             if time.monotonic() > late:
                 return
 
-    def state_at(self, t):
+    def state_at(self, t: N) -> State[N]:
         """State at t [s] before the next recorded event; t ascending from call to call.
 
         Events that are not recorded, such as the end of the depth of a lifted stop, are taken on the way.
@@ -105,21 +117,27 @@ class Driver:
             if end >= t or end >= self.scene.t_end:
                 return self.flow.state_at(t)
             state, _ = self._arrive(end, event)
-            if not self.kit.finite(sum(state.x) + sum(state.v) + state.w):
+            if not self._is_finite(state):
                 return self.flow.state_at(t)
             if event is None:
                 self.flow.carry_on(state)
             else:
                 self._switch(state, event)
 
-    def _stretches(self):
+    def _is_finite(self, state: State[N]) -> bool:
+        total = state.w
+        for value in (*state.x, *state.v):
+            total = total + value
+        return self.kit.finite(total)
+
+    def _stretches(self) -> Iterator[None]:
         """The run, stretch by stretch; a generator, which yields wherever it may be left for a while."""
         while not self.finished:
             yield from self._stretch()
             self.worked_to = self.state.t
             yield
 
-    def _stretch(self):
+    def _stretch(self) -> Iterator[None]:
         """One stretch of the flow: its samples, section and ledger, then its event."""
         end, event = self.flow.advance(self.scene.t_end)
         if self.extremes:
@@ -132,7 +150,7 @@ class Driver:
                     self.extremes.close()
                 yield
         state, tau = self._arrive(end, event)
-        if not self.kit.finite(sum(state.x) + sum(state.v) + state.w):
+        if not self._is_finite(state):
             raise EngineError("diverged", self.state)
         if self.extremes:
             yield from self.extremes.until(state.t)
@@ -153,7 +171,7 @@ class Driver:
         if not self.finished and end >= self.scene.t_end:
             self._finish()
 
-    def _arrive(self, end, event):
+    def _arrive(self, end: N, event: Event[N] | None) -> tuple[State[N], N]:
         """State at the end of a stretch, and how long after its start that is [s]: there, or at the very
         instant of an impact. So a speed grows or shrinks by nothing but the impact, however short the stretch
         is against the grid of time.
@@ -165,20 +183,20 @@ class Driver:
         state.t = end
         return state.settled(self.kit), tau
 
-    def _sample_until(self, end, last):
+    def _sample_until(self, end: N, last: bool) -> Iterator[None]:
         """Samples in [now, end), or up to and including the end of the run.
 
         They are doubles in every number type: the last one may be the double nearest to the end.
         """
         t = self.scene.sample_time(self.next_sample)
         while t < end or (last and t <= float(end)):
-            self.samples.append((self.flow.state_at(t), self.status))
+            self.samples.append((self.flow.state_at(self.kit.number(t)), self.status))
             self.next_sample += 1
             t = self.scene.sample_time(self.next_sample)
             if self.next_sample % SAMPLES_AT_ONCE == 0:
                 yield
 
-    def _switch(self, state, event):
+    def _switch(self, state: State[N], event: Event[N]) -> None:
         """Take the event: new mode, record, new segment."""
         before, before_velocities = self.status, (list(state.v), state.w)
         status, happened, known = self.automaton.take(state, self.status, event, self.flow.order_of(event))
@@ -203,19 +221,23 @@ class Driver:
         if not self.finished:
             self.flow.enter(state, self.maker.rows(status), known)
 
-    def _note_violation(self):
+    def _note_violation(self) -> None:
         if self.first_violation is None:
             self.first_violation = self.state.t
         if self.scene.stop_on_violation:
             self._finish()
 
-    def _finish(self):
+    def _finish(self) -> None:
         self._record("end", -1)
         self.finished = True
 
-    def take(self):
+    def take(
+        self,
+    ) -> tuple[list[tuple[State[N], Status]], list[Happening[N]], list[State[N]], list[tuple[N, ...]]]:
         """The samples, events, section points and rows of extremes collected since the last call."""
-        samples, events, section, extremes = self.samples, self.events, [], []
+        samples, events = self.samples, self.events
+        section: list[State[N]] = []
+        extremes: list[tuple[N, ...]] = []
         self.samples, self.events = [], []
         if self.extremes:
             extremes, self.extremes.rows = self.extremes.rows, []
@@ -224,7 +246,7 @@ class Driver:
             section, self.section.states = self.section.states[:count], self.section.states[count:]
         return samples, events, section, extremes
 
-    def _record(self, kind, part, before=None):
+    def _record(self, kind: str, part: int, before: Velocities[N] | None = None) -> None:
         """Keep an event; before: velocities of the bodies and speed of the rotor in front of it."""
         self.counts[EVENT_KINDS[kind]] += 1
         before = before or (list(self.state.v), self.state.w)

@@ -8,10 +8,20 @@ flow, to the rounding of d. The speed of a rotor is taken like a displacement.
 Reading them changes no trajectory.
 """
 
-from math import inf
+from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from typing import Generic
+
+from vibsim.engine.flows.flow import Flow
 from vibsim.engine.flows.harmonics import value_and_rate
-from vibsim.engine.modes.status import OPEN
+from vibsim.engine.modes.status import OPEN, Status
+from vibsim.engine.modes.ties import Edge
+from vibsim.physics.numbers import Kit, N, abs
+from vibsim.physics.parts import Scene
+
+Gap = tuple[int, int, int, float]  # stop, its place among the pairs, sense, gap [m]
+Knot = tuple[N, N, N]  # time, value, rate
 
 NODES_OF_CLOSED_FORM = 4  # in a piece of 2.25 rad of the fastest rate
 ORDERS_TO_A_NODE = 10  # of a Taylor step, which spans 1.3 rad with order 20
@@ -21,7 +31,7 @@ ITERATIONS = 8
 ROUNDING = 2.0**-55
 
 
-class Extremes:
+class Extremes(Generic[N]):
     """Gathers extremes over the stretches of a run, from the time `since` [s] on.
 
     pairs : columns (P, Q) of the displacements; a rotor's speed follows on them
@@ -30,23 +40,32 @@ class Extremes:
     least, greatest, margins : of everything so far; inf where there was nothing
     """
 
-    def __init__(self, scene, kit, flow, pairs, gaps, since):
+    def __init__(
+        self,
+        scene: Scene[N],
+        kit: Kit[N],
+        flow: Flow[N],
+        pairs: Sequence[Edge],
+        gaps: Sequence[Gap],
+        since: float,
+    ) -> None:
         self.scene, self.kit, self.flow = scene, kit, flow
-        self.pairs, self.gaps, self.since = pairs, gaps, since
+        self.pairs, self.gaps, self.since = pairs, gaps, kit.number(since)
         self.spins = scene.motor is not None
         self.count = len(pairs) + self.spins
         self.based = any(len(scene.bodies) + 1 in pair for pair in pairs)
-        self.low, self.high = [inf] * self.count, [-inf] * self.count
+        self.low, self.high = [kit.inf] * self.count, [-kit.inf] * self.count
         self.least, self.greatest = list(self.low), list(self.high)
-        self.margins = [inf] * len(gaps)
-        self.rows = []
-        self.at, self.node = 0.0, None
+        self.margins = [kit.inf] * len(gaps)
+        self.rows: list[tuple[N, ...]] = []
+        self.at = kit.number(0)
+        self.node: list[tuple[N, N]] | None = None
 
-    def open(self, t, status):
+    def open(self, t: N, status: Status) -> None:
         """Begin a stretch at t [s] in the mode `status`."""
         self.at, self.node, self.status = t, None, status
 
-    def until(self, end):
+    def until(self, end: N) -> Iterator[None]:
         """Take the stretch up to `end` [s]; a generator, which yields now and then."""
         if end < self.since:
             return
@@ -64,19 +83,19 @@ class Extremes:
             self.at, self.node = ahead, right
             yield
 
-    def close(self):
+    def close(self) -> None:
         """End a period where the last call of `until` ended; the next one begins there."""
         self.rows.append((*self.low, *self.high))
         if self.node is not None:
             self.low, self.high = ([value for value, _ in self.node] for _ in range(2))
 
-    def _step(self):
+    def _step(self) -> N:
         """Distance of the nodes [s]."""
         piece = self.flow.longest_piece(self.at - self.flow.t0)
         closed = self.flow.now is self.flow.closed
         return piece / (NODES_OF_CLOSED_FORM if closed else 1 + self.flow.taylor.order // ORDERS_TO_A_NODE)
 
-    def measure(self, t):
+    def measure(self, t: N) -> list[tuple[N, N]]:
         """Displacements and their rates at t, by pair; then the speed of the rotor and its rate."""
         state, zero = self.flow.state_at(t), self.kit.number(0)
         X, V = value_and_rate(self.kit, self.scene.base, t) if self.based else (zero, zero)
@@ -86,11 +105,11 @@ class Extremes:
             found.append((state.w, self.flow.spin_rate(t - self.flow.t0)))
         return found
 
-    def _take_all(self, node):
+    def _take_all(self, node: Sequence[tuple[N, N]]) -> None:
         for q, (value, _) in enumerate(node):
             self._take(q, value)
 
-    def _take(self, q, value):
+    def _take(self, q: int, value: N) -> None:
         if value < self.low[q]:
             self.low[q] = value
         if value > self.high[q]:
@@ -100,7 +119,7 @@ class Extremes:
         if value > self.greatest[q]:
             self.greatest[q] = value
 
-    def _span(self, q, left, right, halvings):
+    def _span(self, q: int, left: Knot[N], right: Knot[N], halvings: int) -> None:
         """Find what turns between two nodes (t, value, rate)."""
         if left[2] * right[2] < 0:
             self._turn(q, left, right)
@@ -112,7 +131,7 @@ class Extremes:
                 self._span(q, left, middle, halvings - 1)
                 self._span(q, middle, right, halvings - 1)
 
-    def _turn(self, q, left, right):
+    def _turn(self, q: int, left: Knot[N], right: Knot[N]) -> None:
         """Take the value at the zero of a rate that changes sign between two nodes."""
         falling = left[2] < 0
         for _ in range(ITERATIONS):
@@ -132,7 +151,7 @@ class Extremes:
             else:
                 right = t, value, rate
 
-    def _note_gaps(self, q, value, falling):
+    def _note_gaps(self, q: int, value: N, falling: bool) -> None:
         """Keep the gaps of open stops that are smallest here."""
         for i, (stop, pair, sense, gap) in enumerate(self.gaps):
             if pair == q and (sense > 0) == falling and self.status.stops[stop] == OPEN:
@@ -141,7 +160,7 @@ class Extremes:
                     self.margins[i] = left
 
 
-def may_turn_twice(left, right):
+def may_turn_twice(left: Knot[N], right: Knot[N]) -> bool:
     """Whether the rate comes near 0 between two nodes (t, value, rate) at which it has one sign.
 
     Judged by the rate of the cubic half-way; errs on the side of yes.
@@ -154,7 +173,7 @@ def may_turn_twice(left, right):
     )
 
 
-def turn_of_cubic(kit, length, rise, rate0, rate1):
+def turn_of_cubic(kit: Kit[N], length: N, rise: N, rate0: N, rate1: N) -> N:
     """Place in [0, 1] at which a cubic turns whose rates at both ends of an interval have opposite signs."""
     d0, d1 = length * rate0, length * rate1
     a, b = d0 + d1 - 2 * rise, 3 * rise - 2 * d0 - d1

@@ -1,29 +1,35 @@
 """Going on from a stored event row: the state, status and known zeros that the engine had there."""
 
+from collections.abc import Mapping, Sequence
 from math import isfinite
+
+import numpy as np
 
 from vibsim.engine.columns import flags_of_parts, part_columns, state_columns
 from vibsim.engine.flows.harmonics import value_and_rate
-from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE
+from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Known
 from vibsim.engine.modes.status import LIFTED, OPEN, Status
 from vibsim.engine.state import State
 from vibsim.physics.modes import EVENT_NAMES, RIGID_KINDS
-from vibsim.physics.numbers import TWO_PI, Doubles
-from vibsim.physics.parts import AT_FORCE, BASE, columns_of
+from vibsim.physics.numbers import TWO_PI, Doubles, N
+from vibsim.physics.parts import AT_FORCE, BASE, Friction, RigidStop, Scene, Stop, columns_of
+
+Point = tuple[State[N], Status, Known]  # what a run goes on from: state, mode, known zeros
+Row = Mapping[str, float]  # of a table of events, by column
 
 JUMPS = ("impact", "transmitted", "chatter", "stick_begin", "reversal")
 ROUNDING = 2.0**-40  # of a velocity, above which its change is a jump [-]
 
 
-def resume_point(scene, row):
+def resume_point(scene: Scene, row: Row | Sequence[Row]) -> Point:
     """State, status and known zeros of an event row.
 
     row: values by column name (t, kind, part, states, phase, part states), or several rows of one instant in
     their order. The turns of the rotor are the whole ones between phi and phase. Raises ValueError for a row
     that no run of the scene has.
     """
-    rows = [row] if hasattr(row, "keys") else list(row)
-    known: dict[tuple, int] = {}
+    rows = [row] if isinstance(row, Mapping) else list(row)
+    known: Known = {}
     for one in rows:
         _check(scene, one)
     jumps = any(_makes_forces_jump(scene, one) for one in rows)
@@ -33,7 +39,7 @@ def resume_point(scene, row):
     return state, status, known
 
 
-def _makes_forces_jump(scene, row):
+def _makes_forces_jump(scene: Scene, row: Row) -> bool:
     """Whether forces jump at the event of a row: a friction that drops where it begins to slip, turns or
     begins to stick, a damped stop, a blow.
     """
@@ -43,10 +49,10 @@ def _makes_forces_jump(scene, row):
     if kind == "stick_end":
         friction = part - len(scene.stops)
         return scene.frictions[friction].drops(_status(scene, row).frictions[friction])
-    return kind in ("contact_begin", "contact_end") and scene.stops[part].c != 0
+    return kind in ("contact_begin", "contact_end") and dict(scene.elastic_stops)[part].c != 0
 
 
-def rows_of_instant(events, i, earlier=()):
+def rows_of_instant(events: Mapping[str, np.ndarray], i: int, earlier: Sequence[Row] = ()) -> list[Row]:
     """The rows of the instant of row `i` of a table of events up to it, values by column name; what
     `resume_point` takes.
 
@@ -56,11 +62,13 @@ def rows_of_instant(events, i, earlier=()):
     first = i
     while first > 0 and times[first - 1] == times[i]:
         first -= 1
-    rows = [{name: column[k].item() for name, column in events.items()} for k in range(first, i + 1)]
+    rows: list[Row] = [
+        {name: column[k].item() for name, column in events.items()} for k in range(first, i + 1)
+    ]
     return [*earlier, *rows] if first == 0 and earlier and earlier[-1]["t"] == times[i] else rows
 
 
-def _check(scene, row):
+def _check(scene: Scene, row: Row) -> None:
     for name in ("t", *state_columns(scene), *(("phase",) if scene.motor else ())):
         if not isfinite(row[name]):
             raise ValueError(f"event row: {name} must be finite, got {row[name]}")
@@ -76,7 +84,7 @@ def _check(scene, row):
             )
 
 
-def _state(scene, row):
+def _state(scene: Scene, row: Row) -> State:
     values = [float(row[name]) for name in state_columns(scene)]
     n = 2 * len(scene.bodies)
     phase = turns = w = 0.0
@@ -86,13 +94,13 @@ def _state(scene, row):
     return State(float(row["t"]), values[0:n:2], values[1:n:2], phase, turns, w)
 
 
-def _status(scene, row):
+def _status(scene: Scene, row: Row) -> Status:
     codes = [int(row[name]) for name in part_columns(scene)]
     first, second = len(scene.stops), len(scene.stops) + len(scene.frictions)
     return Status(tuple(codes[:first]), tuple(codes[first:second]), tuple(codes[second:]))
 
 
-def _zeros(scene, row, state, status, jumps):
+def _zeros(scene: Scene, row: Row, state: State, status: Status, jumps: bool) -> Known:
     """Orders of the zeros that the event of a row leaves, by key; jumps: whether forces jump at its instant.
 
     What a tie held for long enough parts with a zero of one order more where no force jumps.
@@ -109,17 +117,19 @@ def _zeros(scene, row, state, status, jumps):
     if kind in ("reversal", "stick_end") and _struck(scene, scene.frictions[friction], row):
         return {}
     released = 1 if jumps else 2
-    return {"reversal": {(SLIDE, friction): 1}, "stick_end": {(SLIDE, friction): released}}.get(kind, {})
+    if kind in ("reversal", "stick_end"):
+        return {(SLIDE, friction): 1 if kind == "reversal" else released}
+    return {}
 
 
-def _zeros_of_rigid_stop(scene, stop, state, status, released):
+def _zeros_of_rigid_stop(scene: Scene, stop: int, state: State, status: Status, released: int) -> Known:
     """The order of the zero of a depth; released: without a blow, rate and depth being zero."""
     if status.stops[stop] != OPEN:
         return {}
     return {(STRIKE, stop): 1 if _closing(scene, scene.stops[stop], state) != 0 else released}
 
 
-def _struck(scene, friction, row):
+def _struck(scene: Scene, friction: Friction, row: Row) -> bool:
     """Whether a blow moved the ends of a friction against each other."""
     ends = [columns_of(scene.bodies[end].name)[1] for end in (friction.P, friction.Q) if end >= 0]
     jumps = [abs(row[name] - row.get(f"before_{name}", row[name])) for name in ends]
@@ -127,9 +137,9 @@ def _struck(scene, friction, row):
     return any(jump > ROUNDING * (max(sizes) + abs(friction.belt)) for jump in jumps)
 
 
-def _watched(scene, kind, part, state, status):
+def _watched(scene: Scene, kind: str, part: int, state: State, status: Status) -> int:
     """Whether a contact began or ended at zero depth, or at zero force."""
-    stop = scene.stops[part]
+    stop = dict(scene.elastic_stops)[part]
     if stop.release != AT_FORCE or stop.c == 0:
         return GAP
     if kind == "contact_end":
@@ -137,7 +147,7 @@ def _watched(scene, kind, part, state, status):
     return GAP if _closing(scene, stop, state) > 0 else PUSH
 
 
-def _closing(scene, stop, state):
+def _closing(scene: Scene, stop: Stop | RigidStop, state: State) -> float:
     """Rate of the depth of a stop [m/s]: contact at zero force begins while it shrinks."""
     V = value_and_rate(Doubles, scene.base, state.t)[1]
     vP, vQ = (state.v[end] if end >= 0 else V if end == BASE else 0.0 for end in (stop.P, stop.Q))

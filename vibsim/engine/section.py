@@ -5,48 +5,56 @@ A period ends at t = k T of forces and base, and where phi passes 2 pi k forward
 changes no trajectory.
 """
 
-from vibsim.physics.numbers import TWO_PI, TWO_PI_LO
+from collections.abc import Iterator
+from typing import Generic
+
+from vibsim.engine.flows.flow import Flow
+from vibsim.engine.state import State
+from vibsim.physics.numbers import TWO_PI, TWO_PI_LO, N
+from vibsim.physics.parts import Scene
 from vibsim.physics.period import common_period
 
 ITERATIONS = 60
 LAST_PERIOD = 2**53  # behind it whole numbers of periods are no doubles
 
 
-def has_section(scene):
+def has_section(scene: Scene[N]) -> bool:
     """Whether the scene has a motor, or harmonics with a common period."""
     return scene.motor is not None or common_period(scene) is not None
 
 
-class StroboscopicSection:
+class StroboscopicSection(Generic[N]):
     """Gathers `states` over the stretches of a run."""
 
-    def __init__(self, scene, flow):
+    def __init__(self, scene: Scene[N], flow: Flow[N]) -> None:
         self.turning = scene.motor is not None
         self.period = None if self.turning else common_period(scene)
-        self.flow, self.states, self.next = flow, [], 1
+        self.flow, self.next = flow, 1
+        self.states: list[State[N]] = []
 
-    def skip_to(self, t):
+    def skip_to(self, t: N) -> None:
         """Begin with the first period that ends after t."""
         if self.period is not None:
-            self.next = max(1, int(t * self.period.cycles / self.period.turns))
+            self.next = max(1, int(float(t) * self.period.cycles / self.period.turns))
             while self.period.end(self.next) <= t and self.next < LAST_PERIOD:
                 self.next += 1
 
-    def gather(self, start, end):
+    def gather(self, start: State[N], end: N) -> Iterator[N]:
         """Section points within (start.t, end], on the stretch that the flow has just done from the state
         `start`; a generator, which yields the time of each.
         """
         if self.turning:
             yield from self._gather_turns(start, end)
         elif self.period is not None:
-            t = self.period.end(self.next)
+            exact = self.flow.kit.number
+            t = exact(self.period.end(self.next))
             while t <= end and self.next < LAST_PERIOD:
                 self.states.append(self.flow.state_at(t))
                 yield t
                 self.next += 1
-                t = self.period.end(self.next)
+                t = exact(self.period.end(self.next))
 
-    def _gather_turns(self, start, end):
+    def _gather_turns(self, start: State[N], end: N) -> Iterator[N]:
         """Forward passages of phi through whole turns, by bisection safeguarded Newton steps."""
         first = start.phase
         last = self._angle(end, start)
@@ -57,7 +65,7 @@ class StroboscopicSection:
                 self.states.append(self.flow.state_at(t))
                 yield t
 
-    def _passage(self, start, end, target):
+    def _passage(self, start: State[N], end: N, target: float) -> N:
         """Time at which the rotor angle, counted in the turn of `start`, passes `target`."""
         low, high = start.t, end
         t = low + (high - low) / 2
@@ -76,6 +84,6 @@ class StroboscopicSection:
             t = ahead
         return high
 
-    def _angle(self, t, start):
+    def _angle(self, t: N, start: State[N]) -> N:
         state = self.flow.state_at(t)
         return state.phase + (state.turns - start.turns) * TWO_PI

@@ -1,10 +1,17 @@
 """The totals of a run: counts of events, work done and margins, one dict for both engines."""
 
+from collections.abc import Iterable, Mapping, Sequence
 from math import inf, nan
+from typing import Any
 
 from vibsim.engine.flows.closed_form import total_of
 from vibsim.engine.ledgers.ledger import momenta, stored_energy
+from vibsim.engine.ledgers.meters import Entry
+from vibsim.engine.modes.status import Status
+from vibsim.engine.state import State
 from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.numbers import Kit, N, abs
+from vibsim.physics.parts import Scene
 
 INTO = {  # totals of the energy ledger, by quantity and section of the case
     ("work", "forces"): "work_source",
@@ -23,7 +30,12 @@ IMPULSES = {
 }
 
 
-def totals_of(counts, certificate, work, first_violation):
+def totals_of(
+    counts: Sequence[int],
+    certificate: tuple[int, float, float, float],
+    work: tuple[int, int],
+    first_violation: float,
+) -> dict[str, Any]:
     """Counts and margins by name.
 
     counts: by kind of event, in the order of their codes; certificate: (doubts, time of the first [s],
@@ -48,7 +60,7 @@ def totals_of(counts, certificate, work, first_violation):
     }
 
 
-def rigid_totals(scene, counts, cut_off):
+def rigid_totals(scene: Scene[N], counts: Sequence[int], cut_off: Sequence[float]) -> dict[str, float]:
     """Counts of what only rigid stops do, by name, of scenes that have some.
 
     counts: as of `totals_of`; cut_off: time [s], speed [m/s] and distance [m] that the ends of infinite
@@ -65,7 +77,14 @@ def rigid_totals(scene, counts, cut_off):
     }
 
 
-def ledger_totals(scene, kit, names, entries, first, last):
+def ledger_totals(
+    scene: Scene[N],
+    kit: Kit[N],
+    names: Sequence[Entry],
+    entries: Sequence[N],
+    first: tuple[State[N], Status],
+    last: tuple[State[N], Status],
+) -> dict[str, N]:
     """The ledgers by name: energies [J] and impulses [N s], their sums and their closure.
 
     names, entries: as of a `Ledger`; first, last: (state, status) at the start and now. The entries of the
@@ -80,7 +99,7 @@ def ledger_totals(scene, kit, names, entries, first, last):
     return totals | {".".join(filter(None, name)): value for name, value in ledger.items()}
 
 
-def energy_balance(kit, ledger, start, end):
+def energy_balance(kit: Kit[N], ledger: Mapping[Entry, N], start: N, end: N) -> dict[str, N]:
     """Sums of the energy ledger, with its closure: end - start - work + losses."""
     sums = dict.fromkeys(INTO.values(), kit.number(0))
     for (quantity, section, _), value in ledger.items():
@@ -98,29 +117,31 @@ def energy_balance(kit, ledger, start, end):
     }
 
 
-def momentum_balance(kit, ledger, start, end):
+def momentum_balance(
+    kit: Kit[N], ledger: Mapping[Entry, N], start: Sequence[N], end: Sequence[N]
+) -> dict[str, N]:
     """Sums of the momentum ledger, with its closure: end - start - impulses; start, end: momenta of what
     moves, which may cancel.
     """
     sizes = [*start, *end]
-    start, end = total_of(kit, start), total_of(kit, end)
+    first, last = total_of(kit, start), total_of(kit, end)
     sums = dict.fromkeys(IMPULSES.values(), kit.number(0))
     for (quantity, section, _), value in ledger.items():
         if quantity == "impulse":
             sums[IMPULSES[section]] = sums[IMPULSES[section]] + value
-    residual = end - start
+    residual = last - first
     for value in sums.values():
         residual = residual - value
     return {
-        "momentum_start": start,
-        "momentum_end": end,
+        "momentum_start": first,
+        "momentum_end": last,
         **sums,
         "momentum_residual": residual,
         "momentum_residual_relative": relative(residual, (*sizes, *sums.values())),
     }
 
 
-def relative(residual, entries):
+def relative(residual: N, entries: Iterable[N]) -> N:
     """`residual` by the largest of the entries; 0 where all of these are."""
     largest = max(abs(value) for value in entries)
-    return abs(residual) / largest if largest > 0 else 0.0
+    return abs(residual) / largest if largest > 0 else 0 * residual

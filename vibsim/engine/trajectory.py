@@ -5,9 +5,12 @@ for block in trajectory.blocks(): ...
 trajectory.totals
 """
 
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from math import inf, nan
-from typing import Any
+from typing import TYPE_CHECKING, Any, Generic, TypedDict
 
 import numpy as np
 
@@ -20,16 +23,22 @@ from vibsim.engine.columns import (
     sample_columns,
     section_columns,
 )
-from vibsim.engine.driver import Driver
-from vibsim.engine.modes.status import LIFTED
-from vibsim.engine.resume import resume_point
+from vibsim.engine.driver import Driver, Happening
+from vibsim.engine.extremes import Gap
+from vibsim.engine.modes.status import LIFTED, Status
+from vibsim.engine.modes.ties import Edge
+from vibsim.engine.resume import Point, Row, resume_point
 from vibsim.engine.state import State
+from vibsim.engine.tangent.tangent_bundle import TangentBundle
 from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.engine.tangent.tangent_totals import tangent_totals
 from vibsim.engine.totals import ledger_totals, rigid_totals, totals_of
 from vibsim.physics.modes import EVENT_KINDS, RIGID_KINDS
-from vibsim.physics.numbers import Doubles
-from vibsim.physics.parts import BASE, GROUND
+from vibsim.physics.numbers import Doubles, Kit, N
+from vibsim.physics.parts import BASE, GROUND, Scene
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 SAMPLES, PIECES = 2048, 4096  # of the Python engine between two blocks
 SECONDS = 0.1  # the same: Ctrl-C is heard there
@@ -40,6 +49,20 @@ OFFSETS = {
     "violation_end": "clearances",
     **dict.fromkeys(RIGID_KINDS, "stops"),
 }
+
+
+class Wishes(TypedDict, total=False):
+    """What a run is to keep besides samples and events; see `open_trajectory`.
+
+    tangent : number of disturbances, and from when their growth counts [s]
+    extremes : columns of the pairs, the stops whose gaps are watched, since when [s]
+    """
+
+    section: bool
+    ledger: bool
+    momentum: bool
+    tangent: tuple[int, float]
+    extremes: tuple[Sequence[Edge], Sequence[Gap], float] | None
 
 
 @dataclass(frozen=True)
@@ -61,16 +84,16 @@ class Block:
 
 
 def open_trajectory(
-    scene,
-    engine="auto",
-    resume=None,
-    section=False,
-    ledger=False,
-    momentum=False,
-    tangent=0,
-    tangent_from=0.0,
-    extremes=None,
-):
+    scene: Scene,
+    engine: str = "auto",
+    resume: Row | Sequence[Row] | None = None,
+    section: bool = False,
+    ledger: bool = False,
+    momentum: bool = False,
+    tangent: int = 0,
+    tangent_from: float = 0.0,
+    extremes: tuple[Sequence[Edge], float] | None = None,
+) -> Trajectory:
     """A run of `scene` (a `vibsim.physics.parts.Scene`) from its start, not yet computed.
 
     Parameters
@@ -96,23 +119,24 @@ def open_trajectory(
     """
     check_method(scene)
     check_tangent(scene, tangent)
-    trajectory = PythonTrajectory if engine_name(engine) == "python" else CTrajectory
-    return trajectory(
-        scene,
-        resume,
-        section=section,
-        ledger=ledger,
-        momentum=momentum,
-        tangent=(tangent, tangent_from),
-        extremes=extremes_of(scene, *extremes) if extremes else None,
-    )
+    wishes: Wishes = {
+        "section": section,
+        "ledger": ledger,
+        "momentum": momentum,
+        "tangent": (tangent, tangent_from),
+        "extremes": extremes_of(scene, *extremes) if extremes else None,
+    }
+    point = None if resume is None else resume_point(scene, resume)
+    if engine_name(engine) == "python":
+        return PythonTrajectory(scene, Doubles, point, **wishes)
+    return CTrajectory(scene, point, **wishes)
 
 
-def extremes_of(scene, ends, since):
+def extremes_of(scene: Scene, ends: Sequence[Edge], since: float) -> tuple[list[Edge], list[Gap], float]:
     """What `Extremes` is told: columns of the pairs, the stops whose gap is told by one of them, the time."""
     columns = {GROUND: len(scene.bodies), BASE: len(scene.bodies) + 1}
     pairs = [(columns.get(P, P), columns.get(Q, Q)) for P, Q in ends]
-    gaps = []
+    gaps: list[Gap] = []
     for i, stop in enumerate(scene.stops):
         P, Q = columns.get(stop.P, stop.P), columns.get(stop.Q, stop.Q)
         if (P, Q) in pairs:
@@ -122,7 +146,9 @@ def extremes_of(scene, ends, since):
     return pairs, gaps, since
 
 
-def state_at(scene, row, times, engine="auto"):
+def state_at(
+    scene: Scene, row: Row | Sequence[Row], times: Iterable[float], engine: str = "auto"
+) -> dict[str, np.ndarray]:
     """States at `times` [s], restarted from the stored event `row`.
 
     row: as `resume` of `open_trajectory`; times: ascending, from row["t"] to before the next event. Returns
@@ -131,25 +157,51 @@ def state_at(scene, row, times, engine="auto"):
     return open_trajectory(scene, engine, resume=row).state_at(times)
 
 
-def check_tangent(scene, tangent):
+def check_tangent(scene: Scene, tangent: int) -> None:
     """Raises ValueError where the scene has not so many directions."""
     if not 0 <= tangent <= dimension(scene):
         raise ValueError(f"tangent must be 0 to {dimension(scene)} for this scene, got {tangent}")
 
 
-class Trajectory:
+class Trajectory(Generic[N]):
     """What both engines share: how rows of numbers become columns by name."""
 
     engine = ""
 
-    def __init__(self, scene):
+    def __init__(self, scene: Scene[N]) -> None:
         self.scene = scene
         self.names, self.event_names = sample_columns(scene), event_columns(scene)
         self.timed_states, self.parts = section_columns(scene), part_columns(scene)
         self.states_happened = "t", *moving_columns(scene), "phase", *before_columns(scene)
         self.first_part = part_offsets(scene)
 
-    def block(self, samples, sample_codes, events, event_codes, section, reached):
+    def blocks(self) -> Iterator[Block]:
+        """Yield `Block`s until the run ends; raises EngineError when it fails."""
+        raise NotImplementedError
+
+    @property
+    def totals(self) -> dict[str, Any]:
+        """Counts and margins so far, and the ledgers and exponents where they are kept, as doubles."""
+        raise NotImplementedError
+
+    @property
+    def extremes(self) -> tuple[list[float], list[float], list[float]]:
+        """Least and greatest of every pair so far, and the smallest gap of every stop that is watched."""
+        raise NotImplementedError
+
+    def state_at(self, times: Iterable[float]) -> dict[str, np.ndarray]:
+        """States at ascending times before the next event, as columns."""
+        raise NotImplementedError
+
+    def block(
+        self,
+        samples: np.ndarray,
+        sample_codes: np.ndarray,
+        events: np.ndarray,
+        event_codes: np.ndarray,
+        section: np.ndarray,
+        reached: tuple[float, float],
+    ) -> Block:
         """A block from rows: (time, states), part states; (t, states, phase, velocities before), (kind, part,
         part states); (time, states); (time reached, time worked out to).
         """
@@ -168,14 +220,14 @@ class Trajectory:
             section[width:],
         )
 
-    def columns_of(self, states, codes):
+    def columns_of(self, states: np.ndarray, codes: Iterable[Any]) -> dict[str, np.ndarray]:
         """Columns by name of rows (time, states) and part states: one for all rows, or one for each."""
         table = dict(zip(self.timed_states, states, strict=False))
         for name, code in zip(self.parts, codes, strict=True):
             table[name] = np.full(states.shape[1], code, dtype="i1")
         return {name: table[name] for name in self.names}
 
-    def _parts(self, kinds, parts):
+    def _parts(self, kinds: np.ndarray, parts: np.ndarray) -> np.ndarray:
         """Index among `part_columns`, from the index among parts of its sort; -1 for none.
 
         Engines give bytes; read without a sign they number 255 parts of a sort, and -1 is the last number.
@@ -184,24 +236,25 @@ class Trajectory:
         return np.where(parts == -1, -1, numbers + self.first_part[kinds]).astype("i2")
 
 
-def part_offsets(scene):
+def part_offsets(scene: Scene[N]) -> np.ndarray:
     """By kind of event: index among `part_columns` of the first part of its sort."""
     first = {"stops": 0, "frictions": len(scene.stops)}
     first["clearances"] = first["frictions"] + len(scene.frictions)
     return np.array([first[OFFSETS.get(kind, "frictions")] for kind in EVENT_KINDS])
 
 
-class PythonTrajectory(Trajectory):
+class PythonTrajectory(Trajectory[N]):
     """A run on the Python engine, with numbers of `kit`; wishes: section, ledger and others of `Driver`."""
 
     engine = "python"
 
-    def __init__(self, scene, resume=None, kit: Any = Doubles, **wishes):
+    def __init__(
+        self, scene: Scene[N], kit: Kit[N], point: Point[N] | None = None, **wishes: Unpack[Wishes]
+    ) -> None:
         super().__init__(scene)
-        point = resume_point(scene, resume) if resume is not None else None
         self.kit, self.driver = kit, Driver(scene, kit, point, **wishes)
 
-    def blocks(self):
+    def blocks(self) -> Iterator[Block]:
         """Yield `Block`s until the run ends."""
         while True:
             self.driver.run(PIECES, SAMPLES, SECONDS)
@@ -210,12 +263,21 @@ class PythonTrajectory(Trajectory):
                 return
 
     @property
-    def extremes(self):
+    def extremes(self) -> tuple[list[float], list[float], list[float]]:
         """Least and greatest of every pair so far, and the smallest gap of every stop that is watched."""
         kept = self.driver.extremes
-        return (kept.least, kept.greatest, kept.margins) if kept else ([], [], [])
+        if kept is None:
+            return [], [], []
+        least, greatest, margins = (self.kit.rounded(of) for of in (kept.least, kept.greatest, kept.margins))
+        return least, greatest, margins
 
-    def _block(self, samples, events, section, extremes):
+    def _block(
+        self,
+        samples: Sequence[tuple[State[N], Status]],
+        events: Sequence[Happening[N]],
+        section: Sequence[State[N]],
+        extremes: Sequence[tuple[N, ...]],
+    ) -> Block:
         pairs = np.array([[kind, part] for kind, part, *_ in events], dtype="i2")
         kinds = pairs.astype("i1").reshape(-1, 2).T
         return self.block(
@@ -227,7 +289,7 @@ class PythonTrajectory(Trajectory):
             self._reached(),
         )
 
-    def _section(self, states, extremes):
+    def _section(self, states: Sequence[State[N]], extremes: Sequence[tuple[N, ...]]) -> np.ndarray:
         """Rows of states, and behind them those of extremes where they are kept."""
         rows = self._states(states)
         if self.driver.extremes is None:
@@ -235,90 +297,87 @@ class PythonTrajectory(Trajectory):
         width = 2 * self.driver.extremes.count
         return np.vstack([rows, np.array(extremes, dtype="f8").reshape(-1, width).T])
 
-    def _reached(self):
-        return tuple(self._numbers([self.driver.state.t, self.driver.worked_to]))
+    def _reached(self) -> tuple[float, float]:
+        reached, worked_to = self.kit.rounded([self.driver.state.t, self.driver.worked_to])
+        return reached, worked_to
 
-    def _states(self, states, phase=False):
-        rows = [self._numbers(self._row(state, phase)) for state in states]
+    def _states(self, states: Iterable[State[N]], phase: bool = False) -> np.ndarray:
+        rows = [self.kit.rounded(self._row(state, phase)) for state in states]
         width = 3 + 2 * len(self.scene.bodies) + phase
         return np.array(rows, dtype="f8").reshape(-1, width).T
 
-    def _row(self, s, phase=False):
+    def _row(self, s: State[N], phase: bool = False) -> tuple[N, ...]:
         """Numbers of the engine: time, x and v of each body, phi, phidot and phase."""
         moving = [value for pair in zip(s.x, s.v, strict=True) for value in pair]
         return (s.t, *moving, self.kit.unwind(s.phase, s.turns), s.w, *([s.phase] if phase else []))
 
-    def _before(self, events):
+    def _before(self, events: Sequence[Happening[N]]) -> np.ndarray:
         """Velocities of bodies and rotor in front of events, one row each; none where nothing is struck."""
         count = len(before_columns(self.scene))
-        rows = [self._numbers([*v, w])[:count] for *_, (v, w) in events]
+        rows = [self.kit.rounded([*v, w])[:count] for *_, (v, w) in events]
         return np.array(rows, dtype="f8").reshape(len(events), count).T
 
-    def _numbers(self, values):
-        """Numbers of the engine as doubles."""
-        return values
-
-    def _codes(self, statuses):
+    def _codes(self, statuses: Sequence[Status]) -> np.ndarray:
         parts = len(self.parts)
         return np.array([status.codes for status in statuses], dtype="i1").reshape(len(statuses), parts).T
 
     @property
-    def totals(self):
+    def totals(self) -> dict[str, Any]:
         """Counts and margins so far, and the ledgers and exponents where they are kept, as doubles."""
         driver, kept = self.driver, self.driver.flow.certificate
-        margin = inf if kept.margin == inf else self._numbers([kept.margin])[0]
-        first_doubt, margin_time = self._numbers([kept.first_doubt, kept.margin_time])
+        margin = inf if kept.margin == inf else self.kit.rounded([kept.margin])[0]
+        first_doubt, margin_time = self.kit.rounded([kept.first_doubt, kept.margin_time])
         totals = totals_of(
             driver.counts,
             (kept.uncertified, first_doubt, margin, margin_time),
             (driver.flow.taylor.steps + driver.flow.closed.steps, driver.flow.closed.evaluations),
-            nan if driver.first_violation is None else self._numbers([driver.first_violation])[0],
+            nan if driver.first_violation is None else self.kit.rounded([driver.first_violation])[0],
         )
         cut = driver.automaton.rigid.cut_off
-        left_out = self._numbers([cut.time, cut.speed, cut.distance])
+        left_out = self.kit.rounded([cut.time, cut.speed, cut.distance])
         totals |= rigid_totals(self.scene, driver.counts, left_out)
         if driver.ledger:
             where = driver.start, (driver.state, driver.status)
             ledger = ledger_totals(self.scene, self.kit, driver.ledger.names, driver.ledger.entries, *where)
-            totals |= dict(zip(ledger, self._numbers(list(ledger.values())), strict=True))
-        if driver.tangent:
-            totals |= tangent_totals(self.scene, driver.tangent.entries(), kept.margin, kept.margin_time)
+            totals |= dict(zip(ledger, self.kit.rounded(list(ledger.values())), strict=True))
+        if isinstance(driver.tangent, TangentBundle):
+            totals |= tangent_totals(self.scene, self.kit, driver.tangent.entries(), margin, margin_time)
         return totals
 
-    def state_at(self, times):
+    def state_at(self, times: Iterable[float]) -> dict[str, np.ndarray]:
         """States at ascending times before the next event, as columns."""
-        states, statuses = [], []
+        states: list[State[N]] = []
+        statuses: list[Status] = []
         for t in times:
-            states.append(self.driver.state_at(t))
+            states.append(self.driver.state_at(self.kit.number(t)))
             statuses.append(self.driver.status)
         return self.columns_of(self._states(states), self._codes(statuses))
 
 
-class CTrajectory(Trajectory):
+class CTrajectory(Trajectory[float]):
     """A run on the C engine; wishes: section, ledger and others of `CRun`."""
 
     engine = "c"
 
-    def __init__(self, scene, resume=None, **wishes):
+    def __init__(self, scene: Scene, point: Point | None = None, **wishes: Unpack[Wishes]) -> None:
         super().__init__(scene)
         from vibsim.engine.c_engine import CRun
 
-        point = resume_point(scene, resume) if resume is not None else None
-        self.resume, self.starts_lifted = resume, point is not None and LIFTED in point[1].stops
+        self.point = point
         self.run = CRun(scene, point, **wishes)
 
     @property
-    def extremes(self):
+    def extremes(self) -> tuple[list[float], list[float], list[float]]:
         """Least and greatest of every pair so far, and the smallest gap of every stop that is watched."""
         return self.run.run.extremes()
 
-    def blocks(self):
+    def blocks(self) -> Iterator[Block]:
         """Yield `Block`s until the run ends; raises EngineError when it fails."""
         for rows in self.run.blocks():
             yield self.block(*rows)
 
     @property
-    def totals(self):
+    def totals(self) -> dict[str, Any]:
         """Counts and margins so far, and the ledgers and exponents where they are kept."""
         tally = self.run.tally
         totals = totals_of(
@@ -335,16 +394,16 @@ class CTrajectory(Trajectory):
         totals |= rigid_totals(self.scene, tally["counts"], (cut.time, cut.speed, cut.distance))
         if self.run.moving:
             _, _, margin, margin_time = tally["certificate"]
-            totals |= tangent_totals(self.scene, self.run.disturbances, margin, margin_time)
+            totals |= tangent_totals(self.scene, Doubles, self.run.disturbances, margin, margin_time)
         return totals
 
-    def state_at(self, times):
+    def state_at(self, times: Iterable[float]) -> dict[str, np.ndarray]:
         """States at ascending times before the next event, as columns.
 
         A lifted stop opens without a record: what follows an event that C leaves to Python is Python's.
         """
-        if self.starts_lifted:
-            return PythonTrajectory(self.scene, self.resume).state_at(times)
+        if self.point is not None and LIFTED in self.point[1].stops:
+            return PythonTrajectory(self.scene, Doubles, self.point).state_at(times)
         rows = [self.run.state_at(t) for t in times]
         width = 3 + 2 * len(self.scene.bodies)
         table = np.array(rows, dtype="f8").reshape(-1, width).T

@@ -6,9 +6,10 @@
 Sampled states and events come twice: as doubles, like those of any run, and as decimal texts of all digits.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +18,8 @@ from vibsim.engine.errors import EngineError
 from vibsim.engine.state import State
 from vibsim.engine.trajectory import Block, PythonTrajectory
 from vibsim.physics.exact_decimals import text_width
-from vibsim.physics.number_kits import number_kit
+from vibsim.physics.number_kits import DigitsKit, number_kit
+from vibsim.physics.numbers import Number
 from vibsim.physics.parts import Scene
 
 SAMPLES, PIECES, SECONDS = 512, 8, 0.1  # a stretch of 60 digits takes some ten milliseconds
@@ -31,15 +33,17 @@ class TruthBlock(Block):
     event_digits: dict[str, np.ndarray]
 
 
-class TruthTrajectory(PythonTrajectory):
+class TruthTrajectory(PythonTrajectory[Number]):
     """A run on the numbers of `kit`; see `open_truth`."""
+
+    kit: DigitsKit[Number]
 
     @property
     def order(self) -> int:
         """Order of the Taylor flow."""
         return self.kit.order()
 
-    def blocks(self):
+    def blocks(self) -> Iterator[TruthBlock]:
         """Yield `TruthBlock`s until the run ends; raises EngineError when it fails."""
         while True:
             self.kit.activate()
@@ -56,15 +60,12 @@ class TruthTrajectory(PythonTrajectory):
             if self.driver.finished:
                 return
 
-    def _rounded(self, state):
+    def _rounded(self, state: State[Number]) -> State:
         values = self.kit.rounded([state.t, *state.x, *state.v, state.phase, state.turns, state.w])
         n = len(state.x)
         return State(values[0], values[1 : n + 1], values[n + 1 : 2 * n + 1], *values[-3:])
 
-    def _numbers(self, values):
-        return self.kit.rounded(values)
-
-    def _texts(self, names, rows):
+    def _texts(self, names: Sequence[str], rows: Sequence[Sequence[Number]]) -> dict[str, np.ndarray]:
         width = text_width(self.kit.digits)
         return {
             name: np.array(self.kit.texts([row[i] for row in rows]), dtype=f"S{width}")
@@ -72,24 +73,26 @@ class TruthTrajectory(PythonTrajectory):
         }
 
 
-def open_truth(exact_scene: Callable[..., Scene], digits: int, **options: bool) -> TruthTrajectory:
+def open_truth(
+    exact_scene: Callable[..., Scene[Number]], digits: int, ledger: bool = False, momentum: bool = False
+) -> TruthTrajectory:
     """A run of `digits` decimal digits, not yet computed.
 
     Parameters
     ----------
     exact_scene : makes the scene from (number, pi), as `Case.exact_scene` does
     digits : 20 to 1000
-    options : ledger, momentum, as of `open_trajectory`; their quadrature is that of doubles, 16 digits
+    ledger, momentum : as of `open_trajectory`; their quadrature is that of doubles, 16 digits
 
     Returns an object as `open_trajectory` does; its blocks are `TruthBlock`s, without section. Raises
     ValueError for other digits, MultiprecisionMissing where neither python-flint nor mpmath is installed.
     """
     kit = number_kit(digits)
     scene = exact_scene(kit.number, kit.pi)
-    return TruthTrajectory(bare(scene, kit), kit=kit, **options)
+    return TruthTrajectory(bare(scene, kit), kit, ledger=ledger, momentum=momentum)
 
 
-def bare(part, kit):
+def bare(part: Any, kit: DigitsKit[Number]) -> Any:
     """A part, or a scene of them, whose numbers carry no radius."""
     if is_dataclass(part) and not isinstance(part, type):
         return replace(part, **{field.name: bare(getattr(part, field.name), kit) for field in fields(part)})

@@ -11,7 +11,7 @@ a type means doubles: `Scene` is `Scene[float]`.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Protocol, overload
 
@@ -99,6 +99,7 @@ class Kit(Protocol[N]):
     def turn_angle(self, cycles: N, cycles_lo: N, t: N, /) -> N: ...
     def reduce_angle(self, angle: N, /) -> tuple[N, N]: ...
     def unwind(self, angle: N, turns: N, /) -> N: ...
+    def rounded(self, values: Iterable[N], /) -> list[float]: ...
 
 
 class Doubles:
@@ -195,6 +196,11 @@ class Doubles:
         """`angle` [rad] moved into [-pi, pi] by whole turns, and the number of turns taken out (a float)."""
         turns = math.floor(angle / TWO_PI + 0.5)
         return (angle - turns * TWO_PI) - turns * TWO_PI_LO, turns
+
+    @staticmethod
+    def rounded(values: Iterable[float]) -> list[float]:
+        """The doubles nearest to `values`: they themselves."""
+        return list(values)
 
     @staticmethod
     def unwind(angle: float, turns: float) -> float:

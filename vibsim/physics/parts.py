@@ -216,7 +216,7 @@ class Scene(Sampled[N], Generic[N]):
     motor: Motor[N] | None = None
     clearances: tuple[Clearance[N], ...] = ()
     stop_on_violation: bool = False
-    t_end: N | float = 0.0
+    t_end: N = 0.0  # type: ignore[assignment]  # the default is one for doubles
     every_num: int = 1
     every_den: int = 200
     method: str = "auto"

@@ -31,10 +31,11 @@ class Period:
         return t - t * (self.cycles_lo / self.cycles)
 
 
-def common_period(scene: Scene) -> Period | None:
+def common_period(scene: Scene[Any]) -> Period | None:
     """The shortest period of all forces and the base, or None where nothing moves them or their frequencies
     have no common one: ratios count as exact within the rounding of double-doubles. Amplitudes of 0 count
     where there are no others: what a sweep begins with at 0 N has a clock already.
+    Frequencies are doubles or fractions.
     """
     terms = [term for term in scene.harmonics if term.cycles != 0]
     strong = [term for term in terms if term.amplitude != 0]

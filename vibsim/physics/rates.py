@@ -8,11 +8,11 @@ machine in the last ones.
 
 from collections.abc import Iterable, Sequence
 from math import inf, pi, sqrt
-from typing import Any
 
 import numpy as np
 
 from vibsim.physics.body_sets import body_sets
+from vibsim.physics.numbers import N
 from vibsim.physics.parts import Link, RigidStop, Scene, Stop
 from vibsim.physics.period import common_period
 
@@ -43,9 +43,9 @@ def reduced_mass(scene: Scene, P: int, Q: int) -> float:
     return float(1 / (1 / moving[0] + 1 / moving[1]) if len(moving) == 2 else moving[0])
 
 
-def mobility(scene: Scene, ends: Iterable[int]) -> Any:
+def mobility(scene: Scene[N], ends: Iterable[int]) -> N | int:
     """Sum of 1 / mass over the bodies among `ends` [1/kg], in the number type of the scene."""
-    total: Any = 0
+    total: N | int = 0
     for end in sorted(ends):
         if end >= 0:
             total = total + 1 / scene.bodies[end].m

@@ -8,7 +8,7 @@ from vibsim.physics.numbers import N
 class Sampled(Generic[N]):
     """Of a scene that ends at `t_end` [s] and has samples at i * every_num / every_den [s], i = 0, 1, ..."""
 
-    t_end: N | float
+    t_end: N
     every_num: int
     every_den: int
 

@@ -6,8 +6,9 @@ the finer one loses as many of its own. The coarser run is one in doubles where 
 next to nothing.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from decimal import Context, Decimal
+from fractions import Fraction
 from math import ceil, floor, log10
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ from vibsim.engine.errors import EngineError
 from vibsim.engine.state import State
 from vibsim.engine.tangent.error_growth import error_growth, last_states
 from vibsim.engine.truth import open_truth
+from vibsim.physics.numbers import Number
 from vibsim.physics.parts import Scene
 from vibsim.physics.working_precision import FEWEST_DIGITS, MOST_DIGITS
 from vibsim.results.recording import Watch
@@ -145,7 +147,7 @@ def end_in_doubles(scene: Scene) -> EndState | None:
 def end_in_digits(case: "Case", digits: int, watch: Watch | None = None) -> EndState | None:
     """The same in so many digits; None where `watch` stopped the run."""
 
-    def without_samples(number: Any, pi: Any) -> Scene:
+    def without_samples(number: Callable[[Fraction], Number], pi: Number) -> Scene[Number]:
         return case.exact_scene(number, pi).without_samples()
 
     end = None

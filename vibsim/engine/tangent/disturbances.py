@@ -5,20 +5,25 @@ matrix; ties that begin give tied bodies one velocity, momentum kept, and rigid 
 displacement of their ends.
 """
 
-from typing import Any
+from collections.abc import Iterator, Sequence
+from typing import Generic
 
+from vibsim.engine.events.rigid_stops import Touch
 from vibsim.engine.flows.accelerations import joined
-from vibsim.engine.tangent.impact_saltation import UNDEFINED
-from vibsim.engine.tangent.saltation import resting, saltation
+from vibsim.engine.flows.flow import Flow
+from vibsim.engine.modes.rows import Event, ModeRows
+from vibsim.engine.state import State
+from vibsim.engine.tangent.impact_saltation import Undefined
+from vibsim.engine.tangent.saltation import Jump, resting, saltation
 from vibsim.engine.tangent.tangencies import Tangencies
 from vibsim.engine.tangent.tangent_closed_form import ClosedFormTangent
 from vibsim.engine.tangent.tangent_space import seated
 from vibsim.engine.tangent.tangent_taylor import TaylorTangent
+from vibsim.physics.numbers import Kit, N
+from vibsim.physics.parts import Scene
 
-TANGENTS = {"closed_form": ClosedFormTangent, "taylor": TaylorTangent}
 
-
-class Disturbances:
+class Disturbances(Generic[N]):
     """Carries `vectors`, rows (dx of each body, dv of each body, dphi, dw), over the stretches of a run, as
     they are.
 
@@ -26,27 +31,31 @@ class Disturbances:
     pieces : stretches that they moved over at once
     """
 
-    def __init__(self, scene, kit, flow, vectors=()):
+    def __init__(
+        self, scene: Scene[N], kit: Kit[N], flow: Flow[N], vectors: Sequence[Sequence[N]] = ()
+    ) -> None:
         self.scene, self.kit, self.flow = scene, kit, flow
         self.vectors, self.possible = [list(vector) for vector in vectors], len(vectors)
-        flows = (flow.taylor, flow.closed)
-        self.tangents: Any = {of.method: TANGENTS[of.method](scene, kit, of) for of in flows}
+        self.tangents: dict[str, TaylorTangent[N] | ClosedFormTangent[N]] = {
+            "taylor": TaylorTangent(scene, kit, flow.taylor),
+            "closed_form": ClosedFormTangent(scene, kit, flow.closed),
+        }
         self.tangencies = Tangencies(scene, kit)
         self.pieces = 0
 
-    def open(self, state, rows):
+    def open(self, state: State[N], rows: ModeRows[N]) -> None:
         """At the start: what the ties of the mode allow of the disturbances."""
         self.tangencies.pass_by(state)
         self._join(state, rows)
 
-    def gather(self, start, end, tau, state):
+    def gather(self, start: State[N], end: N, tau: N, state: State[N]) -> Iterator[N]:
         """Carry the disturbances over the stretch from the state `start` to `state` at the time `end`, `tau`
         [s] after the start of the flow; the instant of an impact is not on the grid of time.
 
         A generator, which yields how far it is [s] after every piece.
         """
         t, tangent = start.t, self.tangents[self.flow.now.method]
-        late = tau - (end - self.flow.t0)
+        late: N | int = tau - (end - self.flow.t0)
         while t < end or late != 0:
             ahead = tangent.piece_end(t, end, self._mark(end)) if t < end else end
             if ahead < end:
@@ -62,7 +71,14 @@ class Disturbances:
             yield t
         self.tangencies.pass_by(state)
 
-    def cross(self, event, state, before, after, touch=None):
+    def cross(
+        self,
+        event: Event[N],
+        state: State[N],
+        before: ModeRows[N],
+        after: ModeRows[N],
+        touch: Touch[N] | None = None,
+    ) -> None:
         """Take `event` at `state` from the mode of the rows `before` to that of `after`; touch: of rigid
         stops, where it was one.
         """
@@ -70,7 +86,7 @@ class Disturbances:
             return
         jump = saltation(self.scene, self.kit, state, before, after, event, touch)
         self.tangencies.judge(event, state, before, after, jump)
-        jump = None if jump is UNDEFINED else jump
+        jump = None if isinstance(jump, Undefined) else jump
         if jump is not None:
             for i in range(self.possible):
                 self.vectors[i] = jump.applied(self.vectors[i])
@@ -79,20 +95,20 @@ class Disturbances:
         elif jump is not None:
             self._jumped(jump)
 
-    def _join(self, state, rows):
+    def _join(self, state: State[N], rows: ModeRows[N]) -> None:
         for i in range(self.possible):
             vector = seated(self.scene, self.kit, rows.status, self.vectors[i])
             self.vectors[i] = joined(self.scene, self.kit, rows, state, vector)
 
-    def _mark(self, end):
+    def _mark(self, end: N) -> N:
         """Time [s] that no piece goes beyond."""
         return end
 
-    def _moved(self, t, ahead):
+    def _moved(self, t: N, ahead: N) -> None:
         """What is done after a piece from t to `ahead` [s]."""
 
-    def _jumped(self, jump):
+    def _jumped(self, jump: Jump[N]) -> None:
         """What is done after an event that changed no ties."""
 
-    def _change_ties(self, state, after):
+    def _change_ties(self, state: State[N], after: ModeRows[N]) -> None:
         self._join(state, after)

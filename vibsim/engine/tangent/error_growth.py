@@ -7,16 +7,15 @@ where motion contracts, an error never falls below fresh rounding. It is an esti
 into the direction of fastest growth anew.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import log10
-from typing import Any
 
 import numpy as np
 
 from vibsim.engine.columns import state_columns, stop_column
 from vibsim.engine.modes.status import RESTING, STICK
-from vibsim.engine.resume import rows_of_instant
+from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import Friction, RigidStop, Scene, columns_of
 
@@ -24,7 +23,7 @@ KICK = 1e-12  # of the largest velocity: far above rounding, far below what bend
 LARGEST = 1e-4  # a difference up to here, relative to the motion, still grows in proportion
 
 Table = Mapping[str, np.ndarray]
-Row = dict[str, Any]
+Scale = dict[str, float]  # by column
 
 
 def error_growth(scene: Scene, engine: str = "auto", along: Table | None = None) -> float:
@@ -50,14 +49,14 @@ def error_growth(scene: Scene, engine: str = "auto", along: Table | None = None)
     return grown
 
 
-def last_states(scene: Scene, engine: str = "auto", resume: list[Row] | None = None) -> Table:
+def last_states(scene: Scene, engine: str = "auto", resume: Sequence[Row] | None = None) -> Table:
     """The event table of a run without samples, from its start or from the event rows of one instant."""
     trajectory = open_trajectory(scene.without_samples(), engine, resume)
     blocks = [block.events for block in trajectory.blocks()]
     return {name: np.concatenate([events[name] for events in blocks]) for name in blocks[0]}
 
 
-def _stretch(scene: Scene, engine: str, table: Table, scale: Row, i: int, j: int) -> float:
+def _stretch(scene: Scene, engine: str, table: Table, scale: Scale, i: int, j: int) -> float:
     """Factor of growth from event i to event j."""
     rows = rows_of_instant(table, i)
     kick = _kick(scene, rows[-1], scale)
@@ -68,7 +67,7 @@ def _stretch(scene: Scene, engine: str, table: Table, scale: Row, i: int, j: int
     return float(max(apart)) / KICK
 
 
-def _kick(scene: Scene, row: Row, scale: Row) -> Row:
+def _kick(scene: Scene, row: Row, scale: Scale) -> Scale:
     """What is added to states: a velocity of the first body that no friction or rigid stop holds, or a
     displacement of the first one where all are held.
     """
@@ -83,5 +82,5 @@ def _kick(scene: Scene, row: Row, scale: Row) -> Row:
     return {columns_of(scene.bodies[0].name)[0]: KICK * largest}
 
 
-def _moved(row: Row, kick: Row) -> Row:
-    return row | {name: row[name] + size for name, size in kick.items()}
+def _moved(row: Row, kick: Scale) -> Row:
+    return {**row} | {name: row[name] + size for name, size in kick.items()}

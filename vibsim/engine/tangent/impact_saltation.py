@@ -15,13 +15,22 @@ part: their rates are 0, disturbed or not. S is unbounded as the approach become
     of them a disturbed motion strikes first makes a difference that does not vanish with the disturbance.
 """
 
-from dataclasses import dataclass
-from typing import Any
+from __future__ import annotations
 
-from vibsim.engine.events.newton_moreau import coupling, masses, solved
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Generic
+
+from vibsim.engine.events.newton_moreau import Contact, Impulse, coupling, masses, solved
+from vibsim.engine.events.rigid_stops import Touch
 from vibsim.engine.flows.accelerations import accelerations
+from vibsim.engine.modes.rows import Event, ModeRows
 from vibsim.engine.modes.status import OPEN, RESTING
 from vibsim.engine.state import State
+from vibsim.physics.numbers import Kit, N
+from vibsim.physics.parts import Scene
+
+Blow = Sequence[tuple[Contact[N], Impulse[N]]]  # the stops that passed an impulse, and these
 
 
 class Undefined:
@@ -32,31 +41,31 @@ UNDEFINED = Undefined()
 
 
 @dataclass
-class Motion:
+class Motion(Generic[N]):
     """Velocities of all columns and of the rotor, and their rates, on one side of an impact."""
 
-    v: list[Any]
-    w: Any
-    a: list[Any]
-    alpha: Any
+    v: list[N]
+    w: N
+    a: list[N]
+    alpha: N
 
 
 @dataclass
-class ImpactSaltation:
+class ImpactSaltation(Generic[N]):
     """S of a blow.
 
     event : STRIKE function that ended the mode, with h' = -approach [m/s]
     passed : (contact, impulse) of the stops that passed one; law : the blow, linearised
     """
 
-    event: Any
-    approach: Any
-    before: Motion
-    after: Motion
-    law: Any
+    event: Event[N]
+    approach: N
+    before: Motion[N]
+    after: Motion[N]
+    law: LinearBlow[N]
     bodies: int
 
-    def applied(self, vector):
+    def applied(self, vector: Sequence[N]) -> list[N]:
         """S times a disturbance."""
         n, one, other = self.bodies, self.before, self.after
         late = self._distance(vector) / self.approach
@@ -69,20 +78,20 @@ class ImpactSaltation:
         dv = [d - late * a for d, a in zip(dv[:n], other.a[:n], strict=True)]
         return [*dx, *dv, *([rotor[0] - late * (other.w - one.w), dw - late * other.alpha] if rotor else [])]
 
-    def _distance(self, vector):
+    def _distance(self, vector: Sequence[N]) -> N:
         """n^T times a disturbance: the change of the distance to the stop."""
-        (term,) = self.event.terms
-        P, Q = (vector[c] if c < self.bodies else 0 for c in (term.P, term.Q))
+        (term,), zero = self.event.terms, self.law.kit.number(0)
+        P, Q = (vector[c] if c < self.bodies else zero for c in (term.P, term.Q))
         return term.coefficient * (P - Q)
 
     @property
-    def drive(self):
+    def drive(self) -> N:
         """Acceleration that drives the ends of the stop together in front of the blow [m/s^2]."""
         (term,) = self.event.terms
         return -(term.coefficient * (self.before.a[term.P] - self.before.a[term.Q]))
 
     @property
-    def determinant(self):
+    def determinant(self) -> N:
         """Of S on disturbances that stops at rest allow: e of the law, e again as time passes slower behind
         the blow.
         """
@@ -90,13 +99,13 @@ class ImpactSaltation:
         return e * e
 
 
-class LinearBlow:
+class LinearBlow(Generic[N]):
     """The law of impacts about one blow.
 
     passed : (contact, impulse) of each stop that passed one; phase: angle of the rotor [rad]
     """
 
-    def __init__(self, scene, kit, passed, phase):
+    def __init__(self, scene: Scene[N], kit: Kit[N], passed: Blow[N], phase: N) -> None:
         self.kit, self.passed = kit, passed
         self.bodies = masses(scene, kit, phase)
         self.couplings = [[coupling(self.bodies, a, b) for b, _ in passed] for a, _ in passed]
@@ -104,9 +113,10 @@ class LinearBlow:
         if self.on >= 0:
             self._turn(scene, kit, phase)
 
-    def _turn(self, scene, kit, phase):
+    def _turn(self, scene: Scene[N], kit: Kit[N], phase: N) -> None:
         """How mobilities change with the angle of the rotor."""
         motor = scene.motor
+        assert motor is not None
         inertia = motor.J + motor.m3 * motor.e * motor.e
         s, c = motor.m3 * motor.e * kit.sin(phase), motor.m3 * motor.e * kit.cos(phase)
         determinant = (scene.bodies[motor.on].m + motor.m3) * inertia - s * s
@@ -114,7 +124,7 @@ class LinearBlow:
         self.mobility_slope = self.bodies.mobility[self.on] * change
         self.turning_slope = c / determinant + self.bodies.turning * change
 
-    def applied(self, dv, dw, dphi):
+    def applied(self, dv: Sequence[N], dw: N, dphi: N) -> tuple[list[N], N]:
         """Velocities of all columns and of the rotor behind the blow, from those in front of it and the angle
         of the rotor: their disturbances.
         """
@@ -136,26 +146,34 @@ class LinearBlow:
             dw = dw + self.turning_slope * dphi * self._on_rotor([one.impulse for _, one in self.passed])
         return after, dw
 
-    def _gain(self, c):
+    def _gain(self, c: Contact[N]) -> int:
         """By how much a velocity of the body with the rotor slows the depth of a stop."""
         return {c.P: c.sense, c.Q: -c.sense}.get(self.on, 0)
 
-    def _on_rotor(self, impulses):
+    def _on_rotor(self, impulses: Sequence[N]) -> N:
         """Sum of impulses on the body with the rotor."""
         total = 0 * self.mobility_slope
         for (c, _), impulse in zip(self.passed, impulses, strict=True):
             total = total + self._gain(c) * impulse
         return total
 
-    def restitution(self, stop):
+    def restitution(self, stop: int) -> N:
         return next(c.e for c, _ in self.passed if c.stop == stop)
 
 
-def impact_saltation(scene, kit, state, before, after, event, touch):
+def impact_saltation(
+    scene: Scene[N],
+    kit: Kit[N],
+    state: State[N],
+    before: ModeRows[N],
+    after: ModeRows[N],
+    event: Event[N],
+    touch: Touch[N],
+) -> ImpactSaltation[N] | Undefined | None:
     """The saltation of a STRIKE `event` at `state`, which `touch` led to, between the modes of the rows
     `before` and `after`. None where nothing is struck, UNDEFINED where there is none.
     """
-    i, (passed, *more) = event.part, touch.blows or [()]
+    i, passed, more = event.part, touch.blows[0] if touch.blows else [], touch.blows[1:]
     if not passed:
         grazes = touch.before[i] == 0 and after.status.stops[i] == OPEN
         return UNDEFINED if grazes else None

@@ -7,21 +7,30 @@ tied bodies get one velocity, those that rest on each other one displacement. A 
 rigid stop, or strikes several at one instant, has no such derivative: that is told.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from math import isfinite, nan
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from vibsim.engine.choice import engine_name
 from vibsim.engine.driver import Driver
 from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.modes.mode_table import same_packed
+from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.state import State
 from vibsim.engine.tangent.tangent_space import length
 from vibsim.physics.modes import EVENT_NAMES
 from vibsim.physics.numbers import Doubles
+from vibsim.physics.parts import Scene
+
+if TYPE_CHECKING:
+    from vibsim.engine.c_engine import CRun
 
 PIECES = 4096  # of the Python engine at once
 
@@ -52,32 +61,32 @@ class Carried:
     undefined_at: float = nan
 
     @cached_property
-    def rate(self):
+    def rate(self) -> np.ndarray:
         """Rates of change of the components at the end."""
         return self.rate_there() if callable(self.rate_there) else self.rate_there
 
     @cached_property
-    def events(self):
+    def events(self) -> tuple[tuple[str, int], ...]:
         """(kind, part) of what happened on the way, in order."""
         return tuple((EVENT_NAMES[kind], part) for kind, part in self.happened[:, :2].tolist())
 
     @property
-    def times(self):
+    def times(self) -> np.ndarray:
         """When these happened [s]."""
         return self.table[:, 0]
 
     @property
-    def states(self):
+    def states(self) -> np.ndarray:
         """The components behind them, one row each."""
         return self.table[:, 1:]
 
     @property
-    def codes(self):
+    def codes(self) -> np.ndarray:
         """The states of the parts behind them (`Status.codes`), one row each."""
         return self.happened[:, 2:]
 
     @property
-    def matrix(self):
+    def matrix(self) -> np.ndarray:
         """Column j: what became of disturbance j. The monodromy matrix where these were the unit ones."""
         return self.vectors.T
 
@@ -85,8 +94,9 @@ class Carried:
 class _Shared:
     """A run on the C engine that carriers of several scenes use by turns, and the scene that it is on."""
 
-    def __init__(self):
-        self.run = self.scene = None
+    def __init__(self) -> None:
+        self.run: CRun | None = None
+        self.scene: Scene | None = None
 
 
 class Carrier:
@@ -97,18 +107,18 @@ class Carrier:
     engine : "auto" (C where it was built, else Python), "c" or "python"; equal bit for bit
     """
 
-    def __init__(self, scene, engine="auto"):
+    def __init__(self, scene: Scene, engine: str = "auto") -> None:
         stops = tuple(replace(stop, at_start=False) for stop in scene.stops)
         clearances = tuple(replace(one, at_start=False) for one in scene.clearances)
-        of = {"stops": stops, "clearances": clearances, "stop_on_violation": False}
-        self.scene, self._origin = replace(scene, **of, every_num=10**9, every_den=1), scene
+        free = replace(scene, stops=stops, clearances=clearances, stop_on_violation=False)
+        self.scene, self._origin = replace(free, every_num=10**9, every_den=1), scene
         self.engine, self.size, self._shared = engine_name(engine), length(scene), _Shared()
         n = len(scene.bodies)
         rotor = (2 * n + 1, 2 * n + 2) if scene.motor is not None else ()
         # of the rows of a state in C: the time and then the components
         self._order = np.array([0, *range(1, 2 * n, 2), *range(2, 2 * n + 1, 2), *rotor])
 
-    def carry(self, state, end, vectors=None):
+    def carry(self, state: ArrayLike, end: float, vectors: ArrayLike | None = None) -> Carried:
         """The motion from `state`, the components at t = 0, to `end` [s], as `Carried`.
 
         vectors: disturbances of the start, one per row; all unit ones where they are left out. Raises
@@ -126,21 +136,21 @@ class Carrier:
             raise ValueError(f"the end must be after the start, got {end} s")
         return self.carried(state.tolist(), float(end), vectors)
 
-    def carried(self, components, end, vectors):
+    def carried(self, components: list[float], end: float, vectors: np.ndarray) -> Carried:
         """As `carry`, for those who know their arguments: a list of finite numbers, a time after the start
         and an array of one finite disturbance per row.
         """
         carried = self._by_python if self.engine == "python" else self._by_c
         return carried(components, end, vectors)
 
-    def _start(self, components):
+    def _start(self, components: list[float]) -> State:
         """The state of components at t = 0."""
         n, zero = len(self.scene.bodies), 0.0
         x, v, rotor = components[:n], components[n : 2 * n], components[2 * n :]
         phase, turns = Doubles.reduce_angle(rotor[0]) if rotor else (zero, zero)
         return State(zero, x, v, phase, turns, rotor[1] if rotor else zero)
 
-    def _by_c(self, components, end, vectors):
+    def _by_c(self, components: list[float], end: float, vectors: np.ndarray) -> Carried:
         run = self._tuned()
         run.restart(self._start(components), end, vectors)
         states, codes = run.run_out()
@@ -155,7 +165,7 @@ class Carrier:
             state, there, moved, happened, table, (uncertified, margin), (undefined, undefined_time)
         )
 
-    def _tuned(self):
+    def _tuned(self) -> CRun:
         """The run on the C engine, on the numbers of this scene."""
         from vibsim.engine.c_engine import CRun
 
@@ -167,27 +177,28 @@ class Carrier:
         shared.scene = self.scene
         return shared.run
 
-    def shares(self, scene):
+    def shares(self, scene: Scene) -> bool:
         """Whether a carrier of another scene can use the same run of the C engine: the modes of both are
         packed the same.
         """
         return self.engine == "c" and same_packed(scene, self._origin)
 
-    def of(self, scene):
+    def of(self, scene: Scene) -> Carrier:
         """A carrier of another scene that `shares` the run with this one, by turns."""
         other = object.__new__(Carrier)
         vars(other).update(vars(self), _origin=scene)
         other.scene = replace(self.scene, motor=scene.motor, forces=scene.forces)
         return other
 
-    def _by_python(self, components, end, vectors):
+    def _by_python(self, components: list[float], end: float, vectors: np.ndarray) -> Carried:
         driver = Driver(self._started(components, end), Doubles, carry=vectors.tolist())
         while not driver.finished:
             driver.run(PIECES)
         codes = [(kind, part, *status.codes) for kind, part, _, status, _ in driver.events[1:-1]]
         width = 2 + len(driver.status.codes)
         kept, rows = driver.flow.certificate, driver.maker.rows(driver.status)
-        moved, undefined = [], (0, nan)
+        moved: ArrayLike = []
+        undefined = 0, nan
         if driver.tangent:
             near = driver.tangent.tangencies
             moved, undefined = driver.tangent.vectors, (near.undefined, near.undefined_time)
@@ -198,7 +209,7 @@ class Carrier:
         there = partial(self._rate, driver.state, rows)
         return self._told(driver.state, there, moved, happened, table, certificate, undefined)
 
-    def _started(self, components, end):
+    def _started(self, components: list[float], end: float) -> Scene:
         """The scene from the components of a state to `end` [s]."""
         n, motor = len(self.scene.bodies), self.scene.motor
         starts = zip(self.scene.bodies, components[:n], components[n : 2 * n], strict=True)
@@ -207,18 +218,27 @@ class Carrier:
             motor = replace(motor, phi=components[-2], phidot=components[-1])
         return replace(self.scene, bodies=bodies, motor=motor, t_end=end)
 
-    def _components(self, state):
+    def _components(self, state: State) -> list[float]:
         motor = self.scene.motor is not None
         rotor = (Doubles.unwind(state.phase, state.turns), state.w) if motor else ()
         return [*state.x, *state.v, *rotor]
 
-    def _rate(self, state, rows):
+    def _rate(self, state: State, rows: ModeRows) -> np.ndarray:
         """Rates of change of the components of a state in the mode of `rows`."""
         a, alpha = accelerations(self.scene, Doubles, rows, state)
         rotor = (state.w, alpha) if self.scene.motor is not None else ()
         return np.array([*state.v, *a[: len(self.scene.bodies)], *rotor])
 
-    def _told(self, state, rate_there, moved, happened, table, certificate, undefined):
+    def _told(
+        self,
+        state: State,
+        rate_there: np.ndarray | Callable[[], np.ndarray],
+        moved: ArrayLike,
+        happened: np.ndarray,
+        table: np.ndarray,
+        certificate: tuple[float, float],
+        undefined: tuple[float, float],
+    ) -> Carried:
         vectors = np.asarray(moved, dtype="f8").reshape(-1, self.size)
         count, undefined_time = undefined
         return Carried(
@@ -233,6 +253,6 @@ class Carrier:
         )
 
 
-def _finite(values):
+def _finite(values: np.ndarray) -> bool:
     """Whether all values are finite: their sum says it at once, but for an overflow."""
     return isfinite(values.sum()) or bool(np.isfinite(values).all())

@@ -1,15 +1,22 @@
 """Small disturbances as flat numbers, in the order in which reading_tangent.c reads them."""
 
+from collections.abc import Callable
 from math import log2
 
+import numpy as np
+
 from vibsim.engine.modes.packing import Packer
+from vibsim.engine.modes.rows import Joined
+from vibsim.engine.modes.ties import Edge
 from vibsim.engine.tangent.tangent_space import Gauge, components, natural_rate, weights
 from vibsim.engine.tangent.tangent_taylor import reach
 from vibsim.physics.numbers import Doubles
-from vibsim.physics.parts import RigidStop
+from vibsim.physics.parts import RigidStop, Scene
+
+Ends = Callable[[Joined], Edge]  # columns of the ends of a part
 
 
-def pack_bundle(scene, count, begin, ends):
+def pack_bundle(scene: Scene, count: int, begin: float, ends: Ends) -> tuple[bytes, bytes]:
     """A bundle of `count` disturbances whose growth counts from `begin` [s]. ends: columns of the ends of a
     part.
     """
@@ -21,10 +28,11 @@ class DisturbancePacker:
     packed once for each number of them.
     """
 
-    def __init__(self, scene, ends):
-        self.scene, self.ends, self.heads = scene, ends, {}
+    def __init__(self, scene: Scene, ends: Ends) -> None:
+        self.scene, self.ends = scene, ends
+        self.heads: dict[int, tuple[bytes, bytes]] = {}
 
-    def packed(self, vectors):
+    def packed(self, vectors: np.ndarray) -> tuple[bytes, bytes]:
         """vectors: an array of one disturbance per row."""
         count = len(vectors)
         if count not in self.heads:
@@ -33,7 +41,7 @@ class DisturbancePacker:
         return ints, doubles + vectors.tobytes()
 
 
-def _pack(scene, given, count, begin, ends):
+def _pack(scene: Scene, given: bool, count: int, begin: float, ends: Ends) -> tuple[bytes, bytes]:
     pack, gauge, present = Packer(), Gauge(scene), components(scene)
     pack.put((given, count, len(scene.stops), len(scene.frictions)))
     pack.put((len(present), len(gauge.shifts), len(gauge.references)))

@@ -16,21 +16,39 @@ on without a jump, so f+ - f- consists of accelerations; for impacts see `impact
     rest              that begins or ends where a force jumps: by the vector fields on both sides
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Generic, Protocol
 
 from vibsim.engine.events.certificate import Certificate
+from vibsim.engine.events.rigid_stops import Touch
 from vibsim.engine.flows.accelerations import accelerations, joined, response
 from vibsim.engine.flows.harmonics import value_and_rate
 from vibsim.engine.flows.taylor import Taylor
-from vibsim.engine.modes.rows import DIFFERENCE, GAP, HOLD, SLIDE, STRIKE
-from vibsim.engine.modes.status import CONTACT, FORWARD, RESTING, STICK
-from vibsim.engine.tangent.impact_saltation import impact_saltation
+from vibsim.engine.modes.rows import DIFFERENCE, GAP, HOLD, SLIDE, STRIKE, Event, ModeRows
+from vibsim.engine.modes.status import CONTACT, FORWARD, RESTING, STICK, Status
+from vibsim.engine.state import State
+from vibsim.engine.tangent.impact_saltation import Undefined, impact_saltation
 from vibsim.engine.tangent.tangent_taylor import TaylorTangent
+from vibsim.physics.numbers import Kit, N
+from vibsim.physics.parts import Friction, Scene, Stop
+
+Forces = list[tuple[int, int, N | int]]  # of parts between P and Q: on P, the opposite on Q [N]
+Accelerations = tuple[list[N], N]  # of bodies [m/s^2] and rotor [rad/s^2]
+
+
+class Jump(Protocol[N]):
+    """A saltation matrix S; `determinant` where the ties are the same on both sides."""
+
+    @property
+    def determinant(self) -> N: ...
+    def applied(self, vector: Sequence[N], /) -> list[N]: ...
 
 
 @dataclass
-class Saltation:
+class Saltation(Generic[N]):
     """S = I + jump n^T.
 
     event : event function, whose gradient is n
@@ -38,66 +56,81 @@ class Saltation:
     determinant : of S, where the ties are the same on both sides
     """
 
-    event: Any
-    jump: list[Any]
+    event: Event[N]
+    jump: list[N]
     bodies: int
+    kit: Kit[N]
 
-    def applied(self, vector):
+    def applied(self, vector: Sequence[N]) -> list[N]:
         """S times a disturbance."""
         moved = self._along(vector)
         return [a + moved * b for a, b in zip(vector, self.jump, strict=True)]
 
     @property
-    def determinant(self):
+    def determinant(self) -> N:
         return 1 + self._along(self.jump)
 
-    def _along(self, vector):
-        return gradient(self.event, vector, self.bodies)
+    def _along(self, vector: Sequence[N]) -> N:
+        return gradient(self.event, vector, self.bodies, self.kit.number(0))
 
 
 @dataclass
-class Release(Saltation):
+class Release(Saltation[N]):
     """S where ties begin to slip with less force; flow: Taylor's, at the event in the mode before."""
 
-    flow: Any
+    flow: Taylor[N]
 
-    def _along(self, vector):
+    def _along(self, vector: Sequence[N]) -> N:
         tangent = TaylorTangent(self.flow.scene, self.flow.kit, self.flow)
         return tangent.value(self.event, vector)
 
 
 @dataclass
-class Sticking:
+class Sticking(Generic[N]):
     """S that joins velocities."""
 
-    scene: Any
-    kit: Any
-    rows: Any
-    state: Any
+    scene: Scene[N]
+    kit: Kit[N]
+    rows: ModeRows[N]
+    state: State[N]
 
-    def applied(self, vector):
+    def applied(self, vector: Sequence[N]) -> list[N]:
         """S times a disturbance."""
         return joined(self.scene, self.kit, self.rows, self.state, vector)
 
+    @property
+    def determinant(self) -> N:
+        """Of S, which takes a direction from the velocities."""
+        return self.kit.number(0)
 
-def gradient(event, vector, bodies):
+
+def gradient(event: Event[N], vector: Sequence[N], bodies: int, zero: N) -> N:
     """n^T times a disturbance: the change of a function made of differences or of their rates. Ground and
     base are not disturbed.
     """
     total = None
     for term in event.terms:
         shift = 0 if term.kind == DIFFERENCE else bodies
-        P, Q = (vector[shift + c] if c < bodies else 0 for c in (term.P, term.Q))
+        P, Q = (vector[shift + c] if c < bodies else zero for c in (term.P, term.Q))
         part = term.coefficient * (P - Q)
         total = part if total is None else total + part
-    return total
+    return zero if total is None else total
 
 
-def saltation(scene, kit, state, before, after, event, touch=None):
+def saltation(
+    scene: Scene[N],
+    kit: Kit[N],
+    state: State[N],
+    before: ModeRows[N],
+    after: ModeRows[N],
+    event: Event[N],
+    touch: Touch[N] | None = None,
+) -> Jump[N] | Undefined | None:
     """The saltation of `event` at `state` between the modes of the rows `before` and `after`; None where it
     changes nothing, UNDEFINED where there is none. touch: of rigid stops, where the event was one.
     """
     if event.kind == STRIKE:
+        assert touch is not None
         return impact_saltation(scene, kit, state, before, after, event, touch)
     old, new = before.status, after.status
     pairs = zip(old.frictions, new.frictions, strict=True)
@@ -111,7 +144,7 @@ def saltation(scene, kit, state, before, after, event, touch=None):
     if event.kind == SLIDE and tied and all(new.frictions[i] == STICK for i in turned):
         return Sticking(scene, kit, after, state)
     if event.kind == SLIDE and not tied:
-        forces = [
+        forces: Forces[N] = [
             (f.P, f.Q, _friction(f, new.frictions[i]) - _friction(f, old.frictions[i]))
             for i in turned
             for f in [scene.frictions[i]]
@@ -124,32 +157,33 @@ def saltation(scene, kit, state, before, after, event, touch=None):
     return None
 
 
-def resting(status):
+def resting(status: Status) -> list[int]:
     """Numbers of the rigid stops at rest."""
     return [i for i, one in enumerate(status.stops) if one == RESTING]
 
 
-def released_frictions(scene, before, after):
+def released_frictions(scene: Scene[N], before: ModeRows[N], after: ModeRows[N]) -> list[int]:
     """Frictions that begin to slip between two modes with less force than they held."""
     pairs = zip(before.status.frictions, after.status.frictions, strict=True)
     changed = [(i, new) for i, (old, new) in enumerate(pairs) if old == STICK and new != STICK]
     return [i for i, sense in changed if scene.frictions[i].drops(sense)]
 
 
-def _damper(scene, old, new, event):
+def _damper(scene: Scene[N], old: Status, new: Status, event: Event[N]) -> tuple[Forces[N], N | int] | None:
     """Force on P that a damped stop gains per unit of the rate x_P' - x_Q', as ([(P, Q, force)], rate of h);
     None without any.
     """
     if event.kind != GAP:
         return None
     stop = scene.stops[event.part]
+    assert isinstance(stop, Stop)
     gained = (new.stops[event.part] == CONTACT) - (old.stops[event.part] == CONTACT)
     if stop.c == 0 or gained == 0:
         return None
     return [(stop.P, stop.Q, -(gained * stop.c))], event.terms[0].coefficient
 
 
-def _friction(friction, status):
+def _friction(friction: Friction[N], status: int) -> N | int:
     """Force of a slipping friction on P at v_rel = 0; one that sticks acts within a group, where it does not
     count.
     """
@@ -157,14 +191,22 @@ def _friction(friction, status):
     return 0 if status == STICK else -forward if status == FORWARD else backward
 
 
-def reversal(friction, status):
+def reversal(friction: Friction[N], status: int) -> Forces[N]:
     """Forces [(P, Q, force)] that a friction gains where it turns round from `status`."""
     forward, backward = friction.starts
     total = forward + backward
     return [(friction.P, friction.Q, total if status == FORWARD else -total)]
 
 
-def _rank_one(scene, kit, state, rows, event, forces, rate):
+def _rank_one(
+    scene: Scene[N],
+    kit: Kit[N],
+    state: State[N],
+    rows: ModeRows[N],
+    event: Event[N],
+    forces: Forces[N],
+    rate: N | int | None,
+) -> Jump[N] | None:
     """S where the ties stay and the parts' `forces` on P, less on Q, jump; rate: that of h, None to take it
     from the motion.
     """
@@ -172,7 +214,9 @@ def _rank_one(scene, kit, state, rows, event, forces, rate):
     return _saltation(scene, kit, event, forced(scene, kit, rows, state, forces), rate)
 
 
-def forced(scene, kit, rows, state, forces):
+def forced(
+    scene: Scene[N], kit: Kit[N], rows: ModeRows[N], state: State[N], forces: Forces[N]
+) -> Accelerations[N]:
     """Accelerations (bodies, rotor) by forces [(P, Q, force)] on P, less on Q."""
     n, zero = len(scene.bodies), kit.number(0)
     F = [zero] * (n + 2)
@@ -184,7 +228,7 @@ def forced(scene, kit, rows, state, forces):
     return response(scene, kit, rows, state, F, zero, zero)
 
 
-def event_rate(scene, kit, state, rows, event):
+def event_rate(scene: Scene[N], kit: Kit[N], state: State[N], rows: ModeRows[N], event: Event[N]) -> N:
     """Rate of an event function along the motion in the mode of `rows`, n^T f- + dh/dt."""
     if event.terms[0].kind == DIFFERENCE:
         values = [*state.v, kit.number(0), value_and_rate(kit, scene.base, state.t)[1]]
@@ -194,47 +238,56 @@ def event_rate(scene, kit, state, rows, event):
     for term in event.terms:
         part = term.coefficient * (values[term.P] - values[term.Q])
         total = part if total is None else total + part
+    assert total is not None  # no event function is made of nothing
     return total
 
 
-def _general(scene, kit, state, before, after, event):
+def _general(
+    scene: Scene[N], kit: Kit[N], state: State[N], before: ModeRows[N], after: ModeRows[N], event: Event[N]
+) -> Jump[N] | None:
     """S by the vector fields on both sides."""
     jump = _jump(scene, kit, state, before, after)
     return _saltation(scene, kit, event, jump, event_rate(scene, kit, state, before, event))
 
 
-def _jump(scene, kit, state, before, after):
+def _jump(
+    scene: Scene[N], kit: Kit[N], state: State[N], before: ModeRows[N], after: ModeRows[N]
+) -> Accelerations[N]:
     """Jump of the accelerations (bodies, rotor) between two modes."""
     (one, rotor), (other, turned) = (accelerations(scene, kit, rows, state) for rows in (before, after))
     return [b - a for a, b in zip(one, other, strict=True)], turned - rotor
 
 
-def _released(scene, kit, state, before, after, event):
+def _released(
+    scene: Scene[N], kit: Kit[N], state: State[N], before: ModeRows[N], after: ModeRows[N], event: Event[N]
+) -> Jump[N] | None:
     """S where ties begin to slip with less force than they held."""
     flow, rate = expanded(scene, kit, state, before), tie_rate(scene, kit, state, before, event)
     change = _change(scene, kit, _jump(scene, kit, state, before, after), rate)
-    return change and Release(event, change, len(scene.bodies), flow)
+    return None if change is None else Release(event, change, len(scene.bodies), kit, flow)
 
 
-def expanded(scene, kit, state, rows):
+def expanded(scene: Scene[N], kit: Kit[N], state: State[N], rows: ModeRows[N]) -> Taylor[N]:
     """The Taylor flow at `state` in the mode of `rows`."""
     flow = Taylor(scene, kit, Certificate(kit))
     flow.enter(state, rows, {})
     return flow
 
 
-def tie_rate(scene, kit, state, rows, event):
+def tie_rate(scene: Scene[N], kit: Kit[N], state: State[N], rows: ModeRows[N], event: Event[N]) -> N:
     """Rate of the event function of a tie along the motion in the mode of `rows` [N/s]."""
     return expanded(scene, kit, state, rows).derivatives(event, 1)[1]
 
 
-def _saltation(scene, kit, event, jump, rate):
+def _saltation(
+    scene: Scene[N], kit: Kit[N], event: Event[N], jump: Accelerations[N], rate: N | int
+) -> Jump[N] | None:
     """S from the jump of accelerations; None at a tangency, where first order says nothing."""
     change = _change(scene, kit, jump, rate)
-    return change and Saltation(event, change, len(scene.bodies))
+    return None if change is None else Saltation(event, change, len(scene.bodies), kit)
 
 
-def _change(scene, kit, jump, rate):
+def _change(scene: Scene[N], kit: Kit[N], jump: Accelerations[N], rate: N | int) -> list[N] | None:
     """(f+ - f-) / rate as a disturbance; None at a tangency."""
     if rate == 0:
         return None

@@ -9,11 +9,15 @@ turns before the stop. Below GRAZING rounding decides whether it comes up to the
 derivative; nor at other events whose saltation is undefined.
 """
 
+from typing import Generic
+
 from vibsim.engine.flows.harmonics import value_and_rate
-from vibsim.engine.modes.rows import GAP, HOLD, SLIDE, STRIKE
+from vibsim.engine.modes.rows import GAP, HOLD, SLIDE, Event, Joined, ModeRows
 from vibsim.engine.modes.status import STICK
-from vibsim.engine.tangent.impact_saltation import UNDEFINED
+from vibsim.engine.state import State
+from vibsim.engine.tangent.impact_saltation import ImpactSaltation, Undefined
 from vibsim.engine.tangent.saltation import (
+    Jump,
     event_rate,
     forced,
     gradient,
@@ -22,69 +26,79 @@ from vibsim.engine.tangent.saltation import (
     tie_rate,
 )
 from vibsim.engine.tangent.tangent_space import natural_rate
+from vibsim.physics.numbers import Kit, N, abs
+from vibsim.physics.parts import Scene
 
 CLOSE = 1e-6  # a rate of 1/1000 of the largest
 GRAZING = 2.0**-40  # a depth of some thousand roundings
 
 
-class Tangencies:
+class Tangencies(Generic[N]):
     """Counts close crossings and keeps the closest.
 
     fastest : by stop, the largest |v_P - v_Q| + rate |x_P - x_Q| at an event or the end of a step [m/s]
     undefined, undefined_time : events that have no derivative, the time of the first [s]
     """
 
-    def __init__(self, scene, kit):
+    def __init__(self, scene: Scene[N], kit: Kit[N]) -> None:
         self.scene, self.kit, self.rate = scene, kit, natural_rate(scene, kit)
         self.fastest = [kit.number(0)] * len(scene.stops)
         self.nothing = kit.number(1), kit.number(0)
         self.forget()
 
-    def forget(self):
+    def forget(self) -> None:
         """Begin to count anew."""
         self.count = 0
         self.closest, self.time = self.nothing
         self.undefined, self.undefined_time = 0, self.kit.number(0)
 
-    def refuse(self, t):
+    def refuse(self, t: N) -> None:
         """Learn of an event at t [s] that has no derivative."""
         if self.undefined == 0:
             self.undefined_time = t
         self.undefined += 1
 
-    def pass_by(self, state):
+    def pass_by(self, state: State[N]) -> None:
         """Learn how fast the ends of the stops move against each other."""
         for i, stop in enumerate(self.scene.stops):
             distance, rate = self._between(stop, state)
             speed = abs(rate) + self.rate * abs(distance)
             self.fastest[i] = speed if speed > self.fastest[i] else self.fastest[i]
 
-    def _between(self, stop, state):
+    def _between(self, stop: Joined, state: State[N]) -> tuple[N, N]:
         """x_P - x_Q and v_P - v_Q."""
         X, V = value_and_rate(self.kit, self.scene.base, state.t)
         zero = self.kit.number(0)
         x, v = (*state.x, X, zero), (*state.v, V, zero)  # BASE is -2, GROUND -1
         return x[stop.P] - x[stop.Q], v[stop.P] - v[stop.Q]
 
-    def judge(self, event, state, before, after, jump):
+    def judge(
+        self,
+        event: Event[N],
+        state: State[N],
+        before: ModeRows[N],
+        after: ModeRows[N],
+        jump: Jump[N] | Undefined | None,
+    ) -> None:
         """Judge `event` at `state` between the modes of the rows `before` and `after`, with its saltation."""
         i = event.part
-        if jump is UNDEFINED:
+        if isinstance(jump, Undefined):
             self.refuse(state.t)
             return
         if event.kind == GAP and self.fastest[i] > 0 and before.status.stops[i] != after.status.stops[i]:
             _, rate = self._between(self.scene.stops[i], state)
             share = rate / self.fastest[i]
-        elif event.kind == STRIKE and jump is not None and self.fastest[i] > 0 and jump.drive <= 0:
+        elif isinstance(jump, ImpactSaltation) and self.fastest[i] > 0 and jump.drive <= 0:
             share = jump.approach / self.fastest[i]
             if share * share < GRAZING:
                 self.refuse(state.t)
         elif event.kind == SLIDE and after.status.frictions[i] == STICK:
             share = self._stopping_share(event, state, before)
         elif event.kind == HOLD and before.leader != after.leader:
-            share = self._tearing_share(event, state, before, after)
-            if share is None:
+            tearing = self._tearing_share(event, state, before, after)
+            if tearing is None:
                 return
+            share = tearing
         else:
             return
         share = share * share
@@ -93,16 +107,20 @@ class Tangencies:
         if share < self.closest:
             self.closest, self.time = share, state.t
 
-    def _tearing_share(self, event, state, before, after):
+    def _tearing_share(
+        self, event: Event[N], state: State[N], before: ModeRows[N], after: ModeRows[N]
+    ) -> N | None:
         """How fast the force of ties comes to a limit at which it drops, over a sweep through all that they
         can hold at the natural rate [-]; None where it does not drop, so that nothing depends on the instant.
         """
-        cut = before.cuts[event.part]
         if not released_frictions(self.scene, before, after):
             return None
-        return -tie_rate(self.scene, self.kit, state, before, event) / ((cut.above + cut.below) * self.rate)
+        cut, held = before.cuts[event.part], self.kit.number(0)
+        for limit in (cut.above, cut.below):  # a rigid stop at rest holds any force one way
+            held = held if limit is None else held + limit
+        return -tie_rate(self.scene, self.kit, state, before, event) / (held * self.rate)
 
-    def _stopping_share(self, event, state, before):
+    def _stopping_share(self, event: Event[N], state: State[N], before: ModeRows[N]) -> N:
         """Deceleration of a sliding that ends, over the largest with which it can end in sticking [-]: with
         the friction turned round it would be 0 at least.
 
@@ -113,5 +131,5 @@ class Tangencies:
         n = len(scene.bodies)
         forces = reversal(scene.frictions[i], before.status.frictions[i])
         gained, _ = forced(scene, kit, before, state, forces)
-        largest = gradient(event, [kit.number(0)] * n + gained[:n], n)
+        largest = gradient(event, [kit.number(0)] * n + gained[:n], n, kit.number(0))
         return -event_rate(scene, kit, state, before, event) / largest if largest != 0 else kit.number(1)

@@ -16,12 +16,18 @@ determinant is 0, reversals that all but stick and slow impacts, which press a v
 both sides.
 """
 
-from math import inf
+from collections.abc import Sequence
 from typing import Any
 
+from vibsim.engine.flows.flow import Flow
+from vibsim.engine.modes.rows import ModeRows
+from vibsim.engine.state import State
 from vibsim.engine.tangent.disturbances import Disturbances
+from vibsim.engine.tangent.saltation import Jump
 from vibsim.engine.tangent.tangent_space import Gauge, TangentSpace, components, dimension, length, weights
 from vibsim.engine.tangent.tangent_volume import log_volume
+from vibsim.physics.numbers import Kit, N, abs
+from vibsim.physics.parts import Scene
 
 SPANS = 100  # that the growth is recorded in
 # Determinant of a jump, and share of the longest disturbance that it leaves of the flattest, below which
@@ -30,7 +36,7 @@ FLAT = 2.0**-7
 LOST = 2.0**-40  # of the length of a disturbance in a rank loss: what is left is rounding
 
 
-class TangentBundle(Disturbances):
+class TangentBundle(Disturbances[N]):
     """Carries `count` disturbances over the stretches of a run.
 
     begin : time [s] from which growth counts. `rows` holds (t, logarithm of each one's growth since then) at
@@ -40,7 +46,9 @@ class TangentBundle(Disturbances):
     columns : of `rows`, by vector; lost : whether a vector has replaced a direction since `begin`
     """
 
-    def __init__(self, scene, kit, flow, count, begin=0.0):
+    def __init__(
+        self, scene: Scene[N], kit: Kit[N], flow: Flow[N], count: int, begin: N | float = 0.0
+    ) -> None:
         super().__init__(scene, kit, flow)
         self.count = count
         self.complete = count == dimension(scene)
@@ -48,14 +56,15 @@ class TangentBundle(Disturbances):
         self.weights, self.gauge = weights(scene, kit), Gauge(scene)
         self.residual = kit.number(0)  # growth of the logarithm of the volume that nothing explains
         self.shortest = kit.number(1)  # length that the last orthogonalisation left
-        self.rows, self.next_row, self.losses = [], 0, 0
+        self.rows: list[tuple[N, ...]] = []
+        self.next_row = self.losses = 0
         self._start_to_count()
 
-    def _start_to_count(self):
+    def _start_to_count(self) -> None:
         self.sums = [self.kit.number(0)] * self.count
         self.columns, self.lost = list(range(self.count)), [False] * self.count
 
-    def open(self, state, rows):
+    def open(self, state: State[N], rows: ModeRows[N]) -> None:
         """Disturbances at the start: a general one, then one component each."""
         self.tangencies.pass_by(state)
         zero, one, size = self.kit.number(0), self.kit.number(1), length(self.scene)
@@ -74,7 +83,7 @@ class TangentBundle(Disturbances):
         self._mark_waiting()
         self._record(state.t)
 
-    def _moved(self, t, ahead):
+    def _moved(self, t: N, ahead: N) -> None:
         self._shift()
         volume = self.renormalise()
         if self.complete:
@@ -82,12 +91,12 @@ class TangentBundle(Disturbances):
             self.residual = self.residual + (volume - grown)
         self._record(ahead)
 
-    def _shift(self):
+    def _shift(self) -> None:
         """Measure displacements from the references."""
         for i in range(self.possible):
             self.vectors[i] = self.gauge.apply(self.kit, self.vectors[i])
 
-    def _jumped(self, jump):
+    def _jumped(self, jump: Jump[N]) -> None:
         self._shift()
         if jump.determinant == 0:
             self.losses += 1
@@ -102,7 +111,7 @@ class TangentBundle(Disturbances):
         if self.complete and determinant > FLAT and not flat:
             self.residual = self.residual + (volume - self.kit.log(determinant))
 
-    def _change_ties(self, state, after):
+    def _change_ties(self, state: State[N], after: ModeRows[N]) -> None:
         outside = len(self.space.outside)
         self.space = TangentSpace(self.scene, self.kit, after)
         self.losses += max(len(self.space.outside) - outside, 0)
@@ -110,16 +119,16 @@ class TangentBundle(Disturbances):
         self._shift()
         self._fit()
 
-    def _fit(self):
+    def _fit(self) -> None:
         """Orthonormalise the possible disturbances in the new tangent space; replace those that are lost, and
         those that waited.
         """
         room = len(self.space.inside)
         tried = [(self.vectors[i], self.sums[i], self.columns[i], self.lost[i]) for i in range(self.possible)]
         over = [(self.sums[i], self.columns[i]) for i in range(self.possible, self.count)]
-        fitting: list[Any] = []
-        for vector, total, column, lost in tried:
-            vector, size = self._orthonormal(vector, [one for one, *_ in fitting])
+        fitting: list[tuple[list[N], N, int, bool]] = []
+        for carried, total, column, lost in tried:
+            vector, size = self._orthonormal(carried, [one for one, *_ in fitting])
             if size > LOST and len(fitting) < room:
                 fitting.append((vector, total + self.kit.log(size), column, lost))
             else:
@@ -133,62 +142,65 @@ class TangentBundle(Disturbances):
         self.columns = [column for *_, column, _ in fitting] + [column for _, column in over]
         self.lost = [lost for *_, lost in fitting] + [True] * missing
 
-    def _fill(self, candidates, count):
+    def _fill(self, candidates: Sequence[Sequence[N]], count: int) -> None:
         """Add from the candidates, each time that which is least like the others, up to `count` vectors."""
         while len(self.vectors) < count:
             tried = [self._orthonormal(vector, self.vectors, scaled=True) for vector in candidates]
             self.vectors.append(max(tried, key=lambda one: one[1])[0])
 
-    def _mark_waiting(self):
+    def _mark_waiting(self) -> None:
         """Directions that wait outside when counting begins are lost already."""
         for i in range(self.possible, self.count):
             self.lost[i] = True
 
-    def renormalise(self):
+    def renormalise(self) -> N:
         """Orthonormalise the possible disturbances, add to the growth; returns the logarithm of the volume
         that they spanned.
         """
         volume = self.kit.number(0)
-        self.shortest = inf
+        self.shortest = self.kit.inf
         for i in range(self.possible):
             self.vectors[i], size = self._orthonormal(self.vectors[i], self.vectors[:i])
             self.shortest = size if size < self.shortest else self.shortest
-            growth = self.kit.log(size) if size > 0 else -inf
+            growth = self.kit.log(size) if size > 0 else -self.kit.inf
             self.sums[i] = self.sums[i] + growth
             volume = volume + growth
         return volume
 
-    def _orthonormal(self, vector, others, scaled=False):
+    def _orthonormal(
+        self, vector: Sequence[N], others: Sequence[Sequence[N]], scaled: bool = False
+    ) -> tuple[list[N], N]:
         """What is left of a vector beside orthonormal others, of length 1, and how long it was.
 
         scaled: in units of the length of the vector.
         """
         kit = self.kit
         whole = kit.sqrt(self._product(vector, vector)) if scaled else kit.number(1)
+        left = list(vector)
         for other in others:
-            overlap = self._product(other, vector)
-            vector = [a - overlap * b for a, b in zip(vector, other, strict=True)]
-        size = kit.sqrt(self._product(vector, vector))
+            overlap = self._product(other, left)
+            left = [a - overlap * b for a, b in zip(left, other, strict=True)]
+        size = kit.sqrt(self._product(left, left))
         if size > 0:
-            vector = [kit.exact(a / size) for a in vector]
-        return vector, size / whole
+            left = [kit.exact(a / size) for a in left]
+        return left, size / whole
 
-    def _product(self, a, b):
+    def _product(self, a: Sequence[N], b: Sequence[N]) -> N:
         total = self.weights[0] * (a[0] * b[0])
         for k in range(1, len(a)):
             total = total + self.weights[k] * (a[k] * b[k])
         return total
 
-    def _mark(self, end):
+    def _mark(self, end: N) -> N:
         return self._next_mark()
 
-    def _next_mark(self):
+    def _next_mark(self) -> N:
         """Time [s] of the next row."""
         if self.next_row >= SPANS:
             return self.scene.t_end
         return self.begin + (self.scene.t_end - self.begin) * self.next_row / SPANS
 
-    def _record(self, t):
+    def _record(self, t: N) -> None:
         """Keep a row where one is due at t [s]."""
         if self.next_row > SPANS or t < self._next_mark():
             return
@@ -204,7 +216,7 @@ class TangentBundle(Disturbances):
         while self.next_row <= SPANS and self._next_mark() <= t:
             self.next_row += 1
 
-    def entries(self):
+    def entries(self) -> dict[str, Any]:
         """What `tangent_totals` needs, by name."""
         near = self.tangencies
         return {

@@ -10,26 +10,31 @@ tied to the ground or the base have none. Bodies that rigid stops at rest tie ha
 the tangent space of the mode.
 """
 
-from vibsim.engine.modes.status import RESTING
+from collections.abc import Mapping, Sequence
+from typing import Generic
+
+from vibsim.engine.modes.rows import ModeRows
+from vibsim.engine.modes.status import RESTING, Status
 from vibsim.engine.modes.ties import Groups
-from vibsim.physics.parts import BASE, GROUND
+from vibsim.physics.numbers import Kit, N
+from vibsim.physics.parts import BASE, GROUND, Scene
 from vibsim.physics.rates import mobility
 
 
-def references(scene):
+def references(scene: Scene[N]) -> list[int | None]:
     """By body: its reference, or None where a part ties its set to the ground or the base."""
-    joins = [(i, part.P, part.Q) for i, part in enumerate((*scene.links, *scene.stops))]
+    joined = (*scene.links, *scene.stops)
     n = len(scene.bodies)
-    groups = Groups(n, [(i, *(_column(end, n) for end in ends)) for i, *ends in joins])
+    groups = Groups(n, [(i, _column(part.P, n), _column(part.Q, n)) for i, part in enumerate(joined)])
     return [max(groups.members[groups.leader[c]]) if groups.moves(c) else None for c in range(n)]
 
 
-def _column(end, n):
+def _column(end: int, n: int) -> int:
     """Column of an end of a part; the base is as good as the ground here."""
     return end if end >= 0 else n
 
 
-def components(scene):
+def components(scene: Scene[N]) -> list[int]:
     """Indices of the components that the scene has, in the order in which disturbances at the start take
     them.
     """
@@ -38,33 +43,33 @@ def components(scene):
     return [*(c for c in range(n) if reference[c] != c), n, *rotor, *range(n + 1, 2 * n)]
 
 
-def length(scene):
+def length(scene: Scene[N]) -> int:
     """Number of entries of a disturbance."""
     return 2 * len(scene.bodies) + (2 if scene.motor is not None else 0)
 
 
-def dimension(scene):
+def dimension(scene: Scene[N]) -> int:
     """Number of Lyapunov exponents of the scene."""
     return len(components(scene))
 
 
-def natural_rate(scene, kit):
+def natural_rate(scene: Scene[N], kit: Kit[N]) -> N:
     """Rate [rad/s] that compares displacements with velocities: that of the two ends of a link on its spring,
     the largest of them; of a stop where no link has a spring, 1 without either.
     """
     elastic = [stop for _, stop in scene.elastic_stops]
     for parts in (scene.links, elastic):
-        springs: dict = {}
+        springs: dict[frozenset[int], N] = {}
         for part in parts:
             ends = frozenset((part.P, part.Q))
             springs[ends] = springs[ends] + part.k if ends in springs else part.k
-        squares = [k * mobility(scene, ends) for ends, k in springs.items() if k > 0]
+        squares: list[N] = [k * mobility(scene, ends) for ends, k in springs.items() if k > 0]
         if squares:
             return kit.sqrt(max(squares))
     return kit.number(1)
 
 
-def weights(scene, kit):
+def weights(scene: Scene[N], kit: Kit[N]) -> list[N]:
     """Weights of the squared components: each is measured as a velocity [m/s], dx by the natural rate, dw by
     the arm e of the unbalanced mass, dphi by both.
     """
@@ -76,21 +81,22 @@ def weights(scene, kit):
     return values
 
 
-class TangentSpace:
+class TangentSpace(Generic[N]):
     """The disturbances that are possible in a mode, and those that are not.
 
     inside : vectors that span the tangent space
     outside : vectors orthogonal to it (where all dv weigh the same) that span the rest
     """
 
-    def __init__(self, scene, kit, rows):
+    def __init__(self, scene: Scene[N], kit: Kit[N], rows: ModeRows[N]) -> None:
         n, zero, one = len(scene.bodies), kit.number(0), kit.number(1)
         size = length(scene)
 
-        def vector(entries):
+        def vector(entries: Mapping[int, N]) -> list[N]:
             return [entries.get(k, zero) for k in range(size)]
 
-        self.inside, self.outside = [], []
+        self.inside: list[list[N]] = []
+        self.outside: list[list[N]] = []
         reference = references(scene)
         for leader, members in sorted(seats_of(scene, rows.status).members.items()):
             bodies = [c for c in members if c < n]
@@ -110,7 +116,7 @@ class TangentSpace:
                 self.outside.append(vector({n + d: (one if d == c else zero) - share for d in bodies}))
 
 
-def seats_of(scene, status):
+def seats_of(scene: Scene[N], status: Status) -> Groups:
     """Groups of columns that rigid stops at rest join."""
     n = len(scene.bodies)
     columns = {GROUND: n, BASE: n + 1}
@@ -118,7 +124,7 @@ def seats_of(scene, status):
     return Groups(n, [(0, columns.get(stop.P, stop.P), columns.get(stop.Q, stop.Q)) for stop in stops])
 
 
-def seated(scene, kit, status, vector):
+def seated(scene: Scene[N], kit: Kit[N], status: Status, vector: Sequence[N]) -> list[N]:
     """The disturbance after rigid stops have come to rest: their ends have one displacement, the centre of
     mass stays where they move freely.
     """
@@ -141,11 +147,11 @@ def seated(scene, kit, status, vector):
 class Gauge:
     """Takes shifts that no force feels out of disturbances."""
 
-    def __init__(self, scene):
+    def __init__(self, scene: Scene[N]) -> None:
         self.shifts = [(c, r) for c, r in enumerate(references(scene)) if r is not None and r != c]
         self.references = sorted({r for _, r in self.shifts} | set(_alone(scene)))
 
-    def apply(self, kit, vector):
+    def apply(self, kit: Kit[N], vector: Sequence[N]) -> list[N]:
         """The disturbance with each dx measured from its reference."""
         moved = list(vector)
         for c, r in self.shifts:
@@ -155,5 +161,5 @@ class Gauge:
         return moved
 
 
-def _alone(scene):
+def _alone(scene: Scene[N]) -> list[int]:
     return [c for c, r in enumerate(references(scene)) if r == c]

@@ -10,17 +10,20 @@ whose steps keep its last two orders below the tolerance. A flow at rest, or on 
 may take steps that are too long for its disturbances: then these go in pieces.
 """
 
+from collections.abc import Callable, Sequence
 from math import log
-from typing import Any
+from typing import Generic
 
+from vibsim.engine.flows.rotor_series import RotorSeries
 from vibsim.engine.flows.taylor import Taylor
-from vibsim.engine.modes.rows import ACCELERATION, COUPLING, DIFFERENCE, FALL, LOAD
-from vibsim.physics.numbers import horner
+from vibsim.engine.modes.rows import ACCELERATION, COUPLING, DIFFERENCE, FALL, LOAD, Coupling, Event, Term
+from vibsim.physics.numbers import Kit, N, abs, horner
+from vibsim.physics.parts import Scene
 
 REACH = 1.25  # how much further than exp(-t) of the same order the steps of ordinary vibrations go, at most
 
 
-def reach(kit, order, tolerance_exponent):
+def reach(kit: Kit[N], order: int, tolerance_exponent: float) -> N:
     """Longest step of exp(-t), by the tolerance on its last term."""
     spread = 0.0
     for n in range(2, order + 1):
@@ -28,46 +31,44 @@ def reach(kit, order, tolerance_exponent):
     return kit.power_of_two((tolerance_exponent + spread / log(2.0)) / order)
 
 
-class TaylorTangent:
+class TaylorTangent(Generic[N]):
     """Moves disturbances along the step that `flow` has just done."""
 
-    def __init__(self, scene, kit, flow):
+    def __init__(self, scene: Scene[N], kit: Kit[N], flow: Taylor[N]) -> None:
         self.scene, self.kit, self.flow, self.base = scene, kit, flow, flow
-        self.n, self.motor = len(scene.bodies), scene.motor
+        self.n = len(scene.bodies)
         self.reach = reach(kit, flow.order, flow.tolerance_exponent)
-        if self.motor:
-            self.inertia, self.drag = flow.rotor.inertia, flow.rotor.drag
 
-    def piece_end(self, t, end, _mark):
+    def piece_end(self, t: N, end: N, _mark: N) -> N:
         """End [s] of the piece from t that is moved at once: as a rule the whole step."""
-        rates = [self.kit.sqrt(self._fastest("k")) / REACH, self._fastest("c")]
+        rates = [self.kit.sqrt(self._fastest(lambda q: q.k)) / REACH, self._fastest(lambda q: q.c)]
         for k in range(len(self.flow.falls)):
             rates[1] = rates[1] + self._rising(k, end)
-        if self.motor:
-            rates += [self._dragging(), abs(self.flow.rotor.w[0]) / REACH]
+        if self.flow.rotor:
+            rates += [self._dragging(self.flow.rotor), abs(self.flow.rotor.w[0]) / REACH]
         rate = max(rates)
         ahead = t + self.reach / rate if rate > 0 else end
         return ahead if t < ahead < end else end
 
-    def _fastest(self, name):
-        """Bound of the largest eigenvalue of the stiffness ("k", [1/s^2]) or damping ("c", [1/s]) of the
-        couplings' differences: the largest sum over a row (Gershgorin).
+    def _fastest(self, strength_of: Callable[[Coupling[N]], N]) -> N:
+        """Bound of the largest eigenvalue of the couplings' differences, of stiffness [1/s^2] or of damping
+        [1/s] by `strength_of`: the largest sum over a row (Gershgorin).
         """
         rows, zero = self.flow.rows, self.kit.number(0)
         leader, strength = rows.leader, [zero] * (self.n + 2)
         couplings = [q for q in rows.couplings if leader[q.P] != leader[q.Q]]
         for q in couplings:
             for end in (q.P, q.Q):
-                strength[leader[end]] = strength[leader[end]] + getattr(q, name)
+                strength[leader[end]] = strength[leader[end]] + strength_of(q)
         largest = zero
         for q in couplings:
-            if getattr(q, name) > 0:
+            if strength_of(q) > 0:
                 P, Q = leader[q.P], leader[q.Q]
                 row = strength[P] * rows.mobility[P] + strength[Q] * rows.mobility[Q]
                 largest = row if row > largest else largest
         return largest
 
-    def _rising(self, k, end):
+    def _rising(self, k: int, end: N) -> N:
         """Rate at which falling friction k makes disturbances grow, at the start or the end of the stretch
         [1/s].
         """
@@ -76,53 +77,53 @@ class TaylorTangent:
         mobility = rows.mobility[rows.leader[one.P]] + rows.mobility[rows.leader[one.Q]]
         return abs(one.on_P * one.rate) * (ends[0] if ends[0] > ends[1] else ends[1]) * mobility
 
-    def _dragging(self):
+    def _dragging(self, rotor: RotorSeries[N]) -> N:
         """Rate at which the motor's drag damps the rotor, at most [1/s]."""
-        mass = self.flow.rows.mass[self.flow.rows.leader[self.motor.on]]
-        if mass is None:
-            return self.drag / self.inertia
-        mass, unbalance = mass + self.motor.m3, self.flow.rotor.unbalance
-        return self.drag * mass / (mass * self.inertia - unbalance * unbalance)
+        if rotor.carried is None:
+            return rotor.drag / rotor.inertia
+        mass = rotor.carried + rotor.motor.m3
+        return rotor.drag * mass / (mass * rotor.inertia - rotor.unbalance * rotor.unbalance)
 
-    def prepare(self, t, end, late=0):
+    def prepare(self, t: N, end: N, late: N | int = 0) -> None:
         """What the recurrences of all disturbances share over the piece from t to `late` behind `end` [s]."""
         self.tau, self.base = (end - t) + late, self.flow
-        if t != self.flow.t0 and (self.motor or self.flow.falls):
+        if t != self.flow.t0 and (self.flow.rotor or self.flow.falls):
             self.base = self._expanded_at(t)
         self.slopes = [
             one.law.slopes(f) for one, f in zip(self.flow.rows.falls, self.base.falls, strict=True)
         ]
-        if self.motor:
-            self._prepare_motor()
+        if self.base.rotor:
+            self._prepare_motor(self.base.rotor)
 
-    def _expanded_at(self, t):
+    def _expanded_at(self, t: N) -> Taylor[N]:
         """The flow expanded anew at t [s], within its step."""
         base = Taylor(self.scene, self.kit, self.flow.certificate)
         base.enter(self.flow.state_at(t), self.flow.rows, {})
         return base
 
-    def _prepare_motor(self):
+    def _prepare_motor(self, rotor: RotorSeries[N]) -> None:
         """Series c w = s' and c a1 of the flow."""
-        rotor, zero = self.base.rotor, self.kit.number(0)
+        zero = self.kit.number(0)
         self.turning = [(n + 1) * rotor.s[n + 1] for n in range(rotor.order)]
         self.pull = [chained(zero, rotor.c, rotor.a1, n) for n in range(rotor.order - 1)]
 
-    def moved(self, vector):
+    def moved(self, vector: Sequence[N]) -> list[N]:
         """The disturbance that `vector`, of the tangent space of the mode, becomes over the piece prepared
         last.
         """
         n, zero = self.n, self.kit.number(0)
         self.x = [[value] for value in (*vector[:n], zero, zero)]
         self.v = [[value] for value in (*vector[n : 2 * n], zero, zero)]
-        self.sliding: list[Any] = [[] for _ in self.slopes]
-        if self.motor:
-            self.phi, self.w, self.a1 = [vector[-2]], [vector[-1]], []
+        self.sliding: list[list[N]] = [[] for _ in self.slopes]
+        self.a1: list[N] = []
+        if self.base.rotor:
+            self.phi, self.w = [vector[-2]], [vector[-1]]
         for order in range(self.flow.order - 1):
             self._advance(order)
-        series = [*self.x[:n], *self.v[:n], *([self.phi, self.w] if self.motor else [])]
+        series = [*self.x[:n], *self.v[:n], *([self.phi, self.w] if self.base.rotor else [])]
         return [horner(coefficients, self.tau) for coefficients in series]
 
-    def value(self, event, vector):
+    def value(self, event: Event[N], vector: Sequence[N]) -> N:
         """How much `vector`, a disturbance at the expansion point, changes an event function there [N]."""
         self.prepare(self.flow.t0, self.flow.t0)
         self.moved(vector)
@@ -132,12 +133,13 @@ class TaylorTangent:
             total = part if total is None else total + part
         return self.kit.number(0) if total is None else total
 
-    def _term(self, term):
+    def _term(self, term: Term[N]) -> N:
         P, Q = term.P, term.Q
         if term.kind == ACCELERATION:
             return self.v[P][1]
         if term.kind == LOAD:
-            return self._thrust() if self.motor and self.motor.on == P else self.kit.number(0)
+            rotor = self.base.rotor
+            return self._thrust(rotor) if rotor and rotor.motor.on == P else self.kit.number(0)
         if term.kind == FALL:
             return self.slopes[P][0] * self.sliding[P][0]
         if term.kind == COUPLING:
@@ -147,14 +149,14 @@ class TaylorTangent:
         series = self.x if term.kind == DIFFERENCE else self.v
         return series[P][0] - series[Q][0]
 
-    def _thrust(self):
+    def _thrust(self, rotor: RotorSeries[N]) -> N:
         """Disturbed force of the motor on its body, m3 e d(s w)/dt - m3 a1."""
-        rotor, phi, w = self.base.rotor, self.phi[0], self.w[0]
+        phi, w = self.phi[0], self.w[0]
         s, c, speed, turn = rotor.s[0], rotor.c[0], rotor.w[0], rotor.w[1]
         pulled = (c * turn - s * speed * speed) * phi + 2 * c * speed * w + s * self.w[1]
-        return rotor.unbalance * pulled - self.motor.m3 * self.a1[0]
+        return rotor.unbalance * pulled - rotor.motor.m3 * self.a1[0]
 
-    def _advance(self, n):
+    def _advance(self, n: int) -> None:
         """Coefficients n + 1 from those of order n and below."""
         rows, zero, inverse = self.flow.rows, self.kit.number(0), self.flow.inverse[n + 1]
         leader, F = rows.leader, [zero] * (self.n + 2)
@@ -167,42 +169,42 @@ class TaylorTangent:
             F[leader[one.P]] = F[leader[one.P]] + force
             F[leader[one.Q]] = F[leader[one.Q]] - force
         acceleration = [force * mobility for force, mobility in zip(F, rows.mobility, strict=True)]
-        if self.motor:
-            on = leader[self.motor.on]
-            acceleration[on] = self._turn(n, F[on])
+        if self.base.rotor:
+            on = self.base.rotor.leader
+            acceleration[on] = self._turn(self.base.rotor, n, F[on])
         for c in range(self.n + 2):
             self.x[c].append(self.v[c][n] * inverse)
             self.v[c].append(acceleration[leader[c]] * inverse)
 
-    def _fall(self, k, n):
+    def _fall(self, k: int, n: int) -> N:
         """Coefficient n of the disturbed f of falling friction k, f' ds."""
         one, sliding = self.flow.rows.falls[k], self.sliding[k]
         sliding.append(one.rate * (self.v[one.P][n] - self.v[one.Q][n]))
         return chained(self.kit.number(0), self.slopes[k], sliding, n)
 
-    def _turn(self, n, force):
+    def _turn(self, rotor: RotorSeries[N], n: int, force: N) -> N:
         """Disturbed acceleration of the motor's group; advances the rotor."""
-        base, inverse = self.base.rotor, self.flow.inverse[n + 1]
+        inverse = self.flow.inverse[n + 1]
         self.phi.append(self.w[n] * inverse)
-        tail, back = self._products(n)
-        torque = base.unbalance * back - self.drag * self.w[n]
-        if base.carried is None:  # its motion is given
-            a1, rotor = self.kit.number(0), torque / self.inertia
+        tail, back = self._products(rotor.s, n)
+        torque = rotor.unbalance * back - rotor.drag * self.w[n]
+        if rotor.carried is None:  # its motion is given
+            a1, turned = self.kit.number(0), torque / rotor.inertia
         else:
-            thrust = force + base.unbalance * ((n + 1) * tail)
-            a1 = base.to_a1 * thrust + base.cross * torque
-            rotor = base.to_w * torque + base.cross * thrust
-        self.w.append(rotor * inverse)
+            thrust = force + rotor.unbalance * ((n + 1) * tail)
+            a1 = rotor.to_a1 * thrust + rotor.cross * torque
+            turned = rotor.to_w * torque + rotor.cross * thrust
+        self.w.append(turned * inverse)
         self.a1.append(a1)
         return a1
 
-    def _products(self, n):
+    def _products(self, s: Sequence[N], n: int) -> tuple[N, N]:
         """Coefficient n + 1 of q without s_0 dw_(n+1), and n of c a1 dphi + s A1 without s_0 A1_n.
 
         The newest terms come last; the others are summed in an odd and an even chain, those with dphi apart
         from those with s: four chains that a processor takes side by side.
         """
-        s, turning, pull, phi, w, a1 = self.base.rotor.s, self.turning, self.pull, self.phi, self.w, self.a1
+        turning, pull, phi, w, a1 = self.turning, self.pull, self.phi, self.w, self.a1
         zero = self.kit.number(0)
         turned, driven = [[zero, zero], [zero, zero]], [[zero, zero], [zero, zero]]
         for i in range(2, n + 1):
@@ -224,7 +226,7 @@ class TaylorTangent:
         return tail, back
 
 
-def chained(zero, c, a, n):
+def chained(zero: N, c: Sequence[N], a: Sequence[N], n: int) -> N:
     """Coefficient n of the product of two series, its even and odd terms summed apart."""
     sums = [zero, zero]
     for i in range(n + 1):

@@ -1,15 +1,19 @@
 """What the tangent bundle of a run came to, by name."""
 
 from math import inf, nan
+from typing import Any
 
 import numpy as np
 
 from vibsim.engine.tangent.tangencies import CLOSE
 from vibsim.engine.tangent.tangent_space import natural_rate
-from vibsim.physics.numbers import Doubles
+from vibsim.physics.numbers import Kit, N
+from vibsim.physics.parts import Scene
 
 
-def tangent_totals(scene, entries, margin, margin_time):
+def tangent_totals(
+    scene: Scene[N], kit: Kit[N], entries: dict[str, Any], margin: float, margin_time: float
+) -> dict[str, Any]:
     """Totals from `TangentBundle.entries()`.
 
     margin, margin_time: smallest gap at a turn without contact [m] (inf without any) and when [s].
@@ -40,17 +44,24 @@ def tangent_totals(scene, entries, margin, margin_time):
         "rank_losses": int(entries["losses"]),
         "tangent_pieces": int(entries["pieces"]),
         "volume_residual": float(entries["residual"]) if entries["complete"] and not count else nan,
-        **_tangencies(scene, entries["near"], growth[0, 0] if known else inf, margin, margin_time),
+        **_tangencies(scene, kit, entries["near"], growth[0, 0] if known else inf, margin, margin_time),
     }
 
 
-def _tangencies(scene, near, begin, margin, margin_time):
+def _tangencies(
+    scene: Scene[N],
+    kit: Kit[N],
+    near: tuple[int, float, float, float],
+    begin: float,
+    margin: float,
+    margin_time: float,
+) -> dict[str, Any]:
     """Crossings and the closest turn. A turn as far from contact as the deepest crossing at the natural rate
     counts 1, as that crossing does.
     """
     count, closest, time, fastest = near
     if begin <= margin_time and margin < inf and fastest > 0:
-        share = 2 * margin * natural_rate(scene, Doubles) / fastest
+        share = 2 * margin * float(natural_rate(scene, kit)) / fastest
         count += share < CLOSE
         closest, time = min((closest, time), (share, margin_time))
     return {

@@ -8,7 +8,7 @@ column of its own beside the sums.
 from dataclasses import replace
 from typing import Any
 
-from vibsim.engine.resume import rows_of_instant
+from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.trajectory import Block, open_trajectory
 from vibsim.files.declarations import Column
 from vibsim.sweeps.computations.task import Task
@@ -36,7 +36,7 @@ WORDS = {
 }
 STORED = Column("W", f"mean rate at which the stored energy grows, {_SPAN}")
 
-Rows = list[dict[str, Any]]
+Rows = list[Row]
 
 
 def columns(of: Quantities) -> Columns:

@@ -12,13 +12,12 @@ from typing import Any
 import numpy as np
 
 from vibsim.engine.columns import section_columns
-from vibsim.engine.resume import rows_of_instant
+from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.trajectory import Block, open_trajectory, state_at
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene
 from vibsim.sweeps.statistics.quantities import Quantities
 
-Row = dict[str, Any]
 SUMMED = ("impacts", "sticks", "events", "uncertified")
 
 
