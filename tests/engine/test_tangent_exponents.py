@@ -14,6 +14,7 @@ from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.saltation import Saltation
 from vibsim.engine.tangent.tangent_space import components, dimension, references
 from vibsim.engine.trajectory import open_trajectory
+from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import (
     AT_GAP,
     BASE,
@@ -23,7 +24,10 @@ from vibsim.physics.parts import (
     Body,
     Force,
     Friction,
+    Harmonic,
     Link,
+    RigidStop,
+    Scene,
     Stop,
 )
 
@@ -180,3 +184,27 @@ def test_volume_of_a_throw_at_an_elastic_wall_is_kept():
     bare = Stop("wall", 0, GROUND, 0.1, COMPRESSION, 800.0, 0.0, AT_GAP)
     throw = scene([Body("m", 2.0, 0.0, 0.7)], stops=(bare,), t_end=3.0)
     assert sum(totals(throw)["growth"][-1, 1:]) == pytest.approx(0.0, abs=1e-13)
+
+
+@pytest.mark.parametrize("engine", ("python", "c"))
+def test_friction_that_tears_off_beside_a_stop_at_rest(engine):
+    """A body that friction and a rigid stop hold at once, which holds any force one way, is torn off by
+    A sin(omega t) at the limit H of the friction, close to the crest: at the rate A omega cos(omega t) with
+    sin(omega t) = H / A, over H times the natural rate sqrt(k / m).
+    """
+    amplitude, limit, omega, k = 1.1001, 1.1, 3.0, 4.0
+    drive = Harmonic(amplitude, omega, omega / (2 * pi), 0.0, 0.0)
+    of = Scene(
+        bodies=(Body("block", 1.0, 0.0, 0.0),),
+        links=(Link("spring", 0, GROUND, k, 0.1),),
+        stops=(RigidStop("wall", 0, GROUND, 0.0, EXTENSION, 0.5, at_start=True),),
+        frictions=(Friction("rail", 0, GROUND, 0.5, 0.5, 0.0, limit, limit),),
+        forces=(Force("drive", 0, 0.0, (drive,)),),
+        t_end=0.55,  # the crest is at 0.524 s
+    )
+    trajectory = open_trajectory(of, engine, tangent=2)
+    kinds = np.concatenate([block.events["kind"] for block in trajectory.blocks()])
+    assert EVENT_KINDS["rest_end"] in kinds and EVENT_KINDS["stick_end"] in kinds
+    rate = omega * sqrt(amplitude**2 - limit**2)
+    share = (rate / (limit * sqrt(k))) ** 2
+    assert trajectory.totals["closest_tangency"] == pytest.approx(share, rel=1e-9)
