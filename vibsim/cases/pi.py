@@ -49,6 +49,7 @@ def _rounded(function: Callable[[Fraction], Fraction]) -> float:
         bits *= 2
 
 
+@lru_cache(maxsize=4096)
 def times_two_pi(value: Fraction, power: int = 1) -> float:
     """value * (2 pi)**power, correctly rounded: cycles to rad, Hz to rad/s; power 0 is plain rounding."""
     if power == 0:

@@ -113,8 +113,10 @@ def same_packed(one: Scene, other: Scene) -> bool:
     """Whether the modes of two scenes are packed the same: they differ in starts, ends, samples, numbers of a
     motor and frequencies of forces alone.
     """
-    if all(getattr(one, name) is getattr(other, name) for name in (*PARTS, "bodies", "forces")):
-        return (one.motor is None) == (other.motor is None) and _settings(one) == _settings(other)
+    if all(getattr(one, name) is getattr(other, name) for name in (*PARTS, "bodies")):
+        driven = (one.motor is None) == (other.motor is None)
+        same = one.forces is other.forces or pickle.dumps(_loads(one)) == pickle.dumps(_loads(other))
+        return driven and same and _settings(one) == _settings(other)
     return _signature(one, False) == _signature(other, False)
 
 
