@@ -70,9 +70,16 @@ def test_the_papers_machine_through_impacts():
 def test_what_has_no_derivative(case):
     with pytest.raises(OrbitError, match="no column x1; those of this case are x_mass, v_mass"):
         vibsim.monodromy(case, {"x1": 0.0}, 1.0)
-    with pytest.raises(OrbitError, match="F0 is 0, so there is no telling"):
-        vibsim.monodromy("I-C", {"x1": 0.0}, 1.0, ("F0",))
+    with pytest.raises(OrbitError, match=r"floor\.gap is 0, so there is no telling"):  # it comes to rest
+        vibsim.monodromy("gallery/bouncing-ball", {"x_ball": 0.1}, 2.0, ("stops.floor.gap",))
     rising = vibsim.load_case("gallery/bouncing-ball", {"forces.weight.F0": "2 N"})
     with pytest.raises(OrbitError, match="at 1 s the motion grazes a rigid stop"):  # 1 - 2 t + t^2
         vibsim.monodromy(rising, {"x_ball": 1.0, "v_ball": -2.0 - 1e-14}, 1.5)
     assert vibsim.monodromy(rising, {"x_ball": 1.0, "v_ball": -2.1}, 1.5).events == (("impact", 0),)
+
+
+def test_where_a_ball_comes_to_rest_there_are_quotients():
+    """It lies still then, whatever it weighed less; the estimate of the error says that they are no more."""
+    told = vibsim.monodromy("gallery/bouncing-ball", {"x_ball": 0.1}, 2.0, ("weight.F0",))
+    assert "rest_begin" in {kind for kind, _ in told.events}
+    assert told.by_parameter["weight.F0"] == pytest.approx(0, abs=1e-12)

@@ -68,7 +68,6 @@ class ScenePath:
             scene = rebuild_parts(scene, values, section)
         return scene
 
-
     def _quantity(self, value: float) -> Quantity:
         """What `parse_quantity` reads from a value and the unit, faster for ordinary numbers."""
         if not 1e-200 < abs(value) < 1e200:

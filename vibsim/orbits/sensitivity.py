@@ -1,7 +1,9 @@
 """What becomes of small changes of a state, and of numbers of a case, after a time.
 
-Changes of the state are carried along by the motion, exact to rounding. Changes of a number of the case are
-difference quotients of motions beside it, of two widths, whose leading error cancels (Richardson).
+Changes of the state, and of numbers of the case, are carried along by the motion, exact to rounding. Where
+the motion rests on a rigid stop, strikes several at one instant or strikes one with a body that sticks,
+changes of numbers are difference quotients of motions beside it, of two widths, whose leading error cancels
+(Richardson).
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,9 +15,12 @@ import numpy as np
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.orbits.coordinates import component_names
 from vibsim.orbits.errors import OrbitError
+from vibsim.orbits.parameter_slopes import NotFollowed, parameter_slopes
+from vibsim.orbits.scene_slopes import sloped_scene
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
+    from vibsim.physics.parts import Scene
 
 WIDTH = 2.0**-10  # of the number: rounding 2^-53 / 2^-10 and what is left out, 2^-40, are both 1e-12 about
 
@@ -28,7 +33,8 @@ class Monodromy:
     matrix : d state(T) / d state(0), (N, N) in the order of `columns`
     state : the state at the end by name of the column; rate : its rates of change
     events : (kind, number of the part) on the way
-    by_parameter : d state(T) / d number, (N) by key, per SI unit, rad/s for rates; error : estimated of each
+    by_parameter : d state(T) / d number, (N) by key, per SI unit, rad/s for rates
+    error : estimated of each where it is a difference quotient, 0 where it is exact but for rounding
     """
 
     columns: tuple[str, ...]
@@ -55,7 +61,7 @@ def monodromy(
     state : by name of the column, e.g. {"x1": 0.001, "v1": 0.2, ...} [m, m/s, rad, rad/s]; those left out: 0
     parameters : keys of numbers of the case by which the motion is differentiated too, e.g. ("c", "omega")
 
-    Raises OrbitError for a column that the case has not got, a number that is 0 (it has no scale) and a
+    Raises OrbitError for a column that the case has not got, a number at which a part comes or goes and a
     motion that has no derivative, UnknownKeyError for keys, EngineError where the run fails.
 
     Between its reversals a damped oscillator of mass 1 kg contracts areas by exp(-c T):
@@ -74,13 +80,18 @@ def monodromy(
     if unknown:
         raise OrbitError(f"no column {', '.join(unknown)}; those of this case are {', '.join(columns)}")
     start = [float(state.get(name, 0.0)) for name in columns]
-    carried = Carrier(scene, engine).carry(start, T)
+    carrier = Carrier(scene, engine)
+    carried = carrier.carry(start, T)
     if not np.isnan(carried.undefined_at):
         raise OrbitError(
             f"at {carried.undefined_at:.6g} s the motion grazes a rigid stop or strikes several at one"
             " instant, where it has no derivative"
         )
-    quotients = {key: _quotient(case, key, start, T, engine) for key in parameters}
+    slopes = _slopes(case, parameters, carrier.started(start, T))
+    if slopes is None:
+        quotients = {key: _quotient(case, key, start, T, engine) for key in parameters}
+    else:
+        quotients = {key: (row, np.zeros(len(row))) for key, row in zip(parameters, slopes, strict=True)}
     return Monodromy(
         tuple(columns),
         carried.matrix,
@@ -90,6 +101,16 @@ def monodromy(
         {key: quotient for key, (quotient, _) in quotients.items()},
         {key: error for key, (_, error) in quotients.items()},
     )
+
+
+def _slopes(case: "Case", parameters: Sequence[str], started: "Scene") -> np.ndarray | None:
+    """d state(T) / d number of each of the numbers, one per row; None where they cannot be followed."""
+    if not parameters:
+        return np.zeros((0, 0))
+    try:
+        return parameter_slopes(started, sloped_scene(case, parameters), len(parameters))
+    except NotFollowed:
+        return None
 
 
 def _quotient(

@@ -191,7 +191,7 @@ class Carrier:
         return other
 
     def _by_python(self, components: list[float], end: float, vectors: np.ndarray) -> Carried:
-        driver = Driver(self._started(components, end), Doubles, carry=vectors.tolist())
+        driver = Driver(self.started(components, end), Doubles, carry=vectors.tolist())
         while not driver.finished:
             driver.run(PIECES)
         codes = [(kind, part, *status.codes) for kind, part, _, status, _ in driver.events[1:-1]]
@@ -209,7 +209,7 @@ class Carrier:
         there = partial(self._rate, driver.state, rows)
         return self._told(driver.state, there, moved, happened, table, certificate, undefined)
 
-    def _started(self, components: list[float], end: float) -> Scene:
+    def started(self, components: list[float], end: float) -> Scene:
         """The scene from the components of a state to `end` [s]."""
         n, motor = len(self.scene.bodies), self.scene.motor
         starts = zip(self.scene.bodies, components[:n], components[n : 2 * n], strict=True)
