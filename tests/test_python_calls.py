@@ -37,8 +37,36 @@ def test_a_run_may_be_given_by_its_file(saved):
         vibsim.analyse("none.h5")
 
 
-@pytest.mark.parametrize("wrong", [3, None, ["II-B"], b"II-B"])
+@pytest.mark.parametrize("number", (0.002, np.float64(0.002), np.array(0.002), np.float32(0.002), "0.002"))
+def test_values_may_be_numbers_of_numpy(number):
+    assert vibsim.load_case("II-B", {"mu": number}) == vibsim.load_case("II-B", {"mu": "0.002"})
+
+
+@pytest.mark.parametrize("wrong", (["mu=0.002"], "mu=0.002", {5: "0.002"}))
+def test_overrides_are_a_mapping(wrong):
+    with pytest.raises(TypeError, match="overrides must be a mapping such as"):
+        vibsim.load_case("II-B", wrong)
+
+
+@pytest.mark.parametrize("wrong", ("many", 30.5))
+def test_digits_are_a_whole_number(wrong):
+    with pytest.raises(ValueError, match="digits must be a whole number or 'auto', got"):
+        vibsim.simulate("I-A", digits=wrong)
+
+
+def test_one_verdict_may_be_named_alone(saved):
+    assert vibsim.analyse(saved, what="frequencies") == vibsim.analyse(saved, what=["frequencies"])
+
+
+def test_an_unknown_column_of_events_is_told(saved):
+    with pytest.raises(KeyError, match="no column speed; these events have t, kind, part, x1"):
+        vibsim.open_result(saved).events["speed"]
+
+
+@pytest.mark.parametrize("wrong", [3, None, ["II-B"], b"II-B", {"name": "x"}])
 def test_anything_else_is_named(wrong):
+    with pytest.raises(TypeError, match="a case must be a Case, the path of a case file or the name of a"):
+        vibsim.load_case(wrong)
     for call in (vibsim.simulate, vibsim.analyse, vibsim.lyapunov, vibsim.sweep):
         with pytest.raises(
             TypeError, match="a case must be a Case, the path of a case file or the name of a shipped"

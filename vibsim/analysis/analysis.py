@@ -61,7 +61,7 @@ def analyse(
     result: "Result | Case | str | PathLike[str]",
     window: Window | None = None,
     discard: float | None = None,
-    what: Collection[str] = WHAT,
+    what: Collection[str] | str = WHAT,
     exponent: bool = True,
 ) -> Analysis:
     """Judge a run.
@@ -72,7 +72,7 @@ def analyse(
     window : span to look at [s]; None: all of the run
     discard : transient at its begin that only the verdict on capture takes in [s]; None: half the run without
         a window, nothing with one
-    what : names out of WHAT
+    what : names out of WHAT, or one of them
     exponent : whether the largest Lyapunov exponent helps to judge a regime that is not periodic; costs one
         more run
 
@@ -83,6 +83,7 @@ def analyse(
     >>> print(verdicts.regime.verdict, verdicts.regime.period, verdicts.impacts.verdict)
     periodic 2 some cycles
     """
+    what = [what] if isinstance(what, str) else what
     unknown = [name for name in what if name not in WHAT]
     if unknown:
         raise ValueError(f"{unknown[0]!r} is not one of {', '.join(WHAT)}")

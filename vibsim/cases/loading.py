@@ -20,24 +20,23 @@ def load_case(source: Case | str | PathLike[str], overrides: Mapping[str, object
     overrides : dotted (or unambiguous short) key -> text or number, e.g. {"excitation.Omega0": "6.5 Hz"};
         checked as if the file said so, with "--set" as the file
 
-    Raises CaseError with every problem found.
+    Raises CaseError with every problem found, TypeError for what is neither.
 
     >>> import vibsim
     >>> vibsim.load_case("II-B", {"Omega0": "6.5 Hz", "run.t_end": "20 s"})
     <Case II-B: 2 bodies, 1 stop, source motor at 6.5 Hz, 20 s>
     """
-    if isinstance(source, Case):
-        return source.with_values(overrides) if overrides else source
-    return _case(find_source(fspath(source)), overrides or {})
+    return as_case(source, overrides)
 
 
 def as_case(source: object, overrides: Mapping[str, object] | None = None) -> Case:
-    """What `load_case` reads. Raises CaseError, and TypeError for what it does not take."""
-    if isinstance(source, Case | str | PathLike):
-        return load_case(source, overrides)
-    raise TypeError(
-        f"a case must be a Case, the path of a case file or the name of a shipped case, got {source!r:.60}"
-    )
+    """What `load_case` reads."""
+    if isinstance(source, Case):
+        return source.with_values(overrides) if overrides else source
+    if not isinstance(source, str | PathLike) or not isinstance(path := fspath(source), str):
+        allowed = "a Case, the path of a case file or the name of a shipped case"
+        raise TypeError(f"a case must be {allowed}, got {source!r:.60}")
+    return _case(find_source(path), overrides or {})
 
 
 def load_case_text(text: str, overrides: Mapping[str, object] | None = None, name: str = "case") -> Case:

@@ -15,7 +15,11 @@ PLACED = ("between", "on")  # an override that gives one of these makes a new pa
 
 
 def apply_overrides(tree: Tree, overrides: Mapping[str, object]) -> None:
-    """Set each override in the tree; unknown keys are added to its problems."""
+    """Set each override in the tree; unknown keys are added to its problems. Raises TypeError for what is no
+    mapping from keys.
+    """
+    if not isinstance(overrides, Mapping) or not all(isinstance(key, str) for key in overrides):
+        raise TypeError(f"overrides must be a mapping such as {{'Omega0': '6 Hz'}}, got {overrides!r:.60}")
     if not overrides:
         return
     given = [(key.strip(), value) for key, value in overrides.items()]
@@ -92,5 +96,5 @@ def _with(values: dict[str, Any], path: list[str], value: object) -> dict[str, A
 
 
 def _text(value: object) -> str:
-    """A number given from Python as text; repr of a float is its shortest decimal."""
-    return repr(value) if isinstance(value, float) else str(value)
+    """A number given from Python as text; repr of a float, also one of numpy, is its shortest decimal."""
+    return repr(float(value)) if isinstance(value, float) else str(value)

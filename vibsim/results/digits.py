@@ -18,6 +18,10 @@ class Digits(Mapping[str, np.ndarray]):
         self.table = table
         self.event_table = {} if events is None else events
 
+    def in_memory(self) -> "Digits":
+        """The same, read from its file."""
+        return Digits(dict(self.table), dict(self.event_table))
+
     @property
     def events(self) -> "Digits":
         """The digits of the table of events."""

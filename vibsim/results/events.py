@@ -34,6 +34,8 @@ class Events(Labelled, Mapping[str, np.ndarray]):
         self._case = case
 
     def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self._table:
+            raise KeyError(f"no column {name}; these events have {', '.join(self._table)}")
         return self._table[name]
 
     def __iter__(self) -> Iterator[str]:

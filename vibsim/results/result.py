@@ -48,6 +48,12 @@ class Result(Labelled):
         self.events = Events(events, self._case_of)
         self._samples = samples
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """For pickle: with all columns, so that what comes out needs no file."""
+        digits = self.digits and self.digits.in_memory()
+        orbit = None if self.orbit is None else dict(self.orbit)
+        return Result, (self.attrs, dict(self._samples), dict(self.events), self.case, digits, orbit)
+
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self._samples:
             raise KeyError(f"no column {name}; this trajectory has {', '.join(self.keys())}")

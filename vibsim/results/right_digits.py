@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from decimal import Context, Decimal
 from fractions import Fraction
 from math import ceil, floor, log10
+from numbers import Integral
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -52,7 +53,7 @@ class DigitsPlan:
         self.scene = case.scene()
         self._growth: float | None = None
         self.coarse_digits, self.coarse = DOUBLE_DIGITS, end_in_doubles(self.scene)
-        self.digits = self._first_choice() if self.automatic else int(wanted)
+        self.digits = self._first_choice() if self.automatic else _whole(wanted)
 
     @property
     def growth(self) -> float:
@@ -163,3 +164,10 @@ def end_of(event_digits: Mapping[str, Any]) -> EndState | None:
     if not len(event_digits["t"]):
         return None
     return {name: Decimal(column[-1].decode()) for name, column in event_digits.items()}
+
+
+def _whole(digits: object) -> int:
+    """A number of digits. Raises ValueError for what is no whole number."""
+    if not isinstance(digits, Integral):
+        raise ValueError(f"digits must be a whole number or 'auto', got {digits!r}")
+    return int(digits)

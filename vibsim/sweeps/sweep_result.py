@@ -45,6 +45,10 @@ class SweepResult(Labelled):
         if table is not None:
             self.table = table
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """For pickle: with all points, so that what comes out needs no file."""
+        return SweepResult, (self.attrs, self.plan, self.table.column, self.table)
+
     @cached_property
     def table(self) -> Table:
         """All points at once."""

@@ -60,6 +60,11 @@ class Carried:
     margin: float
     undefined_at: float = nan
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """For pickle: with the rates, which need no run then."""
+        counted = self.uncertified, self.margin, self.undefined_at
+        return Carried, (self.state, self.rate, self.vectors, self.happened, self.table, *counted)
+
     @cached_property
     def rate(self) -> np.ndarray:
         """Rates of change of the components at the end."""
@@ -117,6 +122,10 @@ class Carrier:
         rotor = (2 * n + 1, 2 * n + 2) if scene.motor is not None else ()
         # of the rows of a state in C: the time and then the components
         self._order = np.array([0, *range(1, 2 * n, 2), *range(2, 2 * n + 1, 2), *rotor])
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """For pickle: what the engine knows of modes is made anew."""
+        return Carrier, (self._origin, self.engine)
 
     def carry(self, state: ArrayLike, end: float, vectors: ArrayLike | None = None) -> Carried:
         """The motion from `state`, the components at t = 0, to `end` [s], as `Carried`.
