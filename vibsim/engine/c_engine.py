@@ -16,6 +16,7 @@ from vibsim.engine.errors import EngineError
 from vibsim.engine.events.automaton import JET, Automaton
 from vibsim.engine.events.certificate import Certificate
 from vibsim.engine.events.plain_start import PlainStart
+from vibsim.engine.events.rigid_stops import LOWEST
 from vibsim.engine.extremes import Gap
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.flows.harmonics import value_and_rate
@@ -87,7 +88,8 @@ Filled = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, tuple
 class CRun:
     """A run of a scene made of parts on the C engine.
 
-    carries : whether disturbances are carried as they are; such a run begins with `restart`
+    carries : whether disturbances are carried as they are; such a run begins with `restart`; lowest : as of
+    `open_trajectory`
     """
 
     def __init__(
@@ -100,8 +102,9 @@ class CRun:
         tangent: tuple[int, float] = (0, 0.0),
         carries: bool = False,
         extremes: tuple[Sequence[Edge], Sequence[Gap], float] | None = None,
+        lowest: int = LOWEST,
     ) -> None:
-        self.scene, self.n = scene, len(scene.bodies)
+        self.scene, self.n, self.lowest = scene, len(scene.bodies), lowest
         self.table, self.momentum = mode_table(scene, pitched=not carries), momentum
         self.keys, self.doubts = self.table.keys, Doubts()
         self.carries = carries or tangent[0] > 0  # disturbances, now or later, by which rules are made
@@ -148,7 +151,9 @@ class CRun:
     @cached_property
     def automaton(self) -> Automaton:
         """Decides what C leaves open."""
-        return Automaton(self.scene, self.maker, self.scout, Doubles)
+        automaton = Automaton(self.scene, self.maker, self.scout, Doubles)
+        automaton.rigid.lowest = self.lowest
+        return automaton
 
     @cached_property
     def tangencies(self) -> Tangencies:

@@ -12,6 +12,7 @@ from typing import Generic
 
 from vibsim.engine.errors import EngineError
 from vibsim.engine.events.automaton import JET, Automaton
+from vibsim.engine.events.rigid_stops import LOWEST
 from vibsim.engine.extremes import Extremes, Gap
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.ledgers.ledger import Ledger
@@ -39,7 +40,7 @@ class Driver(Generic[N]):
     end.
 
     tangent : disturbances whose growth is told, and from when [s]; carry : disturbances that are carried as
-    they are; flow : one of the scene that does more than its own
+    they are; flow : one of the scene that does more than its own; lowest : as of `open_trajectory`
     """
 
     def __init__(
@@ -54,11 +55,13 @@ class Driver(Generic[N]):
         carry: Sequence[Sequence[N]] = (),
         flow: Flow[N] | None = None,
         extremes: tuple[Sequence[Edge], Sequence[Gap], float] | None = None,
+        lowest: int = LOWEST,
     ) -> None:
         self.scene, self.kit = scene, kit
         self.maker = RowMaker(scene, kit)
         self.flow = flow or Flow(scene, kit)
         self.automaton = Automaton(scene, self.maker, Flow(scene, kit, self.flow.certificate, JET + 1), kit)
+        self.automaton.rigid.lowest = lowest
         self.section = StroboscopicSection(scene, self.flow) if section else None
         self.ledger = Ledger(scene, kit, self.maker, self.flow, momentum) if ledger or momentum else None
         self.extremes = Extremes(scene, kit, self.flow, *extremes) if extremes else None

@@ -24,6 +24,7 @@ from vibsim.engine.columns import (
     section_columns,
 )
 from vibsim.engine.driver import Driver, Happening
+from vibsim.engine.events.rigid_stops import LOWEST
 from vibsim.engine.extremes import Gap
 from vibsim.engine.modes.status import LIFTED, Status
 from vibsim.engine.modes.ties import Edge
@@ -55,7 +56,7 @@ class Wishes(TypedDict, total=False):
     """What a run is to keep besides samples and events; see `open_trajectory`.
 
     tangent : number of disturbances, and from when their growth counts [s]
-    extremes : columns of the pairs, the stops whose gaps are watched, since when [s]
+    extremes : columns of the pairs, the stops whose gaps are watched, since when [s]; lowest : see there
     """
 
     section: bool
@@ -63,6 +64,7 @@ class Wishes(TypedDict, total=False):
     momentum: bool
     tangent: tuple[int, float]
     extremes: tuple[Sequence[Edge], Sequence[Gap], float] | None
+    lowest: int
 
 
 @dataclass(frozen=True)
@@ -93,6 +95,7 @@ def open_trajectory(
     tangent: int = 0,
     tangent_from: float = 0.0,
     extremes: tuple[Sequence[Edge], float] | None = None,
+    lowest: int = LOWEST,
 ) -> Trajectory:
     """A run of `scene` (a `vibsim.physics.parts.Scene`) from its start, not yet computed.
 
@@ -112,6 +115,8 @@ def open_trajectory(
         x_P - x_Q of each pair, then of the rotor's speed, exact to rounding: by period in the blocks, where
         they carry the section, and of all in `extremes` of the object returned, with the smallest gap at a
         turn without contact of each stop between the ends of a pair
+    lowest : height of the hops under friction with which a sequence of impacts ends, in roundings of
+        displacements
 
     Returns an object with `engine`, `blocks()` (an iterator of `Block`s; raises EngineError when the run
     fails) and `totals`. Raises ValueError for another engine or method, a row that no run has or more
@@ -125,6 +130,7 @@ def open_trajectory(
         "momentum": momentum,
         "tangent": (tangent, tangent_from),
         "extremes": extremes_of(scene, *extremes) if extremes else None,
+        "lowest": lowest,
     }
     point = None if resume is None else resume_point(scene, resume)
     if engine_name(engine) == "python":
