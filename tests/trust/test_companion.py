@@ -122,7 +122,7 @@ def failing(monkeypatch, companions):
         real = open_trajectory
         monkeypatch.setattr(
             "vibsim.results.trust_companion.open_trajectory",
-            lambda scene, engine: Failing(real(scene), error),
+            lambda scene, engine, **wishes: Failing(real(scene), error),
         )
         return companions(scene)
 
