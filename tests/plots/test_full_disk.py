@@ -20,9 +20,9 @@ for words in {commands}:
             assert end.code == 6, words
 """
 COMMANDS = [
-    ["plot", "a.h5", "--kind", "phase", "-o", "p.pdf"],
-    ["plot", "a.h5", "--kind", "phase", "-o", "p.svg"],
-    ["plot", "a.h5", "--kind", "phase,velocity", "-o", "p.pdf"],
+    ["plot", "a.h5", "--kind", "motor", "-o", "p.pdf"],
+    ["plot", "a.h5", "--kind", "motor", "-o", "p.svg"],
+    ["plot", "a.h5", "--kind", "motor,stiffness", "-o", "p.pdf"],
     ["cases", "II-B", "--draw", "-o", "p.pdf"],
 ]
 
@@ -42,7 +42,7 @@ def test_a_name_that_is_too_long(tmp_path, length):
     """Longer than the system takes, and such that only NAME.partial is."""
     vibsim.simulate(vibsim.load_case("II-B", {"t_end": "1 s"})).save(tmp_path / "a.h5")
     run = ["run", "II-B", "--t-end", "1s", "-o"]
-    for words, suffix in ((["plot", "a.h5", "-o"], ".png"), (run, ".hdf5")):
+    for words, suffix in ((["plot", "a.h5", "--kind", "motor", "-o"], ".png"), (run, ".hdf5")):
         name = "x" * (length - len(suffix)) + suffix
         done = subprocess.run(
             [sys.executable, "-m", "vibsim", *words, name], cwd=tmp_path, capture_output=True, text=True

@@ -19,12 +19,12 @@ def here(tmp_path, monkeypatch):
 
 
 def test_png_has_journal_width(runs, here):
-    assert draw_files([runs["ideal"]], ["relative"], View(), "x.png") == ["x.png"]
+    assert draw_files([runs["quiet"]], ["relative"], View(), "x.png") == ["x.png"]
     content = (here / "x.png").read_bytes()
     assert content.startswith(b"\x89PNG")
     width = struct.unpack(">I", content[16:20])[0]
     assert width == round(8.6 / 2.54 * 300) - 1 or width == round(8.6 / 2.54 * 300)
-    draw_files([runs["ideal"]], ["relative"], View(width="page"), "wide.png")
+    draw_files([runs["quiet"]], ["relative"], View(width="page"), "wide.png")
     assert struct.unpack(">I", (here / "wide.png").read_bytes()[16:20])[0] == pytest.approx(
         17.8 / 2.54 * 300, abs=1
     )
@@ -51,7 +51,7 @@ def test_svg_is_well_formed(runs, here):
 def test_png_is_opaque_and_says_who_drew_it(runs, here):
     from PIL import Image
 
-    draw_files([runs["ideal"]], ["relative"], View(), "x.png")
+    draw_files([runs["quiet"]], ["relative"], View(), "x.png")
     with Image.open(here / "x.png") as picture:
         assert (picture.mode, picture.info["Software"]) == ("RGB", "vibsim")
         assert picture.info["dpi"] == pytest.approx((300, 300), abs=0.01)
@@ -65,17 +65,17 @@ def test_the_same_picture_is_the_same_file(runs, here, suffix):
 
 
 def test_default_names(runs, here):
-    written = draw_files([runs["motor"], runs["ideal"]], ["phase", "relative"], View())
-    assert written == ["motor+ideal-phase.png", "motor+ideal-relative.png"]
+    written = draw_files([runs["quiet"], runs["bare"]], ["phase", "relative"], View())
+    assert written == ["quiet+bare-phase.png", "quiet+bare-relative.png"]
     assert sorted(path.name for path in here.iterdir()) == sorted(written)
 
 
 def test_several_kinds_make_several_files_or_pages(runs, here):
-    assert draw_files([runs["ideal"]], ["phase", "relative"], View(), "x.svg") == [
+    assert draw_files([runs["quiet"]], ["phase", "relative"], View(), "x.svg") == [
         "x-phase.svg",
         "x-relative.svg",
     ]
-    assert draw_files([runs["ideal"]], ["phase", "relative"], View(), "x.pdf") == ["x.pdf"]
+    assert draw_files([runs["quiet"]], ["phase", "relative"], View(), "x.pdf") == ["x.pdf"]
     assert (here / "x.pdf").read_bytes().count(b"/Type /Page ") == 2
 
 
@@ -87,40 +87,40 @@ def test_cases_without_a_run(here):
 def test_existing_pictures_are_kept(runs, here):
     (here / "x.png").write_text("mine")
     with pytest.raises(ResultFileError, match=r"x\.png: exists"):
-        draw_files([runs["ideal"]], ["phase"], View(), "x.png")
+        draw_files([runs["quiet"]], ["phase"], View(), "x.png")
     assert (here / "x.png").read_text() == "mine"
-    draw_files([runs["ideal"]], ["phase"], View(), "x.png", force=True)
+    draw_files([runs["quiet"]], ["phase"], View(), "x.png", force=True)
     assert (here / "x.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_missing_folder(runs, here):
     with pytest.raises(ResultFileError, match="does not exist"):
-        draw_files([runs["ideal"]], ["phase"], View(), "nowhere/x.png")
+        draw_files([runs["quiet"]], ["phase"], View(), "nowhere/x.png")
 
 
 @pytest.mark.parametrize("out", ["x.jpg", "x", "x.h5"])
 def test_unknown_suffix(runs, here, out):
     with pytest.raises(PlotError, match=r"pictures are \.png, \.pdf or \.svg"):
-        draw_files([runs["ideal"]], ["phase"], View(), out)
+        draw_files([runs["quiet"]], ["phase"], View(), out)
 
 
 def test_nothing_is_left_of_a_failed_picture(runs, here):
     with pytest.raises(PlotError):
-        draw_files([runs["ideal"]], ["phase"], View(window=(900.0, 910.0)), "x.png")
+        draw_files([runs["quiet"]], ["phase"], View(window=(900.0, 910.0)), "x.png")
     assert list(here.iterdir()) == []
 
 
 def test_plot_run(runs, here):
-    assert plot_run(runs["motor"], "a.pdf") == ["a.pdf"]
+    assert plot_run(runs["quiet"], "a.pdf") == ["a.pdf"]
     with pytest.raises(ResultFileError):
-        plot_run(runs["motor"], "a.pdf")
-    assert plot_run(runs["motor"], "a.pdf", kinds=["motor"], force=True) == ["a.pdf"]
+        plot_run(runs["quiet"], "a.pdf")
+    assert plot_run(runs["quiet"], "a.pdf", kinds=["stiffness"], force=True) == ["a.pdf"]
 
 
 def test_the_users_matplotlib_settings_do_not_matter(runs, here):
     import matplotlib
 
-    draw_files([runs["ideal"]], ["phase"], View(), "a.png")
+    draw_files([runs["quiet"]], ["phase"], View(), "a.png")
     with matplotlib.rc_context({"font.size": 20, "axes.grid": True, "lines.linewidth": 9}):
-        draw_files([runs["ideal"]], ["phase"], View(), "b.png")
+        draw_files([runs["quiet"]], ["phase"], View(), "b.png")
     assert (here / "a.png").read_bytes() == (here / "b.png").read_bytes()

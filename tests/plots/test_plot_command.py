@@ -18,9 +18,9 @@ def plot(tmp_path, monkeypatch):
 
 
 def test_overview_is_the_default(plot, runs, tmp_path):
-    outcome = plot(runs["motor"])
-    assert (outcome.exit_code, outcome.stdout) == (0, "motor-overview.png\n")
-    assert (tmp_path / "motor-overview.png").exists()
+    outcome = plot(runs["quiet"])
+    assert (outcome.exit_code, outcome.stdout) == (0, "quiet-overview.png\n")
+    assert (tmp_path / "quiet-overview.png").exists()
 
 
 def test_kinds_window_detail_and_width(plot, runs):
@@ -40,10 +40,10 @@ def test_kinds_window_detail_and_width(plot, runs):
 
 
 def test_json_and_quiet(plot, runs):
-    assert json.loads(plot(runs["ideal"], "--kind", "phase", "--json").stdout) == {
-        "written": ["ideal-phase.png"]
+    assert json.loads(plot(runs["quiet"], "--kind", "stiffness", "--json").stdout) == {
+        "written": ["quiet-stiffness.png"]
     }
-    assert plot(runs["ideal"], "--kind", "phase", "--force", "-q").stdout == ""
+    assert plot(runs["quiet"], "--kind", "stiffness", "--force", "-q").stdout == ""
 
 
 def test_list(plot, runs):

@@ -51,7 +51,7 @@ def nasty_run(request, tmp_path_factory):
     """A run whose title and file name are hostile."""
     title = request.param
     path = tmp_path_factory.mktemp("nasty") / f"_{title[:40]}.h5"
-    simulate_to_file(load_case("II-B", {"title": title, "run.t_end": "2 s"}), path)
+    simulate_to_file(load_case("II-B", {"title": title, "run.t_end": "0.5 s"}), path)
     return str(path)
 
 
@@ -69,11 +69,19 @@ TRAJECTORY_KINDS = [kind.name for kind in KINDS if kind.reads in ("trajectory", 
 TRAJECTORY_KINDS.remove("orbit-portrait")  # of runs that are orbits alone
 
 
+@pytest.fixture(scope="module")
+def brief_run(tmp_path_factory):
+    """A motor's run with impacts that is drawn soon."""
+    path = tmp_path_factory.mktemp("brief") / "brief.h5"
+    simulate_to_file(load_case("II-B", {"run.t_end": "4 s"}), path)
+    return str(path)
+
+
 @pytest.mark.parametrize("kind", TRAJECTORY_KINDS)
-def test_no_kind_lets_matplotlib_read_a_name(kind, subject, runs, tmp_path):
+def test_no_kind_lets_matplotlib_read_a_name(kind, brief_run, tmp_path):
     paths = [str(tmp_path / f"{name}.h5") for name in ("a$\\frac$", "b_{$")]
     for path in paths:
-        shutil.copy(runs["motor"], path)
+        shutil.copy(brief_run, path)
     figure = kind_named(kind).draw(open_subjects(paths), View(width="column"))
     figure.draw_without_rendering()  # raises where a name is taken for mathematics and is none
     names = [text.get_text() for text in figure.findobj(Text) if "frac" in text.get_text()]

@@ -12,6 +12,7 @@ from vibsim.evidence.benchmark.bench_file import write_bench
 from vibsim.evidence.benchmark.families import FAMILIES
 from vibsim.evidence.benchmark.provenance import origin
 from vibsim.evidence.benchmark.row import DONE, FAILED, SLOWER, Row
+from vibsim.plots import style
 from vibsim.plots.errors import PlotError
 from vibsim.plots.registry import choose, fitting, kind_named
 from vibsim.plots.subject import open_subject
@@ -54,9 +55,10 @@ def path(tmp_path_factory):
     return str(file)
 
 
-@pytest.fixture(params=["page", "column"])
+@pytest.fixture(scope="module", params=["page", "column"])
 def figure(path, request):
-    return kind_named("work-precision").draw([open_subject(path)], View(width=request.param))
+    with style.applied():
+        return kind_named("work-precision").draw([open_subject(path)], View(width=request.param))
 
 
 def test_every_row_is_where_the_file_has_it(figure, path):
