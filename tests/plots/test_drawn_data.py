@@ -9,6 +9,7 @@ from tests.plots.artists import lines, points
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.plots import samples, trace
 from vibsim.plots.errors import PlotError
+from vibsim.plots.impact_velocity import _bins
 from vibsim.plots.registry import kind_named
 from vibsim.plots.view import View
 
@@ -281,3 +282,12 @@ def test_repeated_names_become_file_names(runs, tmp_path):
     shutil.copy(runs["motor"], copy)
     assert [one.name for one in open_subjects([runs["motor"], str(copy)])] == ["motor", "again"]
     assert [one.name for one in open_subjects([runs["motor"], runs["ideal"]])] == ["II-B", "I-C"]
+
+
+def test_equal_impacts_have_a_bar_that_can_be_seen():
+    """Bins over the range of the velocities had no height where these differ by rounding alone."""
+    count, (low, high) = _bins(np.array([0.35, 0.35 + 1e-15]))
+    assert count == 1 and high - low == pytest.approx(0.012 * 0.35) and low < 0.35 < high
+    assert _bins(np.array([0.0, 1.0])) == (40, (0.0, 1.0))
+    count, (low, high) = _bins(np.array([0.95, 1.0]))
+    assert count == 4 and (low, high) == (0.95, 1.0)

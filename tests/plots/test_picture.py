@@ -124,3 +124,10 @@ def test_the_users_matplotlib_settings_do_not_matter(runs, here):
     with matplotlib.rc_context({"font.size": 20, "axes.grid": True, "lines.linewidth": 9}):
         draw_files([runs["quiet"]], ["phase"], View(), "b.png")
     assert (here / "a.png").read_bytes() == (here / "b.png").read_bytes()
+
+
+def test_a_picture_without_room_is_refused(runs, here):
+    """matplotlib warns, with lines of its source, and draws panels of no size over each other."""
+    with pytest.raises(PlotError, match=r"^x\.png: too small for what it shows: make it larger"):
+        draw_files([runs["quiet"]], ["overview"], View(size_cm=(6.0, 4.0)), "x.png")
+    assert list(here.iterdir()) == []

@@ -25,7 +25,10 @@ from vibsim.plots.view import Span, View
 from vibsim.results.closing_velocity import closing_velocities
 
 BINS = 40
-HEADROOM = 1.1  # beyond the longest bar of the histogram
+THINNEST = 0.012  # of the greatest velocity: a bar that can be seen
+FEW, LARGEST_PT, SMALLEST_PT = 60, 3.2, 1.6  # points of a panel that are drawn large; sizes
+LONGEST_NOTE = 10  # characters above the narrow histogram
+HEADROOM = 1.1  # beyond the longest bar of the histogram, and above the fastest impact
 CLOSING = "Closing velocity"
 
 
@@ -78,8 +81,10 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
 def _settled(subject: Subject, view: View, impacts: Impacts) -> Span:
     """The part of the run of which phases and frequencies are shown: the last half, or the view's window.
 
-    All of the run where the last half has no impacts.
+    All of the run where the last half has no impacts, and of an orbit.
     """
+    if getattr(subject.result, "orbit", None) is not None:
+        return window_of(subject, view.window)
     span = shown(subject, view.window, last_half)
     return span if len(impacts.within(span).t) else window_of(subject, view.window)
 
@@ -99,7 +104,7 @@ def _say(
     words = f"{count} impact{'' if count == 1 else 's'}"
     listed = "; ".join(dict.fromkeys(map(seconds, spans[1])))
     note(over_phase or histogram, f"{words}, {listed}" if over_phase else words)
-    if over_phase:
+    if over_phase and len(listed) <= LONGEST_NOTE:
         note(histogram, listed)
 
 
@@ -121,16 +126,26 @@ def impacts_of(subject: Subject, span: Span) -> Impacts:
 
 
 def _dots(axes: Axes, x: np.ndarray, y: np.ndarray, colour: str, label: str) -> None:
+    size = float(np.clip(LARGEST_PT * (FEW / max(len(x), 1)) ** 0.5, SMALLEST_PT, LARGEST_PT))
     axes.plot(
-        x, y, linestyle="none", marker=".", markersize=1.6, markeredgewidth=0, color=colour, label=label,
+        x, y, linestyle="none", marker=".", markersize=size, markeredgewidth=0, color=colour, label=label,
         gid="impacts", rasterized=len(x) > 5_000,
     )  # fmt: skip
 
 
 def _histogram(axes: Axes, values: np.ndarray, colour: str, filled: bool) -> None:
     if len(values):
-        counts, edges = np.histogram(values, BINS)
+        counts, edges = np.histogram(values, *_bins(values))
         axes.stairs(counts, edges, orientation="horizontal", fill=filled, color=colour, linewidth=0.7)
+
+
+def _bins(values: np.ndarray) -> tuple[int, tuple[float, float]]:
+    """Number and range of the bins, of which none is too thin to be seen."""
+    low, high = float(values.min()), float(values.max())
+    thinnest = THINNEST * high
+    bins = max(1, min(BINS, int((high - low) / thinnest))) if thinnest > 0 else BINS
+    room = max(0.0, bins * thinnest - (high - low)) / 2
+    return bins, (low - room, high + room)
 
 
 def _finish(over_time: Axes, histogram: Axes, over_phase: Axes | None, scale: Scale, window: Span) -> None:
@@ -140,7 +155,7 @@ def _finish(over_time: Axes, histogram: Axes, over_phase: Axes | None, scale: Sc
     histogram.set_xlabel("Count")
     histogram.set_xlim(0, HEADROOM * max(histogram.get_xlim()[1], 1))
     histogram.xaxis.set_major_locator(MaxNLocator(2, integer=True))
-    over_time.set_ylim(bottom=0)
+    over_time.set_ylim(0, max(over_time.get_ylim()[1], HEADROOM * over_time.dataLim.y1))
     if over_phase is not None:
         over_phase.set_xlim(0, 360)
         over_phase.set_xticks(range(0, 361, 60))

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -108,11 +110,25 @@ def _draw(
 ) -> list[str]:
     figures = (kind.draw(subjects, view.for_kind(kind.width)) for kind in kinds)
     if len(targets) < len(kinds):
-        _write_pages(list(figures), targets[0], force)
-    else:
-        for figure, target in zip(figures, targets, strict=True):
-            write_figure(figure, target, force)
+        with _room_enough(targets[0]):
+            _write_pages(list(figures), targets[0], force)
+        return list(targets)
+    for target in targets:
+        with _room_enough(target):
+            write_figure(next(figures), target, force)
     return list(targets)
+
+
+@contextmanager
+def _room_enough(target: str) -> Iterator[None]:
+    """PlotError where words leave no room for axes, which matplotlib warns of and draws over each other."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("error", "constrained_layout not applied", UserWarning)
+        try:
+            yield
+        except UserWarning:
+            advice = "make it larger (--size, --width page) or its text smaller (--font-size)"
+            raise PlotError(f"{target}: too small for what it shows: {advice}") from None
 
 
 def write_figure(figure: Figure, target: str, force: bool) -> None:
