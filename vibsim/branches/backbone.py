@@ -151,6 +151,8 @@ def _start(source: Any, engine: str) -> tuple[Case, np.ndarray, float, int]:
     if isinstance(source, Orbit) or (isinstance(source, Result) and source.orbit is not None):
         state, n, T = start_of(source)
         case = source.case
+        if case is None:
+            raise BranchError("an orbit of a scene alone has no case that a backbone curve could be of")
         return (
             case,
             unknowns(ReturnMap(conservative_scene(case), n, engine).coordinates, state),

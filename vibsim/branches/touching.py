@@ -77,7 +77,7 @@ class MapPastTouch(ReturnMap):
 
     def plain(self, X: np.ndarray, T: float | None = None) -> Touching:
         """The same: derivatives are no part of what takes long."""
-        return self(X, T)
+        return self._motion(X, T, self.coordinates.disturbances)
 
     def _from(self, scene: Any, t: float) -> Carrier:
         """A carrier of motions that begin at the time t [s]."""

@@ -75,6 +75,7 @@ def find_one(wish: Wish, settings: Settings) -> int:
     if settings.json:
         print_json(({"file": wish.output} if wish.output else {}) | orbit_object(found, refined))
     elif not settings.quiet:
+        assert found.case is not None  # the wish names one
         say(heading(found.case.name, found.case.title))
         print_lines([*orbit_lines(found, refined), *_file_line(wish.output)])
     return 0

@@ -5,15 +5,19 @@ whole. Displacements of its bodies count from its last body, and the orbit may d
 What the section fixes (the angle of a motor) is no unknown either.
 """
 
+from __future__ import annotations
+
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from vibsim.engine.tangent.monodromy import Carried
 from vibsim.engine.tangent.tangent_space import length, weights
-from vibsim.orbits.section import section_of
+from vibsim.orbits.section import Section, section_of
 from vibsim.physics.body_sets import body_sets
 from vibsim.physics.numbers import Doubles
-from vibsim.physics.parts import columns_of
+from vibsim.physics.parts import Scene, columns_of
 
 
 class Coordinates:
@@ -25,7 +29,7 @@ class Coordinates:
     weights : of the unknowns; each is measured as a velocity [m/s], displacements by a natural rate
     """
 
-    def __init__(self, scene, section):
+    def __init__(self, scene: Scene, section: Section) -> None:
         self.scene, self.section = scene, section
         self.columns = component_names(scene)
         reference = _references(scene)
@@ -48,60 +52,60 @@ class Coordinates:
         self.none = np.empty((0, length(scene)))  # no disturbance
         self._take = np.ascontiguousarray(self.take.T)
 
-    def of(self, state):
+    def of(self, state: ArrayLike) -> np.ndarray:
         """Unknowns of state components, the last axis of `state`: sums and differences, rounded once."""
         return np.asarray(state) @ self._take
 
-    def lifted(self, X):
+    def lifted(self, X: np.ndarray) -> np.ndarray:
         """State components on the section, references at x = 0."""
         return self.put @ X
 
     @cached_property
-    def disturbances(self):
+    def disturbances(self) -> np.ndarray:
         """A disturbance of the state for each unknown, one per row."""
         return np.ascontiguousarray(self.put.T)
 
-    def drift(self, state):
+    def drift(self, state: np.ndarray) -> dict[str, float]:
         """By name of the body: how far each set that is held nowhere has moved from the start at 0 [m]."""
         return {self.scene.bodies[r].name: float(state[r]) for r in self.references}
 
-    def state(self, X):
+    def state(self, X: np.ndarray) -> dict[str, float]:
         """The state on the section by name of the column [m, m/s, rad, rad/s]."""
         return dict(zip(self.columns, self.lifted(X).tolist(), strict=True))
 
-    def named(self, X):
+    def named(self, X: ArrayLike) -> dict[str, float]:
         """The unknowns by name."""
         return dict(zip(self.names, np.asarray(X).tolist(), strict=True))
 
-    def size(self, X):
+    def size(self, X: np.ndarray) -> float:
         """The largest of the unknowns, as weighed [m/s]."""
         return float(np.abs(X * self.weights).max())
 
-    def travel(self, carried):
+    def travel(self, carried: Carried) -> float:
         """The largest of the unknowns at the events of a motion, as weighed [m/s]."""
         return self.size(self.of(carried.states)) if len(carried.states) else 0.0
 
-    def _name(self, i, reference):
+    def _name(self, i: int, reference: int | None) -> str:
         return self.columns[i] if reference is None else f"{self.columns[i]}-{self.columns[reference]}"
 
-    def _unit(self, i):
+    def _unit(self, i: int) -> str:
         n = len(self.scene.bodies)
         return "m" if i < n else "m/s" if i < 2 * n else ("rad", "rad/s")[i - 2 * n]
 
 
-def unknown_count(scene):
+def unknown_count(scene: Scene) -> int:
     """Number of unknowns of the orbits of a scene, and of their multipliers. Raises NoSection."""
     return Coordinates(scene, section_of(scene)).count
 
 
-def component_names(scene):
+def component_names(scene: Scene) -> list[str]:
     """Columns in the order of state components."""
     pairs = [columns_of(body.name) for body in scene.bodies]
     rotor = ["phi", "phidot"] if scene.motor is not None else []
     return [x for x, _ in pairs] + [v for _, v in pairs] + rotor
 
 
-def _references(scene):
+def _references(scene: Scene) -> dict[int, int]:
     """By body of each set that may be shifted: the body that its displacements count from."""
     springs = [link for link in scene.links if link.k]
     sets = [one for one in body_sets(scene, [*springs, *scene.stops]) if not one.held]

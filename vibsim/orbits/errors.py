@@ -20,6 +20,6 @@ class NoSection(OrbitError):
 class NotConverged(OrbitError):
     """Newton's method found no orbit near its start; `residual` [m/s], as weighed: the least of its way."""
 
-    def __init__(self, message, residual):
+    def __init__(self, message: str, residual: float) -> None:
         super().__init__(message)
         self.residual = residual

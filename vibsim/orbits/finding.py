@@ -1,19 +1,37 @@
 """From a state near an orbit to the orbit, with its least period."""
 
+from __future__ import annotations
+
+from collections.abc import Mapping
 from math import pi
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from vibsim.orbits.coordinates import Coordinates
 from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.newton import solve, tolerance
 from vibsim.orbits.orbit import Orbit
-from vibsim.orbits.return_map import ReturnMap
+from vibsim.orbits.return_map import Return, ReturnMap
+from vibsim.physics.parts import Scene
 
+if TYPE_CHECKING:
+    from vibsim.cases.case import Case
+
+State = Mapping[str, float] | ArrayLike  # by name of the column, or all in a row
 STILL = 1e-9  # of the size of the unknowns: a swing that is none
 SAME = 64  # times what rounding makes of an unknown: two fixed points nearer than that are one
 
 
-def find_orbit(scene, state, n=1, T=None, engine="auto", case=None):
+def find_orbit(
+    scene: Scene,
+    state: State,
+    n: int = 1,
+    T: float | None = None,
+    engine: str = "auto",
+    case: Case | None = None,
+) -> Orbit:
     """The orbit of `scene` near `state`, which lies near the section.
 
     Parameters
@@ -30,9 +48,9 @@ def find_orbit(scene, state, n=1, T=None, engine="auto", case=None):
     return least(Orbit(return_map, solve(return_map, X, T), case))
 
 
-def unknowns(coordinates, state):
+def unknowns(coordinates: Coordinates, state: State) -> np.ndarray:
     """The unknowns of a state by name or in a row. Raises OrbitError for a column that is missing."""
-    if isinstance(state, dict):
+    if isinstance(state, Mapping):
         needed = [name for name in coordinates.columns if name != "phi"]
         missing = [name for name in needed if name not in state]
         if missing:
@@ -41,7 +59,7 @@ def unknowns(coordinates, state):
     return coordinates.of(np.asarray(state, dtype="f8"))
 
 
-def least(orbit):
+def least(orbit: Orbit) -> Orbit:
     """The same orbit over its least period: divisors of n are tried, the smallest first.
 
     Raises OrbitError for a state of rest, which has any period.
@@ -58,7 +76,7 @@ def least(orbit):
     return orbit
 
 
-def _rests(end):
+def _rests(end: Return) -> bool:
     """Whether the body whose turns are looked at has nowhere to turn."""
     section = end.coordinates.section
     if not section.turning:
@@ -67,7 +85,7 @@ def _rests(end):
     return bool(abs(end.carried.rate[section.pinned]) <= STILL * rate * end.coordinates.size(end.X))
 
 
-def _shorter(orbit, n):
+def _shorter(orbit: Orbit, n: int) -> Orbit | None:
     """The orbit over n periods, where it closes after these."""
     return_map = orbit.return_map.of(n)
     T = None if return_map.section.timed else orbit.period * n / orbit.n
@@ -80,7 +98,7 @@ def _shorter(orbit, n):
     return Orbit(return_map, solution, orbit.case) if near else None
 
 
-def _displaced(orbit):
+def _displaced(orbit: Orbit) -> float:
     """How far rounding may have moved the fixed point [m/s, as weighed]: the tolerance by (I - P')^-1."""
     end = orbit.end
     weights = end.coordinates.weights

@@ -1,17 +1,24 @@
 """What an orbit does in one period, from a run of that length: energies, and its points on the section."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from vibsim.engine.trajectory import open_trajectory
+from vibsim.engine.trajectory import Trajectory, open_trajectory
 from vibsim.orbits.start import placed
 from vibsim.orbits.turning import returns
+
+if TYPE_CHECKING:
+    from vibsim.orbits.orbit import Orbit
 
 WORKS = ("work_source", "work_base", "work_belt")
 LOSSES = ("loss_viscous", "loss_stops", "loss_friction")
 ENERGIES = (*WORKS, *LOSSES, "energy_residual")
 
 
-def energy_of(orbit):
+def energy_of(orbit: Orbit) -> dict[str, float]:
     """Sums of the energy ledger over one period [J], by name."""
     trajectory = _run(orbit, ledger=True)
     for _ in trajectory.blocks():
@@ -20,7 +27,7 @@ def energy_of(orbit):
     return {name: float(totals[name]) for name in ENERGIES}
 
 
-def points_of(orbit):
+def points_of(orbit: Orbit) -> np.ndarray:
     """The unknowns at each return to the section, (n, m); the first is the start."""
     at = orbit.end.coordinates
     rows = [orbit.X]
@@ -34,7 +41,7 @@ def points_of(orbit):
     return np.array(rows[: orbit.n])
 
 
-def _run(orbit, **options):
+def _run(orbit: Orbit, section: bool = False, ledger: bool = False) -> Trajectory:
     scene = placed(orbit.scene, orbit.state, orbit.period)
     engine = orbit.return_map.carrier.engine
-    return open_trajectory(scene.without_samples(), engine, **options)
+    return open_trajectory(scene.without_samples(), engine, section=section, ledger=ledger)

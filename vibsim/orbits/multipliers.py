@@ -1,8 +1,15 @@
 """Floquet multipliers: what a small disturbance of an orbit is multiplied by in one period."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable
 from math import inf, log
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from vibsim.orbits.return_map import Return
 
 EPS = 2.0**-53
 ROUNDING = 64  # units in the last place of the matrix: rounding of its eigenvalues, where they are simple
@@ -10,7 +17,7 @@ ON_CIRCLE = 1e-10  # of a multiplier beside the unit circle: on it but for round
 FORGETS = {"stick_begin", "chatter", "rest_begin"}  # events behind which a direction is lost
 
 
-def multipliers_of(end):
+def multipliers_of(end: Return) -> np.ndarray:
     """Multipliers of a closed motion (a `Return`), the largest first; complex, with exact conjugates.
 
     Where bodies stick, or rest on each other, the motion forgets a direction: the matrix has lost rank, and
@@ -26,7 +33,7 @@ def multipliers_of(end):
     return values
 
 
-def sides_of_circle(multipliers):
+def sides_of_circle(multipliers: np.ndarray) -> tuple[int, int, int]:
     """How many multipliers are inside the unit circle, on it but for rounding, and outside."""
     beyond = np.abs(multipliers) - 1
     outside = int(np.count_nonzero(beyond > ON_CIRCLE))
@@ -34,6 +41,6 @@ def sides_of_circle(multipliers):
     return inside, len(beyond) - inside - outside, outside
 
 
-def exponents_of(multipliers, period):
+def exponents_of(multipliers: Iterable[complex], period: float) -> list[float]:
     """Exponents ln |mu| / T [1/s] of multipliers and a period [s]; -inf for 0."""
     return [log(abs(mu)) / period if mu else -inf for mu in multipliers]

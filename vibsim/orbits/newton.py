@@ -5,6 +5,8 @@ the motion has forgotten, as behind a stick, comes from the image, and a body th
 sticks there to the bit.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from math import isfinite, isnan
 
@@ -12,7 +14,7 @@ import numpy as np
 
 from vibsim.engine.errors import EngineError
 from vibsim.orbits.errors import NotConverged, OrbitError
-from vibsim.orbits.return_map import Return
+from vibsim.orbits.return_map import Return, ReturnMap
 
 STEPS, HALVINGS = 40, 12
 EPS = 2.0**-53
@@ -39,15 +41,15 @@ class Solution:
     tolerance: float
 
     @property
-    def X(self):
+    def X(self) -> np.ndarray:
         return self.end.X
 
     @property
-    def T(self):
+    def T(self) -> float:
         return self.end.T
 
 
-def solve(return_map, X, T=None, steps=STEPS):
+def solve(return_map: ReturnMap, X: np.ndarray, T: float | None = None, steps: int = STEPS) -> Solution:
     """The fixed point of `return_map` near the unknowns X, and near the time of return T [s] where it
     is free.
 
@@ -67,7 +69,7 @@ def solve(return_map, X, T=None, steps=STEPS):
     raise _failure(return_map, end, taken)
 
 
-def _first(return_map, X, T):
+def _first(return_map: ReturnMap, X: np.ndarray, T: float | None) -> Return:
     """The motion from the start."""
     try:
         end = return_map(X, T)
@@ -83,17 +85,17 @@ def _first(return_map, X, T):
     return end
 
 
-def _has_derivative(end):
+def _has_derivative(end: Return) -> bool:
     """Whether small disturbances of the start make small ones of the end."""
     return isfinite(end.residual) and isnan(end.carried.undefined_at)
 
 
-def _bound(end):
+def _bound(end: Return) -> float:
     """The tolerance; 0 for a motion so far from closing that it does not matter."""
     return tolerance(end) if end.residual <= CLOSE * end.coordinates.size(end.image) else 0.0
 
 
-def _failure(return_map, end, steps):
+def _failure(return_map: ReturnMap, end: Return, steps: int) -> NotConverged:
     periods = f"{return_map.n} period{'s' * (return_map.n > 1)}"
     return NotConverged(
         f"no orbit of {periods} near the start: Newton's method came to a residual of {end.residual:.2g} m/s "
@@ -102,7 +104,7 @@ def _failure(return_map, end, steps):
     )
 
 
-def tolerance(end):
+def tolerance(end: Return) -> float:
     """Rounding of the residual of a motion [m/s, as weighed]."""
     at = end.coordinates
     gain = max(1.0, float(np.abs(end.flow_matrix * at.ratios).max()))
@@ -110,27 +112,27 @@ def tolerance(end):
     return OPERATIONS * EPS * gain * size
 
 
-def newton_step(end, cut=None):
+def newton_step(end: Return, cut: float | None = None) -> tuple[np.ndarray, float]:
     """(change of X, change of T) that make the linearised map a fixed point.
 
     cut : leave out directions whose singular value is below so much of the largest, where it is given
     """
-    at, timed = end.coordinates, end.tilt is None
+    at, tilt = end.coordinates, end.tilt
     matrix, right = at.one - end.derivative, end.difference
-    if not timed:
-        right = right - end.rate * (end.ahead / end.tilt[1])
+    if tilt is not None:
+        right = right - end.rate * (end.ahead / tilt[1])
     scaled = matrix * at.ratios
     if cut is None:
         change = _solved(scaled, right * at.weights) / at.weights
     else:
         change = np.linalg.lstsq(scaled, right * at.weights, rcond=cut)[0] / at.weights
-    if timed:
+    if tilt is None:
         return change, 0.0
-    slopes, rate = end.tilt
+    slopes, rate = tilt
     return change, -float(end.ahead + slopes @ change) / rate
 
 
-def _solved(matrix, right):
+def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     """The solution of matrix x = right; the shortest one where the matrix is singular."""
     try:
         return np.linalg.solve(matrix, right)
@@ -138,7 +140,7 @@ def _solved(matrix, right):
         return np.linalg.lstsq(matrix, right, rcond=SINGULAR)[0]
 
 
-def _next(return_map, end):
+def _next(return_map: ReturnMap, end: Return) -> Return | None:
     """The motion after one step, damped where it must be; None where no step makes it better.
 
     A step far along a direction that is nearly singular, as beside a family of orbits, is tried without that
@@ -161,13 +163,13 @@ def _next(return_map, end):
     return None
 
 
-def _moved(end, change, longer):
+def _moved(end: Return, change: np.ndarray, longer: float) -> np.ndarray:
     """X + change, as the image of the linearised map."""
     moved = end.flow_matrix @ change
     return end.image + (moved if end.tilt is None else moved + end.rate * longer)
 
 
-def _motion(return_map, X, T):
+def _motion(return_map: ReturnMap, X: np.ndarray, T: float) -> Return | None:
     """The motion from X, None where it fails, is asked for no time or has no derivative."""
     try:
         end = return_map(X, T)

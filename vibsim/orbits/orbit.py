@@ -1,5 +1,7 @@
 """A periodic orbit, and what is known of it."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -14,6 +16,10 @@ from vibsim.orbits.sliding import sliding_margin
 from vibsim.orbits.word import cyclic, spelled
 
 if TYPE_CHECKING:
+    from vibsim.cases.case import Case
+    from vibsim.orbits.newton import Solution
+    from vibsim.orbits.return_map import Return, ReturnMap
+    from vibsim.physics.parts import Scene
     from vibsim.results.result import Result
 
 
@@ -30,12 +36,12 @@ class Orbit(Labelled):
     (1, True, 6.981317, array([0.5694, 0.0872]))
     """
 
-    return_map: Any
-    solution: Any = field(repr=False)
-    case: Any = None
+    return_map: ReturnMap
+    solution: Solution = field(repr=False)
+    case: Case | None = None
 
     @property
-    def scene(self):
+    def scene(self) -> Scene:
         return self.return_map.scene
 
     @property
@@ -44,7 +50,7 @@ class Orbit(Labelled):
         return self.return_map.n
 
     @property
-    def end(self):
+    def end(self) -> Return:
         """The motion over one period, as `Return`."""
         return self.solution.end
 
@@ -132,7 +138,7 @@ class Orbit(Labelled):
         return points_of(self)
 
     @cached_property
-    def run(self) -> "Result":
+    def run(self) -> Result:
         """One period as a run, from the section on. Raises ValueError for the orbit of a scene alone."""
         from vibsim.orbits.start import case_on_orbit
         from vibsim.results.simulation import simulate

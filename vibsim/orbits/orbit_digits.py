@@ -4,19 +4,24 @@ The start are doubles, right to some 15 digits; each step doubles their number. 
 the same digits, so the multipliers are as right as the orbit, but for their condition.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 from math import log10
+from typing import Any
 
 from vibsim.engine.driver import Driver
 from vibsim.engine.flows.accelerations import accelerations
+from vibsim.engine.state import State
 from vibsim.engine.truth import bare
 from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.small_matrices import characteristic_polynomial, refined_roots, solved
-from vibsim.orbits.word import spelled, word_of
+from vibsim.orbits.word import Word, spelled, word_of
 from vibsim.physics.exact_decimals import decimal_text
 from vibsim.physics.modes import EVENT_NAMES
-from vibsim.physics.number_kits import number_kit
+from vibsim.physics.number_kits import DigitsKit, number_kit
+from vibsim.physics.numbers import Number
 from vibsim.physics.working_precision import MOST_DIGITS
 
 GUARD = 15  # digits beyond those asked for: what components much smaller than the largest need
@@ -41,17 +46,17 @@ class OrbitDigits:
     correction: float
 
     @property
-    def multiplier_texts(self):
+    def multiplier_texts(self) -> tuple[list[str], list[str]]:
         """Real parts and imaginary parts."""
         return [re for re, _ in self.multipliers], [im for _, im in self.multipliers]
 
-    def lines(self):
+    def lines(self) -> list[tuple[str, str]]:
         """Label and text."""
         heads = [("digits", f"{self.digits} of period, state and multipliers"), ("", f"T  {self.period}")]
         states = [("", f"{name}  {text}") for name, text in self.coordinates.items()]
         return heads + states + [("", f"mu  {re}  {im} i") for re, im in self.multipliers]
 
-    def object(self):
+    def object(self) -> dict[str, Any]:
         """The same for JSON."""
         return {
             "digits": self.digits,
@@ -96,16 +101,17 @@ def refine(orbit: Orbit, digits: int) -> OrbitDigits:
 class _ExactMap:
     """The return map in numbers of a kit."""
 
-    def __init__(self, orbit: Orbit, kit):
+    def __init__(self, orbit: Orbit, kit: DigitsKit[Number]) -> None:
         if orbit.case is None:
             raise OrbitError("an orbit of a scene alone is known to 16 digits: its numbers are doubles")
         self.kit, self.at, self.n = kit, orbit.end.coordinates, orbit.n
-        self.section, self.word = orbit.return_map.section, ()
+        self.section = orbit.return_map.section
+        self.word: Word = ()
         scene = bare(orbit.case.exact_scene(kit.number, kit.pi), kit)
         stops = tuple(replace(stop, at_start=False) for stop in scene.stops)
         self.scene = replace(scene, stops=stops, stop_on_violation=False, every_num=10**9, every_den=1)
 
-    def start_time(self, orbit):
+    def start_time(self, orbit: Orbit) -> Number:
         """Period [s]: exact where the source tells it, else the double."""
         period = self.section.period
         if period is None:
@@ -114,10 +120,11 @@ class _ExactMap:
         pitch = next(exact.cycles for term, exact in terms if term.cycles == period.cycles)
         return self.kit.exact(self.kit.number(self.n * period.turns) / self.kit.number(pitch))
 
-    def step(self, X, T):
+    def step(self, X: list[Number], T: Number) -> tuple[list[Number], Number, list[list[Number]]]:
         """Newton's step (change of X, change of T), and the derivative of the map at X."""
         kit, m, p = self.kit, self.at.count, self.section.pinned
         driver = self._driven(X, T)
+        assert driver.tangent is not None
         end = self._components(driver.state)
         image, vectors = self._unknowns(end), [self._unknowns(one) for one in driver.tangent.vectors]
         matrix = [[vectors[j][i] for j in range(m)] for i in range(m)]
@@ -135,7 +142,7 @@ class _ExactMap:
             longer = -ahead - sum((s * dx for s, dx in zip(slopes, change, strict=True)), longer)
         return change, longer, matrix
 
-    def _driven(self, X, T):
+    def _driven(self, X: list[Number], T: Number) -> Driver[Number]:
         """The driver at the end of a motion of the duration T from X."""
         kit, n = self.kit, len(self.scene.bodies)
         state = self.lifted(X)
@@ -152,28 +159,30 @@ class _ExactMap:
         self.word = word_of((EVENT_NAMES[kind], part) for kind, part, *_ in driver.events[1:-1])
         return driver
 
-    def lifted(self, X):
+    def lifted(self, X: list[Number]) -> list[Number]:
         """State components on the section."""
         rows = self.at.put.tolist()
         return [sum((x for x, one in zip(X, row, strict=True) if one), self.kit.number(0)) for row in rows]
 
-    def _unknowns(self, state):
+    def _unknowns(self, state: list[Number]) -> list[Number]:
         rows, zero = self.at.take.tolist(), self.kit.number(0)
         return [sum((int(a) * s for a, s in zip(row, state, strict=True) if a), zero) for row in rows]
 
-    def _components(self, state):
+    def _components(self, state: State[Number]) -> list[Number]:
         motor = self.scene.motor is not None
         rotor = (self.kit.unwind(state.phase, state.turns), state.w) if motor else ()
         return [*state.x, *state.v, *rotor]
 
-    def _rate(self, driver):
+    def _rate(self, driver: Driver[Number]) -> list[Number]:
         state, n = driver.state, len(self.scene.bodies)
         a, alpha = accelerations(self.scene, self.kit, driver.maker.rows(driver.status), state)
         rotor = (state.w, alpha) if self.scene.motor is not None else ()
         return [*state.v, *a[:n], *rotor]
 
 
-def _multipliers(kit, matrix, starts):
+def _multipliers(
+    kit: DigitsKit[Number], matrix: list[list[Number]], starts: list[complex]
+) -> list[tuple[Number, Number]]:
     """Eigenvalues of a matrix from those in doubles; as many as are 0 there are 0."""
     zeros = sum(1 for z in starts if z == 0)
     polynomial = characteristic_polynomial(kit, matrix)[zeros:]
@@ -184,5 +193,5 @@ def _multipliers(kit, matrix, starts):
     return [*roots, *[(zero, zero)] * zeros]
 
 
-def _text(kit, value, digits):
+def _text(kit: DigitsKit[Number], value: Number, digits: int) -> str:
     return decimal_text(kit.parts(value), digits) if value != 0 else "0"

@@ -8,10 +8,11 @@ one start to the next: with the rates f at the end and the pinned component p (t
 which has lost the multiplier 1 that a shift along the orbit brings.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf, isfinite
-from typing import Any
 
 import numpy as np
 
@@ -21,7 +22,8 @@ from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.section import section_of
 from vibsim.orbits.start import placed
 from vibsim.orbits.turning import MANY, returns, slowest_period
-from vibsim.orbits.word import word_of
+from vibsim.orbits.word import Word, word_of
+from vibsim.physics.parts import Scene
 
 TRIES = 20  # of the time of return
 
@@ -36,34 +38,34 @@ class Return:
     carried : the state, disturbances and events of the motion
     """
 
-    coordinates: Any
+    coordinates: Coordinates
     X: np.ndarray
     T: float
     ahead: float
     carried: Carried
 
     @cached_property
-    def image(self):
+    def image(self) -> np.ndarray:
         return self.coordinates.of(self.carried.state)
 
     @cached_property
-    def flow_matrix(self):
+    def flow_matrix(self) -> np.ndarray:
         """M = d X(T) / dX at the same T (m x m)."""
         return self.coordinates.of(self.carried.vectors).T
 
     @cached_property
-    def rate(self):
+    def rate(self) -> np.ndarray:
         """Rates of change of the unknowns at the end."""
         return self.coordinates.of(self.carried.rate)
 
     @cached_property
-    def tilt(self):
+    def tilt(self) -> tuple[np.ndarray, float] | None:
         """(d p(T) / dX, dp/dt) of the pinned component p; None where T is known."""
         p = self.coordinates.section.pinned
         return None if p is None else (self.carried.vectors[:, p], float(self.carried.rate[p]))
 
     @cached_property
-    def derivative(self):
+    def derivative(self) -> np.ndarray:
         """dP/dX, the reduced monodromy matrix (m x m); its eigenvalues are the multipliers."""
         if self.tilt is None:
             return self.flow_matrix
@@ -71,17 +73,17 @@ class Return:
         return self.flow_matrix - np.outer(self.rate, slopes / rate)
 
     @cached_property
-    def difference(self):
+    def difference(self) -> np.ndarray:
         """image - X, what Newton's method brings to 0."""
         return self.image - self.X
 
     @cached_property
-    def residual(self):
+    def residual(self) -> float:
         """How far the motion is from closing, as weighed [m/s]: difference, and what is left of the turn."""
         return max(self.coordinates.size(self.difference), self._missing)
 
     @property
-    def _missing(self):
+    def _missing(self) -> float:
         """What is left of the turn, as weighed [m/s]: of a motor, or the velocity of the body that turns."""
         if self.tilt is None:
             return 0.0
@@ -90,27 +92,27 @@ class Return:
         return abs(self.ahead / self.tilt[1]) * self.pace
 
     @cached_property
-    def pace(self):
+    def pace(self) -> float:
         """Size of the rates of change at the end, as weighed [m/s^2]."""
         return self.coordinates.size(self.rate)
 
     @property
-    def events(self):
+    def events(self) -> Word:
         """(kind, part) of what happened, in the order from the section."""
         return word_of(self.carried.events)
 
     @property
-    def drift(self):
+    def drift(self) -> dict[str, float]:
         """By name of body [m]."""
         return self.coordinates.drift(self.carried.state)
 
     @property
-    def margin(self):
+    def margin(self) -> float:
         """Smallest gap at a turn without contact [m]; inf without any."""
         return self.carried.margin
 
     @property
-    def uncertified(self):
+    def uncertified(self) -> int:
         return self.carried.uncertified
 
 
@@ -121,20 +123,20 @@ class ReturnMap:
     no section, OrbitError for no period.
     """
 
-    def __init__(self, scene, n=1, engine="auto"):
+    def __init__(self, scene: Scene, n: int = 1, engine: str = "auto") -> None:
         if n < 1:
             raise OrbitError(f"an orbit takes one period or more, got {n}")
         self.scene, self.n, self.section = scene, n, section_of(scene)
         self.coordinates = Coordinates(scene, self.section)
         self.carrier = Carrier(scene, engine)
 
-    def of(self, n):
+    def of(self, n: int) -> ReturnMap:
         """The map of the same scene after n returns, on the same engine."""
         other = object.__new__(ReturnMap)
         vars(other).update(vars(self), n=n)
         return other
 
-    def at(self, scene):
+    def at(self, scene: Scene) -> ReturnMap:
         """The map of another scene with the same bodies, on the same run of the engine by turns where that
         can be.
         """
@@ -144,21 +146,24 @@ class ReturnMap:
         vars(other).update(vars(self), scene=scene, carrier=self.carrier.of(scene))
         if self.section.timed:
             other.section = section_of(scene)
-        if scene.motor is not None and scene.motor.e != self.scene.motor.e:  # an arm that unknowns weigh by
+        mine = self.scene.motor
+        if (
+            scene.motor is not None and mine is not None and scene.motor.e != mine.e
+        ):  # an arm that unknowns weigh by
             other.coordinates = Coordinates(scene, other.section)
         return other
 
-    def __call__(self, X, T=None):
+    def __call__(self, X: np.ndarray, T: float | None = None) -> Return:
         """The motion from the unknowns X, as `Return`; T [s] where the section does not tell it, estimated
         where it is left out. Raises EngineError where the run fails.
         """
         return self._motion(X, T, self.coordinates.disturbances)
 
-    def plain(self, X, T=None):
+    def plain(self, X: np.ndarray, T: float | None = None) -> Return:
         """The same without derivatives, which is faster."""
         return self._motion(X, T, self.coordinates.none)
 
-    def _motion(self, X, T, disturbances):
+    def _motion(self, X: np.ndarray, T: float | None, disturbances: np.ndarray) -> Return:
         if self.section.timed:
             T = self.section.time(self.n)
         elif T is None:
@@ -170,29 +175,32 @@ class ReturnMap:
         carried = self.carrier.carried(components, T, disturbances)
         return Return(at, X, T, self._ahead(carried), carried)
 
-    def _ahead(self, carried):
+    def _ahead(self, carried: Carried) -> float:
         if self.section.timed:
             return 0.0
-        return float(carried.state[self.section.pinned] - self.n * self.section.advance)
+        return float(carried.state[self.section.component] - self.n * self.section.advance)
 
-    def time_of_return(self, X, T=None):
+    def time_of_return(self, X: np.ndarray, T: float | None = None) -> float:
         """Time [s] after which the pinned component has advanced by n of its returns. Raises OrbitError where
         it does not.
         """
         if self.section.turning:
             return self._time_of_turns(X)
         target, state = self.n * self.section.advance, self.coordinates.lifted(X)
-        speed = state[self.section.pinned + 1]
+        speed = state[self.section.component + 1]
         T = T or (target / speed if speed > 0 else target / self._fastest_speed())
         for _ in range(TRIES):
             carried = self.carrier.carry(state, T, [])
-            missing, speed = target - carried.state[self.section.pinned], carried.rate[self.section.pinned]
+            missing, speed = (
+                target - carried.state[self.section.component],
+                carried.rate[self.section.component],
+            )
             if abs(missing) < 1e-9 * target:
                 return T
             T = min(max(T + missing / speed if speed > 0 else 1.5 * T, T / 2), 2 * T)
         raise OrbitError(f"the rotor does not come to turn {self.n} within {T:.4g} s")
 
-    def _time_of_turns(self, X):
+    def _time_of_turns(self, X: np.ndarray) -> float:
         scene = placed(self.scene, self.coordinates.state(X), MANY * self.n * slowest_period(self.scene))
         times, _ = returns(scene, self.coordinates, self.carrier.engine, first=self.n)
         if len(times) < self.n:
@@ -201,5 +209,6 @@ class ReturnMap:
             )
         return float(times[self.n - 1])
 
-    def _fastest_speed(self):
+    def _fastest_speed(self) -> float:
+        assert self.scene.motor is not None
         return self.scene.motor.Omega0

@@ -1,6 +1,10 @@
 """Orbits from random starts: those that runs go to, and those that Newton's method meets on the way."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +16,10 @@ from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.return_map import ReturnMap
 from vibsim.orbits.settling import course_of, likely_periods
 from vibsim.orbits.start import placed
+from vibsim.physics.parts import Scene
+
+if TYPE_CHECKING:
+    from vibsim.cases.case import Case
 
 SETTLE = 192  # periods that a start is followed before it is looked at again
 TRIES = 2  # numbers of periods that are tried behind them
@@ -25,10 +33,12 @@ class Attempt:
     """What came of one start: orbits, none of which was there before."""
 
     number: int
-    orbits: list
+    orbits: list[Orbit]
 
 
-def search_attempts(case, count, seed=0, period=None, engine="auto"):
+def search_attempts(
+    case: Case, count: int, seed: int = 0, period: int | None = None, engine: str = "auto"
+) -> Iterator[Attempt]:
     """Look for orbits of a case from `count` random starts; a generator of `Attempt`s.
 
     The starts fill a box twice as wide as the extremes of a run of the case on the section. From each of them
@@ -48,7 +58,7 @@ def search_attempts(case, count, seed=0, period=None, engine="auto"):
         yield Attempt(number, distinct)
 
 
-def _box(scene, return_map, engine):
+def _box(scene: Scene, return_map: ReturnMap, engine: str) -> tuple[np.ndarray, np.ndarray]:
     """Least and greatest of the unknowns of the starts (m)."""
     course = course_of(scene, return_map.coordinates, engine)
     if not len(course.points):
@@ -60,7 +70,9 @@ def _box(scene, return_map, engine):
     return low, high
 
 
-def _from(case, return_map, X, period, engine):
+def _from(
+    case: Case, return_map: ReturnMap, X: np.ndarray, period: int | None, engine: str
+) -> Iterator[Orbit]:
     """The orbits from one start: the one that Newton's method finds, and the one that the run goes to."""
     yield from _solved(case, return_map, X, None)
     at, state = return_map.coordinates, return_map.coordinates.state(X)
@@ -77,7 +89,7 @@ def _from(case, return_map, X, period, engine):
         yield from _solved(case, over, course.points[-1], T)
 
 
-def _solved(case, return_map, X, T):
+def _solved(case: Case, return_map: ReturnMap, X: np.ndarray, T: float | None) -> Iterator[Orbit]:
     """The orbit near X, if there is one."""
     try:
         yield least(Orbit(return_map, solve(return_map, X, T, steps=ROUGH), case))
@@ -85,11 +97,11 @@ def _solved(case, return_map, X, T):
         return
 
 
-def _is_among(orbit, others):
+def _is_among(orbit: Orbit, others: Iterable[Orbit]) -> bool:
     return any(same(orbit, other) for other in others)
 
 
-def same(one, other):
+def same(one: Orbit, other: Orbit) -> bool:
     """Whether two orbits of a scene are one, wherever on them the section is met first."""
     if one.n != other.n or abs(one.period - other.period) > SAME * one.period:
         return False
@@ -98,7 +110,9 @@ def same(one, other):
     return bool((np.abs((other.points - one.X) * weights).max(axis=1) <= SAME * size).any())
 
 
-def search_orbits(source, count, seed=0, period=None, engine="auto"):
+def search_orbits(
+    source: Any, count: int, seed: int = 0, period: int | None = None, engine: str = "auto"
+) -> list[Orbit]:
     """The distinct orbits that are found from `count` random starts.
 
     Parameters

@@ -5,11 +5,13 @@ motor: its angle phi = 0 mod 2 pi, so phi is known and the time of return is not
 body that springs bring back is 0, at its least or its greatest displacement, where fewer stops act.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from math import pi
 
 from vibsim.orbits.errors import NoSection
-from vibsim.physics.parts import columns_of
+from vibsim.physics.parts import Link, Scene, Stop, columns_of
 from vibsim.physics.period import Period, common_period
 
 
@@ -59,13 +61,19 @@ class Section:
             return f"{columns_of(self.body)[1]} = 0, at the {side} displacement of {self.body}"
         return "phase 0 of the source" if self.timed else "phi = 0"
 
+    @property
+    def component(self) -> int:
+        """The pinned component, of sections whose time of return is not known."""
+        assert self.pinned is not None
+        return self.pinned
+
     def time(self, n: int) -> float:
         """Time of n periods of the source [s]; of timed sections only."""
         assert self.period is not None
         return float(self.period.end(n))
 
 
-def section_of(scene):
+def section_of(scene: Scene) -> Section:
     """The section of a scene. Raises NoSection where there is none."""
     if scene.motor is not None:
         if any(term.amplitude != 0 and term.cycles != 0 for term in scene.harmonics):
@@ -91,7 +99,7 @@ def section_of(scene):
     )
 
 
-def _freer_side(scene, body):
+def _freer_side(scene: Scene, body: int) -> int:
     """1 where no more stops act at the least displacement of a body than at the greatest, else -1: an orbit
     that just grazes a stop does so where its body turns.
     """
@@ -101,6 +109,7 @@ def _freer_side(scene, body):
     return -1 if sum(sides) > 0 else 1
 
 
-def _springs(scene):
+def _springs(scene: Scene) -> list[Link | Stop]:
     """Links and elastic stops with stiffness."""
-    return [part for part in (*scene.links, *(stop for _, stop in scene.elastic_stops)) if part.k]
+    parts: list[Link | Stop] = [*scene.links, *(stop for _, stop in scene.elastic_stops)]
+    return [part for part in parts if part.k]

@@ -1,5 +1,10 @@
 """An orbit from a case, a run or another orbit: what `vibsim orbit` and `vibsim.orbit` do."""
 
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from vibsim.engine.errors import EngineError
@@ -8,14 +13,24 @@ from vibsim.orbits.finding import least, unknowns
 from vibsim.orbits.newton import solve
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.return_map import ReturnMap
-from vibsim.orbits.settling import course_of, course_of_result, likely_periods
+from vibsim.orbits.settling import Course, course_of, course_of_result, likely_periods
+
+if TYPE_CHECKING:
+    from vibsim.cases.case import Case
+    from vibsim.results.result import Result
 
 TRIES = 6  # numbers of periods that are tried
 NEAR = 0.3  # of the spread of the points: an orbit further away is not where the run goes
 FAR = 0.05  # of it: a run that comes no nearer to itself is not about to repeat itself
 
 
-def orbit(source, changes=None, start=None, period=None, engine="auto"):
+def orbit(
+    source: Any,
+    changes: Mapping[str, Any] | None = None,
+    start: Any = None,
+    period: int | None = None,
+    engine: str = "auto",
+) -> Orbit:
     """The periodic orbit that a run goes to, or one near a start.
 
     Parameters
@@ -42,7 +57,7 @@ def orbit(source, changes=None, start=None, period=None, engine="auto"):
     return _from_run(case, None if changes else result, period, engine)
 
 
-def _opened(source, changes):
+def _opened(source: Any, changes: Mapping[str, Any] | None) -> tuple[Case, Result | None]:
     """The case, and the result where `source` is one."""
     from vibsim.cases.loading import as_case
     from vibsim.results.result import Result
@@ -52,11 +67,11 @@ def _opened(source, changes):
     return (case.with_values(changes) if changes else case), result
 
 
-def _is_orbit(result):
+def _is_orbit(result: Result | None) -> bool:
     return result is not None and "orbit_periods" in result.attrs
 
 
-def _from_start(case, start, period, engine):
+def _from_start(case: Case, start: Any, period: int | None, engine: str) -> Orbit:
     """The orbit near a start."""
     state, n, T = start_of(start)
     return_map = ReturnMap(case.scene(), period or n, engine)
@@ -65,7 +80,7 @@ def _from_start(case, start, period, engine):
     return least(Orbit(return_map, solve(return_map, X, T), case))
 
 
-def start_of(start):
+def start_of(start: Any) -> tuple[dict[str, float], int, float | None]:
     """(state by name, periods, time of return [s] or None) of an `Orbit`, a `Result` or a state."""
     if isinstance(start, Orbit):
         return start.state, start.n, start.period
@@ -77,7 +92,7 @@ def start_of(start):
     return state, start.attrs["orbit_periods"], start.attrs["orbit_period_s"]
 
 
-def _from_run(case, result, period, engine):
+def _from_run(case: Case, result: Result | None, period: int | None, engine: str) -> Orbit:
     """The orbit that a run goes to."""
     scene = case.scene()
     return_map = ReturnMap(scene, period or 1, engine)
@@ -92,7 +107,14 @@ def _from_run(case, result, period, engine):
     return _nearest(case, return_map, course, numbers[:TRIES], near, distances)
 
 
-def _nearest(case, return_map, course, numbers, near, distances):
+def _nearest(
+    case: Case,
+    return_map: ReturnMap,
+    course: Course,
+    numbers: Sequence[int],
+    near: float,
+    distances: list[float] | None,
+) -> Orbit:
     """The first orbit that Newton's method finds near the last point, or else any that it finds."""
     X, elsewhere, failures = course.points[-1], None, []
     for n in numbers:
@@ -112,7 +134,7 @@ def _nearest(case, return_map, course, numbers, near, distances):
     raise _nowhere(failures[0], distances)
 
 
-def _nowhere(failure, distances):
+def _nowhere(failure: OrbitError | EngineError, distances: list[float] | None) -> OrbitError | EngineError:
     if distances is None or min(distances) < FAR:
         return failure
     n = int(np.argmin(distances)) + 1

@@ -1,15 +1,24 @@
 """Where a run goes: its last points on the section, followed for as long as it takes to see them repeat."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibsim.engine.resume import rows_of_instant
+from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.trajectory import open_trajectory
+from vibsim.orbits.coordinates import Coordinates
 from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.turning import returns, slowest_period
 from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.parts import Scene
 from vibsim.physics.rates import source_period
+
+if TYPE_CHECKING:
+    from vibsim.results.result import Result
 
 LONGEST = 64  # periods of an orbit looked for
 MORE = 2 * LONGEST  # periods that a run is followed beyond its end
@@ -29,7 +38,13 @@ class Course:
     high: np.ndarray
 
 
-def course_of(scene, coordinates, engine="auto", resume=None, more=MORE):
+def course_of(
+    scene: Scene,
+    coordinates: Coordinates,
+    engine: str = "auto",
+    resume: Sequence[Row] | None = None,
+    more: int = MORE,
+) -> Course:
     """The course of a run of `scene` to its end, and `more` periods of its source beyond it.
 
     resume : event rows to go on from, as of `open_trajectory`. Raises EngineError where the run fails.
@@ -50,7 +65,9 @@ def course_of(scene, coordinates, engine="auto", resume=None, more=MORE):
     return Course(times, points, low, high)
 
 
-def _course_of_turns(scene, coordinates, engine, resume, more):
+def _course_of_turns(
+    scene: Scene, coordinates: Coordinates, engine: str, resume: Sequence[Row] | None, more: int
+) -> Course:
     """The same of a run that nothing drives."""
     beyond = replace(scene, t_end=scene.t_end + more * slowest_period(scene), stop_on_violation=False)
     times, states = returns(beyond, coordinates, engine, resume)
@@ -63,7 +80,7 @@ def _course_of_turns(scene, coordinates, engine, resume, more):
     return Course(times[-KEPT:], X[-KEPT:], X.min(axis=0), X.max(axis=0))
 
 
-def course_of_result(result, coordinates, engine="auto"):
+def course_of_result(result: Result, coordinates: Coordinates, engine: str = "auto") -> Course:
     """The same of a stored run, from its last event on."""
     events = result.events
     last = int(np.flatnonzero(events["kind"] != EVENT_KINDS["end"])[-1])
@@ -71,7 +88,7 @@ def course_of_result(result, coordinates, engine="auto"):
     return course_of(scene, coordinates, engine, rows_of_instant(events, last))
 
 
-def likely_periods(points):
+def likely_periods(points: np.ndarray) -> tuple[list[int], list[float]]:
     """Numbers of periods after which points (n, m) come near themselves, the likeliest first: the shortest of
     those that come about as near as any, then the others by distance. With them the distances after 1, 2, ...
     periods, relative to the spread of the points.

@@ -6,17 +6,24 @@ are linear in the force, so S is where that line is zero. A reversal has |S| abo
 it; an orbit on which the two are equal is at a sliding bifurcation.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from math import inf
+
+import numpy as np
 
 from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.modes.rows import RowMaker
 from vibsim.engine.modes.status import BACKWARD, FORWARD, Status
 from vibsim.engine.state import State
+from vibsim.engine.tangent.monodromy import Carried
 from vibsim.orbits.word import OF_FRICTION
 from vibsim.physics.numbers import Doubles
+from vibsim.physics.parts import Scene
 
 
-def sliding_margin(scene, carried):
+def sliding_margin(scene: Scene, carried: Carried) -> float:
     """The smallest distance of |S| from the limit [N] at the zeros of sliding velocities on a motion; inf
     without any.
     """
@@ -31,7 +38,9 @@ def sliding_margin(scene, carried):
     return min((margin for margin in margins if margin == margin), default=inf)
 
 
-def excess(scene, maker, i, t, components, codes):
+def excess(
+    scene: Scene, maker: RowMaker, i: int, t: float, components: np.ndarray, codes: Sequence[int]
+) -> float:
     """How far the force S of a tie in place of friction `i` would be beyond its limits at a state [N]; below
     0 where it would hold, NaN where the friction does not move its ends against each other.
     """
@@ -49,14 +58,14 @@ def excess(scene, maker, i, t, components, codes):
     return max(-S - above, S - below)
 
 
-def _state(scene, t, components):
+def _state(scene: Scene, t: float, components: np.ndarray) -> State:
     n, values = len(scene.bodies), components.tolist()
     rotor = values[2 * n :] or [0.0, 0.0]
     phase, turns = Doubles.reduce_angle(rotor[0])
     return State(t, values[:n], values[n : 2 * n], phase, turns, rotor[1])
 
 
-def _status(scene, codes):
+def _status(scene: Scene, codes: Sequence[int]) -> Status:
     stops, frictions = len(scene.stops), len(scene.frictions)
     return Status(
         tuple(codes[:stops]), tuple(codes[stops : stops + frictions]), tuple(codes[stops + frictions :])

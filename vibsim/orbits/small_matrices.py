@@ -3,8 +3,17 @@
 A matrix is a list of rows. Complex numbers are pairs (re, im), which every kit has.
 """
 
+from __future__ import annotations
 
-def solved(kit, matrix, right):
+from collections.abc import Iterable, Sequence
+
+from vibsim.engine.flows.modal import Matrix
+from vibsim.physics.numbers import Kit, N
+
+Complex = tuple[N, N]  # real and imaginary part
+
+
+def solved(kit: Kit[N], matrix: Matrix[N], right: Sequence[N]) -> list[N]:
     """x with matrix x = right, by Gaussian elimination with the largest pivot of each column. Raises
     ZeroDivisionError for a matrix that is singular.
     """
@@ -25,7 +34,7 @@ def solved(kit, matrix, right):
     return x
 
 
-def product(kit, one, other):
+def product(kit: Kit[N], one: Matrix[N], other: Matrix[N]) -> Matrix[N]:
     """Product of two square matrices."""
     n = len(one)
     return [
@@ -34,7 +43,7 @@ def product(kit, one, other):
     ]
 
 
-def characteristic_polynomial(kit, matrix):
+def characteristic_polynomial(kit: Kit[N], matrix: Matrix[N]) -> list[N]:
     """Coefficients c_0, ..., c_n = 1 of det(x - matrix), by the method of Faddeev and LeVerrier."""
     n, one = len(matrix), kit.number(1)
     coefficients, powers = [one], [[kit.number(0)] * n for _ in range(n)]
@@ -46,7 +55,9 @@ def characteristic_polynomial(kit, matrix):
     return coefficients[::-1]
 
 
-def refined_roots(kit, coefficients, starts, steps):
+def refined_roots(
+    kit: Kit[N], coefficients: Sequence[N], starts: Iterable[complex], steps: int
+) -> list[Complex[N]]:
     """The roots of a polynomial near `starts` (complex), by Aberth's iteration: Newton's method that keeps
     from roots found by others. Pairs (re, im).
     """
@@ -69,7 +80,7 @@ def refined_roots(kit, coefficients, starts, steps):
     return roots
 
 
-def _horner(kit, coefficients, z):
+def _horner(kit: Kit[N], coefficients: Sequence[N], z: Complex[N]) -> tuple[Complex[N], Complex[N]]:
     """Value and slope of the polynomial at z."""
     zero = kit.number(0)
     value, slope = (zero, zero), (zero, zero)
@@ -78,13 +89,14 @@ def _horner(kit, coefficients, z):
         slope = (turned[0] + value[0], turned[1] + value[1])
         moved = _times(value, z)
         value = (moved[0] + c, moved[1])
-    return tuple(map(kit.exact, value)), tuple(map(kit.exact, slope))
+    exact = kit.exact
+    return (exact(value[0]), exact(value[1])), (exact(slope[0]), exact(slope[1]))
 
 
-def _times(a, b):
+def _times(a: Complex[N], b: Complex[N]) -> Complex[N]:
     return a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]
 
 
-def _over(a, b):
+def _over(a: Complex[N], b: Complex[N]) -> Complex[N]:
     size = b[0] * b[0] + b[1] * b[1]
     return (a[0] * b[0] + a[1] * b[1]) / size, (a[1] * b[0] - a[0] * b[1]) / size

@@ -1,8 +1,14 @@
 """What the multipliers of an orbit say: which bifurcations are near."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from vibsim.orbits.multipliers import ON_CIRCLE
+
+if TYPE_CHECKING:
+    from vibsim.orbits.orbit import Orbit
 
 NEAR = 0.02  # distance of a multiplier from the unit circle that is worth telling
 
@@ -17,7 +23,7 @@ class Neighbour:
     mu: complex
 
     @property
-    def text(self):
+    def text(self) -> str:
         if self.kind == "family":
             return "a multiplier is 1: one of a family of orbits, or a fold"
         shown = f"{self.mu.real:.6g}" if self.mu.imag == 0 else f"magnitude {abs(self.mu):.6g}"
@@ -25,13 +31,13 @@ class Neighbour:
         return f"{article} is near (multiplier {'of ' * (self.mu.imag != 0)}{shown})"
 
 
-def neighbours(orbit):
+def neighbours(orbit: Orbit) -> list[Neighbour]:
     """The bifurcations that are near, the nearest first."""
     near = [mu for mu in orbit.multipliers.tolist() if mu.imag >= 0 and abs(abs(mu) - 1) < NEAR]
     return [Neighbour(_kind(mu), mu) for mu in sorted(near, key=lambda mu: abs(abs(mu) - 1))]
 
 
-def _kind(mu):
+def _kind(mu: complex) -> str:
     if mu.imag != 0:
         return "Neimark-Sacker"
     if mu.real < 0:

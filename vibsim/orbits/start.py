@@ -1,13 +1,20 @@
 """A scene, or a case, that starts on an orbit."""
 
-from dataclasses import replace
+from __future__ import annotations
 
-from vibsim.physics.parts import columns_of
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from vibsim.physics.parts import Scene, columns_of
+
+if TYPE_CHECKING:
+    from vibsim.cases.case import Case
 
 SAMPLES = 400  # of a stored orbit, about
 
 
-def placed(scene, state, t_end):
+def placed(scene: Scene, state: Mapping[str, float], t_end: float) -> Scene:
     """The scene from a state, by name of the column, to `t_end` [s]."""
     bodies = []
     for body in scene.bodies:
@@ -20,12 +27,12 @@ def placed(scene, state, t_end):
     return replace(scene, bodies=tuple(bodies), motor=motor, stops=stops, t_end=t_end)
 
 
-def case_on_orbit(case, state, period):
+def case_on_orbit(case: Case, state: Mapping[str, float], period: float) -> Case:
     """The case from a state by name of the column over one period [s]; every number as the double it is."""
     return case.with_values({**_initial(case, state), **_span(period), **_freely(case)})
 
 
-def _initial(case, state):
+def _initial(case: Case, state: Mapping[str, float]) -> dict[str, str]:
     values: dict[str, str] = {}
     for body in case.scene().bodies:
         x, v = columns_of(body.name)
@@ -37,12 +44,12 @@ def _initial(case, state):
     return values
 
 
-def _span(period):
+def _span(period: float) -> dict[str, str]:
     """Samples lie on decimals; the end of the period is in the table of events."""
     return {"run.t_end": f"{period!r} s", "run.every": f"{period / SAMPLES:.3g} s"}
 
 
-def _freely(case):
+def _freely(case: Case) -> dict[str, str]:
     """A limit that is watched ends no orbit."""
     if case.is_long:
         return {"run.on_violation": "warn"}

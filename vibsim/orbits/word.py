@@ -1,5 +1,14 @@
 """The word of an orbit: the events of one period in their order, read as a circle."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from vibsim.physics.parts import Scene
+
+Word = tuple[tuple[str, int], ...]  # kinds of events, and the parts that they happen to
+
+
 LETTERS = {
     "contact_begin": "b",
     "contact_end": "e",
@@ -15,18 +24,18 @@ LETTERS = {
 OF_FRICTION = ("reversal", "stick_begin", "stick_end")
 
 
-def word_of(events):
+def word_of(events: Iterable[tuple[str, int]]) -> Word:
     """The events that make an orbit's word: all but those that exert no force (limits that are watched)."""
     return tuple((kind, part) for kind, part in events if kind in LETTERS)
 
 
-def cyclic(word):
+def cyclic(word: Word) -> Word:
     """The least of all rotations of a word: orbits are compared by it, wherever the section cuts them."""
     doubled = word + word
     return min((doubled[i : i + len(word)] for i in range(len(word))), default=word)
 
 
-def spelled(scene, word):
+def spelled(scene: Scene, word: Word) -> str:
     """A word in letters, e.g. "rbre"; where a scene has several stops or frictions, with the number of the
     part behind each letter, e.g. "b1 r2 e1 r2".
     """

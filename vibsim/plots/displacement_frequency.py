@@ -80,7 +80,7 @@ def displacement_frequency_panels(
 
 
 def _passages(subjects: Sequence[Subject], spans: Sequence[Span], column: str) -> list[Passage]:
-    def plane(columns: Block):
+    def plane(columns: Block) -> tuple[np.ndarray, np.ndarray]:
         return columns["phidot"] / (2 * math.pi), columns[column]
 
     found = []

@@ -15,7 +15,9 @@ def hermite(
     return _cubic((at - t[left]) / h, h, f[left], f[left + 1], slope[left], slope[left + 1])
 
 
-def _cubic(s, h, f0, f1, d0, d1):
+def _cubic(
+    s: np.ndarray, h: np.ndarray, f0: np.ndarray, f1: np.ndarray, d0: np.ndarray, d1: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Value and time derivative at s in [0, 1] of intervals of length h, end values f, slopes d."""
     a, b = h * d0 - (f1 - f0), (f1 - f0) - h * d1
     value = (1 - s) * f0 + s * f1 + s * (1 - s) * ((1 - s) * a + s * b)
@@ -23,7 +25,15 @@ def _cubic(s, h, f0, f1, d0, d1):
     return value, derivative / h
 
 
-def root_time(t0, t1, f0, f1, d0, d1, target) -> np.ndarray:
+def root_time(
+    t0: np.ndarray,
+    t1: np.ndarray,
+    f0: np.ndarray,
+    f1: np.ndarray,
+    d0: np.ndarray,
+    d1: np.ndarray,
+    target: np.ndarray,
+) -> np.ndarray:
     """Instants (n) at which the interpolant passes `target`, between f0 and f1: Newton, kept inside."""
     h = t1 - t0
     s = np.clip((target - f0) / (f1 - f0), 0.0, 1.0)

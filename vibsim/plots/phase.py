@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -89,7 +90,7 @@ def _portrait(subject: Subject, column: str, span: Span, less_drift: bool, look:
     velocity = f"v{column[1:]}"
     drift = drift_rate(subject.result, column, span) if less_drift else 0.0
 
-    def plane(columns: Block):
+    def plane(columns: Block) -> tuple[np.ndarray, np.ndarray]:
         if not less_drift:
             return columns[column], columns[velocity]
         return columns[column] - drift * (columns["time"] - span[0]), columns[velocity] - drift

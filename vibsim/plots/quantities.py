@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 # Prefix per power of 1000; what is smaller or larger keeps the last one.
 _PREFIXES = {3: "G", 2: "M", 1: "k", 0: "", -1: "m", -2: "µ", -3: "n"}
@@ -22,7 +23,7 @@ class Scale:
     factor: float
     unit: str
 
-    def __call__(self, values):
+    def __call__(self, values: ArrayLike) -> np.ndarray:
         return np.asarray(values) * self.factor
 
     def label(self, words: str) -> str:
