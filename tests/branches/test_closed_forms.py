@@ -6,10 +6,14 @@ from math import hypot, pi
 import numpy as np
 import pytest
 
+import vibsim
 from vibsim.branches import continue_branch
 from vibsim.branches.continuing import complete
+from vibsim.branches.moved_section import MovedFamily, quiet_share
+from vibsim.branches.plan import plan_from
+from vibsim.branches.span import read_span
 from vibsim.branches.step_size import Pace
-from vibsim.branches.store.branch_store import BranchStore
+from vibsim.branches.store.branch_store import BranchFileStore, BranchStore
 from vibsim.cases import load_case
 from vibsim.orbits.newton import solve
 
@@ -130,15 +134,51 @@ def test_a_rigid_stop_makes_a_square_root(coco):
     assert slope == pytest.approx(-0.5, abs=0.02)
 
 
-def test_a_ball_on_a_shaken_table():
+@pytest.fixture(scope="module")
+def bounces():
+    return continue_branch(load_case("gallery/ball-on-shaken-table"), "base.a", "0.3:1.2 mm")
+
+
+def test_a_ball_on_a_shaken_table(bounces):
     """V15: one bounce a period doubles where a w^2/g = sqrt(b^2 + (2 (1 + e^2) / (1 + e)^2)^2).
 
-    b = pi (1 - e)/(1 + e). At a = 2 b g/w^2 the bounce comes to the section, at the phase of 60 degrees.
+    b = pi (1 - e)/(1 + e). At a = 2 b g/w^2 the bounce passes the section, at the phase of 60 degrees; the
+    orbits are born in a fold at a = b g/w^2, where the table throws with all its speed.
     """
-    found = continue_branch(load_case("gallery/ball-on-shaken-table"), "base.a", "0.3:1.2 mm")
     born = pi * (1 - 0.8) / (1 + 0.8)
-    doubling = found.special("PD1")
-    assert doubling.parameter == pytest.approx(hypot(born, 2 * 1.64 / 1.8**2), rel=1e-12)
-    assert found.ends[0].startswith("an impact on a rigid stop comes to the section: shift the phase")
-    assert found["parameter"][0] == pytest.approx(2 * born, rel=1e-6)
-    assert (np.diff(found["arclength"]) > 0).all()
+    assert bounces.special("PD1").parameter == pytest.approx(hypot(born, 2 * 1.64 / 1.8**2), rel=1e-12)
+    assert bounces.special("F1").parameter == pytest.approx(born, rel=1e-13)
+    assert [one.kind for one in bounces.specials] == ["fold", "doubling"]
+    assert bounces.ends == ("end of the range", "end of the range")
+    v = bounces["v_ball"]
+    jump = int(np.argmax(np.abs(np.diff(v))))  # the velocity is reversed where the bounce passes the section
+    assert (
+        bounces["parameter"][jump] < 2 * born < bounces["parameter"][jump + 1] and v[jump] > 0 > v[jump + 1]
+    )
+    assert {one.orbit.word for one in bounces.points} == {(("impact", 0),)}
+    assert (np.diff(bounces["arclength"]) > 0).all()
+
+
+def test_over_an_impact_on_the_section_it_goes_on_where_it_was_stopped(bounces, tmp_path):
+    path = tmp_path / "bounces.h5"
+    jump = int(np.argmax(np.abs(np.diff(bounces["v_ball"]))))
+    forwards = sum(point.way > 0 for point in bounces.points)
+    at = forwards + bounces.points[jump].number  # points there are when the impact has just been passed
+    part, done = complete(BranchFileStore(bounces.plan, path), 5000, watch=lambda count, _: count < at)
+    assert not done and len(part) == at
+    rest, _ = complete(BranchFileStore(bounces.plan, path), 5000)
+    assert rest.points == bounces.points and rest.specials == bounces.specials
+
+
+@pytest.mark.parametrize("name", ["I-C", "II-B"])
+def test_orbits_on_a_section_at_another_phase(name):
+    """There and back the same orbit, with the same multipliers on both sections."""
+    orbit = vibsim.orbit(name)
+    key = {"I-C": "omega", "II-B": "Omega0"}[name]
+    plan = plan_from(orbit, *read_span(orbit.case, key, "1:10 Hz"))
+    family = plan.family()
+    node = plan.start(family)
+    moved = MovedFamily(family, node, quiet_share(node))
+    there = moved.start
+    np.testing.assert_allclose(there.multipliers, node.multipliers, atol=1e-9)
+    np.testing.assert_allclose(moved.given_back(there).z, node.z, atol=1e-11)

@@ -13,6 +13,7 @@ from vibsim.orbits.multipliers import ON_CIRCLE
 STEADY = 4.0  # times that the share of the parameter in the tangent may change where Newton holds it
 CLOSE = 1e-3  # scaled distance of a node whose derivative by the parameter is good enough for Newton's steps
 STEEP = 1e-3  # share of the parameter in the tangent, below which it is not held
+STRAIGHT = 0.9  # cosine of the angle between a step and the tangent behind it
 LONGEST = 2.0  # steps, as long as the last one, that the cubic through two nodes is taken ahead
 LEAST_LIMIT = 1e-6  # scaled length that a Newton step may have, however near two nodes are
 UNIT = 1e-6  # distance from 1 of multipliers that may be those of a family
@@ -157,9 +158,17 @@ def predicted(before: "Node | None", node: Node, step: float) -> np.ndarray:
     """
     if before is not None and before.word == node.word:
         length = float(np.linalg.norm(node.z - before.z))
-        if step <= LONGEST * length:
+        if step <= LONGEST * length and goes_on(before, node):
             return _hermite(before, node, 1 + step / length, length)
     return np.asarray(node.z + step * node.tangent)
+
+
+def goes_on(before: Node, node: Node) -> bool:
+    """Whether unknowns went from one node to the next as the branch does: not so across an impact on the
+    section.
+    """
+    chord = node.z - before.z
+    return bool(node.tangent @ chord > STRAIGHT * np.linalg.norm(chord))
 
 
 def between(family: Family, one: Node, other: Node, share: float) -> Node:

@@ -10,18 +10,19 @@ import numpy as np
 from vibsim.branches.arclength import ContinuationError
 from vibsim.branches.family import Family
 from vibsim.branches.grazing_end import grazing_end
-from vibsim.branches.inspection import inspect
+from vibsim.branches.inspection import detect, inspect
 from vibsim.branches.joining import JOINS, joining
-from vibsim.branches.node import Node, ahead_of, between, node_at
-from vibsim.branches.special import BRANCHING, FOLD, Special
+from vibsim.branches.moved_section import beyond_the_impact, from_section
+from vibsim.branches.node import Node, ahead_of, between, goes_on, node_at
+from vibsim.branches.special import BRANCHING, FOLD, UNRESOLVED, Special
 from vibsim.branches.step_size import SHARP, Pace, turn
 
 BEHIND = 4  # steps before a branch can have come back to its start
 INFINITE = 200.0  # multiplier of orbits that all but graze a rigid stop, where it goes like 1 / impact speed
-IMPACTS = ("impact", "transmitted")
 GRAZED = "a multiplier grows without bound: a rigid stop is grazed near by"
 TOUCHED = "a rigid stop is grazed: beyond, orbits strike it, and a multiplier is infinite at first"
 AT_SECTION = 1e-6  # share of the period
+BLOCKED = "an impact on a rigid stop comes to the section: shift the phase of the source to go on"
 POLISH = 3  # Newton steps of a time of return that is known to 1e-9
 SAME = 1e-8  # scaled distance of a closed branch from its start
 
@@ -48,6 +49,7 @@ class Walk:
         self.start = self.node = start
         self.before: Node | None = None
         self.step, self.count, self.bend = pace.first, 0, 0.0
+        self.crosses = True  # impacts that come to the section
 
     def go_on(self, before: Node, node: Node, step: float, count: int) -> None:
         """Go on from a node that a walk came to after `count` steps; before: the one before that."""
@@ -59,7 +61,13 @@ class Walk:
         while True:
             try:
                 node, following = self._next()
+                if self.crosses and from_section(node) < AT_SECTION:
+                    raise ContinuationError(BLOCKED)
             except ContinuationError as error:
+                beyond = beyond_the_impact(self) if self.crosses else None
+                if beyond is not None:
+                    yield self._across(beyond)
+                    continue
                 graze = grazing_end(self.family, self.node)
                 ended = self._stuck(error) if graze is None else TOUCHED
                 yield Step(self.node, () if graze is None else (graze,), self.step, ended)
@@ -75,12 +83,24 @@ class Walk:
             if ended:
                 return
 
+    def _across(self, node: Node) -> Step:
+        """The step over an impact that was on the section."""
+        changed = detect(self.node, node)
+        specials = (Special(UNRESOLVED, node, self.node, node),) if changed else ()
+        self.bend = bend(self.node, node)
+        self.before, self.node, self.step, self.count = self.node, node, self.pace.first, self.count + 1
+        return Step(node, specials, self.step)
+
+    def on(self, family: Family, start: Node) -> "Walk":
+        """A walk at the same pace on another section, which goes over no impacts."""
+        walk = Walk(family, start, self.span, self.pace)
+        walk.crosses = False
+        return walk
+
     def _stuck(self, error: Exception) -> str:
         """Why there is no next node."""
-        carried, T = self.node.point.end.carried, self.node.point.period
-        impacts = [t for t, (kind, _) in zip(carried.times, carried.events, strict=True) if kind in IMPACTS]
-        if any(min(t, T - t) < AT_SECTION * T for t in impacts):
-            return "an impact on a rigid stop comes to the section: shift the phase of the source to go on"
+        if from_section(self.node) < AT_SECTION:
+            return BLOCKED
         return f"stuck: {error}"
 
     def _next(self) -> tuple[Node, float]:
@@ -173,6 +193,6 @@ def landed(return_map: Any, X: np.ndarray) -> Any:
 
 
 def bend(before: Node, node: Node) -> float:
-    """Change of dp/ds with s from one node to the next."""
+    """Change of dp/ds with s from one node to the next; 0 across an impact on the section."""
     length = float(np.linalg.norm(node.z - before.z))
-    return (node.ahead - before.ahead) / length if length else 0.0
+    return (node.ahead - before.ahead) / length if length and goes_on(before, node) else 0.0
