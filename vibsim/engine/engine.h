@@ -320,7 +320,8 @@ void oscillator_set(Oscillator *o, double a, double b, double omega);
 /* polynomial_root.c; what became of the search for a zero within a step */
 enum { POSITIVE, ZERO, UNFINISHED };
 int polynomial_first_root(Certificate *c, const double *coefficients, int count, int known, double t0, double h, int keep_margin,
-                          double *end);
+                          int sharp, double *end);
+double polynomial_nearer(const double *coefficients, int count, double t0, double h, double size);
 int polynomial_near_zero(const double *coefficients, int count, int known, double tau, double size, double *value,
                          double *slope, double *noise); /* returns 0 where it rests at zero */
 

@@ -8,6 +8,10 @@
 #define LONG_MARCH 64
 #define NARROWER 4
 #define PIECES 8
+#define POLISHING 5
+#define BEYOND 64
+#define SHORTER 16
+#define SHORTEST 64
 
 static void value_and_slope(const double *series, int count, double tau, double *value, double *slope)
 {
@@ -38,6 +42,25 @@ static double newton(double tau, double value, double slope)
     return zero > 0 ? zero : 0 * tau;
 }
 
+/* The zero ahead of a function that is sure to cross it: more Newton steps where the error of one, by the bound of |f''|, is
+ * above the grid of time.
+ */
+static double zero_ahead(const double *series, int count, double tau, double value, double slope, double bound, double t0)
+{
+    double zero = newton(tau, value, slope), unit = nextafter(t0, INFINITY) - t0;
+    int i;
+    for (i = 0; i < POLISHING; i++) {
+        double step = value / slope;
+        if (bound * (step * step) <= -(2 * slope) * unit)
+            break;
+        value_and_slope(series, count, zero, &value, &slope);
+        if (slope >= 0)
+            break;
+        zero = newton(zero, value, slope);
+    }
+    return zero;
+}
+
 /* The safe step from tau by a bound of |f''| that reaches a few times as far as the march has come, or `step`, that by the
  * bound of all h, whichever is longer.
  */
@@ -55,7 +78,8 @@ static double nearer_step(const double *series, int count, double tau, double ro
 }
 
 /* March by safe steps from t0; `error` proves a stretch, the rounding of its value blurs the place of a zero. */
-static int march(Certificate *c, const double *series, int count, double error, double bound, double t0, double h, double *end)
+static int march(Certificate *c, const double *series, int count, double error, double bound, double t0, double h, int sharp,
+                 double *end)
 {
     double t = t0, stall = 1.0, floor = error, noise = error;
     double value = series[0], slope = count > 1 ? series[1] : 0.0; /* at t0 */
@@ -68,7 +92,7 @@ static int march(Certificate *c, const double *series, int count, double error, 
             value_and_slope(series, count, tau, &value, &slope);
         if (value <= error && !near) {
             if (crosses(slope, bound, 2 * error)) {
-                double zero = newton(tau, value, slope);
+                double zero = sharp ? zero_ahead(series, count, tau, value, slope, bound, t0) : newton(tau, value, slope);
                 *end = t0 + zero;
                 return zero <= h ? ZERO : POSITIVE;
             }
@@ -90,7 +114,8 @@ static int march(Certificate *c, const double *series, int count, double error, 
         ahead = t0 + (tau + step);
         if (ahead <= t) {
             if (slope < 0) {
-                *end = t0 + newton(tau, value, slope);
+                int sure = sharp && crosses(slope, bound, 2 * error);
+                *end = t0 + (sure ? zero_ahead(series, count, tau, value, slope, bound, t0) : newton(tau, value, slope));
                 return ZERO;
             }
             doubt(c, t0);
@@ -204,8 +229,29 @@ int polynomial_near_zero(const double *coefficients, int count, int known, doubl
     return 1;
 }
 
+/* sum |b_n| h^n. */
+static double total_of(const double *series, int count, double h)
+{
+    double total = fabs(series[count - 1]);
+    int n;
+    for (n = count - 2; n >= 0; n--)
+        total = total * h + fabs(series[n]);
+    return total;
+}
+
+/* The step h, or a shorter one where rounding over all of h would hide on which side of zero the function begins. */
+double polynomial_nearer(const double *coefficients, int count, double t0, double h, double size)
+{
+    double start = coefficients[0], least = SHORTEST * (nextafter(t0, INFINITY) - t0);
+    if (!(start > BEYOND * EPS * size))
+        return h;
+    while (h > least && start <= BEYOND * EPS * total_of(coefficients, count, h))
+        h = h / SHORTER;
+    return h;
+}
+
 int polynomial_first_root(Certificate *c, const double *coefficients, int count, int known, double t0, double h, int keep_margin,
-                          double *end)
+                          int sharp, double *end)
 {
     const double *series;
     double total, fall, power = h, term = 0.0, before = 0.0, error;
@@ -227,7 +273,7 @@ int polynomial_first_root(Certificate *c, const double *coefficients, int count,
     }
     error = 4 * EPS * total + (before + term);
     if (series[0] - error - fall <= 0)
-        outcome = march(c, series, count, error, curvature_of(series, count, h) / (h * h), t0, h, end);
+        outcome = march(c, series, count, error, curvature_of(series, count, h) / (h * h), t0, h, sharp, end);
     if (keep_margin && series[0] - fall < c->margin &&
         may_turn(series, count, order, total, h))
         watch_turns(c, coefficients, count + order, t0, outcome == POSITIVE ? h : *end - t0);

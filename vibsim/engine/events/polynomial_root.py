@@ -9,9 +9,13 @@ from vibsim.engine.events.first_root import safe_step
 from vibsim.engine.events.turning_point import turning_point
 from vibsim.physics.numbers import Kit, N, abs
 
+BEYOND = 64  # roundings: a start by so much away from zero is proved to be on its side
+SHORTER = 16  # times, where a step is too long to prove that
+SHORTEST = 64  # units in the last place of the time, of such a step
 MARCH_LIMIT = 1000  # a march longer than this goes on from a new expansion, whose bounds are tighter
 LONG_MARCH = 64  # steps from which on bounds reach less far, and are the tighter for it
 NARROWER = 4  # reach of such bounds, in ways marched so far
+POLISHING = 5  # Newton steps behind the first: each doubles the right digits
 PIECES = 8  # a step spans less than two radians of the fastest motion: one minimum at most
 
 
@@ -24,14 +28,15 @@ class PolynomialSearch(Generic[N]):
         self.settled = kit.power_of_two(kit.exponent(kit.eps) / 3)
 
     def first_root(
-        self, coefficients: Sequence[N], known: int, t0: N, h: N, keep_margin: bool
+        self, coefficients: Sequence[N], known: int, t0: N, h: N, keep_margin: bool, sharp: bool = False
     ) -> tuple[N | None, bool]:
         """How far the polynomial in t - t0 is known to be positive: (grid time, whether it is zero there).
 
         coefficients: lowest first; positive at the start but for a zero there of order `known`, which is
         divided out together with any further coefficient that is exactly zero. h: length of the step [s].
         The time is None where it is positive on the whole step. keep_margin: look for a grazing minimum
-        before the root or the end of the step.
+        before the root or the end of the step; sharp: go to the zero by more than one Newton step where that
+        is not as near as the grid of time allows.
         """
         order = known
         while order < len(coefficients) and coefficients[order] == 0:
@@ -44,11 +49,32 @@ class PolynomialSearch(Generic[N]):
         end: N | None = None
         zero = False
         if series[0] - error - fall <= 0:
-            end, zero = self._march(series, error, curvature, t0, h)
+            end, zero = self._march(series, error, curvature, t0, h, sharp)
         close = keep_margin and series[0] - fall < self.certificate.margin
         if close and self._may_turn(series, order, total, swing, h):
             self._watch_turns(coefficients, t0, h if end is None else end - t0)
         return end, zero
+
+    def nearer(self, coefficients: Sequence[N], t0: N, h: N, size: N) -> N:
+        """The step h [s], or a shorter one where rounding over all of h would hide on which side of zero the
+        function begins, though its value there tells.
+
+        size: sum of the magnitudes that coefficient 0 is made of
+        """
+        start, least = coefficients[0], SHORTEST * (self.kit.next_after(t0, inf) - t0)
+        if not start > BEYOND * self.kit.eps * size:
+            return h
+        while h > least and start <= BEYOND * self.kit.eps * self._total(coefficients, h):
+            h = h / SHORTER
+        return h
+
+    @staticmethod
+    def _total(series: Sequence[N], h: N) -> N:
+        """sum |b_n| h^n."""
+        total = abs(series[-1])
+        for coefficient in reversed(series[:-1]):
+            total = total * h + abs(coefficient)
+        return total
 
     def value_and_slope(self, coefficients: Sequence[N], known: int, tau: N) -> tuple[N, N]:
         """Value and slope at tau of the polynomial without its known zeros (see `first_root`)."""
@@ -101,7 +127,9 @@ class PolynomialSearch(Generic[N]):
             return order * series[0] <= swing + order * (total - series[0])
         return len(series) > 1 and 2 * abs(series[1]) * h <= swing
 
-    def _march(self, series: Sequence[N], error: N, bound: N, t0: N, h: N) -> tuple[N | None, bool]:
+    def _march(
+        self, series: Sequence[N], error: N, bound: N, t0: N, h: N, sharp: bool
+    ) -> tuple[N | None, bool]:
         """March by safe steps from t0; as `first_root`.
 
         The function is proved positive where the polynomial stays above `error`. Where it falls below, and is
@@ -118,7 +146,7 @@ class PolynomialSearch(Generic[N]):
             value, slope = self._value_and_slope(series, tau)
             if value <= error and not near:
                 if crosses(slope, bound, 2 * error):
-                    zero = self._newton(tau, value, slope)
+                    zero = self._zero(series, tau, value, slope, bound, t0, sharp)
                     return (self.kit.exact(t0 + zero), True) if zero <= h else (None, False)
                 near = True
                 self.certificate.doubt(t0)
@@ -135,7 +163,8 @@ class PolynomialSearch(Generic[N]):
             ahead = self.kit.exact(t0 + (tau + step))
             if ahead <= t:
                 if slope < 0:
-                    return self.kit.exact(t0 + self._newton(tau, value, slope)), True
+                    sure = sharp and crosses(slope, bound, 2 * error)
+                    return self.kit.exact(t0 + self._zero(series, tau, value, slope, bound, t0, sure)), True
                 self.certificate.doubt(t0)
                 ahead = t + (self.kit.next_after(t, inf) - t) * stall
                 stall = stall * 2
@@ -157,6 +186,21 @@ class PolynomialSearch(Generic[N]):
         nearer, room_ahead = safe_step(self.kit, room, slope, bound), reach - tau
         nearer = nearer if nearer < room_ahead else room_ahead
         return nearer if nearer > step else step
+
+    def _zero(self, series: Sequence[N], tau: N, value: N, slope: N, bound: N, t0: N, sharp: bool) -> N:
+        """The zero ahead of a function that is sure to cross it: one Newton step from tau, and if it shall be
+        sharp more where the error of that, by the bound of |f''|, is above the grid of time.
+        """
+        zero, unit = self._newton(tau, value, slope), self.kit.next_after(t0, inf) - t0
+        for _ in range(POLISHING if sharp else 0):
+            step = value / slope
+            if bound * (step * step) <= -(2 * slope) * unit:
+                break
+            value, slope = self._value_and_slope(series, zero)
+            if slope >= 0:
+                break
+            zero = self._newton(zero, value, slope)
+        return zero
 
     @staticmethod
     def _newton(tau: N, value: N, slope: N) -> N:

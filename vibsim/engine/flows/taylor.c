@@ -195,7 +195,16 @@ double taylor_advance(Run *r, double limit, int *event)
             *event = i;
             return r->t0;
         }
-        outcome = polynomial_first_root(&r->certificate, coefficients, count, r->known[e->key], r->t0, h, e->turns, &t);
+        if (e->kind == STRIKE && r->known[e->key] == 0) {
+            double nearer = polynomial_nearer(coefficients, count, r->t0, h, taylor_magnitude(r, e));
+            if (nearer < h) {
+                end = r->t0 + nearer;
+                *event = NOTHING;
+                h = end - r->t0;
+            }
+        }
+        outcome = polynomial_first_root(&r->certificate, coefficients, count, r->known[e->key], r->t0, h, e->turns,
+                                        e->kind == STRIKE, &t);
         r->spent += outcome == UNFINISHED ? MARCH_LIMIT : 0;
         if (outcome != POSITIVE && (t < end || (outcome == ZERO && *event == NOTHING))) {
             end = t;

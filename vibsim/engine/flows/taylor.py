@@ -280,7 +280,13 @@ class Taylor(Generic[N]):
             polynomial = self.polynomial(event)
             if event.kind == STRIKE and known == 0 == polynomial[0] and closes(polynomial):
                 return self.t0, event
-            t, zero = self.search.first_root(polynomial, known, self.t0, h, event.turns)
+            if event.kind == STRIKE and known == 0:
+                nearer = self.search.nearer(polynomial, self.t0, h, self._magnitude(event))
+                if nearer < h:
+                    end, first = self.kit.exact(self.t0 + nearer), None
+                    h = end - self.t0
+            sharp = event.kind == STRIKE
+            t, zero = self.search.first_root(polynomial, known, self.t0, h, event.turns, sharp)
             if t is not None and (t < end or (zero and first is None)):
                 end, first = t, event if zero else None
                 h = end - self.t0
