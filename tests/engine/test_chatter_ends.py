@@ -8,10 +8,12 @@ from tests.engine.test_truth import exact_parts, truth
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import (
     COMPRESSION,
+    EXTENSION,
     GROUND,
     Body,
     Force,
     Friction,
+    Link,
     Motor,
     RigidStop,
     Scene,
@@ -70,6 +72,22 @@ def test_a_chatter_that_fades_below_the_rounding_of_velocities_is_one():
     assert {"chatter", "rest_begin"} < kinds(found.events)
     assert 0 < found.totals["chatter_time"] < 1e-12
     assert error < len(found.events["t"]) * np.spacing(15.0)  # each impact rounds a displacement of 15 m
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+def test_nothing_else_moves_where_a_stop_is_struck_at_the_start(engine):
+    """The other bodies were given what rounding makes of zero, and one that stood at a wall struck it."""
+    bodies = (Body("a", 1.3, 0.0, -0.0076), Body("b", 1.8, -0.00499, 0.0), Body("c", 1.26, 0.0, 0.0))
+    links = (Link("ab", 1, 2, 76.4, 0.0), Link("ca", 2, 0, 94.0, 0.0))
+    stops = (
+        RigidStop("left", 0, GROUND, 0.0, EXTENSION, 0.3, True),
+        RigidStop("right", GROUND, 1, 0.00499, COMPRESSION, 0.3, True),
+    )
+    found = run(Scene(bodies, links, stops, t_end=0.1, every_num=1, every_den=50), engine)
+    first = {name: column[found.events["t"] == 0][-1] for name, column in found.events.items()}
+    assert first["kind"] == EVENT_KINDS["impact"] and first["part"] == 0
+    assert first["v_a"] == 0.3 * 0.0076
+    assert first["v_b"] == first["v_c"] == first["x_c"] == 0 and first["x_b"] == -0.00499
 
 
 def walls(*restitutions):

@@ -486,7 +486,9 @@ void run_arrive(Run *r)
         flow_state(r, r->pending_end, &r->next);
     } else {
         r->pending_tau = meeting(r, e);
-        if (r->closed)
+        if (r->pending_tau == 0)
+            copy_state(r, &r->state, &r->next);
+        else if (r->closed)
             closed_form_state_after(r, r->pending_tau, &r->next);
         else
             taylor_state_after(r, r->pending_tau, &r->next);

@@ -177,12 +177,12 @@ class Driver(Generic[N]):
     def _arrive(self, end: N, event: Event[N] | None) -> tuple[State[N], N]:
         """State at the end of a stretch, and how long after its start that is [s]: there, or at the very
         instant of an impact. So a speed grows or shrinks by nothing but the impact, however short the stretch
-        is against the grid of time.
+        is against the grid of time. No rounding moves a state that is struck where the stretch begins.
         """
         if event is None or event.kind != STRIKE:
             return self.flow.state_at(end).settled(self.kit), end - self.flow.t0
         tau = self.flow.meeting(event, end)
-        state = self.flow.state_after(tau)
+        state = self.flow.state_after(tau) if tau != 0 else self.flow.start.copy()
         state.t = end
         return state.settled(self.kit), tau
 

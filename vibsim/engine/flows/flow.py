@@ -84,6 +84,11 @@ class Flow(Generic[N]):
         return self.now.t0
 
     @property
+    def start(self) -> State[N]:
+        """State there."""
+        return self.now.start
+
+    @property
     def rows(self) -> ModeRows[N]:
         """Rows of the mode."""
         return self.now.rows
