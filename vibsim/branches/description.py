@@ -123,6 +123,7 @@ def facts(branch: Branch) -> dict[str, Any]:
         "ends": list(branch.ends),
         "parameter_from": reach(branch)[0],
         "parameter_to": reach(branch)[1],
+        "unresolved": [one.parameter for one in branch.specials if one.kind == UNRESOLVED],
         "special_points": [special_facts(branch, one) for one in branch.specials],
     }
 

@@ -24,6 +24,7 @@ TOUCHED = "a rigid stop is grazed: beyond, orbits strike it, and a multiplier is
 AT_SECTION = 1e-6  # share of the period
 BLOCKED = "an impact on a rigid stop comes to the section: shift the phase of the source to go on"
 POLISH = 3  # Newton steps of a time of return that is known to 1e-9
+KINKS = (1e-7, 1e-6, 1e-5, 1e-4)  # scaled lengths of steps across a kink
 SAME = 1e-8  # scaled distance of a closed branch from its start
 
 
@@ -119,7 +120,25 @@ class Walk:
                 reason = str(error)
             length /= 2
             if length < self.pace.least:
-                raise ContinuationError(reason)
+                return self._past_kink(reason)
+
+    def _past_kink(self, reason: str) -> tuple[Node, float]:
+        """The next node where the branch has a kink, and the length of the step behind it.
+
+        The state on the section has one where an event crosses the section; the orbits go on as before.
+        Raises ContinuationError where nothing is near, or the branch turns back.
+        """
+        for length in KINKS:
+            try:
+                node = node_at(
+                    self.family, self.node.z + length * self.node.tangent, None, self.node, 8 * length
+                )
+            except ContinuationError:
+                continue
+            near = np.linalg.norm(node.z - self.node.z) < 8 * length
+            if near and node.word == self.node.word and self.node.ahead * node.ahead > 0:
+                return node, self.pace.first * KINKS[-1]
+        raise ContinuationError(reason)
 
     def _ended(self, node: Node) -> tuple[Node, str]:
         """The node at which the walk ends, and why; the node itself and nothing where it goes on."""

@@ -11,6 +11,7 @@ import numpy as np
 from vibsim.branches.branch import Branch
 from vibsim.branches.plan import BranchPlan
 from vibsim.branches.records import OrbitRecord, PointRecord, SpecialRecord, Word
+from vibsim.branches.special import UNRESOLVED
 from vibsim.branches.store.structure import (
     ATTRIBUTES,
     BODY,
@@ -47,7 +48,9 @@ def origin(plan: BranchPlan, engine: str) -> dict[str, Any]:
 def write_branch(path: Path, branch: Branch, attrs: dict[str, Any], complete: bool) -> None:
     """Write a branch to `path`, replacing what is there in one instant. Raises ResultFileError."""
     found, orbits = branch.specials, branch.points
+    unresolved = sum(one.kind == UNRESOLVED for one in found)
     counts = {"points": len(orbits), "special_points": len(found), "complete": int(complete)}
+    counts["unresolved"] = unresolved
     names = {"names_json": json.dumps(branch.names)}
     write_hdf5(path, {**attrs, **names, **counts}, datasets_of(branch.unit), values_of(branch))
 

@@ -7,7 +7,7 @@ from vibsim.files.provenance import PROVENANCE
 ATTRIBUTES = [
     *PROVENANCE,
     *(Attribute(name, TEXT) for name in ("branch_settings_json", "branch_sha256", "engine", "names_json")),
-    *(Attribute(name, WHOLE) for name in ("points", "special_points")),
+    *(Attribute(name, WHOLE) for name in ("points", "special_points", "unresolved")),
     Attribute("complete", WHOLE, allowed=(0, 1)),
 ]
 POINT, SPECIAL = "point", "special"
