@@ -83,6 +83,7 @@ FIT = {
     "locus_sha256": "fingerprint of the case and these settings",
     "names_json": "names of the unknowns on the section",
     "special_points": "number of special points",
+    "unresolved": "number of places where the index check does not hold",
     "fit_settings_json": "all settings of the fit, as JSON",
     "fit_sha256": "fingerprint of cases and settings",
     "runs": "number of runs made",

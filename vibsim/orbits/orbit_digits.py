@@ -19,13 +19,14 @@ from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.small_matrices import characteristic_polynomial, refined_roots, solved
 from vibsim.orbits.word import Word, spelled, word_of
 from vibsim.physics.exact_decimals import decimal_text
-from vibsim.physics.modes import EVENT_NAMES
+from vibsim.physics.modes import EVENT_NAMES, IMPACTS
 from vibsim.physics.number_kits import DigitsKit, number_kit
 from vibsim.physics.numbers import Number
 from vibsim.physics.working_precision import MOST_DIGITS
 
 GUARD = 15  # digits beyond those asked for: what components much smaller than the largest need
 PIECES = 4096
+LONGEST = 40  # events of a word that is spelled
 STEPS = 14  # 15 digits doubled so often are more than there can be
 
 
@@ -86,7 +87,10 @@ def refine(orbit: Orbit, digits: int) -> OrbitDigits:
     else:
         raise OrbitError(f"the orbit does not come to {digits} digits: the last step was {correction:.1e}")
     if exact.word != orbit.events:
-        raise OrbitError(f"in many digits the orbit has the events {spelled(orbit.scene, exact.word)}")
+        raise OrbitError(
+            f"in many digits the orbit has other events, {_brief(orbit, exact.word)} in place of "
+            f"{_brief(orbit, orbit.events)}; orbits that chatter or graze are known in doubles only"
+        )
     roots = _multipliers(kit, derivative, orbit.multipliers.tolist())
     return OrbitDigits(
         digits,
@@ -96,6 +100,13 @@ def refine(orbit: Orbit, digits: int) -> OrbitDigits:
         [(_text(kit, re, digits), _text(kit, im, digits)) for re, im in roots],
         correction,
     )
+
+
+def _brief(orbit: Orbit, word: Word) -> str:
+    """A word in letters, or how many impacts where it is long."""
+    if len(word) <= LONGEST:
+        return spelled(orbit.scene, word) or "none"
+    return f"{sum(kind in IMPACTS for kind, _ in word)} impacts"
 
 
 class _ExactMap:

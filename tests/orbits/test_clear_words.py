@@ -1,0 +1,75 @@
+"""What has no orbit, or one without a derivative, is told in clear words."""
+
+import pytest
+
+from tests.command_line.made import call
+from vibsim.cases import load_case
+from vibsim.orbits import find_orbit
+from vibsim.orbits.errors import NotConverged
+
+DRIVEN = """
+name: driven
+bodies: {m: 1 kg}
+links: {spring: {between: [m, ground], k: 1 N/m, c: 0.1 N s/m}}
+forces:
+  one: {on: m, A: 1 N, omega: 1.3 rad/s}
+run: {t_end: 200 s, every: 0.5 s}
+"""
+TWO = (
+    "  two: {on: m, A: 0.5 N, omega: 1.838477631085024 rad/s}\nrun"  # sqrt(2) of the other, but for rounding
+)
+MOTOR = "motor: {on: m, m3: 0.1 kg, e: 50 mm, J: 0.001 kg m^2, M0: 0.1 N m, Omega0: 0.7 Hz}\nrun"
+
+
+@pytest.mark.parametrize("command", ["orbit", "continue"])
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        (TWO, "the frequencies of forces and base have no common period"),
+        (MOTOR, "a motor whose speed is free and a force or base of its own frequency have no common period"),
+    ],
+)
+def test_scenes_without_a_period(command, changed, message, tmp_path):
+    (tmp_path / "driven.yaml").write_text(DRIVEN.replace("run", changed))
+    range_of = ["--param", "spring.k=0.9:1.1"] if command == "continue" else []
+    done = call(command, tmp_path / "driven.yaml", *range_of)
+    assert done.exit_code == 2 and message in done.stderr and "Traceback" not in done.stderr
+
+
+def test_a_scene_that_drifts(tmp_path):
+    """The orbit of a capsule that moves on is one up to a drift, which is told."""
+    shown = call("orbit", "gallery/drifting-capsule", "-o", tmp_path / "capsule.h5")
+    assert shown.exit_code == 0 and "drift" in shown.stdout and "per period" in shown.stdout
+    both = "forces.push.A=forces.reaction.A=0.49:0.51N"
+    branch = call("continue", tmp_path / "capsule.h5", "--param", both, "-o", tmp_path / "b.h5")
+    assert branch.exit_code == 0 and "holds everywhere" in branch.stdout
+
+
+RESTING = """
+name: grazing
+bodies: {m: 1 kg}
+links: {spring: {between: [m, ground], k: 1 N/m, c: 0.1 N s/m}}
+stops: {wall: {between: [m, ground], gap: 1 m, acts: compression, law: rigid, e: 0.8}}
+forces: {drive: {on: m, A: 0.1 N, omega: 1 rad/s, phase: 90 deg}}
+initial: {m: {v: 1 m/s}}
+run: {t_end: 100 s, every: 0.5 s}
+"""
+
+
+def test_an_orbit_that_grazes_a_rigid_stop(tmp_path):
+    """At A = 0.1 N the motion x = sin t just reaches the stop. From it there is no derivative, which is told;
+    from in front of it Newton's method finds it, without the touch.
+    """
+    (tmp_path / "grazing.yaml").write_text(RESTING)
+    case = load_case(str(tmp_path / "grazing.yaml"))
+    with pytest.raises(NotConverged, match=r"has no derivative: at 1\.5708 s it grazes a rigid stop"):
+        find_orbit(case.scene(), {"x_m": 0.0, "v_m": 1.0}, 1)
+    orbit = find_orbit(case.scene(), {"x_m": 0.0, "v_m": 1.0 - 1e-6}, 1)
+    assert orbit.spelled == "" and orbit.X.tolist() == pytest.approx([0.0, 1.0], abs=1e-13)
+    assert 0 <= orbit.margin < 1e-12
+
+
+@pytest.mark.slow
+def test_chatter_in_many_digits_is_told_briefly():
+    done = call("orbit", "gallery/chattering-oscillator", "--digits", "20")
+    assert done.exit_code != 0 and "impacts" in done.stderr and len(done.stderr) < 400
