@@ -89,10 +89,11 @@ coverage: $(STAMP) ## tell which lines and branches of Python and C no test reac
 	grep TOTAL build/coverage/python.txt
 	grep TOTAL build/coverage/c.txt
 
-workflows: $(STAMP) ## check the workflows of .github against their schema
-	$(BIN)/python -c "import check_jsonschema" 2>/dev/null || \
-	  $(BIN)/python -m pip install --quiet --disable-pip-version-check check-jsonschema
+workflows: $(STAMP) ## lint the workflows of .github: their schema, and what an attacker could use
+	$(BIN)/python -c "import check_jsonschema" 2>/dev/null && test -x $(BIN)/zizmor || \
+	  $(BIN)/python -m pip install --quiet --disable-pip-version-check check-jsonschema zizmor
 	$(BIN)/check-jsonschema --builtin-schema vendor.github-workflows .github/workflows/*.yml
+	$(BIN)/zizmor --offline --config .github/zizmor.yml .github/workflows
 
 fuzz: $(STAMP) ## throw three thousand mutants of cases, command lines and files at vibsim (COUNT=, SEED=)
 	$(BIN)/python -m tests.fuzz --count $(or $(COUNT),3000) --seed $(or $(SEED),1)
