@@ -164,17 +164,18 @@ class CRun:
         """The rows of a mode by its number in C."""
         return self.maker.rows(self.statuses[number])
 
+    def rates_of(self, number: int) -> ModeRows:
+        """The rows of a mode for its vector field, which no closed form and so no frequency has a say in."""
+        return self.table.maker.rows(self.statuses[number])
+
     def retune(self, scene: Scene) -> None:
         """Go over to a scene whose modes are packed the same (`mode_table.same_packed`): another motor, other
         frequencies. A restart has to follow.
         """
         arms = [one.motor.e for one in (self.scene, scene) if one.motor is not None]
-        stale = ["scout", "automaton", "tangencies"]
-        if harmonics_of(scene) != harmonics_of(self.scene):
-            stale.append("maker")
         if len(set(arms)) > 1:  # which disturbances are weighed by
             self.packer = None
-        for name in stale:
+        for name in ("scout", "automaton", "tangencies", "maker"):
             self.__dict__.pop(name, None)
         self.scene = scene
         self.run.retune(pack_scene(scene, harmonics_of(scene))[1])

@@ -167,7 +167,7 @@ class Carrier:
         uncertified, margin, mode, undefined, undefined_time, *numbers = head
         n = run.n
         state = State(numbers[0], numbers[1 : n + 1], numbers[n + 1 : 2 * n + 1], *numbers[2 * n + 1 :])
-        there = rates if len(vectors) else partial(self._rate, state, run.rows_of(int(mode)))
+        there = rates if len(vectors) else partial(self._rate, state, run.rates_of(int(mode)))
         happened = codes[:, 1:-1].T.copy()  # without start and end
         table = states[:, 1:-1].T[:, self._order]
         return self._told(
