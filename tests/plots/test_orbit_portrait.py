@@ -9,7 +9,8 @@ from vibsim.orbits.orbit_file import save_orbit
 from vibsim.plots import style
 from vibsim.plots.errors import PlotError
 from vibsim.plots.orbit_portrait import POINTS, draw
-from vibsim.plots.registry import choose
+from vibsim.plots.registry import choose, kind_named
+from vibsim.plots.spans import last_half
 from vibsim.plots.subject import open_subject
 from vibsim.plots.view import View
 
@@ -53,3 +54,11 @@ def test_it_is_what_an_orbit_is_drawn_as(stored, tmp_path):
     run.save(tmp_path / "run.h5")
     with pytest.raises(PlotError, match="it needs a periodic orbit"):
         choose(["orbit-portrait"], [open_subject(str(tmp_path / "run.h5"))])
+
+
+def test_the_settled_part_of_an_orbit_is_all_of_it(stored):
+    """Not its last half: that is no period."""
+    _, subject = stored
+    figure = kind_named("impact-velocity").draw([subject], View(width="column"))
+    assert [len(points(line)[0]) for line in lines(figure, "impacts")] == [3, 3]  # over time, over phase
+    assert last_half(subject, (0.0, 1.0)) == (0.0, 1.0)

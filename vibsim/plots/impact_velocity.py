@@ -81,10 +81,8 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
 def _settled(subject: Subject, view: View, impacts: Impacts) -> Span:
     """The part of the run of which phases and frequencies are shown: the last half, or the view's window.
 
-    All of the run where the last half has no impacts, and of an orbit.
+    All of the run where the last half has no impacts.
     """
-    if getattr(subject.result, "orbit", None) is not None:
-        return window_of(subject, view.window)
     span = shown(subject, view.window, last_half)
     return span if len(impacts.within(span).t) else window_of(subject, view.window)
 

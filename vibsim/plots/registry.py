@@ -192,7 +192,7 @@ NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
         lambda subject: _has(subject, "capture"),
     ),
     "free parameters": ("free parameters", lambda subject: bool(subject.result.plan.free)),
-    "orbit": ("a periodic orbit (file of vibsim orbit)", lambda subject: _holds_orbit(subject)),
+    "orbit": ("a periodic orbit (file of vibsim orbit)", lambda subject: subject.holds_orbit),
     "section": ("stroboscopic points", lambda subject: subject.result.plan.section > 0),
 }
 
@@ -205,10 +205,6 @@ DEFAULTS = {
     "bench": ("work-precision",),
     "fit": ("fit",),
 }
-
-
-def _holds_orbit(subject: Subject) -> bool:
-    return getattr(subject.result, "orbit", None) is not None
 
 
 def _is_along_speed(subject: Subject) -> bool:
@@ -290,7 +286,7 @@ def choose(names: Sequence[str] | None, subjects: Sequence[Subject]) -> list[Kin
     """
     fit = fitting(subjects)
     if names is None:
-        orbits = all(map(_holds_orbit, subjects))
+        orbits = all(subject.holds_orbit for subject in subjects)
         preferred = ("orbit-portrait",) if orbits else DEFAULTS.get(subjects[0].reads, ())
         names = [kind.name for kind in fit if kind.name in preferred] or [kind.name for kind in fit[:1]]
         if not names:

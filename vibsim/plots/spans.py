@@ -43,7 +43,9 @@ def steady_span(subject: Subject, window: Span, periods: int = STEADY_PERIODS) -
 
 
 def last_half(subject: Subject, window: Span) -> Span:
-    """The second half of the run, at most its last 5000 periods."""
+    """The second half of the run, at most its last 5000 periods; all of an orbit, which is settled."""
+    if subject.holds_orbit:
+        return window
     longest = PERIODS_AT_MOST * period_of(subject, window)
     return max((window[0] + window[1]) / 2, window[1] - longest), window[1]
 

@@ -47,6 +47,11 @@ class Subject:
         """What its pictures are called after: the file's name without suffix, or that of the case."""
         return self.case.name if self.reads == "case" else file_stem(self.path)
 
+    @property
+    def holds_orbit(self) -> bool:
+        """Whether it is one period of a periodic orbit."""
+        return getattr(self.result, "orbit", None) is not None
+
     @cached_property
     def scene(self) -> Scene:
         """The scene behind it, made of parts."""
