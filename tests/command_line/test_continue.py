@@ -77,7 +77,7 @@ def test_from_a_stored_orbit_and_from_a_run(tmp_path, followed):
 @pytest.mark.parametrize(
     ("given", "code", "message"),
     [
-        (["continue", *CASE], 2, "give one range to follow: --omega0, --omega or --param KEY=FROM:TO"),
+        (["continue", *CASE], 2, "give one range to follow: --omega0, --omega, --energy or --param"),
         (["continue", *CASE, "--omega0", "3:9", "--param", "c=0:1"], 2, "give one range to follow"),
         (["continue", *CASE, "--omega0", "3:9:1"], 2, "--omega0: 3:9:1 is not FROM:TO"),
         (["continue", *CASE, "--omega", "3:9"], 2, "--omega: the source of II-B is motor; use --omega0 3:9"),

@@ -21,7 +21,7 @@ MARKS = {  # kind: marker, size [pt], filled, name
     "neimark-sacker": ("D", 4.0, False, "Neimark–Sacker"),
     "branch point": ("X", 3.6, True, "branch point"),
     "corner": ("v", 3.4, True, "corner"),
-    "grazing": ("|", 4.0, True, "grazing"),
+    "grazing": ("^", 3.4, False, "grazing"),
 }
 
 Value = Callable[[Any], float]  # of an orbit record
