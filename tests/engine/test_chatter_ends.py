@@ -90,6 +90,21 @@ def test_nothing_else_moves_where_a_stop_is_struck_at_the_start(engine):
     assert first["v_b"] == first["v_c"] == first["x_c"] == 0 and first["x_b"] == -0.00499
 
 
+def test_bodies_without_play_come_to_rest_on_each_other_in_many_digits():
+    """Stops on both sides of a body are struck in turn, each blow half as hard, a hundred times at one
+    instant: radii grew until none could be told from rest, and the run failed.
+    """
+    bodies = (Body("a", 2.1, 0.0, -0.0343), Body("b", 1.7, -0.00127, 0.0075))
+    stops = (
+        RigidStop("left", 1, 0, -0.00127, COMPRESSION, 0.5, True),
+        RigidStop("right", 0, 1, 0.00127, COMPRESSION, 0.5, True),
+    )
+    scene = Scene(bodies, (), stops, t_end=0.1, every_num=1, every_den=50)
+    samples, *_ = truth(exact_parts(scene), 40)
+    common = pytest.approx((2.1 * -0.0343 + 1.7 * 0.0075) / 3.8, rel=1e-15)
+    assert samples["v_a"][-1] == samples["v_b"][-1] == common
+
+
 def walls(*restitutions):
     """A ball that strikes walls at one place at once."""
     stops = tuple(RigidStop(f"wall{i}", 0, GROUND, 0.3, COMPRESSION, e) for i, e in enumerate(restitutions))

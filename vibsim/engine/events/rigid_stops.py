@@ -221,7 +221,7 @@ class RigidStops(Generic[N]):
             struck, w, passed = blow(self.kit, bodies, contacts, v, w)
             if unmet(self.kit, contacts, v, struck):
                 raise EngineError("crushed", state)
-            v = struck
+            v, w = self.kit.all_exact(struck), self.kit.exact(w)  # radii would grow from blow to blow
             touch.rates = {c.stop: rate_of(self.kit, c, v, size) for c in contacts}
             touch.rates |= {one.stop: one.after for one in passed}
             contact = {c.stop: c for c in contacts}
