@@ -1,5 +1,7 @@
 """Where infinite sequences of impacts end, against 40 digits, and what doubles cannot tell there."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -103,6 +105,17 @@ def test_bodies_without_play_come_to_rest_on_each_other_in_many_digits():
     samples, *_ = truth(exact_parts(scene), 40)
     common = pytest.approx((2.1 * -0.0343 + 1.7 * 0.0075) / 3.8, rel=1e-15)
     assert samples["v_a"][-1] == samples["v_b"][-1] == common
+
+
+def test_a_stop_that_passes_nothing_is_not_struck():
+    """A ball meets a wall and a body that touches it on the same side: turned round by the wall it parts from
+    the body as the law asks, by no impulse, of which 40 digits made 1e-52 N s and an impact.
+    """
+    bodies = (Body("body", 0.586, 0.0, 0.0), Body("ball", 0.787, 0.00769, 0.0483))
+    stops = tuple(RigidStop(f"stop{P}", P, 1, 0.00769, EXTENSION, 0.5, True) for P in (0, GROUND))
+    scene = Scene(bodies, (), stops, motor=replace(ROTOR, phidot=0.0), t_end=0.01, every_num=1, every_den=100)
+    for events in (run(scene).events, truth(exact_parts(scene), 40)[1]):
+        assert events["part"][events["kind"] == EVENT_KINDS["impact"]].tolist() == [1]
 
 
 def walls(*restitutions):

@@ -196,7 +196,8 @@ def _least(kit: Kit[N], couplings: Sequence[Sequence[N]], demands: Sequence[N]) 
             assert solution is not None  # part of an independent set is independent
         impulses = solution
         barred.clear()
-    order = sorted(range(len(active)), key=lambda k: active[k])
+    least = ROUNDING * kit.eps * max(impulses, default=kit.number(0))  # below, a stop passes nothing
+    order = sorted((k for k in range(len(active)) if impulses[k] > least), key=lambda k: active[k])
     return [active[k] for k in order], [impulses[k] for k in order]
 
 
