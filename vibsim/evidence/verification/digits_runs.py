@@ -8,6 +8,7 @@ from typing import Any
 from vibsim.cases import Case, load_case
 from vibsim.engine.columns import state_columns
 from vibsim.engine.driver import Driver
+from vibsim.engine.state import State
 from vibsim.engine.truth import bare
 from vibsim.evidence.verification.event_matching import Event
 from vibsim.evidence.verification.hard_cases import PERIODIC
@@ -15,7 +16,8 @@ from vibsim.evidence.verification.kicks import KickedFlow, kicked_scene
 from vibsim.evidence.verification.million_seconds import PERIOD, SETTLED
 from vibsim.evidence.verification.paper_cases import judged_case
 from vibsim.physics.modes import EVENT_NAMES
-from vibsim.physics.number_kits import number_kit
+from vibsim.physics.number_kits import DigitsKit, number_kit
+from vibsim.physics.numbers import Number
 
 INSTANTS = 10  # at which states are kept, besides the start
 
@@ -70,7 +72,7 @@ def run_digits(how: Plan, flow: str, digits: int, seed: int | None = None) -> Ru
     return _kept_part(_finished(kit, driver), how)
 
 
-def _finished(kit, driver) -> Run:
+def _finished(kit: DigitsKit[Number], driver: Driver[Number]) -> Run:
     samples, events, *_ = driver.take()
     states = [state for state, _ in samples]
     names = state_columns(driver.scene)
@@ -85,7 +87,7 @@ def _finished(kit, driver) -> Run:
     )
 
 
-def _values(kit, state):
+def _values(kit: DigitsKit[Number], state: State[Number]) -> list[Number]:
     moving = [value for pair in zip(state.x, state.v, strict=True) for value in pair]
     return [*moving, kit.unwind(state.phase, state.turns), state.w]
 

@@ -52,7 +52,7 @@ def checks() -> list[Check]:
     ]
 
 
-def fold_of(k=1.0, m=1.0, A=1.0, omega=OMEGA, e=E) -> float:
+def fold_of(k: float = 1.0, m: float = 1.0, A: float = 1.0, omega: float = OMEGA, e: float = E) -> float:
     """Place of the stop at the fold of the family [m], in closed form; numbers in SI."""
     w = omega / sqrt(k / m)
     T = 4 * pi / w
@@ -60,7 +60,9 @@ def fold_of(k=1.0, m=1.0, A=1.0, omega=OMEGA, e=E) -> float:
     return A / k / abs(1 - w * w) * sqrt(1 + (cs / r) ** 2)
 
 
-def trace_of(k=1.0, m=1.0, A=1.0, omega=OMEGA, e=E, sigma=0.0) -> float:
+def trace_of(
+    k: float = 1.0, m: float = 1.0, A: float = 1.0, omega: float = OMEGA, e: float = E, sigma: float = 0.0
+) -> float:
     """Sum of the multipliers of an orbit of Budd and Dux, in closed form; numbers in SI."""
     own = sqrt(k / m)
     w, s = omega / own, sigma * k / A
@@ -71,7 +73,14 @@ def trace_of(k=1.0, m=1.0, A=1.0, omega=OMEGA, e=E, sigma=0.0) -> float:
     return float(np.trace(impact_matrix(e, force, V) @ flow_matrix(0.0, T)))
 
 
-def recipes_trace(V=RECIPES_SPEED, phase=RECIPES_PHASE, A=1.0, c=DAMPING, e=E, sigma=1.0) -> float:
+def recipes_trace(
+    V: float = RECIPES_SPEED,
+    phase: float = RECIPES_PHASE,
+    A: float = 1.0,
+    c: float = DAMPING,
+    e: float = E,
+    sigma: float = 1.0,
+) -> float:
     """Sum of the multipliers of example 15.2, from the speed [m/s] and phase [rad] of its impact."""
     return float(np.trace(impact_matrix(e, A * cos(phase) - sigma, V) @ flow_matrix(c, 2 * pi)))
 

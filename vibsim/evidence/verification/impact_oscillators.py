@@ -11,6 +11,8 @@ A = sqrt((1 - w^2)^2 + (c w)^2), by linear theory.
 from collections.abc import Iterator
 from math import atan2, cos, pi, sin, sqrt
 
+import numpy as np
+
 from vibsim.evidence.verification.check import Check
 from vibsim.evidence.verification.kicks import UNIT
 from vibsim.evidence.verification.row import Point, Row, compared, counted_row, worst_row
@@ -49,7 +51,9 @@ def checks() -> list[Check]:
     ]
 
 
-def speed_of(k=1.0, m=1.0, A=1.0, omega=OMEGA, e=E, sigma=0.0) -> float:
+def speed_of(
+    k: float = 1.0, m: float = 1.0, A: float = 1.0, omega: float = OMEGA, e: float = E, sigma: float = 0.0
+) -> float:
     """Speed V of the impact [m/s], in closed form; numbers in SI."""
     own = sqrt(k / m)
     w, s = omega / own, sigma * k / A
@@ -71,7 +75,7 @@ def conditioning_of(sigma: float) -> float:
     return sum(abs(change) / (2 * STEP) for change in moved) + abs(place)
 
 
-def speeds_of(result: Result):
+def speeds_of(result: Result) -> np.ndarray:
     """Speeds at all impacts [m/s]."""
     return result.events["before_v_mass"][result.events["kind"] == EVENT_KINDS["impact"]]
 

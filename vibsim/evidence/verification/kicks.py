@@ -6,11 +6,20 @@ states and event times then stray tells what an algorithm without faults of its 
 the conditioning of the motion, amplification by impacts and chaos included.
 """
 
+from __future__ import annotations
+
 from dataclasses import replace
 from random import Random
+from typing import TYPE_CHECKING
 
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.state import State
+from vibsim.physics.numbers import Kit, Number
+from vibsim.physics.parts import Scene
+from vibsim.physics.two_blocks import TwoBlocks
+
+if TYPE_CHECKING:
+    from vibsim.engine.modes.rows import Known, ModeRows
 
 UNIT = 2.0**-53  # unit round-off of doubles
 # a number of the scene is rounded once, and what follows from several (k1 + k2, 1/m1 + 1/m2, w0) twice more
@@ -21,7 +30,7 @@ NUMBERS = ("m1", "m2", "k1", "c", "k2", "G", "N", "A", "F0", "omega", "m3", "e",
 START = ("x1", "v1", "x2", "v2", "phi", "phidot")
 
 
-def kicked_scene(scene, kit, rng: Random):
+def kicked_scene(scene: TwoBlocks, kit: Kit[Number], rng: Random) -> TwoBlocks:
     """`scene` with every number of it off by SCENE_UNITS, up or down.
 
     The frequency in Hz stays: both flows reduce the phase with twice the digits of a double.
@@ -35,16 +44,16 @@ def kicked_scene(scene, kit, rng: Random):
     )
 
 
-def _factor(kit, rng, units):
+def _factor(kit: Kit[Number], rng: Random, units: int) -> Number:
     return 1 + kit.number(rng.choice((-1, 1)) * units * UNIT)
 
 
-def kicked_state(state, kit, rng: Random):
+def kicked_state(state: State[Number], kit: Kit[Number], rng: Random) -> State[Number]:
     """Displacements and velocities off by STATE_UNITS of the larger of the two, the phase by as much of a
     radian. An exact zero stays: such are set, not computed.
     """
 
-    def kicked(value, size):
+    def kicked(value: Number, size: Number | int) -> Number:
         return value + size * (_factor(kit, rng, STATE_UNITS) - 1) if value != 0 else value
 
     length, speed = max(map(abs, state.x)), max(map(abs, state.v))
@@ -58,17 +67,17 @@ def kicked_state(state, kit, rng: Random):
     )
 
 
-class KickedFlow(Flow):
+class KickedFlow(Flow[Number]):
     """The flow of a run, kicked at every event, and by Taylor series at every step."""
 
-    def __init__(self, scene, kit, rng: Random):
+    def __init__(self, scene: Scene[Number], kit: Kit[Number], rng: Random) -> None:
         self.rng = rng
         super().__init__(scene, kit)
 
-    def enter(self, state, rows, known):
+    def enter(self, state: State[Number], rows: ModeRows[Number], known: Known) -> None:
         """Go on from `state`, kicked."""
         super().enter(kicked_state(state, self.kit, self.rng), rows, known)
 
-    def carry_on(self, state):
+    def carry_on(self, state: State[Number]) -> None:
         """The next step, from `state`, kicked."""
         self.now.carry_on(kicked_state(state, self.kit, self.rng))

@@ -11,6 +11,7 @@ from vibsim.engine.trajectory import open_trajectory
 from vibsim.evidence.verification.check import Check
 from vibsim.evidence.verification.row import Row, compared, counted_row, number_row
 from vibsim.evidence.verification.runs import named_case
+from vibsim.physics.parts import Scene
 
 CLOSURE = 1e-12  # relative to the largest entry, as the ledger of energy promises
 SPAN = {"run__t_end": "10 s", "run__every": "1 s"}
@@ -42,7 +43,7 @@ def rows(name: str, engine: str) -> Iterator[Row]:
     yield counted_row(f"V21/{name}", "impulses of other parts", 0, wrong, "parts between blocks give none")
 
 
-def momenta(scene, state: dict[str, float]) -> list[float]:
+def momenta(scene: Scene, state: dict[str, float]) -> list[float]:
     """m v of each body, and what the imbalance on one adds: m3 (v - e phidot sin phi) [N s]."""
     found = [body.m * state[f"v{body.name}"] for body in scene.bodies]
     motor = scene.motor

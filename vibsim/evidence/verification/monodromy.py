@@ -5,7 +5,7 @@ a reversal of block 2 multiplies dv2 by (|S| - N) / (|S| + N), contacts and rele
 motor the momenta M(phi) (v1, w) shrink by int tr(C M^-1) dt, and velocities differ from them by det M.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from math import exp, log
@@ -85,7 +85,7 @@ def determinant_rows(name: str, case: Case, flow: str, engine: str, span: float)
     yield number_row(name, compared(what, expected, obtained, bound), BECAUSE)
 
 
-def carried(scene: TwoBlocks, engine: str, resume=None) -> dict:
+def carried(scene: TwoBlocks, engine: str, resume: Mapping[str, float] | None = None) -> dict:
     """Totals of a run that carries all directions, from its start or from an event row."""
     sparse = scene.as_parts().without_samples()
     trajectory = open_trajectory(sparse, engine, resume, tangent=dimension(sparse))
