@@ -97,6 +97,9 @@ def test_the_command(tmp_path):
     assert refused.exit_code == 2 and "needs the second parameter: --param KEY=FROM:TO" in refused.stderr
     refused = call("continue", "II-B", "--locus", "F1", "--param", "c=0:1")
     assert refused.exit_code == 2 and "II-B is no branch; give the file of one" in refused.stderr
+    for words in (("--locus", "F1", "--param", "c=0:1"), ("--switch", "PD1")):
+        missing = call("continue", tmp_path / "none.h5", *words)
+        assert missing.exit_code == 6 and "none.h5: No such file" in missing.stderr
 
 
 def orbit():

@@ -103,5 +103,10 @@ def test_files_that_do_not_exist(tmp_path, monkeypatch):
     assert line.startswith("trial: is no shipped case; for the file write ./trial; shipped are I-A, ")
     [line] = problems_of("IIB")
     assert line.startswith("IIB: is no shipped case (did you mean II-B?); shipped are")
+    (tmp_path / "run.h5").write_text("")
+    assert problems_of("run.h5") == [
+        "run.h5: is a result and no case file; vibsim info --case prints its case"
+    ]
+    assert problems_of("nope.h5") == ["nope.h5: no such file"]
     assert problems_of("nul\0.yaml")
     assert problems_of("")

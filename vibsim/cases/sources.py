@@ -14,6 +14,7 @@ LARGEST_FILE = 1_000_000  # bytes
 HDF5_SIGNATURE = b"\x89HDF"
 _CONTROL = re.compile("[^\t\n\r -~\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # what YAML forbids
 SUFFIXES = (".yaml", ".yml")
+RESULTS = (".h5", ".hdf5", ".partial")
 HARD, GALLERY = "hard/", "gallery/"  # folders of shipped cases, and how their names begin
 
 
@@ -97,6 +98,9 @@ def find_source(source: str, folder: Path | None = None) -> SourceText:
 
 
 def _no_such_case(source: str) -> str:
+    if source.lower().endswith(RESULTS):
+        told = "is a result and no case file; vibsim info --case prints its case"
+        return told if isfile(source) else "no such file"
     names = shipped_case_names()
     hint = did_you_mean(source, names)
     if isfile(source):  # False too for what no file can be called

@@ -30,6 +30,7 @@ from vibsim.cases.spelling import did_you_mean
 DEEPEST = 8  # nesting; a case needs 5
 MOST_VALUES = 10_000  # a case needs about 40, a chain of a hundred bodies 2,000
 LISTS = ("between", "terms")  # keys whose value is a list: the two ends of a part, the harmonics of a force
+VALUES = ("extends", "name", "title", "vibsim_case")  # keys of a file that are no sections
 NULLS = ("", "~", "null", "Null", "NULL")
 
 
@@ -137,7 +138,7 @@ class _Reader:
         if broken:
             return Broken(place)
         if not isinstance(event, ScalarEvent):
-            wanted = "a single value" if "." in key else "a mapping"
+            wanted = "a single value" if "." in key or key in VALUES else "a mapping"
             hint = did_you_mean(key.rpartition(".")[2], LISTS)
             return self.report(place, key, f"lists are not used here{hint}; write {wanted}")
         if event.style is None and event.value in NULLS:

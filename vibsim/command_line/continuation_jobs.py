@@ -21,7 +21,7 @@ from vibsim.command_line.summary import print_lines
 from vibsim.command_line.sweep_jobs import source_key
 from vibsim.command_line.terminal import say
 from vibsim.opening import open_result
-from vibsim.results import is_result_file, kind_of
+from vibsim.results import is_result_file, kind_of, names_a_result
 from vibsim.sweeps.plan.axis import scale_name
 
 
@@ -93,7 +93,7 @@ def _switched(
     """The branch that leaves another, over the range of that one."""
     if changes or ranges:
         raise click.UsageError("--switch follows over the range of its branch; leave ranges and --set out")
-    if source == "-" or not is_result_file(source) or kind_of(source) != "branch":
+    if not names_a_result(source) or kind_of(source) != "branch":
         raise click.UsageError(f"--switch {label}: {source} is no branch; give the file of one")
     try:
         plan = switched(open_result(source), label)

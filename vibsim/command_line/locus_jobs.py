@@ -18,7 +18,7 @@ from vibsim.command_line.run_plan import hdf5_name
 from vibsim.command_line.settings import Settings
 from vibsim.command_line.summary import print_lines
 from vibsim.opening import open_result
-from vibsim.results import is_result_file
+from vibsim.results import names_a_result
 
 
 def read_locus_plan(
@@ -27,7 +27,7 @@ def read_locus_plan(
     """The plan that the options describe, and its file. Raises UsageError, ResultFileError, CaseError."""
     if param is None:
         raise click.UsageError(f"--locus {label} needs the second parameter: --param KEY=FROM:TO")
-    branch = open_result(source) if source != "-" and is_result_file(source) else None
+    branch = open_result(source) if names_a_result(source) else None
     if not isinstance(branch, Branch):
         raise click.UsageError(f"--locus {label}: {source} is no branch; give the file of one")
     try:

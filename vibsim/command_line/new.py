@@ -1,6 +1,7 @@
 """vibsim new: a case file of one's own to start from."""
 
 from pathlib import Path
+from shlex import quote
 
 import click
 
@@ -43,4 +44,4 @@ def command(ctx, name, source, force):
     if ctx.obj.json:
         print_json({"written": [path], "from": source})
     elif not ctx.obj.quiet:
-        say(f"{path} written; vibsim check {path} says whether it is right")
+        say(f"{path} written; vibsim check {quote(str(path))} says whether it is right")

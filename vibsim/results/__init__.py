@@ -20,6 +20,9 @@ if TYPE_CHECKING:
         kind_of as kind_of,
     )
     from vibsim.results.opening import (
+        names_a_result as names_a_result,
+    )
+    from vibsim.results.opening import (
         open_trajectory_file as open_trajectory_file,
     )
     from vibsim.results.result import Result as Result
@@ -30,7 +33,7 @@ __getattr__, __dir__, __all__ = lazy_names(
     __name__,
     {
         "vibsim.files.errors": ["ResultFileError"],
-        "vibsim.results.opening": ["is_result_file", "kind_of", "open_trajectory_file"],
+        "vibsim.results.opening": ["is_result_file", "kind_of", "names_a_result", "open_trajectory_file"],
         "vibsim.results.result": ["Result"],
         "vibsim.results.simulation": ["simulate", "simulate_to_file"],
     },

@@ -4,14 +4,12 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from vibsim.results.opening import is_result_file, open_trajectory_file
+from vibsim.results.opening import names_a_result, open_trajectory_file
 from vibsim.results.result import Result
 from vibsim.results.simulation import simulate
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
-
-SUFFIXES = (".h5", ".hdf5", ".partial")
 
 
 def as_result(run: "Result | Case | str | PathLike[str]") -> Result:
@@ -21,6 +19,6 @@ def as_result(run: "Result | Case | str | PathLike[str]") -> Result:
     """
     if isinstance(run, Result):
         return run
-    if isinstance(run, str | PathLike) and (Path(run).suffix in SUFFIXES or is_result_file(Path(run))):
+    if isinstance(run, str | PathLike) and names_a_result(Path(run)):
         return open_trajectory_file(Path(run))
     return simulate(run)

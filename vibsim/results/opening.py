@@ -6,6 +6,8 @@ from typing import Any
 from vibsim.files.errors import ResultFileError
 from vibsim.files.signals import ended_at_once
 
+SUFFIXES = (".h5", ".hdf5", ".partial")
+
 
 @ended_at_once()
 def kind_of(path: str | Path) -> str:
@@ -14,6 +16,11 @@ def kind_of(path: str | Path) -> str:
 
     with damage_named(Path(path)), open_hdf5(Path(path)) as file:
         return str(file.attrs.get("vibsim_kind", "trajectory"))
+
+
+def names_a_result(source: str | Path) -> bool:
+    """Whether a source is a result file, or is called as one that is not there."""
+    return str(source) != "-" and (is_result_file(source) or Path(source).suffix in SUFFIXES)
 
 
 def is_result_file(path: str | Path) -> bool:
