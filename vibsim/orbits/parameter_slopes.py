@@ -111,7 +111,7 @@ class _Followed:
         if not jump.any():
             return state
         later = self._later(flow, event)
-        return _moved(state, -np.outer(jump, later), self.count)
+        return _moved(state, -(jump[:, None] * later), self.count)
 
     def _event(self, flow: Any, kind: str, part: int) -> Any:
         """The event function that has come to zero."""
