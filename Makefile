@@ -149,7 +149,7 @@ basins: $(STAMP) ## basins of the belt oscillator, 5,000 starts at each of 18 sp
 	$(BIN)/vibsim plot results/basins.h5 --kind end-state -o docs/basins.png --force
 	$(BIN)/vibsim plot results/basin-starts.h5 --kind end-state -o docs/basin-starts.png --force
 
-branches: $(STAMP) ## periodic orbits of II-B for four dampings over its sweep, and where captures end (four minutes; goes on where it was stopped): results/branches/
+branches: $(STAMP) ## periodic orbits of II-B for four dampings over its sweep, and where captures end (two minutes; goes on where it was stopped): results/branches/
 	mkdir -p results/branches
 	for c in 0.001 0.01 0.03 0.05; do \
 	  $(BIN)/vibsim continue II-B -s c=$$c -s Omega0=3.8Hz --omega0 3:9 -o $(BRANCHES)/captured-$$c.h5 && \
