@@ -53,6 +53,7 @@ def test_a_stored_orbit(tmp_path):
     stored = save_orbit(first, tmp_path / "orbit.h5")
     assert stored.attrs["orbit_periods"] == 1 and stored.t_reached == first.period
     again = orbit(vibsim.open_result(tmp_path / "orbit.h5"))
+    assert orbit(str(tmp_path / "orbit.h5")).state == orbit(tmp_path / "orbit.h5").state == again.state
     assert again.solution.steps == 0 and np.array_equal(again.X, first.X)
     np.testing.assert_array_equal(stored.orbit["multiplier_real"], first.multipliers.real)
     assert list(stored.orbit["unknown"]) == ["x1-x2", "v1", "v2", "phidot"]

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -36,7 +38,7 @@ def orbit(
     Parameters
     ----------
     source : a Case, the path of a case file or the name of a shipped case; or a `Result` of `vibsim.simulate`
-        or `vibsim.open_result`, which may hold a stored orbit
+        or its file, which may hold a stored orbit
     changes : values by key that replace those of the case, e.g. {"c": "0.03 N s/m"}
     start : near which state the orbit is: an `Orbit`, a `Result` that holds one, or a dict by name of the
         column; None: where the run of `source` comes to
@@ -60,8 +62,11 @@ def orbit(
 def _opened(source: Any, changes: Mapping[str, Any] | None) -> tuple[Case, Result | None]:
     """The case, and the result where `source` is one."""
     from vibsim.cases.loading import as_case
+    from vibsim.results.opening import names_a_result, open_trajectory_file
     from vibsim.results.result import Result
 
+    if isinstance(source, str | PathLike) and names_a_result(Path(source)):
+        source = open_trajectory_file(Path(source))
     result = source if isinstance(source, Result) else None
     case = as_case(source) if result is None else result.case
     return (case.with_values(changes) if changes else case), result
