@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vibsim.engine.flows.modal import jacobi
+from vibsim.engine.flows.matrices import jacobi
 from vibsim.physics.numbers import Doubles
 
 

@@ -17,31 +17,26 @@ from vibsim.engine.events.automaton import JET, Automaton
 from vibsim.engine.events.certificate import Certificate
 from vibsim.engine.events.plain_start import PlainStart
 from vibsim.engine.events.rigid_stops import LOWEST
+from vibsim.engine.events.rule_maker import RuleMaker
 from vibsim.engine.extremes import Gap
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.flows.harmonics import value_and_rate
-from vibsim.engine.flows.modal import Pitch, pitch, sounding
+from vibsim.engine.flows.modal import pitches
 from vibsim.engine.ledgers.ledger import struck_entries
 from vibsim.engine.ledgers.meters import jumps_of
 from vibsim.engine.ledgers.packing_meters import pack_blows, pack_extremes, pack_ledger
 from vibsim.engine.modes.mode_table import mode_table
-from vibsim.engine.modes.packing import coupled, pack_scene, pack_state
+from vibsim.engine.modes.packing import pack_scene, pack_state
 from vibsim.engine.modes.rows import (
-    CLEARANCE,
-    GAP,
     HOLD,
-    PUSH,
-    SLIDE,
     STRIKE,
     Event,
-    EventKey,
-    Joined,
     Known,
     ModeRows,
     RowMaker,
 )
-from vibsim.engine.modes.rule import CROSS, STAND, STRUCK, Rule
-from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Status
+from vibsim.engine.modes.rule import Rule
+from vibsim.engine.modes.status import Status
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.resume import Point
 from vibsim.engine.state import State, start_of
@@ -52,7 +47,7 @@ from vibsim.engine.tangent.tangencies import Tangencies
 from vibsim.engine.tangent.tangent_space import length
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.numbers import Doubles
-from vibsim.physics.parts import AT_FORCE, Scene
+from vibsim.physics.parts import Scene
 from vibsim.physics.period import common_period
 
 SAMPLE_ROOM, EVENT_ROOM, SECTION_ROOM = 65536, 4096, 1024  # at most
@@ -60,11 +55,6 @@ MOST_RECALLED = 16  # modes that a run is told of before it meets them
 SECONDS = 0.1  # between two blocks where Python decides: Ctrl-C is heard there
 ACCUMULATION, DIVERGED, UNDECIDED = 1, 2, 3
 REASONS = {ACCUMULATION: "accumulation", DIVERGED: "diverged"}
-
-
-def harmonics_of(scene: Scene) -> list[Pitch]:
-    """The distinct frequencies and phases of forces and base, as `ClosedForm.harmonics`."""
-    return list(dict.fromkeys(pitch(term) for term in sounding(scene.harmonics)))
 
 
 class Doubts(Certificate[float]):
@@ -108,7 +98,7 @@ class CRun:
         self.table, self.momentum = mode_table(scene, pitched=not carries), momentum
         self.keys, self.doubts = self.table.keys, Doubts()
         self.carries = carries or tangent[0] > 0  # disturbances, now or later, by which rules are made
-        self.run = self.doubts.run = _engine.Run(*pack_scene(scene, harmonics_of(scene)))
+        self.run = self.doubts.run = _engine.Run(*pack_scene(scene, pitches(scene)))
         self.numbers: dict[Status, int] = {}
         self.statuses: list[Status] = []
         self.ruled: set[tuple[int, int]] = set()
@@ -139,7 +129,7 @@ class CRun:
     def maker(self) -> RowMaker:
         """Makes the rows of the modes of the scene, its closed forms among them."""
         maker = self.table.maker
-        if self.carries and harmonics_of(maker.scene) != harmonics_of(self.scene):
+        if self.carries and pitches(maker.scene) != pitches(self.scene):
             maker = RowMaker(self.scene, Doubles)
         return maker
 
@@ -178,7 +168,7 @@ class CRun:
         for name in ("scout", "automaton", "tangencies", "maker"):
             self.__dict__.pop(name, None)
         self.scene = scene
-        self.run.retune(pack_scene(scene, harmonics_of(scene))[1])
+        self.run.retune(pack_scene(scene, pitches(scene))[1])
 
     def _begin(self, state: State, status: Status, known: Known) -> None:
         self.first = state.copy(), status
@@ -299,8 +289,8 @@ class CRun:
             rows = [row.copy() for row in rows]
             self.run.fill(*self.arrays)
         tally = self.run.tally()
-        one, two, three, four, five = rows
-        return one, two, three, four, five, (tally["state"][0], tally["worked_to"])
+        states, modes, happened, codes, crossings = rows
+        return states, modes, happened, codes, crossings, (tally["state"][0], tally["worked_to"])
 
     def state_at(self, t: float) -> tuple[float, ...]:
         """(time, x and v of each body, rotor angle, its speed) at t [s] before the next event; t ascending
@@ -381,90 +371,7 @@ class CRun:
 
     def _rule(self, rows: ModeRows, event: Event) -> Rule | None:
         """The rule of an event, or None where Python decides."""
-        status, i, key = rows.status, event.part, event.key
-        if event.kind == STRIKE:
-            return self._blow_rule(status, event)
-        if event.kind == GAP:
-            return self._contact_rule(status, event, key)
-        if event.kind == PUSH:
-            pulled = LIFTED if status.stops[i] == CONTACT else CONTACT
-            kind = "contact_end" if pulled == LIFTED else "contact_begin"
-            return self._cross(status.with_stop(i, pulled), kind, i, key, 1)
-        if event.kind == CLEARANCE:
-            turned = 1 - status.clearances[i]
-            kind = "violation_begin" if turned else "violation_end"
-            return self._cross(status.with_clearance(i, turned), kind, i, key, 1)
-        if event.kind == SLIDE:
-            return self._stand_rule(status, event, key)
-        cut = rows.cuts[i]
-        if len(cut.ties) > 1:
-            return None
-        tie, orientation = cut.ties[0]
-        if tie >= len(status.frictions):
-            return None
-        after = status.with_frictions({tie: orientation * event.direction})
-        drops = self.scene.frictions[tie].drops(after.frictions[tie])
-        if drops and after.tied:  # the drop may tear those too
-            return None
-        return self._cross(after, "stick_end", tie, (SLIDE, tie), 1 if drops else 2)
-
-    @staticmethod
-    def _cross(status: Status, kind: str, part: int, key: EventKey, order: int) -> Rule:
-        return Rule(CROSS, status, None, -1, kind, part, key, order)
-
-    def _blow_rule(self, status: Status, event: Event) -> Rule | None:
-        """Of a blow on a stop whose ends nothing else acts on that asks for a decision: no tie, friction or
-        damped stop that lets go at zero force, and no rotor.
-        """
-        i, scene = event.part, self.scene
-        struck = {column for column in self.maker.ends(scene.stops[i]) if column < self.n}
-        lifting = [stop for _, stop in scene.elastic_stops if stop.release == AT_FORCE and stop.c != 0]
-        parts: list[Joined] = [*scene.frictions, *lifting]
-        touched = any(struck & set(self.maker.ends(part)) for part in parts)
-        if status.tied or touched or (scene.motor is not None and scene.motor.on in struck):
-            return None
-        return Rule(STRUCK, status, None, -1, "impact", i, event.key, 1)
-
-    def _contact_rule(self, status: Status, event: Event, key: EventKey) -> Rule | None:
-        i = event.part
-        stop, before = dict(self.scene.elastic_stops)[i], status.stops[i]
-        if before == LIFTED or self._against_base(stop) or (stop.c != 0 and status.tied):
-            return None
-        after = CONTACT if before == OPEN else OPEN
-        kind = "contact_begin" if after == CONTACT else "contact_end"
-        return self._cross(status.with_stop(i, after), kind, i, key, 1)
-
-    def _against_base(self, part: Joined) -> bool:
-        return self.n + 1 in self.maker.ends(part)
-
-    def _stand_rule(self, status: Status, event: Event, key: EventKey) -> Rule | None:
-        i = event.part
-        if RESTING in status.stops:
-            return None
-        standing = self.automaton._standing(status, i)
-        stuck = status.with_frictions(dict.fromkeys(standing, STICK))
-        rows = self.maker.rows(stuck)
-        holds = [e for e in rows.events if e.kind == HOLD]
-        if len(standing) > 1 and set(standing) - {i} != {
-            k for k, v in enumerate(status.frictions) if v == STICK
-        }:
-            return None
-        if not all(coupled(e) for e in holds) or self.n + 1 in {
-            c for q in rows.couplings for c in (q.P, q.Q)
-        }:
-            return None
-        if rows.leader[self.maker.ends(self.scene.frictions[i])[0]] == self.n + 1:
-            return None
-        if not self.automaton._possible(rows):
-            return None
-        other, hold = None, -1
-        if standing == [i]:
-            before = status.frictions[i]
-            other = status.with_frictions({i: -before})
-            for number, e in enumerate(rows.events):
-                if e.kind == HOLD and rows.cuts[e.part].ties[0][1] * e.direction == -before:
-                    hold = number
-        return Rule(STAND, stuck, other, hold, "stick_begin", i, key, 1)
+        return RuleMaker(self.automaton).rule(rows, event)
 
     @property
     def disturbances(self) -> dict[str, Any]:

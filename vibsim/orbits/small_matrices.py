@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from vibsim.engine.flows.modal import Matrix
+from vibsim.engine.flows import matrices
+from vibsim.engine.flows.matrices import Matrix
 from vibsim.physics.numbers import Kit, N
 
 Complex = tuple[N, N]  # real and imaginary part
@@ -36,11 +37,7 @@ def solved(kit: Kit[N], matrix: Matrix[N], right: Sequence[N]) -> list[N]:
 
 def product(kit: Kit[N], one: Matrix[N], other: Matrix[N]) -> Matrix[N]:
     """Product of two square matrices."""
-    n = len(one)
-    return [
-        [kit.exact(sum((one[i][k] * other[k][j] for k in range(n)), kit.number(0))) for j in range(n)]
-        for i in range(n)
-    ]
+    return [kit.all_exact(row) for row in matrices.product(one, other)]
 
 
 def characteristic_polynomial(kit: Kit[N], matrix: Matrix[N]) -> list[N]:

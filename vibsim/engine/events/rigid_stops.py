@@ -236,11 +236,8 @@ class RigidStops(Generic[N]):
         where blows one after the other would have another outcome. Those at rest take part anyway, and what
         touches at the start does so exactly.
         """
-        loose = [
-            c
-            for c in touch.contacts
-            if c.stop != i and status.stops[c.stop] == OPEN and not (state.t == 0 and self._starts_at(c.stop))
-        ]
+        open_ones = [c for c in touch.contacts if c.stop != i and status.stops[c.stop] == OPEN]
+        loose = [c for c in open_ones if state.t != 0 or not self.stops[c.stop].at_start]
         if loose:
             certain = [c for c in touch.contacts if c not in loose]
             together = self._outcome(state, [touch.contacts])
@@ -250,9 +247,6 @@ class RigidStops(Generic[N]):
                 after = self._outcome(state, groups)
                 if any(abs(a - b) > noise for a, b in zip(together, after, strict=True)):
                     self.automaton._doubt(state)
-
-    def _starts_at(self, j: int) -> bool:
-        return self.stops[j].at_start
 
     def _outcome(self, state: State[N], groups: Sequence[Sequence[Contact[N]]]) -> list[N]:
         """Velocities behind blows at groups of stops, one group after the other, as long as one closes."""

@@ -11,7 +11,7 @@ from typing import Generic
 
 from vibsim.engine.events.certificate import Certificate
 from vibsim.engine.flows.closed_form_search import ClosedFormSearch
-from vibsim.engine.flows.modal import Coordinate, Modal, Pitch, Source, modal_of, pitch, sounding
+from vibsim.engine.flows.modal import Coordinate, Modal, Source, modal_of, pitch, pitches, sounding
 from vibsim.engine.flows.motion import Advance
 from vibsim.engine.flows.responses import UNHURRIED, Oscillator, Responses, free_harmonic_response
 from vibsim.engine.ledgers.meters import Meters, Node
@@ -69,9 +69,7 @@ class ClosedForm(Generic[N]):
     def __init__(self, scene: Scene[N], kit: Kit[N], certificate: Certificate[N]) -> None:
         self.scene, self.kit, self.certificate = scene, kit, certificate
         self.n = len(scene.bodies)
-        self.harmonics: list[Pitch[N]] = list(
-            dict.fromkeys(pitch(term) for term in sounding(scene.harmonics))
-        )
+        self.harmonics = pitches(scene)
         self.rates = [omega for omega, *_ in self.harmonics]
         self.evaluations = 0
         self.search = ClosedFormSearch(self)

@@ -3,7 +3,6 @@
 #include "numbers.h"
 #include "responses.h"
 
-
 static void series_coefficients(const Oscillator *o, double omega, double *real, double *imag)
 {
     double rate = o->rate > 0 ? o->rate : 1.0;

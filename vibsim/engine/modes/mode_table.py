@@ -13,7 +13,7 @@ from collections.abc import Callable
 from threading import Lock
 from typing import TYPE_CHECKING
 
-from vibsim.engine.flows.modal import Pitch, pitch, sounding
+from vibsim.engine.flows.modal import pitch, pitches
 from vibsim.engine.ledgers.meters import MeterMaker
 from vibsim.engine.ledgers.packing_meters import pack_meters, terms_of
 from vibsim.engine.modes.packing import pack_mode
@@ -138,9 +138,7 @@ def _settings(scene: Scene) -> tuple[int | None, str, int, float]:
 
 def _loads(scene: Scene) -> list[tuple[int, float, list[tuple[float, int | None]]]]:
     """Forces with the number of the harmonic in the place of its frequency and phase."""
-    numbers: dict[Pitch, int] = {}
-    for term in sounding(scene.harmonics):
-        numbers.setdefault(pitch(term), len(numbers))
+    numbers = {one: number for number, one in enumerate(pitches(scene))}
     return [
         (force.on, force.constant, [(term.amplitude, numbers.get(pitch(term))) for term in force.terms])
         for force in scene.forces

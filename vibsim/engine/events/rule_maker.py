@@ -1,0 +1,118 @@
+"""Which events C can take by itself: what follows them is known before they happen, but for one comparison.
+
+What follows other events Python decides, by the `Automaton`.
+"""
+
+from __future__ import annotations
+
+from vibsim.engine.events.automaton import Automaton
+from vibsim.engine.modes.packing import coupled
+from vibsim.engine.modes.rows import (
+    CLEARANCE,
+    GAP,
+    HOLD,
+    PUSH,
+    SLIDE,
+    STRIKE,
+    Event,
+    EventKey,
+    Joined,
+    ModeRows,
+)
+from vibsim.engine.modes.rule import CROSS, STAND, STRUCK, Rule
+from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Status
+from vibsim.physics.parts import AT_FORCE
+
+
+class RuleMaker:
+    """Makes the rules of a scene's events, as its automaton would decide."""
+
+    def __init__(self, automaton: Automaton) -> None:
+        self.automaton, self.scene, self.maker = automaton, automaton.scene, automaton.maker
+
+    def rule(self, rows: ModeRows, event: Event) -> Rule | None:
+        """The rule of an event, or None where Python decides."""
+        status, i, key = rows.status, event.part, event.key
+        if event.kind == STRIKE:
+            return self._blow_rule(status, event)
+        if event.kind == GAP:
+            return self._contact_rule(status, event, key)
+        if event.kind == PUSH:
+            pulled = LIFTED if status.stops[i] == CONTACT else CONTACT
+            kind = "contact_end" if pulled == LIFTED else "contact_begin"
+            return self._cross(status.with_stop(i, pulled), kind, i, key, 1)
+        if event.kind == CLEARANCE:
+            turned = 1 - status.clearances[i]
+            kind = "violation_begin" if turned else "violation_end"
+            return self._cross(status.with_clearance(i, turned), kind, i, key, 1)
+        if event.kind == SLIDE:
+            return self._stand_rule(status, event, key)
+        cut = rows.cuts[i]
+        if len(cut.ties) > 1:
+            return None
+        tie, orientation = cut.ties[0]
+        if tie >= len(status.frictions):
+            return None
+        after = status.with_frictions({tie: orientation * event.direction})
+        drops = self.scene.frictions[tie].drops(after.frictions[tie])
+        if drops and after.tied:  # the drop may tear those too
+            return None
+        return self._cross(after, "stick_end", tie, (SLIDE, tie), 1 if drops else 2)
+
+    @staticmethod
+    def _cross(status: Status, kind: str, part: int, key: EventKey, order: int) -> Rule:
+        return Rule(CROSS, status, None, -1, kind, part, key, order)
+
+    def _blow_rule(self, status: Status, event: Event) -> Rule | None:
+        """Of a blow on a stop whose ends nothing else acts on that asks for a decision: no tie, friction or
+        damped stop that lets go at zero force, and no rotor.
+        """
+        i, scene = event.part, self.scene
+        struck = {column for column in self.maker.ends(scene.stops[i]) if column < self.maker.n}
+        lifting = [stop for _, stop in scene.elastic_stops if stop.release == AT_FORCE and stop.c != 0]
+        parts: list[Joined] = [*scene.frictions, *lifting]
+        touched = any(struck & set(self.maker.ends(part)) for part in parts)
+        if status.tied or touched or (scene.motor is not None and scene.motor.on in struck):
+            return None
+        return Rule(STRUCK, status, None, -1, "impact", i, event.key, 1)
+
+    def _contact_rule(self, status: Status, event: Event, key: EventKey) -> Rule | None:
+        i = event.part
+        stop, before = dict(self.scene.elastic_stops)[i], status.stops[i]
+        if before == LIFTED or self._against_base(stop) or (stop.c != 0 and status.tied):
+            return None
+        after = CONTACT if before == OPEN else OPEN
+        kind = "contact_begin" if after == CONTACT else "contact_end"
+        return self._cross(status.with_stop(i, after), kind, i, key, 1)
+
+    def _against_base(self, part: Joined) -> bool:
+        return self.maker.n + 1 in self.maker.ends(part)
+
+    def _stand_rule(self, status: Status, event: Event, key: EventKey) -> Rule | None:
+        i = event.part
+        if RESTING in status.stops:
+            return None
+        standing = self.automaton._standing(status, i)
+        stuck = status.with_frictions(dict.fromkeys(standing, STICK))
+        rows = self.maker.rows(stuck)
+        holds = [e for e in rows.events if e.kind == HOLD]
+        if len(standing) > 1 and set(standing) - {i} != {
+            k for k, v in enumerate(status.frictions) if v == STICK
+        }:
+            return None
+        if not all(coupled(e) for e in holds) or self.maker.n + 1 in {
+            c for q in rows.couplings for c in (q.P, q.Q)
+        }:
+            return None
+        if rows.leader[self.maker.ends(self.scene.frictions[i])[0]] == self.maker.n + 1:
+            return None
+        if not self.automaton._possible(rows):
+            return None
+        other, hold = None, -1
+        if standing == [i]:
+            before = status.frictions[i]
+            other = status.with_frictions({i: -before})
+            for number, e in enumerate(rows.events):
+                if e.kind == HOLD and rows.cuts[e.part].ties[0][1] * e.direction == -before:
+                    hold = number
+        return Rule(STAND, stuck, other, hold, "stick_begin", i, key, 1)
