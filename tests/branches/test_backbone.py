@@ -100,6 +100,17 @@ def test_a_rigid_stop_without_loss(tmp_path):
     assert branch.ends == ("end of the range", "end of the range") and set(branch["word"]) == {"i"}
 
 
+def test_a_run_and_its_file_begin_as_their_case_does(machine, tmp_path):
+    branch, _ = machine
+    run = vibsim.simulate(branch.case, overrides={"run.t_end": "1 s"})
+    run.save(tmp_path / "run.h5")
+    of_run, of_file = (
+        continue_branch(one, energy="0.08:0.6 mJ", max_points=3) for one in (run, str(tmp_path / "run.h5"))
+    )
+    np.testing.assert_array_equal(of_run["period"], of_file["period"])
+    assert len(of_file) == 3
+
+
 CHAIN = """
 name: chain
 bodies: {a: 1 kg, b: 2 kg}

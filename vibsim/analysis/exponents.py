@@ -87,9 +87,9 @@ def lyapunov(
     >>> vibsim.lyapunov(vibsim.load_case("gallery/bilinear-oscillator", changes)).exponents.round(3)
     array([-0.1, -0.1])
     """
-    from vibsim.cases.loading import as_case
+    from vibsim.cases.loading import load_case
 
-    scene = as_case(case, overrides).scene()
+    scene = load_case(case, overrides).scene()
     if discard is not None and not 0 <= discard < scene.t_end:
         raise ValueError(f"a transient of {discard:g} s leaves nothing of {scene.t_end:g} s")
     return judged(lyapunov_exponents(scene, count, discard, engine), scene.tol)

@@ -20,7 +20,8 @@ from vibsim.cases import Case
 from vibsim.engine.errors import EngineError
 from vibsim.orbits import OrbitError, ReturnMap
 from vibsim.orbits.finding import unknowns
-from vibsim.orbits.seeking import start_of
+from vibsim.orbits.orbit import Orbit
+from vibsim.orbits.seeking import opened, start_of
 from vibsim.orbits.settling import course_of
 
 
@@ -127,8 +128,7 @@ def energy_plan(source: Any, span: str, engine: str = "auto") -> BranchPlan:
     span : range of the energy, such as "1e-5:0.1 J". Raises BranchError, OrbitError.
     """
     low, high = read_energy_span(span)
-    case, X, T, n = _start(source, engine)
-    return_map = ReturnMap(conservative_scene(case), n, engine)
+    case, return_map, X, T = _start(source, engine)
     conserved = Conserved(return_map.scene, return_map.coordinates)
     energy = conserved.energy(X)
     if not low <= energy <= high:
@@ -139,29 +139,26 @@ def energy_plan(source: Any, span: str, engine: str = "auto") -> BranchPlan:
     end = return_map(X, T)
     travel = end.coordinates.travel(end.carried) or end.coordinates.size(X)
     start = tuple(float(x) for x in X), T, energy, travel
-    return BranchPlan(case, (ENERGY,), "J", (low, high), n, *start)
+    return BranchPlan(case, (ENERGY,), "J", (low, high), return_map.n, *start)
 
 
-def _start(source: Any, engine: str) -> tuple[Case, np.ndarray, float, int]:
-    """Case, unknowns, time of return and number of swings of what to begin with."""
-    from vibsim.cases.loading import as_case
-    from vibsim.orbits.orbit import Orbit
-    from vibsim.results.result import Result
-
-    if isinstance(source, Orbit) or (isinstance(source, Result) and source.orbit is not None):
-        state, n, T = start_of(source)
-        case = source.case
-        if case is None:
-            raise BranchError("an orbit of a scene alone has no case that a backbone curve could be of")
-        return (
-            case,
-            unknowns(ReturnMap(conservative_scene(case), n, engine).coordinates, state),
-            float(T or 0),
-            n,
-        )
-    case = source.case if isinstance(source, Result) else as_case(source)
+def _start(source: Any, engine: str) -> tuple[Case, ReturnMap, np.ndarray, float]:
+    """Case, return map, unknowns and time of return of what to begin with."""
+    case: Case | None
+    orbit: Any
+    if isinstance(source, Orbit):
+        case, orbit = source.case, source
+    else:
+        case, result = opened(source, None)
+        orbit = result if result is not None and result.orbit is not None else None
+    if case is None:
+        raise BranchError("an orbit of a scene alone has no case that a backbone curve could be of")
+    if orbit is not None:
+        state, n, T = start_of(orbit)
+        return_map = ReturnMap(conservative_scene(case), n, engine)
+        return case, return_map, unknowns(return_map.coordinates, state), float(T or 0)
     return_map = ReturnMap(conservative_scene(case), 1, engine)
     course = course_of(return_map.scene, return_map.coordinates, engine)
     if len(course.times) < 2:
         raise OrbitError("the run of the case does not swing; give it an initial displacement")
-    return case, course.points[0], float(course.times[1] - course.times[0]), 1
+    return case, return_map, course.points[0], float(course.times[1] - course.times[0])

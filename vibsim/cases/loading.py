@@ -26,11 +26,6 @@ def load_case(source: Case | str | PathLike[str], overrides: Mapping[str, object
     >>> vibsim.load_case("II-B", {"Omega0": "6.5 Hz", "run.t_end": "20 s"})
     <Case II-B: 2 bodies, 1 stop, source motor at 6.5 Hz, 20 s>
     """
-    return as_case(source, overrides)
-
-
-def as_case(source: object, overrides: Mapping[str, object] | None = None) -> Case:
-    """What `load_case` reads."""
     if isinstance(source, Case):
         return source.with_values(overrides) if overrides else source
     if not isinstance(source, str | PathLike) or not isinstance(path := fspath(source), str):

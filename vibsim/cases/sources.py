@@ -97,8 +97,13 @@ def find_source(source: str, folder: Path | None = None) -> SourceText:
     raise CaseError([Problem(source or '""', None, None, "", _no_such_case(source))])
 
 
+def called_as_result(source: str) -> bool:
+    """Whether a source has the name of a result file, which holds no text."""
+    return source.lower().endswith(RESULTS)
+
+
 def _no_such_case(source: str) -> str:
-    if source.lower().endswith(RESULTS):
+    if called_as_result(source):
         told = "is a result and no case file; vibsim info --case prints its case"
         return told if isfile(source) else "no such file"
     names = shipped_case_names()

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 
 from vibsim.cases import Case
-from vibsim.cases.loading import as_case
+from vibsim.cases.loading import load_case
 from vibsim.fitting.errors import FitError, Interrupted
 from vibsim.fitting.evaluation import Evaluation, Watch
 from vibsim.fitting.fit_file import origin, write_fit
@@ -81,7 +81,7 @@ def fit(
     (5, True)
     """
     listed = [cases] if isinstance(cases, (Case, str, PathLike)) else list(cases)
-    read = [as_case(case) for case in listed]
+    read = [load_case(case) for case in listed]
     settings = Search(method, candidates, seed, at_most, screen, confirm, fresh)
     plan = make_plan(read, free or {}, statements, readings, leave or {}, ensemble, spread or {}, settings)
     found, _ = run_fit(plan, out, jobs, engine, force)

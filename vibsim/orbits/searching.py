@@ -127,7 +127,7 @@ def search_orbits(
     >>> [orbit.n for orbit in vibsim.search_orbits("gallery/friction-oscillator", 2, seed=1)]
     [1]
     """
-    from vibsim.cases.loading import as_case
+    from vibsim.cases.loading import load_case
 
-    attempts = search_attempts(as_case(source), count, seed, period, engine)
+    attempts = search_attempts(load_case(source), count, seed, period, engine)
     return [one for attempt in attempts for one in attempt.orbits]

@@ -52,23 +52,23 @@ def orbit(
     >>> orbit.n, bool(orbit.stable)
     (1, True)
     """
-    case, result = _opened(source, changes)
+    case, result = opened(source, changes)
     begin = start if start is not None else (result if _is_orbit(result) else None)
     if begin is not None:
         return _from_start(case, begin, period, engine)
     return _from_run(case, None if changes else result, period, engine)
 
 
-def _opened(source: Any, changes: Mapping[str, Any] | None) -> tuple[Case, Result | None]:
-    """The case, and the result where `source` is one."""
-    from vibsim.cases.loading import as_case
+def opened(source: Any, changes: Mapping[str, Any] | None) -> tuple[Case, Result | None]:
+    """The case of a source, and the result where it is one, or the file of one."""
+    from vibsim.cases.loading import load_case
     from vibsim.results.opening import names_a_result, open_trajectory_file
     from vibsim.results.result import Result
 
     if isinstance(source, str | PathLike) and names_a_result(Path(source)):
         source = open_trajectory_file(Path(source))
     result = source if isinstance(source, Result) else None
-    case = as_case(source) if result is None else result.case
+    case = load_case(source) if result is None else result.case
     return (case.with_values(changes) if changes else case), result
 
 

@@ -71,9 +71,9 @@ def monodromy(
     >>> bool(abs(np.linalg.det(matrix) - np.exp(-0.1)) < 1e-14)
     True
     """
-    from vibsim.cases.loading import as_case
+    from vibsim.cases.loading import load_case
 
-    case = as_case(case)
+    case = load_case(case)
     scene = case.scene()
     columns = component_names(scene)
     unknown = [name for name in state if name not in columns]

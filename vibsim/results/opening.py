@@ -6,8 +6,6 @@ from typing import Any
 from vibsim.files.errors import ResultFileError
 from vibsim.files.signals import ended_at_once
 
-SUFFIXES = (".h5", ".hdf5", ".partial")
-
 
 @ended_at_once()
 def kind_of(path: str | Path) -> str:
@@ -20,7 +18,9 @@ def kind_of(path: str | Path) -> str:
 
 def names_a_result(source: str | Path) -> bool:
     """Whether a source is a result file, or is called as one that is not there."""
-    return str(source) != "-" and (is_result_file(source) or Path(source).suffix in SUFFIXES)
+    from vibsim.cases.sources import called_as_result
+
+    return str(source) != "-" and (is_result_file(source) or called_as_result(str(source)))
 
 
 def is_result_file(path: str | Path) -> bool:

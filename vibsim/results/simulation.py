@@ -38,9 +38,9 @@ def simulate(
     >>> len(result), result.complete
     (1001, True)
     """
-    from vibsim.cases.loading import as_case
+    from vibsim.cases.loading import load_case
 
-    case = as_case(case, overrides)
+    case = load_case(case, overrides)
     if digits is not None:
         from vibsim.results.truth import truth
 
@@ -71,9 +71,9 @@ def simulate_to_file(
     Raises EngineError when the run fails and ResultFileError when the file cannot be written. Either way what
     was written before is kept beside `path`, in NAME.partial.
     """
-    from vibsim.cases.loading import as_case
+    from vibsim.cases.loading import load_case
 
-    case = as_case(case)
+    case = load_case(case)
     if digits is not None:
         from vibsim.results.truth import truth_to_file
 

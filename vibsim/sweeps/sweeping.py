@@ -7,7 +7,7 @@ from os import PathLike
 from pathlib import Path
 
 from vibsim.cases import Case
-from vibsim.cases.loading import as_case
+from vibsim.cases.loading import load_case
 from vibsim.cases.quantities import parse_quantity
 from vibsim.sweeps.computations.registry import read_computations
 from vibsim.sweeps.plan.axis import Axis, range_and_unit, read_axis
@@ -82,7 +82,7 @@ def sweep(
     >>> sweep["omega0"].tolist(), sweep["mean_speed"].shape
     ([5.0, 5.5, 6.0], (3, 1))
     """
-    case = as_case(case, overrides)
+    case = load_case(case, overrides)
     plan = make_plan(
         case,
         [(key, *range_and_unit(key, values), key) for key, values in (axes or {}).items()],
