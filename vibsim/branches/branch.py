@@ -11,11 +11,12 @@ import numpy as np
 from vibsim.branches.along import Along
 from vibsim.branches.energy import ENERGY
 from vibsim.branches.plan import BranchPlan
-from vibsim.branches.records import OrbitRecord, PointRecord, SpecialRecord, Word
+from vibsim.branches.records import OrbitRecord, PointRecord, SpecialRecord
 from vibsim.branches.special import LABELS
 from vibsim.branches.tracing import CLOSED
 from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.labelled import Labelled, few
+from vibsim.orbits.word import Word
 
 
 @dataclass(frozen=True)

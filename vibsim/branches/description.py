@@ -32,7 +32,7 @@ def branch_lines(branch: Branch) -> list[tuple[str, str]]:
 
 
 def frequencies(branch: Branch) -> str:
-    """Of its first and last orbit, and of that in between which is furthest out."""
+    """Of its first and its last orbit."""
     rates = 1.0 / branch["period"]
     return f"{rates[0]:.8g} Hz at the least energy, {rates[-1]:.8g} Hz at the greatest"
 

@@ -11,7 +11,7 @@ from vibsim.branches.family import Family, FamilyPoint
 from vibsim.branches.node import Node
 from vibsim.branches.special import GRAZING, Special
 from vibsim.branches.touching import TouchFamily, window_of
-from vibsim.orbits.word import cyclic
+from vibsim.orbits.word import Word, cyclic
 
 STEPS = 12
 DIFFERENCE = 2.0**-20  # of a scaled unknown
@@ -55,11 +55,11 @@ def _graze(family: Family, node: Node, stop: int) -> tuple[FamilyPoint, float]:
     raise ContinuationError("no graze is near")
 
 
-def _impacts(word: tuple[tuple[str, int], ...], stop: int) -> int:
+def _impacts(word: Word, stop: int) -> int:
     return sum(part == stop for _, part in word)
 
 
-def _with(point: FamilyPoint, middle: float, stop: int) -> tuple[tuple[str, int], ...]:
+def _with(point: FamilyPoint, middle: float, stop: int) -> Word:
     """The word with the touch in its place, at a share of the period."""
     end = point.end
     before = int(np.sum(end.carried.times < middle * end.T))

@@ -10,8 +10,7 @@ from vibsim.branches.node import Node
 from vibsim.branches.special import Special
 from vibsim.branches.walk import Step
 from vibsim.orbits.multipliers import sides_of_circle
-
-Word = tuple[tuple[str, int], ...]
+from vibsim.orbits.word import Word
 
 
 @dataclass(frozen=True)

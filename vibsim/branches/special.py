@@ -2,9 +2,9 @@
 
 from collections import Counter
 from dataclasses import dataclass
-from typing import Any
 
 from vibsim.branches.node import Node
+from vibsim.orbits.word import Word
 
 FOLD, DOUBLING, TORUS, BRANCHING = "fold", "doubling", "neimark-sacker", "branch point"
 GRAZING, STICKING, TURNING, ORDER, CORNER = "grazing", "sticking", "turn", "order", "corner"
@@ -37,10 +37,10 @@ class Special:
     node: Node
     before: Node
     after: Node
-    told: tuple[tuple[Any, ...], tuple[Any, ...]] | None = None
+    told: tuple[Word, Word] | None = None
 
     @property
-    def words(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    def words(self) -> tuple[Word, Word]:
         """On both sides."""
         return self.told or (self.before.word, self.after.word)
 
@@ -50,7 +50,7 @@ class Special:
         return 0 if self.told else self.after.index - self.before.index
 
 
-def kind_of_change(before: tuple[Any, ...], after: tuple[Any, ...]) -> str:
+def kind_of_change(before: Word, after: Word) -> str:
     """What a change of the order of events is: contacts or sticks that come or go, reversals, or the order
     alone.
     """

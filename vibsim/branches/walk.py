@@ -77,8 +77,7 @@ class Walk:
             specials = tuple(inspect(self.family, self.node, node))
             if ended.startswith(JOINS):  # the doubling there, which is told by the other branch
                 specials = tuple(each for each in specials if each.kind not in (FOLD, BRANCHING))
-            self.bend = bend(self.node, node)
-            self.before, self.node, self.step, self.count = self.node, node, following, self.count + 1
+            self.go_on(self.node, node, following, self.count + 1)
             graze = grazing_end(self.family, node) if ended == GRAZED else None
             yield Step(node, specials if graze is None else (*specials, graze), following, ended)
             if ended:
@@ -88,8 +87,7 @@ class Walk:
         """The step over an impact that was on the section."""
         changed = detect(self.node, node)
         specials = (Special(UNRESOLVED, node, self.node, node),) if changed else ()
-        self.bend = bend(self.node, node)
-        self.before, self.node, self.step, self.count = self.node, node, self.pace.first, self.count + 1
+        self.go_on(self.node, node, self.pace.first, self.count + 1)
         return Step(node, specials, self.step)
 
     def on(self, family: Family, start: Node) -> "Walk":

@@ -31,10 +31,10 @@ def points_of(orbit: Orbit) -> np.ndarray:
     """The unknowns at each return to the section, (n, m); the first is the start."""
     at = orbit.end.coordinates
     rows = [orbit.X]
-    if at.section.turning and orbit.n > 1:
-        scene = placed(orbit.scene, orbit.state, orbit.period)
-        rows += list(at.of(returns(scene, at, orbit.return_map.carrier.engine)[1]))
     if at.section.turning:
+        if orbit.n > 1:
+            scene = placed(orbit.scene, orbit.state, orbit.period)
+            rows += list(at.of(returns(scene, at, orbit.return_map.carrier.engine)[1]))
         return np.array(rows[: orbit.n])
     for block in _run(orbit, section=True).blocks():
         rows += list(at.of(np.stack([block.section[name] for name in at.columns], axis=1)))

@@ -13,7 +13,7 @@ from vibsim.labelled.labelled import Labelled, few
 from vibsim.orbits.measures import energy_of, points_of
 from vibsim.orbits.multipliers import exponents_of, multipliers_of, sides_of_circle
 from vibsim.orbits.sliding import sliding_margin
-from vibsim.orbits.word import cyclic, spelled
+from vibsim.orbits.word import Word, cyclic, spelled
 
 if TYPE_CHECKING:
     from vibsim.cases.case import Case
@@ -91,12 +91,12 @@ class Orbit(Labelled):
         return inside == len(self.multipliers)
 
     @property
-    def events(self) -> tuple[tuple[str, int], ...]:
+    def events(self) -> Word:
         """(kind, number of the part) in the order from the section."""
         return self.end.events
 
     @property
-    def word(self) -> tuple[tuple[str, int], ...]:
+    def word(self) -> Word:
         """The events as a circle: the least rotation of them."""
         return cyclic(self.events)
 

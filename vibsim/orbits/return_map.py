@@ -146,10 +146,8 @@ class ReturnMap:
         vars(other).update(vars(self), scene=scene, carrier=self.carrier.of(scene))
         if self.section.timed:
             other.section = section_of(scene)
-        mine = self.scene.motor
-        if (
-            scene.motor is not None and mine is not None and scene.motor.e != mine.e
-        ):  # an arm that unknowns weigh by
+        mine, theirs = self.scene.motor, scene.motor
+        if mine and theirs and mine.e != theirs.e:  # the arm that unknowns are weighed by
             other.coordinates = Coordinates(scene, other.section)
         return other
 
@@ -187,14 +185,12 @@ class ReturnMap:
         if self.section.turning:
             return self._time_of_turns(X)
         target, state = self.n * self.section.advance, self.coordinates.lifted(X)
-        speed = state[self.section.component + 1]
+        p = self.section.component
+        speed = state[p + 1]
         T = T or (target / speed if speed > 0 else target / self._fastest_speed())
         for _ in range(TRIES):
             carried = self.carrier.carry(state, T, [])
-            missing, speed = (
-                target - carried.state[self.section.component],
-                carried.rate[self.section.component],
-            )
+            missing, speed = target - carried.state[p], carried.rate[p]
             if abs(missing) < 1e-9 * target:
                 return T
             T = min(max(T + missing / speed if speed > 0 else 1.5 * T, T / 2), 2 * T)

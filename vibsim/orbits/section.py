@@ -45,13 +45,9 @@ class Section:
     @property
     def of_return(self) -> str:
         """What is counted from one return to the next."""
-        return (
-            f"swing of {self.body}"
-            if self.body
-            else "period of the source"
-            if self.timed
-            else "turn of the motor"
-        )
+        if self.body:
+            return f"swing of {self.body}"
+        return "period of the source" if self.timed else "turn of the motor"
 
     @property
     def place(self) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from vibsim.branches.branch import Branch
 from vibsim.branches.plan import BranchPlan
-from vibsim.branches.records import OrbitRecord, PointRecord, SpecialRecord, Word
+from vibsim.branches.records import OrbitRecord, PointRecord, SpecialRecord
 from vibsim.branches.special import UNRESOLVED
 from vibsim.branches.store.structure import (
     ATTRIBUTES,
@@ -28,7 +28,7 @@ from vibsim.files.provenance import provenance
 from vibsim.files.reading import opened, read_attributes, read_datasets
 from vibsim.files.stored_case import stored_case, understood
 from vibsim.files.writing import write_hdf5
-from vibsim.orbits.word import LETTERS
+from vibsim.orbits.word import LETTERS, Word
 
 KIND = "branch"
 KIND_NAMES = {code: kind for kind, code in KINDS.items()}
@@ -49,8 +49,8 @@ def write_branch(path: Path, branch: Branch, attrs: dict[str, Any], complete: bo
     """Write a branch to `path`, replacing what is there in one instant. Raises ResultFileError."""
     found, orbits = branch.specials, branch.points
     unresolved = sum(one.kind == UNRESOLVED for one in found)
-    counts = {"points": len(orbits), "special_points": len(found), "complete": int(complete)}
-    counts["unresolved"] = unresolved
+    counts = {"points": len(orbits), "special_points": len(found), "unresolved": unresolved}
+    counts["complete"] = int(complete)
     names = {"names_json": json.dumps(branch.names)}
     write_hdf5(path, {**attrs, **names, **counts}, datasets_of(branch.unit), values_of(branch))
 
