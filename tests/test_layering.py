@@ -24,6 +24,17 @@ DATA = "shipped_cases"  # a package without modules
 OF_ENGINE = {"choice", "columns", "driver", "errors", "state"}
 OF_ENGINE |= {"flows.flow", "tangent.error_growth", "tangent.tangent_space"}
 OF_ENGINE |= {"trajectory", "truth", "_engine"}  # the last by name, to ask whether it is there
+# rooms within the highest ones -> rooms beside them that they may not import: what serves all pictures and
+# all commands knows none of them
+WITHIN = {
+    "plots.page": {"motion", "runs", "cases", "sweeps", "branches", "machine", "animation", "live"},
+    "plots.motion": {"runs", "cases", "sweeps", "branches", "machine", "animation", "live"},
+    "plots.machine": {"motion", "runs", "cases", "sweeps", "branches", "animation", "live"},
+    "command_line.terminal": {"commands", "jobs", "text", "options"},
+    "command_line.options": {"commands", "jobs", "text"},
+    "command_line.text": {"commands"},
+    "command_line.jobs": {"commands"},
+}
 LIGHT = {"numpy"}  # what the ground floor may import besides the standard library
 OPTIONAL = {"multiprecision.py": {"flint"}, "big_floats.py": {"mpmath"}}  # and who is there for it
 MODULES = sorted(PACKAGE.rglob("*.py"))
@@ -96,6 +107,17 @@ def test_imports_point_down(path):
 def test_every_room_has_its_floor():
     folders = {path.parent.relative_to(PACKAGE).parts for path in MODULES if path.parent != PACKAGE}
     assert {room_of(names) for names in folders} <= {*GROUND, *MIDDLE, *TOP}
+
+
+@pytest.mark.parametrize("room", WITHIN)
+def test_what_serves_all_knows_none_of_them(room):
+    top = room.partition(".")[0]
+    barred = {f"vibsim.{top}.{other}" for other in WITHIN[room]}
+    modules = sorted((PACKAGE / room.replace(".", "/")).glob("*.py"))
+    assert modules
+    for path in modules:
+        upward = [name for name in imports(path) if ".".join(name.split(".")[:3]) in barred]
+        assert upward == [], path.name
 
 
 @pytest.mark.parametrize(

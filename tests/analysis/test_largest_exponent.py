@@ -6,7 +6,7 @@ import pytest
 from tests.results.made import short_run
 from vibsim.analysis import analyse, judge_regime, largest_exponent
 from vibsim.analysis.regime.largest_exponent import exponent_of
-from vibsim.command_line.analysis_text import regime_lines
+from vibsim.command_line.text.analysis import regime_lines
 
 LINEAR = {"blocks__m2": "fixed", "friction": "none", "stop": "none"}
 

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 import vibsim
-from vibsim.command_line.interruption import Interruption
-from vibsim.command_line.slow_run import SlowRun
+from vibsim.command_line.terminal.interruption import Interruption
+from vibsim.command_line.terminal.slow_run import SlowRun
 
 ENDLESS = [sys.executable, "-m", "vibsim", "run", "II-B", "--t-end", "1000000s"]
 
@@ -198,7 +198,7 @@ def test_what_is_said_of_a_slow_run(capsys):
 
 
 def test_work_that_does_not_ask_is_interrupted_after_a_while(monkeypatch):
-    monkeypatch.setattr("vibsim.command_line.interruption.PATIENCE", 0.2)
+    monkeypatch.setattr("vibsim.command_line.terminal.interruption.PATIENCE", 0.2)
     with pytest.raises(KeyboardInterrupt), Interruption():
         signal.raise_signal(signal.SIGINT)
         time.sleep(5)

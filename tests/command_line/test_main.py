@@ -97,7 +97,7 @@ def test_color(words, environment, colored, tmp_path):
 
 def test_no_color_holds_on_a_terminal():
     with click.Context(group) as ctx:
-        from vibsim.command_line.settings import _remember
+        from vibsim.command_line.options.settings import _remember
 
         with pytest.MonkeyPatch.context() as patch:
             patch.setenv("NO_COLOR", "1")

@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from vibsim.command_line.progress import PATIENCE, Progress
+from vibsim.command_line.terminal.progress import PATIENCE, Progress
 
 
 class Terminal(io.StringIO):

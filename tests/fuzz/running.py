@@ -92,7 +92,7 @@ def preload():
     ):
         __import__(f"vibsim.{name}")
     for name in ("run", "sweep", "plot", "info", "analyse", "compare", "export", "cases", "check", "schema"):
-        __import__(f"vibsim.command_line.{name}")
+        __import__(f"vibsim.command_line.commands.{name}")
 
 
 def control_characters(text):

@@ -10,16 +10,16 @@ from vibsim.branches import continue_branch
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
 from vibsim.orbits.start import case_on_orbit
-from vibsim.plots.branch_curves import pieces
-from vibsim.plots.branch_over_sweep import belongs
-from vibsim.plots.branch_values import amplitude_of, mean_speed_of, parameter_of
+from vibsim.plots.branches.curves import pieces
+from vibsim.plots.branches.leaps import dead_ends, leaps_of
+from vibsim.plots.branches.motor_lines import LoadCurve, crossings, torque_of
+from vibsim.plots.branches.over_sweep import belongs
+from vibsim.plots.branches.values import amplitude_of, mean_speed_of, parameter_of
 from vibsim.plots.errors import PlotError
-from vibsim.plots.leaps import dead_ends, leaps_of
-from vibsim.plots.motor_lines import LoadCurve, crossings, torque_of
-from vibsim.plots.quantities import Scale
+from vibsim.plots.page.quantities import Scale
 from vibsim.plots.registry import choose, kind_named
 from vibsim.plots.subject import Subject
-from vibsim.plots.sweep_curves import curves, families
+from vibsim.plots.sweeps.curves import curves, families
 from vibsim.plots.view import View
 from vibsim.results import simulate
 from vibsim.sweeps.schedule.workers import LocalWorkers

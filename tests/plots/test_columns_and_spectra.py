@@ -5,10 +5,11 @@ import pytest
 
 import vibsim
 from tests.command_line.made import call
-from vibsim.plots import columns, spectrogram, spectrum, waterfall
+from vibsim.plots import columns
 from vibsim.plots.errors import PlotError
-from vibsim.plots.spectra import pieces
-from vibsim.plots.spectra import spectrum as spectrum_of
+from vibsim.plots.motion.spectra import pieces
+from vibsim.plots.motion.spectra import spectrum as spectrum_of
+from vibsim.plots.runs import spectrogram, spectrum, waterfall
 from vibsim.plots.subject import open_subject, subject_of
 from vibsim.plots.view import View
 

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from tests.plots.artists import points
-from vibsim.plots.curve_labels import Named, write_names
+from vibsim.plots.page.curve_labels import Named, write_names
 
 
 @pytest.fixture

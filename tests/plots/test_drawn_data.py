@@ -7,10 +7,10 @@ import pytest
 
 from tests.plots.artists import lines, points
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.plots import samples, trace
 from vibsim.plots.errors import PlotError
-from vibsim.plots.impact_velocity import _bins
+from vibsim.plots.motion import samples, trace
 from vibsim.plots.registry import kind_named
+from vibsim.plots.runs.impact_velocity import _bins
 from vibsim.plots.view import View
 
 
@@ -49,7 +49,7 @@ def test_short_windows_hold_every_sample(subject, kind, columns):
 
 
 def test_long_windows_keep_the_extremes(subject, monkeypatch):
-    from vibsim.plots import time_history
+    from vibsim.plots.runs import time_history
 
     monkeypatch.setattr(time_history, "pixel_columns", lambda axes: 50)
     one = subject("ideal")
@@ -83,7 +83,7 @@ def test_impacts_are_marked(subject):
 
 
 def test_contact_is_shaded(subject):
-    from vibsim.plots.impacts import contact_spans
+    from vibsim.plots.motion.impacts import contact_spans
 
     one = subject("motor")
     spans = contact_spans(one, (15.0, 16.0))

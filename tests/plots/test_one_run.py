@@ -8,10 +8,10 @@ import pytest
 from tests.plots.artists import lines, patches, points
 from vibsim.cases import load_case
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.plots.drift import drift_rate
+from vibsim.plots.motion.turns import turn_times
 from vibsim.plots.registry import kind_named
+from vibsim.plots.runs.drift import drift_rate
 from vibsim.plots.subject import Subject
-from vibsim.plots.turns import turn_times
 from vibsim.plots.view import View
 
 

@@ -8,9 +8,9 @@ from tests.plots.artists import clipped_texts, letters, lines, points
 from vibsim.orbits.orbit_file import save_orbit
 from vibsim.plots import style
 from vibsim.plots.errors import PlotError
-from vibsim.plots.orbit_portrait import POINTS, draw
+from vibsim.plots.motion.spans import last_half
 from vibsim.plots.registry import choose, kind_named
-from vibsim.plots.spans import last_half
+from vibsim.plots.runs.orbit_portrait import POINTS, draw
 from vibsim.plots.subject import open_subject
 from vibsim.plots.view import View
 

@@ -81,14 +81,14 @@ def test_help_has_examples(plot):
 
 def test_matplotlib_is_imported_only_to_draw():
     code = (
-        "import sys, vibsim.plots, vibsim.command_line.plot;"
+        "import sys, vibsim.plots, vibsim.command_line.commands.plot;"
         "sys.exit('matplotlib' in sys.modules or 'numpy' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 def test_completion():
-    from vibsim.command_line.plot import KindNames
+    from vibsim.command_line.commands.plot import KindNames
 
     items = KindNames().shell_complete(None, None, "phase,mot")
     assert [item.value for item in items] == ["phase,motor-speed", "phase,motor"]

@@ -5,8 +5,8 @@ import pytest
 
 from tests.plots.artists import lines, points
 from vibsim.cases import load_case
-from vibsim.plots.dense import samples_are_sparse
-from vibsim.plots.displacement import draw
+from vibsim.plots.motion.dense import samples_are_sparse
+from vibsim.plots.runs.displacement import draw
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
 from vibsim.results import simulate

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vibsim.plots.thinning import one_per_pixel
+from vibsim.plots.motion.thinning import one_per_pixel
 
 PIXELS = (60, 40)
 

@@ -9,8 +9,8 @@ from tests.command_line.made import call
 from tests.sweeps.made import OMEGA0, assert_same_points, short_plan
 from vibsim.opening import open_result
 from vibsim.plots.subject import open_subjects
-from vibsim.plots.sweep_curves import curves
-from vibsim.plots.sweep_plane import plane_of
+from vibsim.plots.sweeps.curves import curves
+from vibsim.plots.sweeps.plane import plane_of
 from vibsim.sweeps import join
 from vibsim.sweeps.plan.shard import shard
 from vibsim.sweeps.plan.sweep_plan import DOWN, UP, PlanError

@@ -106,7 +106,7 @@ def report(error: Exception, code: int, as_json: bool) -> int:
 
 def told(text: str, code: int, as_json: bool, **more: Any) -> int:
     """Print an error on stderr, and as JSON on stdout where that is asked for; returns its exit code."""
-    from vibsim.command_line.terminal import print_json, say
+    from vibsim.command_line.terminal.printing import print_json, say
 
     say(text, err=True)
     if as_json:
@@ -119,7 +119,7 @@ def told(text: str, code: int, as_json: bool, **more: Any) -> int:
 
 def _say_usage(error: click.ClickException) -> None:
     """How the command is called, and where its help is."""
-    from vibsim.command_line.terminal import say
+    from vibsim.command_line.terminal.printing import say
 
     ctx = getattr(error, "ctx", None)
     if ctx is not None:

@@ -10,33 +10,33 @@ import click
 
 from vibsim import __version__
 from vibsim.command_line.errors import TERMINATED, broken_pipe_named, exit_code_of
-from vibsim.command_line.examples import examples
-from vibsim.command_line.repeated_options import refuse_repeated
-from vibsim.command_line.settings import add_global_options, global_options
-from vibsim.command_line.standard_streams import open_closed_streams
+from vibsim.command_line.options.examples import examples
+from vibsim.command_line.options.repeated_options import refuse_repeated
+from vibsim.command_line.options.settings import add_global_options, global_options
+from vibsim.command_line.terminal.standard_streams import open_closed_streams
 from vibsim.files import signals
 from vibsim.lazy_names import named
 
-# name -> (module, one line for the list of commands); the list is printed without importing any of them
+# name -> (module of commands/, one line for the list); the list is printed without importing any of them
 COMMANDS = {
-    "run": ("vibsim.command_line.run", "Run cases and write their trajectories."),
-    "sweep": ("vibsim.command_line.sweep", "Run a case at every point of a grid."),
-    "orbit": ("vibsim.command_line.orbit", "Find periodic motions, stable or not, and their multipliers."),
-    "continue": ("vibsim.command_line.continuation", "Follow a periodic orbit over a parameter."),
-    "fit": ("vibsim.command_line.fit", "Find values under which cases do what is said of them."),
-    "plot": ("vibsim.command_line.plot", "Draw pictures of runs, cases and sweeps."),
-    "animate": ("vibsim.command_line.animate", "Show the machine of a run, moving."),
-    "info": ("vibsim.command_line.info", "Say what a result file holds."),
-    "analyse": ("vibsim.command_line.analyse", "Judge runs: capture, drift, impacts, regime, frequencies."),
-    "bench": ("vibsim.command_line.bench", "Measure speed against error, beside other solvers."),
-    "compare": ("vibsim.command_line.compare", "Compare two runs."),
-    "verify": ("vibsim.command_line.verify", "Verify this installation against known cases."),
-    "paper": ("vibsim.command_line.paper", "Reproduce and audit the paper."),
-    "export": ("vibsim.command_line.export", "Write a result as CSV, Parquet or MAT."),
-    "new": ("vibsim.command_line.new", "Begin a case file of your own."),
-    "cases": ("vibsim.command_line.cases", "List the shipped cases, or print one."),
-    "check": ("vibsim.command_line.check", "Check case files."),
-    "schema": ("vibsim.command_line.schema", "Print the JSON Schema of a case file."),
+    "run": ("run", "Run cases and write their trajectories."),
+    "sweep": ("sweep", "Run a case at every point of a grid."),
+    "orbit": ("orbit", "Find periodic motions, stable or not, and their multipliers."),
+    "continue": ("continuation", "Follow a periodic orbit over a parameter."),
+    "fit": ("fit", "Find values under which cases do what is said of them."),
+    "plot": ("plot", "Draw pictures of runs, cases and sweeps."),
+    "animate": ("animate", "Show the machine of a run, moving."),
+    "info": ("info", "Say what a result file holds."),
+    "analyse": ("analyse", "Judge runs: capture, drift, impacts, regime, frequencies."),
+    "bench": ("bench", "Measure speed against error, beside other solvers."),
+    "compare": ("compare", "Compare two runs."),
+    "verify": ("verify", "Verify this installation against known cases."),
+    "paper": ("paper", "Reproduce and audit the paper."),
+    "export": ("export", "Write a result as CSV, Parquet or MAT."),
+    "new": ("new", "Begin a case file of your own."),
+    "cases": ("cases", "List the shipped cases, or print one."),
+    "check": ("check", "Check case files."),
+    "schema": ("schema", "Print the JSON Schema of a case file."),
 }
 
 COMPLETION = (
@@ -62,7 +62,7 @@ class LazyGroup(click.Group):
             return None
         if self.owns_the_process:
             signals.of_the_command = True
-        command = named(f"{COMMANDS[cmd_name][0]}:command")
+        command = named(f"vibsim.command_line.commands.{COMMANDS[cmd_name][0]}:command")
         add_global_options(command)
         refuse_repeated(command)
         return command

@@ -13,13 +13,13 @@ from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.labelled import Labelled
 from vibsim.labelled.tidy import Tidy
 from vibsim.plots.errors import PlotError
-from vibsim.plots.samples import rows, window_of
-from vibsim.plots.sheet import legend_above, sheet
+from vibsim.plots.motion.samples import rows, window_of
+from vibsim.plots.motion.thinning import one_per_pixel
+from vibsim.plots.motion.trace import LINE_UP_TO, VECTOR_UP_TO, Trace, trace
+from vibsim.plots.page.sheet import legend_above, sheet
+from vibsim.plots.page.user_text import as_text
 from vibsim.plots.style import BLUE, overlay
 from vibsim.plots.subject import Subject
-from vibsim.plots.thinning import one_per_pixel
-from vibsim.plots.trace import LINE_UP_TO, VECTOR_UP_TO, Trace, trace
-from vibsim.plots.user_text import as_text
 from vibsim.plots.view import View
 
 EVENTS = "events/"  # before the name of a column of events

@@ -13,7 +13,7 @@ from vibsim.fitting.fit_file import number_of
 from vibsim.fitting.fit_result import FitResult
 from vibsim.fitting.free_parameter import FreeParameter
 from vibsim.fitting.judgement import Judgement
-from vibsim.plots.sheet import note, sheet
+from vibsim.plots.page.sheet import note, sheet
 from vibsim.plots.style import BLUE, GREY
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View

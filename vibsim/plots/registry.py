@@ -1,7 +1,8 @@
 """The kinds of pictures, and which of them fit what.
 
-A new kind is one line here and one module `vibsim/plots/<name, - as _>.py` with `draw(subjects, view) ->
-Figure`. Nothing here imports matplotlib: `vibsim plot --list` and shell completion read this table.
+A new kind is one line here and one module `vibsim/plots/<room of what it reads>/<name, - as _>.py` with
+`draw(subjects, view) -> Figure`. Nothing here imports matplotlib: `vibsim plot --list` and shell completion
+read this table.
 """
 
 from __future__ import annotations
@@ -16,6 +17,16 @@ from vibsim.plots.errors import PlotError
 
 if TYPE_CHECKING:
     from vibsim.plots.subject import Subject
+
+
+# what a kind reads -> the room of its module; kinds of the others are in this one
+ROOMS = {
+    "trajectory": "runs.",
+    "case": "cases.",
+    "sweep": "sweeps.",
+    "branch": "branches.",
+    "locus": "branches.",
+}
 
 
 @dataclass(frozen=True)
@@ -45,7 +56,7 @@ class Kind:
     @property
     def draw(self) -> Callable[..., Any]:
         """The function that draws it; its module (and matplotlib) is imported here."""
-        return named(f"vibsim.plots.{self.name.replace('-', '_')}:draw")
+        return named(f"vibsim.plots.{ROOMS.get(self.reads, '')}{self.name.replace('-', '_')}:draw")
 
 
 KINDS = (
@@ -209,7 +220,7 @@ DEFAULTS = {
 
 def _is_along_speed(subject: Subject) -> bool:
     """Whether the sweep is drawn along the motor constant."""
-    from vibsim.plots.sweep_axes import along, is_motor_speed
+    from vibsim.plots.sweeps.axes import along, is_motor_speed
 
     return is_motor_speed(subject.result.axes[along(subject.result)].key)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vibsim.plots.errors import PlotError
-from vibsim.plots.user_text import as_text
+from vibsim.plots.page.user_text import as_text
 
 if TYPE_CHECKING:
     from vibsim.physics.parts import Scene

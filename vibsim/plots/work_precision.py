@@ -14,12 +14,12 @@ from matplotlib.ticker import LogLocator
 
 from vibsim.evidence.benchmark.families import Family, family_of
 from vibsim.evidence.benchmark.verdicts import error_at, faster, most_accurate
-from vibsim.plots.curve_labels import Named, write_names
 from vibsim.plots.errors import PlotError
-from vibsim.plots.sheet import letter_panels, note, sheet
+from vibsim.plots.page.curve_labels import Named, write_names
+from vibsim.plots.page.sheet import letter_panels, note, sheet
+from vibsim.plots.page.user_text import as_text
 from vibsim.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, PINK, SKY, VERMILLION, points
 from vibsim.plots.subject import Subject
-from vibsim.plots.user_text import as_text
 from vibsim.plots.view import View
 
 HEIGHT_CM = 8.5

@@ -17,7 +17,7 @@ from vibsim.evidence.reports.claims_of_escape import ABOUT_100, JUMPED_HZ
 from vibsim.evidence.reports.evidence import members
 from vibsim.evidence.reports.paper_runs import EQUAL_FORCE, MOTORS, PRINTED, READINGS
 from vibsim.evidence.reports.regimes_nearby import DAMPINGS, FREQUENCIES, LAWS
-from vibsim.plots.sheet import legend_below, sheet
+from vibsim.plots.page.sheet import legend_below, sheet
 from vibsim.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, SHADE, SKY, VERMILLION
 from vibsim.plots.view import View
 

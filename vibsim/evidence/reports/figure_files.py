@@ -19,8 +19,8 @@ from vibsim.evidence.reports.paper_numbers import Tell
 from vibsim.evidence.reports.paper_runs import READINGS, Interrupted
 from vibsim.evidence.reports.search_figure import draw_search
 from vibsim.files.output_file import output_file
+from vibsim.plots.page.sheet import CM
 from vibsim.plots.picture import DPI, drawn
-from vibsim.plots.sheet import CM
 from vibsim.plots.subject import Subject
 
 FORMATS = ("png", "pdf")

@@ -11,21 +11,21 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import MaxNLocator
 
 from vibsim.analysis import judge_capture
-from vibsim.plots.displacement import DISPLACEMENT
-from vibsim.plots.displacement_frequency import displacement_frequency_panels
-from vibsim.plots.motor import motor_panel
-from vibsim.plots.motor_speed import SPEED, motor_speed_panel
-from vibsim.plots.natural_frequencies import motor_of
-from vibsim.plots.phase import moving, phase_panels
-from vibsim.plots.relative import relative_panel
-from vibsim.plots.samples import common_window
-from vibsim.plots.sheet import legend_above, letter_panels, time_axis
-from vibsim.plots.spans import detail_span
-from vibsim.plots.stiffness import stiffness_panel
+from vibsim.plots.cases.motor import motor_panel
+from vibsim.plots.cases.stiffness import stiffness_panel
+from vibsim.plots.motion.natural_frequencies import motor_of
+from vibsim.plots.motion.samples import common_window
+from vibsim.plots.motion.spans import detail_span
+from vibsim.plots.motion.time_marks import mark_detail
+from vibsim.plots.page.sheet import legend_above, letter_panels, time_axis
+from vibsim.plots.runs.displacement import DISPLACEMENT
+from vibsim.plots.runs.displacement_frequency import displacement_frequency_panels
+from vibsim.plots.runs.motor_speed import SPEED, motor_speed_panel
+from vibsim.plots.runs.phase import moving, phase_panels
+from vibsim.plots.runs.relative import relative_panel
+from vibsim.plots.runs.time_history import Panel, curve_groups, histories
 from vibsim.plots.style import overlay
 from vibsim.plots.subject import Subject
-from vibsim.plots.time_history import Panel, curve_groups, histories
-from vibsim.plots.time_marks import mark_detail
 from vibsim.plots.view import View
 
 WHOLE = View()

@@ -27,10 +27,10 @@ from vibsim.evidence.reports.document import Table
 from vibsim.evidence.reports.paper_runs import MOTORS, PRINTED_MOTOR, READINGS, Interrupted
 from vibsim.evidence.reports.wording import hz, words_of
 from vibsim.files.errors import ResultFileError
-from vibsim.plots.leaps import dead_ends
-from vibsim.plots.load_curve import load_curve_panel
-from vibsim.plots.motor_lines import torque_of
-from vibsim.plots.sheet import sheet
+from vibsim.plots.branches.leaps import dead_ends
+from vibsim.plots.branches.load_curve import load_curve_panel
+from vibsim.plots.branches.motor_lines import torque_of
+from vibsim.plots.page.sheet import sheet
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
 

@@ -19,7 +19,7 @@ from vibsim.evidence.reports.layouts import (
     draw_portraits,
     draw_stiffness,
 )
-from vibsim.plots.sheet import sheet
+from vibsim.plots.page.sheet import sheet
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from vibsim.cases.quantities import parse_quantity
 from vibsim.evidence.reports.measurements import Numbers
 from vibsim.plots.fit import scatter_shares
-from vibsim.plots.sheet import sheet
+from vibsim.plots.page.sheet import sheet
 from vibsim.plots.view import View
 
 KEYS = ("excitation.J", "coupling.c")

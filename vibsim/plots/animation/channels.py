@@ -14,11 +14,11 @@ from vibsim.plots.animation.stage import (
     attached,
     stage_for,
 )
-from vibsim.plots.dense import states_at
 from vibsim.plots.errors import PlotError
-from vibsim.plots.impacts import PUSHING, impact_events
 from vibsim.plots.machine.elements import BASE, GROUND
-from vibsim.plots.spans import period_of
+from vibsim.plots.motion.dense import states_at
+from vibsim.plots.motion.impacts import PUSHING, impact_events
+from vibsim.plots.motion.spans import period_of
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span
 from vibsim.results.relative_motion import base_motion

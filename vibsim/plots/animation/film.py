@@ -12,13 +12,13 @@ from matplotlib.figure import Figure
 from vibsim.plots.animation.channels import Channels, speed_text
 from vibsim.plots.animation.display_list import Moving
 from vibsim.plots.animation.sketch import display_list, frame_of
-from vibsim.plots.dense import dense
-from vibsim.plots.pairs import pair_of
-from vibsim.plots.quantities import scale_for, symbol
-from vibsim.plots.relative_motion import draw_stop_line
+from vibsim.plots.motion.dense import dense
+from vibsim.plots.motion.pairs import pair_of
+from vibsim.plots.motion.relative_motion import draw_stop_line
+from vibsim.plots.motion.trace import draw_trace, trace
+from vibsim.plots.page.quantities import scale_for, symbol
 from vibsim.plots.style import BLUE, VERMILLION, overlay
 from vibsim.plots.subject import Subject
-from vibsim.plots.trace import draw_trace, trace
 
 LIT = "#FFC400"  # of a stop in contact
 

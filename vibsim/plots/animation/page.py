@@ -11,9 +11,9 @@ from vibsim.plots.animation.channels import Channels, channels_of
 from vibsim.plots.animation.display_list import Moving
 from vibsim.plots.animation.sketch import display_list, frame_of
 from vibsim.plots.live.html_file import packed, page
-from vibsim.plots.natural_frequencies import shortest_period
-from vibsim.plots.pairs import pair_of
-from vibsim.plots.quantities import scale_for
+from vibsim.plots.motion.natural_frequencies import shortest_period
+from vibsim.plots.motion.pairs import pair_of
+from vibsim.plots.page.quantities import scale_for
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span
 

@@ -15,7 +15,7 @@ from vibsim.files.output_file import output_file
 from vibsim.labelled.extras import MissingExtra, extra
 from vibsim.plots import style
 from vibsim.plots.errors import PlotError
-from vibsim.plots.samples import window_of
+from vibsim.plots.motion.samples import window_of
 from vibsim.plots.subject import open_subject
 from vibsim.plots.view import Span
 

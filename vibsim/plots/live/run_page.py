@@ -9,9 +9,9 @@ import numpy as np
 from vibsim.physics.modes import EVENT_KINDS, IMPACTS
 from vibsim.plots.errors import PlotError
 from vibsim.plots.live.html_file import packed
-from vibsim.plots.natural_frequencies import shortest_period
-from vibsim.plots.pairs import pair_of
-from vibsim.plots.quantities import scale_for
+from vibsim.plots.motion.natural_frequencies import shortest_period
+from vibsim.plots.motion.pairs import pair_of
+from vibsim.plots.page.quantities import scale_for
 from vibsim.plots.subject import Subject
 from vibsim.results.columns import part_names
 

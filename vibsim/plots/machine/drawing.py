@@ -17,7 +17,7 @@ from vibsim.plots.machine.elements import (
     source_labels,
 )
 from vibsim.plots.machine.layout import LANE_CM, MOTOR_CM, SOURCE_CM, Box, Layout, label_width, layout
-from vibsim.plots.sheet import CM
+from vibsim.plots.page.sheet import CM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,0 +1,52 @@
+"""vibsim animate: the machine of a run, moving."""
+
+import click
+
+from vibsim.command_line.options.examples import examples
+from vibsim.command_line.options.parameters import FILE, WINDOW, FiniteRange
+from vibsim.command_line.terminal.printing import print_json, say
+
+
+@click.command(
+    "animate",
+    short_help="Show the machine of a run, moving.",
+    epilog=examples(
+        "vibsim animate II-B.h5 -o II-B.mp4                        # the last 10 s, in real time",
+        "vibsim animate II-B.h5 -o impact.gif --window 30:31 --speed 0.1",
+        "vibsim animate capsule.h5 -o capsule.html                 # a page to stop and turn back",
+    ),
+)
+@click.argument("file", metavar="FILE", type=FILE)
+@click.option(
+    "-o", "--output", metavar="FILE", type=FILE, required=True, help="The film: .mp4, .gif or .html."
+)
+@click.option(
+    "--window", type=WINDOW, metavar="A:B", help="Show only this span [s]. [default: the last 10 s]"
+)
+@click.option(
+    "--speed", type=FiniteRange(1e-5, 1e4), default=1.0, show_default=True, metavar="S",
+    help="Seconds of motion per second of the film: 1 is real time, 0.1 ten times slower.",
+)  # fmt: skip
+@click.option("--force", is_flag=True, help="Replace an existing file.")
+@click.pass_context
+def command(ctx, file, output, window, speed, force):
+    """Write a moving picture of the run in FILE: the machine beside its phase portrait and time history.
+
+    Springs stretch, stops light up where they touch, the rotor turns; gaps and displacements are to one
+    scale. A page (.html) needs no network and can be stopped, slowed and turned back; an .mp4 needs ffmpeg,
+    or vibsim[video].
+    """
+    from vibsim.command_line.terminal.progress import PATIENCE, Progress
+    from vibsim.files.output_file import check_output
+    from vibsim.plots.animation.writing import Wish, animate
+
+    check_output(output, force)
+    progress = Progress(not ctx.obj.quiet, PATIENCE)
+    try:
+        count = animate(file, output, Wish(window, speed), force, lambda n, of: progress.show(output, n, of))
+    finally:
+        progress.close()
+    if ctx.obj.json:
+        print_json({"written": [output], "frames": count})
+    elif not ctx.obj.quiet:
+        say(f"{output}: {count} frames")

@@ -1,0 +1,115 @@
+"""vibsim cases: the shipped cases."""
+
+from pathlib import Path
+
+import click
+
+from vibsim.command_line.options.examples import examples
+from vibsim.command_line.options.parameters import CASE, FILE
+from vibsim.command_line.terminal.printing import print_json, say
+
+
+@click.command(
+    "cases",
+    short_help="List the shipped cases, or print one.",
+    epilog=examples(
+        "vibsim cases",
+        "vibsim cases II-B > my.yaml        # a case of your own, to start from",
+        "vibsim cases II-B --resolved       # as a scene of named parts, every default filled in",
+        "vibsim cases gallery/impact-damper --draw -o damper.pdf",
+        "vibsim cases --json",
+    ),
+)
+@click.argument("names", metavar="[NAME]...", nargs=-1, type=CASE)
+@click.option(
+    "--resolved", is_flag=True, help="Print the long form: a scene of named parts, defaults filled in."
+)
+@click.option("--draw", is_flag=True, help="Draw the machine instead: bodies, parts and what drives them.")
+@click.option("-o", "--output", type=FILE, metavar="FILE", help="The drawing; NAME-machine.png by default.")
+@click.option("--force", is_flag=True, help="Replace a drawing that exists.")
+@click.pass_context
+def command(ctx, names, resolved, draw, output, force):
+    """List the cases that come with vibsim, or print the YAML text of those named.
+
+    NAME may be a case file too: `--resolved` and `--draw` show what it comes to.
+    """
+    from vibsim.cases import gallery_case_names, load_case, shipped_case_names
+
+    _check_options(names, resolved, draw, output, force)
+    cases = [load_case(name) for name in names or [*shipped_case_names(), *gallery_case_names()]]
+    if draw:
+        _draw(ctx.obj, dict(zip(names, cases, strict=True)), output, force)
+    elif ctx.obj.json:
+        print_json([_described(case) for case in cases], indent=2)
+    elif names:
+        texts = [case.long_text() if resolved else case.text for case in cases]
+        say("---\n".join(texts), nl=False)
+    else:
+        _print_table(cases)
+
+
+def _check_options(names, resolved: bool, draw: bool, output: str | None, force: bool) -> None:
+    """Usage errors of options that do not go together."""
+    for option, given in (("--resolved", resolved), ("--draw", draw)):
+        if given and not names:
+            raise click.UsageError(f"{option} shows cases; give the NAME of one")
+    if draw and resolved:
+        raise click.UsageError("--draw and --resolved do not go together")
+    if not draw and (output is not None or force):
+        raise click.UsageError("-o and --force belong to --draw")
+    if output is not None and len(names) > 1:
+        raise click.UsageError("-o takes one drawing; give one NAME")
+
+
+def _draw(settings, cases: dict, output: str | None, force: bool) -> None:
+    """Draw the machines of the cases; nothing is drawn before every file is checked."""
+    from vibsim.plots.machine import draw_machine_file
+    from vibsim.plots.picture import check_targets, picture_suffix
+
+    targets = [output or f"{case.name}-machine.png" for case in cases.values()]
+    for target in targets:
+        picture_suffix(target)
+        if targets.count(target) > 1:
+            raise click.UsageError(f"two of the cases would be drawn into {target}; draw them one by one")
+    check_targets(targets, force)
+    written = [
+        draw_machine_file(case, name, force) for case, name in zip(cases.values(), targets, strict=True)
+    ]
+    if settings.json:
+        print_json({"written": written})
+    elif not settings.quiet:
+        say("\n".join(written))
+
+
+def _described(case) -> dict:
+    """A case as JSON: what the table shows, and the YAML text."""
+    frequency = case.frequency()
+    return {
+        "name": case.name,
+        "title": case.title,
+        "source": case.source_kind,
+        "frequency": str(frequency) if frequency else None,
+        "sha256": case.sha256,
+        "yaml": case.text,
+        "resolved": case.long_text(),
+    }
+
+
+def _shipped_name(case) -> str:
+    """The name by which a shipped case is found: with its folder, where it is in one."""
+    folder = Path(case.source).parent.name
+    return f"{folder}/{case.name}" if folder == "gallery" else case.name
+
+
+def _print_table(cases) -> None:
+    from vibsim.cases.plain_text import one_line
+
+    rows = [("name", "source", "frequency", "title")]
+    rows += [
+        (_shipped_name(case), case.source_kind, str(case.frequency() or "-"), one_line(case.title))
+        for case in cases
+    ]
+    widths = [max(len(row[column]) for row in rows) for column in range(3)]
+    for row in rows:
+        cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=False)]
+        say("  ".join([*cells, row[3]]).rstrip())

@@ -1,0 +1,87 @@
+"""vibsim check: are these case files right, and if not, what is wrong with them?"""
+
+import json
+
+import click
+
+from vibsim.command_line.errors import INVALID_CASE
+from vibsim.command_line.options.examples import examples
+from vibsim.command_line.terminal.printing import print_json, say, style
+
+
+@click.command(
+    "check",
+    short_help="Check case files.",
+    epilog=examples(
+        "vibsim check my.yaml",
+        "vibsim check cases/*.yaml --json",
+        "vibsim check -v II-B               # with natural frequencies and the friction band",
+        "vibsim cases II-B | sed 's/5.5 Hz/6 Hz/' | vibsim check -",
+    ),
+)
+@click.argument("sources", metavar="CASE...", nargs=-1, required=True)
+@click.pass_context
+def command(ctx, sources):
+    """Check each CASE (a YAML file, a shipped name, or - for standard input) and print every problem found.
+
+    Exit code 3 where any of them is invalid. With -v, print what the numbers imply.
+    """
+    reports = [_checked(source) for source in sources]
+    if ctx.obj.json:
+        print_json([_described(report) for report in reports], indent=2)
+    else:
+        for report in reports:
+            _print(report, ctx.obj)
+    return INVALID_CASE if any(problems for _, _, problems in reports) else 0
+
+
+def _checked(source: str):
+    """(source, case, problems): the case, or what is wrong with it."""
+    from vibsim.cases import CaseError, load_case
+
+    try:
+        return source, load_case(source), []
+    except CaseError as error:
+        return source, None, error.problems
+
+
+def _print(report, settings) -> None:
+    source, case, problems = report
+    for problem in problems:
+        say(str(problem))
+    if problems:
+        count = len(problems)
+        say(f"{source}: {style('invalid', fg='red')}, {count} problem{'s' if count > 1 else ''}")
+    elif not settings.quiet:
+        say(f"{source}: {style('ok', fg='green')} ({case.name}: {_summary(case)})")
+        if settings.verbose:
+            _print_facts(case)
+
+
+def _summary(case) -> str:
+    frequency, kind = case.frequency(), case.source_kind
+    t_end, every = case.quantity("run.t_end"), case.quantity("run.every")
+    steady = {"none": "no excitation", "constant": "constant forces"}
+    source = steady.get(kind) or f"{kind} {frequency or ''}".strip()
+    return f"{source}, {t_end} every {every}"
+
+
+def _print_facts(case) -> None:
+    for fact in _facts(case):
+        say(f"  {fact.name:<22} {fact.value:>12.6g} {fact.unit:<3} {fact.meaning}")
+
+
+def _facts(case):
+    from vibsim.cases.derived_facts import derived_facts
+
+    return derived_facts(case.scene())
+
+
+def _described(report) -> dict:
+    """One report as JSON."""
+    source, case, problems = report
+    found = {"source": source, "valid": not problems, "problems": [vars(problem) for problem in problems]}
+    if case is not None:
+        found |= {"name": case.name, "sha256": case.sha256, "resolved": json.loads(case.resolved_json())}
+        found["facts"] = {fact.name: {"value": fact.value, "unit": fact.unit} for fact in _facts(case)}
+    return found

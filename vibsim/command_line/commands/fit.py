@@ -1,0 +1,106 @@
+"""vibsim fit: which values make cases do what is said of them."""
+
+import click
+
+from vibsim.command_line.options.examples import examples
+from vibsim.command_line.options.parameters import CASE, FILE, KEY_SPREAD, OneOf, Pair, set_option, some_text
+
+FREE = Pair("KEY=FROM:TO, such as J=0.5:20g.m^2", some_text)
+
+
+@click.command(
+    "fit",
+    short_help="Find values under which cases do what is said of them.",
+    epilog=examples(
+        "vibsim fit II-B --free c=0.001:0.05 --want 'captured until the end'",
+        "vibsim fit II-B II-C --free J=0.5:20g.m^2 --free c=0.001:0.05 --want 'II-B: captured until the end' "
+        "--want 'II-C: passes 4.5 Hz between 80 and 120 s' --want 'II-C: settles between 6.1 and 6.3 Hz'",
+        "vibsim fit II-B --free J=0.5:20g.m^2 --free c=0.001:0.05 --at-most 1 --want 'held for at least 9 s'",
+        "vibsim fit II-B --try 'J=0.006, c=0.005' --try J=0.01 --want 'captured until the end'",
+        "vibsim fit I-C --free omega=5:8Hz --ensemble 0 --want 'chaotic' --want 'drift rate above 0.1 mm/s'",
+        "vibsim plot II-B-fit.h5",
+        before="A statement is [CASE:] WHAT [RANGE] [over A to B s] [from P % of the starts] [, weight N]; "
+        "--list names what it can be about. An interrupted fit goes on when the same command is given again.",
+    ),
+)
+@click.argument("sources", metavar="CASE...", nargs=-1, type=CASE)
+@click.option("--want", "wanted", metavar="STATEMENT", multiple=True, help="What runs should do; repeatable.")
+@click.option(
+    "--free", "free", metavar="KEY=RANGE", multiple=True, type=FREE,
+    help="A number to change; 'log FROM:TO' divides by ratio, 'linear FROM:TO' in equal steps; repeatable.",
+)  # fmt: skip
+@click.option(
+    "--leave", "prices", metavar="KEY=PRICE", multiple=True, type=Pair("KEY=PRICE, such as J=0.05", float),
+    help="Price of a factor of 10 from the printed value (of the whole width in equal steps). [default: 0.1]",
+)  # fmt: skip
+@click.option(
+    "--try", "readings", metavar="KEY=VALUE,...", multiple=True, help="Values to judge as well; repeatable."
+)
+@click.option(
+    "--ensemble", type=click.IntRange(min=0), default=8, metavar="N", show_default=True,
+    help="Starts that are drawn, besides each case's own.",
+)  # fmt: skip
+@click.option(
+    "--spread", "spreads", metavar="KEY=HOW", multiple=True, type=KEY_SPREAD,
+    help="What varies over the starts: WIDTH, FROM:TO or 'normal DEVIATION'; repeatable. "
+    "[default: the motor's phi, over the full turn]",
+)  # fmt: skip
+@click.option(
+    "--method", type=OneOf(["quasi-random", "evolution"]), default="quasi-random", show_default=True,
+    help="Sobol points, or differential evolution.",
+)  # fmt: skip
+@click.option(
+    "--candidates", type=click.IntRange(min=0), default=256, metavar="N", show_default=True,
+    help="How many are tried.",
+)  # fmt: skip
+@click.option(
+    "--at-most", type=click.IntRange(min=1), metavar="K",
+    help="Change so many at a time, in every combination. [default: all together]",
+)  # fmt: skip
+@click.option(
+    "--screen", type=click.IntRange(min=1), default=2, metavar="N", show_default=True,
+    help="Starts that quasi-random candidates are judged from first; the best quarter is from all.",
+)  # fmt: skip
+@click.option(
+    "--confirm", type=click.IntRange(min=0), default=3, metavar="K", show_default=True,
+    help="Judge so many of the best again, from fresh starts.",
+)  # fmt: skip
+@click.option(
+    "--fresh", type=click.IntRange(min=0), default=24, metavar="N", show_default=True,
+    help="Number of the fresh starts.",
+)  # fmt: skip
+@click.option(
+    "--seed", type=click.IntRange(min=0), default=0, metavar="S", show_default=True,
+    help="Of everything that is drawn.",
+)  # fmt: skip
+@click.option("--list", "list_words", is_flag=True, help="List what a statement can be about, and stop.")
+@set_option
+@click.option("--t-end", metavar="TIME", help="End of every run, such as 100s.")
+@click.option("--every", metavar="TIME", help="Sampling of the runs; as the cases say unless given.")
+@click.option("--engine", type=OneOf(["auto", "c", "python"]), default="auto", help="Who computes it.")
+@click.option(
+    "-j", "--jobs", type=click.IntRange(min=1), metavar="N", help="Runs at a time. [default: all cores]"
+)
+@click.option("-o", "--output", type=FILE, metavar="FILE", help="Output file. [default: CASE-fit.h5]")
+@click.option("--force", is_flag=True, help="Replace an output file that holds something else.")
+@click.pass_context
+def command(
+    ctx, sources, wanted, free, prices, readings, ensemble, spreads, list_words, changes, t_end, every,
+    engine, jobs, output, force, **settings
+):  # fmt: skip
+    """Find values under which the runs of CASE do what statements say of them, judged from many starts.
+
+    CASE is a YAML file, the name of a shipped case, - for standard input, or an HDF5 file of `vibsim run`. Of
+    several cases each statement names one; what is changed is changed in all of them.
+    """
+    from vibsim.command_line.jobs.fit import read_plan, run_job, words_listed
+    from vibsim.command_line.jobs.run_plan import check_engine
+
+    if list_words:
+        return words_listed(ctx.obj)
+    check_engine(engine)
+    given = {"run.t_end": t_end, "run.every": every}
+    values = dict(changes) | {key: value for key, value in given.items() if value is not None}
+    plan = read_plan(sources, values, wanted, free, prices, readings, ensemble, spreads, settings)
+    name = "-".join(case.name for case in plan.cases)
+    return run_job(plan, output or f"{name}-fit.h5", jobs, engine, force, ctx.obj)

@@ -1,0 +1,47 @@
+"""vibsim new: a case file of one's own to start from."""
+
+from pathlib import Path
+from shlex import quote
+
+import click
+
+from vibsim.command_line.options.examples import examples
+from vibsim.command_line.options.parameters import CASE, FILE
+from vibsim.command_line.terminal.printing import print_json, say
+
+DEFAULT = "gallery/drifting-capsule"  # two bodies, a link, a stop, a friction, forces: a bit of everything
+
+
+@click.command(
+    "new",
+    short_help="Begin a case file of your own.",
+    epilog=examples(
+        "vibsim new capsule                           # capsule.yaml, from a scene with a bit of everything",
+        "vibsim new my-motor --from II-B",
+        "vibsim new cases/hammer.yaml --from gallery/pile-driver",
+    ),
+)
+@click.argument("name", metavar="NAME", type=FILE)
+@click.option(
+    "--from", "source", metavar="CASE", type=CASE, default=DEFAULT, show_default=True,
+    help="The case to begin from: a shipped one, a file, or - for standard input.",
+)  # fmt: skip
+@click.option("--force", is_flag=True, help="Replace a file that exists.")
+@click.pass_context
+def command(ctx, name, source, force):
+    """Write NAME.yaml, a case file in which every key says what it is.
+
+    The file holds the values of the case that it begins from and, in comments, the keys that may be added.
+    """
+    from vibsim.cases import load_case
+    from vibsim.cases.commented import commented_text
+    from vibsim.files.output_file import output_file
+
+    path = name if Path(name).suffix.lower() in (".yaml", ".yml") else f"{name}.yaml"
+    text = commented_text(load_case(source), path)
+    with output_file(path, force) as partial:
+        Path(partial).write_text(text, encoding="utf-8")
+    if ctx.obj.json:
+        print_json({"written": [path], "from": source})
+    elif not ctx.obj.quiet:
+        say(f"{path} written; vibsim check {quote(str(path))} says whether it is right")

@@ -1,0 +1,131 @@
+"""vibsim sweep: a case at every point of a grid, in parallel and restartable."""
+
+import click
+
+from vibsim.command_line.options.examples import examples
+from vibsim.command_line.options.parameters import (
+    CASE,
+    FILE,
+    KEY_RANGE,
+    KEY_SPREAD,
+    OneOf,
+    joined,
+    once_each,
+    set_option,
+)
+from vibsim.command_line.terminal.printing import say
+
+DEFAULT_CASE = "II-B"
+
+
+@click.command(
+    "sweep",
+    short_help="Run a case at every point of a grid.",
+    epilog=examples(
+        "vibsim sweep --omega0 3:7:0.05                # II-B, 81 motor constants, into II-B-omega0.h5",
+        "vibsim sweep II-B --omega0 3:7:0.05 --direction both --carry-state -o hysteresis.h5",
+        "vibsim sweep I-B --omega 3:7:0.1 --discard 100s",
+        "vibsim sweep II-B --omega0 3:7:0.1 --param c=0.01:0.05/9",
+        "vibsim sweep drifting-capsule --param stops.anvil.k=1:10/10kN/m",
+        "vibsim sweep II-B --omega0 3:7:0.1 --ensemble 20 --spread phi=0:360deg --spread x1=1mm",
+        "vibsim sweep II-B --omega0 3:7:0.1 --compute power,capture,regime",
+        "vibsim sweep II-B --omega0 3:7:0.001 --scheduler tcp://10.0.0.1:8786",
+        "vibsim plot II-B-omega0.h5",
+        before="Ranges: FROM:TO:STEP (both ends included), FROM:TO/COUNT, or A,B,C; with a unit at the end. "
+        "Their order counts: 7:3:0.05 runs down. "
+        "An interrupted sweep goes on when the same command is given again.",
+    ),
+)
+@click.argument("source", metavar="[CASE]", required=False, type=CASE)
+@click.option("--omega0", metavar="RANGE", help="Motor constants; bare numbers are Hz.")
+@click.option("--omega", metavar="RANGE", help="Frequencies of a harmonic source; bare numbers are Hz.")
+@click.option(
+    "--param",
+    "params",
+    metavar="KEY=RANGE",
+    multiple=True,
+    type=KEY_RANGE,
+    help="Any number; repeat for a grid. KEY=KEY=RANGE gives several keys the same values.",
+)
+@click.option(
+    "--ensemble", type=click.IntRange(min=1), metavar="N",
+    help="Run N members at every point, each with other start values.",
+)  # fmt: skip
+@click.option(
+    "--seed", type=click.IntRange(min=0), default=0, metavar="S", show_default=True,
+    help="Of the members' draws; member 7 of a seed is the same in an ensemble of any size.",
+)  # fmt: skip
+@click.option(
+    "--spread", "spreads", metavar="KEY=HOW", multiple=True, callback=once_each,
+    type=KEY_SPREAD,
+    help="What varies over the ensemble: WIDTH (uniform, either side of the case's value), FROM:TO, or "
+    "'normal DEVIATION'; repeatable. [default: the motor's phi, over the full turn]",
+)  # fmt: skip
+@click.option(
+    "--direction", type=OneOf(["up", "down", "both"]),
+    help="Along the first axis. [default: as its values are written]",
+)  # fmt: skip
+@click.option(
+    "--carry-state/--fresh", "carry",
+    help="Start each point from the end of the one before, or as the case says. [default: fresh]",
+)  # fmt: skip
+@click.option(
+    "--discard", default="50%", metavar="TIME|SHARE", help="Transient left out, such as 100s or 0.5.",
+    show_default=True,
+)  # fmt: skip
+@click.option(
+    "--section", type=click.IntRange(min=0), default=100, metavar="N", show_default=True,
+    help="Stroboscopic points kept per point.",
+)  # fmt: skip
+@click.option(
+    "--compute", "computed", metavar="NAME,...", default="",
+    help="What to compute of each point besides: power, impact-velocity, contact-section, grazing, "
+    "certificate, capture, lyapunov (one more run), lyapunov-spectrum (one more, three times as long), "
+    "regime, orbit, end-state; or all. See --list.",
+)  # fmt: skip
+@click.option("--list", "list_computations", is_flag=True, help="List what --compute takes, and stop.")
+@set_option
+@click.option("--t-end", metavar="TIME", help="End of every run, such as 100s.")
+@click.option(
+    "--every", metavar="TIME", help="Sampling behind verdicts on the regime. [default: what the motion needs]"
+)
+@click.option("--method", type=OneOf(["auto", "closed_form", "taylor"]), help="How the motion is computed.")
+@click.option("--engine", type=OneOf(["auto", "c", "python"]), default="auto", help="Who computes it.")
+@click.option(
+    "-j", "--jobs", type=click.IntRange(min=1), metavar="N", help="Points at a time. [default: all cores]"
+)
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Compute on the workers of this dask scheduler, such as tcp://host:8786.",
+)
+@click.option("--shard", metavar="K/N", help="Only part K of N of the longest axis, into a file of its own.")
+@click.option("-o", "--output", type=FILE, metavar="FILE", help="Output file. [default: CASE-AXES.h5]")
+@click.option("--force", is_flag=True, help="Replace an output file that holds something else.")
+@click.pass_context
+def command(
+    ctx, source, omega0, omega, params, ensemble, seed, spreads, computed, list_computations, changes, t_end,
+    method, engine, jobs, scheduler, shard, output, force, **settings
+):  # fmt: skip
+    """Run CASE at every point of a grid and store statistics of each run.
+
+    CASE is a YAML file, the name of a shipped case, - for standard input, or an HDF5 file of `vibsim run`.
+    """
+    from vibsim.command_line.jobs.run_plan import check_engine
+    from vibsim.command_line.jobs.sweep import computations_listed, read_plan, run_sweep, sharded, workers_for
+
+    if list_computations:
+        return computations_listed(ctx.obj)
+    check_engine(engine)
+    if source is None:
+        source = DEFAULT_CASE
+        if not ctx.obj.quiet:
+            say(f"no case given: sweeping {source}", err=True)
+    given = {"run.t_end": t_end, "run.method": method}
+    values = joined(changes, given)
+    axes = [("", text, "Hz", option) for option, text in (("--omega0", omega0), ("--omega", omega)) if text]
+    axes += [(key, text, "", "--param") for key, text in params]
+    settings["compute"] = [name.strip() for name in computed.split(",") if name.strip()]
+    plan = read_plan(source, values, axes, (ensemble or 0, seed, spreads), settings)
+    plan, output = sharded(plan, shard, output)
+    return run_sweep(plan, output, workers_for(plan, jobs, scheduler, engine), engine, force, ctx.obj)

@@ -1,0 +1,63 @@
+"""What is followed point by point into a file, a branch or a locus: progress, interruption, what is said."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from vibsim.command_line.options.settings import Settings
+from vibsim.command_line.terminal.interruption import Interruption
+from vibsim.command_line.terminal.printing import print_json, say
+from vibsim.command_line.terminal.progress import PATIENCE, Progress
+from vibsim.command_line.text.quantities import size
+
+Watch = Callable[..., bool]  # told the number of points; whether to go on
+
+
+@dataclass(frozen=True)
+class Following:
+    """How one kind of thing is followed.
+
+    open_store : opens what takes the points, which has `points` and `notes`
+    complete : given the store and a Watch, follows what is missing: what there is, whether it came to its end
+    facts, show : it as plain data, and printed with a text about its file
+    """
+
+    open_store: Callable[[], Any]
+    complete: Callable[[Any, Watch], tuple[Any, bool]]
+    facts: Callable[[Any], dict[str, Any]]
+    show: Callable[[Any, str], None]
+
+    def run(self, path: Path, most: int, settings: Settings) -> int:
+        """Follow it into a file, or complete that; returns the exit code."""
+        began = time.perf_counter()
+        with Interruption() as interruption:
+            store = self.open_store()
+            for note in store.notes:
+                say(f"Warning: {note}", err=True)
+            had, progress = len(store.points), Progress(not settings.quiet, PATIENCE)
+
+            def watch(count: int, *_: object) -> bool:
+                progress.show("points", count, most)
+                return interruption.signum is None
+
+            try:
+                followed, finished = self.complete(store, watch)
+            finally:
+                progress.close()
+        if settings.json:
+            print_json({"file": str(path), **self.facts(followed)})
+        elif not settings.quiet:
+            self.show(followed, _file_text(path, len(followed), had, time.perf_counter() - began))
+        if not finished:
+            say(f"interrupted: {path} holds what was done; the same command goes on from there", err=True)
+            return interruption.exit_code
+        return 0
+
+
+def _file_text(path: Path, count: int, had: int, took: float) -> str:
+    text = f"{path} ({size(path)})"
+    if had == count:
+        return f"{text}, was complete: nothing to compute"
+    return f"{text}, {took:.2f} s" + (f", {had} points were there" if had else "")

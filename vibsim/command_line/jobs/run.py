@@ -1,0 +1,79 @@
+"""Run the cases of `vibsim run` one by one, with progress, interruption and a summary of each."""
+
+import time
+
+from vibsim.command_line.errors import RUN_FAILED, told
+from vibsim.command_line.jobs.run_plan import Job
+from vibsim.command_line.options.settings import Settings
+from vibsim.command_line.terminal.interruption import Interruption
+from vibsim.command_line.terminal.printing import print_json, say
+from vibsim.command_line.terminal.progress import PATIENCE, Progress
+from vibsim.command_line.terminal.slow_run import SlowRun
+from vibsim.command_line.text.quantities import size
+from vibsim.command_line.text.summary import heading, print_lines, result_lines, summary_object
+from vibsim.engine.errors import EngineError
+from vibsim.files.output_file import partial_path
+from vibsim.results import Result, simulate_to_file
+
+
+def run_all(
+    jobs: list[Job],
+    engine: str,
+    force: bool,
+    settings: Settings,
+    trust: bool = True,
+    digits: int | str | None = None,
+) -> int:
+    """Run the jobs; returns the exit code. One that fails does not keep the others from running."""
+    code = 0
+    with Interruption() as interruption:
+        for job in jobs:
+            try:
+                _run_one(job, engine, force, settings, interruption, trust, digits)
+            except EngineError as error:
+                what = f"Error: {job.case.name}: {error}; what came before is in {partial_path(job.output)}"
+                code = told(what, RUN_FAILED, settings.json, case=job.case.name)
+            if interruption.signum is not None:
+                return interruption.exit_code
+    return code
+
+
+def _run_one(
+    job: Job,
+    engine: str,
+    force: bool,
+    settings: Settings,
+    interruption: Interruption,
+    trust: bool,
+    digits: int | str | None,
+) -> None:
+    began = time.perf_counter()
+    t_end = job.case.scene().t_end
+    progress = Progress(not settings.quiet, PATIENCE)
+    slow = SlowRun(job.case.name, t_end, wanted=not settings.quiet)
+
+    def watch(t: float) -> bool:
+        progress.show(job.case.name, t, t_end)
+        slow.note(t)
+        return interruption.signum is None
+
+    try:
+        result = simulate_to_file(job.case, job.output, engine, force, watch, trust, digits, job.tangent)
+    finally:
+        progress.close()
+    if not result.complete:
+        say(f"interrupted: {job.output} holds the run until {result.t_reached:g} s", err=True)
+    if settings.json:
+        print_json(summary_object(result, job.output))
+    elif not settings.quiet:
+        _print_summary(job, result, time.perf_counter() - began, settings)
+
+
+def _print_summary(job: Job, result: Result, took: float, settings: Settings) -> None:
+    attrs = result.attrs
+    lines = result_lines(result)
+    if settings.verbose:
+        lines.append(("work", f"{attrs['steps']} steps, {attrs['evaluations']} evaluations"))
+        lines.append(("fingerprint", attrs["case_sha256"]))
+    say(heading(job.case.name, job.case.title))
+    print_lines([*lines, ("file", f"{job.output} ({size(job.output)}), {took:.2f} s")])

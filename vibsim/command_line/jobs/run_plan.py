@@ -1,0 +1,176 @@
+"""What `vibsim run` is to do: which case goes into which file, settled before anything is computed."""
+
+import json
+import os
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from vibsim.command_line.options.settings import Settings
+from vibsim.command_line.terminal.printing import print_json, say
+from vibsim.command_line.text.summary import case_lines, heading, print_lines
+from vibsim.files.errors import ResultFileError
+from vibsim.files.output_file import check_output
+from vibsim.opening import open_result
+from vibsim.results import is_result_file, kind_of
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+
+SUFFIXES = (".h5", ".hdf5")
+
+
+@dataclass(frozen=True)
+class Job:
+    """One case and the file that it is written to, as the user would name it."""
+
+    case: "Case"
+    output: Path
+    tangent: tuple[int, float] = (0, 0.0)  # number of Lyapunov exponents, and from when on [s]
+
+
+def plan(sources: tuple[str, ...], changes: dict[str, str], output: str | None) -> list[Job]:
+    """The jobs of one `vibsim run`, every case read.
+
+    Raises CaseError, ResultFileError, and UsageError where two cases would go into one file, or where a file
+    is called what an HDF5 file is not.
+    """
+    cases = [read_case(source, changes) for source in sources]
+    return [Job(case, path) for case, path in zip(cases, _outputs(cases, output), strict=True)]
+
+
+def check_outputs(jobs: list[Job], force: bool) -> None:
+    """Raise ResultFileError for an output that exists (unless `force`) or cannot be written."""
+    for job in jobs:
+        check_output(job.output, force)
+
+
+def hdf5_name(output: str) -> str:
+    """The name of an output file as given. Raises UsageError where its suffix promises another format."""
+    suffix = Path(output).suffix
+    if suffix.lower() not in SUFFIXES:
+        said = f"suffix {suffix}" if suffix else "no suffix"
+        exported = "; for CSV or MAT: vibsim export" if suffix.lower() in (".csv", ".mat") else ""
+        raise click.UsageError(f"-o {output}: {said}; results are HDF5 files, .h5 or .hdf5{exported}")
+    return output
+
+
+def read_case(source: str, changes: dict[str, str]) -> "Case":
+    """A case from a YAML file, a shipped name, "-", or the file of a run, sweep or branch."""
+    from vibsim.cases import load_case
+
+    if source == "-" or not is_result_file(source):
+        return load_case(source, changes)
+    if kind_of(source) not in ("trajectory", "sweep", "branch"):
+        raise ResultFileError(f"{source}: holds no run; give a case, or the file of a run, sweep or branch")
+    result = open_result(source)
+    case = replace(result.case, text=result.attrs["case_yaml"])
+    return case.with_values(changes) if changes else case
+
+
+def check_engine(engine: str) -> None:
+    """Usage error where the C engine is asked for and was not built."""
+    from vibsim.engine.choice import compiled
+
+    if engine == "c" and not compiled():
+        raise click.UsageError("--engine c: this installation has no C engine; leave --engine out")
+
+
+def check_digits(digits: int | str | None, engine: str) -> None:
+    """Usage error where many digits are asked for and cannot be had."""
+    if digits is None:
+        return
+    from vibsim.physics.number_kits import MultiprecisionMissing, installed_library
+
+    if engine == "c":
+        raise click.UsageError("--digits needs the Python engine; the C engine has doubles only")
+    try:
+        installed_library()
+    except MultiprecisionMissing as error:
+        raise click.UsageError(f"--digits: {error}") from error
+
+
+def with_exponents(
+    jobs: list[Job], count: int | str | None, discard: str | None, digits: int | str | None
+) -> list[Job]:
+    """The jobs with so many Lyapunov exponents ("all": as many as each case has) behind a transient.
+
+    Raises UsageError for more exponents than a case has, a transient that leaves nothing of a run, a
+    transient without exponents, and exponents with digits.
+    """
+    if count is None:
+        if discard is not None:
+            raise click.UsageError("--discard leaves a transient out of --lyapunov, which is not given")
+        return jobs
+    if digits is not None:
+        raise click.UsageError("--lyapunov needs doubles; leave --digits out")
+    return [replace(job, tangent=_tangent(job.case, count, discard)) for job in jobs]
+
+
+def _tangent(case: "Case", count: int | str, discard: str | None) -> tuple[int, float]:
+    from vibsim.engine.tangent.tangent_space import dimension
+    from vibsim.sweeps.plan.discard import HALF, parse_discard
+
+    scene = case.scene()
+    if count != "all" and int(count) > dimension(scene):
+        raise click.UsageError(f"--lyapunov {count}: {case.name} has {dimension(scene)} exponents")
+    try:
+        begin = (HALF if discard is None else parse_discard(discard)).time(scene.t_end)
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint="'--discard'") from error
+    if not begin < scene.t_end:
+        raise click.UsageError(f"--discard {discard}: leaves nothing of {case.name}, {scene.t_end:g} s")
+    return (dimension(scene) if count == "all" else int(count)), begin
+
+
+def check_picture(picture: str | None, count: int, force: bool) -> None:
+    """Settle before the run that its picture can be written.
+
+    Raises UsageError for several runs, PlotError for its format, ResultFileError.
+    """
+    if picture is None:
+        return
+    if count > 1:
+        raise click.UsageError("--plot draws one run; for several use vibsim plot")
+    from vibsim.plots.picture import picture_suffix
+
+    picture_suffix(picture)
+    check_output(picture, force)
+
+
+def print_plan(jobs: list[Job], settings: Settings) -> None:
+    """Print what would be run: each case with its defaults filled in, and its file."""
+    for job in jobs:
+        resolved = json.loads(job.case.resolved_json())
+        if settings.json:
+            told = {"file": str(job.output), "file_exists": os.path.exists(job.output)}
+            print_json({**told, "case": resolved, "case_sha256": job.case.sha256})
+            continue
+        if settings.quiet:
+            continue
+        say(heading(job.case.name, job.case.title))
+        file = f"{job.output} (not written: dry run{_in_the_way(job)})"
+        print_lines([*case_lines(job.case), ("file", file)])
+        print_json(resolved, indent=2)
+
+
+def _in_the_way(job: Job) -> str:
+    return "; it exists, and --force would replace it" if os.path.exists(job.output) else ""
+
+
+def _outputs(cases: list["Case"], output: str | None) -> list[Path]:
+    names = [f"{case.name}.h5" for case in cases]
+    if len(set(names)) < len(names):
+        repeated = next(name for name in names if names.count(name) > 1)
+        raise click.UsageError(f"two of the cases would be written to {repeated}; run them one by one")
+    if output is None:
+        return [Path(name) for name in names]
+    in_folder = os.path.isdir(output)  # no for what cannot be, such as too long a name
+    if len(cases) > 1 and not in_folder:
+        raise click.UsageError(f"-o {output}: several cases need a folder that exists")
+    if in_folder:
+        return [Path(output) / name for name in names]
+    return [Path(hdf5_name(output))]

@@ -1,0 +1,1 @@
+"""The terminal: what goes to its streams, progress, and interruption."""

@@ -1,0 +1,48 @@
+"""Says of a run that takes far longer than its span suggests how fast it goes and how long it may take."""
+
+import time
+from collections.abc import Callable
+from math import isfinite
+
+from vibsim.command_line.terminal.printing import say
+
+PATIENCE = 1.0  # seconds on the clock over which the rate is taken
+SLOW = 100.0  # seconds of the motion in one on the clock; the cases of the paper take 10,000
+LONG = 60.0  # seconds; a run that ends sooner needs no word
+UNITS = (("years", 31_557_600.0), ("days", 86_400.0), ("hours", 3600.0), ("minutes", 60.0))
+
+
+class SlowRun:
+    """Tells once, on stderr, that the run `label` to `t_end` [s] is slow."""
+
+    def __init__(
+        self, label: str, t_end: float, wanted: bool = True, clock: Callable[[], float] = time.monotonic
+    ):
+        self._label, self._t_end, self._wanted, self._clock = label, t_end, wanted, clock
+        self._since, self._t = clock(), 0.0
+
+    def note(self, t: float) -> None:
+        """Learn that the run is worked out to `t` [s]."""
+        now = self._clock()
+        if not self._wanted or now - self._since < PATIENCE:
+            return
+        rate = (t - self._t) / (now - self._since)
+        left = (self._t_end - t) / rate if rate > 0 else float("inf")
+        self._since, self._t = now, t
+        if 0 <= rate < SLOW and left > LONG:
+            self._wanted = False
+            say(f"{self._label}: {_told(t, rate, left)}", err=True)
+
+
+def _told(t: float, rate: float, left: float) -> str:
+    if not isfinite(left):
+        return f"slow: no further than t = {t:.3g} s in the last second; Ctrl-C ends it"
+    return f"slow: {rate:.2g} s of the motion per second, about {duration(left)} more; Ctrl-C ends it"
+
+
+def duration(seconds: float) -> str:
+    """So many seconds in the unit that suits, to two digits: "3.1 hours", "1.2e+09 years"."""
+    for unit, length in UNITS:
+        if seconds >= 2 * length:
+            return f"{seconds / length:.2g} {unit}"
+    return f"{seconds:.0f} seconds"

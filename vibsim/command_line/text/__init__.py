@@ -1,0 +1,1 @@
+"""Results and cases in words: what commands print."""

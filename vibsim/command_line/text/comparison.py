@@ -1,0 +1,57 @@
+"""A comparison of two runs in lines for people."""
+
+from collections.abc import Sequence
+
+from vibsim.analysis.block_averages import Average
+from vibsim.analysis.comparison import WORDS, ComparedStatistic, Comparison
+from vibsim.command_line.terminal.printing import style
+from vibsim.command_line.text.summary import short
+from vibsim.results import Result
+
+COLORS = {"identical": "green", "agree": "green", "differ": "red"}
+
+
+def comparison_lines(
+    runs: Sequence[Result], paths: Sequence[str], found: Comparison
+) -> list[tuple[str, str]]:
+    """Label and text: both runs, what differs of them, until when they agree, statistics, verdict."""
+    lines = [(label, _run_text(run, path)) for label, run, path in zip("AB", runs, paths, strict=True)]
+    for row, difference in enumerate(found.differences):
+        lines.append(("" if row else "differences", f"{difference.key}: {difference.a}  |  {difference.b}"))
+    if found.verdict != "identical":
+        lines.append(("agreement", _agreement_text(found)))
+    if found.statistics:
+        lines.append(("statistics", f"from {found.statistics_from:.4g} to {found.span:g} s"))
+    lines += [(statistic.name, _statistic_text(statistic)) for statistic in found.statistics]
+    if found.verdict in ("agree_until", "differ") and not found.statistics:
+        lines.append(("statistics", "none: what lies beyond is too short"))
+    verdict = style(WORDS[found.verdict], fg=COLORS.get(found.verdict, "yellow"), bold=True)
+    return [*lines, ("verdict", verdict + _reason(found))]
+
+
+def _run_text(run: Result, path: str) -> str:
+    horizon = "" if run.trust_horizon is None else f", trust horizon {run.trust_horizon:.4g} s"
+    return f"{path}: {run.attrs['case_name']}, {run.t_reached:g} s{horizon}"
+
+
+def _agreement_text(found: Comparison) -> str:
+    within = f"within {short(found.tolerance)} m"
+    if found.verdict == "agree":
+        return f"{within} to the end, {found.span:g} s"
+    if found.agree_until is None:
+        return f"not {within} at the start"
+    return f"{within} until {found.agree_until:.4g} of {found.span:g} s"
+
+
+def _statistic_text(statistic: ComparedStatistic) -> str:
+    text = f"{_interval(statistic.a)}  |  {_interval(statistic.b)} {statistic.unit}"
+    return text + style("  differs", fg="red") if statistic.differs else text
+
+
+def _interval(value: Average) -> str:
+    return f"{value.mean:.5g} +- {value.half_width:.1g}"
+
+
+def _reason(found: Comparison) -> str:
+    names = [statistic.name for statistic in found.statistics if statistic.differs]
+    return f": {', '.join(names)}" if names else ""

@@ -1,0 +1,125 @@
+"""Describe a result file: a trajectory here, a sweep by the sweeps, others by their tables."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from vibsim.command_line.options.settings import Settings
+from vibsim.command_line.terminal.printing import plain, print_json, say
+from vibsim.command_line.text.quantities import size
+from vibsim.command_line.text.summary import heading, print_lines, result_lines, summary_object
+from vibsim.opening import open_result
+from vibsim.results import Result, kind_of
+
+TOLD = ("case_yaml", "case_resolved_json", "case_name", "title", "case_sha256", "date_created", "platform")
+LONGEST = 80  # characters of an attribute
+
+
+def print_case(path: str, settings: Settings) -> None:
+    """Print the YAML text that a result file was computed from."""
+    text = open_result(path).attrs["case_yaml"]
+    if settings.json:
+        print_json({"file": path, "case_yaml": text})
+    else:
+        say(text, nl=False)
+
+
+def print_description(path: str, settings: Settings) -> None:
+    """Print what a result file holds."""
+    kind = kind_of(path)
+    told = {"bench": _print_bench, "fit": _print_fit, "branch": _print_branch, "locus": _print_locus}
+    if kind in told:
+        told[kind](path, settings)
+        return
+    if kind != "trajectory":
+        _print_sweep(path, settings)
+        return
+    result = open_result(path)
+    if settings.json:
+        print_json(summary_object(result, path))
+    elif not settings.quiet:
+        _print_trajectory(result, path, settings)
+
+
+def _print_sweep(path: str, settings: Settings) -> None:
+    from vibsim.sweeps import describe
+
+    lines, facts = describe(path)
+    if settings.json:
+        print_json({"file": path, **facts})
+    elif not settings.quiet:
+        print_lines([*lines, *(attribute_lines(facts) if settings.verbose else ())])
+
+
+def _print_bench(path: str, settings: Settings) -> None:
+    from vibsim.command_line.text.bench import print_bench
+    from vibsim.evidence.benchmark.description import facts
+
+    bench = open_result(path)
+    if settings.json:
+        print_json({"file": path, **facts(bench)})
+    elif not settings.quiet:
+        print_bench(bench, path, more=attribute_lines(bench.attrs) if settings.verbose else ())
+
+
+def _print_fit(path: str, settings: Settings) -> None:
+    from vibsim.command_line.jobs.fit import print_fit
+    from vibsim.fitting.description import facts
+
+    _print_whole(path, settings, facts, print_fit)
+
+
+def _print_branch(path: str, settings: Settings) -> None:
+    from vibsim.branches.description import facts
+    from vibsim.command_line.jobs.continuation import print_branch
+
+    _print_whole(path, settings, facts, print_branch)
+
+
+def _print_locus(path: str, settings: Settings) -> None:
+    from vibsim.branches.description import locus_facts
+    from vibsim.command_line.jobs.locus import print_locus
+
+    _print_whole(path, settings, locus_facts, print_locus)
+
+
+def _print_whole(
+    path: str, settings: Settings, facts: Callable[[Any], dict[str, Any]], show: Callable[..., None]
+) -> None:
+    """What was printed when the file was made, its attributes too if asked for."""
+    result = open_result(path)
+    if settings.json:
+        print_json({"file": path, **facts(result)})
+    elif not settings.quiet:
+        more = attribute_lines(result.attrs) if settings.verbose else ()
+        show(result, f"{path} ({size(path)})", more)
+
+
+def _print_trajectory(result: Result, path: str, settings: Settings) -> None:
+    attrs = result.attrs
+    say(heading(attrs["case_name"], attrs["title"]))
+    print_lines(
+        [
+            *result_lines(result),
+            ("samples", f"{len(result)} x {', '.join(result.keys())}"),
+            ("events", f"{len(result.events['t'])} x {', '.join(result.events)}"),
+            ("written", written_text(attrs)),
+            ("fingerprint", attrs["case_sha256"]),
+            *(attribute_lines(attrs) if settings.verbose else ()),
+            ("file", f"{path} ({size(path)})"),
+        ]
+    )
+
+
+def attribute_lines(attrs: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """The attributes of the file that the other lines do not tell, by their names."""
+    items = ((name, plain(value)) for name, value in attrs.items() if name not in TOLD)
+    texts = [f"{name} = {value}" for name, value in items if len(str(value)) < LONGEST]
+    return [("" if i else "attributes", text) for i, text in enumerate(texts)]
+
+
+def written_text(attrs: dict) -> str:
+    """When, by what and where a file was written."""
+    took = f" in {attrs['wall_time_s']:.3g} s" if "wall_time_s" in attrs else ""
+    parts = ("vibsim", "Python", "numpy")
+    versions = ", ".join(f"{part} {attrs[f'{part.lower()}_version']}" for part in parts)
+    return f"{attrs['date_created']}{took}; {versions}; {attrs['platform']}"

@@ -1,0 +1,50 @@
+"""The Lyapunov exponents that a run took along, for people (lines) and for programs (JSON)."""
+
+import math
+from typing import Any
+
+from vibsim.analysis.exponents import Lyapunov, stored_exponents
+from vibsim.command_line.terminal.printing import style
+from vibsim.results import Result
+
+
+def exponent_lines(result: Result) -> list[tuple[str, str]]:
+    """Label and text: the exponents with their intervals, their span, and what speaks against them."""
+    found = stored_exponents(result)
+    if found is None:
+        return []
+    pairs = zip(found.exponents.tolist(), found.half_widths.tolist(), strict=True)
+    begin, end = found.span
+    lines = [
+        ("exponents", f"{', '.join(exponent_text(*pair) for pair in pairs)} 1/s"),
+        ("", f"from {begin:.4g} to {end:.4g} s{checks(found, bool(result.case.scene().rigid_stops))}"),
+    ]
+    return lines + [("", style(warning, fg="yellow")) for warning in found.warnings]
+
+
+def exponent_object(result: Result) -> dict[str, Any]:
+    """What the intervals and warnings add to the attributes of a run."""
+    found = stored_exponents(result)
+    if found is None:
+        return {}
+    return {"lyapunov_half_widths": found.half_widths, "lyapunov_warnings": list(found.warnings)}
+
+
+def exponent_text(value: float, half_width: float) -> str:
+    """1.27 +- 0.12; -inf where sticking took the direction, none where there is none."""
+    if math.isnan(value):
+        return "none"
+    if math.isinf(value):
+        return "-inf"
+    return f"{value:.3g}" if math.isnan(half_width) else f"{value:.3g} +- {half_width:.2g}"
+
+
+def checks(found: Lyapunov, rests: bool) -> str:
+    """Rank losses, and how well volumes obey Liouville's identity."""
+    parts = []
+    if found.rank_losses:
+        losses = f"{found.rank_losses} rank loss{'' if found.rank_losses == 1 else 'es'}"
+        parts.append(f"{losses} by {'sticking, rest and blows' if rests else 'sticking'}")
+    if not math.isnan(found.volume_residual):
+        parts.append(f"volume residual {found.volume_residual:.1e}")
+    return "".join(f", {part}" for part in parts)

@@ -1,0 +1,125 @@
+"""Lines of the motor over load curves: torque against speed for given no-load speeds, and what they meet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from vibsim.plots.branches.curves import Value, pieces
+from vibsim.plots.branches.values import mean_speed_of, parameter_of
+from vibsim.plots.motion.natural_frequencies import motor_of
+from vibsim.plots.page.quantities import Scale
+from vibsim.plots.style import GREY, points
+
+FONT_SIZE = 6.5
+PLACES = 120  # on a line that are tried for its name
+CLEAR_PT, LEAST_PT = 14.0, 5.0  # between a name and a curve or the frame: enough, and the least
+HEIGHT = 0.62  # of the axes where names stand if they can
+
+
+def torque_of(branch: Any) -> Value:
+    """Mean torque [N m] of an orbit of a branch over the no-load speed."""
+    stall, speed, no_load = motor_of(branch.map.scene).M0, mean_speed_of(branch), parameter_of(branch)
+    return lambda orbit: float(stall * (1 - speed(orbit) / no_load(orbit)))
+
+
+@dataclass(frozen=True)
+class LoadCurve:
+    """A branch over the no-load speed; torques are drawn in the unit of `scale`."""
+
+    branch: Any
+    scale: Scale
+
+    def speed(self, orbit: Any) -> float:
+        """Mean speed of an orbit [Hz]."""
+        return mean_speed_of(self.branch)(orbit)
+
+    def torque(self, orbit: Any) -> float:
+        """Mean torque of an orbit, as drawn."""
+        return float(self.scale(torque_of(self.branch)(orbit)))
+
+    def places(self) -> list[tuple[float, float]]:
+        """Mean speed and torque of every orbit."""
+        return [(self.speed(point.orbit), self.torque(point.orbit)) for point in self.branch.points]
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """Where a line of the motor meets a load curve: mean speed [Hz], torque as drawn."""
+
+    speed: float
+    torque: float
+    stable: bool
+
+
+def crossings(curve: LoadCurve, no_load: float) -> list[Crossing]:
+    """Where the line of a no-load speed [Hz] meets a curve, between its points by their secants."""
+    parameter, met = parameter_of(curve.branch), []
+    along = [pieces(curve.branch, parameter, value) for value in (curve.speed, curve.torque)]
+    for speeds, torques in zip(*along, strict=True):
+        low, high = speeds.x[:-1], speeds.x[1:]
+        for i in np.flatnonzero(((low - no_load) * (high - no_load) <= 0) & (low != high)):
+            share = (no_load - low[i]) / (high[i] - low[i])
+            x, y = (float((1 - share) * of[i] + share * of[i + 1]) for of in (speeds.y, torques.y))
+            met.append(Crossing(x, y, speeds.stable))
+    return met
+
+
+@dataclass(frozen=True)
+class MotorLine:
+    """Torque stall (1 - speed / no_load), the speeds in Hz, the torques as drawn."""
+
+    no_load: float
+    stall: float
+
+    def at(self, speed: Any) -> Any:
+        """Torque at speeds [Hz]."""
+        return self.stall * (1 - speed / self.no_load)
+
+    def draw(self, axes: Axes) -> None:
+        """Through the axes, whose limits must be final."""
+        x = np.array(axes.get_xlim())
+        axes.plot(
+            x, self.at(x), color=GREY, linewidth=0.5, scalex=False, scaley=False, zorder=1, gid="motor line"
+        )
+
+    def write(self, axes: Axes, speed: float, text: str, **look: Any) -> None:
+        """A text on the line, in its direction."""
+        slope = np.degrees(np.arctan2(-self.stall / self.no_load, 1.0))
+        axes.text(
+            speed, float(self.at(speed)), text, rotation=slope, rotation_mode="anchor",
+            transform_rotates_text=True, ha="center", **look,
+        )  # fmt: skip
+
+
+def draw_motor_lines(axes: Axes, lines: Sequence[MotorLine], avoided: Sequence[tuple[float, float]]) -> None:
+    """Draw lines, and write each one's no-load speed where it keeps clear of places in data coordinates."""
+    for line in lines:
+        line.draw(axes)
+        speed = _free_place(axes, line, np.array(avoided))
+        if speed is not None:
+            line.write(
+                axes, speed, f"{line.no_load:g}", va="center", fontsize=points(FONT_SIZE), color="0.3",
+                bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8}, zorder=2, gid="no-load speed",
+            )  # fmt: skip
+
+
+def _free_place(axes: Axes, line: MotorLine, avoided: np.ndarray) -> float | None:
+    """Speed at which a name is clear of everything, nearest to the usual height; None where none is."""
+    speeds = np.linspace(*axes.get_xlim(), PLACES)
+    places = axes.transData.transform(np.column_stack([speeds, line.at(speeds)]))
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    pt, box = 72 / figure.dpi, axes.bbox
+    gaps = np.linalg.norm(places[:, None] - axes.transData.transform(avoided), axis=2).min(axis=1)
+    edges = [places[:, 0] - box.x0, box.x1 - places[:, 0], places[:, 1] - box.y0, box.y1 - places[:, 1]]
+    clearance = pt * np.minimum(gaps, np.min(edges, axis=0))
+    if clearance.max() < LEAST_PT:
+        return None
+    free = np.flatnonzero(clearance >= min(CLEAR_PT, clearance.max()))
+    heights = (places[free, 1] - box.y0) / box.height
+    return float(speeds[free[np.abs(heights - HEIGHT).argmin()]])

@@ -1,0 +1,168 @@
+"""Characteristics of springs and stops: their force against the relative displacement of their ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from vibsim.physics.body_sets import Pair, joined_pairs
+from vibsim.physics.parts import RigidStop, Scene, Stop
+from vibsim.plots.motion.relative_motion import (
+    difference,
+    draw_stop_line,
+    stop_label,
+    stop_position,
+    stops_between,
+)
+from vibsim.plots.page.curve_labels import Named, write_names
+from vibsim.plots.page.quantities import Scale, amount, scale_for
+from vibsim.plots.page.sheet import legend_above, letter_panels, note, sheet
+from vibsim.plots.style import BLUE, nested, points
+from vibsim.plots.subject import Subject
+from vibsim.plots.view import View
+
+REACH = 2.5  # the picture reaches this many gaps beyond the rest position on the side of the stop
+PLACES = (0.5, 0.35, 0.65, 0.2, 0.8, 0.05)  # of a name along its part of the curve, the better first
+NO_GAP = 1e-3  # a range to show where the scene gives none [m]
+MOST = 6  # panels
+HEIGHT_CM = 6.0
+SYMBOLS = {"coupling": "k_1", "stop": "k_2"}  # of the springs of the short form
+
+
+def draw(subjects: Sequence[Subject], view: View) -> Figure:
+    """Spring force against x_P - x_Q, a panel for each pair of ends that links and stops join.
+
+    Of two blocks F_s1 + F_s2, Eqs. (2.4), (2.5): slope k1, and k1 + k2 beyond the gap.
+    """
+    motions = motions_of(subjects)
+    shown = motions[:MOST]
+    figure = sheet(view, HEIGHT_CM * len(shown))
+    panels = list(figure.subplots(len(shown), 1, squeeze=False)[:, 0])
+    for axes, motion in zip(panels, shown, strict=True):
+        stiffness_panel(axes, subjects, motion)
+    if len(motions) > MOST:
+        note(panels[-1], f"{len(motions) - MOST} more pairs of ends are not shown")
+    letter_panels(panels)
+    return figure
+
+
+def motions_of(subjects: Sequence[Subject]) -> list[str]:
+    """What the relative displacements of the subjects are called, each once."""
+    every = [(subject.scene, pair) for subject in subjects for pair in joined_pairs(subject.scene)]
+    return list(dict.fromkeys(difference(scene, pair, "x") for scene, pair in every))
+
+
+def stiffness_panel(axes: Axes, subjects: Sequence[Subject], motion: str | None = None) -> None:
+    """The characteristic of one relative motion in given axes, by default the first one."""
+    motion = motion or motions_of(subjects)[0]
+    shown = [
+        (subject, pair)
+        for subject in subjects
+        for pair in joined_pairs(subject.scene)
+        if difference(subject.scene, pair, "x") == motion
+    ]
+    gaps = [abs(at) for subject, pair in shown for at, _ in all_stops(subject.scene, pair)]
+    reach = REACH * (max(gaps, default=0.0) or NO_GAP)
+    curves = [characteristic(subject.scene, pair, reach) for subject, pair in shown]
+    scales = scale_for("m", *(y for y, _ in curves)), scale_for("N", *(force for _, force in curves))
+    for i, ((subject, _), (y, force)) in enumerate(zip(shown, curves, strict=True)):
+        look = nested(i, len(shown), 1.0) if len(shown) > 1 else {"color": BLUE, "linewidth": 1.0}
+        axes.plot(scales[0](y), scales[1](force), label=subject.name, gid="stiffness", **look)
+    axes.axhline(0, color="0.8", linewidth=0.4, zorder=0)
+    axes.axvline(0, color="0.8", linewidth=0.4, zorder=0)
+    axes.set_xlabel(scales[0].label(f"Relative displacement {motion}"))
+    axes.set_ylabel(scales[1].label("Spring force"))
+    if len(subjects) == 1:
+        _name_slopes(axes, subjects[0].scene, shown[0][1], reach, scales)
+    else:
+        legend_above(axes)
+
+
+def corners(scene: Scene, pair: Pair) -> list[tuple[float, Stop]]:
+    """Relative displacement [m] at which each elastic stop between the ends is met, ascending."""
+    stops = [stop for stop in stops_between(scene, pair) if isinstance(stop, Stop)]
+    found = [(stop_position(stop, pair), stop) for stop in stops]
+    return sorted(found, key=lambda each: each[0])
+
+
+def rigid_stops_between(scene: Scene, pair: Pair) -> list[tuple[float, RigidStop]]:
+    """Relative displacement [m] at which each rigid stop between the ends is met: no curve goes beyond."""
+    stops = [stop for stop in stops_between(scene, pair) if isinstance(stop, RigidStop)]
+    return [(stop_position(stop, pair), stop) for stop in stops]
+
+
+def all_stops(scene: Scene, pair: Pair) -> list[tuple[float, Stop | RigidStop]]:
+    """The stops between the ends and where each is met [m], those of one kind after the other."""
+    return [*corners(scene, pair), *rigid_stops_between(scene, pair)]
+
+
+def within_rigid_stops(scene: Scene, pair: Pair, reach: float) -> tuple[float, float]:
+    """The least and the largest relative displacement [m] that rigid stops allow, at most `reach` off 0."""
+    stops = rigid_stops_between(scene, pair)
+    low = max([-reach, *(at for at, stop in stops if _side(stop, pair) < 0)])
+    high = min([reach, *(at for at, stop in stops if _side(stop, pair) > 0)])
+    return low, high
+
+
+def spring_force(scene: Scene, pair: Pair, y: np.ndarray) -> np.ndarray:
+    """Force of springs and stops between the ends [N] at x_P - x_Q = y [m], dampers left out."""
+    force = np.zeros_like(y)
+    for link in scene.links:
+        if {link.P, link.Q} == {pair.P, pair.Q}:
+            force = force + link.k * y
+    for at, stop in corners(scene, pair):
+        side = _side(stop, pair)
+        force = force + side * stop.k * np.maximum(side * (y - at), 0.0)
+    return force
+
+
+def _side(stop: Stop | RigidStop, pair: Pair) -> int:
+    """1 where the stop is met by growing x_P - x_Q of the pair, else -1."""
+    return -stop.sense if stop.P == pair.P else stop.sense
+
+
+def characteristic(scene: Scene, pair: Pair, reach: float) -> tuple[np.ndarray, np.ndarray]:
+    """The polyline (y [m], force [N]): its ends and its corners at the stops."""
+    low, high = within_rigid_stops(scene, pair, reach)
+    y = np.unique([low, *(at for at, _ in corners(scene, pair) if low < at < high), high])
+    return y, spring_force(scene, pair, y)
+
+
+def _name_slopes(axes: Axes, scene: Scene, pair: Pair, reach: float, scales: tuple[Scale, Scale]) -> None:
+    """The slopes in words, beside the curve and inside the frame; limits are settled before."""
+    knots, _ = characteristic(scene, pair, reach)
+    named = []
+    for low, high in sorted(pairwise(knots.tolist()), key=lambda part: not part[0] < 0 < part[1]):
+        near, far = sorted((low, high), key=abs)
+        text = _slope(scene, pair, (low + high) / 2)
+        named.append(_named(text, scene, pair, scales, 0.0 if low < 0 < high else near, far))
+    for at, stop in all_stops(scene, pair):
+        draw_stop_line(axes, at, scales[0], stop_label(stop))
+    axes.set_xlim(axes.get_xlim())
+    axes.set_ylim(axes.get_ylim())
+    write_names(axes, named)
+
+
+def _slope(scene: Scene, pair: Pair, y: float) -> str:
+    """The stiffness at x_P - x_Q = y [m] in words, with its symbols where the paper has them."""
+    acting = [link for link in scene.links if {link.P, link.Q} == {pair.P, pair.Q}]
+    touched = [stop for at, stop in corners(scene, pair) if _side(stop, pair) * (y - at) > 0]
+    springs = [*((link.name, link.k) for link in acting), *((stop.name, stop.k) for stop in touched)]
+    value = amount(sum(k for _, k in springs), "N/m")
+    if springs and all(name in SYMBOLS for name, _ in springs):
+        return f"slope ${' + '.join(SYMBOLS[name] for name, _ in springs)}$ = {value}"
+    return f"slope {value}"
+
+
+def _named(
+    text: str, scene: Scene, pair: Pair, scales: tuple[Scale, Scale], start: float, end: float
+) -> Named:
+    """A name for the straight part of the curve between two displacements [m], at its middle if it fits."""
+    y = start + (end - start) * np.array(PLACES)
+    behind = {"facecolor": "white", "edgecolor": "none", "pad": 0.8}  # lines of the axes end there
+    look = {"fontsize": points(7), "gid": "slope", "bbox": behind}
+    return Named(text, scales[0](y), scales[1](spring_force(scene, pair, y)), look)

@@ -1,0 +1,97 @@
+"""Amplitude spectra of displacements: of a whole span, or of pieces of it one after another."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vibsim.analysis.dominant_frequencies import displacement, fastest, motions_of, spectrum_of, without_line
+from vibsim.plots.errors import PlotError
+from vibsim.plots.motion.samples import rows
+from vibsim.plots.subject import Subject
+from vibsim.plots.view import Span
+
+FEWEST = 64  # samples of a piece
+OVERLAP = 0.75  # of a piece with the next
+SHOWN = 6.0  # highest frequency shown, in multiples of the fastest of source and free vibration
+PERIODS = 8.0  # of the slowest vibration in a piece
+FLOOR = 1e-6  # of the largest amplitude: what lies below is not shown
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """Spectra of pieces.
+
+    Attributes
+    ----------
+    times : middle of each piece (n) [s]
+    hz : frequencies (m) [Hz]
+    amplitudes : (n, m) [m]; a sine of amplitude A reads A
+    length : of a piece [s]
+    """
+
+    times: np.ndarray
+    hz: np.ndarray
+    amplitudes: np.ndarray
+    length: float
+
+
+def spectrum(subject: Subject, span: Span, column: str) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies [Hz] and amplitudes [m] of a displacement (or relative motion) over a span [s].
+
+    Raises PlotError where it has too few samples.
+    """
+    x, every = _samples(subject, span, column)
+    amplitudes, step = spectrum_of(without_line(x), every)
+    hz = np.arange(len(amplitudes)) * step
+    return _shown(subject, hz, amplitudes)
+
+
+def pieces(subject: Subject, span: Span, column: str, count: int = 200) -> Pieces:
+    """Spectra of pieces of a span that overlap, at most `count` of them."""
+    x, every = _samples(subject, span, column)
+    length = min(max(FEWEST, round(PERIODS / slowest(subject, span) / every)), len(x) // 2)
+    if length < FEWEST:
+        raise PlotError(f"{subject.path}: {len(x)} samples are too few for spectra of pieces of the span")
+    hop = max(round(length * (1 - OVERLAP)), -(-(len(x) - length) // (count - 1)), 1)
+    begins = range(0, len(x) - length + 1, hop)
+    transforms = [spectrum_of(without_line(x[i : i + length]), every) for i in begins]
+    step = transforms[0][1]
+    hz, amplitudes = _shown(
+        subject, np.arange(len(transforms[0][0])) * step, np.array([sizes for sizes, _ in transforms])
+    )
+    first = span_begin(subject, span)
+    times = first + (np.array(begins) + length / 2) * every
+    return Pieces(times, hz, amplitudes, length * every)
+
+
+def span_begin(subject: Subject, span: Span) -> float:
+    """Time of the first sample within a span [s]."""
+    return float(subject.result.column("time")[rows(subject.result, span).start])
+
+
+def slowest(subject: Subject, span: Span) -> float:
+    """A low frequency of the motion [Hz]: a quarter of the fastest of source and free vibration."""
+    return (fastest(subject.scene, None) or 8 / (span[1] - span[0])) / 4
+
+
+def first_motion(subject: Subject) -> str:
+    """Name of the relative motion that spectra are of, unless another is asked for."""
+    return next(iter(motions_of(subject.scene)))
+
+
+def _samples(subject: Subject, span: Span, column: str) -> tuple[np.ndarray, float]:
+    within = rows(subject.result, span)
+    if within.stop - within.start < FEWEST:
+        raise PlotError(f"{subject.path}: a spectrum needs {FEWEST} samples, and the span holds fewer")
+    scene = subject.scene
+    return displacement(subject.result, within, column), scene.every_num / scene.every_den
+
+
+def _shown(subject: Subject, hz: np.ndarray, amplitudes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The part of the spectrum that is drawn: without what samples cannot tell."""
+    source = subject.scene.motor.Omega0 / (2 * np.pi) if subject.scene.motor else None
+    top = SHOWN * fastest(subject.scene, source)
+    rows = hz <= (top or hz[-1])
+    return hz[rows], amplitudes[..., rows]

@@ -1,0 +1,253 @@
+"""The curves of a sweep: one per direction and value of the other axes, along the axis that is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby, product
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.figure import Figure
+
+from vibsim.cases.forms import LONG
+from vibsim.plots.motion.natural_frequencies import Frequency, fractions, natural_frequencies
+from vibsim.plots.page.sheet import legend_below
+from vibsim.plots.style import BLUE, VERMILLION, overlay
+from vibsim.plots.subject import Subject
+from vibsim.plots.sweeps.axes import along, label_of, numbers, positions, shown, value_texts
+from vibsim.plots.view import View
+from vibsim.sweeps.ensemble import quantile, summary
+
+TUNING = {  # what natural frequencies depend on, in either form of a case
+    "blocks.m1", "blocks.m2", "coupling.k1", "stop.k2", "excitation.m3",
+    "bodies.*", "links.*.k", "stops.*.k", "motor.m3",
+}  # fmt: skip
+COLOURS = 7  # curves told apart by the colours of the style; more take those of a colour map
+BRIGHTEST = 0.9  # part of the colour map in use: its end is too pale for lines
+BANDS = ((0.05, 0.95), (0.25, 0.75))  # quantiles of the members of an ensemble
+UP, DOWN = 1, -1
+DIRECTION_NAMES = {UP: "up", DOWN: "down"}
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One curve.
+
+    Attributes
+    ----------
+    subject : the sweep that it belongs to
+    family : number of its family, the curves that differ in direction alone
+    title : what sets its family apart
+    label : what sets the curve apart, for the legend
+    x : values of the axis drawn along (n), Hz for a speed
+    colour : its colour
+    down : whether it was swept downwards
+    members : size of the ensemble that the curve sums up, or None
+    joined : whether neighbours belong together: not the members of an ensemble
+    """
+
+    subject: Subject
+    family: int
+    title: str
+    label: str
+    x: np.ndarray
+    colour: Any
+    down: bool
+    members: int | None
+    joined: bool
+    _at: tuple[Any, ...]
+
+    def values(self, name: str) -> np.ndarray:
+        """What the sweep has of that name along the curve, (n) or (n, section); of an ensemble the median."""
+        return self.every(name) if self.members is None else quantile(self.every(name), 1, 0.5)
+
+    def every(self, name: str) -> np.ndarray:
+        """The same with all members of an ensemble: (n, members), or (n, members, section)."""
+        return self.subject.result[name][self._at]
+
+    def mean(self, name: str) -> np.ndarray:
+        """The same, of an ensemble the mean: what adds up goes on to do so."""
+        return self.every(name) if self.members is None else summary(self.every(name), 1).mean
+
+    def bands(self, name: str) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Quantiles (n) of the members between which they lie, the wider first; none without an ensemble."""
+        if self.members is None:
+            return []
+        return [tuple(quantile(self.every(name), 1, q) for q in ends) for ends in BANDS]  # type: ignore[misc]
+
+    @property
+    def apart(self) -> list[tuple[Any, int]]:
+        """(axis, position on it) of what sets it apart from the other curves of its sweep."""
+        axes = self.subject.result.axes
+        return [(axis, at) for axis, at in zip(axes, self._at, strict=False) if isinstance(at, int)]
+
+    @property
+    def look(self) -> dict[str, Any]:
+        """Line and markers: closed upwards, open and dashed downwards."""
+        face = "white" if self.down else self.colour
+        return {
+            "color": self.colour, "linestyle": self._dashes, "marker": "o",
+            "markersize": 2.0, "markeredgewidth": 0.5, "markerfacecolor": face,
+        }  # fmt: skip
+
+    @property
+    def _dashes(self) -> Any:
+        if not self.joined:
+            return "none"
+        return (0, (4, 1.5)) if self.down else "-"
+
+
+def curves(subjects: Sequence[Subject]) -> list[Curve]:
+    """All curves of the subjects."""
+    every = [(subject, others) for subject in subjects for others in _others(subject.result)]
+    tones = _tones(subjects, len(every))
+    found = []
+    for i, (subject, others) in enumerate(every):
+        result, a = subject.result, along(subject.result)
+        directions = result.directions if result.plan.carry else result.directions[:1]
+        x = positions(result)
+        ascending = np.argsort(x, kind="stable")
+        alone = result.axes[a] is result.members  # then nothing but the ensemble is there to draw along
+        members = None if alone or result.members is None else len(result.members)
+        for d, direction in enumerate(directions):
+            title = _title(subject, others, len(subjects) > 1)
+            label = ", ".join(filter(None, [title, DIRECTION_NAMES[direction] if result.plan.carry else ""]))
+            colour = _colour(i, len(every), direction, tones[i])
+            at = list(others)
+            at.insert(a, ascending)
+            found.append(
+                Curve(
+                    subject,
+                    i,
+                    title,
+                    label,
+                    x[ascending],
+                    colour,
+                    direction == DOWN,
+                    members,
+                    not alone,
+                    (*at, d),
+                )
+            )
+    return found
+
+
+def _others(result: Any) -> Iterator[tuple[Any, ...]]:
+    """Positions along the axes not drawn along, all members of an ensemble together."""
+    lengths = [
+        [slice(None)] if axis is result.members else range(len(axis))
+        for i, axis in enumerate(result.axes)
+        if i != along(result)
+    ]
+    return product(*lengths)
+
+
+def _family_axes(result: Any) -> list[Any]:
+    """The axes whose values tell curves apart."""
+    return [axis for i, axis in enumerate(result.axes) if i != along(result) and axis is not result.members]
+
+
+def _tones(subjects: Sequence[Subject], count: int) -> np.ndarray:
+    """Places of `count` curves in the colour map, 0 to 1: by the value that tells them apart, or in turn."""
+    axis = _toned_axis(subjects)
+    values = np.arange(count, dtype=float) if axis is None else numbers(axis)
+    return (values - values.min()) / (np.ptp(values) or 1.0)
+
+
+def _toned_axis(subjects: Sequence[Subject]) -> Any | None:
+    """The one axis whose values the colours of the curves tell, if there is just one."""
+    axes = _family_axes(subjects[0].result)
+    several = [axis for axis in axes if len(axis) > 1]
+    return several[0] if len(subjects) == 1 and len(several) == 1 else None
+
+
+def families(drawn: Sequence[Curve]) -> list[list[Curve]]:
+    """The curves, those of a family together."""
+    return [list(members) for _, members in groupby(drawn, key=lambda curve: curve.family)]
+
+
+def _title(subject: Subject, others: tuple[Any, ...], named: bool) -> str:
+    result = subject.result
+    axes = [axis for i, axis in enumerate(result.axes) if i != along(result)]
+    parts = [subject.name] if named else []
+    values = [
+        value_texts(axis)[i] for axis, i in zip(axes, others, strict=True) if axis is not result.members
+    ]
+    return ", ".join([*parts, *values])
+
+
+def alone(curve: Curve) -> Curve:
+    """The curve as it looks in a panel of its family."""
+    direction = DOWN if curve.down else UP
+    return replace(curve, colour=_colour(0, 1, direction, 0.0), label=DIRECTION_NAMES[direction])
+
+
+def _colour(index: int, count: int, direction: int, tone: float) -> Any:
+    if count == 1:
+        return VERMILLION if direction == DOWN else BLUE
+    if count <= COLOURS:
+        return overlay(index)["color"]
+    return matplotlib.colormaps["viridis"](BRIGHTEST * tone)
+
+
+def frequencies(subjects: Sequence[Subject], parts: bool = False) -> list[Frequency]:
+    """Natural frequencies that hold for every point of every subject, equal ones once.
+
+    parts : whether to add fractions of them
+    """
+    found: dict[tuple[str, float], Frequency] = {}
+    for subject in subjects:
+        if not TUNING & {LONG.pattern(key) for axis in subject.result.axes for key in axis.keys}:
+            own = [*natural_frequencies(subject.scene), *(fractions(subject.scene) if parts else [])]
+            found |= {(f.label, round(f.hz, 6)): f for f in own}
+    return list(found.values())
+
+
+def name_curves(figure: Figure, panels: Sequence[Axes], drawn: Sequence[Curve], **options: Any) -> None:
+    """What tells the curves apart, under the picture: a legend (`options`), or the colours of many values."""
+    subjects = list({id(curve.subject): curve.subject for curve in drawn}.values())
+    axis, count = _toned_axis(subjects), len({curve.family for curve in drawn})
+    if axis is not None and count > COLOURS:
+        shades = matplotlib.colormaps["viridis"](np.linspace(0, BRIGHTEST, 256))
+        norm = Normalize(float(numbers(axis).min()), float(numbers(axis).max()))
+        bar = ScalarMappable(norm, ListedColormap(shades))
+        figure.colorbar(
+            bar, ax=list(panels), location="bottom", label=label_of(axis), aspect=40, pad=0.02, shrink=0.8
+        )
+        return
+    handles, labels = panels[0].get_legend_handles_labels()
+    named = [(handle, label) for handle, label in zip(handles, labels, strict=True) if label]
+    if len(named) < 2:
+        return
+    if count > COLOURS:
+        named = [named[0], named[len(named) // 2], named[-1]]  # of a colour map
+    legend_below(figure, *zip(*named, strict=True), **options)
+
+
+def draw_bands(axes: Axes, curve: Curve, name: str, scale: Callable[[Any], Any]) -> None:
+    """Between which quantiles the members of an ensemble lie, as areas."""
+    for low, high in curve.bands(name):
+        axes.fill_between(
+            curve.x, scale(low), scale(high), color=curve.colour, alpha=0.2, linewidth=0, gid="quantiles"
+        )
+
+
+def ensemble_note(drawn: Sequence[Curve]) -> str:
+    """What line and bands of an ensemble are, in words; empty without one."""
+    members = {curve.members for curve in drawn if curve.members is not None}
+    if not members:
+        return ""
+    percent = ", ".join(f"{100 * low:.0f}–{100 * high:.0f} %" for low, high in BANDS)
+    return f"median and {percent} of {' or '.join(map(str, sorted(members)))} members"
+
+
+def limit(axes: Axes, drawn: Sequence[Curve], view: View) -> None:
+    """The span of the parameter: the view's window in its unit, or everything."""
+    low, high = min(curve.x.min() for curve in drawn), max(curve.x.max() for curve in drawn)
+    margin = 0.02 * (high - low) or 0.05 * abs(high) or 1.0
+    axes.set_xlim(*shown(low - margin, high + margin, view))
