@@ -10,7 +10,7 @@ from vibsim.branches import continue_branch
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
 from vibsim.orbits.start import case_on_orbit
-from vibsim.plots.branches.curves import pieces
+from vibsim.plots.branches.curves import MARKS, pieces
 from vibsim.plots.branches.leaps import dead_ends, leaps_of
 from vibsim.plots.branches.motor_lines import LoadCurve, crossings, torque_of
 from vibsim.plots.branches.over_sweep import belongs
@@ -50,6 +50,18 @@ def test_kinds_fit_and_nothing_is_cut_off(captured, kind):
     assert clipped_texts(figure) == []
 
 
+def test_marks_are_told_apart_in_black_and_white(captured):
+    """By shape and filling: those of special points and of operating points."""
+    figure = kind_named("load-curve").draw([captured], View(width="page"))
+    places = lines(figure, "operating point")
+    looks = [(marker, filled) for marker, _, filled, _ in MARKS.values()]
+    ours = {(one.get_marker(), one.get_markerfacecolor() != "white") for one in places}
+    assert ours == {("o", True), ("o", False)}
+    assert len({*looks, *ours}) == len(MARKS) + 2 and len({marker for marker, _ in looks}) == len(MARKS)
+    (fold,) = lines(figure, "fold")
+    assert fold.get_marker() == MARKS["fold"][0]
+
+
 def test_a_load_curve_needs_a_motor(resonant):
     with pytest.raises(PlotError, match="it needs a motor"):
         choose(["load-curve"], [resonant])
@@ -61,7 +73,8 @@ def test_pieces_meet_at_the_neimark_sacker_point(captured):
     assert [piece.stable for piece in found] == [True, False]
     assert found[0].x[-1] == found[1].x[0] == branch.special("NS1").parameter
     assert found[0].y[-1] == pytest.approx(1 / branch.special("NS1").period, rel=1e-15)
-    assert sum(len(piece.x) for piece in found) == len(branch) + 3  # the point twice, and the fold
+    drawn = {*found[0].x, *found[1].x}
+    assert {*branch["parameter"], branch.special("F1").parameter} <= drawn
 
 
 def test_a_family_of_orbits_is_not_drawn_as_stable(tmp_path):
@@ -109,8 +122,8 @@ def test_operating_points_lie_on_the_lines_of_the_motor(captured):
     for one in drawn:
         (speed,), (torque,) = points(one)
         no_load = speed / (1 - torque * 1e-3 / motor.M0)
-        steps = np.arange(4.9, 6.0, 0.1)
-        assert abs(steps - no_load).min() < 5e-3
+        steps = np.arange(49, 60) / 10
+        assert abs(steps - no_load).min() < 1e-12
     faces = {one.get_markerfacecolor() for one in drawn}
     assert len(faces) == 2  # stable and unstable ones
 

@@ -178,8 +178,8 @@ def _index_explained(special: Special) -> bool:
 
 
 def _change(family: Family, one: Node, other: Node, first: bool = False) -> Special | None:
-    """A change of the order of events by bisection; None where there is a third order between, unless the
-    first change is asked for.
+    """A change of the order of events by bisection; None where there is a third order between that can be
+    parted from the others, unless the first change is asked for.
     """
     low, high = one, other
     for _ in range(TRIES):
@@ -188,7 +188,7 @@ def _change(family: Family, one: Node, other: Node, first: bool = False) -> Spec
         middle = between(family, low, high, 0.5)
         if middle.word == low.word:
             low, stuck = middle, np.array_equal(middle.z, low.z)
-        elif first or middle.word == high.word:
+        elif first or middle.word == high.word or _inseparable(low, high):
             high, stuck = middle, np.array_equal(middle.z, high.z)
         else:
             return None
@@ -198,13 +198,18 @@ def _change(family: Family, one: Node, other: Node, first: bool = False) -> Spec
     return Special(kind, high, low, high)
 
 
+def _inseparable(one: Node, other: Node) -> bool:
+    """Whether two nodes are too near to be parted."""
+    return bool(np.linalg.norm(other.z - one.z) <= SHORT)
+
+
 def _middle(family: Family, one: Node, other: Node) -> Node | None:
     """The node about halfway between two; None where they are too near, or Newton's method fails or leads
     elsewhere, as it may within a family of orbits.
     """
-    length = float(np.linalg.norm(other.z - one.z))
-    if length <= SHORT:
+    if _inseparable(one, other):
         return None
+    length = float(np.linalg.norm(other.z - one.z))
     for share in (0.5, 0.4, 0.6, 0.3, 0.7):
         try:
             middle = between(family, one, other, share)

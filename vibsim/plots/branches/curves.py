@@ -11,18 +11,22 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from vibsim.branches.course import drawn, stretches
 from vibsim.branches.energy import ENERGY
 from vibsim.plots.style import BLACK
 
 WIDTH, DASHES = 1.0, (0, (3, 1.5))
-MARKS = {  # kind: marker, size [pt], filled, name
-    "fold": ("o", 2.2, True, "fold"),
+LINE = 0.9  # width of the strokes of marks without an area, and at others 0.2 less [pt]
+MARKS = {  # kind: marker, size [pt], filled, name: each tells itself by its shape, in black and white too
+    "fold": ("x", 3.4, False, "fold"),
     "doubling": ("s", 3.2, False, "period doubling"),
     "neimark-sacker": ("D", 4.0, False, "Neimark–Sacker"),
-    "branch point": ("X", 3.6, True, "branch point"),
-    "corner": ("v", 3.4, True, "corner"),
-    "grazing": ("^", 3.4, False, "grazing"),
+    "branch point": ("P", 4.2, True, "branch point"),
+    "corner": ("v", 3.8, True, "corner"),
+    "grazing": ("^", 3.6, False, "grazing"),
+    "sticking": ("1", 5.5, False, "stick begins or ends"),
 }
+STROKES = ("x", "1")  # markers without an area
 
 Value = Callable[[Any], float]  # of an orbit record
 
@@ -37,14 +41,24 @@ class Piece:
 
 
 def pieces(branch: Any, x: Value, y: Value) -> list[Piece]:
-    """The pieces of a branch between changes of stability, which lie on its special points."""
-    stretches = [stretch for i in range(len(branch) - 1) for stretch in _stretches(branch, i)]
-    found = []
-    for stable, group in groupby(stretches, key=lambda stretch: stretch[2]):
-        members = list(group)
-        orbits = [members[0][0], *(end for _, end, _ in members)]
-        found.append(Piece(np.array([x(o) for o in orbits]), np.array([y(o) for o in orbits]), stable))
-    return found
+    """The pieces of a branch between changes of stability, which lie on its special points; smooth."""
+
+    def value(orbit: Any) -> tuple[float, float]:
+        return x(orbit), y(orbit)
+
+    sizes = ranges([value(point.orbit) for point in branch.points])
+    lines = []
+    for stable, members in groupby(stretches(branch), key=lambda stretch: stretch.stable):
+        parts = [drawn(each.at, (each.one, each.other), value, sizes) for each in members]
+        line = np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
+        lines.append(Piece(line[:, 0], line[:, 1], stable))
+    return lines
+
+
+def ranges(places: Sequence[tuple[float, ...]]) -> np.ndarray:
+    """Extent of what is drawn in each direction, 1 where it has none."""
+    spans = np.ptp(np.array(places), axis=0)
+    return np.where(spans > 0, spans, 1.0)
 
 
 def orbits_along(branch: Any) -> list[Any]:
@@ -54,23 +68,6 @@ def orbits_along(branch: Any) -> list[Any]:
         orbits += [special.orbit for special in branch.specials if special.between == (i, i + 1)]
         orbits.append(branch.points[i + 1].orbit)
     return orbits
-
-
-def _stretches(branch: Any, i: int) -> list[tuple[Any, Any, bool]]:
-    """From point i to the next by way of the special points between: (orbit, orbit, stable).
-
-    Orbits of a family have a multiplier on the unit circle and are not stable, though none is outside; those
-    of a backbone curve are drawn solid where none is outside.
-    """
-    ends = [point.orbit for point in branch.points[i : i + 2]]
-    family = all(end.index == 0 for end in ends) and not branch["stable"][i : i + 2].any()
-    orbit, index = ends[0], ends[0].index
-    found = []
-    for special in branch.specials:
-        if special.between == (i, i + 1) and special.jump:
-            found.append((orbit, special.orbit, index == 0 and not family))
-            orbit, index = special.orbit, index + special.jump
-    return [*found, (orbit, ends[1], index == 0 and not family)]
 
 
 def draw_branch(
@@ -96,8 +93,8 @@ def draw_branch(
         if orbits:
             axes.plot(
                 [x(o) for o in orbits], [y(o) for o in orbits], marker, color=colour, markersize=size * pt,
-                markerfacecolor=colour if filled else "white", markeredgewidth=0.7 * size, gid=kind,
-                zorder=6 if filled else 5,
+                markerfacecolor=colour if filled else "white", markeredgewidth=_stroke(marker) * size,
+                gid=kind, zorder=6 if filled or marker in STROKES else 5,
             )  # fmt: skip
 
 
@@ -115,5 +112,9 @@ def _mark(kind: str) -> Line2D:
     marker, size, filled, name = MARKS[kind]
     key = Line2D([], [], color=BLACK, marker=marker, markersize=size, linestyle="none", label=name)
     key.set_markerfacecolor(BLACK if filled else "white")
-    key.set_markeredgewidth(0.7)
+    key.set_markeredgewidth(_stroke(marker))
     return key
+
+
+def _stroke(marker: str) -> float:
+    return LINE if marker in STROKES else LINE - 0.2

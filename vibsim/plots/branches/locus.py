@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from vibsim.branches.course import curve_of
 from vibsim.plots.branches.values import ParameterAxis, parameter_factor
 from vibsim.plots.errors import PlotError
 from vibsim.plots.page.sheet import add_below, sheet
@@ -64,8 +65,8 @@ def axes_of(locus: Any) -> tuple[ParameterAxis, ParameterAxis]:
 def draw_locus(axes: Axes, locus: Any, width: float = 1.0) -> None:
     """One locus in the plane of its parameters, a speed of the source in Hz."""
     across, up = axes_of(locus)
-    x = locus["parameter"] * parameter_factor(across.key, across.unit)
-    y = locus["second"] * parameter_factor(up.key, up.unit)
+    factors = parameter_factor(across.key, across.unit), parameter_factor(up.key, up.unit)
+    x, y = (curve_of(locus) * factors).T
     axes.plot(x, y, linewidth=width, gid=locus.kind, **LOOKS[locus.kind])
     for i in _coalescences(locus):
         axes.plot(x[i], y[i], zorder=5, gid="coalescence", **END)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from scipy.optimize import brentq
 
-from vibsim.plots.branches.curves import Value, pieces
-from vibsim.plots.branches.values import mean_speed_of, parameter_of
+from vibsim.branches.course import Stretch, stretches
+from vibsim.plots.branches.values import Value, mean_speed_of, parameter_of
 from vibsim.plots.motion.natural_frequencies import motor_of
 from vibsim.plots.page.quantities import Scale
 from vibsim.plots.style import GREY, points
@@ -42,6 +44,11 @@ class LoadCurve:
         """Mean torque of an orbit, as drawn."""
         return float(self.scale(torque_of(self.branch)(orbit)))
 
+    @cached_property
+    def stretches(self) -> list[Stretch]:
+        """The curve from one computed orbit to the next."""
+        return stretches(self.branch)
+
     def places(self) -> list[tuple[float, float]]:
         """Mean speed and torque of every orbit."""
         return [(self.speed(point.orbit), self.torque(point.orbit)) for point in self.branch.points]
@@ -57,16 +64,26 @@ class Crossing:
 
 
 def crossings(curve: LoadCurve, no_load: float) -> list[Crossing]:
-    """Where the line of a no-load speed [Hz] meets a curve, between its points by their secants."""
-    parameter, met = parameter_of(curve.branch), []
-    along = [pieces(curve.branch, parameter, value) for value in (curve.speed, curve.torque)]
-    for speeds, torques in zip(*along, strict=True):
-        low, high = speeds.x[:-1], speeds.x[1:]
-        for i in np.flatnonzero(((low - no_load) * (high - no_load) <= 0) & (low != high)):
-            share = (no_load - low[i]) / (high[i] - low[i])
-            x, y = (float((1 - share) * of[i] + share * of[i + 1]) for of in (speeds.y, torques.y))
-            met.append(Crossing(x, y, speeds.stable))
+    """Where the line of a no-load speed [Hz] meets a curve: its orbits at that speed."""
+    met = []
+    for stretch in curve.stretches:
+        share = _share(parameter_of(curve.branch), stretch, no_load)
+        if share is not None:
+            orbit = stretch.at(share)
+            met.append(Crossing(curve.speed(orbit), curve.torque(orbit), stretch.stable))
     return met
+
+
+def _share(parameter: Value, stretch: Stretch, value: float) -> float | None:
+    """Share of a stretch at which its parameter has a value; None where it has not."""
+    ends = {0.0: parameter(stretch.one) - value, 1.0: parameter(stretch.other) - value}
+    if ends[0.0] * ends[1.0] > 0 or ends[0.0] == ends[1.0]:
+        return None
+
+    def beyond(share: float) -> float:
+        return ends[share] if share in ends else parameter(stretch.at(share)) - value
+
+    return float(brentq(beyond, 0.0, 1.0))
 
 
 @dataclass(frozen=True)
