@@ -6,6 +6,7 @@ So where the bodies start, which is none of an orbit's business, need not suit e
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
@@ -73,7 +74,8 @@ class ScenePath:
         if not 1e-200 < abs(value) < 1e200:
             return parse_quantity(f"{value!r} {self.unit}".strip(), self._dimension)
         text, unit = repr(value), self._unit
-        return Quantity(f"{text} {unit.name}".strip(), Fraction(text) * unit.factor, unit.per_turn)
+        exact = Fraction(*Decimal(text).as_integer_ratio())
+        return Quantity(f"{text} {unit.name}".strip(), exact * unit.factor, unit.per_turn)
 
 
 def leaves(values: Mapping[str, Any], place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
@@ -10,6 +11,8 @@ from pydantic_core import PydanticCustomError, core_schema
 from vibsim.cases.problems import shown
 from vibsim.cases.quantities import NUMBER, Quantity, QuantityError, parse_quantity
 from vibsim.cases.units import si_unit, unit_names
+
+_exact = lru_cache(maxsize=64)(Fraction)  # of the few texts that bounds are written as
 
 
 @dataclass(frozen=True)
@@ -53,11 +56,11 @@ class Measured:
         """The bound that a value breaks, in words; None inside the range."""
         if self.nonzero and value == 0:
             return "different from 0"
-        if self.above is not None and value <= Fraction(self.above):
+        if self.above is not None and value <= _exact(self.above):
             return f"> {self.above}"
-        if self.least is not None and value < Fraction(self.least):
+        if self.least is not None and value < _exact(self.least):
             return f">= {self.least}"
-        if self.most is not None and value > Fraction(self.most):
+        if self.most is not None and value > _exact(self.most):
             return f"<= {self.most}"
         return None
 

@@ -38,26 +38,31 @@ def two_pi_fraction(digits: int) -> Fraction:
     return two_pi_bounds(digits * 4 + 8)[0]
 
 
-def _rounded(function: Callable[[Fraction], Fraction]) -> float:
-    """The double nearest to function(2 pi), for a monotone function."""
+def _rounded(function: Callable[[Fraction], float]) -> float:
+    """function(2 pi), for a function that is monotone and rounds its result correctly."""
     bits = FIRST_BITS
     while True:
         low, high = two_pi_bounds(bits)
-        first, second = float(function(low)), float(function(high))
+        first, second = function(low), function(high)
         if first == second:
             return first
         bits *= 2
 
 
-@lru_cache(maxsize=4096)
 def times_two_pi(value: Fraction, power: int = 1) -> float:
-    """value * (2 pi)**power, correctly rounded: cycles to rad, Hz to rad/s; power 0 is plain rounding."""
-    if power == 0:
-        return value.numerator / value.denominator
-    return _rounded(lambda two_pi: value * two_pi**power)
+    """value * (2 pi)**power, correctly rounded: cycles to rad, Hz to rad/s; power 0 is plain rounding.
+
+    Division of whole numbers rounds correctly, and asks for no common divisors as fractions do.
+    """
+    top, bottom = value.numerator, value.denominator
+    if power == 0 or top == 0:
+        return top / bottom
+    if power == 1:
+        return _rounded(lambda two_pi: top * two_pi.numerator / (bottom * two_pi.denominator))
+    return _rounded(lambda two_pi: float(value * two_pi**power))
 
 
 def radians_to_turns(radians: Fraction) -> tuple[float, float]:
     """radians / (2 pi) as an unevaluated double-double (high, low): rad/s to Hz with 106 bits."""
-    high = _rounded(lambda two_pi: radians / two_pi)
-    return high, _rounded(lambda two_pi: radians / two_pi - Fraction(high))
+    high = _rounded(lambda two_pi: float(radians / two_pi))
+    return high, _rounded(lambda two_pi: float(radians / two_pi - Fraction(high)))

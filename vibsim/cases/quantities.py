@@ -45,8 +45,10 @@ class Quantity:
         """An angular rate in Hz, or an angle in turns, as an unevaluated double-double (high, low)."""
         if not self.per_turn:
             return radians_to_turns(self.value)
-        high = float(self.value)
-        return high, float(self.value - Fraction(high))
+        top, bottom = self.value.numerator, self.value.denominator
+        high = top / bottom
+        high_top, high_bottom = high.as_integer_ratio()
+        return high, (top * high_bottom - high_top * bottom) / (bottom * high_bottom)
 
     def __str__(self) -> str:
         return self.text

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterator, Sequence
-from functools import cached_property
+from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property, partial
 from time import monotonic
 from typing import Any
 
@@ -25,8 +25,8 @@ from vibsim.engine.flows.modal import pitches
 from vibsim.engine.ledgers.ledger import struck_entries
 from vibsim.engine.ledgers.meters import jumps_of
 from vibsim.engine.ledgers.packing_meters import pack_blows, pack_extremes, pack_ledger
-from vibsim.engine.modes.mode_table import mode_table
-from vibsim.engine.modes.packing import pack_scene, pack_state
+from vibsim.engine.modes.mode_table import ModeTable, mode_table
+from vibsim.engine.modes.packing import Packed, pack_scene, pack_state
 from vibsim.engine.modes.rows import (
     HOLD,
     STRIKE,
@@ -55,6 +55,11 @@ MOST_RECALLED = 16  # modes that a run is told of before it meets them
 SECONDS = 0.1  # between two blocks where Python decides: Ctrl-C is heard there
 ACCUMULATION, DIVERGED, UNDECIDED = 1, 2, 3
 REASONS = {ACCUMULATION: "accumulation", DIVERGED: "diverged"}
+
+
+def _arm(scene: Scene) -> float | None:
+    """Arm of the unbalanced mass [m]."""
+    return scene.motor.e if scene.motor else None
 
 
 class Doubts(Certificate[float]):
@@ -154,21 +159,40 @@ class CRun:
         """The rows of a mode by its number in C."""
         return self.maker.rows(self.statuses[number])
 
-    def rates_of(self, number: int) -> ModeRows:
-        """The rows of a mode for its vector field, which no closed form and so no frequency has a say in."""
-        return self.table.maker.rows(self.statuses[number])
-
-    def retune(self, scene: Scene) -> None:
-        """Go over to a scene whose modes are packed the same (`mode_table.same_packed`): another motor, other
-        frequencies. A restart has to follow.
+    def rates_of(self, number: int) -> Callable[[], ModeRows]:
+        """What makes the rows of a mode for its vector field, which no closed form and so no frequency has a
+        say in.
         """
-        arms = [one.motor.e for one in (self.scene, scene) if one.motor is not None]
-        if len(set(arms)) > 1:  # which disturbances are weighed by
-            self.packer = None
+        return partial(self.table.maker.rows, self.statuses[number])
+
+    def retune(self, scene: Scene, packed: Packed, table: ModeTable) -> None:
+        """Go over to a scene whose modes have the same form (`likeness.differences`); a restart has to
+        follow.
+
+        packed : the scene; table : of its modes
+        """
         for name in ("scout", "automaton", "tangencies", "maker"):
             self.__dict__.pop(name, None)
-        self.scene = scene
-        self.run.retune(pack_scene(scene, pitches(scene))[1])
+        before, self.scene = self.scene, scene
+        self.run.retune(packed[1])
+        if table is not self.table:
+            self.table = table
+            for number, status in enumerate(self.statuses):
+                self.run.renew_mode(number, *table.packed(status, lambda: self.scout))
+        self._renew_starts(before, scene)
+
+    def _renew_starts(self, before: Scene, scene: Scene) -> None:
+        """Renew what starts, disturbances and blows are told by, where that has changed."""
+
+        def changed(*names: str) -> bool:
+            return any(getattr(before, name) is not getattr(scene, name) for name in names)
+
+        if changed("stops", "frictions"):
+            self.plain = None
+        if self.packer and (changed("bodies", "links", "stops", "frictions") or _arm(before) != _arm(scene)):
+            self.packer = self.packer.of(scene)
+        if scene.rigid_stops and changed("stops"):
+            self.run.keep_blows(*pack_blows(scene, [], self.maker.ends))
 
     def _begin(self, state: State, status: Status, known: Known) -> None:
         self.first = state.copy(), status
@@ -240,7 +264,7 @@ class CRun:
     def _mode(self, status: Status) -> int:
         """Number of a mode in C; adds it where it is new."""
         if status not in self.numbers:
-            number = self.run.add_mode(*self.table.packed(status, self.scout))
+            number = self.run.add_mode(*self.table.packed(status, lambda: self.scout))
             if self.meters:
                 self.run.set_meters(number, *self.table.packed_meters(status, self.momentum))
             self.numbers[status] = number

@@ -92,6 +92,30 @@ static PyObject *add_mode(RunObject *self, PyObject *args)
     return result;
 }
 
+/* A mode with other numbers in rows of the same form: what follows its events stays. */
+static PyObject *renew_mode(RunObject *self, PyObject *args)
+{
+    Py_buffer v[2];
+    Reader in;
+    int number, renewed = 0;
+    if (!PyArg_ParseTuple(args, "iy*y*", &number, &v[0], &v[1]))
+        return NULL;
+    if (idle(self) && reader_of(&v[0], &v[1], &in) == 0) {
+        Mode *m = number >= 0 && number < self->run.mode_count ? mode_read(&self->run, &in) : NULL;
+        renewed = m && read_through(&in) && mode_renew(&self->run, number, m);
+        if (!renewed) {
+            mode_free(m);
+            PyErr_SetString(PyExc_ValueError, "the packed numbers are none of that mode");
+        }
+    }
+    self->started = 0;
+    PyBuffer_Release(&v[0]);
+    PyBuffer_Release(&v[1]);
+    if (!renewed)
+        return NULL;
+    Py_RETURN_NONE;
+}
+
 /* Ledgers and section have to be told of before the start. */
 static PyObject *keep_ledger(RunObject *self, PyObject *args)
 {
@@ -171,7 +195,7 @@ static PyObject *keep_extremes(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
-/* Rigid stops whose blows C may take; before the start. */
+/* Rigid stops whose blows C may take, in place of those told before; before the start. */
 static PyObject *keep_blows(RunObject *self, PyObject *args)
 {
     Py_buffer v[2];
@@ -179,7 +203,7 @@ static PyObject *keep_blows(RunObject *self, PyObject *args)
     int kept = 0;
     if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
         return NULL;
-    if (self->started || self->run.rigid)
+    if (self->started)
         PyErr_SetString(PyExc_ValueError, "too late for rigid stops");
     else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = blows_read(&self->run, &in)))
         PyErr_SetString(PyExc_ValueError, "the packed numbers are no rigid stops");
@@ -364,7 +388,7 @@ static PyObject *rewind_run(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
-/* Other numbers of the motor and other frequencies, as the doubles of a scene of the same shape; a start has to follow. */
+/* The doubles of a scene of the same shape, whose modes are renewed where rows hold others; a start has to follow. */
 static PyObject *retune(RunObject *self, PyObject *args)
 {
     Py_buffer v[2] = {{0}};
@@ -660,6 +684,7 @@ static PyObject *hand_jump(RunObject *self, PyObject *args)
         return answer;                                                                                                \
     }
 ALONE(add_mode)
+ALONE(renew_mode)
 ALONE(keep_ledger)
 ALONE(set_meters)
 ALONE(keep_tangent)
@@ -685,6 +710,8 @@ ALONE(tally)
 
 static PyMethodDef methods[] = {
     {"add_mode", (PyCFunction)add_mode_alone, METH_VARARGS, "add_mode(ints, doubles) -> its number"},
+    {"renew_mode", (PyCFunction)renew_mode_alone, METH_VARARGS,
+     "renew_mode(mode, ints, doubles): other numbers in rows of the same form; `rewind` and `start` have to follow"},
     {"keep_ledger", (PyCFunction)keep_ledger_alone, METH_VARARGS, "keep_ledger(ints, doubles): before the start"},
     {"set_meters", (PyCFunction)set_meters_alone, METH_VARARGS, "set_meters(mode, ints, doubles): what the ledger integrates there"},
     {"keep_tangent", (PyCFunction)keep_tangent_alone, METH_VARARGS, "keep_tangent(ints, doubles): before the start"},

@@ -42,15 +42,30 @@ class Coordinates:
         self.names = tuple(self._name(i, reference.get(i)) for i in free)
         self.units = tuple(self._unit(i) for i in free)
         self.references = sorted(set(reference.values()))
-        squares = weights(scene, Doubles)
-        self.weights = np.sqrt([squares[i] for i in free])
-        self.count = len(free)
+        self.count, self._free = len(free), free
         self.one = np.eye(self.count)
-        self.ratios = (
-            self.weights[:, None] / self.weights
-        )  # by which entries of a matrix of unknowns are weighed
+        self._weigh(weights(scene, Doubles))
         self.none = np.empty((0, length(scene)))  # no disturbance
         self._take = np.ascontiguousarray(self.take.T)
+
+    def _weigh(self, squares: list[float]) -> None:
+        self._squares = squares
+        self.weights = np.sqrt([squares[i] for i in self._free])
+        # by which entries of a matrix of unknowns are weighed
+        self.ratios = self.weights[:, None] / self.weights
+
+    def of_scene(self, scene: Scene) -> Coordinates:
+        """Those of another scene with the same bodies, of which the same are joined."""
+        same = all(getattr(scene, name) is getattr(self.scene, name) for name in ("bodies", "links", "stops"))
+        if same and (scene.motor and scene.motor.e) == (self.scene.motor and self.scene.motor.e):
+            return self
+        squares = weights(scene, Doubles)
+        if squares == self._squares:
+            return self
+        other = object.__new__(Coordinates)
+        vars(other).update(vars(self), scene=scene)
+        other._weigh(squares)
+        return other
 
     def of(self, state: ArrayLike) -> np.ndarray:
         """Unknowns of state components, the last axis of `state`: sums and differences, rounded once."""

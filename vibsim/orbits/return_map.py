@@ -140,15 +140,14 @@ class ReturnMap:
         """The map of another scene with the same bodies, on the same run of the engine by turns where that
         can be.
         """
-        if not self.carrier.shares(scene):
+        carrier = self.carrier.of(scene)
+        if carrier is None:
             return ReturnMap(scene, self.n, self.carrier.engine)
         other = object.__new__(ReturnMap)
-        vars(other).update(vars(self), scene=scene, carrier=self.carrier.of(scene))
+        vars(other).update(vars(self), scene=scene, carrier=carrier)
         if self.section.timed:
             other.section = section_of(scene)
-        mine, theirs = self.scene.motor, scene.motor
-        if mine and theirs and mine.e != theirs.e:  # the arm that unknowns are weighed by
-            other.coordinates = Coordinates(scene, other.section)
+        other.coordinates = self.coordinates.of_scene(scene)
         return other
 
     def __call__(self, X: np.ndarray, T: float | None = None) -> Return:

@@ -15,6 +15,8 @@
 int blows_read(Run *r, Reader *in)
 {
     int count = read_index(in, 0, r->parts), i;
+    free(r->rigid);
+    r->rigid_count = 0;
     r->rigid = calloc((size_t)count + 1, sizeof(RigidStop));
     if (!r->rigid)
         return 0;

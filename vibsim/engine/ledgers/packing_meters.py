@@ -19,7 +19,7 @@ def pack_ledger(
     for jump in jumps:
         stop = elastic[jump.stop]
         pack.put((jump.stop, jump.entry, *ends(stop), stop.sense), (stop.gap, stop.k))
-    return pack.ints.tobytes(), pack.doubles.tobytes()
+    return pack.packed
 
 
 def pack_blows(scene: Scene, names: Sequence[Entry], ends: Callable[[Joined], Edge]) -> tuple[bytes, bytes]:
@@ -32,7 +32,7 @@ def pack_blows(scene: Scene, names: Sequence[Entry], ends: Callable[[Joined], Ed
         work = entry.get(("work", "base", ""), -1) if place == "base" else -1
         entries = entry.get(("loss", "stops", stop.name), -1), work, entry.get(("impulse", place, ""), -1)
         pack.put((j, *ends(stop), stop.sense, *entries), (stop.gap, stop.e))
-    return pack.ints.tobytes(), pack.doubles.tobytes()
+    return pack.packed
 
 
 def pack_extremes(
@@ -44,7 +44,7 @@ def pack_extremes(
     for stop, pair, sense, gap in gaps:
         pack.put((stop, pair, sense), (gap,))
     pack.put((), (since,))
-    return pack.ints.tobytes(), pack.doubles.tobytes()
+    return pack.packed
 
 
 def pack_meters(meters: Meters, terms: int) -> tuple[bytes, bytes]:
@@ -60,7 +60,7 @@ def pack_meters(meters: Meters, terms: int) -> tuple[bytes, bytes]:
         pack.put((len(function.terms),), (function.constant,))
         for term in function.terms:
             pack.put((term.kind, term.P), (term.coefficient,))
-    return pack.ints.tobytes(), pack.doubles.tobytes()
+    return pack.packed
 
 
 def terms_of(rows: ModeRows) -> int:

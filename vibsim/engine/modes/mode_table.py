@@ -16,7 +16,9 @@ from typing import TYPE_CHECKING
 from vibsim.engine.flows.modal import pitch, pitches
 from vibsim.engine.ledgers.meters import MeterMaker
 from vibsim.engine.ledgers.packing_meters import pack_meters, terms_of
-from vibsim.engine.modes.packing import pack_mode
+from vibsim.engine.modes.likeness import Numbers, Place
+from vibsim.engine.modes.packing import Packed, packed_mode
+from vibsim.engine.modes.recipe import Recipe, recipe_of
 from vibsim.engine.modes.rows import Event, EventKey, ModeRows, RowMaker
 from vibsim.engine.modes.rule import Rule
 from vibsim.engine.modes.status import Status
@@ -25,8 +27,6 @@ from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:
     from vibsim.engine.flows.flow import Flow
-
-Packed = tuple[bytes, bytes]  # integers and doubles
 
 SCENES = 16  # whose tables are kept
 
@@ -44,17 +44,34 @@ class ModeTable:
         self._meters: dict[tuple[Status, bool], Packed] = {}
         self._makers: dict[bool, MeterMaker] = {}
         self._rules: dict[tuple[Status, int], Rule | None] = {}
+        self._recipes: dict[tuple[tuple[Place, ...], Status], Recipe | None] = {}
         self._lock = Lock()  # keys are numbered one mode after the other
 
-    def packed(self, status: Status, flow: Flow) -> Packed:
+    def packed(self, status: Status, flow: Callable[[], Flow]) -> Packed:
         """The rows of a mode as bytes of ints and of doubles; flow: tells whether it has a closed form."""
         with self._lock:
             if status not in self._packed:
-                rows = self.maker.rows(status)
-                if flow.suits(rows) is flow.taylor:
-                    rows.modal, rows.modal_sought = None, True
-                self._packed[status] = pack_mode(rows, self.keys)
+                self._packed[status] = self._pack(status, flow)
         return self._packed[status]
+
+    def _pack(self, status: Status, flow: Callable[[], Flow]) -> Packed:
+        rows = self.maker.rows(status)
+        if flow().suits(rows) is flow().taylor:
+            rows.modal, rows.modal_sought = None, True
+        return packed_mode(rows, self.keys).packed
+
+    def retuned(self, scene: Scene, numbers: Numbers) -> ModeTable:
+        """The table of a scene whose modes differ from those of this one in `numbers` alone, as
+        `likeness.differences` tells them.
+        """
+        return RetunedTable(self, scene, numbers) if numbers else self
+
+    def recipe(self, places: tuple[Place, ...], status: Status) -> Recipe | None:
+        """How the packed numbers of a mode follow from those of the scene in `places`."""
+        key = places, status
+        if key not in self._recipes:
+            self._recipes[key] = recipe_of(self.scene, places, status, self.keys)
+        return self._recipes[key]
 
     def statuses(self, most: int) -> list[Status]:
         """The modes packed so far, in their order; none where there are more than `most`."""
@@ -89,6 +106,20 @@ class ModeTable:
         return self._rules[key]
 
 
+class RetunedTable(ModeTable):
+    """The table of a scene whose modes are those of another table but for some numbers."""
+
+    def __init__(self, of: ModeTable, scene: Scene, numbers: Numbers) -> None:
+        super().__init__(scene)
+        self.origin, self.keys, self._rules, self._lock = of, of.keys, of._rules, of._lock
+        self._places, self._numbers = tuple(numbers), tuple(numbers.values())
+
+    def _pack(self, status: Status, flow: Callable[[], Flow]) -> Packed:
+        recipe = self.origin.recipe(self._places, status)
+        packed = None if recipe is None else recipe.packed(self._numbers)
+        return super()._pack(status, flow) if packed is None else packed
+
+
 _tables: OrderedDict[bytes, ModeTable] = OrderedDict()
 _lock = Lock()
 
@@ -107,17 +138,6 @@ def mode_table(scene: Scene, pitched: bool = True) -> ModeTable:
         if len(_tables) > SCENES:
             _tables.popitem(last=False)
     return table
-
-
-def same_packed(one: Scene, other: Scene) -> bool:
-    """Whether the modes of two scenes are packed the same: they differ in starts, ends, samples, numbers of a
-    motor and frequencies of forces alone.
-    """
-    if all(getattr(one, name) is getattr(other, name) for name in (*PARTS, "bodies")):
-        driven = (one.motor is None) == (other.motor is None)
-        same = one.forces is other.forces or pickle.dumps(_loads(one)) == pickle.dumps(_loads(other))
-        return driven and same and _settings(one) == _settings(other)
-    return _signature(one, False) == _signature(other, False)
 
 
 PARTS = ("links", "stops", "frictions", "base", "clearances")

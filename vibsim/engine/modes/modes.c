@@ -640,6 +640,33 @@ int mode_add(Run *r, Mode *m)
     return r->mode_count++;
 }
 
+int mode_renew(Run *r, int number, Mode *m)
+{
+    Mode *before = r->modes[number];
+    int i;
+    if (m->event_count != before->event_count || before->meters.meters)
+        return 0;
+    for (i = 0; i < m->event_count; i++) {
+        Event *e = &m->events[i], *one = &before->events[i];
+        int same = e->kind == one->kind && e->key == one->key && e->terms == one->terms, k;
+        for (k = 0; same && k < e->terms; k++)
+            same = m->terms[e->first + k].kind == before->terms[one->first + k].kind;
+        if (!same)
+            return 0;
+        e->rule = one->rule;
+        e->target = one->target;
+        e->other = one->other;
+        e->hold = one->hold;
+        e->event = one->event;
+        e->event_part = one->event_part;
+        e->event_key = one->event_key;
+        e->order = one->order;
+    }
+    mode_free(before);
+    r->modes[number] = m;
+    return 1;
+}
+
 void run_free(Run *r)
 {
     int i;

@@ -6,9 +6,10 @@
 #include "reading.h"
 
 int scene_read(Run *r, Reader *in);       /* whether the numbers made a scene */
-int scene_retune(Run *r, Reader *in);     /* other numbers of the motor and other frequencies; whether they were as many */
+int scene_retune(Run *r, Reader *in);     /* the numbers of another scene of that shape; whether they were as many */
 Mode *mode_read(Run *r, Reader *in);      /* NULL without memory; look at the reader for what else was wrong */
 int mode_add(Run *r, Mode *m);
+int mode_renew(Run *r, int number, Mode *m); /* a mode of the same form in the place of another; whether it has it */
 void function_prepare(Mode *m, Event *e);  /* in the closed form of its mode, where it has one */
 int room_for_series(double (**series)[SERIES], int count);
 void mode_free(Mode *m);

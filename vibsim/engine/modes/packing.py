@@ -17,22 +17,31 @@ if TYPE_CHECKING:
     from vibsim.engine.flows.modal import Source
 
 
+Packed = tuple[bytes, bytes]  # integers and doubles
+
+
 class Packer:
     """Two lists of numbers: integers and doubles."""
 
     def __init__(self) -> None:
-        self.ints, self.doubles = array("i"), array("d")
+        self.ints: list[int] = []
+        self.doubles: list[float] = []
 
     def put(self, ints: Iterable[int] = (), doubles: Iterable[float] = ()) -> None:
         self.ints.extend(ints)
         self.doubles.extend(doubles)
+
+    @property
+    def packed(self) -> Packed:
+        """Both as bytes."""
+        return array("i", self.ints).tobytes(), array("d", self.doubles).tobytes()
 
 
 def harmonic(term: Harmonic) -> tuple[float, ...]:
     return term.amplitude, term.omega, term.cycles, term.cycles_lo, term.phase
 
 
-def pack_scene(scene: Scene, harmonics: Sequence[Pitch]) -> tuple[bytes, bytes]:
+def pack_scene(scene: Scene, harmonics: Sequence[Pitch]) -> Packed:
     """The scene as bytes of ints and of doubles. harmonics: distinct pitches, as `ClosedForm.harmonics`."""
     pack, motor = Packer(), scene.motor
     parts = len(scene.stops) + len(scene.frictions) + len(scene.clearances)
@@ -56,7 +65,7 @@ def pack_scene(scene: Scene, harmonics: Sequence[Pitch]) -> tuple[bytes, bytes]:
         pack.put((force.on, len(force.terms)), (force.constant,))
         for term in force.terms:
             pack.put((number(term),), harmonic(term))
-    return pack.ints.tobytes(), pack.doubles.tobytes()
+    return pack.packed
 
 
 def rest_columns(scene: Scene) -> int:
@@ -71,8 +80,8 @@ def pack_state(state: State) -> bytes:
     return array("d", (state.t, *state.x, *state.v, state.phase, state.turns, state.w)).tobytes()
 
 
-def pack_mode(rows: ModeRows, keys: dict[EventKey, int]) -> tuple[bytes, bytes]:
-    """The rows of a mode as bytes of ints and of doubles. keys: {event key: number}, which grows."""
+def packed_mode(rows: ModeRows, keys: dict[EventKey, int]) -> Packer:
+    """The rows of a mode as ints and doubles. keys: {event key: number}, which grows."""
     pack, modal = Packer(), rows.modal
     terms: list[Term] = []
     slopes: list[tuple[int, int, int, int, float, int]] = []
@@ -124,7 +133,7 @@ def pack_mode(rows: ModeRows, keys: dict[EventKey, int]) -> tuple[bytes, bytes]:
     pack.put((bool(modal),))
     if modal:
         pack_modal(pack, modal)
-    return pack.ints.tobytes(), pack.doubles.tobytes()
+    return pack
 
 
 def pack_modal(pack: Packer, modal: ModalMotion) -> None:

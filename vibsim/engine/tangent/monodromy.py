@@ -21,7 +21,10 @@ from numpy.typing import ArrayLike
 from vibsim.engine.choice import engine_name
 from vibsim.engine.driver import Driver
 from vibsim.engine.flows.accelerations import accelerations
-from vibsim.engine.modes.mode_table import same_packed
+from vibsim.engine.flows.modal import pitches
+from vibsim.engine.modes.likeness import Numbers, differences
+from vibsim.engine.modes.mode_table import ModeTable
+from vibsim.engine.modes.packing import Packed, pack_scene
 from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.state import State
 from vibsim.engine.tangent.tangent_space import length
@@ -97,11 +100,25 @@ class Carried:
 
 
 class _Shared:
-    """A run on the C engine that carriers of several scenes use by turns, and the scene that it is on."""
+    """A run on the C engine that carriers of several scenes use by turns, and the one that it is on.
 
-    def __init__(self) -> None:
-        self.run: CRun | None = None
-        self.scene: Scene | None = None
+    first : the scene that it begins with; packed : its numbers
+    """
+
+    def __init__(self, first: Scene) -> None:
+        self.first, self.packed = first, pack_scene(first, pitches(first))
+        self.on: Carrier | None = None
+
+    @cached_property
+    def run(self) -> CRun:
+        from vibsim.engine.c_engine import CRun
+
+        return CRun(self.first, carries=True)
+
+    @cached_property
+    def table(self) -> ModeTable:
+        """Of the modes of the first scene, as the run knows them."""
+        return self.run.table
 
 
 class Carrier:
@@ -113,11 +130,10 @@ class Carrier:
     """
 
     def __init__(self, scene: Scene, engine: str = "auto") -> None:
-        stops = tuple(replace(stop, at_start=False) for stop in scene.stops)
-        clearances = tuple(replace(one, at_start=False) for one in scene.clearances)
-        free = replace(scene, stops=stops, clearances=clearances, stop_on_violation=False)
-        self.scene, self._origin = replace(free, every_num=10**9, every_den=1), scene
-        self.engine, self.size, self._shared = engine_name(engine), length(scene), _Shared()
+        self.scene, self._origin = _free(scene), scene
+        self.engine, self.size, self._shared = engine_name(engine), length(scene), _Shared(self.scene)
+        self._packed: Packed = self._shared.packed
+        self._numbers: Numbers = {}
         n = len(scene.bodies)
         rotor = (2 * n + 1, 2 * n + 2) if scene.motor is not None else ()
         # of the rows of a state in C: the time and then the components
@@ -167,7 +183,7 @@ class Carrier:
         uncertified, margin, mode, undefined, undefined_time, *numbers = head
         n = run.n
         state = State(numbers[0], numbers[1 : n + 1], numbers[n + 1 : 2 * n + 1], *numbers[2 * n + 1 :])
-        there = rates if len(vectors) else partial(self._rate, state, run.rates_of(int(mode)))
+        there = rates if len(vectors) else partial(self._rate_by, state, run.rates_of(int(mode)))
         happened = codes[:, 1:-1].T.copy()  # without start and end
         table = states[:, 1:-1].T[:, self._order]
         return self._told(
@@ -176,27 +192,30 @@ class Carrier:
 
     def _tuned(self) -> CRun:
         """The run on the C engine, on the numbers of this scene."""
-        from vibsim.engine.c_engine import CRun
-
         shared = self._shared
-        if shared.run is None:
-            shared.run = CRun(self.scene, carries=True)
-        elif shared.scene is not self.scene:
-            shared.run.retune(self.scene)
-        shared.scene = self.scene
+        if shared.on is not self:
+            shared.run.retune(self.scene, self._packed, self._table)
+        shared.on = self
         return shared.run
 
-    def shares(self, scene: Scene) -> bool:
-        """Whether a carrier of another scene can use the same run of the C engine: the modes of both are
-        packed the same.
-        """
-        return self.engine == "c" and same_packed(scene, self._origin)
+    @cached_property
+    def _table(self) -> ModeTable:
+        return self._shared.table.retuned(self.scene, self._numbers)
 
-    def of(self, scene: Scene) -> Carrier:
-        """A carrier of another scene that `shares` the run with this one, by turns."""
+    def of(self, scene: Scene) -> Carrier | None:
+        """A carrier of another scene on the same run of the C engine, by turns; None where the modes of the
+        two have not the same form, and for the Python engine.
+        """
+        shared = self._shared
+        if self.engine != "c":
+            return None
+        free = _free(scene)
+        numbers, packed = differences(shared.first, free), pack_scene(free, pitches(free))
+        if numbers is None or packed[0] != shared.packed[0]:
+            return None
         other = object.__new__(Carrier)
-        vars(other).update(vars(self), _origin=scene)
-        other.scene = replace(self.scene, motor=scene.motor, forces=scene.forces)
+        other.__dict__ |= {name: getattr(self, name) for name in ("engine", "size", "_shared", "_order")}
+        other.scene, other._origin, other._packed, other._numbers = free, scene, packed, numbers
         return other
 
     def _by_python(self, components: list[float], end: float, vectors: np.ndarray) -> Carried:
@@ -232,6 +251,10 @@ class Carrier:
         rotor = (Doubles.unwind(state.phase, state.turns), state.w) if motor else ()
         return [*state.x, *state.v, *rotor]
 
+    def _rate_by(self, state: State, rows: Callable[[], ModeRows]) -> np.ndarray:
+        """The same with what makes the rows."""
+        return self._rate(state, rows())
+
     def _rate(self, state: State, rows: ModeRows) -> np.ndarray:
         """Rates of change of the components of a state in the mode of `rows`."""
         a, alpha = accelerations(self.scene, Doubles, rows, state)
@@ -265,3 +288,17 @@ class Carrier:
 def _finite(values: np.ndarray) -> bool:
     """Whether all values are finite: their sum says it at once, but for an overflow."""
     return isfinite(values.sum()) or bool(np.isfinite(values).all())
+
+
+def _free(scene: Scene) -> Scene:
+    """The scene without samples and what only its own start and end have a say in."""
+    stops = tuple(replace(stop, at_start=False) if stop.at_start else stop for stop in scene.stops)
+    clearances = tuple(replace(one, at_start=False) if one.at_start else one for one in scene.clearances)
+    return replace(
+        scene,
+        stops=scene.stops if stops == scene.stops else stops,
+        clearances=scene.clearances if clearances == scene.clearances else clearances,
+        stop_on_violation=False,
+        every_num=10**9,
+        every_den=1,
+    )

@@ -1,11 +1,14 @@
 """Small disturbances as flat numbers, in the order in which reading_tangent.c reads them."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
+from functools import cached_property
 from math import log2
 
 import numpy as np
 
-from vibsim.engine.modes.packing import Packer
+from vibsim.engine.modes.packing import Packed, Packer
 from vibsim.engine.modes.rows import Joined
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.tangent.tangent_space import Gauge, components, natural_rate, weights
@@ -16,40 +19,57 @@ from vibsim.physics.parts import RigidStop, Scene
 Ends = Callable[[Joined], Edge]  # columns of the ends of a part
 
 
-def pack_bundle(scene: Scene, count: int, begin: float, ends: Ends) -> tuple[bytes, bytes]:
+def pack_bundle(scene: Scene, count: int, begin: float, ends: Ends) -> Packed:
     """A bundle of `count` disturbances whose growth counts from `begin` [s]. ends: columns of the ends of a
     part.
     """
-    return _pack(scene, False, count, begin, ends)
+    return _form(scene, False, count, ends), _numbers(scene, begin)
 
 
 class DisturbancePacker:
     """Packs disturbances of one scene that are carried along as they are; what does not depend on them is
-    packed once for each number of them.
+    packed once.
     """
 
     def __init__(self, scene: Scene, ends: Ends) -> None:
         self.scene, self.ends = scene, ends
-        self.heads: dict[int, tuple[bytes, bytes]] = {}
+        self.forms: dict[int, bytes] = {}  # by number of disturbances
 
-    def packed(self, vectors: np.ndarray) -> tuple[bytes, bytes]:
+    @cached_property
+    def numbers(self) -> bytes:
+        return _numbers(self.scene, 0.0)
+
+    def of(self, scene: Scene) -> DisturbancePacker:
+        """That of a scene whose modes have the same form."""
+        other = DisturbancePacker(scene, self.ends)
+        other.forms = self.forms
+        return other
+
+    def packed(self, vectors: np.ndarray) -> Packed:
         """vectors: an array of one disturbance per row."""
         count = len(vectors)
-        if count not in self.heads:
-            self.heads[count] = _pack(self.scene, True, count, 0.0, self.ends)
-        ints, doubles = self.heads[count]
-        return ints, doubles + vectors.tobytes()
+        if count not in self.forms:
+            self.forms[count] = _form(self.scene, True, count, self.ends)
+        return self.forms[count], self.numbers + vectors.tobytes()
 
 
-def _pack(scene: Scene, given: bool, count: int, begin: float, ends: Ends) -> tuple[bytes, bytes]:
+def _form(scene: Scene, carried: bool, count: int, ends: Ends) -> bytes:
+    """Which components there are, and what the parts join; carried: whether disturbances stay as they are."""
     pack, gauge, present = Packer(), Gauge(scene), components(scene)
-    pack.put((given, count, len(scene.stops), len(scene.frictions)))
+    pack.put((carried, count, len(scene.stops), len(scene.frictions)))
     pack.put((len(present), len(gauge.shifts), len(gauge.references)))
     pack.put((*present, *(c for c, _ in gauge.shifts), *(r for _, r in gauge.shifts), *gauge.references))
-    for stop in scene.stops:
-        pack.put(ends(stop), (0.0 if isinstance(stop, RigidStop) else stop.c,))
+    for part in (*scene.stops, *scene.frictions):
+        pack.put(ends(part))
+    return pack.packed[0]
+
+
+def _numbers(scene: Scene, begin: float) -> bytes:
+    """Dampers of the stops, forces with which slip begins, and what disturbances are measured by."""
+    pack = Packer()
+    pack.put((), (0.0 if isinstance(stop, RigidStop) else stop.c for stop in scene.stops))
     for friction in scene.frictions:
-        pack.put(ends(friction), friction.starts)
+        pack.put((), friction.starts)
     farthest = reach(Doubles, scene.order, log2(scene.tol))
     pack.put((), (begin, farthest, natural_rate(scene, Doubles), *weights(scene, Doubles)))
-    return pack.ints.tobytes(), pack.doubles.tobytes()
+    return pack.packed[1]

@@ -11,6 +11,7 @@ may take steps that are too long for its disturbances: then these go in pieces.
 """
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from math import log
 from typing import Generic
 
@@ -25,10 +26,16 @@ REACH = 1.25  # how much further than exp(-t) of the same order the steps of ord
 
 def reach(kit: Kit[N], order: int, tolerance_exponent: float) -> N:
     """Longest step of exp(-t), by the tolerance on its last term."""
+    return kit.power_of_two((tolerance_exponent + _spread(order) / log(2.0)) / order)
+
+
+@cache
+def _spread(order: int) -> float:
+    """ln order!, summed in its order."""
     spread = 0.0
     for n in range(2, order + 1):
         spread = spread + log(n)
-    return kit.power_of_two((tolerance_exponent + spread / log(2.0)) / order)
+    return spread
 
 
 class TaylorTangent(Generic[N]):

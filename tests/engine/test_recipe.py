@@ -1,0 +1,81 @@
+"""Packed modes that follow from numbers of the scene are those that are made anew."""
+
+from dataclasses import replace
+from math import sqrt
+
+import pytest
+
+from vibsim.cases import load_case
+from vibsim.engine import c_engine
+from vibsim.engine.modes.likeness import differences
+from vibsim.engine.modes.mode_table import ModeTable
+from vibsim.engine.state import start_of
+from vibsim.engine.tangent.monodromy import Carrier
+from vibsim.physics.numbers import Doubles
+from vibsim.physics.recorded_numbers import NotRecorded, Record, RecordedNumbers
+
+
+def test_a_record_is_repeated_on_other_numbers():
+    record = Record([3.0, 4.0])
+    a, b = record.inputs
+    c = RecordedNumbers.sqrt(a * a + b * b) / 2 - abs(-a) if a < b else a
+    for x, y in ((3.0, 4.0), (0.1, 0.7)):
+        assert record.repeated([x, y])[c.place] == sqrt(x * x + y * y) / 2 - abs(-x)
+    assert record.repeated([2.0, 1.0]) is None  # a comparison falls out otherwise
+    for use in (hash, float):
+        with pytest.raises(NotRecorded):
+            use(c)
+
+
+def with_links(scene, c, k=1.0):
+    """The scene with other dampers and springs, by factors."""
+    return replace(scene, links=tuple(replace(one, k=k * one.k, c=c * one.c) for one in scene.links))
+
+
+@pytest.mark.parametrize(
+    ("name", "repeats"), [("I-A", True), ("II-B", True), ("gallery/two-masses-with-friction", False)]
+)
+def test_modes_follow_from_their_recipes(name, repeats):
+    """Where Jacobi's rotations take other steps, as with two masses on two springs, they are made anew."""
+    of = load_case(name).scene()
+    first = c_engine.CRun(of, carries=True)
+    other = with_links(of, 1.37, 1.01)
+    numbers = differences(of, other)
+    assert numbers
+    table, anew = first.table.retuned(other, numbers), ModeTable(other)
+    anew.keys = first.table.keys
+    start = first.automaton.initial(start_of(of, Doubles))[0]
+    statuses = {start, *(start.with_stop(i, 1) for i, _ in of.elastic_stops)}
+    statuses |= {start.with_frictions(dict.fromkeys(range(len(of.frictions)), s)) for s in (-1, 0, 1)}
+    fresh = c_engine.CRun(other, carries=True)
+    for status in statuses:
+        first.table.packed(status, lambda: first.scout)  # the order of keys
+        packed = table.packed(status, lambda: pytest.fail("made anew") if repeats else fresh.scout)
+        assert packed == anew.packed(status, lambda: fresh.scout)
+
+
+def test_scenes_over_a_damping_share_one_run(monkeypatch):
+    made = []
+    begin = c_engine.CRun.__init__
+    monkeypatch.setattr(
+        c_engine.CRun,
+        "__init__",
+        lambda self, *args, **how: (made.append(self), begin(self, *args, **how))[1],
+    )
+    of = load_case("I-A").scene()
+    first = Carrier(of, "c")
+    for factor in (1.0, 1.1, 0.9):
+        first.of(with_links(of, factor)).carry([0.0, 0.0, 0.2, 0.0], 1.0)
+    assert len(made) == 1
+
+
+def test_what_decides_on_the_form_of_modes():
+    of = load_case("I-A").scene()
+    assert differences(of, with_links(of, 2.0)) == {("links", 0, "c"): 2.0 * of.links[0].c}
+    assert differences(of, replace(of, t_end=1.0)) == {}
+    assert differences(of, with_links(of, 0.0)) is None
+    belted = replace(of, frictions=tuple(replace(one, belt=0.1) for one in of.frictions))
+    assert (
+        differences(belted, replace(of, frictions=tuple(replace(one, belt=0.2) for one in of.frictions)))
+        is None
+    )

@@ -1,0 +1,94 @@
+"""Whether the modes of two scenes differ in nothing but their numbers, and which numbers those are.
+
+Rows hold numbers of the parts, but none of a motor and no frequency or phase of a force. Where every other
+number has the same sign in both scenes, and frictions that drop as they begin to slip do so in both, rows and
+rules of a mode have the same form.
+"""
+
+from collections.abc import Sequence
+from dataclasses import fields, replace
+from functools import cache
+from math import copysign
+from typing import Any
+
+from vibsim.physics.parts import Body, Clearance, Friction, Harmonic, RigidStop, Scene, Stop
+
+Place = tuple[str | int, ...]  # names of fields and numbers of parts, from the scene to the number
+Numbers = dict[Place, float]
+
+PARTS = ("bodies", "links", "stops", "frictions", "forces", "base", "clearances")
+SETTINGS = ("method", "order", "tol", "stop_on_violation")
+FREE = {  # what no row holds
+    Body: ("x", "v"),
+    Stop: ("at_start",),
+    RigidStop: ("at_start",),
+    Clearance: ("at_start",),
+    Harmonic: ("omega", "cycles", "cycles_lo", "phase"),
+}
+STEADY = ("belt",)  # what decides with which others a friction stands
+
+
+def differences(one: Scene, other: Scene) -> Numbers | None:
+    """The numbers in the rows of `other` that are not those of `one`, by place; None where their modes have
+    not the same form.
+    """
+    if any(getattr(one, name) != getattr(other, name) for name in SETTINGS):
+        return None
+    mine, theirs = one.motor, other.motor
+    if (mine and mine.on) != (theirs and theirs.on) or (mine is None) != (theirs is None):
+        return None
+    numbers: Numbers = {}
+    for name in PARTS:
+        if not _alike(getattr(one, name), getattr(other, name), (name,), numbers):
+            return None
+    return numbers
+
+
+def _alike(one: Any, other: Any, place: Place, numbers: Numbers) -> bool:
+    """Whether two parts are of one form; adds to the numbers that differ."""
+    if one is other:
+        return True
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, float):
+        if same_bits(one, other):
+            return True
+        numbers[place] = other
+        return (one > 0) == (other > 0) and (one < 0) == (other < 0) and place[-1] not in STEADY
+    if isinstance(one, tuple):
+        return len(one) == len(other) and all(
+            _alike(*pair, (*place, i), numbers) for i, pair in enumerate(zip(one, other, strict=True))
+        )
+    if not hasattr(one, "__dataclass_fields__"):
+        return bool(one == other)
+    if isinstance(one, Friction) and any(one.drops(sense) != other.drops(sense) for sense in (1, -1)):
+        return False
+    if place[0] == "base" and any(
+        not same_bits(getattr(one, name), getattr(other, name)) for name in FREE[Harmonic]
+    ):
+        return False
+    return all(
+        _alike(getattr(one, name), getattr(other, name), (*place, name), numbers)
+        for name in _names(one.__class__)
+    )
+
+
+def same_bits(one: float, other: float) -> bool:
+    """Whether two doubles are the same: 0.0 is not -0.0 here."""
+    return one == other and (one != 0 or copysign(1.0, one) == copysign(1.0, other))
+
+
+@cache
+def _names(kind: Any) -> tuple[str, ...]:
+    """The fields of a part that rows are made of."""
+    return tuple(each.name for each in fields(kind) if each.name not in FREE.get(kind, ()))
+
+
+def with_number(part: Any, place: Sequence[str | int], number: Any) -> Any:
+    """A scene, or a part of one, with another number in a place."""
+    here, *inner = place
+    if isinstance(part, tuple):
+        assert isinstance(here, int)
+        return (*part[:here], with_number(part[here], inner, number), *part[here + 1 :])
+    assert isinstance(here, str)
+    return replace(part, **{here: with_number(getattr(part, here), inner, number) if inner else number})
