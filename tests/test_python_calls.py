@@ -148,3 +148,29 @@ def test_verdicts_are_words():
 def test_dir_shows_what_is_public_and_nothing_else():
     vibsim.load_case  # noqa: B018
     assert dir(vibsim) == sorted(vibsim.__all__)
+
+
+def test_all_that_take_a_case_take_overrides():
+    """As `load_case` does, by the same word."""
+    changed, overrides = vibsim.load_case("I-A", {"mu": 0.002}), {"mu": 0.002}
+    assert vibsim.orbit("I-A", overrides=overrides).state == vibsim.orbit(changed).state
+    by_overrides = vibsim.search_orbits("I-A", 1, seed=1, overrides=overrides)
+    assert [one.state for one in by_overrides] == [
+        one.state for one in vibsim.search_orbits(changed, 1, seed=1)
+    ]
+    matrix = vibsim.monodromy("I-A", {"v1": 0.1}, 1.0, overrides=overrides).matrix
+    assert np.array_equal(matrix, vibsim.monodromy(changed, {"v1": 0.1}, 1.0).matrix)
+
+
+def test_an_orbit_can_be_saved(tmp_path):
+    orbit = vibsim.orbit("gallery/friction-oscillator")
+    path = orbit.save(tmp_path / "orbit.h5")
+    assert vibsim.orbit(path).multipliers.tolist() == orbit.multipliers.tolist()
+    with pytest.raises(vibsim.ResultFileError, match="exists"):
+        orbit.save(path)
+    assert orbit.save(path, force=True) == path
+
+
+def test_more_exponents_than_there_are():
+    with pytest.raises(ValueError, match="count must be 1 to 3 for this case, got 9"):
+        vibsim.lyapunov("I-A", 9)

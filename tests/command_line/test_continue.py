@@ -83,7 +83,7 @@ def test_from_a_stored_orbit_and_from_a_run(tmp_path, followed):
         (["continue", *CASE, "--omega", "3:9"], 2, "--omega: the source of II-B is motor; use --omega0 3:9"),
         (["continue", *CASE, "--omega0", "6:9"], 2, "outside the range 6:9; begin from an orbit within it"),
         (["continue", *CASE, "--param", "c=-1:1"], 2, "coupling.c must be >= 0, got -1 N s/m"),
-        (["continue", *CASE, "--param", "cc=0:1"], 2, "--param cc: unknown key"),
+        (["continue", *CASE, "--param", "cc=0:1"], 2, "--param: cc: unknown key"),
         (["continue", *CASE, "--omega0", "3:9", "-o", "b.txt"], 2, "results are HDF5 files"),
     ],
 )

@@ -7,7 +7,9 @@ import time
 import h5py
 import numpy as np
 import pytest
+import xarray
 
+from tests.command_line.made import call
 from tests.fitting.made import done, numbers_of, small_plan
 from vibsim.fitting.fitting import run_fit
 from vibsim.fitting.run_store import FileRunStore
@@ -24,6 +26,23 @@ def test_a_fit_comes_back_as_it_was(tmp_path):
     assert again.plan.fingerprint == found.plan.fingerprint
     assert again.best == found.best
     assert [path.name for path in tmp_path.iterdir()] == ["fit.h5"]
+
+
+def test_a_fit_is_a_table_of_its_candidates(tmp_path):
+    path = tmp_path / "fit.h5"
+    fit = done(small_plan(), path)
+    frame = open_result(path).to_dataframe()
+    assert list(frame.index) == [one.number for one in fit.candidates]
+    best = frame[frame["rank"] == 1]
+    assert list(best.index) == [fit.best.candidate.number] and best["price"].iloc[0] == fit.best.price
+    shares = fit.to_dataframe("statement")["share"]
+    assert list(shares.loc[fit.best.candidate.number]) == [one.share for one in fit.best.found]
+    with xarray.open_dataset(path, engine="h5netcdf") as data:
+        assert set(fit.to_xarray().variables) == set(data.load().variables)
+    heading, *lines = repr(fit).splitlines()
+    assert heading.startswith("<FitResult ") and len(lines) == len(fit.statements) + 2
+    assert call("export", str(path), "-o", str(tmp_path / "a.csv"), "-q").exit_code == 0
+    assert len((tmp_path / "a.csv").read_text().splitlines()) == 1 + len(fit.candidates)
 
 
 def test_a_fit_in_memory_can_be_saved(tmp_path):

@@ -119,3 +119,22 @@ def test_reprs_are_a_few_lines(sweep):
     assert events.startswith("<Events of II-B: ") and "1 start" in events
     assert repr(sweep).startswith("<SweepResult II-B: 2 omega0 5 to 6 Hz x 3 c 0.01 to 0.03 N s/m x 2 m")
     assert all(len(text.splitlines()) <= 10 for text in (run, events, repr(sweep)))
+
+
+@pytest.mark.parametrize(
+    ("judge", "lines"),
+    [
+        (lambda: vibsim.analyse(short_run("II-B")), ["capture", "drift", "impacts", "regime", "frequencies"]),
+        (lambda: vibsim.analyse("gallery/impact-pair", what="impacts"), ["impacts", "impacts"]),
+        (lambda: vibsim.lyapunov("gallery/impact-pair", 1, overrides={"t_end": "2 s"}), ["exponents"]),
+        (lambda: vibsim.monodromy("I-A", {}, 0.5, ["c"]), ["components", "multipliers", "events"]),
+    ],
+)
+def test_what_is_judged_shows_itself_in_a_few_lines(judge, lines):
+    """Not as all the numbers that it holds: a verdict has some hundred, exponents come with their history."""
+    thing = judge()
+    heading, *shown = repr(thing).splitlines()
+    assert heading.startswith(f"<{type(thing).__name__} ") and heading.endswith(">")
+    assert [line.split()[0] for line in shown if not line.startswith("  warning")] == lines
+    assert all(len(line) < 250 for line in shown)
+    assert thing._repr_html_().count("<tr>") == len(shown)

@@ -100,7 +100,7 @@ def test_two_columns_of_events_and_of_a_sweep(runs, sweep):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--x", "x1"], "give both --x and --y"),
+        (["--x", "x1"], "give both of them, x and y"),
         (["--x", "x1", "--y", "x9"], "has no column 'x9' (did you mean x1?)"),
         (["--x", "x1", "--y", "events/t"], "one is of events and one is not"),
         (["--x", "x1", "--y", "v1", "--kind", "phase"], "two columns are drawn in the place of a kind"),

@@ -112,3 +112,18 @@ def test_sheets_sizes_and_fonts(runs, tmp_path):
     with pytest.raises(PlotError, match="is no style sheet of matplotlib"):
         draw_files([runs["motor"]], ["relative"], View(), str(tmp_path / "b.png"), sheet="none.mplstyle")
     assert not (tmp_path / "b.png").exists()
+
+
+def test_a_span_may_be_a_text(runs):
+    shown = [vibsim.plot(runs["motor"], "relative", window=window) for window in ((5, 6), "5:6")]
+    first, second = (axes.lines[0].get_xydata() for axes in shown)
+    assert first.tobytes() == second.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("window", "message"),
+    [(3, "a span is"), ("5", "not a span"), ((6, 5), "is empty"), ((1, 2, 3), "a span is")],
+)
+def test_what_is_no_span(runs, window, message):
+    with pytest.raises(PlotError, match=message):
+        vibsim.plot(runs["motor"], "relative", window=window)

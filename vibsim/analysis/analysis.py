@@ -1,6 +1,6 @@
 """Everything that a run tells, judged at once."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from os import PathLike
 from typing import TYPE_CHECKING, Any, TypeVar, Union
@@ -12,6 +12,7 @@ from vibsim.analysis.impacts_per_cycle import ImpactsPerCycle, count_impacts, co
 from vibsim.analysis.regime.largest_exponent import largest_exponent
 from vibsim.analysis.regime.verdict import Regime, judge_regime
 from vibsim.analysis.span import Span, later_part, span_of
+from vibsim.labelled.shown import Shown
 from vibsim.results.any_run import as_result
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
@@ -26,8 +27,8 @@ OneOrNamed = Union[T, dict[str, T]]  # noqa: UP007  (mypy knows no alias of T | 
 WHAT = ("capture", "drift", "impacts", "regime", "frequencies")
 
 
-@dataclass(frozen=True)
-class Analysis:
+@dataclass(frozen=True, repr=False)
+class Analysis(Shown):
     """Verdicts on a run; None where it was not asked for, or the scene lacks the part that it is about.
 
     Of drift, impacts and frequencies there is one verdict for two blocks, and for every other scene in which
@@ -55,6 +56,27 @@ class Analysis:
     impacts: OneOrNamed[ImpactsPerCycle] | None = None
     regime: Regime | None = None
     frequencies: OneOrNamed[DominantFrequencies] | None = None
+
+    def heading(self) -> str:
+        """Name of the case, and what was looked at."""
+        return f"of {self.case}, {_seconds(self.span)}, judged {_seconds(self.steady)}"
+
+    def lines(self) -> list[tuple[str, str]]:
+        """Every verdict with its reason; of several bodies or parts each behind its name."""
+        return [line for what in WHAT for line in _verdict_lines(what, getattr(self, what))]
+
+
+def _seconds(span: Span) -> str:
+    return f"{span.begin:.5g} to {span.end:.5g} s"
+
+
+def _verdict_lines(what: str, verdicts: Any) -> Iterator[tuple[str, str]]:
+    """Label and text of one verdict, or of those by the names of bodies or parts."""
+    if isinstance(verdicts, dict):
+        for name, verdict in verdicts.items():
+            yield what, f"{name}: {verdict.verdict}, {verdict.reason}"
+    elif verdicts is not None:
+        yield what, f"{verdicts.verdict}: {verdicts.reason}"
 
 
 def analyse(

@@ -19,6 +19,8 @@ import numpy as np
 
 from vibsim.analysis.regime.largest_exponent import exponent_of
 from vibsim.engine.tangent.lyapunov import LyapunovExponents, lyapunov_exponents
+from vibsim.engine.tangent.tangent_space import dimension
+from vibsim.labelled.shown import Shown
 from vibsim.results.result import Result
 
 if TYPE_CHECKING:
@@ -30,8 +32,8 @@ SETTLED = 10.0  # by which the logarithms of the growth in two halves of a span 
 PIECE = 400  # what a piece adds to the volume residual at most, in units of the tolerance: 1 to 10 were met
 
 
-@dataclass(frozen=True)
-class Lyapunov:
+@dataclass(frozen=True, repr=False)
+class Lyapunov(Shown):
     """Lyapunov exponents over a span of a motion, the largest first.
 
     Attributes
@@ -64,6 +66,19 @@ class Lyapunov:
     volume_residual: float
     warnings: tuple[str, ...]
 
+    def heading(self) -> str:
+        """How many there are, and the span."""
+        noun = "exponent" if len(self.exponents) == 1 else "exponents"
+        return f"{len(self.exponents)} {noun} over {self.span[0]:.5g} to {self.span[1]:.5g} s"
+
+    def lines(self) -> list[tuple[str, str]]:
+        """The exponents with their intervals, and what speaks against them."""
+        pairs = zip(self.exponents, self.half_widths, strict=True)
+        lines = [("exponents", ", ".join(f"{one:.4g} +- {half:.2g}" for one, half in pairs) + " 1/s")]
+        if not np.isnan(self.volume_residual):
+            lines.append(("volume", f"residual {self.volume_residual:.2g}"))
+        return [*lines, *(("warning", text) for text in self.warnings)]
+
 
 def lyapunov(
     case: "Case | str | PathLike[str]",
@@ -90,6 +105,8 @@ def lyapunov(
     from vibsim.cases.loading import load_case
 
     scene = load_case(case, overrides).scene()
+    if count is not None and not 1 <= count <= dimension(scene):
+        raise ValueError(f"count must be 1 to {dimension(scene)} for this case, got {count}")
     if discard is not None and not 0 <= discard < scene.t_end:
         raise ValueError(f"a transient of {discard:g} s leaves nothing of {scene.t_end:g} s")
     return judged(lyapunov_exponents(scene, count, discard, engine), scene.tol)

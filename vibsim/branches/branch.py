@@ -13,13 +13,21 @@ from vibsim.branches.energy import ENERGY
 from vibsim.branches.plan import BranchPlan
 from vibsim.branches.records import OrbitRecord, PointRecord, SpecialRecord
 from vibsim.branches.special import LABELS
+from vibsim.branches.store.structure import POINT
 from vibsim.branches.tracing import CLOSED
+from vibsim.files.declarations import Column, Dataset
 from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.labelled import Labelled, few
 from vibsim.orbits.word import Word
 
+# told of every point beside what its file holds
+STABILITY = (
+    Dataset("index", Column("1", "multipliers outside the unit circle", dtype="i1"), (POINT,)),
+    Dataset("stable", Column(None, "stability", dtype="i1", flags={"unstable": 0, "stable": 1}), (POINT,)),
+)
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class SpecialPoint:
     """A special point of a branch.
 
@@ -50,6 +58,10 @@ class SpecialPoint:
     @property
     def multipliers(self) -> np.ndarray:
         return np.array(self.orbit.multipliers)
+
+    def __repr__(self) -> str:
+        where = f"{self.kind} at {self.parameter:.10g}, period {self.period:.8g} s"
+        return f"<SpecialPoint {self.label}: {where}, between points {self.between[0]} and {self.between[1]}>"
 
 
 class Branch(Along, Labelled):
@@ -122,15 +134,17 @@ class Branch(Along, Labelled):
         return first, last
 
     def arrays(self) -> Arrays:
-        """What its file holds: columns along the points, those along the special points, multipliers."""
+        """What its file holds, by point, special point and multiplier; and the stability of each point."""
         from vibsim.branches.store.branch_file import values_of
-        from vibsim.branches.store.structure import POINT, datasets_of
+        from vibsim.branches.store.structure import datasets_of
 
         values = cache(partial(values_of, self))
-        declared = datasets_of(self.unit)
+        declared = [*datasets_of(self.unit), *STABILITY]
         lengths = {dataset.name: len(values()[dataset.name]) for dataset in declared if dataset.is_scale}
 
         def read(name: str) -> np.ndarray:
+            if name in ("index", "stable"):
+                return self[name].astype("i1")
             dims = next(dataset.dims for dataset in declared if dataset.name == name)
             return np.reshape(np.asarray(values()[name]), [lengths[each] for each in dims])
 

@@ -6,18 +6,20 @@ from pathlib import Path
 from typing import Any
 
 from vibsim.branches.branch import Branch
-from vibsim.branches.plan import plan_from
+from vibsim.branches.plan import BranchError, plan_from
 from vibsim.branches.span import read_span
 from vibsim.branches.store.branch_file import read_branch
 from vibsim.branches.store.branch_store import BranchFileStore, BranchStore
 from vibsim.branches.switching import switched
 from vibsim.branches.tracing import MOST_POINTS, Watch, trace
 
+Span = tuple[float, float] | tuple[tuple[float, float], str]
+
 
 def continue_branch(
     orbit: Any,
     key: str = "",
-    span: str = "",
+    span: str | Span = "",
     *,
     switch: str | None = None,
     energy: str | None = None,
@@ -32,7 +34,8 @@ def continue_branch(
     ----------
     orbit : an `Orbit`, or what `vibsim.orbit` takes to find one: a case, a run, a stored orbit
     key : of the case, such as "excitation.Omega0", or KEY=KEY for several of one value
-    span : range of its values, such as "3:9 Hz"; a bare number is in SI units, of an angular rate in Hz
+    span : range of its values, such as "3:9 Hz", (3, 9) or ((3, 9), "Hz"); bare numbers are in SI units,
+        those of an angular rate in Hz
     switch : label of a special point, such as "PD1": `orbit` is a Branch (or its file), and the branch that
         leaves it there is followed over the same range
     energy : range of the energy, such as "1e-5:0.1 J", in place of `key` and `span`: the backbone curve of a
@@ -56,11 +59,24 @@ def continue_branch(
         plan = energy_plan(orbit, energy, engine)
     else:
         orbit = orbit_from(orbit, engine)
-        plan = plan_from(orbit, *read_span(orbit.case, key, span))
+        plan = plan_from(orbit, *read_span(orbit.case, key, _as_text(span)))
     store = BranchStore(plan, engine) if out is None else BranchFileStore(plan, Path(out), engine, force)
     for note in store.notes:
         warnings.warn(note, stacklevel=2)
     return complete(store, max_points, engine)[0]
+
+
+def _as_text(span: str | Span) -> str:
+    """A range as the command line has it. Raises BranchError for what is none."""
+    if isinstance(span, str):
+        return span
+    try:
+        ends, unit = span if isinstance(span[1], str) else (span, "")
+        low, high = (repr(float(end)) for end in ends)
+    except (TypeError, ValueError, IndexError):
+        words = 'a range is a text such as "3:9 Hz", (3, 9) or ((3, 9), "Hz")'
+        raise BranchError(f"{words}, got {span!r:.60}") from None
+    return f"{low}:{high} {unit}".strip()
 
 
 def orbit_from(source: Any, engine: str = "auto") -> Any:

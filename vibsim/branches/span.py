@@ -5,7 +5,7 @@ from math import nan
 
 from vibsim.branches.plan import BranchError
 from vibsim.branches.scene_path import ScenePath
-from vibsim.cases import Case
+from vibsim.cases import Case, UnknownKeyError
 from vibsim.cases.keys import measured_at
 from vibsim.cases.problems import shown
 from vibsim.cases.ranges import parse_range
@@ -21,7 +21,9 @@ def read_span(case: Case, key: str, text: str) -> tuple[tuple[str, ...], str, tu
     Raises BranchError where it is no range or its ends are not allowed, UnknownKeyError for a key that is
     none of the case's numbers.
     """
-    keys = tuple(_number_key(case, each.strip()) for each in key.split("="))
+    if not key:
+        raise BranchError("name what is to vary: a key of the case, such as excitation.Omega0")
+    keys = tuple(number_key(case, each.strip()) for each in key.split("="))
     dimension = _dimension(keys[0])
     try:
         if text.count(":") != 1:
@@ -56,9 +58,14 @@ def read_energy_span(text: str) -> tuple[float, float]:
     return low, high
 
 
-def _number_key(case: Case, key: str) -> str:
-    case.quantity(key)
-    return case.full_key(key)
+def number_key(case: Case, key: str) -> str:
+    """The dotted key of a number of the case. Raises UnknownKeyError that names the key."""
+    try:
+        case.quantity(key)
+        return case.full_key(key)
+    except UnknownKeyError as error:
+        words = str(error)
+        raise UnknownKeyError(words if words.startswith(f"{key} ") else f"{shown(key)}: {words}") from None
 
 
 def _dimension(key: str) -> str:

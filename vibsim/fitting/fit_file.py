@@ -47,8 +47,12 @@ def origin(plan: FitPlan, engine: str) -> dict[str, Any]:
 
 def write_fit(path: Path, fit: FitResult) -> None:
     """Write a fit to `path`, replacing what is there in one instant. Raises ResultFileError."""
-    values = {**_scales(fit), **_described(fit), **_measured(fit), **_judged(fit)}
-    write_hdf5(path, fit.attrs, datasets_of(fit.plan), values)
+    write_hdf5(path, fit.attrs, datasets_of(fit.plan), file_values(fit))
+
+
+def file_values(fit: FitResult) -> dict[str, Any]:
+    """What stands in the datasets of a fit, by name."""
+    return {**_scales(fit), **_described(fit), **_measured(fit), **_judged(fit)}
 
 
 def _scales(fit: FitResult) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cached_property
+from functools import cache, cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -11,17 +11,20 @@ import numpy as np
 
 from vibsim.cases import Case
 from vibsim.files.output_file import check_output
-from vibsim.fitting.fit_file import write_fit
+from vibsim.fitting.fit_file import file_values, write_fit
+from vibsim.fitting.fit_structure import CANDIDATE, datasets_of
 from vibsim.fitting.judgement import Judgement, judge, values_of
 from vibsim.fitting.measuring import HORIZON, TRUST, Index
 from vibsim.fitting.plan import FitPlan
 from vibsim.fitting.reading import Candidate
 from vibsim.fitting.statement import Statement
 from vibsim.fitting.stored_fit import read_fit
+from vibsim.labelled.arrays import Arrays
+from vibsim.labelled.labelled import Labelled
 from vibsim.sweeps.points.point import Point
 
 
-class FitResult:
+class FitResult(Labelled):
     """A fit, in memory or from a file.
 
     `fit.ranking` are the candidates that were judged from all starts, the cheapest first, those that were
@@ -137,10 +140,30 @@ class FitResult:
         write_fit(target, self)
         return target
 
-    def __repr__(self) -> str:
+    def arrays(self) -> Arrays:
+        """What its file holds: a row per candidate; by case, statement and start what was measured."""
+        values = cache(partial(file_values, self))
+        declared = datasets_of(self.plan)
+        lengths = {dataset.name: len(values()[dataset.name]) for dataset in declared if dataset.is_scale}
+        dims = {dataset.name: dataset.dims for dataset in declared}
+
+        def read(name: str) -> np.ndarray:
+            return np.reshape(np.asarray(values()[name]), [lengths[each] for each in dims[name]])
+
+        free = [f"value_{each.name}" for each in self.plan.free]
+        return Arrays(tuple(declared), read, (CANDIDATE,), self.attrs, shown=(*free[:1], "price", "share"))
+
+    def heading(self) -> str:
+        """Cases, how many candidates and runs, and the best."""
         names = ", ".join(case.name for case in self.plan.cases)
         best = f"; best {self.best.candidate}, price {self.best.price:.3f}" if self.ranking else ""
-        return f"<FitResult {names}: {len(self.candidates)} candidates, {len(self.runs)} runs{best}>"
+        return f"{names}: {len(self.candidates)} candidates, {len(self.runs)} runs{best}"
+
+    def lines(self) -> list[tuple[str, str]]:
+        """The statements, the ranges of the free parameters, and whether the search reached its end."""
+        statements = [("statement", each.text) for each in self.statements]
+        free = ", ".join(f"{each.key}" for each in self.plan.free) or "none"
+        return [*statements, ("free", free), ("search", "at its end" if self.complete else "interrupted")]
 
 
 def open_fit(path: str | Path) -> FitResult:

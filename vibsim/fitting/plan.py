@@ -120,7 +120,8 @@ class FitPlan:
         """Raises FitError for wishes that do not go together."""
         if not self.statements:
             raise FitError(
-                "say what the runs should do: give at least one statement (--want; see vibsim fit --list)"
+                "say what the runs should do: give at least one statement, such as 'captured until the end'; "
+                "vibsim fit --list shows all (--want '...' in the shell)"
             )
         names = [case.name for case in self.cases]
         if len(set(names)) < len(names):

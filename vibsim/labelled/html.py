@@ -9,15 +9,19 @@ from vibsim.labelled.arrays import Arrays
 CELL = 'style="text-align:left;padding:0 1em 0 0;vertical-align:top"'
 
 
-def html_of(heading: str, lines: Iterable[tuple[str, str]], arrays: Arrays) -> str:
+def html_of(heading: str, lines: Iterable[tuple[str, str]], arrays: Arrays | None = None) -> str:
     """The heading, a table of the lines, and a folded one of the columns; colours are the page's own."""
     rows = "".join(_row(label, text) for label, text in lines)
+    columns = "" if arrays is None else _columns(arrays)
+    return f"<div><b>{escape(heading)}</b><table>{rows}</table>{columns}</div>"
+
+
+def _columns(arrays: Arrays) -> str:
     columns = "".join(_column(name, arrays) for name in arrays.datasets)
     head = "".join(f"<th {CELL}>{word}</th>" for word in ("name", "dimensions", "unit", "what it is"))
     return (
-        f"<div><b>{escape(heading)}</b><table>{rows}</table>"
         f"<details><summary>{len(arrays.datasets)} columns</summary>"
-        f"<table><thead><tr>{head}</tr></thead><tbody>{columns}</tbody></table></details></div>"
+        f"<table><thead><tr>{head}</tr></thead><tbody>{columns}</tbody></table></details>"
     )
 
 

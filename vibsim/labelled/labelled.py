@@ -5,9 +5,9 @@ from typing import Any
 
 from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.html import html_of
+from vibsim.labelled.shown import Shown
 from vibsim.lazy_names import FRONT, named
 
-LABEL_WIDTH = 16
 LISTED = 10  # names of columns that are listed
 
 
@@ -18,7 +18,7 @@ def few(names: Iterable[str]) -> str:
     return ", ".join(first[:LISTED]) + (f" and {more} more" if more > 0 else "")
 
 
-class Labelled:
+class Labelled(Shown):
     """A result made of labelled arrays.
 
     A kind of result says three things: `arrays()`, `heading()` and `lines()`; the rest follows.
@@ -26,14 +26,6 @@ class Labelled:
 
     def arrays(self) -> Arrays:
         """Its arrays, with dimensions, units and attributes."""
-        raise NotImplementedError
-
-    def heading(self) -> str:
-        """What it is, in a line."""
-        raise NotImplementedError
-
-    def lines(self) -> list[tuple[str, str]]:
-        """The few things that tell most about it: label and text."""
         raise NotImplementedError
 
     def to_xarray(self) -> Any:
@@ -84,10 +76,6 @@ class Labelled:
         'Relative displacement $x_1 - x_2$ (µm)'
         """
         return named(FRONT["plot"])(self, kind, **how)
-
-    def __repr__(self) -> str:
-        lines = [f"  {label:{LABEL_WIDTH}}{text}" for label, text in self.lines()]
-        return "\n".join([f"<{type(self).__name__} {self.heading()}>", *lines])
 
     def _repr_html_(self) -> str:
         return html_of(f"{type(self).__name__} {self.heading()}", self.lines(), self.arrays())

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -146,6 +148,19 @@ class Orbit(Labelled):
         if self.case is None:
             raise ValueError("the orbit of a scene alone has no case to be run")
         return simulate(case_on_orbit(self.case, self.state, self.period))
+
+    def save(self, path: str | PathLike[str], force: bool = False) -> Path:
+        """Write the orbit to an HDF5 file, which every command takes; its absolute path.
+
+        force : replace what is there
+
+        Raises ResultFileError where it cannot be written, ValueError for an orbit of a scene without a case.
+        """
+        from vibsim.orbits.orbit_file import save_orbit
+
+        target = Path(path).absolute()
+        save_orbit(self, target, force)
+        return target
 
     def arrays(self) -> Arrays:
         """The columns of one period on it, over time."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -111,13 +111,18 @@ def same(one: Orbit, other: Orbit) -> bool:
 
 
 def search_orbits(
-    source: Any, count: int, seed: int = 0, period: int | None = None, engine: str = "auto"
+    source: Any,
+    count: int,
+    seed: int = 0,
+    period: int | None = None,
+    engine: str = "auto",
+    overrides: Mapping[str, Any] | None = None,
 ) -> list[Orbit]:
     """The distinct orbits that are found from `count` random starts.
 
     Parameters
     ----------
-    source : a Case, the path of a case file or the name of a shipped case
+    source, overrides : as of `load_case`
     seed : of the starts
     period : periods of the source, or turns of the motor, that are asked for; None: as they come
 
@@ -129,5 +134,5 @@ def search_orbits(
     """
     from vibsim.cases.loading import load_case
 
-    attempts = search_attempts(load_case(source), count, seed, period, engine)
+    attempts = search_attempts(load_case(source, overrides), count, seed, period, engine)
     return [one for attempt in attempts for one in attempt.orbits]

@@ -28,7 +28,7 @@ FAR = 0.05  # of it: a run that comes no nearer to itself is not about to repeat
 
 def orbit(
     source: Any,
-    changes: Mapping[str, Any] | None = None,
+    overrides: Mapping[str, Any] | None = None,
     start: Any = None,
     period: int | None = None,
     engine: str = "auto",
@@ -39,7 +39,7 @@ def orbit(
     ----------
     source : a Case, the path of a case file or the name of a shipped case; or a `Result` of `vibsim.simulate`
         or its file, which may hold a stored orbit
-    changes : values by key that replace those of the case, e.g. {"c": "0.03 N s/m"}
+    overrides : values by key that replace those of the case, e.g. {"c": "0.03 N s/m"}
     start : near which state the orbit is: an `Orbit`, a `Result` that holds one, or a dict by name of the
         column; None: where the run of `source` comes to
     period : periods of the source, or turns of the motor, that it takes; None: as often as the run repeats
@@ -52,11 +52,11 @@ def orbit(
     >>> orbit.n, bool(orbit.stable)
     (1, True)
     """
-    case, result = opened(source, changes)
+    case, result = opened(source, overrides)
     begin = start if start is not None else (result if _is_orbit(result) else None)
     if begin is not None:
         return _from_start(case, begin, period, engine)
-    return _from_run(case, None if changes else result, period, engine)
+    return _from_run(case, None if overrides else result, period, engine)
 
 
 def opened(source: Any, changes: Mapping[str, Any] | None) -> tuple[Case, Result | None]:

@@ -8,11 +8,13 @@ changes of numbers are difference quotients of motions beside it, of two widths,
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from os import PathLike
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vibsim.engine.tangent.monodromy import Carrier
+from vibsim.labelled.shown import Shown
 from vibsim.orbits.coordinates import component_names
 from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.parameter_slopes import NotFollowed, parameter_slopes
@@ -25,8 +27,8 @@ if TYPE_CHECKING:
 WIDTH = 2.0**-10  # of the number: rounding 2^-53 / 2^-10 and what is left out, 2^-40, are both 1e-12 about
 
 
-@dataclass(frozen=True)
-class Monodromy:
+@dataclass(frozen=True, repr=False)
+class Monodromy(Shown):
     """The derivative of a motion over a time.
 
     columns : names of the components of the state: x of each body, v of each body, phi and phidot
@@ -45,19 +47,36 @@ class Monodromy:
     by_parameter: dict[str, np.ndarray]
     error: dict[str, np.ndarray]
 
+    def heading(self) -> str:
+        """Its size, and by what the motion is differentiated."""
+        by = ", ".join(["the state at its start", *self.by_parameter])
+        return f"{len(self.columns)} x {len(self.columns)}, by {by}"
+
+    def lines(self) -> list[tuple[str, str]]:
+        """Components, magnitudes of the multipliers, events on the way, errors of difference quotients."""
+        multipliers = np.sort(np.abs(np.linalg.eigvals(self.matrix)))[::-1]
+        quotients = [f"{key} {np.max(error):.1g}" for key, error in self.error.items() if np.any(error)]
+        lines = [
+            ("components", ", ".join(self.columns)),
+            ("multipliers", f"magnitudes {', '.join(f'{each:.5g}' for each in multipliers)}"),
+            ("events", str(len(self.events))),
+        ]
+        return [*lines, ("errors", ", ".join(quotients))] if quotients else lines
+
 
 def monodromy(
-    case: "Case | str",
+    case: "Case | str | PathLike[str]",
     state: Mapping[str, float],
     T: float,
     parameters: Sequence[str] = (),
     engine: str = "auto",
+    overrides: Mapping[str, object] | None = None,
 ) -> Monodromy:
     """The derivative of the motion of a case from `state` at t = 0 over the time `T` [s].
 
     Parameters
     ----------
-    case : a Case, the path of a case file or the name of a shipped case
+    case, overrides : as of `load_case`
     state : by name of the column, e.g. {"x1": 0.001, "v1": 0.2, ...} [m, m/s, rad, rad/s]; those left out: 0
     parameters : keys of numbers of the case by which the motion is differentiated too, e.g. ("c", "omega")
 
@@ -73,7 +92,7 @@ def monodromy(
     """
     from vibsim.cases.loading import load_case
 
-    case = load_case(case)
+    case = load_case(case, overrides)
     scene = case.scene()
     columns = component_names(scene)
     unknown = [name for name in state if name not in columns]

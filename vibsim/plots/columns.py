@@ -30,7 +30,7 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     the motion where both are states; of everything else points, those whose x lies within the window.
     """
     if not view.x or not view.y:
-        raise PlotError("two columns go against each other: give both --x and --y")
+        raise PlotError("two columns go against each other: give both of them, x and y")
     figure = sheet(view, 6.4)
     axes = figure.subplots()
     for i, subject in enumerate(subjects):

@@ -10,7 +10,7 @@ from vibsim.plots import style as styles
 from vibsim.plots.errors import PlotError
 from vibsim.plots.picture import chosen_kinds
 from vibsim.plots.subject import Subject, open_subject, subject_of, told_apart
-from vibsim.plots.view import Span, View
+from vibsim.plots.view import Span, View, parse_span
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,8 +21,8 @@ def plot(
     kind: str | None = None,
     *,
     ax: Axes | Sequence[Axes] | None = None,
-    window: Span | None = None,
-    detail: Span | None = None,
+    window: Span | str | None = None,
+    detail: Span | str | None = None,
     width: str | None = None,
     size: tuple[float, float] | None = None,
     font_size: float | None = None,
@@ -38,7 +38,7 @@ def plot(
         them, laid over each other
     kind : as `vibsim plot --list` names them; None: what suits the result
     ax : axes to draw into, or as many as the picture has panels; None: a new figure of pyplot
-    window, detail : spans [s] to show and to enlarge
+    window, detail : spans to show and to enlarge: (first, last) [s], or "100:110"
     width : "column" or "page"; size : width and height [cm] of a new figure
     font_size : [pt]
     style : True: vibsim's; False: the settings of matplotlib in force; or a style sheet, laid over vibsim's
@@ -56,7 +56,7 @@ def plot(
     """
     subjects = _subjects(result)
     with styles.applied(style, font_size):
-        view = View(window, detail, width, size, x, y, _canvas(ax))
+        view = View(_span(window), _span(detail), width, size, x, y, _canvas(ax))
         kinds = chosen_kinds(subjects, None if kind is None else [kind], view)
         if len(kinds) > 1:
             kinds = kinds[:1]
@@ -65,6 +65,22 @@ def plot(
             return ax
         panels = [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
         return panels[0] if len(panels) == 1 else panels
+
+
+def _span(span: Any) -> Span | None:
+    """A span of the user's. Raises PlotError for what is none."""
+    if span is None:
+        return None
+    if isinstance(span, str):
+        return parse_span(span)
+    try:
+        first, last = (float(instant) for instant in span)
+    except (TypeError, ValueError):
+        words = 'a span is (first, last) in seconds, or a text such as "100:110"'
+        raise PlotError(f"{words}, got {span!r:.60}") from None
+    if not first < last:
+        raise PlotError(f"the span {first:g}:{last:g} is empty: its first instant must come before its last")
+    return first, last
 
 
 def _subjects(result: Any) -> list[Subject]:

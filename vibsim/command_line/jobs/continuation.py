@@ -50,7 +50,7 @@ def read_plan(
         option, text = chosen[0]
         key = source_key(case, option, text)
     else:
-        option, (key, text) = f"--param {param[0]}", param
+        option, (key, text) = "--param", param
     try:
         keys, unit, span = read_span(case, key, text)
         plan = plan_from(_orbit(source, case, changes, engine), keys, unit, span)
