@@ -13,6 +13,7 @@
 #include "numbers.h"
 
 #define EVENTS_AT_ONE_INSTANT 64
+#define TOUCHING 64 /* roundings: beyond those within which Python says that ends just touch */
 
 static void enter_flow(Run *r, const State *state)
 {
@@ -237,21 +238,14 @@ static double direct_rate(const Run *r, const Event *e)
     return total;
 }
 
-/* First derivative of an event function of the present mode at r->next, by its flow. */
+/* First derivative of an event function of the present mode at r->next, by Taylor series as the automaton's. */
 static double flow_rate(Run *r, const Event *e)
 {
-    double series[SERIES], steps = r->steps, evaluations = r->evaluations, rate;
-    enter_flow(r, &r->next);
-    if (r->closed) {
-        closed_form_jets(r, 1);
-        rate = event_derivative(r, e, 1);
-    } else {
-        taylor_polynomial(r, e, series);
-        rate = series[1];
-    }
+    double series[SERIES], steps = r->steps;
+    taylor_enter(r, &r->next);
+    taylor_polynomial(r, e, series);
     r->steps = steps;
-    r->evaluations = evaluations;
-    return rate;
+    return series[1];
 }
 
 /* Acceleration that drives the ends of a rigid stop together at r->next, in the present mode. */
@@ -335,6 +329,31 @@ static void join(Run *r, const Mode *m, int column)
             r->next.v[c] = common + m->drift[c];
 }
 
+/* Whether the ends of a stop or a clearance that is watched just touch, more or less: a release may part or close them. */
+static int touches(const Run *r)
+{
+    const Mode *m = r->mode;
+    double X, V;
+    int i, j;
+    base_motion_at(r, r->next.t, &X, &V);
+    for (i = 0; i < m->event_count; i++) {
+        const Event *e = &m->events[i];
+        double value = e->constant, size = e->size;
+        if (e->kind != GAP && e->kind != CLEARANCE)
+            continue;
+        for (j = 0; j < e->terms; j++) {
+            const Term *t = &m->terms[e->first + j];
+            double P = t->P < r->bodies ? r->next.x[t->P] : t->P == r->bodies ? 0.0 : X;
+            double Q = t->Q < r->bodies ? r->next.x[t->Q] : t->Q == r->bodies ? 0.0 : X;
+            value = value + t->coefficient * (P - Q);
+            size = size + fabs(P) + fabs(Q);
+        }
+        if (fabs(value) <= TOUCHING * EPS * size)
+            return 1;
+    }
+    return 0;
+}
+
 /* Take the pending event by its rule; 0 where Python has to decide. */
 static int take_by_rule(Run *r, Buffers *b)
 {
@@ -344,7 +363,7 @@ static int take_by_rule(Run *r, Buffers *b)
         r->behind[k] = -1;
     if (e->rule == CROSS) {
         double rate = e->kind == HOLD || e->kind == PUSH ? flow_rate(r, e) : direct_rate(r, e);
-        if (rate == 0 || rate != rate)
+        if (rate == 0 || rate != rate || (e->kind == HOLD && touches(r)))
             return 0;
         if (rate > 0) {
             r->behind[e->key] = 1;

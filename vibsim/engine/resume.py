@@ -6,13 +6,14 @@ from math import isfinite
 import numpy as np
 
 from vibsim.engine.columns import flags_of_parts, part_columns, state_columns
+from vibsim.engine.events.parting import let_go, meets
 from vibsim.engine.flows.harmonics import value_and_rate
-from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Known
-from vibsim.engine.modes.status import LIFTED, OPEN, Status
+from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Known, RowMaker
+from vibsim.engine.modes.status import LIFTED, OPEN, STICK, Status
 from vibsim.engine.state import State
 from vibsim.physics.modes import EVENT_NAMES, RIGID_KINDS
 from vibsim.physics.numbers import TWO_PI, Doubles, N
-from vibsim.physics.parts import AT_FORCE, BASE, Friction, RigidStop, Scene, Stop, columns_of
+from vibsim.physics.parts import AT_FORCE, BASE, Clearance, Friction, RigidStop, Scene, Stop, columns_of
 
 Point = tuple[State[N], Status, Known]  # what a run goes on from: state, mode, known zeros
 Row = Mapping[str, float]  # of a table of events, by column
@@ -36,7 +37,7 @@ def resume_point(scene: Scene, row: Row | Sequence[Row]) -> Point:
     for one in rows:
         state, status = _state(scene, one), _status(scene, one)
         known |= _zeros(scene, one, state, status, jumps)
-    return state, status, known
+    return state, status, known | _zeros_of_parted(scene, rows, state, status, 2 if jumps else 3)
 
 
 def _makes_forces_jump(scene: Scene, row: Row) -> bool:
@@ -49,7 +50,10 @@ def _makes_forces_jump(scene: Scene, row: Row) -> bool:
     if kind == "stick_end":
         friction = part - len(scene.stops)
         return scene.frictions[friction].drops(_status(scene, row).frictions[friction])
-    return kind in ("contact_begin", "contact_end") and dict(scene.elastic_stops)[part].c != 0
+    if kind not in ("contact_begin", "contact_end"):
+        return False
+    stop = dict(scene.elastic_stops)[part]
+    return stop.c != 0 and _closing(scene, stop, _state(scene, row)) != 0
 
 
 def rows_of_instant(events: Mapping[str, np.ndarray], i: int, earlier: Sequence[Row] = ()) -> list[Row]:
@@ -127,6 +131,36 @@ def _zeros_of_rigid_stop(scene: Scene, stop: int, state: State, status: Status, 
     if status.stops[stop] != OPEN:
         return {}
     return {(STRIKE, stop): 1 if _closing(scene, scene.stops[stop], state) != 0 else released}
+
+
+def _zeros_of_parted(scene: Scene, rows: Sequence[Row], state: State, status: Status, order: int) -> Known:
+    """Orders of the zeros of what the ends touched of ties that let go at the instant of `rows`."""
+    names = [(EVENT_NAMES[int(row["kind"])], int(row["part"])) for row in rows]
+    count = len(scene.stops)
+    ties = [part - count for kind, part in names if kind == "stick_end"]
+    ties += [len(scene.frictions) + part for kind, part in names if kind == "rest_end"]
+    if not ties:
+        return {}
+    stops, clearances = let_go(RowMaker(scene, Doubles), status.with_ties(dict.fromkeys(ties, STICK)), status)
+    known: Known = {}
+    for i in stops:
+        stop = dict(scene.elastic_stops)[i]
+        P, Q = _places(scene, stop, state)
+        if meets(Doubles, stop, -(stop.sense * (P - Q)) - stop.gap, (P, Q), stop.gap):
+            known |= {(GAP, i): order, (PUSH, i): order - 1}
+    for i in clearances:
+        one = scene.clearances[i]
+        P, Q = _places(scene, one, state)
+        if meets(Doubles, one, (P - Q) - one.distance, (P, Q), one.distance):
+            known[CLEARANCE, i] = order
+    return known
+
+
+def _places(scene: Scene, part: Stop | Clearance, state: State) -> tuple[float, float]:
+    """Displacements of the ends of a part [m]."""
+    X = value_and_rate(Doubles, scene.base, state.t)[0]
+    P, Q = (state.x[end] if end >= 0 else X if end == BASE else 0.0 for end in (part.P, part.Q))
+    return P, Q
 
 
 def _struck(scene: Scene, friction: Friction, row: Row) -> bool:

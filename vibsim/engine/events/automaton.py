@@ -14,6 +14,7 @@ from itertools import combinations, product
 from typing import Generic
 
 from vibsim.engine.events.newton_moreau import Impulse
+from vibsim.engine.events.parting import let_go, meets
 from vibsim.engine.events.rigid_stops import Happened, RigidStops, Taken, Touch
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.flows.harmonics import value_and_rate
@@ -50,14 +51,17 @@ from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import AT_FORCE, Clearance, Friction, RigidStop, Scene, Stop
 
 JET = 7  # order of the highest derivative consulted where lower ones vanish
-START_ROUNDING = 16  # at least: each of three numbers and of two differences is rounded once
 
 
 class Automaton(Generic[N]):
-    """Decides the modes of a run."""
+    """Decides the modes of a run.
+
+    Derivatives are those of the Taylor recurrences in every mode: what is zero by the laws of motion, as the
+    acceleration of a body whose springs are slack, is exactly zero there. Modal coordinates leave rounding.
+    """
 
     def __init__(self, scene: Scene[N], maker: RowMaker[N], flow: Flow[N], kit: Kit[N]) -> None:
-        self.scene, self.maker, self.flow, self.kit = scene, maker, flow, kit
+        self.scene, self.maker, self.flow, self.kit = scene, maker, flow.taylor, kit
         self.elastic = dict(scene.elastic_stops)
         self.rigid = RigidStops(self)
 
@@ -83,24 +87,25 @@ class Automaton(Generic[N]):
         standing = [i for i, sense in enumerate(frictions) if sense == 0]
         standing += [len(frictions) + i for i in seated]
         if standing:
+            standing = self.standing(status, standing)
             status = self._settle(state, status, standing)
             known |= {(SLIDE, i): 1 for i in standing if i < len(frictions) and status.frictions[i] != STICK}
         known |= {(STRIKE, i): order for i, order in touching.items() if status.stops[i] == OPEN}
         for i, (g, stop) in enumerate(zip(depths, scene.stops, strict=True)):
             if not met[i] and self._blurred(g, stop, state, stop.sense * stop.gap):
                 self._doubt(state)
-            if met[i] and isinstance(stop, Stop):
-                turning = -self._leading_sign(state, status.with_stop(i, OPEN), (GAP, i))
-                status, known = status.with_stop(i, CONTACT if turning > 0 else OPEN), {**known, (GAP, i): 1}
+            if met[i] and i in self.elastic and i not in self.maker.guarded:
+                sense, order = self._leading(state, status.with_stop(i, OPEN), (GAP, i))
+                status = status.with_stop(i, CONTACT if sense < 0 else OPEN)
+                known[GAP, i] = order
         for i, over in enumerate(slacks):
             at = self._met(scene.clearances[i], over, state, scene.clearances[i].distance)
             if not at and self._blurred(over, scene.clearances[i], state, -scene.clearances[i].distance):
                 self._doubt(state)
             if at:
-                kept = status.with_clearance(i, KEPT)
-                turning = -self._leading_sign(state, kept, (CLEARANCE, i))
-                status = status.with_clearance(i, VIOLATED if turning > 0 else KEPT)
-                known = {**known, (CLEARANCE, i): 1}
+                sense, order = self._leading(state, status.with_clearance(i, KEPT), (CLEARANCE, i))
+                status = status.with_clearance(i, VIOLATED if sense < 0 else KEPT)
+                known[CLEARANCE, i] = order
         return status, known
 
     def _pressing(self, state: State[N], status: Status, met: Sequence[bool]) -> Status:
@@ -108,6 +113,8 @@ class Automaton(Generic[N]):
         that are `met` push where they close; deep ones whose damper would have to pull are lifted.
         """
         for i, stop in enumerate(self.scene.stops):
+            if i in self.maker.guarded:
+                continue
             if met[i] and isinstance(stop, Stop):
                 vP, vQ = self._ends(stop, state, "v")
                 status = status.with_stop(i, CONTACT if -(stop.sense * (vP - vQ)) > 0 else OPEN)
@@ -143,12 +150,8 @@ class Automaton(Generic[N]):
     def _met(
         self, part: Stop[N] | RigidStop[N] | Clearance[N], value: N, state: State[N], distance: N
     ) -> bool:
-        """Whether a start lies exactly where `value` = x_P - x_Q + ... is zero: as computed, or as told from
-        exact numbers, whose rounding it may be then.
-        """
-        xP, xQ = self._ends(part, state, "x")
-        size = abs(xP) + abs(xQ) + abs(distance)
-        return value == 0 or (part.at_start and abs(value) <= START_ROUNDING * self.kit.eps * size)
+        """Whether the ends of a part just touch, see `meets`."""
+        return meets(self.kit, part, value, self._ends(part, state, "x"), distance)
 
     def _blurred(self, value: N, part: Joined, state: State[N], distance: N) -> bool:
         """Whether the rounding of x_P - x_Q and of its sum with `distance` could turn the sign of `value`."""
@@ -175,15 +178,21 @@ class Automaton(Generic[N]):
         return self.flow.derivatives(self._event(rows, key), 0)[0]
 
     def _leading_sign(self, state: State[N], status: Status, key: EventKey, first: int = 1) -> int:
-        """Sign of the first derivative, from order `first`, that is not zero; that of order 1 is one of
-        velocities where differences alone make the function, and no rounding of a flow is in it.
+        """Sign of the first derivative, from order `first`, that is not zero."""
+        return self._leading(state, status, key, first)[0]
+
+    def _leading(self, state: State[N], status: Status, key: EventKey, first: int = 1) -> tuple[int, int]:
+        """Sign and order of the first derivative, from order `first`, that is not zero; 0 and the last order
+        where all are. That of order 1 is one of velocities where differences alone make the function, and no
+        rounding of a flow is in it.
         """
         rows = self._enter(state, status)
         event = self._event(rows, key)
         values = self.flow.derivatives(event, JET)
         if all(term.kind == DIFFERENCE for term in event.terms):
             values[1] = self._direct_rate(state, event)
-        return first_sign(values[first:])
+        order = next((n for n in range(first, JET) if values[n] != 0), JET)
+        return sign(values[order]), order
 
     # -- events
 
@@ -309,7 +318,7 @@ class Automaton(Generic[N]):
 
     def _sliding_ends(self, state: State[N], status: Status, event: Event[N]) -> Taken:
         i = event.part
-        standing = self._standing(status, i)
+        standing = self.standing(status, [i])
         after = self._settle(state, status, standing)
         known: Known = {}
         if after.frictions[i] == STICK:
@@ -318,23 +327,23 @@ class Automaton(Generic[N]):
             known[SLIDE, i] = 1
         return after, self._changes(status, after, known), known
 
-    def _standing(self, status: Status, i: int) -> list[int]:
-        """Ties that stand in the moment in which friction `i` comes to v_rel = 0: those that hold, and
+    def standing(self, status: Status, more: Iterable[int] = ()) -> list[int]:
+        """Ties that stand in the moment in which the ties `more` come to rest: these, those that hold, and
         frictions that others which hold then keep from sliding.
         """
-        standing = {i, *status.tied}
+        standing = {*more, *status.tied}
         while True:
             tied = status.with_ties(dict.fromkeys(standing, STICK))
             leader, drift = self.maker.ties(tied)
-            more = {
+            kept = {
                 k
                 for k, friction in enumerate(self.scene.frictions)
                 for P, Q in [self.maker.ends(friction)]
                 if k not in standing and leader[P] == leader[Q] and drift[P] - drift[Q] == friction.belt
             }
-            if not more:
+            if not kept:
                 return sorted(standing)
-            standing |= more
+            standing |= kept
 
     def _hold_ends(self, state: State[N], status: Status, event: Event[N]) -> Taken:
         rows = self.maker.rows(status)
@@ -345,15 +354,42 @@ class Automaton(Generic[N]):
         count = len(status.frictions)
         after = status.with_ties(slips)
         drops = [i for i, sense in slips.items() if i < count and self.scene.frictions[i].drops(sense)]
-        if not drops:
+        if drops:
+            known: Known = {}
+            after = self._settle_behind(state, status, after)
+            happened = self._changes(status, after, known)
+        else:
             happened = [("stick_end", i) if i < count else ("rest_end", i - count) for i in slips]
-            zeros: Known = {
-                (SLIDE, i) if i < count else (STRIKE, i - count): 2 if i < count else 3 for i in slips
-            }
-            return after, happened, zeros
-        known: Known = {}
-        after = self._settle_behind(state, status, after)
-        return after, self._changes(status, after, known), known
+            known = {(SLIDE, i) if i < count else (STRIKE, i - count): 2 if i < count else 3 for i in slips}
+        after, parted = self._parted(state, status, after, 2 if drops else 3, known)
+        return after, happened + parted, known
+
+    def _parted(
+        self, state: State[N], status: Status, after: Status, order: int, known: Known
+    ) -> tuple[Status, Happened]:
+        """The status behind the release of ties, with the elastic stops and clearances that the tied ends
+        just touched as the motion takes them; what happened. Their functions have a zero of some order there,
+        which goes into `known`.
+        """
+        happened: Happened = []
+        stops, clearances = let_go(self.maker, status, after)
+        for i in stops:
+            stop = self.elastic[i]
+            if self._met(stop, self._depth(stop, state), state, stop.gap):
+                closes = self._leading_sign(state, after.with_stop(i, OPEN), (GAP, i), order) < 0
+                after = after.with_stop(i, CONTACT if closes else OPEN)
+                known |= {(GAP, i): order, (PUSH, i): order - 1}
+                if status.stops[i] != after.stops[i]:
+                    happened.append(("contact_begin" if closes else "contact_end", i))
+        for i in clearances:
+            one = self.scene.clearances[i]
+            if self._met(one, self._excess(one, state), state, one.distance):
+                closes = self._leading_sign(state, after.with_clearance(i, KEPT), (CLEARANCE, i), order) < 0
+                after = after.with_clearance(i, VIOLATED if closes else KEPT)
+                known[CLEARANCE, i] = order
+                if status.clearances[i] != after.clearances[i]:
+                    happened.append(("violation_begin" if closes else "violation_end", i))
+        return after, happened
 
     def _settle_behind(self, state: State[N], status: Status, after: Status) -> Status:
         """The mode behind a release at which a friction force drops: the jump of the accelerations may tear

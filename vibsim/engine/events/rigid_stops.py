@@ -127,7 +127,7 @@ class RigidStops(Generic[N]):
         settled = self._settled(state, after, touch)
         while self._ends(state, settled, touch):
             settled = self._settled(state, after, touch)
-        if touch.hop is not None and touch.before[i] == 0:
+        if touch.hop is not None:
             self._fade(state, settled, touch, i)
         resting = [j for j in touch.rates if status.stops[j] == OPEN != settled.stops[j]]
         self._seat(state, sorted({*resting, *(one.stop for one in touch.passed)}))
@@ -223,7 +223,8 @@ class RigidStops(Generic[N]):
                 raise EngineError("crushed", state)
             v, w = self.kit.all_exact(struck), self.kit.exact(w)  # radii would grow from blow to blow
             touch.rates = {c.stop: rate_of(self.kit, c, v, size) for c in contacts}
-            touch.rates |= {one.stop: one.after for one in passed}
+            telling = [one for one in passed if count == 0 or touch.rates[one.stop] != 0]
+            touch.rates |= {one.stop: one.after for one in telling}
             contact = {c.stop: c for c in contacts}
             touch.blows.append([(contact[one.stop], one) for one in passed])
         ends = [(c.P, c.Q) for one in touch.passed for c in contacts if c.stop == one.stop]
@@ -309,7 +310,7 @@ class RigidStops(Generic[N]):
         status = status.with_ties(rests)
         seats = [self.maker.ends(self.maker.tie(k)) for k in status.tied if k >= self.frictions]
         self._join(state, seats)
-        standing = status.tied
+        standing = self.automaton.standing(status)
         settled = self.automaton._settle(state, status, standing) if standing else status
         if RESTING in settled.stops and not self.automaton._possible(self.maker.rows(settled)):
             raise EngineError("crushed", state)
@@ -373,15 +374,26 @@ class RigidStops(Generic[N]):
         return found
 
     def _fade(self, state: State[N], status: Status, touch: Touch[N], i: int) -> None:
-        """Take a hop that ends in rest for the last of its sequence: the ends met so slowly that rounding of
-        their velocities told no approach.
+        """Take a hop on stop `i` that ends in rest for the last of its sequence where rounding of velocities
+        tells no approach, or none of how a plastic blow tears another stop open that would be struck next.
         """
-        c = self._contact(i)
-        if status.stops[i] == RESTING and 0 < c.e < 1:
-            v, drive = self._velocities(state), self._drive(state, status.with_stop(i, OPEN), i)
-            if drive > 0:
-                self._leave_out(self.kit.eps * ROUNDING * (abs(v[c.P]) + abs(v[c.Q])), drive, c.e)
-            touch.faded.append(i)
+        if touch.before[i] == 0:
+            fading = [i] if 0 < self.stops[i].e < 1 else []
+        else:
+            fading = [j for j in touch.rates if self._torn(touch, j)] if self.stops[i].e == 0 else []
+        for j in fading:
+            if status.stops[i] == RESTING == status.stops[j]:
+                v, c = self._velocities(state), self._contact(j)
+                drive = self._drive(state, status.with_stop(j, OPEN), j)
+                if drive > 0:
+                    self._leave_out(self.kit.eps * ROUNDING * (abs(v[c.P]) + abs(v[c.Q])), drive, c.e)
+                    touch.faded.append(j)
+
+    def _torn(self, touch: Touch[N], j: int) -> bool:
+        """Whether blows moved an end of a stop that rested, and rounding hides what came of it."""
+        ends = set(self.maker.ends(self.stops[j]))
+        idle = j not in {*touch.ended, *(one.stop for one in touch.passed)}
+        return idle and bool(ends & touch.moved) and touch.before[j] == touch.rates[j] == 0
 
     def _leave_out(self, speed: N, drive: N, e: N) -> None:
         """Count the hops that are left out, the first of which begins with a speed [m/s]."""
@@ -466,10 +478,14 @@ class RigidStops(Generic[N]):
     # -- what is told
 
     def _happened(self, state: State[N], touch: Touch[N]) -> Happened:
-        """Impacts, blows passed on and ends of infinite sequences, by stop."""
+        """Impacts, blows passed on and ends of infinite sequences, by stop.
+
+        A sequence may end at a stop that was not struck last: at e = 0 two stops that tear each other open
+        are struck in turn.
+        """
         unit = self._unit_of(state.t)
         happened: Happened = []
-        ended: Happened = []
+        ended = set(touch.ended)
         for j in sorted({one.stop for one in touch.passed}):
             approach = touch.before[j]
             slow = j in touch.ended and 2 * approach <= NEXT * unit * touch.ended[j]
@@ -477,6 +493,6 @@ class RigidStops(Generic[N]):
                 happened.append(("transmitted", j))
                 continue
             happened += [] if slow else [("impact", j)]
-            if j in touch.ended and self.stops[j].e > 0 and (not slow or touch.hop == j):
-                ended.append(("chatter", j))
-        return happened + ended + [("chatter", j) for j in touch.faded]
+            if slow and touch.hop != j:
+                ended.discard(j)
+        return happened + [("chatter", j) for j in [*sorted(ended), *touch.faded]]

@@ -92,7 +92,7 @@ class RuleMaker:
         i = event.part
         if RESTING in status.stops:
             return None
-        standing = self.automaton._standing(status, i)
+        standing = self.automaton.standing(status, [i])
         stuck = status.with_frictions(dict.fromkeys(standing, STICK))
         rows = self.maker.rows(stuck)
         holds = [e for e in rows.events if e.kind == HOLD]

@@ -315,7 +315,8 @@ class Taylor(Generic[N]):
 
     def _near_zero(self, event: Event[N], tau: N) -> tuple[N, N, N] | None:
         known = self.known.get(event.key, 0)
-        return self.search.near_zero(self.polynomial(event), known, tau, self._magnitude(event))
+        near = self.search.near_zero(self.polynomial(event), known, tau, self._magnitude(event))
+        return near and (self.kit.exact(near[0]), self.kit.exact(near[1]), near[2])
 
     def _magnitude(self, event: Event[N]) -> N:
         """Sum of the magnitudes that an event function is made of at the expansion point."""

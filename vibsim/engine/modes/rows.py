@@ -161,6 +161,22 @@ class RowMaker(Generic[N]):
         self.n = len(scene.bodies)
         self.zero = kit.number(0)
         self.made: dict[Status, ModeRows[N]] = {}
+        self.guarded = self._guarded()
+
+    def _guarded(self) -> set[int]:
+        """Elastic stops that are never pressed, as a rigid one between the same ends is met before them or
+        with them.
+        """
+
+        def way(stop: Stop[N] | RigidStop[N]) -> tuple[int, int, int]:
+            return (stop.P, stop.Q, stop.sense) if stop.P < stop.Q else (stop.Q, stop.P, -stop.sense)
+
+        rigid = [(way(stop), stop.gap) for _, stop in self.scene.rigid_stops]
+        return {
+            i
+            for i, stop in self.scene.elastic_stops
+            if any(along == way(stop) and gap <= stop.gap for along, gap in rigid)
+        }
 
     def column(self, end: int) -> int:
         """Column of an end of a part."""
@@ -316,7 +332,7 @@ class RowMaker(Generic[N]):
             return Event(PUSH, i, sign, (PUSH, i), terms, constant, abs(constant))
 
         if state == OPEN:
-            return [depth(-1)]
+            return [] if i in self.guarded else [depth(-1)]
         if state == LIFTED:
             return [push(-1), depth(1, turns=False)]
         if stop.release == AT_GAP or stop.c == 0:
