@@ -11,7 +11,7 @@ from vibsim.cases import load_case
 from vibsim.engine import _engine
 from vibsim.engine.c_engine import CRun
 from vibsim.engine.flows.modal import pitches
-from vibsim.engine.modes.packing import pack_mode, pack_scene, pack_state
+from vibsim.engine.modes.packing import pack_scene, pack_state, packed_mode
 from vibsim.engine.tangent.packing_tangent import DisturbancePacker, pack_bundle
 from vibsim.engine.tangent.tangent_space import dimension, length
 
@@ -23,7 +23,7 @@ DRILL = load_case("gallery/percussive-drill").scene()
 def packed(of):
     """(scene, first mode, run) as they go into C."""
     run = CRun(of)
-    return pack_scene(of, pitches(of)), pack_mode(run.rows_of(0), dict(run.keys)), run
+    return pack_scene(of, pitches(of)), packed_mode(run.rows_of(0), dict(run.keys)).packed, run
 
 
 def opened(scene_bytes, mode_bytes):
