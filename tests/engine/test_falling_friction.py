@@ -168,6 +168,24 @@ def test_steep_laws_are_followed(law):
     assert len(times(steep, "stick_end")) == len(times(jump, "stick_end")) >= 3
 
 
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("many", (20.0, 80.0, 2000.0))
+def test_a_fast_block_feels_in_time_what_it_has_left_far_behind(many, engine):
+    """m v' = -a - b exp(-v / v0) stops after m (v + v0 ln((a + b exp(-v / v0)) / (a + b))) / a.
+
+    At its start the falling part is as small as exp(-many), and its series says nothing of how it will grow.
+    """
+    v0, a, b = 0.05, 1.0, 3.5
+    fall = Fall(EXPONENTIAL, b, 1 / v0)
+    friction = Friction("floor", 0, GROUND, a, a, 0.0, a + b, a + b, fall, fall)
+    start = many * v0
+    left = (start + v0 * log((a + b * exp(-many)) / (a + b))) / a
+    result = run(
+        Scene((Body("m", 1.0, 0.0, start),), frictions=(friction,), t_end=left + 1, every_den=1), engine
+    )
+    assert times(result, "stick_begin") == pytest.approx([left], rel=4e-15)
+
+
 def test_disturbances_of_the_belt_oscillator():
     """Rest on a fast belt: both exponents are half the trace, (exp(-2 v) - 0.1) / 2."""
     rest = 0.5 + 0.5 * exp(-3.0)

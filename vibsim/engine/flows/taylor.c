@@ -1,6 +1,7 @@
 /* The Taylor flow; twin of vibsim/engine/flows/taylor.py. */
 #include "certificate.h"
 #include "engine.h"
+#include "friction_laws.h"
 #include "numbers.h"
 #include "pair.h"
 
@@ -108,6 +109,8 @@ static double step_length(const Run *r)
         longest = longest_step(r, size_of_load, r->mode->tied[i], r->taylor.order - 1, longest);
     for (i = 0; i < r->mode->fall_count; i++)
         longest = step_of_fall(r, r->taylor.falls[i], longest);
+    for (i = 0; i < r->mode->fall_count; i++)
+        longest = law_reach(r->mode->falls[i].law, r->taylor.arguments[i], r->taylor.order, r->tolerance_exponent, longest);
     return longest < 1000.0 ? power_of_two(longest) : INFINITY;
 }
 

@@ -209,6 +209,8 @@ class Taylor(Generic[N]):
                 size = self.kit.exponent(abs(f[last]))
                 if size > self.kit.no_exponent:
                     longest = min(longest, (self.tolerance_exponent + (1 - size)) / last)
+        for k, fall in enumerate(self.rows.falls):
+            longest = fall.law.reach(self.arguments[k], self.tolerance_exponent, longest)
         return self.kit.power_of_two(longest) if longest < 1000.0 else self.kit.inf
 
     def _size(self, block: Sequence[Sequence[N]], n: int) -> int:

@@ -9,6 +9,9 @@ The force is constant + drop f(s), s = rate |v_rel|, with f(0) = 1 and f falling
                                       f_(n-i); inverse = 1/n
     slopes(f)                         series of df/ds, for small disturbances
     slope(f)                          the same of one value
+    reach(arguments, exponent, longest)
+                                      binary exponent of the longest step, up to `longest`, for which
+                                      what the series of f leaves out is below 2^exponent
 """
 
 from typing import Protocol
@@ -29,6 +32,7 @@ class Law(Protocol):
     def following(self, total: N, f: list[N], inverse: N, /) -> N: ...
     def slope(self, f: N, /) -> N: ...
     def slopes(self, f: list[N], /) -> list[N]: ...
+    def reach(self, arguments: list[N], tolerance_exponent: float, longest: float, /) -> float: ...
 
 
 LAWS: dict[str, Law] = {HYPERBOLIC: hyperbolic, EXPONENTIAL: exponential}

@@ -30,3 +30,8 @@ def slopes(f: list[N]) -> list[N]:
             total = total + f[i] * f[n - i]
         series.append(-total)
     return series
+
+
+def reach(_arguments: list[N], _tolerance_exponent: float, longest: float) -> float:
+    """`longest`: the terms of f shrink from each to the next as those do that a step is measured by."""
+    return longest
