@@ -1,9 +1,101 @@
-"""Branches along which a motion begins to stick."""
+"""Branches along which a motion begins to stick, and where it does over two parameters."""
 
-from vibsim.branches import continue_branch
+import numpy as np
+import pytest
+
+from vibsim.branches import BranchError, continue_branch
 from vibsim.branches.family import Family
+from vibsim.branches.holding import held
+from vibsim.branches.locus_plan import locus_plan
+from vibsim.branches.span import read_span
+from vibsim.branches.store.locus_file import LocusStore, read_locus
 from vibsim.cases import load_case
 from vibsim.orbits.seeking import orbit
+from vibsim.plots.registry import kind_named
+from vibsim.plots.subject import Subject
+from vibsim.plots.view import View
+
+COULOMB = """
+name: coulomb
+bodies: {m: 1 kg}
+links: {spring: {between: [m, ground], k: 1 N/m}}
+friction: {floor: {between: [m, ground], N: 0.1 N, mu: 1}}
+forces: {drive: {on: m, A: 0.15 N, omega: 0.7 rad/s}}
+stops: {buffer: {between: [m, ground], gap: 9 m, acts: compression, law: elastic, k: 0.2 N/m}}
+run: {t_end: 400 s, every: 0.5 s}
+"""
+
+
+def without_stops(w, force=0.1):
+    """Amplitude of the force below which the oscillator of Den Hartog (1931) sticks where it turns round [N].
+
+    Sliding all the time its amplitude is x with (k x)^2 = (A V)^2 - (F U)^2, V = 1 / (1 - w^2) and
+    U = sin(pi / w) / (w (1 + cos(pi / w))), and where it turns k x - A cos(phase) = k x w^2 = F at the limit.
+    """
+    U = np.sin(np.pi / w) / (w * (1 + np.cos(np.pi / w)))
+    return force * np.sqrt(U**2 + w**-4.0) * np.abs(1 - w**2)
+
+
+@pytest.fixture(scope="module")
+def coulomb(tmp_path_factory):
+    path = tmp_path_factory.mktemp("coulomb") / "coulomb.yaml"
+    path.write_text(COULOMB)
+    return load_case(str(path))
+
+
+@pytest.fixture(scope="module")
+def branch(coulomb):
+    return continue_branch(coulomb, "A", "0.13:0.15 N")
+
+
+def locus_of(branch, key, span, most, path=None):
+    return LocusStore(locus_plan(branch, "ST1", *read_span(branch.case, key, span)), path).complete(most)[0]
+
+
+def test_it_begins_to_stick_where_den_hartog_says(branch):
+    assert [(one.kind, branch.spelled(one.after)) for one in branch.specials][-1] == ("sticking", "rr")
+    for one in branch.specials:
+        assert one.parameter == pytest.approx(without_stops(0.7), rel=1e-12)
+
+
+def test_sticks_over_two_parameters(branch, tmp_path):
+    locus = locus_of(branch, "drive.omega", "0.55:0.9 rad/s", 9, tmp_path / "locus.h5")
+    assert locus.kind == "sticking" and np.ptp(locus["second"]) > 0.04
+    np.testing.assert_allclose(locus["parameter"], without_stops(locus["second"]), rtol=1e-12)
+    assert read_locus(tmp_path / "locus.h5").points == locus.points
+    figure = kind_named("locus").draw([Subject("l.h5", "l", "locus", locus.case, locus)], View())
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["sticks that come or go"]
+
+
+@pytest.mark.slow
+def test_sticks_of_a_motion_that_is_not_symmetric(coulomb):
+    """With a buffer on one side that side sticks first; other branches find it where the locus is."""
+    buffered = coulomb.with_values({"stops.buffer.gap": "0 m"})
+    branch = continue_branch(buffered, "A", "0.13:0.15 N")
+    assert [branch.spelled(one.after).count("s") for one in branch.specials] == [1]
+    locus = locus_of(branch, "drive.omega", "0.69:0.71 rad/s", 40)
+    assert locus.ends == ("end of the range", "end of the range")
+    for i in (0, -1):
+        beside = buffered.with_values({"forces.drive.omega": f"{float(locus['second'][i])!r} rad/s"})
+        there = continue_branch(beside, "A", "0.13:0.15 N").special("ST1")
+        assert there.parameter == pytest.approx(locus["parameter"][i], rel=1e-12)
+
+
+def test_what_of_a_stick_is_followed():
+    """A reversal of one friction that becomes a stick, or the other way; no touch, no two at once."""
+    r, s, u = (("reversal", 0), ("stick_begin", 0), ("stick_end", 0))
+    other = ("reversal", 1)
+    assert held((r, other), (other, s, u)) == held((s, u), (r,)) == 0
+    assert held((), (s, u)) is held((r, r), (s, u, s, u)) is held((other,), (s, u)) is None
+
+
+def test_a_stick_that_is_born_from_a_touch_is_refused_in_words(branch, monkeypatch):
+    special = branch.special("ST1")
+    monkeypatch.setitem(vars(special), "before", ())
+    monkeypatch.setitem(vars(special), "after", (("stick_begin", 0), ("stick_end", 0)))
+    with pytest.raises(BranchError, match="ST1: no reversal of one friction becomes a stick there"):
+        locus_of(branch, "drive.omega", "0.6:0.8 rad/s", 3)
 
 
 def test_a_motion_that_begins_to_stick_on_both_sides_at_once_is_followed_fast(monkeypatch):

@@ -13,18 +13,21 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.arclength import ContinuationError, correct, tangent
+from vibsim.branches.arclength import ContinuationError, correct, kernel, tangent
 from vibsim.branches.family import SHIFT, Family, FamilyPoint
+from vibsim.branches.holding import critical_share, excess_at
 from vibsim.branches.node import Node
-from vibsim.branches.special import DOUBLING, FOLD, GRAZING, TORUS
+from vibsim.branches.special import DOUBLING, FOLD, GRAZING, STICKING, TORUS
 from vibsim.branches.step_size import SHARP, Pace, turn
 from vibsim.branches.touching import TouchFamily, Window, window_of
 from vibsim.cases import Case, CaseError
 
 DIFFERENCE = 2.0**-20  # of a scaled unknown: rounding over it and what it leaves out are about 1e-8
+ASIDE = 2.0**-12  # scaled: beside a kink, far beyond what difference quotients reach
 FAMILIES = 4  # values of the second parameter that are kept
 LOCUS_PACE = Pace(first=0.01, least=1e-7, most=0.05)
-KINDS = (FOLD, DOUBLING, TORUS, GRAZING)
+KINDS = (FOLD, DOUBLING, TORUS, GRAZING, STICKING)
+WATCHED = (GRAZING, STICKING)  # changes of order, where multipliers are on no circle
 
 
 class Plane:
@@ -32,7 +35,8 @@ class Plane:
 
     family : over the first parameter; keys, unit : of the second; scale : of the second
     pair : the multiplier that is followed along Neimark-Sacker points
-    stop, window : the stop that is grazed, and when
+    part : number of the stop that is grazed, or the friction that begins to hold
+    window, share : when the stop is grazed, and when the friction begins to hold [s / period]
     """
 
     def __init__(
@@ -43,10 +47,10 @@ class Plane:
         scale: float,
         kind: str,
         pair: complex,
-        stop: int = -1,
+        part: int = -1,
     ):
         self.family, self.keys, self.unit, self.kind, self.pair = family, tuple(keys), unit, kind, pair
-        self.stop = stop
+        self.part, self.share = part, 0.0
         self.window: Window | None = None
         self.scale = np.append(family.scale, scale)
         self._families: OrderedDict[float, Family] = OrderedDict()
@@ -70,11 +74,17 @@ class Plane:
         return self.family.case.with_values(dict.fromkeys(self.keys, f"{second!r} {self.unit}".strip()))
 
     def watch(self, z: np.ndarray) -> None:
-        """Take the window about the touch from the orbit at scaled unknowns. Raises ContinuationError."""
+        """Look when the stop is grazed, or the friction holds, on the orbit at scaled unknowns.
+
+        Raises ContinuationError.
+        """
         family = self.family_at(float(z[-1] * self.scale[-1]))
         point = family(z[:-1])
-        self.window = window_of(family.map(point.parameter), point.end.X, point.period, self.stop)
-        self._past.clear()
+        if self.kind == STICKING:
+            self.share = critical_share(family.map(point.parameter).scene, point.end, self.part)
+        else:
+            self.window = window_of(family.map(point.parameter), point.end.X, point.period, self.part)
+            self._past.clear()
 
     def __call__(self, z: np.ndarray) -> "PlanePoint":
         """The motion over one return from scaled unknowns. Raises ContinuationError."""
@@ -93,6 +103,9 @@ class Plane:
             return node.fold
         if self.kind == GRAZING:
             return float(point.end.clearance)
+        if self.kind == STICKING:
+            scene = point.family.map(point.parameter).scene
+            return excess_at(scene, point.end, self.part, self.share)
         return node.doubling if self.kind == DOUBLING else node.torus(self.pair)
 
 
@@ -112,7 +125,7 @@ class PlanePoint:
     @cached_property
     def residual(self) -> np.ndarray:
         """Of the equations of the orbit and the test, scaled."""
-        return np.append(self.point.residual, self.plane.test(self.point) / self._size)
+        return np.append(self.point.residual, self.excess / self._size)
 
     @cached_property
     def _gradient(self) -> np.ndarray:
@@ -124,7 +137,8 @@ class PlanePoint:
 
     @cached_property
     def _size(self) -> float:
-        return float(np.linalg.norm(self._gradient)) or 1.0
+        beside = self._aside if self.plane.kind == STICKING else self
+        return float(np.linalg.norm(beside._gradient)) or 1.0
 
     @property
     def linear(self) -> np.ndarray:
@@ -132,12 +146,34 @@ class PlanePoint:
         return self.jacobian()[:, :-1]
 
     def jacobian(self, slope: np.ndarray | None = None) -> np.ndarray:
-        """Derivative of the residual by z."""
+        """Derivative of the residual by z; at a kink of the return map that of its own side."""
+        if self.plane.kind != STICKING:
+            return self._jacobian
+        rows: np.ndarray = self._aside._jacobian.copy()
+        rows[-1] *= self._aside._size / self._size
+        return rows
+
+    @cached_property
+    def _jacobian(self) -> np.ndarray:
         shift = np.zeros(len(self.z))
         shift[-1] = SHIFT
         by_second = (self.plane(self.z + shift).point.residual - self.point.residual) / SHIFT
         upper = np.column_stack([self.point.jacobian(), by_second])
         return np.vstack([upper, self._gradient / self._size])
+
+    @cached_property
+    def _aside(self) -> "PlanePoint":
+        """The motion beside this one along its branch, on the same side of the limit of its friction.
+
+        Along the branch, as of a motion that is its own mirror image both reversals have to get there.
+        """
+        shift, side = ASIDE * np.append(kernel(self.point.jacobian())[-1], 0.0), 1 if self.excess > 0 else -1
+        return max((self.plane(self.z + way * shift) for way in (1, -1)), key=lambda one: side * one.excess)
+
+    @property
+    def excess(self) -> float:
+        """The test value, not scaled."""
+        return self.plane.test(self.point)
 
     def moved(self, step: np.ndarray, slope: np.ndarray | None = None) -> np.ndarray:
         """z after a Newton step."""
@@ -147,7 +183,7 @@ class PlanePoint:
     def critical(self) -> list[int]:
         """Places of the multipliers that are on the circle, among all."""
         multipliers = self.point.multipliers
-        if self.plane.kind == GRAZING:
+        if self.plane.kind in WATCHED:
             return []
         target = {FOLD: 1.0, DOUBLING: -1.0}.get(self.plane.kind)
         if target is not None:
@@ -218,13 +254,13 @@ def _next(
         raise _Short("the locus turns too sharply")
     if plane.kind == TORUS:
         follow_pair(plane, point)
-    if plane.kind == GRAZING:
-        follow_touch(plane, point)
+    if plane.kind in WATCHED:
+        follow_change(plane, point)
     return point, ahead, turned
 
 
-def follow_touch(plane: Plane, point: PlanePoint) -> None:
-    """Go on with the touch of the stop where it is now; raises _Short where it has no window."""
+def follow_change(plane: Plane, point: PlanePoint) -> None:
+    """Go on with the touch or the stick where it is now; raises _Short where there is none."""
     try:
         plane.watch(point.z)
     except ContinuationError as error:

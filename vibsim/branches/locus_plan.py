@@ -12,9 +12,10 @@ import numpy as np
 
 from vibsim.branches.arclength import correct, tangent
 from vibsim.branches.branch import Branch, SpecialPoint
-from vibsim.branches.locus import KINDS, Plane, PlanePoint, follow_pair
+from vibsim.branches.holding import held
+from vibsim.branches.locus import KINDS, WATCHED, Plane, PlanePoint, follow_pair
 from vibsim.branches.plan import BranchError, BranchPlan, value_in
-from vibsim.branches.special import GRAZING, TORUS
+from vibsim.branches.special import GRAZING, STICKING, TORUS
 from vibsim.branches.touching import CONTACTS
 
 FIRST_STEP = 0.1  # scaled, that the first correction may have
@@ -27,7 +28,7 @@ class LocusPlan:
     branch : plan of the branch; label, kind : of the special point
     keys, unit, span, value : of the second parameter, its range and its value on the branch
     state, period, parameter, pair : of the special point; pair: its multiplier, for a Neimark-Sacker point
-    stop : number of the stop that is grazed, for a grazing
+    part : number of the stop that is grazed, or of the friction that begins to hold
     """
 
     branch: BranchPlan
@@ -41,7 +42,7 @@ class LocusPlan:
     period: float
     parameter: float
     pair: complex
-    stop: int = -1
+    part: int = -1
 
     @cached_property
     def settings(self) -> dict[str, Any]:
@@ -58,7 +59,7 @@ class LocusPlan:
             "period": self.period,
             "parameter": self.parameter,
             "pair": [self.pair.real, self.pair.imag],
-            "stop": self.stop,
+            "stop": self.part,
         }
 
     @staticmethod
@@ -67,6 +68,7 @@ class LocusPlan:
         known = {**settings, "branch": BranchPlan.from_settings(case, settings["branch"])}
         for name in ("keys", "span", "state"):
             known[name] = tuple(settings[name])
+        known["part"] = known.pop("stop")  # as files have called it since they knew of stops alone
         return LocusPlan(**{**known, "pair": complex(*settings["pair"])})
 
     @cached_property
@@ -79,7 +81,7 @@ class LocusPlan:
         """The orbits over both parameters."""
         scale = max(abs(self.value), abs(self.span[1] - self.span[0]) / 4)
         family = self.branch.family(engine)
-        return Plane(family, self.keys, self.unit, scale, self.kind, self.pair, self.stop)
+        return Plane(family, self.keys, self.unit, scale, self.kind, self.pair, self.part)
 
     def start(self, plane: Plane) -> tuple[PlanePoint, np.ndarray]:
         """The first point, and the tangent there towards larger values of the second parameter.
@@ -91,7 +93,7 @@ class LocusPlan:
             family.unknowns(np.array(self.state), self.period, self.parameter), self.value / plane.scale[-1]
         )
         along = np.eye(len(z))[-1]
-        if self.kind == GRAZING:
+        if self.kind in WATCHED:
             plane.watch(z)
         point = correct(plane, z, along, FIRST_STEP).point
         if self.kind == TORUS:
@@ -135,9 +137,9 @@ def locus_plan(
     pair = min(special.orbit.multipliers, key=lambda mu: abs(abs(mu) - 1) + (mu.imag <= 0) * 1e3)
     orbit = special.orbit
     where = orbit.state, orbit.period, orbit.parameter
-    stop = touched(special) if special.kind == GRAZING else -1
+    part = {GRAZING: touched, STICKING: holding}.get(special.kind, lambda _: -1)(special)
     of = branch.plan, label, special.kind, tuple(keys), unit, (low, high), value
-    return LocusPlan(*of, *where, pair, stop)
+    return LocusPlan(*of, *where, pair, part)
 
 
 def touched(special: SpecialPoint) -> int:
@@ -147,3 +149,16 @@ def touched(special: SpecialPoint) -> int:
     if len(stops) != 1:
         raise BranchError(f"{special.label}: {len(stops)} stops are grazed at once; a locus follows one")
     return stops.pop()
+
+
+def holding(special: SpecialPoint) -> int:
+    """Number of the friction that begins to hold at a reversal at a special point. Raises BranchError where
+    sticks come or go in another way.
+    """
+    friction = held(special.before, special.after)
+    if friction is None:
+        raise BranchError(
+            f"{special.label}: no reversal of one friction becomes a stick there (a sliding velocity touches "
+            "zero, a stop comes to rest, or several things happen at once); such loci are not followed"
+        )
+    return friction

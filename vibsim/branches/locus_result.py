@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 
 from vibsim.branches.along import Along
-from vibsim.branches.locus import LocusStep, PlanePoint, walk
+from vibsim.branches.locus import WATCHED, LocusStep, PlanePoint, walk
 from vibsim.branches.locus_plan import LocusPlan
 from vibsim.branches.node import Node
 from vibsim.branches.records import OrbitRecord, orbit_record
-from vibsim.branches.special import GRAZING
 
 MOST_POINTS = 2000
 WAYS = (1, -1)
@@ -98,7 +97,7 @@ def trace_locus(
         if last.ended or room <= 0:
             continue
         here, direction = start, way * along
-        if plane.kind == GRAZING:
+        if plane.kind in WATCHED:
             plane.watch(np.array(last.unknowns))
         if last.number:
             here, direction = plane(np.array(last.unknowns)), np.array(last.tangent)

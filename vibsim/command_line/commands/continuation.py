@@ -32,7 +32,7 @@ SPAN = Pair("KEY=FROM:TO, such as c=0.01:0.1", some_text, several=True)
 )  # fmt: skip
 @click.option("--energy", metavar="FROM:TO", help="Energies of a conservative orbit [J]: its backbone curve.")
 @click.option("--switch", metavar="LABEL", help="Follow what leaves the branch ORBIT there: PD1, BP1, ...")
-@click.option("--locus", metavar="LABEL", help="Follow NS1, F1, PD1, GR1 of a branch in --param as well.")
+@click.option("--locus", metavar="LABEL", help="Follow NS1, F1, PD1, GR1, ST1 of a branch in --param too.")
 @click.option(
     "--max-points", type=click.IntRange(min=2), metavar="N",
     help="Points, on both sides together. [default: 5000; 2000 of a locus]",

@@ -13,7 +13,7 @@ from vibsim.branches.course import curve_of
 from vibsim.plots.branches.values import ParameterAxis, parameter_factor
 from vibsim.plots.errors import PlotError
 from vibsim.plots.page.sheet import add_below, sheet
-from vibsim.plots.style import BLACK, BLUE, GREEN, VERMILLION
+from vibsim.plots.style import BLACK, BLUE, GREEN, PINK, VERMILLION
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweeps.axes import label_of
 from vibsim.plots.view import View
@@ -27,12 +27,14 @@ LOOKS: dict[
     "doubling": {"linestyle": (0, (1, 1.2)), "color": BLUE, "zorder": 4.1},
     "neimark-sacker": {"linestyle": (0, (4, 3)), "color": VERMILLION, "zorder": 4.2},
     "grazing": {"linestyle": (0, (4, 1.2, 1, 1.2)), "color": GREEN, "zorder": 4.3},
+    "sticking": {"linestyle": (0, (7, 1.5, 1, 1.5, 1, 1.5)), "color": PINK, "zorder": 4.4},
 }
 NAMES = {
     "fold": "folds",
     "doubling": "period doublings",
     "neimark-sacker": "Neimark–Sacker points",
     "grazing": "grazings",
+    "sticking": "sticks that come or go",
 }
 END: dict[str, Any] = {"marker": "o", "color": VERMILLION, "markersize": 3, "linestyle": "none"}
 
