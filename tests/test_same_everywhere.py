@@ -1,31 +1,42 @@
 """No number of a result comes from arithmetic of numpy that differs between machines.
 
 Products of matrices go to a BLAS, sums follow numpy's release, and sines, logarithms and the like use
-whatever vector unit there is. What ends in a result takes `vibsim.physics.sums`, `vibsim.physics.sines` and
-`math`.
+whatever vector unit there is; those of the C library, which `math` offers too, differ in last bits between
+libraries and between processors with and without fused products. What ends in a result takes
+`vibsim.physics.sums`, `vibsim.physics.sines` and `vibsim.physics.elementary`.
 """
 
 import ast
+import os
+import platform
+import re
+import subprocess
+import sys
 from pathlib import Path
+
+import pytest
 
 import vibsim
 
 PACKAGE = Path(vibsim.__file__).parent
-RESULTS = ("physics", "flows", "events", "kernel", "files", "results", "analysis", "sweeps", "fitting")
+RESULTS = ("physics", "engine", "files", "results", "analysis", "sweeps", "fitting")
 RESULTS += ("orbits", "evidence/reports")
 ELEMENTARY = {"sin", "cos", "tan", "arcsin", "arccos", "arctan", "arctan2", "sinh", "cosh", "tanh", "hypot"}
 ELEMENTARY |= {"exp", "exp2", "expm1", "log", "log2", "log10", "log1p", "power", "cbrt", "float_power"}
+LIBRARY = ELEMENTARY - {"hypot"} | {"asin", "acos", "atan", "atan2", "pow"}  # Python has a hypot of its own
 SUMS = {"sum", "nansum", "mean", "nanmean", "average", "std", "var", "nanstd", "nanvar", "prod", "trapezoid"}
 PRODUCTS = {"dot", "vdot", "inner", "outer", "einsum", "matmul", "tensordot", "convolve", "correlate"}
 PRODUCTS |= {"polyfit", "lstsq", "norm", "solve", "corrcoef", "cov"}
 WHOLE_NUMBERS = {  # sums and products of whole numbers are exact in any order
     "files/chunk_encoding.py": {"sum", "@"},
     "sweeps/plan/capacity.py": {"prod"},
+    "engine/tangent/monodromy.py": {"sum"},  # whether all are finite
     "sweeps/ensemble.py": {"sum"},
 }
 ROOTS = {  # steps to a fixed point, and eigenvalues there: right to rounding, whose bits may differ
     "orbits/coordinates.py": {"@"},
-    "orbits/multipliers.py": {"norm"},
+    "orbits/multipliers.py": {"norm", "log"},
+    "orbits/orbit_digits.py": {"log10"},
     "orbits/newton.py": {"@", "solve", "lstsq"},
     "orbits/return_map.py": {"outer"},
 }
@@ -33,6 +44,8 @@ ROOTS = {  # steps to a fixed point, and eigenvalues there: right to rounding, w
 
 def uses(tree):
     """Names of the operations in a module that the order of arithmetic matters to."""
+    imports = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module == "math"]
+    of_library = {alias.name for node in imports for alias in node.names} & LIBRARY
     for node in ast.walk(tree):
         if isinstance(node, ast.BinOp) and isinstance(node.op, ast.MatMult):
             yield "@"
@@ -43,10 +56,15 @@ def uses(tree):
                 yield name
             if name in SUMS and owner != "math":
                 yield name
+            if owner == "math" and name in LIBRARY:
+                yield name
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in of_library:
+            yield from [node.func.id] * any(not isinstance(argument, ast.Constant) for argument in node.args)
 
 
 def test_results_take_no_arithmetic_that_differs_between_machines():
     modules = [path for room in RESULTS for path in sorted((PACKAGE / room).rglob("*.py"))]
+    modules.remove(PACKAGE / "physics/elementary.py")
     assert len(modules) > 100
     found = {}
     for path in modules:
@@ -59,5 +77,41 @@ def test_results_take_no_arithmetic_that_differs_between_machines():
 
 
 def test_the_check_sees_what_it_is_for():
-    text = "float(t @ t); np.sin(x); points.mean(); np.linalg.norm(x); np.add(a, b); math.sin(1.0); x.max()"
-    assert sorted(uses(ast.parse(text))) == ["@", "mean", "norm", "sin"]
+    text = "from math import log, pi; log(x); log(2); math.sin(1.0); math.hypot(x, y); "
+    text += "float(t @ t); np.sin(x); points.mean(); np.linalg.norm(x); np.add(a, b); x.max()"
+    assert sorted(uses(ast.parse(text))) == ["@", "log", "mean", "norm", "sin", "sin"]
+
+
+def test_the_engine_in_c_takes_no_functions_of_the_c_library_that_differ_between_machines():
+    calls = re.compile(r"(?<![\w.>])(" + "|".join(sorted(ELEMENTARY | {"pow", "fma", "hypot"})) + r")f?\(")
+    sources = [path for kind in ("*.c", "*.h") for path in (PACKAGE / "engine").rglob(kind)]
+    assert len(sources) > 30
+    programs = {
+        path.name: re.sub(r"/\*.*?\*/", "", path.read_text(encoding="utf-8"), flags=re.S) for path in sources
+    }
+    assert [name for name, program in programs.items() if calls.search(program)] == []
+
+
+DIGESTS = """
+import hashlib, vibsim
+for name in ("I-C", "II-B", "gallery/impact-oscillator", "gallery/belt-oscillator"):
+    result, digest = vibsim.simulate(name, overrides={"t_end": "20"}), hashlib.sha256()
+    for table in (result, result.events):
+        for column in sorted(table.keys()):
+            digest.update(table[column].tobytes())
+    print(name, result.attrs["events"], digest.hexdigest())
+"""
+
+
+@pytest.mark.skipif(
+    platform.machine() not in ("x86_64", "AMD64") or platform.libc_ver()[0] != "glibc",
+    reason="the switch of the C library that hides vector units is that of glibc on x86-64",
+)
+def test_runs_have_the_same_bits_without_the_fused_products_of_the_c_library():
+    def digests(**switches):
+        program, environment = [sys.executable, "-c", DIGESTS], os.environ | switches
+        return subprocess.run(program, env=environment, capture_output=True, text=True, check=True).stdout
+
+    plain = digests()
+    assert plain.count("\n") == 4
+    assert digests(GLIBC_TUNABLES="glibc.cpu.hwcaps=-FMA,-AVX2,-FMA4") == plain

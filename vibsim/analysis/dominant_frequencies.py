@@ -9,13 +9,14 @@ a lone line is far better known than that.
 
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import ceil, exp, log, pi
+from math import ceil, pi
 
 import numpy as np
 
 from vibsim.analysis.cycles import cycle_ends
 from vibsim.analysis.span import Span, steady_span
 from vibsim.analysis.verdicts import FrequenciesVerdict, name_verdict
+from vibsim.physics import elementary
 from vibsim.physics.body_sets import Pair, pairs_of
 from vibsim.physics.parts import Scene
 from vibsim.physics.rates import natural_rates
@@ -189,11 +190,11 @@ def _peaks(spectrum: np.ndarray, lobe: float, least: float) -> list[int]:
 
 def _refined(spectrum: np.ndarray, peak: int, step: float, source: float | None, resolution: float) -> Line:
     """The line at a maximum: top of the parabola through the logarithms of three values."""
-    left, middle, right = (log(size) for size in spectrum[peak - 1 : peak + 2].tolist())
+    left, middle, right = (elementary.log(size) for size in spectrum[peak - 1 : peak + 2].tolist())
     curvature = left - 2 * middle + right
     shift = 0.5 * (left - right) / curvature if curvature else 0.0
     hz = float((peak + shift) * step)
-    return Line(hz, exp(middle - 0.25 * (left - right) * shift), order_of(hz, source, resolution))
+    return Line(hz, elementary.exp(middle - 0.25 * (left - right) * shift), order_of(hz, source, resolution))
 
 
 def order_of(hz: float, source: float | None, resolution: float) -> str | None:

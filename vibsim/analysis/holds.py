@@ -7,11 +7,12 @@ the vibration takes up the share 1 - 1/n of the torque.
 
 from collections import deque
 from dataclasses import dataclass
-from math import inf, log
+from math import inf
 
 import numpy as np
 
 from vibsim.analysis.cycles import TURN
+from vibsim.physics import elementary
 from vibsim.physics.parts import Motor
 from vibsim.physics.sums import mean
 
@@ -59,7 +60,7 @@ def mean_speeds(turn_times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def run_up_time(motor: Motor) -> float:
     """Time constant of the motor without vibration [s]: Omega0 (J + m3 e^2)/M0; inf without torque."""
-    return motor.Omega0 * (motor.J + motor.m3 * motor.e**2) / motor.M0 if motor.M0 else inf
+    return motor.Omega0 * (motor.J + motor.m3 * motor.e * motor.e) / motor.M0 if motor.M0 else inf
 
 
 def holds_of(times: np.ndarray, speeds: np.ndarray, motor: Motor) -> list[Hold]:
@@ -101,7 +102,7 @@ def free_passage(motor: Motor, speed: float) -> float:
     """Time in which the motor would pass the band about `speed` [Hz] without vibration [s]; inf: never."""
     low, high = speed * (1 - BAND), speed * (1 + BAND)
     no_load = motor.Omega0 / TURN
-    return run_up_time(motor) * log((no_load - low) / (no_load - high)) if high < no_load else inf
+    return run_up_time(motor) * elementary.log((no_load - low) / (no_load - high)) if high < no_load else inf
 
 
 def longest_stretch(speeds: np.ndarray) -> tuple[int, int]:

@@ -22,9 +22,10 @@ static void base_motion(const Run *r, double t, double *X, double *V)
     *X = *V = 0.0;
     for (i = 0; i < r->base_count; i++) {
         const Harmonic *term = &r->base[i];
-        double angle = turn_angle(term->cycles, term->cycles_lo, t) + term->phase;
-        *X = *X + term->amplitude * sin(angle);
-        *V = *V + term->amplitude * term->omega * cos(angle);
+        double sine, cosine;
+        sine_cosine(turn_angle(term->cycles, term->cycles_lo, t) + term->phase, &sine, &cosine);
+        *X = *X + term->amplitude * sine;
+        *V = *V + term->amplitude * term->omega * cosine;
     }
 }
 

@@ -2,14 +2,9 @@
 #ifndef VIBSIM_NUMBERS_H
 #define VIBSIM_NUMBERS_H
 
-#include <math.h>
-#include <stdint.h>
-#include <string.h>
+#include "elementary.h"
 
-#define TWO_PI 6.283185307179586
 #define TWO_PI_LO 2.4492935982947064e-16
-#define LN_2 0.6931471803691238
-#define LN_2_LO 1.9082149292705877e-10
 #define VELTKAMP 134217729.0
 
 static inline double turn_angle(double cycles, double cycles_lo, double t)
@@ -24,25 +19,6 @@ static inline double turn_angle(double cycles, double cycles_lo, double t)
     error = ((f1 * t1 - product) + f1 * t2 + f2 * t1) + f2 * t2;
     turns = (product - floor(product + 0.5)) + (error + cycles_lo * t);
     return TWO_PI * turns;
-}
-
-/* exp(-s) by additions and products only. */
-static inline double decay(double s)
-{
-    static const double coefficients[] = {
-        1 / 2.0, 1 / 6.0, 1 / 24.0, 1 / 120.0, 1 / 720.0, 1 / 5040.0, 1 / 40320.0, 1 / 362880.0, 1 / 3628800.0, 1 / 39916800.0,
-        1 / 479001600.0, 1 / 6227020800.0,
-    };
-    double k, r, value;
-    int n = (int)(sizeof coefficients / sizeof *coefficients) - 1;
-    if (!(-709.0 < s && s < 746.0))
-        return s <= -709.0 ? INFINITY : s >= 746.0 ? 0.0 : s;
-    k = floor(0.5 - s * 1.4426950408889634);
-    r = (-s - k * LN_2) - k * LN_2_LO;
-    value = coefficients[n];
-    while (n > 0)
-        value = value * r + coefficients[--n];
-    return ldexp(1 + (r + r * r * value), (int)k);
 }
 
 static inline double reduce_angle(double angle, double *turns)
@@ -86,7 +62,7 @@ static inline double horner(const double *c, int count, double t)
 
 static inline double power_of_two(double y)
 {
-    return exp(y * 0.6931471805599453);
+    return exponential(y * 0.6931471805599453);
 }
 
 static inline int sign_of(double x)

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import exp, log, log10
 from typing import TYPE_CHECKING, Any
 
 from vibsim.cases.keys import UnknownKeyError
 from vibsim.cases.units import UNITS
 from vibsim.fitting.errors import FitError
+from vibsim.physics.elementary import exp, log, log10
 from vibsim.sweeps.plan.axis import read_axis, scale_name
 
 if TYPE_CHECKING:

@@ -6,7 +6,6 @@ It is judged beside what a search finds.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import log10
 from typing import TYPE_CHECKING
 
 from vibsim.cases.keys import UnknownKeyError
@@ -14,6 +13,7 @@ from vibsim.cases.problems import CaseError
 from vibsim.cases.quantities import Quantity
 from vibsim.fitting.errors import FitError
 from vibsim.fitting.free_parameter import LEAVE, FreeParameter
+from vibsim.physics.elementary import log10
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

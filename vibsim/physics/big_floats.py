@@ -31,9 +31,10 @@ class BigFloats(WorkingPrecision[Number]):
         self.sinh, self.cosh, self.log = context.sinh, context.cosh, context.log
         self.finite = context.isfinite
 
-    def decay(self, s: Number) -> Number:
-        """exp(-s)."""
-        return self.context.exp(-s)
+    def sine_cosine(self, x: Number) -> tuple[Number, Number]:
+        """Sine and cosine of an angle [rad]."""
+        cosine, sine = self.context.cos_sin(x)
+        return sine, cosine
 
     def activate(self) -> None:
         """Nothing to do: the precision belongs to the numbers' context."""

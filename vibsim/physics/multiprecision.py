@@ -53,8 +53,8 @@ class Balls(WorkingPrecision[flint.arb]):
 
     sin = staticmethod(lambda x: x.sin())
     cos = staticmethod(lambda x: x.cos())
+    sine_cosine = staticmethod(lambda x: x.sin_cos())
     exp = staticmethod(lambda x: x.exp())
-    decay = staticmethod(lambda x: (-x).exp())
     expm1 = staticmethod(lambda x: x.expm1())
     log = staticmethod(lambda x: x.log())
     sinh = staticmethod(lambda x: x.sinh())

@@ -15,6 +15,9 @@ from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Protocol, overload
 
+from vibsim.physics import elementary
+from vibsim.physics.elementary import TWO_PI as TWO_PI
+
 if TYPE_CHECKING:
     from typing_extensions import Self, TypeVar
 
@@ -34,10 +37,7 @@ else:
 
     N = TypeVar("N")
 
-TWO_PI = 6.283185307179586
 TWO_PI_LO = 2.4492935982947064e-16  # 2 pi = TWO_PI + TWO_PI_LO to 107 bits
-LN_2, LN_2_LO = 0.6931471803691238, 1.9082149292705877e-10  # their sum; of the first, the last 21 bits are 0
-EXPONENTIAL = [1 / math.factorial(n) for n in range(2, 14)]  # left out: 0.35^14 / 14! < 5e-18
 VELTKAMP = 134217729.0  # 2**27 + 1: splits a double into two halves of 26 bits
 
 
@@ -80,13 +80,13 @@ class Kit(Protocol[N]):
     def series_terms(self) -> int: ...
     def sin(self, x: N, /) -> N: ...
     def cos(self, x: N, /) -> N: ...
+    def sine_cosine(self, x: N, /) -> tuple[N, N]: ...
     def exp(self, x: N, /) -> N: ...
     def expm1(self, x: N, /) -> N: ...
     def log(self, x: N, /) -> N: ...
     def sinh(self, x: N, /) -> N: ...
     def cosh(self, x: N, /) -> N: ...
     def sqrt(self, x: N, /) -> N: ...
-    def decay(self, s: N, /) -> N: ...
     def next_after(self, t: N, towards: float, /) -> N: ...
     def finite(self, x: N, /) -> bool: ...
     def order(self, scene: Scene[N], /) -> int: ...
@@ -103,20 +103,21 @@ class Kit(Protocol[N]):
 
 
 class Doubles:
-    """IEEE double precision through the C library's functions, as `math` offers them."""
+    """IEEE double precision, whose elementary functions have the same bits everywhere."""
 
     name = "double"
     no_exponent = -2000  # what `exponent` gives for zero
     eps = 2.0**-53  # unit round-off
     inf = math.inf
     series_terms = 26  # 2**26 / 26! < 2**-53 / 12: enough for a power series at arguments below 2
-    sin = staticmethod(math.sin)
-    cos = staticmethod(math.cos)
-    exp = staticmethod(math.exp)
-    expm1 = staticmethod(math.expm1)
-    log = staticmethod(math.log)
-    sinh = staticmethod(math.sinh)
-    cosh = staticmethod(math.cosh)
+    sin = staticmethod(elementary.sin)
+    cos = staticmethod(elementary.cos)
+    sine_cosine = staticmethod(elementary.sine_cosine)
+    exp = staticmethod(elementary.exp)
+    expm1 = staticmethod(elementary.expm1)
+    log = staticmethod(elementary.log)
+    sinh = staticmethod(elementary.sinh)
+    cosh = staticmethod(elementary.cosh)
     sqrt = staticmethod(math.sqrt)
     next_after = staticmethod(math.nextafter)
     finite = staticmethod(math.isfinite)
@@ -129,7 +130,7 @@ class Doubles:
     @staticmethod
     def tolerance_exponent(scene: Scene) -> float:
         """Binary exponent of the tolerance of the Taylor flow [-]."""
-        return math.log2(scene.tol)
+        return elementary.log2(scene.tol)
 
     @staticmethod
     def exact(t: float) -> float:
@@ -154,24 +155,7 @@ class Doubles:
     @staticmethod
     def power_of_two(y: float) -> float:
         """2**y for a real y [-]."""
-        return math.exp(y * 0.6931471805599453)
-
-    @staticmethod
-    def decay(s: float) -> float:
-        """exp(-s), right to one unit in the last place, with the same bits on every machine: additions and
-        products only.
-
-        With k the whole number nearest to -s / ln 2, exp(-s) = 2^k exp(r), |r| < 0.35; k times the first part
-        of ln 2 is exact.
-        """
-        if not -709.0 < s < 746.0:
-            return math.inf if s <= -709.0 else 0.0 if s >= 746.0 else s
-        k = math.floor(0.5 - s * 1.4426950408889634)
-        r = (-s - k * LN_2) - k * LN_2_LO
-        value = EXPONENTIAL[-1]
-        for coefficient in EXPONENTIAL[-2::-1]:
-            value = value * r + coefficient
-        return math.ldexp(1 + (r + r * r * value), k)
+        return elementary.exp(y * 0.6931471805599453)
 
     @staticmethod
     def turn_angle(cycles: float, cycles_lo: float, t: float) -> float:

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.physics import elementary
 from vibsim.physics.numbers import TWO_PI, Doubles
 
 Plain = float | int
@@ -104,19 +105,22 @@ class SlopedNumbers(Doubles):
     """The kit of `Sloped` numbers, among which plain doubles are constants."""
 
     name = "double with derivatives"
-    sin = staticmethod(_lifted(math.sin, math.cos))
-    cos = staticmethod(_lifted(math.cos, lambda x: -math.sin(x)))
-    exp = staticmethod(_lifted(math.exp, math.exp))
-    expm1 = staticmethod(_lifted(math.expm1, math.exp))
-    log = staticmethod(_lifted(math.log, lambda x: 1 / x))  # type: ignore[assignment]
-    sinh = staticmethod(_lifted(math.sinh, math.cosh))
-    cosh = staticmethod(_lifted(math.cosh, math.sinh))
+    sin = staticmethod(_lifted(elementary.sin, elementary.cos))  # type: ignore[assignment]
+    cos = staticmethod(_lifted(elementary.cos, lambda x: -elementary.sin(x)))  # type: ignore[assignment]
+    exp = staticmethod(_lifted(elementary.exp, elementary.exp))  # type: ignore[assignment]
+    expm1 = staticmethod(_lifted(elementary.expm1, elementary.exp))  # type: ignore[assignment]
+    log = staticmethod(_lifted(elementary.log, lambda x: 1 / x))  # type: ignore[assignment]
+    sinh = staticmethod(_lifted(elementary.sinh, elementary.cosh))  # type: ignore[assignment]
+    cosh = staticmethod(_lifted(elementary.cosh, elementary.sinh))  # type: ignore[assignment]
     sqrt = staticmethod(_lifted(math.sqrt, lambda x: 0.5 / math.sqrt(x)))
-    decay = staticmethod(_lifted(Doubles.decay, lambda s: -Doubles.decay(s)))  # type: ignore[assignment]
+
+    @staticmethod
+    def sine_cosine(x: Any) -> tuple[Any, Any]:
+        return SlopedNumbers.sin(x), SlopedNumbers.cos(x)
 
     @staticmethod
     def tolerance_exponent(scene: Any) -> float:
-        return math.log2(float(scene.tol))
+        return elementary.log2(float(scene.tol))
 
     @staticmethod
     def number(value: Any) -> Any:

@@ -1,9 +1,9 @@
 """What the number kits of any precision share: bits, tolerance and order for so many decimal digits."""
 
 from collections.abc import Iterable
-from math import log2
 from typing import Generic
 
+from vibsim.physics import elementary
 from vibsim.physics.exact_decimals import decimal_text, nearest_double
 from vibsim.physics.numbers import N
 from vibsim.physics.parts import Scene
@@ -31,7 +31,7 @@ class WorkingPrecision(Generic[N]):
         n, exponent = 1, 1.0
         while exponent > -self.bits - 4:
             n += 1
-            exponent += 1 - log2(n)
+            exponent += 1 - elementary.log2(n)
         return n
 
     def order(self, _scene: Scene[N] | None = None) -> int:

@@ -1,12 +1,12 @@
 """Rules for stops: the keys of their law, and a start that no rigid stop forbids."""
 
 from collections.abc import Iterator
-from math import sin
 from typing import Any
 
 from vibsim.cases.parts.draft import Draft, Finding
 from vibsim.cases.parts.ends import BASE, NO_BODIES, Ends
 from vibsim.cases.quantities import Quantity
+from vibsim.physics import elementary
 
 NEEDED = {"elastic": "k", "rigid": "e"}
 FOREIGN = {"elastic": ("e",), "rigid": ("k", "c", "release")}
@@ -71,5 +71,5 @@ def _base(draft: Draft) -> Any:
         a, phase = draft.quantity(f"{key}.a"), draft.quantity(f"{key}.phase")
         if a is None:
             return None
-        total += a.number() * sin(phase.number()) if isinstance(phase, Quantity) else 0.0
+        total += a.number() * elementary.sin(phase.number()) if isinstance(phase, Quantity) else 0.0
     return total

@@ -8,9 +8,10 @@ static void value_and_rate(const Harmonic *terms, int count, double t, double *v
     *value = *rate = 0.0;
     for (i = 0; i < count; i++) {
         const Harmonic *term = &terms[i];
-        double angle = turn_angle(term->cycles, term->cycles_lo, t) + term->phase;
-        *value = *value + term->amplitude * sin(angle);
-        *rate = *rate + term->amplitude * term->omega * cos(angle);
+        double sine, cosine;
+        sine_cosine(turn_angle(term->cycles, term->cycles_lo, t) + term->phase, &sine, &cosine);
+        *value = *value + term->amplitude * sine;
+        *rate = *rate + term->amplitude * term->omega * cosine;
     }
 }
 
@@ -25,7 +26,7 @@ static double base_acceleration(const Run *r, double t)
     int i;
     for (i = 0; i < r->base_count; i++) {
         const Harmonic *term = &r->base[i];
-        double sine = sin(turn_angle(term->cycles, term->cycles_lo, t) + term->phase);
+        double sine = sine_of(turn_angle(term->cycles, term->cycles_lo, t) + term->phase);
         total = total - term->amplitude * term->omega * term->omega * sine;
     }
     return total;
@@ -85,7 +86,7 @@ double accelerations(const Run *r, const Mode *m, const State *state, double *ou
     }
     if (r->has_motor) {
         int on = m->leader[r->motor_on];
-        F[on] = F[on] + r->m3 * r->e * (state->w * state->w * cos(state->phase));
+        F[on] = F[on] + r->m3 * r->e * (state->w * state->w * cosine_of(state->phase));
         torque = r->M0 - r->M0 / r->Omega0 * state->w;
     }
     return response(r, m, state, F, torque, base_acceleration(r, state->t), out);
@@ -99,7 +100,7 @@ double response(const Run *r, const Mode *m, const State *state, const double *F
         if (m->leader[c] == c)
             out[c] = c == r->columns - 1 ? base : F[c] * m->mobility[c];
     if (on >= 0) {
-        double inertia = r->J + r->m3 * r->e * r->e, coupling = r->m3 * r->e * sin(state->phase);
+        double inertia = r->J + r->m3 * r->e * r->e, coupling = r->m3 * r->e * sine_of(state->phase);
         own = out[on];
         if (m->carried == 0) {
             rotor = (torque + coupling * own) / inertia;
@@ -125,7 +126,7 @@ static void join_disturbance(const Run *r, const Mode *m, const State *state, do
     for (c = 0; c < n; c++)
         P[m->leader[c]] = P[m->leader[c]] + r->masses[c] * dv[c];
     if (r->has_motor) {
-        double inertia = r->J + r->m3 * r->e * r->e, coupling = r->m3 * r->e * sin(state->phase), dw = vector[2 * n + 1];
+        double inertia = r->J + r->m3 * r->e * r->e, coupling = r->m3 * r->e * sine_of(state->phase), dw = vector[2 * n + 1];
         P[m->leader[on]] = P[m->leader[on]] + (r->m3 * dv[on] - coupling * dw);
         turning = inertia * dw - coupling * dv[on];
     }

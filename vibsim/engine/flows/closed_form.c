@@ -73,8 +73,9 @@ void closed_form_enter(Run *r, const State *state)
     for (h = 0; h < r->harmonic_count; h++) {
         const Harmonic *one = &r->harmonics[h];
         double angle = turn_angle(one->cycles, one->cycles_lo, state->t) + one->phase;
-        f->sines[h] = f->sin0[h] = sin(angle);
-        f->cosines[h] = f->cos0[h] = cos(angle);
+        sine_cosine(angle, &f->sin0[h], &f->cos0[h]);
+        f->sines[h] = f->sin0[h];
+        f->cosines[h] = f->cos0[h];
     }
     for (c = 0; c < n; c++) {
         f->x0[c] = state->x[c];
@@ -150,8 +151,9 @@ void closed_form_evaluate(Run *r, double tau)
         double angle = one->omega * tau, cosine, sine, sin0 = f->sin0[h], cos0 = f->cos0[h];
         if (angle > 3) /* below, the product is as good as its reduction */
             angle = turn_angle(one->cycles, one->cycles_lo, tau);
-        f->cosine[h] = cosine = cos(angle);
-        f->sine[h] = sine = sin(angle);
+        sine_cosine(angle, &sine, &cosine);
+        f->cosine[h] = cosine;
+        f->sine[h] = sine;
         f->sines[h] = sin0 * cosine + cos0 * sine;
         f->cosines[h] = cos0 * cosine - sin0 * sine;
     }

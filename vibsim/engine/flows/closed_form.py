@@ -124,8 +124,9 @@ class ClosedForm(Generic[N]):
         self.cos0: list[N] = []
         for _, cycles, cycles_lo, phase in self.harmonics:
             angle = self.kit.turn_angle(cycles, cycles_lo, t) + phase
-            self.sin0.append(self.kit.sin(angle))
-            self.cos0.append(self.kit.cos(angle))
+            sine, cosine = self.kit.sine_cosine(angle)
+            self.sin0.append(sine)
+            self.cos0.append(cosine)
 
     def _anchor_coordinate(self, coordinate: Coordinate[N], constants: Constants[N]) -> None:
         q, u = self._weighted(coordinate.sources, self.x0), self._weighted(coordinate.sources, self.v0)
@@ -198,7 +199,7 @@ class ClosedForm(Generic[N]):
             angle = omega * tau
             if angle > 3:  # below, the product is as good as its reduction
                 angle = kit.turn_angle(cycles, cycles_lo, tau)
-            cosine, sine = kit.cos(angle), kit.sin(angle)
+            sine, cosine = kit.sine_cosine(angle)
             self.sines[h] = self.sin0[h] * cosine + self.cos0[h] * sine
             self.cosines[h] = self.cos0[h] * cosine - self.sin0[h] * sine
             cosines.append(cosine)

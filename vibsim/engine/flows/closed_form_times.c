@@ -38,10 +38,8 @@ static void turn_harmonic(const Harmonic *one, const double *restrict tau, int c
         angle[j] = one->omega * tau[j];
     for (j = count - 1; j >= 0 && angle[j] > 3; j--)
         angle[j] = turn_angle(one->cycles, one->cycles_lo, tau[j]);
-    for (j = 0; j < count; j++) {
-        cosine[j] = cos(angle[j]);
-        sine[j] = sin(angle[j]);
-    }
+    for (j = 0; j < count; j++)
+        moderate_sine_cosine(angle[j], &sine[j], &cosine[j]);
 }
 
 static void move_freely(const Motion *y, const double *restrict tau, int count, double *restrict q, double *restrict u)
@@ -80,8 +78,15 @@ static void oscillate(const Oscillator *o, const Motion *y, const double *restri
     const int settled = first_settled(o, tau, count);
     double steady[TIMES_AT_ONCE];
     int j;
-    for (j = 0; j < count; j++)
-        release_and_impulse(o, tau[j], &release[j], &impulse[j]);
+    if (o->oscillates && o->wd * tau[count - 1] < LARGEST_ANGLE)
+        for (j = 0; j < count; j++) {
+            double sine, cosine;
+            moderate_sine_cosine(o->wd * tau[j], &sine, &cosine);
+            swing(o, tau[j], sine, cosine, &release[j], &impulse[j]);
+        }
+    else
+        for (j = 0; j < count; j++)
+            release_and_impulse(o, tau[j], &release[j], &impulse[j]);
     for (j = 0; j < settled; j++)
         steady[j] = constant_response(o, tau[j], release[j]);
     for (j = settled; j < count; j++)

@@ -9,7 +9,7 @@ enum { HYPERBOLIC, EXPONENTIAL, LAWS };
 
 static inline double law_start(int law, double s)
 {
-    return law == HYPERBOLIC ? 1 / (1 + s) : decay(s);
+    return law == HYPERBOLIC ? 1 / (1 + s) : exponential(-s);
 }
 
 /* From coefficient n > 0 of s, what the products of the recurrence take. */

@@ -9,7 +9,7 @@ from vibsim.physics.parts import Harmonic
 def sine_and_cosine(kit: Kit[N], term: Harmonic[N], t: N) -> tuple[N, N]:
     """sin and cos of omega t + phase, without forming a large product."""
     angle = kit.turn_angle(term.cycles, term.cycles_lo, t) + term.phase
-    return kit.sin(angle), kit.cos(angle)
+    return kit.sine_cosine(angle)
 
 
 def quarter_turns(sine: N, cosine: N) -> tuple[N, N, N, N]:

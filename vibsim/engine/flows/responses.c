@@ -57,14 +57,15 @@ void oscillator_set(Oscillator *o, double a, double b, double omega)
 
 static void sinhc(double p, double q, double *re, double *im)
 {
-    double zz = p * p + q * q, nr, ni;
+    double zz = p * p + q * q, sine, cosine, nr, ni;
     if (zz == 0) {
         *re = 1;
         *im = 0;
         return;
     }
-    nr = sinh(p) * cos(q);
-    ni = cosh(p) * sin(q);
+    sine_cosine(q, &sine, &cosine);
+    nr = hyperbolic_sine(p) * cosine;
+    ni = hyperbolic_cosine(p) * sine;
     *re = (nr * p + ni * q) / zz;
     *im = (ni * p - nr * q) / zz;
 }
@@ -72,7 +73,7 @@ static void sinhc(double p, double q, double *re, double *im)
 void confluent_response(const Oscillator *o, double t, double cosine, double sine, double *hc, double *hs)
 {
     double real1 = o->slow, imag1 = 0, real2 = o->fast, imag2 = 0;
-    double p, q, mean, qr, qi, scale, mr, mi, e1r, e1i, decay, nr, ni, dr, di, dd, hr, hi;
+    double p, q, mean, qr, qi, scale, mr, mi, e1r, e1i, decay, turned_sine, turned_cosine, nr, ni, dr, di, dd, hr, hi;
     if (o->oscillates) {
         real1 = -o->a;
         imag1 = o->wd;
@@ -83,14 +84,14 @@ void confluent_response(const Oscillator *o, double t, double cosine, double sin
     q = (imag1 - o->omega) * t / 2;
     mean = (imag1 + o->omega) * t / 2;
     sinhc(p, q, &qr, &qi);
-    scale = t * exp(p);
-    mr = cos(mean);
-    mi = sin(mean);
+    scale = t * exponential(p);
+    sine_cosine(mean, &mi, &mr);
     e1r = scale * (mr * qr - mi * qi);
     e1i = scale * (mr * qi + mi * qr);
-    decay = exp(real2 * t);
-    nr = decay * cos(imag2 * t) - cosine;
-    ni = decay * sin(imag2 * t) - sine;
+    decay = exponential(real2 * t);
+    sine_cosine(imag2 * t, &turned_sine, &turned_cosine);
+    nr = decay * turned_cosine - cosine;
+    ni = decay * turned_sine - sine;
     dr = real2;
     di = imag2 - o->omega;
     dd = dr * dr + di * di;

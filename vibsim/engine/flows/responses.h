@@ -11,18 +11,24 @@
 /* responses.c; near resonance, where the difference of two modes would cancel */
 void confluent_response(const Oscillator *o, double t, double cosine, double sine, double *hc, double *hs);
 
+/* Of an oscillation whose sine and cosine are given. */
+static inline void swing(const Oscillator *o, double t, double sine, double cosine, double *release, double *impulse)
+{
+    double decay = exponential(-(o->a * t)), rise = decay * (sine * o->per_wd);
+    *impulse = o->wd * t != 0 ? rise : decay * t;
+    *release = decay * cosine + o->a * *impulse;
+}
+
 static inline void release_and_impulse(const Oscillator *o, double t, double *release, double *impulse)
 {
-    double decay;
+    double decay, sine, cosine;
     if (o->oscillates) {
-        double angle = o->wd * t, sine = sin(angle), cosine = cos(angle);
-        decay = exp(-(o->a * t));
-        *impulse = angle != 0 ? decay * (sine * o->per_wd) : decay * t;
-        *release = decay * cosine + o->a * *impulse;
+        sine_cosine(o->wd * t, &sine, &cosine);
+        swing(o, t, sine, cosine, release, impulse);
         return;
     }
-    decay = exp(o->slow * t);
-    *impulse = decay * (expm1(-(2 * (o->wd * t))) / -(2 * o->wd));
+    decay = exponential(o->slow * t);
+    *impulse = decay * (exponential_less_1(-(2 * (o->wd * t))) / -(2 * o->wd));
     *release = decay - o->slow * *impulse;
 }
 
@@ -38,8 +44,8 @@ static inline double constant_response(const Oscillator *o, double t, double rel
     if (o->settling * (t * t) >= QUARTER)
         return (1 - release) * o->per_b;
     if (!o->oscillates && o->wd * t >= 0.5) {
-        double slow = o->slow != 0 ? expm1(o->slow * t) / o->slow : t;
-        return (slow - expm1(o->fast * t) / o->fast) / (2 * o->wd);
+        double slow = o->slow != 0 ? exponential_less_1(o->slow * t) / o->slow : t;
+        return (slow - exponential_less_1(o->fast * t) / o->fast) / (2 * o->wd);
     }
     return t * t * horner(o->steady_series, SERIES_TERMS, o->rate * t);
 }

@@ -70,7 +70,7 @@ class Oscillator(Generic[N]):
         if self.oscillates:
             decay = kit.exp(-(self.a * t))
             angle = self.wd * t
-            sine, cosine = kit.sin(angle), kit.cos(angle)
+            sine, cosine = kit.sine_cosine(angle)
             impulse = decay * (sine * self.per_wd) if angle != 0 else decay * t
             return decay * cosine + self.a * impulse, impulse
         decay = kit.exp(self.slow * t)
@@ -130,12 +130,13 @@ class Oscillator(Generic[N]):
         mean = (imag1 + self.omega) * t / 2
         qr, qi = sinhc(kit, p, q)
         scale = t * kit.exp(p)
-        mr, mi = kit.cos(mean), kit.sin(mean)
+        mi, mr = kit.sine_cosine(mean)
         e1r = scale * (mr * qr - mi * qi)
         e1i = scale * (mr * qi + mi * qr)
         decay = kit.exp(real2 * t)
-        nr = decay * kit.cos(imag2 * t) - cosine
-        ni = decay * kit.sin(imag2 * t) - sine
+        turned_sine, turned_cosine = kit.sine_cosine(imag2 * t)
+        nr = decay * turned_cosine - cosine
+        ni = decay * turned_sine - sine
         dr, di = real2, imag2 - self.omega
         dd = dr * dr + di * di
         hr = e1r - (nr * dr + ni * di) / dd
@@ -168,8 +169,9 @@ def sinhc(kit: Kit[N], p: N, q: N) -> tuple[N, N]:
     zz = p * p + q * q
     if zz == 0:
         return kit.number(1), kit.number(0)
-    nr = kit.sinh(p) * kit.cos(q)
-    ni = kit.cosh(p) * kit.sin(q)
+    sine, cosine = kit.sine_cosine(q)
+    nr = kit.sinh(p) * cosine
+    ni = kit.cosh(p) * sine
     return (nr * p + ni * q) / zz, (ni * p - nr * q) / zz
 
 

@@ -32,7 +32,8 @@ class RotorSeries(Generic[N]):
         kit, motor, p = self.kit, self.motor, self.order
         zero = kit.number(0)
         self.w, self.phi = [state.w] + [zero] * (p + 1), [state.phase] + [zero] * (p + 1)
-        self.s, self.c = [kit.sin(state.phase)] + [zero] * p, [kit.cos(state.phase)] + [zero] * p
+        sine, cosine = kit.sine_cosine(state.phase)
+        self.s, self.c = [sine] + [zero] * p, [cosine] + [zero] * p
         self.a1 = [zero] * p
         self.coupling = self.unbalance * self.s[0]
         self.leader = rows.leader[motor.on]
@@ -45,21 +46,34 @@ class RotorSeries(Generic[N]):
         self.sw = self.s[0] * self.w[0]
 
     def rotate(self, n: int, F: list[N]) -> None:
-        """What order n of the series is before the accelerations are known; its thrust onto F."""
+        """What order n of the series is before the accelerations are known; its thrust onto F.
+
+        All that does not wait for w[n] and a1[n - 1] comes first: few operations are then left between one
+        order and the next.
+        """
+        thrust = self._rotate_on(n) if n > 0 else self._start_rotation()
+        F[self.leader] = F[self.leader] + thrust
+
+    def _start_rotation(self) -> N:
+        w0 = self.w[0]
+        self.c[1] = -self.sw
+        self.s[1] = self.c[0] * w0
+        self.pull = self.unbalance * self.s[1]
+        self.tail = self.s[1] * w0
+        self.torque = self.motor.M0 - self.drag * w0
+        return self.unbalance * self.tail
+
+    def _rotate_on(self, n: int) -> N:
         s, c, w, inverse = self.s, self.c, self.w, self.inverse[n + 1]
+        scale, lean = self.unbalance * (n + 1), c[0] * inverse
         cw, tail, back = self._products(n)
+        ahead = (cw + c[n] * w[0]) * inverse
+        known, slope = tail + ahead * w[0], s[1] + lean * w[0]
         c[n + 1] = -(self.sw * inverse)
-        if n > 0:
-            cw = cw + (c[0] * w[n] + c[n] * w[0])
-            tail = tail + s[1] * w[n]
-            back = back + s[1] * self.a1[n - 1]
-        else:
-            cw = c[0] * w[0]
-        s[n + 1] = cw * inverse
-        self.tail = tail + s[n + 1] * w[0]
-        torque = self.unbalance * back - self.drag * w[n]
-        self.torque = torque + self.motor.M0 if n == 0 else torque
-        F[self.leader] = F[self.leader] + self.unbalance * ((n + 1) * self.tail)
+        s[n + 1] = ahead + lean * w[n]
+        self.tail = known + slope * w[n]
+        self.torque = (self.unbalance * back - self.drag * w[n]) + self.pull * self.a1[n - 1]
+        return scale * known + scale * slope * w[n]
 
     def turn(self, n: int, thrust: N, base: N | None) -> N:
         """Acceleration of the motor's group, which the force `thrust` acts on, and of the rotor: one 2x2
@@ -70,7 +84,7 @@ class RotorSeries(Generic[N]):
         inverse = self.inverse[n + 1]
         if self.carried is not None:
             a1 = self.to_a1 * thrust + self.cross * self.torque
-            self.w[n + 1] = (self.to_w * self.torque + self.cross * thrust) * inverse
+            self.w[n + 1] = self.to_w * inverse * self.torque + self.cross * inverse * thrust
         else:  # tied to the ground or the base: its acceleration is given
             a1 = self.kit.number(0) if base is None else (n + 1) * base
             self.w[n + 1] = (self.torque + self.coupling * a1) / self.inertia * inverse

@@ -150,8 +150,6 @@ class Taylor(Generic[N]):
         rows, zero, inverse = self.rows, self.kit.number(0), self.inverse[n + 1]
         leader = rows.leader
         F = [zero] * (self.n + 2)
-        if self.rotor:
-            self.rotor.rotate(n, F)
         for c in range(self.n):
             load = self.load[c]
             if load is not None:
@@ -170,6 +168,7 @@ class Taylor(Generic[N]):
             F[Q] = F[Q] - force
         acceleration = [force * mobility for force, mobility in zip(F, rows.mobility, strict=True)]
         if self.rotor:
+            self.rotor.rotate(n, F)
             on = self.rotor.leader
             base = self.v[on][n + 1] if on == self.n + 1 else None
             acceleration[on] = self.rotor.turn(n, F[on], base)

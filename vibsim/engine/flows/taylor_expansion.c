@@ -13,7 +13,7 @@
 
 typedef struct {
     double *sine, *cosine, *w_back, *a1_back; /* w_back[p - n] = w[n], a1_back[p - n] = a1[n] */
-    double unbalance, drag, inertia, stall, coupling, to_a1, to_w, cross, sw, tail, torque, previous;
+    double unbalance, drag, inertia, stall, coupling, to_a1, to_w, cross, pull, sw, tail, torque, previous;
 } Rotor;
 
 INLINE Rotor rotor_of(Run *r, const State *state)
@@ -30,10 +30,9 @@ INLINE Rotor rotor_of(Run *r, const State *state)
     o.stall = r->M0;
     f->table[r->bodies] = state->phase;
     f->table[f->rates + r->bodies] = o.w_back[f->order] = state->w;
-    o.sine[0] = sin(state->phase);
-    o.cosine[0] = cos(state->phase);
+    sine_cosine(state->phase, &o.sine[0], &o.cosine[0]);
     o.coupling = o.unbalance * o.sine[0];
-    o.to_a1 = o.to_w = o.cross = o.tail = o.torque = o.previous = 0.0;
+    o.to_a1 = o.to_w = o.cross = o.pull = o.tail = o.torque = o.previous = 0.0;
     if (r->mode->carried > 0) {
         double mass = r->mode->carried + r->m3, inverse_det = 1 / (mass * o.inertia - o.coupling * o.coupling);
         o.to_a1 = o.inertia * inverse_det;
@@ -44,14 +43,28 @@ INLINE Rotor rotor_of(Run *r, const State *state)
     return o;
 }
 
-/* What order n of the rotor's series is before the accelerations are known; returns its thrust. */
+/* What order 0 of the rotor's series is before the accelerations are known; returns its thrust. */
+INLINE double start_rotation(Rotor *o, int p)
+{
+    const double w0 = o->w_back[p];
+    o->cosine[1] = -o->sw;
+    o->sine[1] = o->cosine[0] * w0;
+    o->pull = o->unbalance * o->sine[1];
+    o->tail = o->sine[1] * w0;
+    o->torque = o->stall - o->drag * w0;
+    return o->unbalance * o->tail;
+}
+
+/* The same of order n > 0. All that does not wait for w[n] and a1[n - 1] comes first: few operations are then left between
+ * one order and the next.
+ */
 INLINE double rotate(Rotor *o, int n, int p, double inverse)
 {
     double *restrict sine = o->sine, *restrict cosine = o->cosine;
     const double *w = o->w_back + (p - n), *a1 = o->a1_back + (p + 1 - n); /* w[i]: order n - i, a1[i]: order n - 1 - i */
-    const double w0 = o->w_back[p];
+    const double w0 = o->w_back[p], scale = o->unbalance * (n + 1), lean = cosine[0] * inverse;
     Pair cws = make_pair(0, 0), tails = cws, backs = cws;
-    double cw, back, tail;
+    double ahead, known, slope;
     int i;
     for (i = 1; i + 1 < n; i += 2) {
         Pair speeds = load_pair(w + i), sines = load_pair(sine + i + 1);
@@ -65,29 +78,20 @@ INLINE double rotate(Rotor *o, int n, int p, double inverse)
         tails = add_product(tails, following, speed);
         backs = add_product(backs, following, make_pair(a1[i], 0));
     }
-    cw = sum_of_pair(cws);
-    tail = sum_of_pair(tails);
-    back = sum_of_pair(backs);
+    ahead = (sum_of_pair(cws) + cosine[n] * w0) * inverse;
+    known = sum_of_pair(tails) + ahead * w0;
+    slope = sine[1] + lean * w0;
     cosine[n + 1] = -(o->sw * inverse);
-    if (n > 0) {
-        cw = cw + (cosine[0] * w[0] + cosine[n] * w0);
-        tail = tail + sine[1] * w[0];
-        back = back + sine[1] * o->previous;
-    } else {
-        cw = cosine[0] * w0;
-    }
-    sine[n + 1] = cw * inverse;
-    o->tail = tail + sine[n + 1] * w0;
-    o->torque = o->unbalance * back - o->drag * w[0];
-    if (n == 0)
-        o->torque = o->torque + o->stall;
-    return o->unbalance * ((n + 1) * o->tail);
+    sine[n + 1] = ahead + lean * w[0];
+    o->tail = known + slope * w[0];
+    o->torque = (o->unbalance * sum_of_pair(backs) - o->drag * w[0]) + o->pull * o->previous;
+    return scale * known + scale * slope * w[0];
 }
 
 /* Order n of the acceleration under `thrust`, and order n + 1 of the rotor's speed, from one 2x2 division by the mass matrix. */
 INLINE double turn(Rotor *o, int n, int p, double inverse, double thrust)
 {
-    double a1 = o->to_a1 * thrust + o->cross * o->torque, w = (o->to_w * o->torque + o->cross * thrust) * inverse;
+    double a1 = o->to_a1 * thrust + o->cross * o->torque, w = o->to_w * inverse * o->torque + o->cross * inverse * thrust;
     o->w_back[p - n - 1] = w;
     o->a1_back[p - n] = o->previous = a1;
     o->sw = o->tail + o->sine[0] * w;
@@ -119,7 +123,8 @@ INLINE void advance_small(const Run *r, const Law *law, Rotor *o, double *row, c
     const Mode *m = r->mode;
     const int phi = bodies;
     double *next = row + SMALL_STRIDE, *rates = row + SMALL_RATES, *next_rates = next + SMALL_RATES;
-    double F = motor ? rotate(o, first ? 0 : n, p, inverse) : 0.0, F_far = 0.0, force, a1;
+    double thrust = !motor ? 0.0 : first ? start_rotation(o, p) : rotate(o, n, p, inverse);
+    double F = 0.0, F_far = 0.0, force, a1;
     if (law->load)
         F = F + law->load[n];
     if (moving > 1 && law->load_far)
@@ -133,7 +138,7 @@ INLINE void advance_small(const Run *r, const Law *law, Rotor *o, double *row, c
         F = F + m->small_constants[0];
         F_far = F_far + m->small_constants[1];
     }
-    a1 = motor ? turn(o, n, p, inverse, F) : F * law->mobility;
+    a1 = motor ? turn(o, n, p, inverse, F + thrust) : F * law->mobility;
     next[0] = rates[0] * inverse;
     if (bodies > 1)
         next[far] = rates[far] * inverse;
@@ -213,7 +218,7 @@ static double fall(const Run *r, int k, const double *row, int n)
 }
 
 /* Order n of the forces on the groups, by leading column. */
-INLINE void balance(const Run *r, const double *row, int n, int motor, double thrust)
+INLINE void balance(const Run *r, const double *row, int n)
 {
     const Taylor *f = &r->taylor;
     const Mode *m = r->mode;
@@ -222,8 +227,6 @@ INLINE void balance(const Run *r, const double *row, int n, int motor, double th
     int i;
     for (i = 0; i < r->columns; i++)
         F[i] = 0.0;
-    if (motor)
-        F[m->leader[r->motor_on]] += thrust;
     for (i = 0; i < f->loaded_count; i++) {
         int column = f->loaded[i];
         F[m->leader[column]] += f->load[column * SERIES + n];
@@ -258,15 +261,14 @@ INLINE void expand_any(Run *r, const State *state, const int motor)
     if (motor)
         o = rotor_of(r, state);
     for (n = 0; n <= p; n++, row += stride) {
-        double *next = row + stride, inverse = f->inverse[n + 1], thrust = 0.0;
-        const double *F = r->force;
+        double *next = row + stride, *F = r->force, inverse = f->inverse[n + 1];
         for (c = 0; c <= bodies; c++)
             next[c] = row[rates + c] * inverse;
         if (n == p)
             break;
+        balance(r, row, n);
         if (motor)
-            thrust = rotate(&o, n, p, inverse);
-        balance(r, row, n, motor, thrust);
+            F[on] += n == 0 ? start_rotation(&o, p) : rotate(&o, n, p, inverse);
         if (m->untied)
             for (c = 0; c < bodies; c++)
                 next[rates + c] = F[c] * m->mobility[c] * inverse;

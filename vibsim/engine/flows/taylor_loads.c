@@ -7,8 +7,7 @@
 static void sine_and_cosine(const Harmonic *term, double t, double *turns)
 {
     double angle = turn_angle(term->cycles, term->cycles_lo, t) + term->phase;
-    turns[0] = sin(angle);
-    turns[1] = cos(angle);
+    sine_cosine(angle, &turns[0], &turns[1]);
     turns[2] = -turns[0];
     turns[3] = -turns[1];
 }

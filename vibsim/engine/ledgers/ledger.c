@@ -33,7 +33,7 @@ static double force_at(const Run *r, const Force *force, double tau)
     for (i = 0; i < force->count; i++) {
         const Harmonic *term = &force->terms[i];
         double anchor = turn_angle(term->cycles, term->cycles_lo, r->t0) + term->phase;
-        double sine = sin(anchor + turn_angle(term->cycles, term->cycles_lo, tau));
+        double sine = sine_of(anchor + turn_angle(term->cycles, term->cycles_lo, tau));
         total = total + term->amplitude * sine;
     }
     return total;
@@ -203,7 +203,7 @@ static double base_place(const Run *r, double t)
     int i;
     for (i = 0; i < r->base_count; i++) {
         const Harmonic *term = &r->base[i];
-        X = X + term->amplitude * sin(turn_angle(term->cycles, term->cycles_lo, t) + term->phase);
+        X = X + term->amplitude * sine_of(turn_angle(term->cycles, term->cycles_lo, t) + term->phase);
     }
     return X;
 }

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Iterable, Sequence
-from math import log2
 from typing import TYPE_CHECKING
 
 from vibsim.engine.flows.modal import Pitch, pitch
 from vibsim.engine.modes.rows import COUPLING, DIFFERENCE, RATE, Event, EventKey, ModeRows, Term
 from vibsim.engine.state import State
+from vibsim.physics import elementary
 from vibsim.physics.parts import BASE, GROUND, Harmonic, Scene
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def pack_scene(scene: Scene, harmonics: Sequence[Pitch]) -> Packed:
     pack.put((motor is not None, motor.on if motor else 0, rest_columns(scene)))
     pack.put((scene.stop_on_violation, scene.order))
     pack.put((), (motor.m3, motor.e, motor.J, motor.M0, motor.Omega0) if motor else (0.0,) * 5)
-    pack.put((), (log2(scene.tol), scene.t_end, scene.every_num, scene.every_den))
+    pack.put((), (elementary.log2(scene.tol), scene.t_end, scene.every_num, scene.every_den))
     pack.put((), (body.m for body in scene.bodies))
     for one in harmonics:
         pack.put((), (1.0, *one))

@@ -9,7 +9,6 @@ into the direction of fastest growth anew.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from math import log10
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from vibsim.engine.columns import state_columns, stop_column
 from vibsim.engine.modes.status import RESTING, STICK
 from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.trajectory import open_trajectory
+from vibsim.physics import elementary
 from vibsim.physics.parts import Friction, RigidStop, Scene, columns_of
 
 KICK = 1e-12  # of the largest velocity: far above rounding, far below what bends the growth
@@ -44,7 +44,7 @@ def error_growth(scene: Scene, engine: str = "auto", along: Table | None = None)
         while factor * KICK > LARGEST and j > i + 1:
             j = (i + j) // 2
             factor = _stretch(scene, engine, table, scale, i, j)
-        grown = max(grown + log10(max(factor, 1e-3)), 0.0)
+        grown = max(grown + elementary.log10(max(factor, 1e-3)), 0.0)
         i = j
     return grown
 

@@ -118,7 +118,8 @@ class LinearBlow(Generic[N]):
         motor = scene.motor
         assert motor is not None
         inertia = motor.J + motor.m3 * motor.e * motor.e
-        s, c = motor.m3 * motor.e * kit.sin(phase), motor.m3 * motor.e * kit.cos(phase)
+        sine, cosine = kit.sine_cosine(phase)
+        s, c = motor.m3 * motor.e * sine, motor.m3 * motor.e * cosine
         determinant = (scene.bodies[motor.on].m + motor.m3) * inertia - s * s
         change = 2 * s * c / determinant  # of 1 / determinant, in units of that
         self.mobility_slope = self.bodies.mobility[self.on] * change

@@ -1,6 +1,7 @@
 /* The tangent bundle of a run: disturbances carried through modes and events; twin of vibsim/engine/tangent/tangent_bundle.py. */
 #include <string.h>
 
+#include "elementary.h"
 #include "tangent.h"
 
 #define FLAT 0x1p-7
@@ -79,7 +80,7 @@ static double orthonormalise(const Tangent *b, double *vector, const double *oth
 
 static double growth_of(double size)
 {
-    return size > 0 ? log(size) : -INFINITY;
+    return size > 0 ? logarithm(size) : -INFINITY;
 }
 
 static double length_of(const Tangent *b, int i)
@@ -185,7 +186,7 @@ static void fit(const Run *r, const Mode *m)
         size = orthonormalise(b, b->vector, b->fitted, fitting);
         if (size > LOST && fitting < room) {
             memcpy(vector, b->vector, sizeof(double) * (size_t)b->size);
-            b->sums[fitting] = b->sums[i] + log(size);
+            b->sums[fitting] = b->sums[i] + logarithm(size);
             b->columns[fitting] = b->columns[i];
             b->lost[fitting++] = b->lost[i];
         } else {
@@ -368,6 +369,6 @@ void tangent_cross(Run *r, int event, const Mode *before, const Mode *after)
         if (flat) /* what is left of nearly parallel vectors is not orthogonal to rounding */
             renormalise(b);
         if (b->complete && determinant > FLAT && !flat)
-            b->residual = b->residual + (volume - log(determinant));
+            b->residual = b->residual + (volume - logarithm(determinant));
     }
 }

@@ -12,12 +12,12 @@ may take steps that are too long for its disturbances: then these go in pieces.
 
 from collections.abc import Callable, Sequence
 from functools import cache
-from math import log
 from typing import Generic
 
 from vibsim.engine.flows.rotor_series import RotorSeries
 from vibsim.engine.flows.taylor import Taylor
 from vibsim.engine.modes.rows import ACCELERATION, COUPLING, DIFFERENCE, FALL, LOAD, Coupling, Event, Term
+from vibsim.physics import elementary
 from vibsim.physics.numbers import Kit, N, abs, horner
 from vibsim.physics.parts import Scene
 
@@ -26,7 +26,7 @@ REACH = 1.25  # how much further than exp(-t) of the same order the steps of ord
 
 def reach(kit: Kit[N], order: int, tolerance_exponent: float) -> N:
     """Longest step of exp(-t), by the tolerance on its last term."""
-    return kit.power_of_two((tolerance_exponent + _spread(order) / log(2.0)) / order)
+    return kit.power_of_two((tolerance_exponent + _spread(order) * elementary.PER_LN_2) / order)
 
 
 @cache
@@ -34,7 +34,7 @@ def _spread(order: int) -> float:
     """ln order!, summed in its order."""
     spread = 0.0
     for n in range(2, order + 1):
-        spread = spread + log(n)
+        spread = spread + elementary.log(n)
     return spread
 
 

@@ -35,7 +35,7 @@ static void determinants(const Run *r, double mass, double inertia, const double
     int i;
     angles(r, tau, out);
     for (i = 0; i < POINTS; i++) {
-        double coupling = r->m3 * r->e * sin(reduce_angle(out[i], &turns));
+        double coupling = r->m3 * r->e * sine_of(reduce_angle(out[i], &turns));
         out[i] = mass * inertia - coupling * coupling;
     }
 }
@@ -96,7 +96,7 @@ static double with_rotor(const Run *r, double mass, double inertia, double dampi
             mean = mean + WEIGHTS[i] * (slowed_with_rotor(r, points[i], r->mode->leader[r->motor_on]) / values[i]);
         damped = damped + inertia * (tau * mean);
     }
-    return -damped - log(values[NODE_COUNT] / values[NODE_COUNT + 1]);
+    return -damped - logarithm(values[NODE_COUNT] / values[NODE_COUNT + 1]);
 }
 
 /* Logarithm of the growth from t to `end`, within the stretch in hand, of a volume that fills the tangent space. */

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from math import log, pi
+from math import pi
 from typing import TYPE_CHECKING, Any
 
 from vibsim.analysis import judge_regime, largest_exponent
@@ -29,6 +29,7 @@ from vibsim.evidence.reports.regimes_nearby import (
 )
 from vibsim.evidence.reports.solver_hypothesis import SOLVERS, measure_solvers
 from vibsim.evidence.reports.without_stop import measure_without_stop
+from vibsim.physics import elementary
 from vibsim.results import Result, simulate
 
 if TYPE_CHECKING:
@@ -112,7 +113,7 @@ def least_hold(case: Case, inertia: float) -> float:
     assert motor is not None
     no_load = motor.Omega0 / (2 * pi)
     slow, fast = (HELD_HZ * (1 + sign * BAND) for sign in (-1, 1))
-    return CAPTURE * run_up_time(motor) * log((no_load - slow) / (no_load - fast))
+    return CAPTURE * run_up_time(motor) * elementary.log((no_load - slow) / (no_load - fast))
 
 
 def unbalance(cases: Mapping[str, Case]) -> float:

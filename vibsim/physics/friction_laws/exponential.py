@@ -10,7 +10,7 @@ HALVINGS = 256  # of the square of the step; more are needed by no order and tol
 
 
 def start(kit: Kit[N], s: N) -> N:
-    return kit.decay(s)
+    return kit.exp(-s)
 
 
 def argument(n: int, s: N) -> N:

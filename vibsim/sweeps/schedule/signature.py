@@ -1,6 +1,6 @@
 """What tells whether two installations compute the same bits: versions, engine, bits of two short runs.
 
-Versions alone do not: numpy and the C library have their own sines for each kind of processor.
+Versions alone do not: a compiler may fuse products and sums.
 """
 
 import hashlib

@@ -1,0 +1,143 @@
+"""Elementary functions of doubles with the same bits on every machine.
+
+Additions, products and quotients only: the C library's functions differ in last bits between libraries, and
+between processors with and without fused products; a chaotic motion makes another motion of that. The
+operations stand in a fixed order, which `engine/elementary.h` repeats. Each is right to one or two units in
+the last place.
+
+An argument is reduced by whole multiples of pi/2 or ln 2, which are split so that the products are exact, and
+the Taylor series of what is left is summed in pairs of pairs, which shortens the chain of operations.
+"""
+
+import math
+
+WHOLE = 6755399441055744.0  # 1.5 * 2**52: adding it rounds to a whole number, which the last bits then hold
+QUARTERS = 2 / math.pi  # quarter turns to a radian
+# pi/2 in three parts; a whole number below 2^20 times one of the first two is exact
+FIRST, SECOND, THIRD = 1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21
+LARGEST = 1.6e6  # [rad], below 2^20 quarter turns
+TWO_PI = 6.283185307179586
+# of (sin r / r - 1) / r^2; left out: (pi/4)^18 / 19! < 2e-19
+SINE = [(-1) ** n / math.factorial(2 * n + 1) for n in range(1, 9)]
+# of (cos r - 1 + r^2/2) / r^4; left out: (pi/4)^18 / 18! < 3e-18
+COSINE = [(-1) ** n / math.factorial(2 * n) for n in range(2, 9)]
+
+PER_LN_2, PER_LN_10 = 1.4426950408889634, 0.4342944819032518
+LN_2, LN_2_LO = 0.6931471803691238, 1.9082149292705877e-10  # their sum; of the first, the last 21 bits are 0
+EXPONENTIAL = [1 / math.factorial(n) for n in range(2, 14)]  # left out: 0.35^14 / 14! < 5e-18
+FLAT = 1400.0  # beyond which exp is 0 or infinite
+ROOT_HALF = 0.7071067811865476
+LOGARITHM = [2 / (2 * n + 1) for n in range(1, 13)]  # left out: 0.03^13 / 27 < 1e-21
+
+
+def sine_cosine(angle: float) -> tuple[float, float]:
+    """Sine and cosine of an angle [rad]; beyond a million radians with the error that n eps in it makes."""
+    if not -LARGEST < angle < LARGEST:
+        angle = math.fmod(angle, TWO_PI) if math.isfinite(angle) else math.nan
+    if angle != angle:
+        return angle, angle
+    shifted = angle * QUARTERS + WHOLE
+    quarters = shifted - WHOLE
+    r = ((angle - quarters * FIRST) - quarters * SECOND) - quarters * THIRD
+    z = r * r
+    z2 = z * z
+    z4 = z2 * z2
+    a, b = SINE, COSINE
+    s = ((a[0] + a[1] * z) + (a[2] + a[3] * z) * z2) + ((a[4] + a[5] * z) + (a[6] + a[7] * z) * z2) * z4
+    c = ((b[0] + b[1] * z) + (b[2] + b[3] * z) * z2) + ((b[4] + b[5] * z) + b[6] * z2) * z4
+    half = 0.5 * z
+    near = 1 - half
+    sine = r + r * (z * s)
+    cosine = near + (((1 - near) - half) + z2 * c)
+    quadrant = int(quarters) & 3
+    if quadrant & 1:
+        sine, cosine = cosine, sine
+    return -sine if quadrant & 2 else sine, -cosine if quadrant + 1 & 2 else cosine
+
+
+def sin(angle: float) -> float:
+    """Sine of an angle [rad]."""
+    return sine_cosine(angle)[0]
+
+
+def cos(angle: float) -> float:
+    """Cosine of an angle [rad]."""
+    return sine_cosine(angle)[1]
+
+
+def _reduced(x: float) -> tuple[float, float]:
+    """(n, exp(r) - 1) of x = n ln 2 + r, |r| < 0.35; x is not nan."""
+    n = (x * PER_LN_2 + WHOLE) - WHOLE
+    r = (x - n * LN_2) - n * LN_2_LO
+    r2 = r * r
+    r4 = r2 * r2
+    e = EXPONENTIAL
+    low = (e[0] + e[1] * r) + (e[2] + e[3] * r) * r2
+    middle = (e[4] + e[5] * r) + (e[6] + e[7] * r) * r2
+    high = (e[8] + e[9] * r) + (e[10] + e[11] * r) * r2
+    return n, r + r2 * (low + (middle + high * r4) * r4)
+
+
+def exp(x: float) -> float:
+    """exp(x); 0 or infinite where that is what is nearest."""
+    if x != x:
+        return x
+    n, rise = _reduced(-FLAT if x < -FLAT else FLAT if x > FLAT else x)
+    first = (n * 0.5 + WHOLE) - WHOLE
+    return ((1 + rise) * math.ldexp(1.0, int(first))) * math.ldexp(1.0, int(n - first))
+
+
+def expm1(x: float) -> float:
+    """exp(x) - 1."""
+    if not -40.0 < x < 700.0:
+        return exp(x) - 1
+    n, rise = _reduced(x)
+    if n == 0:
+        return rise
+    scale = math.ldexp(1.0, int(n))
+    return scale * rise + (scale - 1)
+
+
+def sinh(x: float) -> float:
+    """Hyperbolic sine."""
+    if -1.0 < x < 1.0:
+        rise = expm1(x)
+        return (rise + rise / (1 + rise)) / 2
+    return (exp(x) - exp(-x)) / 2
+
+
+def cosh(x: float) -> float:
+    """Hyperbolic cosine."""
+    return (exp(x) + exp(-x)) / 2
+
+
+def log(x: float) -> float:
+    """Natural logarithm; -infinity of 0, nan of what is below it."""
+    if not 0.0 < x < math.inf:
+        return -math.inf if x == 0 else x if x > 0 else math.nan
+    m, e = math.frexp(x)
+    if m < ROOT_HALF:
+        m, e = m + m, e - 1
+    f = m - 1
+    s = f / (2 + f)
+    z = s * s
+    z2 = z * z
+    z4 = z2 * z2
+    c = LOGARITHM
+    low = (c[0] + c[1] * z) + (c[2] + c[3] * z) * z2
+    middle = (c[4] + c[5] * z) + (c[6] + c[7] * z) * z2
+    high = (c[8] + c[9] * z) + (c[10] + c[11] * z) * z2
+    rest = z * (low + (middle + high * z4) * z4)
+    half = 0.5 * f * f
+    return e * LN_2 - ((half - (s * (half + rest) + e * LN_2_LO)) - f)
+
+
+def log2(x: float) -> float:
+    """Binary logarithm, exact for powers of two."""
+    m, e = math.frexp(x)
+    return e + log(m) * PER_LN_2 if m != 0.5 else e - 1.0
+
+
+def log10(x: float) -> float:
+    """Decimal logarithm."""
+    return log(x) * PER_LN_10
