@@ -9,6 +9,8 @@ from typing import Any
 
 import click
 
+from vibsim.command_line.terminal.interruption import Interrupted
+
 INVALID_CASE, RUN_FAILED, FAILED_POINTS, FILE_TROUBLE = 3, 4, 5, 6
 INTERRUPTED, BROKEN_PIPE, TERMINATED = 130, 141, 143
 
@@ -53,6 +55,8 @@ def exit_code_of(action: Callable[[], Any], as_json: bool = False) -> int:
         return told(f"Error: {_message(error)}", error.exit_code, as_json)
     except (click.Abort, KeyboardInterrupt):
         return told("interrupted", INTERRUPTED, as_json)
+    except Interrupted as error:
+        return told(str(error), TERMINATED if error.by_sigterm else INTERRUPTED, as_json)
     except OutputClosed:
         _discard_stdout()
         return BROKEN_PIPE

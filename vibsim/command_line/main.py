@@ -9,10 +9,11 @@ from typing import Any
 import click
 
 from vibsim import __version__
-from vibsim.command_line.errors import TERMINATED, broken_pipe_named, exit_code_of
+from vibsim.command_line.errors import INTERRUPTED, broken_pipe_named, exit_code_of
 from vibsim.command_line.options.examples import examples
 from vibsim.command_line.options.repeated_options import refuse_repeated
 from vibsim.command_line.options.settings import add_global_options, global_options
+from vibsim.command_line.terminal.interruption import ended_by_signals, heard_from_now_on, interruption_named
 from vibsim.command_line.terminal.standard_streams import open_closed_streams
 from vibsim.files import signals
 from vibsim.lazy_names import named
@@ -78,11 +79,11 @@ class LazyGroup(click.Group):
             formatter.write_dl([(name, line) for name, (_, line) in COMMANDS.items()])
 
     def make_context(self, *args, **extra):
-        with broken_pipe_named():
+        with broken_pipe_named(), interruption_named():
             return super().make_context(*args, **extra)
 
     def invoke(self, ctx):
-        with broken_pipe_named():
+        with broken_pipe_named(), interruption_named():
             return super().invoke(ctx)
 
     def main(self, *args: Any, standalone_mode: bool = True, **extra: Any) -> Any:
@@ -129,22 +130,20 @@ refuse_repeated(group)
 
 
 def main() -> None:
-    """Entry point of the command; ends the process with the exit code."""
+    """The command as a process of its own, which it ends with the exit code."""
     import gc
     import os
-    import signal
 
     open_closed_streams()
     for name, value in NOT_NEEDED.items():
         os.environ.setdefault(name, value)
     gc.set_threshold(100_000)  # starting up makes many objects and no garbage; looking for it takes 30 ms
-    signal.signal(signal.SIGTERM, _terminate)
+    heard_from_now_on()
     group.owns_the_process = True
     try:
         group.main(prog_name="vibsim")
+    except KeyboardInterrupt:  # another one, while the first was told
+        sys.exit(INTERRUPTED)
     finally:
+        ended_by_signals()
         gc.freeze()  # the system takes all memory back at once; sorting it before the end takes 30 ms
-
-
-def _terminate(signum, frame):
-    sys.exit(TERMINATED)

@@ -1,8 +1,8 @@
 """A table of columns of unknown length, written to an HDF5 group in whole chunks.
 
-Only whole chunks are written before the end: HDF5 then never moves a chunk, so the file is dense, and what an
-earlier flush made readable stays so. h5py's low-level interface makes twenty columns in
-3 ms instead of 30.
+As a rule only whole chunks are written before the end: HDF5 then never moves a chunk, so the file is dense.
+The rest of a table that grows slowly can be written too; it is written again when its chunk is full. h5py's
+low-level interface makes twenty columns in 3 ms instead of 30.
 """
 
 from collections.abc import Mapping
@@ -27,7 +27,7 @@ class DatasetStream:
 
     def __init__(self, group: Any, columns: Mapping[str, Column], chunk: int):
         self.chunk = chunk
-        self.rows = 0  # rows on file
+        self.rows = 0  # rows on file in whole chunks
         self.waiting = 0  # rows in memory
         self._parts: list[Mapping[str, np.ndarray]] = []
         self._columns = columns
@@ -52,8 +52,9 @@ class DatasetStream:
         return self._row_bytes * (rows if rows < LEAST_NOISE else self.chunk * ceil(rows / self.chunk))
 
     def write(self, everything: bool = False) -> None:
-        """Write the whole chunks that wait; with `everything` (only at the end) the rest as well."""
-        count = self.waiting if everything else self.waiting - self.waiting % self.chunk
+        """Write the whole chunks that wait; with `everything` also the rest, which goes on to wait."""
+        whole = self.waiting - self.waiting % self.chunk
+        count = self.waiting if everything else whole
         if count == 0:
             return
         rest: dict[str, np.ndarray] = {}
@@ -61,9 +62,9 @@ class DatasetStream:
             values = np.concatenate([part[name] for part in self._parts])
             stored = FILE_TYPES[self._columns[name].dtype][0]
             self._write_column(dataset, values[:count].astype(stored, copy=False))
-            rest[name] = values[count:].copy()
-        self.rows += count
-        self.waiting -= count
+            rest[name] = values[whole:].copy()
+        self.rows += whole
+        self.waiting -= whole
         self._parts = [rest]
 
     def _write_column(self, dataset: Any, values: np.ndarray) -> None:

@@ -47,8 +47,9 @@ class DigitsStream:
         return (self.waiting + more) * self.width * len(self._datasets)
 
     def write(self, everything: bool = False) -> None:
-        """Write the whole batches that wait; with `everything` (only at the end) the rest as well."""
-        count = self.waiting if everything else self.waiting - self.waiting % self.batch
+        """Write the whole batches that wait; with `everything` also the rest, which goes on to wait."""
+        whole = self.waiting - self.waiting % self.batch
+        count = self.waiting if everything else whole
         if count == 0:
             return
         rest: dict[str, np.ndarray] = {}
@@ -57,12 +58,12 @@ class DigitsStream:
             values = np.concatenate([part[name] for part in self._parts])
             dataset.resize((reached,))
             dataset[self.rows :] = values[:count]
-            rest[name] = values[count:].copy()
+            rest[name] = values[whole:].copy()
         if self._counter is not None:
             self._counter.resize((reached,))
             self._counter[self.rows :] = np.arange(self.rows, reached, dtype="i4")
-        self.rows = reached
-        self.waiting -= count
+        self.rows += whole
+        self.waiting -= whole
         self._parts = [rest]
 
 

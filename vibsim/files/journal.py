@@ -137,6 +137,13 @@ class Journal:
         self._end += len(data)
         self._records += len(lines)
 
+    def kept_after(self, failure: ResultFileError) -> ResultFileError:
+        """What to raise where the file cannot be written: the journal has what it lacks, if anything."""
+        if self._records < 2:  # the header alone
+            return failure
+        kept = f"{failure}; what was computed is kept in {self.path.name}"
+        return ResultFileError(f"{kept}, and the same command goes on from there")
+
     def close(self, remove: bool) -> None:
         """Let go of the lock; with `remove`, or where it is empty, of the file as well."""
         if remove or not os.fstat(self._descriptor).st_size:

@@ -10,20 +10,21 @@ from pathlib import Path
 
 from vibsim.files.disk_space import DISK_FULL
 from vibsim.files.errors import ResultFileError
+from vibsim.files.leftover import check_leftover, partial_path
 
 
 def check_output(path: str | Path, force: bool = False) -> Path:
     """Absolute path of an output file that may be written (links followed).
 
-    Raises ResultFileError when it exists and `force` is not given, when it is not a regular file, or when its
-    folder is missing or not writable.
+    Raises ResultFileError when it, or a part of a run beside it, exists and `force` is not given, when it is
+    not a regular file or being written, or when its folder is missing or not writable.
     """
     target = Path(path).absolute()
     try:
         target = target.resolve()
         if target.exists():
             _check_existing(path, target, force)
-        partial_path(target).exists()  # fails where that name is too long
+        check_leftover(path, force)  # fails where that name is too long
         folder = target.parent
         if not folder.is_dir():
             raise ResultFileError(f"{path}: cannot write: folder {folder} does not exist")
@@ -41,27 +42,6 @@ def _check_existing(path: str | Path, target: Path, force: bool) -> None:
         raise ResultFileError(f"{path}: cannot write: is not a regular file")
     if not force:
         raise ResultFileError(f"{path}: exists; kept (--force replaces it)")
-
-
-def partial_path(target: Path) -> Path:
-    """Where an output is written before it is whole: NAME.partial beside the target."""
-    return target.with_name(target.name + ".partial")
-
-
-def is_locked(path: Path) -> bool:
-    """Whether another process has the file open and locked, as HDF5 does while it writes."""
-    try:
-        import fcntl
-    except ImportError:  # where there are no such locks, the system itself refuses to open the file twice
-        return False
-    try:
-        with open(path, "rb") as file:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    except OSError:
-        return False
-    return False
 
 
 def publish(partial: Path, target: Path, force: bool = False) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from vibsim.files.errors import ResultFileError
+from vibsim.files.leftover import check_leftover
 from vibsim.files.output_file import check_output
 from vibsim.fitting.measuring import Index
 from vibsim.fitting.plan import FitPlan
@@ -47,6 +48,7 @@ class FileRunStore(RunStore):
     def __init__(self, plan: FitPlan, path: str | Path, force: bool = False):
         super().__init__()
         self.path = check_output(path, force=True)
+        check_leftover(path, force)
         self._shown = path
         self._journal = Journal(self.path, "fit")
         try:

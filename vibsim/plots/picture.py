@@ -10,6 +10,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from vibsim.files.signals import interrupted_with
 from vibsim.plots.errors import PlotError
 from vibsim.plots.registry import COLUMNS, Kind, choose
 from vibsim.plots.subject import Subject, open_subjects
@@ -109,13 +110,12 @@ def _draw(
     subjects: Sequence[Subject], kinds: Sequence[Kind], view: View, targets: Sequence[str], force: bool
 ) -> list[str]:
     figures = (kind.draw(subjects, view.for_kind(kind.width)) for kind in kinds)
-    if len(targets) < len(kinds):
-        with _room_enough(targets[0]):
-            _write_pages(list(figures), targets[0], force)
-        return list(targets)
     for target in targets:
-        with _room_enough(target):
-            write_figure(next(figures), target, force)
+        with _room_enough(target), interrupted_with(lambda target=target: f"{target} is not written"):  # type: ignore[misc]
+            if len(targets) < len(kinds):
+                _write_pages(list(figures), target, force)
+            else:
+                write_figure(next(figures), target, force)
     return list(targets)
 
 

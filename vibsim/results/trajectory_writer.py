@@ -1,10 +1,12 @@
 """Write a trajectory to an HDF5 file while it is being computed.
 
-The file grows as NAME.partial, is flushed every few megabytes (a killed run leaves a file that opens, holding
-what the last flush held) and gets its name when it is whole. Memory does not grow with the length of the run.
+The file grows as NAME.partial, is flushed every few megabytes, and every ten seconds where these take longer
+(a killed run leaves a file that opens, holding what the last flush held), and gets its name when it is whole.
+Memory does not grow with the length of the run.
 """
 
 import errno
+import time
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from itertools import repeat
@@ -19,13 +21,15 @@ from vibsim.files.dataset_stream import DatasetStream
 from vibsim.files.declarations import Dataset
 from vibsim.files.disk_space import detach, release, reserve
 from vibsim.files.errors import ResultFileError
-from vibsim.files.output_file import check_output, is_locked, partial_path, publish, reason
+from vibsim.files.leftover import held_until, partial_path
+from vibsim.files.output_file import check_output, publish, reason
 from vibsim.files.writing import write_datasets
 from vibsim.results.columns import Tables
 
 SAMPLE_CHUNK = 16384  # rows: 128 kB per column, 82 s at 5 ms; a window reads few chunks, a run writes few
 EVENT_CHUNK = 2048
 FLUSH_BYTES = 4 << 20  # flushed at a time, so at most some 5 MB of samples are lost with a killed run
+LONGEST = 10.0  # seconds of computing that are lost at most with a killed run that fills its chunks slowly
 FOR_COLUMN = 4 << 10  # bytes that a column takes besides its rows: header, attributes, index; 3.5 kB measured
 FOR_INDEX = 2200  # bytes of a node in the index of a column's chunks
 FOR_ATTRIBUTE = 128  # bytes that an attribute takes besides its value
@@ -51,12 +55,12 @@ class TrajectoryWriter:
         self.shown = f"{path}.partial"
         self.force = force
         self._unflushed = 0
+        self._flushed = time.monotonic()
         self._reserved = 0  # size [bytes] up to which there is room
+        self._indexed = False  # whether rows are on file
         count = len(tables.samples) + len(tables.events)
         self._besides = FOR_FILE + _size_of(attrs) + FOR_COLUMN * count
         self.streams: list[Any] = []
-        if is_locked(self.partial):  # HDF5 would empty the file before it finds that out
-            raise ResultFileError(f"{self.shown}: another run is writing it")
         try:
             self._file = h5py.File(self.partial, "w", libver=LIBVER)
         except OSError as error:
@@ -81,6 +85,8 @@ class TrajectoryWriter:
         self._take(samples, events)
         if self.samples.waiting >= SAMPLE_CHUNK or self.events.waiting >= EVENT_CHUNK:
             self._write()
+        if time.monotonic() - self._flushed > LONGEST:
+            self._write(everything=True)
 
     def _take(self, samples: Mapping[str, np.ndarray], events: Mapping[str, np.ndarray]) -> None:
         self.samples.append(samples)
@@ -103,7 +109,10 @@ class TrajectoryWriter:
     def finish(self, attrs: Mapping[str, Any]) -> Path:
         """Write what waits and the last attributes, and give the file its name; returns that path."""
         self.keep(attrs)
-        publish(self.partial, self.target, self.force)
+        try:
+            publish(self.partial, self.target, self.force)
+        except ResultFileError as error:
+            raise ResultFileError(f"{error}; the run is in {self.shown}") from error
         return self.target
 
     def keep(self, attrs: Mapping[str, Any]) -> None:
@@ -115,6 +124,11 @@ class TrajectoryWriter:
             self._write(everything=True)
             self.update(attrs)
             self.close()
+
+    def drop(self) -> None:
+        """Close the file and remove it."""
+        self.close()
+        self.partial.unlink()
 
     def close(self) -> None:
         """Close the file as it is."""
@@ -129,15 +143,16 @@ class TrajectoryWriter:
             raise ResultFileError(f"{self.shown}: cannot write: {reason(error)}") from error
 
     def _write(self, everything: bool = False) -> None:
-        if not self.samples.rows and not self.events.rows:
+        if not self._indexed:
             self._besides *= 2  # from now on an index may have to be split, which takes two nodes
+            self._indexed = True
         try:
             for stream in self.streams:
                 self._unflushed += stream.waiting_bytes()
                 stream.write(everything)
-            if self._unflushed >= FLUSH_BYTES:
+            if self._unflushed >= FLUSH_BYTES or everything:
                 self._file.flush()
-                self._unflushed = 0
+                self._unflushed, self._flushed = 0, time.monotonic()
         except (OSError, RuntimeError) as error:
             raise self._lost(error) from error
 
@@ -147,14 +162,22 @@ class TrajectoryWriter:
             raise self._lost(OSError(errno.ENOSPC, "no room for what waits"))
         self._write(everything=True)
         self.close()
-        raise ResultFileError(f"{self.shown}: disk full; it holds what was computed until then")
+        raise ResultFileError(self._ended_by("disk full"))
+
+    def _ended_by(self, cause: str) -> str:
+        """Why the closed file is not finished, and what it holds; it is removed where that is nothing."""
+        reached = held_until(self.partial)
+        if reached > 0.0:
+            return f"{self.shown}: {cause}; it holds the run until {reached:g} s"
+        self.partial.unlink()
+        return f"{self.shown.removesuffix('.partial')}: {cause}; nothing was computed by then"
 
     def _lost(self, error: Exception) -> ResultFileError:
         """Close the file as the last flush left it, after a write that has failed; what to raise."""
         detach(self._file.id.get_vfd_handle())
         with suppress(ResultFileError):
             self.close()
-        return ResultFileError(f"{self.shown}: cannot write: {reason(error)}")
+        return ResultFileError(self._ended_by(f"cannot write: {reason(error)}"))
 
     def _needed(self, more: Iterable[int] = repeat(0)) -> int:
         """Size of the file [bytes] with what waits, `more` rows per stream, and what is written besides."""

@@ -152,10 +152,16 @@ def _run(case: "Case", digits: int | str, open_sink: Callable[..., Any], watch: 
             raise
         if plan.enough:
             return recording, sink, {**recording.end(), **verdict}
-        _keep(sink, recording)
+        _drop(sink)
 
 
 def _keep(sink: Any, recording: TruthRecording) -> None:
     """Leave a file with what was computed under its partial name; memory needs nothing."""
     if hasattr(sink, "keep"):
         sink.keep(recording.end())
+
+
+def _drop(sink: Any) -> None:
+    """Make room for the run of more digits that takes the place of this one."""
+    if hasattr(sink, "drop"):
+        sink.drop()

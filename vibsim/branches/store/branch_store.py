@@ -9,6 +9,7 @@ from vibsim.branches.records import PointRecord, SpecialRecord, given, plain
 from vibsim.branches.store.branch_file import origin, read_branch, write_branch
 from vibsim.files.errors import ResultFileError
 from vibsim.files.journal import Journal
+from vibsim.files.leftover import check_leftover
 from vibsim.files.output_file import check_output
 
 
@@ -50,6 +51,7 @@ class BranchFileStore(BranchStore):
     def __init__(self, plan: BranchPlan, path: str | Path, engine: str = "auto", force: bool = False):
         super().__init__(plan, engine)
         self.path, self._shown = check_output(path, force=True), path
+        check_leftover(path, force)
         self._journal = Journal(self.path, "branch")
         try:
             if not force:
@@ -104,8 +106,7 @@ class BranchFileStore(BranchStore):
                 write_branch(self.path, self.branch, self.attrs, self.complete)
             published = True
         except ResultFileError as failure:
-            held = f"{failure}; what was computed is kept in {self._journal.path.name}"
-            raise ResultFileError(f"{held}, and the same command goes on from there") from failure
+            raise self._journal.kept_after(failure) from failure
         finally:
             self._journal.close(remove=published)
 

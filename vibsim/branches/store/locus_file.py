@@ -22,6 +22,7 @@ from vibsim.branches.store.structure import (
 from vibsim.engine.choice import engine_name
 from vibsim.files.errors import ResultFileError
 from vibsim.files.journal import Journal
+from vibsim.files.leftover import check_leftover
 from vibsim.files.output_file import check_output
 from vibsim.files.provenance import provenance
 from vibsim.files.reading import opened, read_attributes, read_datasets
@@ -111,6 +112,8 @@ class LocusStore:
             "engine": engine_name(engine),
         }
         self.path = None if path is None else check_output(path, force=True)
+        if path is not None:
+            check_leftover(path, force)
         self._journal = None if self.path is None else Journal(self.path, "locus")
         if self._journal is not None:
             try:
@@ -131,9 +134,16 @@ class LocusStore:
             self.points = sorted(there.points, key=lambda point: (-point.way, point.number))
         waiting = list(self._journal.read(self.plan.fingerprint))
         known = {(point.way, point.number) for point in self.points}
-        self.points += [point for point in map(given, waiting) if (point.way, point.number) not in known]
+        for point in map(given, waiting):
+            if (point.way, point.number) not in known and self._follows(point):
+                self.points.append(point)
         self.notes += self._journal.notes()
         self._journal.go_on(self.plan.fingerprint, waiting)
+
+    def _follows(self, point: LocusRecord) -> bool:
+        """Whether a point is the next one of its way: behind a damaged record none is."""
+        last = max((p.number for p in self.points if p.way == point.way), default=0 if self.points else -1)
+        return point.number == last + 1
 
     def _add(self, point: LocusRecord) -> None:
         self.points.append(point)
@@ -157,6 +167,8 @@ class LocusStore:
             if self.points:
                 write_locus(self.path, self.locus, self.attrs, finished)
             published = True
+        except ResultFileError as failure:
+            raise self._journal.kept_after(failure) from failure
         finally:
             self._journal.close(remove=published)
 

@@ -38,12 +38,16 @@ def command(ctx, file, output, window, speed, force):
     """
     from vibsim.command_line.terminal.progress import PATIENCE, Progress
     from vibsim.files.output_file import check_output
+    from vibsim.files.signals import interrupted_with
     from vibsim.plots.animation.writing import Wish, animate
 
     check_output(output, force)
     progress = Progress(not ctx.obj.quiet, PATIENCE)
     try:
-        count = animate(file, output, Wish(window, speed), force, lambda n, of: progress.show(output, n, of))
+        with interrupted_with(lambda: f"{output} is not written"):
+            count = animate(
+                file, output, Wish(window, speed), force, lambda n, of: progress.show(output, n, of)
+            )
     finally:
         progress.close()
     if ctx.obj.json:

@@ -45,23 +45,15 @@ def command(ctx, file, output, events, window, along, crate, force):
     were given, to the last digit; codes are written as words. A Parquet file (needs vibsim[parquet]) keeps
     units and the root attributes as metadata; a MAT file holds the columns of a run and a struct `events`.
     """
-    from vibsim.command_line.jobs.export import export_run, export_table, suffix_of
-    from vibsim.opening import open_result
+    from vibsim.command_line.jobs.export import export_any, suffix_of
+    from vibsim.files.signals import interrupted_with
 
-    if crate:
-        return _crate(ctx.obj, file, output, bool(events or window or along), force)
-    suffix = suffix_of(output)
-    if events and suffix == ".mat":
-        raise click.UsageError("--events is for CSV and Parquet; a MAT file holds samples and events")
-    result = open_result(file)
-    if result.attrs["vibsim_kind"] == "trajectory":
-        if along:
-            raise click.UsageError("--along is for sweeps and the like; a run has one dimension")
-        export_run(result, file, output, window or (0.0, float("inf")), events, force)
-    else:
-        if events or window:
-            raise click.UsageError(f"{'--events' if events else '--window'} is for runs, and {file} is none")
-        export_table(result, file, output, along or "", force)
+    with interrupted_with(lambda: f"{output} is not written"):
+        if crate:
+            return _crate(ctx.obj, file, output, bool(events or window or along), force)
+        if events and suffix_of(output) == ".mat":
+            raise click.UsageError("--events is for CSV and Parquet; a MAT file holds samples and events")
+        export_any(file, output, events, window, along, force)
     if ctx.obj.json:
         print_json({"file": file, "written": [output]})
     elif not ctx.obj.quiet:

@@ -19,6 +19,7 @@ from vibsim.evidence.benchmark.plan import Plan, make_plan
 from vibsim.evidence.benchmark.running import run_bench
 from vibsim.evidence.benchmark.truth import Truth
 from vibsim.files.output_file import check_output
+from vibsim.files.signals import interrupted_with
 
 
 def read_plan(
@@ -45,11 +46,13 @@ def run_jobs(
     check_output(path, force)
     check_picture(picture, 1, force)
     truth = _truth(plan, path, truth_file)
-    began = time.perf_counter()
-    with Interruption() as interruption:
+    began, rows_begun = time.perf_counter(), False
+    with Interruption() as interruption, interrupted_with(lambda: _kept(path, rows_begun)):
         progress = Progress(not settings.quiet)
 
         def watch(what: str, share: float) -> bool:
+            nonlocal rows_begun
+            rows_begun = what != "truth"
             if what == "truth":
                 progress.show("truth", share * plan.times[-1], plan.times[-1])
             else:
@@ -61,8 +64,7 @@ def run_jobs(
         finally:
             progress.close()
     if bench is None:
-        what = "interrupted: the truth was not done; nothing is kept"
-        return told(what, interruption.exit_code, settings.json)
+        return told(f"interrupted: {_kept(path, False)}", interruption.exit_code, settings.json)
     if settings.json:
         from vibsim.evidence.benchmark.description import facts
 
@@ -74,9 +76,16 @@ def run_jobs(
 
         plot_run(path, picture, force=force)
     if not bench.complete:
-        say(f"interrupted: {path} holds the rows that were done", err=True)
+        say(f"interrupted: {_kept(path, True)}", err=True)
         return interruption.exit_code
     return 0
+
+
+def _kept(path: Path, rows_begun: bool) -> str:
+    """What an interrupted bench leaves."""
+    if not rows_begun:
+        return "the truth was not done; nothing is kept"
+    return f"{path} holds the rows that were done, and the truth; --truth {path} uses it again"
 
 
 def _truth(plan: Plan, path: Path, given: str | None) -> Truth | None:

@@ -11,6 +11,7 @@ from vibsim.labelled.extras import MissingExtra
 from vibsim.labelled.labelled import Labelled
 from vibsim.labelled.parquet_table import write_parquet
 from vibsim.labelled.tidy import Tidy
+from vibsim.opening import open_result
 from vibsim.results.export_csv import write_csv
 from vibsim.results.export_mat import write_mat
 from vibsim.results.result import Result
@@ -25,6 +26,22 @@ def suffix_of(output: str) -> str:
     if suffix not in SUFFIXES:
         raise click.UsageError(f"-o {output}: the suffix must be .csv, .parquet or .mat")
     return suffix
+
+
+def export_any(
+    file: str, output: str, events: bool, window: Window | None, along: str | None, force: bool
+) -> None:
+    """Write what a file holds. Raises UsageError for options that are not for its kind."""
+    suffix_of(output)
+    result = open_result(file)
+    if result.attrs["vibsim_kind"] == "trajectory":
+        if along:
+            raise click.UsageError("--along is for sweeps and the like; a run has one dimension")
+        export_run(result, file, output, window or (0.0, float("inf")), events, force)
+        return
+    if events or window:
+        raise click.UsageError(f"{'--events' if events else '--window'} is for runs, and {file} is none")
+    export_table(result, file, output, along or "", force)
 
 
 def export_run(result: Result, file: str, output: str, window: Window, events: bool, force: bool) -> None:

@@ -13,6 +13,7 @@ from vibsim.command_line.terminal.printing import print_json, say
 from vibsim.command_line.terminal.progress import Progress
 from vibsim.command_line.text.quantities import size
 from vibsim.command_line.text.summary import print_lines
+from vibsim.files.signals import interrupted_with
 from vibsim.fitting.description import Table, facts, fit_lines, ranking_table
 from vibsim.fitting.errors import FitError
 from vibsim.fitting.fit_result import FitResult
@@ -61,7 +62,8 @@ def run_job(
 ) -> int:
     """Run or complete a fit; returns the exit code."""
     began, steps = time.perf_counter(), Progress(not settings.quiet, listed=True)
-    with Interruption() as interruption:
+    kept = f"{output} holds what was done; the same command goes on from there"
+    with Interruption() as interruption, interrupted_with(lambda: kept):
 
         def watch(step: str, done: int, total: int) -> bool:
             steps.show(step, done, total)
@@ -76,7 +78,7 @@ def run_job(
     elif not settings.quiet:
         print_fit(found, (f"{output} ({size(output)}), {time.perf_counter() - began:.1f} s"))
     if not complete:
-        say(f"interrupted: {output} holds what was done; the same command goes on from there", err=True)
+        say(f"interrupted: {kept}", err=True)
         return interruption.exit_code
     return 0
 

@@ -11,6 +11,7 @@ from vibsim.command_line.terminal.interruption import Interruption
 from vibsim.command_line.terminal.printing import print_json, say
 from vibsim.command_line.terminal.progress import PATIENCE, Progress
 from vibsim.command_line.text.quantities import size
+from vibsim.files.signals import interrupted_with
 
 Watch = Callable[..., bool]  # told the number of points; whether to go on
 
@@ -31,8 +32,8 @@ class Following:
 
     def run(self, path: Path, most: int, settings: Settings) -> int:
         """Follow it into a file, or complete that; returns the exit code."""
-        began = time.perf_counter()
-        with Interruption() as interruption:
+        began, store = time.perf_counter(), None
+        with Interruption() as interruption, interrupted_with(lambda: _kept(path, store)):
             store = self.open_store()
             for note in store.notes:
                 say(f"Warning: {note}", err=True)
@@ -51,9 +52,15 @@ class Following:
         elif not settings.quiet:
             self.show(followed, _file_text(path, len(followed), had, time.perf_counter() - began))
         if not finished:
-            say(f"interrupted: {path} holds what was done; the same command goes on from there", err=True)
+            say(f"interrupted: {_kept(path, store)}", err=True)
             return interruption.exit_code
         return 0
+
+
+def _kept(path: Path, store: Any) -> str:
+    if store is None or not store.points:
+        return "no point was done; nothing is kept"
+    return f"{path} holds what was done; the same command goes on from there"
 
 
 def _file_text(path: Path, count: int, had: int, took: float) -> str:

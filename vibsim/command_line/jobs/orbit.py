@@ -1,5 +1,6 @@
 """What `vibsim orbit` does: read, find, refine, store, print."""
 
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from vibsim.command_line.text.quantities import counted, size
 from vibsim.command_line.text.summary import heading, print_lines
 from vibsim.files.errors import ResultFileError
 from vibsim.files.output_file import check_output
+from vibsim.files.signals import interrupted_with
 from vibsim.opening import open_result
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.orbit_file import save_orbit
@@ -66,23 +68,53 @@ def _run(path: str) -> Result:
     return result
 
 
+@dataclass(frozen=True)
+class Row:
+    """An orbit, its many digits and its file, where they are asked for."""
+
+    orbit: Orbit
+    digits: Any
+    file: str | None
+
+    @property
+    def object(self) -> dict[str, Any]:
+        """The orbit for programs."""
+        return ({"file": self.file} if self.file else {}) | orbit_object(self.orbit, self.digits)
+
+    @property
+    def file_line(self) -> list[tuple[str, str]]:
+        return [("file", f"{self.file} ({size(self.file)})")] if self.file else []
+
+
 def find_one(wish: Wish, settings: Settings) -> int:
     """Find one orbit and print it; returns the exit code."""
-    found = orbit(wish.subject(), wish.changes, wish.beginning(), wish.period, wish.engine)
-    refined = _refined(found, wish)
-    if wish.output is not None:
-        save_orbit(found, wish.output, wish.force, refined)
+    with interrupted_with(lambda: f"{wish.output} is not written" if wish.output else ""):
+        row = _kept(
+            orbit(wish.subject(), wish.changes, wish.beginning(), wish.period, wish.engine), wish, wish.output
+        )
     if settings.json:
-        print_json(({"file": wish.output} if wish.output else {}) | orbit_object(found, refined))
+        print_json(row.object)
     elif not settings.quiet:
-        assert found.case is not None  # the wish names one
-        say(heading(found.case.name, found.case.title))
-        print_lines([*orbit_lines(found, refined), *_file_line(wish.output)])
+        case = row.orbit.case
+        assert case is not None  # the wish names one
+        say(heading(case.name, case.title))
+        print_lines([*orbit_lines(row.orbit, row.digits), *row.file_line])
     return 0
 
 
-def _file_line(path: str | None) -> list[tuple[str, str]]:
-    return [] if path is None else [("file", f"{path} ({size(path)})")]
+def _kept(found: Orbit, wish: Wish, path: str | None) -> Row:
+    """An orbit refined and stored; where its digits are not to be had, it is stored without them."""
+    try:
+        digits = _refined(found, wish)
+    except BaseException as error:
+        if path is not None:
+            save_orbit(found, path, wish.force)
+        if path is not None and isinstance(error, KeyboardInterrupt):
+            raise type(error)(f"{path} holds the orbit without the digits") from error
+        raise
+    if path is not None:
+        save_orbit(found, path, wish.force, digits)
+    return Row(found, digits, path)
 
 
 def _refined(found: Orbit, wish: Wish) -> Any:
@@ -95,55 +127,52 @@ def _refined(found: Orbit, wish: Wish) -> Any:
 
 
 def search_all(wish: Wish, count: int, seed: int, settings: Settings) -> int:
-    """Look from many starts and list what is there; returns the exit code."""
+    """Look from many starts and list what is there, each stored as it comes; returns the exit code."""
+    _check_numbered(wish)
     subject = wish.subject()
     case = subject.case if isinstance(subject, Result) else subject
     case = case.with_values(wish.changes) if wish.changes else case
-    orbits, done = [], 0
+    rows, done = list[Row](), 0
     steps = Progress(not settings.quiet)
-    with Interruption() as interruption:
-        try:
-            for attempt in search_attempts(case, count, seed, wish.period, wish.engine):
-                done = attempt.number + 1
-                orbits += attempt.orbits
-                steps.show("starts", done, count)
-                if interruption.signum is not None:
-                    break
-        finally:
-            steps.close()
-    refined = [_refined(each, wish) for each in orbits]
-    files = _stored(wish, orbits, refined)
+    with Interruption() as interruption, closing(steps), suppress(KeyboardInterrupt):  # of a start given up
+        for attempt in search_attempts(case, count, seed, wish.period, wish.engine):
+            for each in attempt.orbits:
+                rows.append(_kept(each, wish, _numbered(wish, len(rows) + 1)))
+            done = attempt.number + 1
+            steps.show("starts", done, count)
+            if interruption.signum is not None:
+                break
     if settings.json:
-        objects = [orbit_object(*each) for each in zip(orbits, refined, strict=True)]
-        named = (
-            [{"file": file} | told for file, told in zip(files, objects, strict=True)] if files else objects
-        )
-        print_json({"starts": done, "seed": seed, "orbits": named})
+        print_json({"starts": done, "seed": seed, "orbits": [row.object for row in rows]})
     elif not settings.quiet:
-        _print_list(case, orbits, refined, done, files)
+        _print_list(case, rows, done)
     if interruption.signum is not None:
-        say(f"interrupted after {done} of {count} starts", err=True)
+        kept = f"; what was found is in {rows[0].file} and on" if rows and rows[0].file else ""
+        say(f"interrupted after {done} of {count} starts{kept}", err=True)
         return interruption.exit_code
     return 0
 
 
-def _stored(wish: Wish, orbits: list[Orbit], refined: list[Any]) -> list[str]:
-    """The files that the orbits are stored in: NAME-1.h5, ..."""
+def _numbered(wish: Wish, number: int) -> str | None:
+    """The file of an orbit of a search: NAME-1.h5, ..."""
     if wish.output is None:
-        return []
+        return None
     path = Path(wish.output)
-    names = [str(path.with_name(f"{path.stem}-{i}{path.suffix}")) for i in range(1, len(orbits) + 1)]
-    for name in names:
+    return str(path.with_name(f"{path.stem}-{number}{path.suffix}"))
+
+
+def _check_numbered(wish: Wish) -> None:
+    """Raise ResultFileError for orbits of another search where the files of this one are to be."""
+    number = 1
+    while (name := _numbered(wish, number)) is not None and (number == 1 or Path(name).exists()):
         check_output(name, wish.force)
-    for name, each, digits in zip(names, orbits, refined, strict=True):
-        save_orbit(each, name, wish.force, digits)
-    return names
+        number += 1
 
 
-def _print_list(case: Case, orbits: list[Orbit], refined: list[Any], done: int, files: list[str]) -> None:
+def _print_list(case: Case, rows: list[Row], done: int) -> None:
     say(heading(case.name, case.title))
-    print_lines([("orbits", f"{len(orbits)} from {counted(done, 'start')}")])
-    for i, each in enumerate(orbits):
-        print_lines([(f"{i + 1}", orbit_row(each)), *_file_line(files[i] if files else None)])
-        if refined[i] is not None:
-            print_lines(refined[i].lines())
+    print_lines([("orbits", f"{len(rows)} from {counted(done, 'start')}")])
+    for number, row in enumerate(rows, 1):
+        print_lines([(f"{number}", orbit_row(row.orbit)), *row.file_line])
+        if row.digits is not None:
+            print_lines(row.digits.lines())

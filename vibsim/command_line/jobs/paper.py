@@ -15,13 +15,15 @@ from vibsim.command_line.text.quantities import size
 from vibsim.command_line.text.summary import print_lines
 from vibsim.evidence.reports.paper import Report, write_paper
 from vibsim.evidence.reports.paper_runs import Interrupted
+from vibsim.files.signals import interrupted_with
 
 
 def write_report(folder: str, formats: tuple[str, ...], fresh: bool, settings: Settings) -> int:
     """Write the report into the folder; returns the exit code."""
     began = time.perf_counter()
     steps = Progress(not settings.quiet, listed=True)
-    with Interruption() as interruption:
+    kept = f"{folder} holds what was done; the same command goes on from there"
+    with Interruption() as interruption, interrupted_with(lambda: kept):
 
         def tell(step: str, done: int, total: int) -> bool:
             steps.show(step, done, total)
@@ -30,8 +32,7 @@ def write_report(folder: str, formats: tuple[str, ...], fresh: bool, settings: S
         try:
             report = write_paper(folder, formats, tell, fresh)
         except Interrupted:
-            what = f"interrupted: {folder} holds what was done; the same command goes on from there"
-            return told(what, interruption.exit_code, settings.json)
+            return told(f"interrupted: {kept}", interruption.exit_code, settings.json)
         finally:
             steps.close()
     _print_report(report, folder, time.perf_counter() - began, settings)

@@ -1,6 +1,7 @@
 """Run the cases of `vibsim run` one by one, with progress, interruption and a summary of each."""
 
 import time
+from functools import partial
 
 from vibsim.command_line.errors import RUN_FAILED, told
 from vibsim.command_line.jobs.run_plan import Job
@@ -12,7 +13,8 @@ from vibsim.command_line.terminal.slow_run import SlowRun
 from vibsim.command_line.text.quantities import size
 from vibsim.command_line.text.summary import heading, print_lines, result_lines, summary_object
 from vibsim.engine.errors import EngineError
-from vibsim.files.output_file import partial_path
+from vibsim.files.leftover import held_until, partial_path
+from vibsim.files.signals import interrupted_with
 from vibsim.results import Result, simulate_to_file
 
 
@@ -31,7 +33,7 @@ def run_all(
             try:
                 _run_one(job, engine, force, settings, interruption, trust, digits)
             except EngineError as error:
-                what = f"Error: {job.case.name}: {error}; what came before is in {partial_path(job.output)}"
+                what = f"Error: {job.case.name}: {error}; {_left(job)}"
                 code = told(what, RUN_FAILED, settings.json, case=job.case.name)
             if interruption.signum is not None:
                 return interruption.exit_code
@@ -58,7 +60,8 @@ def _run_one(
         return interruption.signum is None
 
     try:
-        result = simulate_to_file(job.case, job.output, engine, force, watch, trust, digits, job.tangent)
+        with interrupted_with(partial(_left, job)):
+            result = simulate_to_file(job.case, job.output, engine, force, watch, trust, digits, job.tangent)
     finally:
         progress.close()
     if not result.complete:
@@ -67,6 +70,16 @@ def _run_one(
         print_json(summary_object(result, job.output))
     elif not settings.quiet:
         _print_summary(job, result, time.perf_counter() - began, settings)
+
+
+def _left(job: Job) -> str:
+    """What a run that broke off has left; its file is removed where that is nothing."""
+    path = partial_path(job.output)
+    reached = held_until(path)
+    if reached > 0.0:
+        return f"what came before is in {path}, until {reached:g} s"
+    path.unlink(missing_ok=True)
+    return "nothing came before"
 
 
 def _print_summary(job: Job, result: Result, took: float, settings: Settings) -> None:

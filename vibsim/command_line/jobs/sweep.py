@@ -16,6 +16,7 @@ from vibsim.command_line.terminal.printing import print_json, say
 from vibsim.command_line.terminal.progress import PATIENCE, Progress
 from vibsim.command_line.text.quantities import size
 from vibsim.command_line.text.summary import print_lines
+from vibsim.files.signals import interrupted_with
 from vibsim.sweeps.computations.registry import COMPUTATIONS
 from vibsim.sweeps.description import facts, sweep_lines
 from vibsim.sweeps.plan.axis import read_axis
@@ -130,7 +131,7 @@ def run_sweep(plan: Plan, output: str, workers: Workers, engine: str, force: boo
     """Run or complete a sweep; returns the exit code."""
     path = Path(output)
     began = time.perf_counter()
-    with Interruption() as interruption, workers:
+    with Interruption() as interruption, interrupted_with(lambda: _kept(path)), workers:
         store = FileStore(plan, path, engine, force)
         for note in store.notes:
             say(f"Warning: {note}", err=True)
@@ -152,12 +153,16 @@ def run_sweep(plan: Plan, output: str, workers: Workers, engine: str, force: boo
         lines = [*sweep_lines(result), ("file", _file_text(path, had, plan.count, took))]
         print_lines(lines)
     if not result.complete and interruption.signum is not None:
-        say(f"interrupted: {path} holds what was done; the same command goes on from there", err=True)
+        say(f"interrupted: {_kept(path)}", err=True)
         return interruption.exit_code
     failed = result.table.count(FAILED)
     if failed:
         say(f"Error: {failed} of {plan.count} points failed; the same command tries them again", err=True)
     return FAILED_POINTS if failed else 0
+
+
+def _kept(path: Path) -> str:
+    return f"{path} holds what was done; the same command goes on from there"
 
 
 def _file_text(path: Path, had: int, count: int, took: float) -> str:

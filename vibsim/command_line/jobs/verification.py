@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Iterator, Sequence
+from contextlib import closing, suppress
 from itertools import groupby
 from math import isfinite
 from typing import Any
@@ -44,7 +45,11 @@ def print_verification(
         print_table(rows, {check.name: check.title for check in checks}, settings)
         _print_verdict(rows, left_out, engine, took, settings)
     if interruption.signum is not None:
-        say("interrupted", err=True)
+        done = len({row.check for row in rows})
+        say(
+            f"interrupted after {done} of {counted(len(checks), 'check')}; more: vibsim verify NAME...",
+            err=True,
+        )
         return interruption.exit_code
     return 0 if all(row.passed for row in rows) else RUN_FAILED
 
@@ -52,16 +57,14 @@ def print_verification(
 def _computed(
     checks: Sequence[Check], engine: str, interruption: Interruption, progress: Progress
 ) -> Iterator[Row]:
-    """The rows of the checks, with a bar, until an interruption."""
-    try:
+    """The rows of the checks, with a bar, until an interruption; a check that is under way is given up."""
+    with suppress(KeyboardInterrupt), closing(progress):
         for done, check in enumerate(checks):
             progress.show("verifying", done, len(checks))
             if interruption.signum is not None:
                 return
             yield from rows_of([check], engine)
         progress.show("verifying", len(checks), len(checks))
-    finally:
-        progress.close()
 
 
 def print_table(rows: Sequence[Row], titles: dict[str, str], settings: Settings) -> None:

@@ -1,18 +1,24 @@
-"""Ctrl-C and SIGTERM, heard but not obeyed until it suits."""
+"""Ctrl-C and SIGTERM: heard but not obeyed until it suits, or raised where nothing is to be finished."""
 
 import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import FrameType, TracebackType
 from typing import Any
 
+from vibsim.files.signals import Terminated
+
 PATIENCE = 1.5  # seconds; nobody should have to wait for two
+AGAIN = 0.2  # seconds until a KeyboardInterrupt is raised again that has come to nothing
 
 
 class Interruption:
     """While entered, the first SIGINT or SIGTERM is only noted; a second interrupts at once.
 
     `signum` is the signal, None before. Whoever reads it then has been told, and ends what it does. Where
-    nobody has read it for PATIENCE the work is one that does not ask, and is interrupted.
+    nobody has read it for PATIENCE the work is one that does not ask, and is interrupted. A signal that the
+    caller has ignored, as shells do for what runs in the background, goes on to be ignored.
     """
 
     def __init__(self) -> None:
@@ -32,7 +38,8 @@ class Interruption:
 
     def __enter__(self) -> "Interruption":
         for signum in (signal.SIGINT, signal.SIGTERM):
-            self._before[signum] = signal.signal(signum, self._note)
+            if signal.getsignal(signum) is not signal.SIG_IGN:
+                self._before[signum] = signal.signal(signum, self._note)
         if hasattr(signal, "SIGALRM"):
             self._before[signal.SIGALRM] = signal.signal(signal.SIGALRM, self._lose_patience)
         return self
@@ -44,17 +51,76 @@ class Interruption:
 
     def _note(self, signum: int, frame: FrameType | None) -> None:
         if self._signum is not None:
+            _set_alarm(AGAIN)
             raise KeyboardInterrupt
         self._signum = signum
         _set_alarm(PATIENCE)
 
     def _lose_patience(self, signum: int, frame: FrameType | None) -> None:
-        if self._signum == signal.SIGTERM:
-            sys.exit(self.exit_code)
-        raise KeyboardInterrupt
+        _raise_unless_under_way(Terminated if self._signum == signal.SIGTERM else KeyboardInterrupt)
+
+
+def _raise_unless_under_way(error: type[KeyboardInterrupt]) -> None:
+    """Raise it, unless the program is about to end by one.
+
+    One that comes up in a callback of the garbage collector, of which pictures have thousands, is printed and
+    forgotten by Python; so it is raised until it is on its way.
+    """
+    if not isinstance(sys.exc_info()[1], KeyboardInterrupt):
+        raise error
 
 
 def _set_alarm(seconds: float) -> None:
-    """SIGALRM after so many seconds, or never for 0; nothing where the system has none."""
+    """SIGALRM after so many seconds, again and again; never for 0, nor where the system has none."""
     if hasattr(signal, "setitimer"):
-        signal.setitimer(signal.ITIMER_REAL, seconds)
+        signal.setitimer(signal.ITIMER_REAL, seconds, AGAIN if seconds else 0.0)
+
+
+class Interrupted(Exception):
+    """The command was interrupted and nobody has said so yet; its text says what is not there."""
+
+    def __init__(self, text: str, by_sigterm: bool):
+        super().__init__(f"interrupted: {text}" if text else "interrupted")
+        self.by_sigterm = by_sigterm
+
+
+@contextmanager
+def interruption_named() -> Iterator[None]:
+    """Say Interrupted for a KeyboardInterrupt, which click would take for its own."""
+    try:
+        yield
+    except KeyboardInterrupt as error:
+        _set_alarm(0)
+        raise Interrupted(str(error), isinstance(error, Terminated)) from error
+
+
+def heard_from_now_on() -> None:
+    """SIGINT and SIGTERM raise KeyboardInterrupt, unless the caller has them ignored."""
+    _handle({signal.SIGINT: _interrupt, signal.SIGTERM: _interrupt})
+    told = sys.unraisablehook
+
+    def tell(what: Any) -> None:
+        if not issubclass(what.exc_type, KeyboardInterrupt):  # it is raised again
+            told(what)
+
+    sys.unraisablehook = tell
+
+
+def ended_by_signals() -> None:
+    """SIGINT and SIGTERM end the process as the system does it: nothing is left to be kept."""
+    _handle({signal.SIGINT: signal.SIG_DFL, signal.SIGTERM: signal.SIG_DFL})
+
+
+def _handle(handlers: dict[int, Any]) -> None:
+    for signum, handler in handlers.items():
+        if signal.getsignal(signum) is not signal.SIG_IGN:
+            signal.signal(signum, handler)
+
+
+def _interrupt(signum: int, frame: FrameType | None) -> None:
+    """Raise KeyboardInterrupt, until it is on its way."""
+    error = Terminated if signum == signal.SIGTERM else KeyboardInterrupt
+    if hasattr(signal, "SIGALRM"):
+        signal.signal(signal.SIGALRM, lambda *_: _raise_unless_under_way(error))
+        _set_alarm(AGAIN)
+    raise error

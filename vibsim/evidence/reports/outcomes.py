@@ -6,9 +6,11 @@ the verdict.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, wait
 from functools import partial
+from threading import Thread
 from typing import TYPE_CHECKING, Any
 
 from vibsim.analysis import judge_capture, measure_drift
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
     from vibsim.cases import Case
 
 EVERY = "100 ms"  # half a turn of the motor: its mean speed over 12 turns is known to 1 %
+PATIENCE = 0.1  # [s] until an interruption is noticed
 Advance = Callable[[int, int], bool]  # given how many are done, and of how many; False to stop
 
 
@@ -33,17 +36,33 @@ def outcomes_of(cases: Sequence[Case], advance: Advance) -> list[Numbers]:
 def run_all(jobs: Sequence[Callable[[], Numbers]], advance: Advance) -> list[Numbers]:
     """What each job returns, all cores at work: the C engine lets go of the interpreter while it computes.
 
-    Raises Interrupted when `advance` returns False.
+    Raises Interrupted when `advance` returns False. Nobody waits then for the jobs under way, which may take
+    seconds: their threads end with the process.
     """
-    found = []
-    with ThreadPoolExecutor(available_cores()) as pool:
-        waiting = [pool.submit(job) for job in jobs]
-        for future in waiting:
-            found.append(future.result())
-            if not advance(len(found), len(jobs)):
-                pool.shutdown(wait=False, cancel_futures=True)
+    results: list[Future[Numbers]] = [Future() for _ in jobs]
+    waiting = deque(zip(jobs, results, strict=True))
+    for _ in range(available_cores()):
+        Thread(target=_work_off, args=(waiting,), daemon=True).start()
+    try:
+        while pending := wait(results, PATIENCE).not_done:
+            if not advance(len(jobs) - len(pending), len(jobs)):
                 raise Interrupted
-    return found
+    finally:
+        waiting.clear()
+    return [result.result() for result in results]
+
+
+def _work_off(waiting: deque[tuple[Callable[[], Numbers], Future[Numbers]]]) -> None:
+    """In a thread: take job after job, until none waits."""
+    while waiting:
+        try:
+            job, result = waiting.popleft()
+        except IndexError:  # another thread was faster
+            return
+        try:
+            result.set_result(job())
+        except BaseException as error:
+            result.set_exception(error)
 
 
 def outcome(case: Case) -> Numbers:

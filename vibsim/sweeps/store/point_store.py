@@ -7,11 +7,13 @@ from types import TracebackType
 from typing import Any
 
 from vibsim.files.errors import ResultFileError
+from vibsim.files.leftover import check_leftover
 from vibsim.files.output_file import check_output
 from vibsim.sweeps.plan.capacity import check_memory
 from vibsim.sweeps.plan.sweep_plan import Plan
 from vibsim.sweeps.points.point import Point
 from vibsim.sweeps.points.table import Table
+from vibsim.sweeps.statistics.columns import DONE
 from vibsim.sweeps.store.differences import differences
 from vibsim.sweeps.store.journal import Journal, record_bytes
 from vibsim.sweeps.store.provenance import origin, outcome
@@ -63,6 +65,7 @@ class FileStore(Store):
     def __init__(self, plan: Plan, path: str | Path, engine: str = "auto", force: bool = False):
         super().__init__(plan, engine)
         self.path = check_output(path, force=True)
+        check_leftover(path, force)
         self._shown = path
         self._record_bytes = record_bytes(plan)
         self._journal = Journal(self.path)
@@ -110,18 +113,20 @@ class FileStore(Store):
             self._publish()
             published = True
         except ResultFileError as failure:
-            kept = f"{failure}; what was computed is kept in {self._journal.path.name}"
-            raise ResultFileError(f"{kept}, and the same command goes on from there") from failure
+            raise self._journal.kept_after(failure) from failure
         finally:
             self._journal.close(remove=published)
 
     def make_room(self, count: int) -> None:
         """As above. Raises ResultFileError when the disk is full."""
         if not self._journal.reserve(count * self._record_bytes):
-            held = "it holds what was computed until then"
-            raise ResultFileError(
-                f"{self._shown}: disk full; {held}, and the same command goes on from there"
+            done = self.table.count(DONE)
+            held = (
+                f"it holds {done} points, and the same command goes on from there"
+                if done
+                else "no point was done"
             )
+            raise ResultFileError(f"{self._shown}: disk full; {held}")
 
     def add(self, points: list[Point]) -> None:
         """Keep points. The journal has them even where there is no room for the file beside its old self."""

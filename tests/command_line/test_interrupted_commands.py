@@ -1,0 +1,276 @@
+"""Ctrl-C and SIGTERM in the middle of every command that takes long, and what of its work is then there."""
+
+import importlib
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+import vibsim
+from tests.command_line.made import call
+from vibsim.command_line.terminal.interruption import Interruption, ended_by_signals, heard_from_now_on
+from vibsim.opening import open_result
+
+GOES_ON = "holds what was done; the same command goes on from there"
+CAPTURED = "II-B -s c=0.03 -s Omega0=3.8Hz"
+BELT = "--spread block.x=-2:2m --spread block.v=0:2m/s --section 0 --compute end-state"
+SLOW_SOURCE = """
+name: slow
+blocks: {m1: 1 kg, m2: fixed}
+coupling: {k1: 1 N/m}
+excitation: {kind: harmonic, A: 1 N, omega: 1e9 Hz}
+initial: {x1: 1 mm}
+run: {t_end: 100 s, every: 1 s}
+"""
+OVERDAMPED = """
+name: slow
+blocks: {m1: 1 g, m2: fixed}
+coupling: {k1: 1 N/m, c: 1e6 N s/m}
+initial: {x1: 1 mm}
+run: {t_end: 100 s}
+"""
+# what is called; the file whose coming shows that it works, None: it listens for signals, or seconds from its
+# begin on; what is said; what is left
+COMMANDS = {
+    "run": ("run II-B --t-end 1e6s", "II-B.h5.partial", "II-B.h5 holds the run until", ["II-B.h5"]),
+    "digits": ("run II-B --digits 90", "II-B.h5.partial", "II-B.h5 holds the run until", ["II-B.h5"]),
+    "lyapunov": ("run II-B --t-end 1e6s --lyapunov all", "II-B.h5.partial", "holds the run", ["II-B.h5"]),
+    "sweep": ("sweep II-B --omega0 3:7:0.001 -o s.h5", "s.h5", f"s.h5 {GOES_ON}", ["s.h5"]),
+    "carry": ("sweep II-B --omega0 3:7:0.001 --carry-state -o s.h5", "s.h5", f"s.h5 {GOES_ON}", ["s.h5"]),
+    "end-state": (f"sweep gallery/belt-oscillator --ensemble 9000 {BELT} -o s.h5", "s.h5", GOES_ON, ["s.h5"]),
+    "search": (f"orbit {CAPTURED} --search 900 -o o.h5", "o-1.h5", "after .* in o-1.h5", ["o-1.h5"]),
+    "refine": (f"orbit {CAPTURED} --digits 900 -o o.h5", 0.6, "o.h5 (is not written|holds the orbit)", None),
+    "continue": (f"continue {CAPTURED} --omega0 3:9 -o b.h5", "b.h5.journal", f"b.h5 {GOES_ON}", ["b.h5"]),
+    "locus": ("continue all.h5 --locus NS1 --param c=0.001:0.1 -o l.h5", "l.h5.journal", GOES_ON, ["l.h5"]),
+    "fit": (f"fit {CAPTURED} --free J=0.5:20gm^2 --want captured -o f.h5", "f.h5.journal", GOES_ON, ["f.h5"]),
+    "bench": ("bench II-B --methods rk4 -o b.h5", None, "the truth was not done; nothing is kept", []),
+    "verify": ("verify V1 V7 V10", None, "interrupted after . of", []),
+    "gif": ("animate long.h5 -o a.gif", 0.3, "a.gif is not written", []),
+    "page": ("plot long.h5 -o p.html", 0.05, "(p.html is not written|interrupted)", []),
+    "picture": ("plot long.h5 --kind all -o p.pdf", 0.4, "(p.pdf is not written|interrupted)", []),
+    "csv": ("export long.h5 -o a.csv", 0.2, "a.csv is not written", []),
+    "analyse": ("analyse long.h5 --exponent", 0.1, "interrupted", []),
+    # work that takes long between two moments at which it could be left
+    "slow-ledger": ("run slow-source.yaml", 0.5, "slow.h5 holds the run until", ["slow.h5"]),
+    "slow-companion": (
+        "run slow-source.yaml -s omega=1000Hz --t-end 1e6s",
+        0.5,
+        "slow.h5 holds",
+        ["slow.h5"],
+    ),
+    "slow-tangent": ("run overdamped.yaml --no-trust --lyapunov all", 0.5, "slow.h5 holds", ["slow.h5"]),
+    "slow-sweep": ("sweep overdamped.yaml --param k1=1,2 --compute lyapunov -o s.h5", 0.5, GOES_ON, ["s.h5"]),
+    "slow-analysis": ("analyse slow-source.yaml", 0.5, "interrupted", []),
+    "slow-digits": ("run slow-source.yaml --digits 1000 --t-end 1e6s", 0.5, "slow.h5 holds", ["slow.h5"]),
+    "paper": ("paper -o p", None, f"p {GOES_ON}", ["p"]),
+}
+IMPORTED = ("plots.animation.film", "evidence.reports.paper", "evidence.verification.catalogue")
+
+
+@pytest.fixture(scope="module")
+def inputs(tmp_path_factory):
+    """Results that other commands read; what is slow to import is imported, and not interrupted there."""
+    for name in IMPORTED:
+        importlib.import_module(f"vibsim.{name}")
+    folder = tmp_path_factory.mktemp("inputs")
+    vibsim.simulate("II-B", trust=False, overrides={"run.t_end": "600 s"}).save(folder / "long.h5")
+    (folder / "slow-source.yaml").write_text(SLOW_SOURCE)
+    (folder / "overdamped.yaml").write_text(OVERDAMPED)
+    found = vibsim.orbit("II-B", {"c": "0.03", "Omega0": "3.8 Hz"})
+    vibsim.continue_branch(found, "excitation.Omega0", "3:9 Hz", out=folder / "all.h5")
+    return folder
+
+
+class Signal(threading.Thread):
+    """Sends a signal to this process when a file is there, when it listens for signals, or after seconds."""
+
+    listening = threading.Event()
+
+    def __init__(self, signum, sign):
+        super().__init__(daemon=True)
+        self.signum, self.sign = signum, sign
+        self.sent, self.over, self.lock = 0.0, False, threading.Lock()
+
+    def run(self):
+        if self.sign is None:
+            self.listening.wait(60)
+        elif isinstance(self.sign, str):
+            while not Path(self.sign).exists() and not self.over:
+                time.sleep(0.002)
+        time.sleep(self.sign if isinstance(self.sign, float) else 0.1)
+        with self.lock:
+            if not self.over:
+                self.sent = time.monotonic()
+                os.kill(os.getpid(), self.signum)
+
+    def end(self):
+        with self.lock:
+            self.over = True
+
+
+def interrupted(words, sign, signum, monkeypatch):
+    """The outcome of a command that gets a signal, and how long it took to answer [s]."""
+    before = {each: signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)}
+    monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
+    heard_from_now_on()
+    Signal.listening.clear()
+    sender = Signal(signum, sign)
+    sender.start()
+    try:
+        done = call(*words.split())
+        answered = time.monotonic()
+    finally:
+        sender.end()
+        for each, handler in before.items():
+            signal.signal(each, handler)
+    assert sender.sent, f"was over before: {done.stdout}"
+    return done, answered - sender.sent
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_ends_at_once_and_says_what_is_kept(name, inputs, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for path in inputs.iterdir():
+        os.link(path, tmp_path / path.name)
+    enter = Interruption.__enter__
+    monkeypatch.setattr(Interruption, "__enter__", lambda self: (enter(self), Signal.listening.set())[0])
+    words, sign, said, left = COMMANDS[name]
+    by_sigterm = len(name) % 2 == 1
+    done, seconds = interrupted(words, sign, signal.SIGTERM if by_sigterm else signal.SIGINT, monkeypatch)
+    assert done.exit_code == (143 if by_sigterm else 130), done.stderr
+    assert re.search(said, done.stderr) and "interrupted" in done.stderr and "Traceback" not in done.stderr
+    assert seconds < 10  # half a second on a machine that does nothing else
+    files = sorted({each.name for each in tmp_path.iterdir()} - {each.name for each in inputs.iterdir()})
+    assert left is None or files == left
+    for each in files:
+        if each.endswith(".h5"):
+            open_result(each)
+
+
+STARTING = """
+import signal, sys
+class Finder:
+    def find_spec(self, name, path=None, target=None):
+        if name == "click":
+            signal.raise_signal(int(sys.argv[1]))
+sys.meta_path.insert(0, Finder())
+from vibsim.__main__ import main
+main()
+"""
+
+
+@pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_while_the_command_line_is_imported_ends_without_a_word(signum):
+    command = [sys.executable, "-c", STARTING, str(int(signum))]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (-signum, "")
+
+
+SWALLOWED = """
+import gc, os, signal, time, weakref
+from vibsim.command_line.terminal.interruption import heard_from_now_on
+class Thing: pass
+heard_from_now_on()
+thing = Thing()
+ref = weakref.ref(thing, lambda _: os.kill(os.getpid(), signal.SIGINT) or time.sleep(0.01))
+del thing
+began = time.monotonic()
+try:
+    while time.monotonic() < began + 20: pass
+except KeyboardInterrupt:
+    try:
+        time.sleep(1)  # while it is on its way nothing comes in between
+    finally:
+        print("heard")
+"""
+
+
+def test_an_interruption_that_python_swallows_is_raised_again():
+    done = subprocess.run([sys.executable, "-c", SWALLOWED], capture_output=True, text=True, check=False)
+    assert (done.stdout, done.stderr) == ("heard\n", "")
+
+
+def test_signals_that_the_caller_ignores_stay_ignored(monkeypatch):
+    monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
+    before = {each: signal.signal(each, signal.SIG_IGN) for each in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        heard_from_now_on()
+        with Interruption() as interruption:
+            signal.raise_signal(signal.SIGINT)
+            assert interruption.signum is None
+        ended_by_signals()
+        assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    finally:
+        for each, handler in before.items():
+            signal.signal(each, handler)
+
+
+def killed(folder, words, sign):
+    """A command that is killed as soon as a file is there."""
+    command = [sys.executable, "-m", "vibsim", *words.split()]
+    with subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as child:
+        while not sign():
+            assert child.poll() is None
+            time.sleep(0.01)
+        child.kill()
+
+
+def test_what_a_killed_run_has_computed_is_not_replaced_without_a_word(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    partial = Path("II-B.h5.partial")
+    killed(tmp_path, "run II-B --t-end 1e6s", lambda: partial.exists() and partial.stat().st_size > 8e6)
+    held = partial.read_bytes()
+    reached = open_result(partial).column("time")[-1]
+    assert reached > 10
+    said = f"II-B.h5.partial: holds a run that did not come to its end, until {reached:g} s; kept"
+    for words in ("run II-B", "sweep II-B --omega0 3,4 -o II-B.h5", "orbit I-A -o II-B.h5"):
+        done = call(*words.split())
+        assert done.exit_code == 6 and said in done.stderr
+    assert partial.read_bytes() == held
+    assert call("run", "II-B", "--t-end", "1s", "--force").exit_code == 0
+    assert os.listdir() == ["II-B.h5"]
+
+
+def test_a_killed_run_that_had_computed_nothing_is_in_nobodys_way(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("II-B.h5.partial").write_bytes(b"")
+    assert call("run", "II-B", "--t-end", "1s").exit_code == 0
+    assert os.listdir() == ["II-B.h5"]
+
+
+def test_orbits_of_a_killed_search_are_there(tmp_path):
+    killed(tmp_path, f"orbit {CAPTURED} --search 900 -o o.h5", (tmp_path / "o-1.h5").exists)
+    assert open_result(tmp_path / "o-1.h5").orbit is not None
+
+
+def test_a_search_does_not_begin_where_its_orbits_could_not_be_stored(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("o-1.h5").write_text("another")
+    done = call(*f"orbit {CAPTURED} --search 900 -o o.h5".split())
+    assert done.exit_code == 6 and "o-1.h5: exists; kept" in done.stderr
+
+
+def test_a_run_that_fills_its_chunks_slowly_is_on_file_all_the_same(tmp_path, monkeypatch):
+    """Flushed by the clock, its file holds at every moment what a run in one go has, and at its end all."""
+    monkeypatch.setattr("vibsim.results.trajectory_writer.LONGEST", 0.0)
+    seen = []
+
+    def watch(t):
+        if t > 0:
+            shutil.copy(tmp_path / "a.h5.partial", tmp_path / "copy.h5")  # as a kill would leave it
+            seen.append(len(open_result(tmp_path / "copy.h5")))
+        return True
+
+    case = vibsim.load_case("II-B", {"run.t_end": "200 s"})
+    vibsim.results.simulate_to_file(case, tmp_path / "a.h5", watch=watch)
+    assert max(seen) > 16384 and any(count % 16384 for count in seen)
+    whole, stored = vibsim.simulate(case), open_result(tmp_path / "a.h5")
+    assert all((stored[name] == whole[name]).all() for name in whole)
+    assert (stored.event_column("t") == whole.event_column("t")).all()
