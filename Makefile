@@ -62,7 +62,7 @@ wheel: $(STAMP) ## build sdist and wheel, install the wheel into an empty enviro
 	build/empty/bin/python tests/packaging/smoke.py --with-engine
 
 wheels: $(STAMP) ## build and try wheels for all Pythons of this system with cibuildwheel: wheelhouse/
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check cibuildwheel
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check "cibuildwheel>=4,<5"
 	$(BIN)/python -m cibuildwheel --output-dir wheelhouse
 
 oldest: ## run the tests with the oldest dependencies, in an environment of their own (PYTHON=python3.10)
@@ -93,7 +93,8 @@ workflows: $(STAMP) ## lint the workflows of .github: their schema, and what an 
 	$(BIN)/python -c "import check_jsonschema" 2>/dev/null && test -x $(BIN)/zizmor || \
 	  $(BIN)/python -m pip install --quiet --disable-pip-version-check check-jsonschema zizmor
 	$(BIN)/check-jsonschema --builtin-schema vendor.github-workflows .github/workflows/*.yml
-	$(BIN)/zizmor --offline --config .github/zizmor.yml .github/workflows
+	$(BIN)/check-jsonschema --builtin-schema vendor.dependabot .github/dependabot.yml
+	$(BIN)/zizmor --offline --config .github/zizmor.yml .github
 
 fuzz: $(STAMP) ## throw three thousand mutants of cases, command lines and files at vibsim (COUNT=, SEED=)
 	$(BIN)/python -m tests.fuzz --count $(or $(COUNT),3000) --seed $(or $(SEED),1)

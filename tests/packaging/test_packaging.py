@@ -31,6 +31,17 @@ def test_a_job_calls_targets_that_run_here_too(job):
     assert job["timeout-minutes"] <= 90
 
 
+def test_actions_run_on_what_the_runners_have():
+    """Node 20 is gone from GitHub's runners since September 2026: these are the first majors on Node 24."""
+    first = {"actions/checkout": 5, "actions/setup-python": 6, "actions/upload-artifact": 6}
+    used = [
+        line for path in WORKFLOWS for line in re.findall(r"uses: (\S+)", path.read_text(encoding="utf-8"))
+    ]
+    assert len(used) > 20
+    for action, _, major in (line.partition("@v") for line in used):
+        assert int(major) >= first[action], action
+
+
 def test_all_systems_and_the_oldest_and_newest_python_are_tested():
     content = yaml.safe_load((ROOT / ".github" / "workflows" / "tests.yml").read_text(encoding="utf-8"))
     places = content["jobs"]["suite"]["strategy"]["matrix"]["include"]
