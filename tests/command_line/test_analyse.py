@@ -54,7 +54,8 @@ def test_json_has_every_number(folder):
     assert sum(found["impacts"]["impact_counts"].values()) == found["impacts"]["cycles"]
     assert found["regime"]["span"]["trust_horizon"] < 120
     assert found["frequencies"]["lines"][0].keys() == {"hz", "amplitude", "order"}
-    lines = call("analyse", folder / "motor.h5", folder / "ideal.h5", "--json").stdout.splitlines()
+    files = (folder / "motor.h5", folder / "ideal.h5")
+    lines = call("analyse", *files, "--what", "impacts", "--json").stdout.splitlines()
     assert [json.loads(line)["case"] for line in lines] == ["II-B", "I-A"]
 
 

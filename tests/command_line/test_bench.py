@@ -17,6 +17,7 @@ from vibsim.evidence.benchmark import open_bench
 from vibsim.evidence.benchmark.families import FAMILIES
 
 SHORT = ("--t-end", "1s", "--methods", "python,dop853,rk4")
+SHORTEST = ("--t-end", "0.5s", "--methods", "dop853")
 
 
 @pytest.fixture(autouse=True)
@@ -60,7 +61,7 @@ def test_compiling_is_told_apart():
 
 
 def test_info_prints_the_same_table():
-    table = call("bench", "I-A", *SHORT).stdout.splitlines()
+    table = call("bench", "I-A", *SHORTEST).stdout.splitlines()
     shown = call("info", "I-A-bench.h5")
     assert shown.exit_code == 0 and shown.stdout.splitlines()[:-1] == table[:-1]
     assert json.loads(call("info", "I-A-bench.h5", "--json").stdout)["vibsim_kind"] == "bench"
@@ -70,13 +71,13 @@ def test_info_prints_the_same_table():
 
 
 def test_the_truth_is_computed_once(monkeypatch):
-    assert call("bench", "I-A", *SHORT).exit_code == 0
+    assert call("bench", "I-A", *SHORTEST).exit_code == 0
     monkeypatch.setattr(
         "vibsim.evidence.benchmark.running.compute_truth", lambda *given: pytest.fail("computed again")
     )
-    assert call("bench", "I-A", *SHORT, "--force").exit_code == 0
-    assert call("bench", "I-A", *SHORT, "-o", "b.h5", "--truth", "I-A-bench.h5").exit_code == 0
-    done = call("bench", "I-B", *SHORT, "--truth", "b.h5")
+    assert call("bench", "I-A", *SHORTEST, "--force").exit_code == 0
+    assert call("bench", "I-A", *SHORTEST, "-o", "b.h5", "--truth", "I-A-bench.h5").exit_code == 0
+    done = call("bench", "I-B", *SHORTEST, "--truth", "b.h5")
     assert done.exit_code == 2
     assert (
         "--truth: b.h5: its truth is of another case; it differs in excitation.A (0.0725 N there"

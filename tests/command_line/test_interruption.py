@@ -97,7 +97,7 @@ def test_a_long_run_on_a_terminal_shows_its_progress(tmp_path):
 
 
 def test_no_progress_without_a_terminal_and_none_when_quiet(tmp_path):
-    assert "[-" not in on_a_terminal(tmp_path, [*ENDLESS, "-q"], seconds=4)
+    assert "[-" not in on_a_terminal(tmp_path, [*ENDLESS, "-q"], seconds=3)
     (tmp_path / "II-B.h5").unlink()
     run = running(tmp_path)
     time.sleep(1.5)

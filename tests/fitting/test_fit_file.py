@@ -105,7 +105,7 @@ def start(path, *more):
 
 
 def test_what_was_run_survives_kill_9(tmp_path):
-    """Killed three times: nothing is lost, and the end is that of a fit that was never killed."""
+    """Killed twice: nothing is lost, and the end is that of a fit that was never killed."""
     path, size = tmp_path / "fit.h5", 0
     for more in (300, 3000):
         process, journal, deadline = start(path), journal_path(path), time.monotonic() + 60

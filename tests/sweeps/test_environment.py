@@ -21,7 +21,7 @@ def columns(name, result):
     return {f"{name} {key}": digest(result[key]) for key in numbers}
 
 def short(case, **axis):
-    return vibsim.sweep(vibsim.load_case(case, {"run.t_end": "100 s"}), axis, compute="all", jobs=2)
+    return vibsim.sweep(vibsim.load_case(case, {"run.t_end": "60 s"}), axis, compute="all", jobs=2)
 
 case = vibsim.load_case("II-B", {"run.t_end": "4000 s"})  # BLAS shares out more than 10,000 products
 found = columns("long", vibsim.sweep(case, {"Omega0": "6 Hz"}, jobs=1))

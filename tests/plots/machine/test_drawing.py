@@ -40,9 +40,9 @@ def part_keys(values):
 
 
 @pytest.mark.parametrize("source", ALL, ids=lambda source: Path(source).stem)
-def test_every_part_is_drawn_and_named(source):
-    values = load_case(source).long_values()
-    axes = drawn(load_case(source))
+def test_every_part_is_drawn_and_named_and_nothing_leaves_the_sheet(source):
+    case = load_case(source)
+    values, axes = case.long_values(), drawn(case)
     assert part_keys(values) <= gids(axes)
     said = " ".join(texts(axes))
     for key in part_keys(values):
@@ -50,11 +50,6 @@ def test_every_part_is_drawn_and_named(source):
         assert (name or section) in said
     for name, mass in values["bodies"].items():
         assert {name, str(mass)} <= texts(axes)
-
-
-@pytest.mark.parametrize("source", ALL, ids=lambda source: Path(source).stem)
-def test_nothing_leaves_the_sheet(source):
-    axes = drawn(load_case(source))
     sheet = axes.get_figure().bbox
     for text in axes.texts:
         box = text.get_window_extent()
