@@ -398,15 +398,8 @@ def test_random_scenes_keep_out_of_rigid_stops_and_close_their_ledgers(scene):
     for _, stop in scene.rigid_stops:
         depth = stop.sense * (places[stop.Q] - places[stop.P]) - stop.gap
         assert depth.max() < 1e-14
-    mass, speed = sum(body.m for body in scene.bodies), result.totals["chatter_speed"]  # which no ledger has
-    assert result.totals["energy_residual_relative"] < 1e-12 + mass * speed**2 / size(result, "energy")
-    assert result.totals["momentum_residual_relative"] < 1e-11 + mass * speed / size(result, "momentum")
-
-
-def size(result, of):
-    """What a residual of the ledgers is relative to."""
-    residual = abs(result.totals[f"{of}_residual"])
-    return residual / result.totals[f"{of}_residual_relative"] if residual else 1.0
+    assert abs(result.totals["energy_residual"]) < 1e-13  # rounding of joules and newton seconds, which are
+    assert abs(result.totals["momentum_residual"]) < 1e-13  # about 1 here, in some hundred stretches
 
 
 def exact(part, number):

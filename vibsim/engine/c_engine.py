@@ -338,10 +338,10 @@ class CRun:
         kinds = array("i", (EVENT_KINDS[kind] for kind, _ in happened)).tobytes()
         parts = array("i", (part for _, part in happened)).tobytes()
         taken = self.run.take(target, pack_state(state), self._known(known, -1), kinds, parts)
-        passed = self.automaton.blows(rows.events[event])
-        if self.meters and passed:
+        touch = self.automaton.touch(rows.events[event])
+        if self.meters and touch:
             V = value_and_rate(Doubles, self.scene.base, state.t)[1]
-            for entry, value in struck_entries(self.scene, self.meters.names, passed, V):
+            for entry, value in struck_entries(self.scene, self.meters.names, touch, V):
                 self.run.add_entry(entry, value)
         return taken
 

@@ -216,7 +216,7 @@ class Driver(Generic[N]):
         self.state, self.status, self.known, self.known_since = state, status, known, state.t
         if self.ledger:
             self.ledger.cross(state, before, status)
-            self.ledger.strike(state, self.automaton.blows(event))
+            self.ledger.strike(state, self.automaton.touch(event))
         for kind, part in happened:
             self._record(kind, part, before_velocities)
             if kind == "violation_begin":

@@ -13,7 +13,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import combinations, product
 from typing import Generic
 
-from vibsim.engine.events.newton_moreau import Impulse
 from vibsim.engine.events.parting import let_go, meets
 from vibsim.engine.events.rigid_stops import Happened, RigidStops, Taken, Touch
 from vibsim.engine.flows.flow import Flow
@@ -215,11 +214,6 @@ class Automaton(Generic[N]):
         if event.kind == SLIDE:
             return self._sliding_ends(state, status, event)
         return self._hold_ends(state, status, event)
-
-    def blows(self, event: Event[N]) -> Sequence[Impulse[N]]:
-        """The impulses that rigid stops passed at `event`, taken just now."""
-        touch = self.touch(event)
-        return touch.passed if touch else ()
 
     def touch(self, event: Event[N]) -> Touch[N] | None:
         """The `Touch` of rigid stops that `event`, taken just now, was; None of other events."""

@@ -56,6 +56,20 @@ TURNING = 4  # times the speed of a hop: what slips faster does not turn round i
 LOWEST = 1024  # of displacements; event functions near zero are watched to some hundred
 
 
+@dataclass(frozen=True)
+class Catch(Generic[N]):
+    """What ends give away as they come to rest on each other behind the hops that are left out.
+
+    stop : where; loss : of energy [J]; impulse : of ground or base on the bodies [N s], zero where these move
+    freely; column : of what catches them
+    """
+
+    stop: int
+    loss: N
+    impulse: N
+    column: int
+
+
 @dataclass
 class Touch(Generic[N]):
     """The rigid stops that touch at an instant, and what blows did there.
@@ -64,6 +78,7 @@ class Touch(Generic[N]):
     there
     rates : behind the last one, exactly 0 where the law or rounding says so; blows : by blow, the stops that
     passed an impulse, and these; moved : columns whose velocities they changed
+    catches : by group of ends that come to rest on each other
     ended : by stop, the accelerations that ended infinite sequences of impacts; faded : stops at which one
     ended without a blow; hop : the stop whose last blow was where the stretch began that ends here
     together : whether rounding might decide if another stop, of one of its bodies, is struck before this one
@@ -77,6 +92,7 @@ class Touch(Generic[N]):
     together: bool
     blows: list[list[tuple[Contact[N], Impulse[N]]]] = field(default_factory=list)
     moved: set[int] = field(default_factory=set)
+    catches: list[Catch[N]] = field(default_factory=list)
     ended: dict[int, N] = field(default_factory=dict)
     faded: list[int] = field(default_factory=list)
     hop: int | None = None
@@ -157,7 +173,7 @@ class RigidStops(Generic[N]):
                 if rate <= 0:
                     orders[j] = 2 if rate == 0 else 1
         if standing:
-            self._join(state, [self.maker.ends(self.stops[j]) for j in standing])
+            self._join(state, standing)
             self._seat(state, standing)
         return orders, standing
 
@@ -308,35 +324,44 @@ class RigidStops(Generic[N]):
         """
         rests = {self.frictions + j: STICK if rate == 0 else FORWARD for j, rate in touch.rates.items()}
         status = status.with_ties(rests)
-        seats = [self.maker.ends(self.maker.tie(k)) for k in status.tied if k >= self.frictions]
-        self._join(state, seats)
+        touch.catches += self._join(state, [k - self.frictions for k in status.tied if k >= self.frictions])
         standing = self.automaton.standing(status)
         settled = self.automaton._settle(state, status, standing) if standing else status
         if RESTING in settled.stops and not self.automaton._possible(self.maker.rows(settled)):
             raise EngineError("crushed", state)
         return settled
 
-    def _join(self, state: State[N], edges: Iterable[Edge]) -> None:
-        """Give bodies that touch without closing one velocity; momentum is kept where they move freely, and
-        that of the rotor everywhere.
+    def _join(self, state: State[N], stops: Sequence[int]) -> list[Catch[N]]:
+        """Give bodies that touch without closing at some stops one velocity; momentum is kept where they move
+        freely, and that of the rotor everywhere. Tells what they gave away.
         """
         n, zero, motor = self.maker.n, self.kit.number(0), self.scene.motor
-        groups = Groups(n, [(0, *edge) for edge in edges])
+        edges = {j: self.maker.ends(self.stops[j]) for j in stops}
+        groups = Groups(n, [(0, *edge) for edge in edges.values()])
         inertias = [body.m for body in self.scene.bodies]
         if motor is not None:
             inertias[motor.on], turning = motor_body(motor, inertias[motor.on], self.kit, state.phase)
             before = state.v[motor.on]
+        catches: list[Catch[N]] = []
         for leader, members in groups.members.items():
             bodies = [c for c in members if c < n]
             if len(members) > 1 and bodies:
-                if leader >= n:
-                    common = zero if leader == n else self.automaton._base(state, "v")
-                else:
+                still = zero if leader <= n else self.automaton._base(state, "v")
+                common = still
+                if leader < n:
                     common = self._mean([inertias[c] for c in bodies], [state.v[c] for c in bodies])
+                loss = impulse = zero
                 for c in bodies:
+                    given = inertias[c] * (common - state.v[c])
+                    loss = loss - given * ((state.v[c] + common) / 2 - still)
+                    impulse = impulse + given
                     state.v[c] = common
+                if loss != 0 or impulse != 0:
+                    stop = next(j for j, edge in edges.items() if groups.leader[edge[0]] == leader)
+                    catches.append(Catch(stop, loss, impulse if leader >= n else zero, leader))
         if motor is not None:
             state.w = self.kit.exact(state.w + turning * (state.v[motor.on] - before))
+        return catches
 
     def _mean(self, inertias: Sequence[N], values: Sequence[N]) -> N:
         """Mean of the velocities of bodies, weighted by what impulses meet; equal ones are their mean."""

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Generic
 
-from vibsim.engine.events.newton_moreau import Impulse
+from vibsim.engine.events.rigid_stops import Touch
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.flows.harmonics import value_and_rate
 from vibsim.engine.ledgers.meters import (
@@ -100,11 +100,11 @@ class Ledger(Generic[N]):
             return value * ((v[meter.P] - v[meter.Q]) - meter.drift)
         return value if meter.P == NOTHING else value * v[meter.P]
 
-    def strike(self, state: State[N], passed: Sequence[Impulse[N]]) -> None:
-        """Count the blows of rigid stops at `state`."""
-        if passed:
+    def strike(self, state: State[N], touch: Touch[N] | None) -> None:
+        """Count the blows and ends of rigid stops at `state`."""
+        if touch:
             V = value_and_rate(self.kit, self.scene.base, state.t)[1]
-            for entry, value in struck_entries(self.scene, self.names, passed, V):
+            for entry, value in struck_entries(self.scene, self.names, touch, V):
                 self.entries[entry] = self.entries[entry] + value
 
     def _places(self, state: State[N]) -> tuple[N, ...]:
@@ -123,17 +123,15 @@ class Ledger(Generic[N]):
                 self.entries[jump.entry] = entry + held if pressed[0] else entry - held
 
 
-def struck_entries(
-    scene: Scene[N], names: Sequence[Entry], passed: Sequence[Impulse[N]], V: N
-) -> list[tuple[int, N]]:
-    """What blows add to the entries `names`, as [(number of the entry, value)]: loss at the stops, work and
-    impulses of ground and base.
+def struck_entries(scene: Scene[N], names: Sequence[Entry], touch: Touch[N], V: N) -> list[tuple[int, N]]:
+    """What rigid stops add to the entries `names`, as [(number of the entry, value)]: loss at the stops, work
+    and impulses of ground and base.
 
-    passed: the `Impulse`s; V: velocity of the base [m/s]. A blow takes L (g' before + g' after) / 2; the base
-    gives V times its impulse.
+    V: velocity of the base [m/s]. A blow takes L (g' before + g' after) / 2; the base gives V times its
+    impulse. What sequences leave out at their ends goes where their blows went.
     """
     added: list[tuple[int, N]] = []
-    for one in passed:
+    for one in touch.passed:
         stop = scene.stops[one.stop]
         added.append((names.index(("loss", "stops", stop.name)), one.impulse * (one.before + one.after) / 2))
         for end, other, sign in ((stop.P, stop.Q, stop.sense), (stop.Q, stop.P, -stop.sense)):
@@ -143,6 +141,13 @@ def struck_entries(
                     added.append((names.index(("work", "base", "")), V * impulse))
                 if ("impulse", place, "") in names:
                     added.append((names.index(("impulse", place, "")), impulse))
+    for catch in touch.catches:
+        added.append((names.index(("loss", "stops", scene.stops[catch.stop].name)), catch.loss))
+        place = "ground" if catch.column <= len(scene.bodies) else "base"
+        if place == "base":
+            added.append((names.index(("work", "base", "")), V * catch.impulse))
+        if ("impulse", place, "") in names:
+            added.append((names.index(("impulse", place, "")), catch.impulse))
     return added
 
 
