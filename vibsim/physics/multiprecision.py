@@ -84,14 +84,20 @@ class Balls(WorkingPrecision[flint.arb]):
     def turn_angle(self, cycles: flint.arb, cycles_lo: flint.arb, t: flint.arb) -> flint.arb:
         """2 pi (cycles + cycles_lo) t reduced to [-pi, pi] [rad]."""
         turns = (self.number(cycles) + cycles_lo) * t
-        return self.two_pi * (turns - (turns.mid() + 0.5).floor())
+        return self.two_pi * (turns - nearest(turns))
 
     def reduce_angle(self, angle: flint.arb) -> tuple[flint.arb, flint.arb]:
         """`angle` [rad] moved into [-pi, pi], and the whole turns taken out."""
-        turns = (angle / self.two_pi).mid() + 0.5
-        turns = turns.floor()
+        turns = nearest(angle / self.two_pi)
         return angle - turns * self.two_pi, turns
 
     def unwind(self, angle: flint.arb, turns: flint.arb) -> flint.arb:
         """angle + 2 pi turns [rad]."""
         return angle + turns * self.two_pi
+
+
+def nearest(turns: flint.arb) -> flint.arb:
+    """The whole number nearest to the middle of `turns`. Rounding is taken off before the floor: that of a
+    ball which holds a whole number is two numbers.
+    """
+    return (turns.mid() + 0.5).mid().floor()
