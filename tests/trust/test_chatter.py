@@ -1,9 +1,13 @@
 """What a completed chatter leaves out counts as error: the companion leaves it out too."""
 
+import numpy as np
 import pytest
 
+from tests.trust.judging import FACTOR, true_error
+from tests.trust.random_chatters import chatter
 from vibsim import simulate
 from vibsim.cases.loading import load_case_text
+from vibsim.physics.modes import EVENT_KINDS
 
 
 def test_the_estimate_covers_what_chatter_leaves_out():
@@ -48,3 +52,42 @@ def test_the_estimate_covers_the_velocity_that_chatter_leaves_out():
     assert result.attrs["chatters"] == 1
     assert error > 1e3 * result.attrs["chatter_distance"]
     assert error < result.error_estimate[-1] < 1e2 * error
+
+
+def test_what_is_left_out_counts_from_where_the_chatter_ends():
+    """It counted for all samples of the block that the engine handed over, before the chatter as well; blocks
+    of the two engines differ, and in Python they depend on the clock.
+    """
+    case = load_case_text(RUBBED, overrides={"run.every": "1 ms"})
+    fast, slow = (simulate(case, engine=engine) for engine in ("c", "python"))
+    np.testing.assert_array_equal(fast.error_estimate, slow.error_estimate)
+    end = fast.events["t"][fast.events["kind"] == EVENT_KINDS["chatter"]][0]
+    assert fast.error_estimate[fast.time < end].max() < fast.attrs["chatter_distance"]
+
+
+def worst(seed):
+    """Least ratio of the estimate to the true error of a random chatter, where that is above one ulp; None
+    where the run is in doubt.
+    """
+    case = chatter(seed)
+    run = simulate(case)
+    if run.attrs["uncertified"]:
+        return None
+    error, size = true_error(case, run)
+    known = error > np.spacing(size)
+    return (run.error_estimate[known] / error[known]).min(initial=np.inf)
+
+
+def test_the_estimate_of_a_random_chatter_holds():
+    pytest.importorskip("flint")
+    assert worst(13) > 1 / FACTOR
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(7200)
+def test_estimates_of_two_hundred_random_chatters_hold():
+    """At no sample is the true error more than the factor above the estimate."""
+    pytest.importorskip("flint")
+    ratios = [ratio for seed in range(200) if (ratio := worst(seed)) is not None]
+    assert len(ratios) > 100
+    assert min(ratios) > 1 / FACTOR

@@ -191,6 +191,11 @@ class Trajectory(Generic[N]):
         raise NotImplementedError
 
     @property
+    def left_out(self) -> list[tuple[float, float]]:
+        """(time [s], distance [m] that ends of infinite sequences of impacts have left out from then on)."""
+        raise NotImplementedError
+
+    @property
     def extremes(self) -> tuple[list[float], list[float], list[float]]:
         """Least and greatest of every pair so far, and the smallest gap of every stop that is watched."""
         raise NotImplementedError
@@ -276,6 +281,12 @@ class PythonTrajectory(Trajectory[N]):
             return [], [], []
         least, greatest, margins = (self.kit.rounded(of) for of in (kept.least, kept.greatest, kept.margins))
         return least, greatest, margins
+
+    @property
+    def left_out(self) -> list[tuple[float, float]]:
+        """(time [s], distance [m] that ends of infinite sequences of impacts have left out from then on)."""
+        rounded = (self.kit.rounded(list(end)) for end in self.driver.automaton.rigid.cut_off.ends)
+        return [(t, distance) for t, distance in rounded]
 
     def _block(
         self,
@@ -376,6 +387,11 @@ class CTrajectory(Trajectory[float]):
     def extremes(self) -> tuple[list[float], list[float], list[float]]:
         """Least and greatest of every pair so far, and the smallest gap of every stop that is watched."""
         return self.run.run.extremes()
+
+    @property
+    def left_out(self) -> list[tuple[float, float]]:
+        """(time [s], distance [m] that ends of infinite sequences of impacts have left out from then on)."""
+        return self.run.automaton.rigid.cut_off.ends
 
     def blocks(self) -> Iterator[Block]:
         """Yield `Block`s until the run ends; raises EngineError when it fails."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from vibsim.engine.choice import flow_of
-from vibsim.engine.trajectory import open_trajectory
+from vibsim.engine.trajectory import Block, open_trajectory
 from vibsim.files.declarations import Column
 from vibsim.results.cadence import Thinning, instants_per_sample, sampled_finer
 from vibsim.results.columns import Tables, tables_of
@@ -65,7 +65,9 @@ class Recording:
                 times = block.samples["time"][-1:].tolist()
                 self._known_to = max(float(block.t_reached), *times, self._known_to)
                 self._worked_to = getattr(block, "worked_to", self._known_to)
-                samples = self._thinning.thinned(self._trust.judged(block.samples, go_on, self._left_out()))
+                samples = self._thinning.thinned(
+                    self._trust.judged(block.samples, go_on, self._left_out(block))
+                )
                 sink.append(samples, block.events)
                 self._distances.update(samples, block.events)
                 self.t_reached = self._known_to
@@ -73,9 +75,13 @@ class Recording:
                     return
         self.complete = True
 
-    def _left_out(self) -> float:
-        """Distance that completed chatter has left out so far [m]."""
-        return self.trajectory.totals["chatter_distance"] if self.scene.rigid_stops else 0.0
+    def _left_out(self, block: Block) -> np.ndarray | float:
+        """Distance that completed chatter has left out at the samples of a block [m], wherever that ends."""
+        ends = self.trajectory.left_out if self.scene.rigid_stops else []
+        if not ends:
+            return 0.0
+        times, distances = np.array([(-np.inf, 0.0), *ends]).T
+        return distances[np.searchsorted(times, block.samples["time"], side="right") - 1]
 
     @property
     def progress(self) -> float:

@@ -31,7 +31,7 @@ class NoTrust:
         pass
 
     def judged(
-        self, samples: Mapping[str, np.ndarray], go_on: GoOn, left_out: float = 0.0
+        self, samples: Mapping[str, np.ndarray], go_on: GoOn, left_out: np.ndarray | float = 0.0
     ) -> Mapping[str, np.ndarray]:
         """The samples as they are."""
         return samples
@@ -69,12 +69,12 @@ class Trust(NoTrust):
         return self._companion.t_reached
 
     def judged(
-        self, samples: Mapping[str, np.ndarray], go_on: GoOn, left_out: float = 0.0
+        self, samples: Mapping[str, np.ndarray], go_on: GoOn, left_out: np.ndarray | float = 0.0
     ) -> dict[str, np.ndarray]:
         """The next block of samples with the column `error_estimate` [m]; `go_on` as in `Companion.take`.
 
-        left_out : distance [m] that the run has left out of infinite sequences of impacts, as its companion
-        has
+        left_out : distance [m] at each sample that the run has left out of infinite sequences of impacts, as
+        its companion has
         """
         ours = np.stack([samples[name] for name in self._names])
         theirs = self._companion.take(ours.shape[1], go_on)

@@ -45,7 +45,11 @@ class ErrorEstimate:
         self._passed = False
 
     def update(
-        self, time: np.ndarray, ours: np.ndarray, theirs: np.ndarray, left_out: float = 0.0
+        self,
+        time: np.ndarray,
+        ours: np.ndarray,
+        theirs: np.ndarray,
+        left_out: np.ndarray | float = 0.0,
     ) -> np.ndarray:
         """Estimates [m] at the next samples, shape of `time` [s].
 
@@ -81,8 +85,12 @@ class ErrorEstimate:
 
 
 def held(time: np.ndarray, values: np.ndarray, fading: float) -> np.ndarray:
-    """At each time [s] the largest of the values up to then, each faded by e in 1/fading [s] of its age."""
-    age = np.rint((time - time[0]) * (fading * UNIT / log(2))).astype("i8")
+    """At each time [s] the largest of the values up to then, each faded by e in 1/fading [s] of its age.
+
+    Ages are differences of whole numbers, the same wherever a block of samples begins.
+    """
+    ticks = np.rint(time * (fading * UNIT / log(2)))
+    age = (ticks - ticks[0]).astype("i8")
     faded = np.maximum.accumulate(logarithm(values) + age) - age
     return (faded << BITS_BELOW).view("f8")
 

@@ -107,11 +107,19 @@ class Touch(Generic[N]):
 class CutOff(Generic[N]):
     """What the ends of infinite sequences of impacts left out, summed: time [s], speed [m/s], distance
     [m].
+
+    ends : (when, distance from then on), by sequence
     """
 
     time: N
     speed: N
     distance: N
+    ends: list[tuple[N, N]] = field(default_factory=list)
+
+    def add(self, t: N, time: N, speed: N, distance: N) -> None:
+        """Count one that ended at t [s]."""
+        self.time, self.speed, self.distance = self.time + time, self.speed + speed, self.distance + distance
+        self.ends.append((t, self.distance))
 
 
 class RigidStops(Generic[N]):
@@ -391,9 +399,7 @@ class RigidStops(Generic[N]):
             if rubbing and self._is_low(state, c.stop, speed * after / 4):
                 soon, last = True, self._lasting(state, status, c, rubbing, speed, drive)
             if soon:
-                cut = self.cut_off
-                cut.time, cut.speed = cut.time + last, cut.speed + speed
-                cut.distance = cut.distance + speed * after / 8
+                self.cut_off.add(state.t, last, speed, speed * after / 8)
                 touch.rates[c.stop], touch.ended[c.stop] = self.kit.number(0), drive
                 found = True
         return found
@@ -411,7 +417,9 @@ class RigidStops(Generic[N]):
                 v, c = self._velocities(state), self._contact(j)
                 drive = self._drive(state, status.with_stop(j, OPEN), j)
                 if drive > 0:
-                    self._leave_out(self.kit.eps * ROUNDING * (abs(v[c.P]) + abs(v[c.Q])), drive, c.e)
+                    self._leave_out(
+                        state.t, self.kit.eps * ROUNDING * (abs(v[c.P]) + abs(v[c.Q])), drive, c.e
+                    )
                     touch.faded.append(j)
 
     def _torn(self, touch: Touch[N], j: int) -> bool:
@@ -420,11 +428,10 @@ class RigidStops(Generic[N]):
         idle = j not in {*touch.ended, *(one.stop for one in touch.passed)}
         return idle and bool(ends & touch.moved) and touch.before[j] == touch.rates[j] == 0
 
-    def _leave_out(self, speed: N, drive: N, e: N) -> None:
-        """Count the hops that are left out, the first of which begins with a speed [m/s]."""
-        cut, after = self.cut_off, 2 * speed / drive
-        cut.time, cut.speed = cut.time + after / (1 - e), cut.speed + speed
-        cut.distance = cut.distance + speed * after / 8
+    def _leave_out(self, t: N, speed: N, drive: N, e: N) -> None:
+        """Count the hops that are left out from t [s] on, the first of which begins with a speed [m/s]."""
+        after = 2 * speed / drive
+        self.cut_off.add(t, after / (1 - e), speed, speed * after / 8)
 
     def _rubbing(self, state: State[N], status: Status, contact: Contact[N], speed: N) -> list[int]:
         """Frictions at an end of a stop that slip so slowly that a hop which begins with a speed [m/s] turns
