@@ -1,5 +1,7 @@
 """What the C engine is given from outside: every index, size and layout is checked."""
 
+import gc
+import sys
 import threading
 from array import array
 
@@ -193,3 +195,19 @@ def test_a_run_serves_one_caller_at_a_time():
     for thread in threads:
         thread.join()
     assert told[0] == "the run is being computed by another thread"
+
+
+@pytest.mark.parametrize("of", (PAPER, DRILL), ids=("II-B", "drill"))
+def test_what_c_holds_of_a_run_is_freed_with_the_run(of):
+    """Not by the garbage collector, which sees a few hundred bytes of it and waits for thousands of runs."""
+    gc.collect()
+    gc.disable()
+    try:
+        run = CRun(of)
+        for _ in run.blocks():
+            pass
+        held = run.run
+        del run
+        assert sys.getrefcount(held) == 2  # `held` and the argument
+    finally:
+        gc.enable()

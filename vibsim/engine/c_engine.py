@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property, partial
 from time import monotonic
 from typing import Any
+from weakref import ref
 
 import numpy as np
 
@@ -63,14 +64,20 @@ def _arm(scene: Scene) -> float | None:
 
 
 class Doubts(Certificate[float]):
-    """A certificate that hands doubts on to the run in C."""
+    """A certificate that hands doubts on to the run in C.
 
-    def __init__(self) -> None:
+    It does not keep that run: flows and automaton refer to each other, so that what they keep is freed by the
+    garbage collector only, which knows nothing of the megabytes that C holds.
+    """
+
+    def __init__(self, of: CRun) -> None:
         super().__init__(Doubles)
-        self.run: Any = None
+        self._of = ref(of)
 
     def doubt(self, t: float) -> None:
-        self.run.doubt(t)
+        of = self._of()
+        if of is not None:
+            of.run.doubt(t)
 
     def keep_turn(self, value: float, t: float) -> None:
         """Scouts find no turns."""
@@ -101,9 +108,9 @@ class CRun:
     ) -> None:
         self.scene, self.n, self.lowest = scene, len(scene.bodies), lowest
         self.table, self.momentum = mode_table(scene, pitched=not carries), momentum
-        self.keys, self.doubts = self.table.keys, Doubts()
+        self.keys, self.doubts = self.table.keys, Doubts(self)
         self.carries = carries or tangent[0] > 0  # disturbances, now or later, by which rules are made
-        self.run = self.doubts.run = _engine.Run(*pack_scene(scene, pitches(scene)))
+        self.run = _engine.Run(*pack_scene(scene, pitches(scene)))
         self.numbers: dict[Status, int] = {}
         self.statuses: list[Status] = []
         self.ruled: set[tuple[int, int]] = set()
