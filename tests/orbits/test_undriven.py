@@ -5,10 +5,12 @@ from math import pi
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import vibsim
 from tests.command_line.made import call
 from tests.engine.test_closed_cases import scene
+from vibsim.cases import load_case
 from vibsim.orbits import ReturnMap, find_orbit
 from vibsim.orbits.orbit_digits import refine
 from vibsim.physics.parts import COMPRESSION, GROUND, Body, Friction, Link, Stop
@@ -47,11 +49,40 @@ def test_its_digits(cycle):
     assert longer.period.startswith(told.period.partition("e")[0][:29])
 
 
-def test_the_stick_slip_cycle_dies():
-    """V18 (bSTAB's case): the cycle lives up to a belt speed of 1.836600972207926 m/s."""
-    branch = vibsim.continue_branch("gallery/belt-oscillator", "belt.belt", "1.4:1.9 m/s")
-    assert branch.ends[1] and branch["stable"].all() and set(branch["word"]) == {"su"}
-    assert branch["parameter"][-1] == pytest.approx(1.836600972207926, abs=1e-6)
+def test_the_stick_slip_cycle_dies_in_a_corner():
+    """V18 (bSTAB's case): the cycle lives up to a belt speed of 1.836600972207926 m/s, where its slip touches
+    the belt. There the branch turns back to the unstable cycle that slides all the time, the border of what
+    comes to rest; by scipy's DOP853 too x'' + 0.1 x' + x = 0.5 + 0.5 exp(-(belt - x') / 0.5) has it.
+    """
+    branch = vibsim.continue_branch("gallery/belt-oscillator", "belt.belt", "1.45:1.9 m/s")
+    assert branch.ends == ("end of the range", "end of the range")
+    (corner,) = branch.specials
+    assert (corner.label, corner.kind, corner.jump) == ("CO1", "corner", 1)
+    assert corner.parameter == pytest.approx(1.836600972207926, rel=1e-11)
+    assert branch.spelled(corner.before) == "su" and branch.spelled(corner.after) == ""
+    assert branch["parameter"].max() < corner.parameter * (1 + 1e-12) and branch["residual"].max() < 1e-12
+    slides = branch["word"] == ""
+    assert branch["stable"].tolist() == (~slides).tolist() and slides.sum() > 8
+    belt, x, T = (branch[name][-1] for name in ("parameter", "x_block", "period"))
+
+    def rates(t, y):
+        return y[1], 0.5 + 0.5 * np.exp((y[1] - belt) / 0.5) - y[0] - 0.1 * y[1]
+
+    end = solve_ivp(rates, (0, T), (x, 0.0), method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+    assert belt == pytest.approx(1.45, rel=1e-15) and np.abs(end - (x, 0.0)).max() < 1e-10
+
+
+@pytest.mark.slow
+def test_the_corner_from_the_other_side():
+    """From the unstable cycle, which slides, up to the touch and back along the stable one, which sticks."""
+    case = load_case("gallery/belt-oscillator", {"friction.belt.belt": "1.752241325203216 m/s"})
+    sliding = find_orbit(case.scene(), {"x_block": -1.0736665, "v_block": 0.0}, 1, case=case)
+    assert sliding.spelled == "" and not sliding.stable
+    branch = vibsim.continue_branch(sliding, "belt.belt", "1.75:1.9 m/s")
+    (corner,) = branch.specials
+    assert corner.parameter == pytest.approx(1.836600972207926, rel=1e-11) and corner.jump == -1
+    assert set(branch["word"][branch["stable"]]) == {"su"} and branch["stable"][-1]
+    assert branch["residual"].max() < 1e-12
 
 
 def bilinear(gap=0.0):

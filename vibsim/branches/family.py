@@ -176,7 +176,18 @@ class FamilyPoint:
         return slope if steepness <= STEEP else self._quotient(SHIFT / steepness)
 
     def _quotient(self, shift: float) -> np.ndarray:
-        """Difference quotient of the residual by the scaled parameter."""
+        """Difference quotient of the residual by the scaled parameter, on the side with the order of events
+        of this motion where one side has another.
+        """
+        ahead, slope = self._one_sided(shift)
+        if ahead.events != self.end.events and cyclic(ahead.events) != self.word:
+            behind, other = self._one_sided(-shift)
+            if cyclic(behind.events) == self.word:
+                return other
+        return slope
+
+    def _one_sided(self, shift: float) -> tuple[Any, np.ndarray]:
+        """The motion at a shifted scaled parameter, and the quotient."""
         family, value, unit = self.family, self.parameter, float(self.family.scale[-1])
         beside = value + shift * unit
         of = family.map(beside)
@@ -184,7 +195,7 @@ class FamilyPoint:
             end = of.plain(self.end.X, None if of.section.timed else self.end.T)
         except (EngineError, OrbitError) as error:
             raise ContinuationError(str(error)) from error
-        return (self._scaled(end) - self.residual) / ((beside - value) / unit)
+        return end, (self._scaled(end) - self.residual) / ((beside - value) / unit)
 
     @cached_property
     def flow(self) -> np.ndarray:

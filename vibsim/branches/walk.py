@@ -14,7 +14,8 @@ from vibsim.branches.inspection import detect, inspect
 from vibsim.branches.joining import JOINS, joining
 from vibsim.branches.moved_section import beyond_the_impact, from_section
 from vibsim.branches.node import Node, ahead_of, between, goes_on, node_at
-from vibsim.branches.special import BRANCHING, FOLD, UNRESOLVED, Special
+from vibsim.branches.sliding_corner import sliding_corner
+from vibsim.branches.special import BRANCHING, CORNER, FOLD, UNRESOLVED, Special
 from vibsim.branches.step_size import SHARP, Pace, turn
 
 BEHIND = 4  # steps before a branch can have come back to its start
@@ -23,6 +24,7 @@ GRAZED = "a multiplier grows without bound: a rigid stop is grazed near by"
 TOUCHED = "a rigid stop is grazed: beyond, orbits strike it, and a multiplier is infinite at first"
 AT_SECTION = 1e-6  # share of the period
 BLOCKED = "an impact on a rigid stop comes to the section: shift the phase of the source to go on"
+LOOSE = 1e-10  # residual, scaled, of what is no orbit where the branch turns back
 POLISH = 3  # Newton steps of a time of return that is known to 1e-9
 KINKS = (1e-7, 1e-6, 1e-5, 1e-4)  # scaled lengths of steps across a kink
 SAME = 1e-8  # scaled distance of a closed branch from its start
@@ -62,19 +64,31 @@ class Walk:
         while True:
             try:
                 node, following = self._next()
-                if self.crosses and from_section(node) < AT_SECTION:
+                loose = abs(node.point.residual).max() > LOOSE
+                corner = self._corner(self.node) if loose else None
+                if corner is None and self.crosses and from_section(node) < AT_SECTION:
                     raise ContinuationError(BLOCKED)
             except ContinuationError as error:
                 beyond = beyond_the_impact(self) if self.crosses else None
                 if beyond is not None:
                     yield self._across(beyond)
                     continue
+                corner = self._corner(self.node)
+                if corner is not None:
+                    yield self._around(*corner)
+                    continue
                 graze = grazing_end(self.family, self.node)
                 ended = self._stuck(error) if graze is None else TOUCHED
                 yield Step(self.node, () if graze is None else (graze,), self.step, ended)
                 return
-            node, ended = self._ended(node)
-            specials = tuple(inspect(self.family, self.node, node))
+            if corner is None:
+                node, ended = self._ended(node)
+                specials = tuple(inspect(self.family, self.node, node))
+                at_corner = next((each.before for each in specials if each.kind == CORNER), None)
+                corner = None if at_corner is None else self._corner(at_corner)
+            if corner is not None:
+                yield self._around(*corner)
+                continue
             if ended.startswith(JOINS):  # the doubling there, which is told by the other branch
                 specials = tuple(each for each in specials if each.kind not in (FOLD, BRANCHING))
             self.go_on(self.node, node, following, self.count + 1)
@@ -89,6 +103,18 @@ class Walk:
         specials = (Special(UNRESOLVED, node, self.node, node),) if changed else ()
         self.go_on(self.node, node, self.pace.first, self.count + 1)
         return Step(node, specials, self.step)
+
+    def _corner(self, node: Node) -> tuple[Special, Node] | None:
+        """The touch of a sliding velocity near a node at which the branch turns back, and the node behind."""
+        before = self.before if node is self.node else self.node
+        if before is None or before.z[-1] == node.z[-1]:
+            return None
+        return sliding_corner(self.family, node, node.z[-1] - before.z[-1])
+
+    def _around(self, special: Special, node: Node) -> Step:
+        """The step around a corner."""
+        self.go_on(self.node, node, self.pace.first, self.count + 1)
+        return Step(node, (special,), self.step)
 
     def on(self, family: Family, start: Node) -> "Walk":
         """A walk at the same pace on another section, which goes over no impacts."""

@@ -1,0 +1,152 @@
+"""Where a branch turns back because a sliding velocity touches zero.
+
+Some orbits slide all the time at a friction, others stick on it for a while: as both come to the touch they
+become one, and beyond it there is neither. The return map has a kink there, and no step of the branch gets
+across. It goes on among the orbits of the other kind, back in the parameter: a fold without a multiplier 1
+(Leine and van Campen 2006).
+"""
+
+from collections import Counter
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+from vibsim.branches.arclength import ContinuationError
+from vibsim.branches.family import Family
+from vibsim.branches.node import Node, node_at
+from vibsim.branches.special import CORNER, Special
+from vibsim.branches.touching import motion_of_base
+from vibsim.orbits.word import Word
+from vibsim.physics.parts import BASE
+
+BACK = (1e-4, 1e-3, 1e-2)  # scaled: how far back in the parameter orbits of the other kind are looked for
+ASIDE = (0.25, 1.0, 4.0, 16.0)  # times that: how far a state is moved to be of the other kind
+NEAR = 200.0  # times that: how far such an orbit may be
+SAMPLES = 256  # of a period, among which the touch is looked for
+SHARE = 0.1  # of the slip that is left, at the next orbit on the way to the touch
+TOUCHED = 1e-12  # of the first slip that is left: the touch
+TRIES = 40
+
+
+def sliding_corner(family: Family, node: Node, risen: float) -> tuple[Special, Node] | None:
+    """The touch near the last node of a branch at which it turns back, and the node behind it; None where
+    there is none.
+
+    risen : above 0 where the parameter has risen to the node
+    """
+    for back in BACK:
+        change = float(np.copysign(back, risen))
+        for start in _beside(family, node, -change, back):
+            try:
+                behind = node_at(family, start, None, None, NEAR * back)
+                friction = _sticks_apart(node.word, behind.word)
+                if friction is None or np.linalg.norm(behind.z - node.z) > NEAR * back:
+                    continue
+                slipping = min((node, behind), key=lambda one: len(one.word))
+                at = _touch(family, _near(family, slipping, start[-1]), friction, change)
+            except ContinuationError:
+                continue
+            away = Node(behind.point, behind.z - at.z, behind.iterations)
+            return Special(CORNER, at, node, away), away
+    return None
+
+
+def _beside(family: Family, node: Node, change: float, size: float) -> Iterator[np.ndarray]:
+    """Scaled unknowns about the size beside those of a node, at a parameter changed, with sticks or without
+    where it has none or has them.
+    """
+    count = len(node.point.end.X)
+    for times in ASIDE:
+        for shift in (*np.eye(count), *-np.eye(count)):
+            z = node.z.copy()
+            z[:count] += times * size * shift
+            z[-1] += change
+            try:
+                if _sticks_apart(node.word, family(z).word) is not None:
+                    yield z
+            except ContinuationError:
+                continue
+
+
+def _sticks_apart(one: Word, other: Word) -> int | None:
+    """The friction at which one of two words has a stick and the other not; None where they differ else."""
+    gone, come = Counter(one) - Counter(other), Counter(other) - Counter(one)
+    more = gone or come
+    frictions = {part for _, part in more}
+    sticks = Counter(kind for kind, _ in more.elements()) == Counter(stick_begin=1, stick_end=1)
+    return frictions.pop() if sticks and not (gone and come) and len(frictions) == 1 else None
+
+
+def _near(family: Family, node: Node, parameter: float) -> Node:
+    """The orbit of the kind of a node at a scaled parameter beside it. Raises ContinuationError."""
+    change = parameter - node.z[-1]
+    beside = node if change == 0 else node_at(family, _along(node, change), None, None, NEAR)
+    if beside.word != node.word:
+        raise ContinuationError("beside the touch there is no orbit of its kind")
+    return beside
+
+
+def _along(node: Node, change: float) -> np.ndarray:
+    """Scaled unknowns on the tangent of a node, where the parameter has changed."""
+    return np.asarray(node.z + node.tangent * (change / node.tangent[-1]))
+
+
+def _touch(family: Family, node: Node, friction: int, distance: float) -> Node:
+    """The orbit that touches, from one that slides all the time, about so far away in the scaled parameter.
+
+    Raises ContinuationError.
+
+    Each orbit on the way has a tenth of the slip of the one before, where the secant says.
+    """
+    places, slips = [node.z], [least_slip(family, node, friction)]
+    for _ in range(TRIES):
+        if slips[-1] <= TOUCHED * slips[0]:
+            break
+        if len(slips) > 1:
+            slope = (places[-1] - places[-2]) / (slips[-1] - slips[-2])
+            start = places[-1] - (1 - SHARE) * slips[-1] * slope
+        else:
+            start = _along(node, SHARE * distance)
+        following = node_at(family, start, None, None, NEAR)
+        if following.word != node.word:
+            raise ContinuationError("the way to the touch leads elsewhere")
+        places.append(following.z)
+        slips.append(least_slip(family, following, friction))
+        node = following
+    return node
+
+
+def least_slip(family: Family, node: Node, friction: int) -> float:
+    """The least speed of slip at a turn of it on an orbit [m/s]. Raises ContinuationError without any."""
+    of = family.map(node.parameter)
+    start = of.coordinates.lifted(node.point.end.X)
+
+    def slip(t: float) -> tuple[float, float]:
+        there = of.carrier.carry(start, t, [])
+        return _slip_of(of.scene, of.scene.frictions[friction], t, there)
+
+    times = np.linspace(0, node.point.period, SAMPLES + 1)[1:]
+    values = np.array([slip(t) for t in times])
+    towards = np.sign(values[:, 0]) * values[:, 1]
+    turns = np.flatnonzero((towards[:-1] < 0) & (towards[1:] > 0) & (values[:-1, 0] * values[1:, 0] > 0))
+    if not len(turns):
+        raise ContinuationError("no sliding velocity turns before zero")
+    at = min(turns, key=lambda i: abs(values[i, 0]))
+    turn = brentq(lambda t: slip(t)[1], times[at], times[at + 1], xtol=1e-14 * times[-1])
+    return abs(slip(turn)[0])
+
+
+def _slip_of(scene: Any, friction: Any, t: float, there: Any) -> tuple[float, float]:
+    """Sliding velocity of a friction and its rate, where a motion has come to."""
+    n, base = len(scene.bodies), motion_of_base(scene, t)
+
+    def of(end: int, values: Any, order: int) -> float:
+        return float(values[n + end]) if end >= 0 else float(base[order]) if end == BASE else 0.0
+
+    v, a = (
+        of(friction.P, values, order) - of(friction.Q, values, order)
+        for values, order in ((there.state, 1), (there.rate, 2))
+    )
+    return v - friction.belt, a
