@@ -162,7 +162,7 @@ class RigidStops(Generic[N]):
         known = self._forgotten(touch, after)
         changes = self.automaton._changes(status, settled, known)
         opened = {j for j in touch.rates if status.stops[j] == RESTING}
-        for j in {i, *opened, *(one.stop for one in touch.passed)}:
+        for j in {i, *opened, *(j for one in touch.passed for j in self._twins(touch, one.stop))}:
             if settled.stops[j] == OPEN:
                 known[STRIKE, j] = 2 if touch.rates[j] == 0 else 1
         return settled, [*self._happened(state, touch), *lifts, *changes], known
@@ -248,13 +248,22 @@ class RigidStops(Generic[N]):
             v, w = self.kit.all_exact(struck), self.kit.exact(w)  # radii would grow from blow to blow
             touch.rates = {c.stop: rate_of(self.kit, c, v, size) for c in contacts}
             telling = [one for one in passed if count == 0 or touch.rates[one.stop] != 0]
-            touch.rates |= {one.stop: one.after for one in telling}
+            for one in telling:
+                touch.rates |= dict.fromkeys(self._twins(touch, one.stop), one.after)
             contact = {c.stop: c for c in contacts}
             touch.blows.append([(contact[one.stop], one) for one in passed])
         ends = [(c.P, c.Q) for one in touch.passed for c in contacts if c.stop == one.stop]
         touch.moved = {column for pair in ends for column in pair if column < self.maker.n}
         state.v[:] = [self.kit.exact(value) for value in v[: self.maker.n]]
         state.w = self.kit.exact(w)
+
+    def _twins(self, touch: Touch[N], i: int) -> list[int]:
+        """The stops that touch between the ends of stop `i` and on its side, itself first: their depths are
+        one.
+        """
+        one = self._contact(i)
+        ways = [(one.P, one.Q, one.sense), (one.Q, one.P, -one.sense)]
+        return [i, *(c.stop for c in touch.contacts if c.stop != i and (c.P, c.Q, c.sense) in ways)]
 
     def _doubt_order(self, state: State[N], status: Status, touch: Touch[N], i: int) -> None:
         """Doubt a blow at stop `i` in which others take part that rounding has brought to the same instant,
@@ -415,7 +424,10 @@ class RigidStops(Generic[N]):
         for j in fading:
             if status.stops[i] == RESTING == status.stops[j]:
                 v, c = self._velocities(state), self._contact(j)
-                drive = self._drive(state, status.with_stop(j, OPEN), j)
+                opened = status
+                for twin in self._twins(touch, j):
+                    opened = opened.with_stop(twin, OPEN)
+                drive = self._drive(state, opened, j)
                 if drive > 0:
                     self._leave_out(
                         state.t, self.kit.eps * ROUNDING * (abs(v[c.P]) + abs(v[c.Q])), drive, c.e
