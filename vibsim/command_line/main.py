@@ -55,34 +55,34 @@ class LazyGroup(click.Group):
 
     owns_the_process = False  # whether `main` began it
 
-    def list_commands(self, ctx):
+    def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)
 
-    def get_command(self, ctx, cmd_name):
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in COMMANDS:
             return None
         if self.owns_the_process:
             signals.of_the_command = True
-        command = named(f"vibsim.command_line.commands.{COMMANDS[cmd_name][0]}:command")
+        command: click.Command = named(f"vibsim.command_line.commands.{COMMANDS[cmd_name][0]}:command")
         add_global_options(command)
         refuse_repeated(command)
         return command
 
-    def resolve_command(self, ctx, args):
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
         name = args[0]
         if name not in COMMANDS and not name.startswith("-"):
             ctx.fail(f"no command {name!r}{_hint(name)}")
         return super().resolve_command(ctx, args)
 
-    def format_commands(self, ctx, formatter):
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
             formatter.write_dl([(name, line) for name, (_, line) in COMMANDS.items()])
 
-    def make_context(self, *args, **extra):
+    def make_context(self, *args: Any, **extra: Any) -> click.Context:
         with broken_pipe_named(), interruption_named():
             return super().make_context(*args, **extra)
 
-    def invoke(self, ctx):
+    def invoke(self, ctx: click.Context) -> Any:
         with broken_pipe_named(), interruption_named():
             return super().invoke(ctx)
 

@@ -1,6 +1,9 @@
 """vibsim analyse: verdicts on runs."""
 
+from typing import Any
+
 import click
+from click.shell_completion import CompletionItem
 
 from vibsim.command_line.options.examples import examples
 from vibsim.command_line.options.parameters import CASE, WINDOW, set_option
@@ -13,7 +16,9 @@ class Verdicts(click.ParamType):
 
     name = "verdicts"
 
-    def convert(self, value, param, ctx):
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, ...]:
         if isinstance(value, tuple):
             return value
         names = tuple(name.strip() for name in value.split(",") if name.strip())
@@ -22,14 +27,14 @@ class Verdicts(click.ParamType):
                 self.fail(f"{name!r}{_hint(name)}", param, ctx)
         return names
 
-    def shell_complete(self, ctx, param, incomplete):
-        from click.shell_completion import CompletionItem
-
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
         done, comma, begun = incomplete.rpartition(",")
         return [CompletionItem(done + comma + name) for name in VERDICTS if name.startswith(begun)]
 
 
-def _hint(name):
+def _hint(name: str) -> str:
     from vibsim.cases.spelling import nearest
 
     near = nearest(name, VERDICTS)
@@ -70,7 +75,15 @@ def _hint(name):
 )
 @set_option
 @click.pass_context
-def command(ctx, sources, what, window, discard, exponent, changes):
+def command(
+    ctx: click.Context,
+    sources: tuple[str, ...],
+    what: tuple[str, ...],
+    window: tuple[float, float] | None,
+    discard: str | None,
+    exponent: bool,
+    changes: tuple[tuple[str, str], ...],
+) -> None:
     """Judge each FILE: an HDF5 file of `vibsim run`, or a case, which is run first.
 
     Capture: was the motor captured by the vibration, since when, until when, and at which speed. Drift: its

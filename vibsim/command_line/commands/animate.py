@@ -29,7 +29,14 @@ from vibsim.command_line.terminal.printing import print_json, say
 )  # fmt: skip
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 @click.pass_context
-def command(ctx, file, output, window, speed, force):
+def command(
+    ctx: click.Context,
+    file: str,
+    output: str,
+    window: tuple[float, float] | None,
+    speed: float,
+    force: bool,
+) -> None:
     """Write a moving picture of the run in FILE: the machine beside its phase portrait and time history.
 
     Springs stretch, stops light up where they touch, the rotor turns; gaps and displacements are to one

@@ -1,6 +1,9 @@
 """vibsim bench: speed against error, vibsim beside its peers."""
 
+from typing import Any
+
 import click
+from click.shell_completion import CompletionItem
 
 from vibsim.command_line.options.examples import examples
 from vibsim.command_line.options.parameters import CASE, FILE, FiniteRange, set_option
@@ -15,7 +18,7 @@ class Methods(click.ParamType):
 
     name = "methods"
 
-    def convert(self, value, param, ctx):
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> list[str]:
         from vibsim.evidence.benchmark.errors import BenchError
         from vibsim.evidence.benchmark.families import families_named
 
@@ -26,9 +29,9 @@ class Methods(click.ParamType):
             self.fail(str(error), param, ctx)
         return names
 
-    def shell_complete(self, ctx, param, incomplete):
-        from click.shell_completion import CompletionItem
-
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
         from vibsim.evidence.benchmark.families import FAMILIES
 
         done, comma, begun = incomplete.rpartition(",")
@@ -66,7 +69,18 @@ class Methods(click.ParamType):
 @click.option("--plot", "picture", type=FILE, metavar="FILE", help="Draw it too: a .png, .pdf or .svg file.")
 @click.option("--force", is_flag=True, help="Replace existing output files.")
 @click.pass_context
-def command(ctx, source, changes, t_end, methods, limit, truth, output, picture, force):
+def command(
+    ctx: click.Context,
+    source: str | None,
+    changes: tuple[tuple[str, str], ...],
+    t_end: str | None,
+    methods: list[str],
+    limit: float,
+    truth: str | None,
+    output: str | None,
+    picture: str | None,
+    force: bool,
+) -> int:
     """Measure what vibsim and other solvers take for CASE, and how right they are.
 
     For every method: time, impacts per second, steps, right-hand sides, events found, missed and made up,

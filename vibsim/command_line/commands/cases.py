@@ -1,12 +1,20 @@
 """vibsim cases: the shipped cases."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from vibsim.command_line.options.examples import examples
 from vibsim.command_line.options.parameters import CASE, FILE
+from vibsim.command_line.options.settings import Settings
 from vibsim.command_line.terminal.printing import print_json, say
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
 
 
 @click.command(
@@ -28,7 +36,14 @@ from vibsim.command_line.terminal.printing import print_json, say
 @click.option("-o", "--output", type=FILE, metavar="FILE", help="The drawing; NAME-machine.png by default.")
 @click.option("--force", is_flag=True, help="Replace a drawing that exists.")
 @click.pass_context
-def command(ctx, names, resolved, draw, output, force):
+def command(
+    ctx: click.Context,
+    names: tuple[str, ...],
+    resolved: bool,
+    draw: bool,
+    output: str | None,
+    force: bool,
+) -> None:
     """List the cases that come with vibsim, or print the YAML text of those named.
 
     NAME may be a case file too: `--resolved` and `--draw` show what it comes to.
@@ -48,7 +63,9 @@ def command(ctx, names, resolved, draw, output, force):
         _print_table(cases)
 
 
-def _check_options(names, resolved: bool, draw: bool, output: str | None, force: bool) -> None:
+def _check_options(
+    names: tuple[str, ...], resolved: bool, draw: bool, output: str | None, force: bool
+) -> None:
     """Usage errors of options that do not go together."""
     for option, given in (("--resolved", resolved), ("--draw", draw)):
         if given and not names:
@@ -61,7 +78,7 @@ def _check_options(names, resolved: bool, draw: bool, output: str | None, force:
         raise click.UsageError("-o takes one drawing; give one NAME")
 
 
-def _draw(settings, cases: dict, output: str | None, force: bool) -> None:
+def _draw(settings: Settings, cases: dict[str, Case], output: str | None, force: bool) -> None:
     """Draw the machines of the cases; nothing is drawn before every file is checked."""
     from vibsim.plots.machine import draw_machine_file
     from vibsim.plots.picture import check_targets, picture_suffix
@@ -81,7 +98,7 @@ def _draw(settings, cases: dict, output: str | None, force: bool) -> None:
         say("\n".join(written))
 
 
-def _described(case) -> dict:
+def _described(case: Case) -> dict[str, Any]:
     """A case as JSON: what the table shows, and the YAML text."""
     frequency = case.frequency()
     return {
@@ -95,13 +112,13 @@ def _described(case) -> dict:
     }
 
 
-def _shipped_name(case) -> str:
+def _shipped_name(case: Case) -> str:
     """The name by which a shipped case is found: with its folder, where it is in one."""
     folder = Path(case.source).parent.name
     return f"{folder}/{case.name}" if folder == "gallery" else case.name
 
 
-def _print_table(cases) -> None:
+def _print_table(cases: Iterable[Case]) -> None:
     from vibsim.cases.plain_text import one_line
 
     rows = [("name", "source", "frequency", "title")]

@@ -1,12 +1,24 @@
 """vibsim check: are these case files right, and if not, what is wrong with them?"""
 
+from __future__ import annotations
+
 import json
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from vibsim.command_line.errors import INVALID_CASE
 from vibsim.command_line.options.examples import examples
+from vibsim.command_line.options.settings import Settings
 from vibsim.command_line.terminal.printing import print_json, say, style
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+    from vibsim.cases.derived_facts import Fact
+    from vibsim.cases.problems import Problem
+
+    Report = tuple[str, Case | None, Sequence[Problem]]
 
 
 @click.command(
@@ -21,7 +33,10 @@ from vibsim.command_line.terminal.printing import print_json, say, style
 )
 @click.argument("sources", metavar="CASE...", nargs=-1, required=True)
 @click.pass_context
-def command(ctx, sources):
+def command(
+    ctx: click.Context,
+    sources: tuple[str, ...],
+) -> int:
     """Check each CASE (a YAML file, a shipped name, or - for standard input) and print every problem found.
 
     Exit code 3 where any of them is invalid. With -v, print what the numbers imply.
@@ -35,7 +50,7 @@ def command(ctx, sources):
     return INVALID_CASE if any(problems for _, _, problems in reports) else 0
 
 
-def _checked(source: str):
+def _checked(source: str) -> Report:
     """(source, case, problems): the case, or what is wrong with it."""
     from vibsim.cases import CaseError, load_case
 
@@ -45,11 +60,11 @@ def _checked(source: str):
         return source, None, error.problems
 
 
-def _print(report, settings) -> None:
+def _print(report: Report, settings: Settings) -> None:
     source, case, problems = report
     for problem in problems:
         say(str(problem))
-    if problems:
+    if case is None:
         count = len(problems)
         say(f"{source}: {style('invalid', fg='red')}, {count} problem{'s' if count > 1 else ''}")
     elif not settings.quiet:
@@ -58,7 +73,7 @@ def _print(report, settings) -> None:
             _print_facts(case)
 
 
-def _summary(case) -> str:
+def _summary(case: Case) -> str:
     frequency, kind = case.frequency(), case.source_kind
     t_end, every = case.quantity("run.t_end"), case.quantity("run.every")
     steady = {"none": "no excitation", "constant": "constant forces"}
@@ -66,18 +81,18 @@ def _summary(case) -> str:
     return f"{source}, {t_end} every {every}"
 
 
-def _print_facts(case) -> None:
+def _print_facts(case: Case) -> None:
     for fact in _facts(case):
         say(f"  {fact.name:<22} {fact.value:>12.6g} {fact.unit:<3} {fact.meaning}")
 
 
-def _facts(case):
+def _facts(case: Case) -> Sequence[Fact]:
     from vibsim.cases.derived_facts import derived_facts
 
     return derived_facts(case.scene())
 
 
-def _described(report) -> dict:
+def _described(report: Report) -> dict[str, Any]:
     """One report as JSON."""
     source, case, problems = report
     found = {"source": source, "valid": not problems, "problems": [vars(problem) for problem in problems]}

@@ -1,6 +1,7 @@
 """vibsim compare: are two runs the same, and if not, from when on and in what?"""
 
 from dataclasses import asdict
+from typing import Any
 
 import click
 
@@ -29,7 +30,12 @@ from vibsim.command_line.terminal.printing import print_json
     help="Displacements agree within it [m]. [default: trust tolerance of the cases]",
 )
 @click.pass_context
-def command(ctx, a, b, tolerance):
+def command(
+    ctx: click.Context,
+    a: str,
+    b: str,
+    tolerance: float | None,
+) -> None:
     """Compare the runs in the result files A and B, and give one of five verdicts.
 
     identical: the same bit for bit; agree: within the tolerance to the end; agree for a time: up to an
@@ -55,7 +61,7 @@ def command(ctx, a, b, tolerance):
         print_lines(comparison_lines((ours, theirs), (a, b), found))
 
 
-def _run(path):
+def _run(path: str) -> Any:
     from vibsim.opening import open_result
     from vibsim.results import ResultFileError, kind_of
 

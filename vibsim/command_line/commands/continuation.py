@@ -43,8 +43,20 @@ SPAN = Pair("KEY=FROM:TO, such as c=0.01:0.1", some_text, several=True)
 @click.option("--force", is_flag=True, help="Replace an output file that holds something else.")
 @click.pass_context
 def command(
-    ctx, source, omega0, omega, param, energy, switch, locus, max_points, changes, engine, output, force
-):
+    ctx: click.Context,
+    source: str,
+    omega0: str | None,
+    omega: str | None,
+    param: tuple[str, str] | None,
+    energy: str | None,
+    switch: str | None,
+    locus: str | None,
+    max_points: int | None,
+    changes: tuple[tuple[str, str], ...],
+    engine: str,
+    output: str | None,
+    force: bool,
+) -> int:
     """Follow the periodic orbit ORBIT over a parameter, both ways, through folds.
 
     ORBIT is a stored orbit, or a case or the HDF5 file of a run, whose end it is taken from; with --switch

@@ -4,6 +4,7 @@ import click
 
 from vibsim.command_line.options.examples import examples
 from vibsim.command_line.options.parameters import FILE, WINDOW
+from vibsim.command_line.options.settings import Settings
 from vibsim.command_line.terminal.printing import print_json, say
 
 
@@ -37,7 +38,16 @@ from vibsim.command_line.terminal.printing import print_json, say
 )  # fmt: skip
 @click.option("--force", is_flag=True, help="Replace an existing output file.")
 @click.pass_context
-def command(ctx, file, output, events, window, along, crate, force):
+def command(
+    ctx: click.Context,
+    file: str,
+    output: str,
+    events: bool,
+    window: tuple[float, float] | None,
+    along: str,
+    crate: bool,
+    force: bool,
+) -> None:
     """Write what FILE holds as CSV, Parquet or MAT, by the suffix of the output.
 
     A run: a row per sample, or per event. A sweep, an orbit or a branch: a tidy table, a row per point, with
@@ -60,7 +70,7 @@ def command(ctx, file, output, events, window, along, crate, force):
         say(f"{output} written", err=True)
 
 
-def _crate(settings, file: str, folder: str, narrowed: bool, force: bool) -> None:
+def _crate(settings: Settings, file: str, folder: str, narrowed: bool, force: bool) -> None:
     from vibsim.command_line.jobs.ro_crate import write_crate
     from vibsim.opening import open_result
 

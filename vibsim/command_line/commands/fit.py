@@ -1,5 +1,7 @@
 """vibsim fit: which values make cases do what is said of them."""
 
+from typing import Any
+
 import click
 
 from vibsim.command_line.options.examples import examples
@@ -85,9 +87,24 @@ FREE = Pair("KEY=FROM:TO, such as J=0.5:20g.m^2", some_text)
 @click.option("--force", is_flag=True, help="Replace an output file that holds something else.")
 @click.pass_context
 def command(
-    ctx, sources, wanted, free, prices, readings, ensemble, spreads, list_words, changes, t_end, every,
-    engine, jobs, output, force, **settings
-):  # fmt: skip
+    ctx: click.Context,
+    sources: tuple[str, ...],
+    wanted: tuple[str, ...],
+    free: tuple[tuple[str, str], ...],
+    prices: tuple[tuple[str, float], ...],
+    readings: tuple[str, ...],
+    ensemble: int,
+    spreads: tuple[tuple[str, str], ...],
+    list_words: bool,
+    changes: tuple[tuple[str, str], ...],
+    t_end: str | None,
+    every: str | None,
+    engine: str,
+    jobs: int | None,
+    output: str | None,
+    force: bool,
+    **settings: Any,
+) -> int:
     """Find values under which the runs of CASE do what statements say of them, judged from many starts.
 
     CASE is a YAML file, the name of a shipped case, - for standard input, or an HDF5 file of `vibsim run`. Of

@@ -18,7 +18,11 @@ from vibsim.command_line.options.parameters import FILE
 @click.argument("files", metavar="FILE...", nargs=-1, required=True, type=FILE)
 @click.option("--case", "case_only", is_flag=True, help="Print the case file that was run, and nothing else.")
 @click.pass_context
-def command(ctx, files, case_only):
+def command(
+    ctx: click.Context,
+    files: tuple[str, ...],
+    case_only: bool,
+) -> None:
     """Say what each result FILE holds, where it comes from and what came of the run."""
     from vibsim.command_line.text.describe import print_case, print_description
 

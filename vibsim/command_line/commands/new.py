@@ -28,7 +28,12 @@ DEFAULT = "gallery/drifting-capsule"  # two bodies, a link, a stop, a friction, 
 )  # fmt: skip
 @click.option("--force", is_flag=True, help="Replace a file that exists.")
 @click.pass_context
-def command(ctx, name, source, force):
+def command(
+    ctx: click.Context,
+    name: str,
+    source: str,
+    force: bool,
+) -> None:
     """Write NAME.yaml, a case file in which every key says what it is.
 
     The file holds the values of the case that it begins from and, in comments, the keys that may be added.

@@ -44,7 +44,19 @@ from vibsim.command_line.options.parameters import CASE, FILE, OneOf, OrbitDigit
 @click.option("-o", "--output", type=FILE, metavar="FILE", help="Store the orbit; of several NAME-1.h5, ...")
 @click.option("--force", is_flag=True, help="Replace existing output files.")
 @click.pass_context
-def command(ctx, source, changes, start, period, search, seed, digits, engine, output, force):
+def command(
+    ctx: click.Context,
+    source: str,
+    changes: tuple[tuple[str, str], ...],
+    start: str | None,
+    period: int | None,
+    search: int | None,
+    seed: int | None,
+    digits: int | None,
+    engine: str,
+    output: str | None,
+    force: bool,
+) -> int:
     """Find the periodic orbit that CASE or the run in FILE goes to, by Newton's method on the return map.
 
     The section is phase 0 of forces and base, phi = 0 of a motor, or where a body turns round that nothing

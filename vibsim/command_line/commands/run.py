@@ -61,22 +61,22 @@ ENGINES = ["auto", "c", "python"]
 @click.option("--force", is_flag=True, help="Replace existing output files.")
 @click.pass_context
 def command(
-    ctx,
-    sources,
-    output,
-    changes,
-    t_end,
-    every,
-    method,
-    engine,
-    picture,
-    trust,
-    digits,
-    lyapunov,
-    discard,
-    dry_run,
-    force,
-):
+    ctx: click.Context,
+    sources: tuple[str, ...],
+    output: str | None,
+    changes: tuple[tuple[str, str], ...],
+    t_end: str | None,
+    every: str | None,
+    method: str | None,
+    engine: str,
+    picture: str | None,
+    trust: bool,
+    digits: int | str | None,
+    lyapunov: int | str | None,
+    discard: str | None,
+    dry_run: bool,
+    force: bool,
+) -> int:
     """Run each CASE and write its trajectory to an HDF5 file.
 
     A CASE is a YAML file, the name of a shipped case (see `vibsim cases`), - for standard input, or an HDF5

@@ -15,7 +15,7 @@ from vibsim.command_line.terminal.printing import print_json
         "# yaml-language-server: $schema=vibsim-case.json",
     ),
 )
-def command():
+def command() -> None:
     """Print the JSON Schema of a case file: keys, units, ranges, defaults.
 
     Editors that know JSON Schema use it to complete keys and to mark mistakes while you type.

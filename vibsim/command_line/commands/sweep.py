@@ -1,5 +1,7 @@
 """vibsim sweep: a case at every point of a grid, in parallel and restartable."""
 
+from typing import Any
+
 import click
 
 from vibsim.command_line.options.examples import examples
@@ -104,9 +106,27 @@ DEFAULT_CASE = "II-B"
 @click.option("--force", is_flag=True, help="Replace an output file that holds something else.")
 @click.pass_context
 def command(
-    ctx, source, omega0, omega, params, ensemble, seed, spreads, computed, list_computations, changes, t_end,
-    method, engine, jobs, scheduler, shard, output, force, **settings
-):  # fmt: skip
+    ctx: click.Context,
+    source: str | None,
+    omega0: str | None,
+    omega: str | None,
+    params: tuple[tuple[str, str], ...],
+    ensemble: int | None,
+    seed: int,
+    spreads: tuple[tuple[str, str], ...],
+    computed: str,
+    list_computations: bool,
+    changes: tuple[tuple[str, str], ...],
+    t_end: str | None,
+    method: str | None,
+    engine: str,
+    jobs: int | None,
+    scheduler: str | None,
+    shard: str | None,
+    output: str | None,
+    force: bool,
+    **settings: Any,
+) -> int:
     """Run CASE at every point of a grid and store statistics of each run.
 
     CASE is a YAML file, the name of a shipped case, - for standard input, or an HDF5 file of `vibsim run`.
@@ -115,7 +135,8 @@ def command(
     from vibsim.command_line.jobs.sweep import computations_listed, read_plan, run_sweep, sharded, workers_for
 
     if list_computations:
-        return computations_listed(ctx.obj)
+        computations_listed(ctx.obj)
+        return 0
     check_engine(engine)
     if source is None:
         source = DEFAULT_CASE

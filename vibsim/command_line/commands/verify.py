@@ -27,7 +27,12 @@ ENGINES = ["auto", "c", "python"]
 @click.option("--list", "list_checks", is_flag=True, help="List the checks, or those named, and stop.")
 @click.option("--engine", type=OneOf(ENGINES), default="auto", help="The engine that is verified.")
 @click.pass_context
-def command(ctx, names, list_checks, engine):
+def command(
+    ctx: click.Context,
+    names: tuple[str, ...],
+    list_checks: bool,
+    engine: str,
+) -> int:
     """Compute cases with known results, V1 to V21 and the hard ones, and print expected, obtained, error and
     bound of each.
 

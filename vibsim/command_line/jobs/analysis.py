@@ -2,6 +2,7 @@
 
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -44,7 +45,7 @@ def judge_all(
         _print(source, changes, result, found, settings)
 
 
-def _transient(text: str | None):
+def _transient(text: str | None) -> Any:
     from vibsim.sweeps.plan.discard import parse_discard
 
     try:
@@ -58,7 +59,7 @@ def _length(result: Result, window: Window | None) -> float:
     return max(0.0, min(end, result.t_reached) - begin)
 
 
-def _opened(source: str, changes: dict[str, str]):
+def _opened(source: str, changes: dict[str, str]) -> Any:
     """The run in a file, or the case that is to be run."""
     a_file = is_result_file(source) or Path(source).suffix in RESULT_SUFFIXES
     if changes or source == "-" or not a_file:

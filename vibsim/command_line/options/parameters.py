@@ -1,6 +1,8 @@
 """Kinds of command-line values that several commands share."""
 
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import isfinite
+from typing import Any
 
 import click
 from click.shell_completion import CompletionItem
@@ -9,7 +11,7 @@ from click.shell_completion import CompletionItem
 class OneOf(click.Choice):
     """One of a few words; of another, the nearest is named."""
 
-    def convert(self, value, param, ctx):
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         if value not in self.choices:
             from vibsim.cases.spelling import did_you_mean
 
@@ -23,7 +25,9 @@ class CaseSource(click.ParamType):
 
     name = "case"
 
-    def shell_complete(self, ctx, param, incomplete):
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
         from vibsim.cases import gallery_case_names, hard_case_names, shipped_case_names
 
         names = [*shipped_case_names(), *gallery_case_names(), *hard_case_names()]
@@ -36,7 +40,9 @@ class CheckName(click.ParamType):
 
     name = "check"
 
-    def shell_complete(self, ctx, param, incomplete):
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
         from vibsim.evidence.verification.catalogue import all_checks
         from vibsim.evidence.verification.selection import spellings
 
@@ -52,10 +58,12 @@ class Pair(click.ParamType):
 
     name = "pair"
 
-    def __init__(self, form, read=str, several=False):
+    def __init__(self, form: str, read: Callable[[str], Any] = str, several: bool = False) -> None:
         self.form, self.read, self.several = form, read, several
 
-    def convert(self, value, param, ctx):
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, Any]:
         if isinstance(value, tuple):
             return value
         parts = value.rpartition("=") if self.several else value.partition("=")
@@ -68,7 +76,7 @@ class Pair(click.ParamType):
         self.fail(f"{value!r} is not {self.form}", param, ctx)
 
 
-def some_text(text):
+def some_text(text: str) -> str:
     """The text itself. Raises ValueError where there is none."""
     if not text:
         raise ValueError
@@ -78,7 +86,7 @@ def some_text(text):
 class FiniteRange(click.FloatRange):
     """A number in a range; nan, which no comparison keeps out, and inf are none."""
 
-    def convert(self, value, param, ctx):
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         number = super().convert(value, param, ctx)
         if not isfinite(number):
             self.fail(f"{value} is no finite number", param, ctx)
@@ -90,7 +98,9 @@ class Window(click.ParamType):
 
     name = "window"
 
-    def convert(self, value, param, ctx):
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, float]:
         if isinstance(value, tuple):
             return value
         start, colon, stop = value.partition(":")
@@ -108,7 +118,7 @@ class DigitCount(click.ParamType):
 
     name = "digits"
 
-    def convert(self, value, param, ctx):
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int | str:
         from vibsim.physics.working_precision import FEWEST_DIGITS, MOST_DIGITS
 
         if value == "auto":
@@ -126,7 +136,7 @@ class DigitCount(click.ParamType):
 class OrbitDigitCount(DigitCount):
     """A number of decimal digits; an orbit is no run that loses them."""
 
-    def convert(self, value, param, ctx):
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int | str:
         if value == "auto":
             self.fail("'auto' is for runs; give a whole number", param, ctx)
         return super().convert(value, param, ctx)
@@ -137,7 +147,7 @@ class ExponentCount(click.ParamType):
 
     name = "exponents"
 
-    def convert(self, value, param, ctx):
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int | str:
         if value == "all" or isinstance(value, int):
             return value
         if not value.isdecimal() or int(value) == 0:
@@ -156,7 +166,9 @@ WINDOW = Window()
 FILE = click.Path(path_type=str)
 
 
-def once_each(ctx, param, pairs):
+def once_each(
+    ctx: click.Context, param: click.Parameter, pairs: Sequence[tuple[str, Any]]
+) -> Sequence[tuple[str, Any]]:
     """KEY=... pairs, each key once: of two values one would be ignored."""
     keys = [key for key, _ in pairs]
     for key in keys:
@@ -165,7 +177,7 @@ def once_each(ctx, param, pairs):
     return pairs
 
 
-def joined(pairs, options):
+def joined(pairs: Iterable[tuple[str, str]], options: Mapping[str, str | None]) -> dict[str, str]:
     """Values by key: those of --set, and of options (key -> value or None) that stand for a key.
 
     Raises UsageError where one key has both.

@@ -4,9 +4,10 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from vibsim.command_line.options.settings import Settings
-from vibsim.command_line.terminal.printing import plain, print_json, say
+from vibsim.command_line.terminal.printing import print_json, say
 from vibsim.command_line.text.quantities import size
 from vibsim.command_line.text.summary import heading, print_lines, result_lines, summary_object
+from vibsim.files.plain_data import plain
 from vibsim.opening import open_result
 from vibsim.results import Result, kind_of
 
@@ -117,7 +118,7 @@ def attribute_lines(attrs: Mapping[str, Any]) -> list[tuple[str, str]]:
     return [("" if i else "attributes", text) for i, text in enumerate(texts)]
 
 
-def written_text(attrs: dict) -> str:
+def written_text(attrs: Mapping[str, Any]) -> str:
     """When, by what and where a file was written."""
     took = f" in {attrs['wall_time_s']:.3g} s" if "wall_time_s" in attrs else ""
     parts = ("vibsim", "Python", "numpy")

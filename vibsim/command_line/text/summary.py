@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vibsim.cases.plain_text import one_line
-from vibsim.command_line.terminal.printing import plain, say, style
+from vibsim.command_line.terminal.printing import say, style
 from vibsim.command_line.text.quantities import counted, metres, seconds
 from vibsim.command_line.text.scene import clearance_lines, count_lines, motor_text, scene_lines
+from vibsim.files.plain_data import plain
 from vibsim.physics.parts import Scene
 from vibsim.results import Result
 

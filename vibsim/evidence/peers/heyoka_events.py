@@ -6,7 +6,9 @@ longer. Every event function is positive inside its mode and watched falling, so
 again. Needs heyoka.
 """
 
+from collections.abc import Callable
 from types import SimpleNamespace
+from typing import Any
 
 import heyoka as hy
 import numpy as np
@@ -80,15 +82,15 @@ class HeyokaEvents:
         # where an event function is exactly 0, heyoka misses its next zero in the same step: so a short one
         self.integrator.step(SHORTEST_HOP)
 
-    def _set_parameters(self, integrator):
+    def _set_parameters(self, integrator: Any) -> None:
         integrator.pars[:] = self.mode.parameters[: len(integrator.pars)]  # the last may be in no equation
 
-    def _callback(self, i):
+    def _callback(self, i: int) -> Callable[[Any, int], bool]:
         """What heyoka calls at a zero of an event function of part i; a plain function, for heyoka
         deep-copies what it is given. An error cannot pass through heyoka: it is kept, and the run ended.
         """
 
-        def taken(integrator, _sign):
+        def taken(integrator: Any, _sign: int) -> bool:
             state = integrator.state.tolist()
             before = list(state)
             try:
@@ -106,7 +108,7 @@ class HeyokaEvents:
         return taken
 
 
-def expressions(scene: Scene):
+def expressions(scene: Scene) -> tuple[list[tuple[Any, Any]], list[tuple[int, Any]]]:
     """The equations of motion with the modes as parameters; (part, event function) of all parts."""
     names = [f"s{i}" for i in range(state_count(scene))]
     states = hy.make_vars(*names)
@@ -118,6 +120,6 @@ def expressions(scene: Scene):
     return system, ends
 
 
-def _expression(value):
+def _expression(value: Any) -> Any:
     """A value of heyoka's: a plain number, such as the rate of a body without forces, becomes one."""
     return hy.expression(value) if isinstance(value, float) else value

@@ -1,6 +1,6 @@
 """The classical Runge-Kutta method of order 4 with a fixed step, sgn(v) and no events."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from math import ceil, isfinite
 
@@ -48,7 +48,9 @@ class RungeKutta4:
         return Attempt(np.array(samples), t_reached, steps, evaluations, changes.events, CONTACTS, stopped)
 
 
-def rk4_step(motion: Callable, t: float, state: list[float], h: float) -> list[float]:
+def rk4_step(
+    motion: Callable[[float, Sequence[float]], Sequence[float]], t: float, state: list[float], h: float
+) -> list[float]:
     """The state a step h [s] after `state`: Kutta (1901)."""
     a = motion(t, state)
     b = motion(t + h / 2, [x + h / 2 * rate for x, rate in zip(state, a, strict=True)])

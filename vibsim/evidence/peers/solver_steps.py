@@ -11,7 +11,7 @@ def watched(method: str, taken: Callable[[Any], None]) -> Any:
     base: Any = getattr(scipy.integrate, method)
 
     class Watched(base):
-        def step(self):
+        def step(self) -> Any:
             message = super().step()
             taken(self)
             return message

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from functools import partial
 from math import ulp
+from typing import Any
 
 import numpy as np
 
@@ -37,7 +38,7 @@ def rows(flow: str, engine: str) -> Iterator[Row]:
     yield from event_rows(name, truth, result, flow)
 
 
-def state_points(truth: Truth, result: Result, flow: str):
+def state_points(truth: Truth, result: Result, flow: str) -> Iterator[Any]:
     """Every settled sample against the truth at its phase."""
     phases = {t: i for i, t in enumerate(truth.time)}
     for k in np.flatnonzero(result.time >= SETTLED):

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from math import exp, log
+from typing import Any
 
 import numpy as np
 
@@ -85,7 +86,7 @@ def determinant_rows(name: str, case: Case, flow: str, engine: str, span: float)
     yield number_row(name, compared(what, expected, obtained, bound), BECAUSE)
 
 
-def carried(scene: TwoBlocks, engine: str, resume: Mapping[str, float] | None = None) -> dict:
+def carried(scene: TwoBlocks, engine: str, resume: Mapping[str, float] | None = None) -> dict[str, Any]:
     """Totals of a run that carries all directions, from its start or from an event row."""
     sparse = scene.as_parts().without_samples()
     trajectory = open_trajectory(sparse, engine, resume, tangent=dimension(sparse))

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from functools import partial
 from math import pi
 
+from vibsim.cases import Case
 from vibsim.evidence.verification.check import Check
 from vibsim.evidence.verification.hard_cases import BECAUSE, LUCK, UNITS, state_points
 from vibsim.evidence.verification.row import Row, compared, counted_row, worst_row
@@ -69,7 +70,7 @@ def checks() -> list[Check]:
     return [*found, Check("V1/II-B-checkpoints/taylor", "II-B at 20 and 50 s, 50 digits", checkpoints)]
 
 
-def judged_case(name: str):
+def judged_case(name: str) -> Case:
     """A case as it is verified: cut short where it turns chaotic."""
     return named_case(name, **({"run__t_end": SPANS[name]} if name in SPANS else {}))
 

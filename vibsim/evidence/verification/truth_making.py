@@ -5,8 +5,9 @@ by runs that are kicked as doubles round. Takes minutes; needs python-flint.
 """
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from decimal import Decimal
+from typing import Any
 
 from vibsim.cases import hard_case_names, load_case
 from vibsim.evidence.verification.digits_runs import Run, plan, run_digits
@@ -60,7 +61,7 @@ def make_truth(name: str) -> Truth:
     )
 
 
-def confirm(name: str, truth: Run, other: Run, stray, timing) -> None:
+def confirm(name: str, truth: Run, other: Run, stray: Mapping[str, Any], timing: tuple[Any, Any]) -> None:
     """ValueError where two runs differ by more than a small part of what rounding does in doubles."""
     for column, apart in states_apart(truth, [other]).items():
         allowed = [min(flow[column][i] for flow in stray.values()) for i in range(len(apart))]
