@@ -14,6 +14,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from vibsim.branches.lapack import solved_by_pivots
+
 ITERATIONS = 8  # of Newton's method: more mean that the step was too long
 CLOSE = 1e-13  # scaled length of a Newton step behind which rounding begins
 ROUGH = 1e-8  # of the last Newton step, where rounding keeps it from growing shorter
@@ -58,6 +60,11 @@ class Corrected:
     iterations: int
 
 
+def length_of(vector: np.ndarray) -> float:
+    """Euclidean length."""
+    return sqrt(vector.dot(vector))
+
+
 def kernel(jacobian: np.ndarray) -> np.ndarray:
     """Orthonormal vectors that span the kernel of an n x (n + 1) matrix, one or more, one per row.
 
@@ -76,7 +83,18 @@ def kernel(jacobian: np.ndarray) -> np.ndarray:
 
 
 def tangent(jacobian: np.ndarray, along: np.ndarray) -> np.ndarray:
-    """The unit vector of the kernel nearest to `along`."""
+    """The unit vector of the kernel nearest to `along`.
+
+    Where the kernel is a line not across `along`, it has the solution of jacobian t = 0, along t = 1; the
+    singular values tell the kernel of other matrices.
+    """
+    n, unknowns = jacobian.shape
+    if n + 1 == unknowns:
+        matrix, right = np.empty((unknowns, unknowns)), np.zeros(unknowns)
+        matrix[:n], matrix[n], right[n] = jacobian, along, 1.0
+        direction, pivots = solved_by_pivots(matrix, right)
+        if pivots > BY_SLOPE:
+            return direction / length_of(direction)
     return nearest(kernel(jacobian), along)
 
 
@@ -86,7 +104,7 @@ def nearest(vectors: np.ndarray, along: np.ndarray) -> np.ndarray:
     if not shares.any():
         return vectors[-1]
     direction = shares @ vectors
-    return direction / sqrt(direction @ direction)
+    return direction / length_of(direction)
 
 
 def correct(
@@ -107,14 +125,14 @@ def correct(
     Raises ContinuationError where Newton's method does not come to an end.
     """
     z, last = start, np.inf
+    rounding = CLOSE * max(1.0, length_of(z))
     for iteration in range(ITERATIONS + 1):
         point = evaluate(z)
         if across is None:
             step = _held_step(point, families)
         else:
             step = _step(point, slope, across, z - start, families)
-        length = sqrt(step @ step)
-        rounding = CLOSE * max(1.0, sqrt(z @ z))
+        length = length_of(step)
         if (length <= rounding or (last <= ROUGH and length >= last / 2)) and point.settled:
             return Corrected(point, iteration)
         if not length <= limit:
@@ -146,14 +164,15 @@ def _solved(matrix: np.ndarray, right: np.ndarray, families: bool) -> np.ndarray
 
     Raises ContinuationError for a motion without a derivative.
     """
-    if not isfinite(matrix.sum()):
+    if not isfinite(np.vdot(matrix, matrix)):
         raise ContinuationError("the motion has no derivative there")
     if families:
         return np.asarray(np.linalg.lstsq(matrix, right, rcond=BY_SLOPE)[0])
-    try:
-        x = np.linalg.solve(matrix, right)
-    except np.linalg.LinAlgError:
-        x = np.full(len(right), np.inf)
-    if KERNEL * abs(x).max() * abs(matrix).max() > abs(right).max():
-        x = np.linalg.lstsq(matrix, right, rcond=KERNEL)[0]
-    return x
+    if matrix.shape[0] != matrix.shape[1]:
+        return np.asarray(np.linalg.lstsq(matrix, right, rcond=KERNEL)[0])
+    x, pivots = solved_by_pivots(matrix, right)
+    if pivots > BY_SLOPE:
+        return x
+    if pivots > 0 and KERNEL * abs(x).max() * abs(matrix).max() <= abs(right).max():
+        return x
+    return np.asarray(np.linalg.lstsq(matrix, right, rcond=KERNEL)[0])

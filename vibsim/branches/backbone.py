@@ -6,7 +6,6 @@ the start are added. These are more equations than unknowns, of which some follo
 Newton's method takes the solution of least squares, which is exact at an orbit.
 """
 
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from vibsim.branches.plan import BranchError, BranchPlan
 from vibsim.branches.span import read_energy_span
 from vibsim.cases import Case
 from vibsim.engine.errors import EngineError
+from vibsim.once import once
 from vibsim.orbits import OrbitError, ReturnMap
 from vibsim.orbits.finding import unknowns
 from vibsim.orbits.orbit import Orbit
@@ -66,7 +66,7 @@ class EnergyPoint(FamilyPoint):
 
     family: EnergyFamily
 
-    @cached_property
+    @once
     def residual(self) -> np.ndarray:
         """What is left of closing, of the energy and of the momenta, scaled."""
         of, X = self.family.conserved, self.end.X
@@ -79,14 +79,14 @@ class EnergyPoint(FamilyPoint):
         """A momentum to measure by [N s]."""
         return self.lap * float(self.family.conserved.m.sum())
 
-    @cached_property
+    @once
     def slope(self) -> np.ndarray:
         """Derivative by the scaled energy: of what it is asked to be alone."""
         slope = np.zeros(len(self.residual))
         slope[len(self.z) - 1] = -1.0
         return slope
 
-    @cached_property
+    @once
     def linear(self) -> np.ndarray:
         """Derivative by z without the energy."""
         of, X, scale = self.family.conserved, self.end.X, self.family.scale

@@ -9,7 +9,6 @@ the tangent by d.
 
 from collections import OrderedDict
 from collections.abc import Sequence
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from vibsim.branches.arclength import ContinuationError
 from vibsim.branches.scene_path import ScenePath
 from vibsim.cases import Case
 from vibsim.engine.errors import EngineError
+from vibsim.once import once
 from vibsim.orbits import OrbitError, ReturnMap
 from vibsim.orbits.multipliers import multipliers_of
 from vibsim.orbits.word import cyclic
@@ -78,7 +78,7 @@ class Family:
         other.scale = self.scale
         return other
 
-    @cached_property
+    @once
     def path(self) -> ScenePath:
         """The scenes over the parameter."""
         return ScenePath(self.case, self.keys, self.unit)
@@ -92,7 +92,7 @@ class Family:
         times = () if self.map(parameter).section.timed else (T,)
         return np.array([*X, *times, parameter]) / self.scale
 
-    @cached_property
+    @once
     def ratios(self) -> np.ndarray:
         """By which entries of a derivative of one unknown by another are scaled."""
         return np.asarray(self.scale / self.scale[:, None])
@@ -133,22 +133,22 @@ class FamilyPoint:
         """Time of return [s]."""
         return float(self.end.T)
 
-    @cached_property
+    @once
     def residual(self) -> np.ndarray:
         """Of the equations, scaled."""
         return self._scaled(self.end)
 
-    @cached_property
+    @once
     def matrix(self) -> np.ndarray:
         """Derivative of the section after one return by that before (m x m)."""
         return np.asarray(self.end.derivative)
 
-    @cached_property
+    @once
     def multipliers(self) -> np.ndarray:
         """Floquet multipliers, the largest first."""
         return np.asarray(multipliers_of(self.end))
 
-    @cached_property
+    @once
     def word(self) -> tuple[Any, ...]:
         """Events of one return, as a circle."""
         return cyclic(self.end.events)
@@ -161,13 +161,13 @@ class FamilyPoint:
 
     def _scaled(self, end: Any) -> np.ndarray:
         count, scale = len(end.X), self.family.scale
-        closing = np.empty(len(scale) - 1)
-        closing[:count] = end.difference / scale[:count]
-        if end.tilt is not None:
-            closing[count] = end.ahead / self.lap
+        if end.tilt is None:
+            return np.asarray(end.difference / scale[:count])
+        closing = np.empty(count + 1)
+        closing[:count], closing[count] = end.difference / scale[:count], end.ahead / self.lap
         return closing
 
-    @cached_property
+    @once
     def slope(self) -> np.ndarray:
         """Derivative of the residual by the scaled parameter (n)."""
         slope = self._quotient(SHIFT)
@@ -197,33 +197,36 @@ class FamilyPoint:
             raise ContinuationError(str(error)) from error
         return end, (self._scaled(end) - self.residual) / ((beside - value) / unit)
 
-    @cached_property
+    @once
     def flow(self) -> np.ndarray:
         """Derivative of the scaled state at the end by the scaled unknowns without the parameter."""
-        end, scale, ratios = self.end, self.family.scale, self.family.ratios
+        end, ratios = self.end, self.family.ratios
         count = len(end.X)
-        flow = np.empty((count, len(scale) - 1))
-        flow[:, :count] = end.flow_matrix * ratios[:count, :count]
-        if end.tilt is not None:
-            flow[:, count] = end.rate * ratios[:count, count]
+        if end.tilt is None:
+            return np.asarray(end.flow_matrix * ratios[:count, :count])
+        flow = np.empty((count, count + 1))
+        flow[:, :count], flow[:, count] = (
+            end.flow_matrix * ratios[:count, :count],
+            end.rate * ratios[:count, count],
+        )
         return flow
 
-    @cached_property
+    @once
     def linear(self) -> np.ndarray:
         """Derivative of the residual by z without the parameter (n, n)."""
         return self._closing_matrix()
 
     def _closing_matrix(self) -> np.ndarray:
         """Derivative of what closes an orbit by z without the parameter."""
-        count, scale = len(self.end.X), self.family.scale
-        matrix = np.empty((len(scale) - 1, len(scale) - 1))
+        count, scale, one = len(self.end.X), self.family.scale, self.end.coordinates.one
+        if self.end.tilt is None:
+            return np.asarray(self.flow - one)
+        slopes, rate = self.end.tilt
+        matrix = np.empty((count + 1, count + 1))
         matrix[:count] = self.flow
-        if self.end.tilt is not None:
-            slopes, rate = self.end.tilt
-            matrix[count, :count], matrix[count, count] = slopes, rate
-            matrix[count] *= scale[:-1] / self.lap
-        diagonal = matrix.reshape(-1)[:: len(matrix) + 1]
-        diagonal[:count] -= 1.0
+        matrix[:count, :count] -= one
+        matrix[count, :count], matrix[count, count] = slopes, rate
+        matrix[count] *= scale[: count + 1] / self.lap
         return matrix
 
     def jacobian(self, slope: np.ndarray | None = None) -> np.ndarray:
@@ -233,10 +236,10 @@ class FamilyPoint:
         matrix[:, :n], matrix[:, n] = self.linear, self.slope if slope is None else slope
         return matrix
 
-    @cached_property
-    def _forgotten(self) -> np.ndarray:
-        """Which unknowns at the end depend on nothing at the start."""
-        return np.asarray(~self.flow.any(axis=1))
+    @once
+    def _forgotten(self) -> list[int]:
+        """The unknowns at the end that depend on nothing at the start."""
+        return [i for i, row in enumerate(self.flow.tolist()) if not any(row)]
 
     @property
     def settled(self) -> bool:
@@ -244,7 +247,7 @@ class FamilyPoint:
 
         A body that sticks across the section would else begin with a speed of rounding, and stick once more.
         """
-        return not self.end.difference[self._forgotten].any()
+        return not (self._forgotten and self.end.difference[self._forgotten].any())
 
     def moved(self, step: np.ndarray, slope: np.ndarray | None = None) -> np.ndarray:
         """z after a Newton step.
@@ -257,7 +260,7 @@ class FamilyPoint:
         z = self.z + step
         z[:count] = self.end.image / scale[:count] + self.flow @ step[:-1]
         if step[-1] != 0:
-            if slope is None or self._forgotten.any():  # another orbit's slope may not have forgotten
+            if slope is None or self._forgotten:  # another orbit's slope may not have forgotten
                 slope = self.slope
             z[:count] += slope[:count] * step[-1]
         return z

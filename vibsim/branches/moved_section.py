@@ -108,7 +108,9 @@ def impacts_of(node: Node) -> list[float]:
 
 def from_section(node: Node) -> float:
     """How near to the section a rigid stop is struck, as a share of the period; 1 where none is."""
-    return min((min(t, 1 - t) for t in impacts_of(node)), default=1.0)
+    if not any(kind in IMPACTS for kind, _ in node.point.end.carried.events):
+        return 1.0
+    return min(min(t, 1 - t) for t in impacts_of(node))
 
 
 def quiet_share(node: Node) -> float:

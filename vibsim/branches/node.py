@@ -1,13 +1,14 @@
 """A point of a branch: an orbit, the tangent of the branch there, and its test values."""
 
-from functools import cached_property
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 
-from vibsim.branches.arclength import correct, kernel, nearest
+from vibsim.branches.arclength import correct, kernel, length_of, tangent
 from vibsim.branches.family import Family, FamilyPoint
+from vibsim.branches.lapack import determinant
+from vibsim.once import once
 from vibsim.orbits.multipliers import ON_CIRCLE
 
 STEADY = 4.0  # times that the share of the parameter in the tangent may change where Newton holds it
@@ -33,15 +34,15 @@ class Node:
     def of(point: FamilyPoint, tangent: np.ndarray, iterations: int) -> "Node":
         """A node whose tangent is known."""
         node = Node(point, tangent, iterations)
-        node.tangent = tangent
+        node.__dict__["tangent"] = tangent
         return node
 
-    @cached_property
+    @once
     def tangent(self) -> np.ndarray:
         """Unit vector along the branch, scaled, the way that `along` points."""
-        return nearest(self.kernel, self.along)
+        return tangent(self.point.jacobian(), self.along)
 
-    @cached_property
+    @once
     def kernel(self) -> np.ndarray:
         """Orthonormal vectors that the curves through the point span, one per row."""
         return kernel(self.point.jacobian())
@@ -68,41 +69,43 @@ class Node:
     def multipliers(self) -> np.ndarray:
         return self.point.multipliers
 
-    @cached_property
+    @once
     def index(self) -> int:
         """Number of multipliers outside the unit circle; those of a family are on it but for rounding."""
-        return sum(abs(mu) > 1 for mu in self.own_multipliers.tolist())
+        return sum(abs(mu) > 1 for mu in self.own_multipliers)
 
-    @cached_property
-    def own_multipliers(self) -> np.ndarray:
+    @once
+    def own_multipliers(self) -> list[complex]:
         """The multipliers without those that are 1 because the orbit belongs to a family."""
-        distances = abs(self.multipliers - 1)
-        if not (distances < UNIT).any():
-            return self.multipliers
-        count = max(self.families, int(np.sum(distances < ON_CIRCLE)))
-        return np.delete(self.multipliers, np.argsort(distances)[:count])
+        every = self.multipliers.tolist()
+        distances = [abs(mu - 1) for mu in every]
+        if not any(distance < UNIT for distance in distances):
+            return every
+        count = max(self.families, sum(distance < ON_CIRCLE for distance in distances))
+        left_out = sorted(range(len(every)), key=distances.__getitem__)[:count]
+        return [mu for i, mu in enumerate(every) if i not in left_out]
 
     @property
     def ahead(self) -> float:
         """dp/ds, scaled: 0 at a fold."""
         return float(self.tangent[-1])
 
-    @cached_property
+    @once
     def fold(self) -> float:
         """det(P' - I), which is zero with a multiplier 1."""
-        return float(np.linalg.det(self.point.matrix - self.point.end.coordinates.one))
+        return determinant(self.point.matrix - self.point.end.coordinates.one)
 
-    @cached_property
+    @once
     def doubling(self) -> float:
         """det(P' + I), which is zero with a multiplier -1."""
-        return float(np.linalg.det(self.point.matrix + self.point.end.coordinates.one))
+        return determinant(self.point.matrix + self.point.end.coordinates.one)
 
-    @cached_property
+    @once
     def pairs(self) -> list[complex]:
         """Complex multipliers with positive imaginary part, one of each pair, the largest first."""
         return [mu for mu in self.multipliers.tolist() if mu.imag > REAL * abs(mu)]
 
-    @cached_property
+    @once
     def pairs_outside(self) -> int:
         return sum(abs(mu) > 1 for mu in self.pairs)
 
@@ -121,7 +124,7 @@ class Node:
         """Whether the orbit is one of a family at its parameter, or at neighbouring ones."""
         return len(self.own_multipliers) < len(self.multipliers)
 
-    @cached_property
+    @once
     def families(self) -> int:
         """Dimensions of the family that the orbit belongs to at its parameter: 0 for an orbit alone."""
         return len(self.kernel) - 1
@@ -157,7 +160,7 @@ def predicted(before: "Node | None", node: Node, step: float) -> np.ndarray:
     the same order of events, else along its tangent.
     """
     if before is not None and before.word == node.word:
-        length = float(np.linalg.norm(node.z - before.z))
+        length = length_of(node.z - before.z)
         if step <= LONGEST * length and goes_on(before, node):
             return _hermite(before, node, 1 + step / length, length)
     return np.asarray(node.z + step * node.tangent)
@@ -168,7 +171,7 @@ def goes_on(before: Node, node: Node) -> bool:
     section.
     """
     chord = node.z - before.z
-    return bool(node.tangent @ chord > STRAIGHT * np.linalg.norm(chord))
+    return bool(node.tangent @ chord > STRAIGHT * length_of(chord))
 
 
 def between(family: Family, one: Node, other: Node, share: float) -> Node:
@@ -176,7 +179,7 @@ def between(family: Family, one: Node, other: Node, share: float) -> Node:
     the hyperplane across their chord.
     """
     chord = other.z - one.z
-    length = float(np.linalg.norm(chord))
+    length = length_of(chord)
     near = one if share < 0.5 else other
     start = _hermite(one, other, share, length)
     limit = max(length, LEAST_LIMIT)
@@ -191,7 +194,7 @@ def between(family: Family, one: Node, other: Node, share: float) -> Node:
 
 def _hermite(one: Node, other: Node, share: float, length: float) -> np.ndarray:
     """The cubic through two nodes with their tangents."""
-    t = share
-    value = (2 * t**3 - 3 * t**2 + 1) * one.z + (3 * t**2 - 2 * t**3) * other.z
-    slopes = (t**3 - 2 * t**2 + t) * one.heading + (t**3 - t**2) * other.heading
-    return np.asarray(value + length * slopes)
+    t, rest = share, 1 - share
+    begin, end = rest * rest * t * length, t * t * rest * length
+    ahead = t * t * (3 - 2 * t)
+    return np.asarray(one.z + ahead * (other.z - one.z) + (begin * one.heading - end * other.heading))

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.branches.arclength import length_of
 from vibsim.branches.node import Node
 from vibsim.branches.special import Special
 from vibsim.branches.walk import Step
@@ -90,13 +91,13 @@ def orbit_record(node: Node) -> OrbitRecord:
         parameter=point.parameter,
         period=point.period,
         state=tuple(end.X.tolist()),
-        multipliers=tuple(complex(mu) for mu in node.multipliers),
+        multipliers=tuple(node.multipliers.tolist()),
         word=node.word,
         fold=node.fold,
         doubling=node.doubling,
         margin=float(end.margin),
         drift=tuple(end.drift.values()),
-        residual=float(np.linalg.norm(point.residual)),
+        residual=length_of(point.residual),
         uncertified=int(end.uncertified),
     )
 

@@ -34,4 +34,4 @@ class Pace:
 def turn(one: np.ndarray, other: np.ndarray) -> float:
     """Angle between two unit vectors [rad], right where it is small."""
     between = one - other
-    return 2.0 * asin(min(1.0, sqrt(between @ between) / 2))
+    return 2.0 * asin(min(1.0, sqrt(between.dot(between)) / 2))

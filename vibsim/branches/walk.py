@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.arclength import ContinuationError
+from vibsim.branches.arclength import ContinuationError, length_of
 from vibsim.branches.family import Family
 from vibsim.branches.grazing_end import grazing_end
 from vibsim.branches.inspection import detect, inspect
@@ -136,9 +136,8 @@ class Walk:
                 node = ahead_of(self.family, self.before, self.node, length, self.bend)
                 turned = turn(self.node.tangent, node.tangent)
                 chord = node.z - self.node.z
-                if turned <= SHARP and self.node.tangent @ chord > 0.9 * np.linalg.norm(chord):
-                    size = float(np.linalg.norm(node.z))
-                    return node, self.pace.following(length, turned, node.iterations, size)
+                if turned <= SHARP and self.node.tangent @ chord > 0.9 * length_of(chord):
+                    return node, self.pace.following(length, turned, node.iterations, length_of(node.z))
                 reason = "the branch turns too sharply"
             except ContinuationError as error:
                 reason = str(error)
@@ -194,10 +193,10 @@ class Walk:
         To the start itself, or to the same orbit some periods of the source later.
         """
         chord = node.z - self.node.z
-        length = float(np.linalg.norm(chord))
+        length = length_of(chord)
         for z in self._starts:
             share = float((z - self.node.z) @ chord) / length**2
-            if not 0 < share <= 1 or np.linalg.norm(z - self.node.z - share * chord) > length / 4:
+            if not 0 < share <= 1 or length_of(z - self.node.z - share * chord) > length / 4:
                 continue
             of_parameter = (z[-1] - self.node.z[-1]) / chord[-1] if chord[-1] else share
             for place in (share, float(of_parameter)):  # what `between` takes for a share
@@ -237,5 +236,5 @@ def landed(return_map: Any, X: np.ndarray) -> Any:
 
 def bend(before: Node, node: Node) -> float:
     """Change of dp/ds with s from one node to the next; 0 across an impact on the section."""
-    length = float(np.linalg.norm(node.z - before.z))
+    length = length_of(node.z - before.z)
     return (node.ahead - before.ahead) / length if length and goes_on(before, node) else 0.0

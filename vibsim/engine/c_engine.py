@@ -6,7 +6,7 @@ from array import array
 from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property, partial
 from time import monotonic
-from typing import Any
+from typing import Any, NamedTuple
 from weakref import ref
 
 import numpy as np
@@ -54,6 +54,7 @@ from vibsim.physics.period import common_period
 SAMPLE_ROOM, EVENT_ROOM, SECTION_ROOM = 65536, 4096, 1024  # at most
 MOST_RECALLED = 16  # modes that a run is told of before it meets them
 SECONDS = 0.1  # between two blocks where Python decides: Ctrl-C is heard there
+OF_OUTCOME = 5  # numbers that an outcome tells before the state
 ACCUMULATION, DIVERGED, UNDECIDED = 1, 2, 3
 REASONS = {ACCUMULATION: "accumulation", DIVERGED: "diverged"}
 
@@ -83,6 +84,21 @@ class Doubts(Certificate[float]):
         """Scouts find no turns."""
 
 
+class Outcome(NamedTuple):
+    """What a motion that carries disturbances has come to.
+
+    told : doubts, margin, number of the mode, events without a derivative, when the first was
+    state : t, x and v of each body, phase, turns, w
+    rates : of change of the components; empty where no disturbances were carried
+    vectors : disturbances (count, components)
+    """
+
+    told: list[float]
+    state: np.ndarray
+    rates: np.ndarray
+    vectors: np.ndarray
+
+
 # rows of samples, sample modes, events, event codes, section; time reached, time worked out to [s]
 Filled = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, tuple[float, float]]
 
@@ -106,7 +122,7 @@ class CRun:
         extremes: tuple[Sequence[Edge], Sequence[Gap], float] | None = None,
         lowest: int = LOWEST,
     ) -> None:
-        self.scene, self.n, self.lowest = scene, len(scene.bodies), lowest
+        self.scene, self.n, self.size, self.lowest = scene, len(scene.bodies), length(scene), lowest
         self.table, self.momentum = mode_table(scene, pitched=not carries), momentum
         self.keys, self.doubts = self.table.keys, Doubts(self)
         self.carries = carries or tangent[0] > 0  # disturbances, now or later, by which rules are made
@@ -190,15 +206,13 @@ class CRun:
 
     def _renew_starts(self, before: Scene, scene: Scene) -> None:
         """Renew what starts, disturbances and blows are told by, where that has changed."""
-
-        def changed(*names: str) -> bool:
-            return any(getattr(before, name) is not getattr(scene, name) for name in names)
-
-        if changed("stops", "frictions"):
+        touching = before.stops is not scene.stops or before.frictions is not scene.frictions
+        weighed = before.bodies is not scene.bodies or before.links is not scene.links
+        if touching:
             self.plain = None
-        if self.packer and (changed("bodies", "links", "stops", "frictions") or _arm(before) != _arm(scene)):
+        if self.packer and (touching or weighed or _arm(before) != _arm(scene)):
             self.packer = self.packer.of(scene)
-        if scene.rigid_stops and changed("stops"):
+        if touching and scene.rigid_stops:
             self.run.keep_blows(*pack_blows(scene, [], self.maker.ends))
 
     def _begin(self, state: State, status: Status, known: Known) -> None:
@@ -279,6 +293,8 @@ class CRun:
         return self.numbers[status]
 
     def _known(self, known: Known, missing: int) -> bytes:
+        if not known and missing == 0:
+            return bytes(array("i").itemsize * len(self.keys))
         orders = array("i", [missing]) * len(self.keys)
         for key, order in known.items():
             if key in self.keys:
@@ -414,20 +430,21 @@ class CRun:
     @cached_property
     def _room(self) -> np.ndarray:
         """Room for what a motion with all disturbances comes to."""
-        size = length(self.scene)
-        return np.empty(9 + 2 * self.n + size * (1 + size))
+        return np.empty(9 + 2 * self.n + self.size * (1 + self.size))
 
-    def outcome(self, count: int) -> tuple[list[float], np.ndarray, np.ndarray]:
-        """What the motion with `count` disturbances has come to: (doubts, margin, number of the mode, events
-        without a derivative, when the first was; t, x and v of each body, phase, turns, w), rates of change
-        of the components and disturbances (count, components); empty where none were carried.
-        """
-        size = length(self.scene)
-        if count > size:
-            self._room = np.empty(9 + 2 * self.n + size * (1 + count))
+    def outcome(self, count: int) -> Outcome:
+        """What the motion with `count` disturbances has come to."""
+        if count > self.size:
+            self._room = np.empty(9 + 2 * self.n + self.size * (1 + count))
         numbers = self._room[: self.run.outcome(self._room)].copy()
-        head = 9 + 2 * self.n
-        return numbers[:head].tolist(), numbers[head : head + size], numbers[head + size :].reshape(-1, size)
+        told, state = OF_OUTCOME, 9 + 2 * self.n
+        rates = state + self.size
+        return Outcome(
+            numbers[:told].tolist(),
+            numbers[told:state],
+            numbers[state:rates],
+            numbers[rates:].reshape(-1, self.size),
+        )
 
     @property
     def tally(self) -> dict[str, Any]:

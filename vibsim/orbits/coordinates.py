@@ -56,8 +56,9 @@ class Coordinates:
 
     def of_scene(self, scene: Scene) -> Coordinates:
         """Those of another scene with the same bodies, of which the same are joined."""
-        same = all(getattr(scene, name) is getattr(self.scene, name) for name in ("bodies", "links", "stops"))
-        if same and (scene.motor and scene.motor.e) == (self.scene.motor and self.scene.motor.e):
+        own = self.scene
+        same = own.bodies is scene.bodies and own.links is scene.links and own.stops is scene.stops
+        if same and (scene.motor and scene.motor.e) == (own.motor and own.motor.e):
             return self
         squares = weights(scene, Doubles)
         if squares == self._squares:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import inf, log
+from math import inf, log, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,14 +23,13 @@ def multipliers_of(end: Return) -> np.ndarray:
     Where bodies stick, or rest on each other, the motion forgets a direction: the matrix has lost rank, and
     what rounding leaves of that multiplier is made 0.
     """
-    weights = end.coordinates.weights
-    matrix = end.derivative * (weights[:, None] / weights)
-    values = np.linalg.eigvals(matrix).astype(complex)
-    values = values[np.lexsort((values.imag, values.real, -np.abs(values)))]
-    values[np.abs(values) <= ROUNDING * EPS * np.linalg.norm(matrix)] = 0.0
-    if len(values) and any(kind in FORGETS for kind, _ in end.events):
+    matrix = end.derivative * end.coordinates.ratios
+    rounding = ROUNDING * EPS * sqrt(np.vdot(matrix, matrix))
+    values = sorted(np.linalg.eigvals(matrix).tolist(), key=lambda mu: (-abs(mu), mu.real, mu.imag))
+    values = [mu if abs(mu) > rounding else 0.0 for mu in values]
+    if values and any(kind in FORGETS for kind, _ in end.events):
         values[-1] = 0.0
-    return values
+    return np.array(values, dtype=complex)
 
 
 def sides_of_circle(multipliers: np.ndarray) -> tuple[int, int, int]:

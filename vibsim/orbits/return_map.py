@@ -11,12 +11,12 @@ which has lost the multiplier 1 that a shift along the orbit brings.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from math import inf, isfinite
 
 import numpy as np
 
 from vibsim.engine.tangent.monodromy import Carried, Carrier
+from vibsim.once import once
 from vibsim.orbits.coordinates import Coordinates
 from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.section import section_of
@@ -44,27 +44,27 @@ class Return:
     ahead: float
     carried: Carried
 
-    @cached_property
+    @once
     def image(self) -> np.ndarray:
         return self.coordinates.of(self.carried.state)
 
-    @cached_property
+    @once
     def flow_matrix(self) -> np.ndarray:
         """M = d X(T) / dX at the same T (m x m)."""
         return self.coordinates.of(self.carried.vectors).T
 
-    @cached_property
+    @once
     def rate(self) -> np.ndarray:
         """Rates of change of the unknowns at the end."""
         return self.coordinates.of(self.carried.rate)
 
-    @cached_property
+    @once
     def tilt(self) -> tuple[np.ndarray, float] | None:
         """(d p(T) / dX, dp/dt) of the pinned component p; None where T is known."""
         p = self.coordinates.section.pinned
         return None if p is None else (self.carried.vectors[:, p], float(self.carried.rate[p]))
 
-    @cached_property
+    @once
     def derivative(self) -> np.ndarray:
         """dP/dX, the reduced monodromy matrix (m x m); its eigenvalues are the multipliers."""
         if self.tilt is None:
@@ -72,12 +72,12 @@ class Return:
         slopes, rate = self.tilt
         return self.flow_matrix - np.outer(self.rate, slopes / rate)
 
-    @cached_property
+    @once
     def difference(self) -> np.ndarray:
         """image - X, what Newton's method brings to 0."""
         return self.image - self.X
 
-    @cached_property
+    @once
     def residual(self) -> float:
         """How far the motion is from closing, as weighed [m/s]: difference, and what is left of the turn."""
         return max(self.coordinates.size(self.difference), self._missing)
@@ -91,7 +91,7 @@ class Return:
             return abs(self.ahead)
         return abs(self.ahead / self.tilt[1]) * self.pace
 
-    @cached_property
+    @once
     def pace(self) -> float:
         """Size of the rates of change at the end, as weighed [m/s^2]."""
         return self.coordinates.size(self.rate)

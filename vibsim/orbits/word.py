@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
 
 from vibsim.physics.parts import Scene
 
@@ -29,6 +30,7 @@ def word_of(events: Iterable[tuple[str, int]]) -> Word:
     return tuple((kind, part) for kind, part in events if kind in LETTERS)
 
 
+@lru_cache(maxsize=4096)
 def cyclic(word: Word) -> Word:
     """The least of all rotations of a word: orbits are compared by it, wherever the section cuts them."""
     doubled = word + word

@@ -42,6 +42,8 @@ def common_period(scene: Scene[Any]) -> Period | None:
     pitches = list(dict.fromkeys((term.cycles, term.cycles_lo) for term in strong or terms))
     if not pitches:
         return None
+    if len(pitches) == 1:
+        return Period(*pitches[0], 1)
     exact = [Fraction(cycles) + Fraction(cycles_lo) for cycles, cycles_lo in pitches]
     turns = 1
     for frequency in exact[1:]:

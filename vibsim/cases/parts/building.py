@@ -1,6 +1,5 @@
 """From the values of the long form to a scene of parts: exact quantities to numbers, each rounded once."""
 
-from dataclasses import replace
 from typing import Any
 
 from vibsim.cases.parts.ends import BASE as BASE_END
@@ -52,7 +51,7 @@ def rebuild_parts(scene: Scene, values: Values, section: str, numbers: NumberTyp
     if section not in FIELDS:
         return build_parts(values, numbers)
     changed: dict[str, Any] = {FIELDS[section]: _SceneBuilder(values, numbers).section(section)}
-    return replace(scene, **changed)
+    return scene.but(**changed)
 
 
 class _SceneBuilder:

@@ -17,7 +17,6 @@ Place = tuple[str | int, ...]  # names of fields and numbers of parts, from the 
 Numbers = dict[Place, float]
 
 PARTS = ("bodies", "links", "stops", "frictions", "forces", "base", "clearances")
-SETTINGS = ("method", "order", "tol", "stop_on_violation")
 FREE = {  # what no row holds
     Body: ("x", "v"),
     Stop: ("at_start",),
@@ -32,16 +31,20 @@ def differences(one: Scene, other: Scene) -> Numbers | None:
     """The numbers in the rows of `other` that are not those of `one`, by place; None where their modes have
     not the same form.
     """
-    if any(getattr(one, name) != getattr(other, name) for name in SETTINGS):
-        return None
-    mine, theirs = one.motor, other.motor
-    if (mine and mine.on) != (theirs and theirs.on) or (mine is None) != (theirs is None):
+    if _settings(one) != _settings(other):
         return None
     numbers: Numbers = {}
     for name in PARTS:
-        if not _alike(getattr(one, name), getattr(other, name), (name,), numbers):
+        here, there = getattr(one, name), getattr(other, name)
+        if here is not there and not _alike(here, there, (name,), numbers):
             return None
     return numbers
+
+
+def _settings(scene: Scene) -> tuple[object, ...]:
+    """How a scene is run, and on which body a motor is."""
+    on = None if scene.motor is None else scene.motor.on
+    return scene.method, scene.order, scene.tol, scene.stop_on_violation, on
 
 
 def _alike(one: Any, other: Any, place: Place, numbers: Numbers) -> bool:
@@ -56,10 +59,10 @@ def _alike(one: Any, other: Any, place: Place, numbers: Numbers) -> bool:
         numbers[place] = other
         return (one > 0) == (other > 0) and (one < 0) == (other < 0) and place[-1] not in STEADY
     if isinstance(one, tuple):
-        return len(one) == len(other) and all(
-            _alike(*pair, (*place, i), numbers) for i, pair in enumerate(zip(one, other, strict=True))
-        )
-    if not hasattr(one, "__dataclass_fields__"):
+        if len(one) != len(other):
+            return False
+        return all(_alike(part, other[i], (*place, i), numbers) for i, part in enumerate(one))
+    if isinstance(one, str | int) or one is None:
         return bool(one == other)
     if isinstance(one, Friction) and any(one.drops(sense) != other.drops(sense) for sense in (1, -1)):
         return False
@@ -67,10 +70,12 @@ def _alike(one: Any, other: Any, place: Place, numbers: Numbers) -> bool:
         not same_bits(getattr(one, name), getattr(other, name)) for name in FREE[Harmonic]
     ):
         return False
-    return all(
-        _alike(getattr(one, name), getattr(other, name), (*place, name), numbers)
-        for name in _names(one.__class__)
-    )
+    mine, theirs = vars(one), vars(other)
+    for name in _names(one.__class__):
+        here, there = mine[name], theirs[name]
+        if here is not there and not _alike(here, there, (*place, name), numbers):
+            return False
+    return True
 
 
 def same_bits(one: float, other: float) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from vibsim.engine.flows.modal import Pitch, pitch
@@ -41,30 +42,45 @@ def harmonic(term: Harmonic) -> tuple[float, ...]:
     return term.amplitude, term.omega, term.cycles, term.cycles_lo, term.phase
 
 
+tolerance_exponent = lru_cache(maxsize=16)(elementary.log2)  # of the one or two tolerances that there are
+
+
 def pack_scene(scene: Scene, harmonics: Sequence[Pitch]) -> Packed:
     """The scene as bytes of ints and of doubles. harmonics: distinct pitches, as `ClosedForm.harmonics`."""
-    pack, motor = Packer(), scene.motor
-    parts = len(scene.stops) + len(scene.frictions) + len(scene.clearances)
-
-    def number(term: Harmonic) -> int:
-        return harmonics.index(pitch(term)) if term.amplitude != 0 else -1
-
-    pack.put(
-        (len(scene.bodies), parts, len(scene.clearances), len(harmonics), len(scene.forces), len(scene.base))
+    motor, settings = (
+        scene.motor,
+        (tolerance_exponent(scene.tol), scene.t_end, scene.every_num, scene.every_den),
     )
-    pack.put((motor is not None, motor.on if motor else 0, rest_columns(scene)))
-    pack.put((scene.stop_on_violation, scene.order))
-    pack.put((), (motor.m3, motor.e, motor.J, motor.M0, motor.Omega0) if motor else (0.0,) * 5)
-    pack.put((), (elementary.log2(scene.tol), scene.t_end, scene.every_num, scene.every_den))
-    pack.put((), (body.m for body in scene.bodies))
+    parts = len(scene.stops) + len(scene.frictions) + len(scene.clearances)
+    pack = Packer()
+    ints, doubles = pack.ints, pack.doubles
+
+    def put(term: Harmonic) -> None:
+        ints.append(harmonics.index(pitch(term)) if term.amplitude != 0 else -1)
+        doubles.extend(harmonic(term))
+
+    ints += (
+        len(scene.bodies),
+        parts,
+        len(scene.clearances),
+        len(harmonics),
+        len(scene.forces),
+        len(scene.base),
+    )
+    ints += (motor is not None, motor.on if motor else 0, rest_columns(scene))
+    ints += (scene.stop_on_violation, scene.order)
+    doubles += (motor.m3, motor.e, motor.J, motor.M0, motor.Omega0) if motor else (0.0,) * 5
+    doubles += settings
+    doubles += [body.m for body in scene.bodies]
     for one in harmonics:
-        pack.put((), (1.0, *one))
+        doubles += (1.0, *one)
     for term in scene.base:
-        pack.put((number(term),), harmonic(term))
+        put(term)
     for force in scene.forces:
-        pack.put((force.on, len(force.terms)), (force.constant,))
+        ints += (force.on, len(force.terms))
+        doubles.append(force.constant)
         for term in force.terms:
-            pack.put((number(term),), harmonic(term))
+            put(term)
     return pack.packed
 
 

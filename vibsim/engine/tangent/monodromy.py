@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from math import isfinite, nan
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -179,16 +179,31 @@ class Carrier:
         run = self._tuned()
         run.restart(self._start(components), end, vectors)
         states, codes = run.run_out()
-        head, rates, moved = run.outcome(len(vectors))
-        uncertified, margin, mode, undefined, undefined_time, *numbers = head
-        n = run.n
-        state = State(numbers[0], numbers[1 : n + 1], numbers[n + 1 : 2 * n + 1], *numbers[2 * n + 1 :])
-        there = rates if len(vectors) else partial(self._rate_by, state, run.rates_of(int(mode)))
-        happened = codes[:, 1:-1].T.copy()  # without start and end
-        table = states[:, 1:-1].T[:, self._order]
-        return self._told(
-            state, there, moved, happened, table, (uncertified, margin), (undefined, undefined_time)
+        there = run.outcome(len(vectors))
+        uncertified, margin, mode, undefined, undefined_time = there.told
+        return Carried(
+            self._ends(there.state),
+            there.rates if len(vectors) else partial(self._rate_of, there.state, run.rates_of(int(mode))),
+            np.full_like(there.vectors, nan) if undefined else there.vectors,
+            codes[:, 1:-1].T.copy(),  # without start and end
+            states[:, 1:-1].T[:, self._order],
+            int(uncertified),
+            margin,
+            undefined_time if undefined else nan,
         )
+
+    def _ends(self, numbers: np.ndarray) -> np.ndarray:
+        """The components of a state: t, x and v of each body, phase, turns, w."""
+        components = numbers[1:-3]
+        if self.scene.motor is None:
+            return components
+        phase, turns, w = numbers[-3:].tolist()
+        return np.array([*components.tolist(), Doubles.unwind(phase, turns), w])
+
+    def _rate_of(self, numbers: np.ndarray, rows: Callable[[], ModeRows]) -> np.ndarray:
+        """Rates of change of the components of such a state; rows: makes those of its mode."""
+        n, (t, *values) = len(self.scene.bodies), numbers.tolist()
+        return self._rate(State(t, values[:n], values[n : 2 * n], *values[2 * n :]), rows())
 
     def _tuned(self) -> CRun:
         """The run on the C engine, on the numbers of this scene."""
@@ -251,10 +266,6 @@ class Carrier:
         rotor = (Doubles.unwind(state.phase, state.turns), state.w) if motor else ()
         return [*state.x, *state.v, *rotor]
 
-    def _rate_by(self, state: State, rows: Callable[[], ModeRows]) -> np.ndarray:
-        """The same with what makes the rows."""
-        return self._rate(state, rows())
-
     def _rate(self, state: State, rows: ModeRows) -> np.ndarray:
         """Rates of change of the components of a state in the mode of `rows`."""
         a, alpha = accelerations(self.scene, Doubles, rows, state)
@@ -292,13 +303,17 @@ def _finite(values: np.ndarray) -> bool:
 
 def _free(scene: Scene) -> Scene:
     """The scene without samples and what only its own start and end have a say in."""
-    stops = tuple(replace(stop, at_start=False) if stop.at_start else stop for stop in scene.stops)
-    clearances = tuple(replace(one, at_start=False) if one.at_start else one for one in scene.clearances)
-    return replace(
-        scene,
-        stops=scene.stops if stops == scene.stops else stops,
-        clearances=scene.clearances if clearances == scene.clearances else clearances,
+    return scene.but(
+        stops=_not_at_start(scene.stops),
+        clearances=_not_at_start(scene.clearances),
         stop_on_violation=False,
         every_num=10**9,
         every_den=1,
     )
+
+
+def _not_at_start(parts: Any) -> Any:
+    """Stops or clearances that no start is exactly at; the same object where none is."""
+    if not any(part.at_start for part in parts):
+        return parts
+    return tuple(replace(part, at_start=False) if part.at_start else part for part in parts)

@@ -7,12 +7,11 @@ from functools import cached_property
 
 import numpy as np
 
-from vibsim.engine.modes.packing import Packed, Packer
+from vibsim.engine.modes.packing import Packed, Packer, tolerance_exponent
 from vibsim.engine.modes.rows import Joined
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.tangent.tangent_space import Gauge, components, natural_rate, weights
 from vibsim.engine.tangent.tangent_taylor import reach
-from vibsim.physics import elementary
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import RigidStop, Scene
 
@@ -70,6 +69,6 @@ def _numbers(scene: Scene, begin: float) -> bytes:
     pack.put((), (0.0 if isinstance(stop, RigidStop) else stop.c for stop in scene.stops))
     for friction in scene.frictions:
         pack.put((), friction.starts)
-    farthest = reach(Doubles, scene.order, elementary.log2(scene.tol))
+    farthest = reach(Doubles, scene.order, tolerance_exponent(scene.tol))
     pack.put((), (begin, farthest, natural_rate(scene, Doubles), *weights(scene, Doubles)))
     return pack.packed[1]
