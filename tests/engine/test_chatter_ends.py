@@ -176,3 +176,23 @@ def test_two_stops_at_one_place_act_as_one(e):
     ends = [r.events["t"][r.events["kind"] == EVENT_KINDS["rest_begin"]] for r in (single, fast)]
     assert len(ends[1]) == 2 and abs(ends[1] - ends[0]).max() < 1e-16
     assert fast.totals["chatter_time"] > 0 and fast.totals["uncertified"] == 0
+
+
+def test_friction_on_a_body_that_rests_on_the_one_that_hops_ends_the_chatter_too():
+    """It turns round at the top of each hop of both: only that of the struck body itself was looked for, and
+    hops went on within the rounding of displacements, in doubt, without a chatter.
+    """
+    bodies = (Body("front", 1.0, 0.99, 0.1), Body("back", 0.7, 0.99, 0.1))
+    stops = (
+        RigidStop("wall", 0, GROUND, 1.0, COMPRESSION, 0.5),
+        RigidStop("pair", 1, 0, 0.0, COMPRESSION, 0.0, True),
+    )
+    rubbing, push = Friction("f", 1, GROUND, 0.8, 0.8, 0.0), Force("F", 1, 3.0, ())
+    scene = Scene(bodies, (), stops, (rubbing,), (push,), t_end=0.6, every_num=1, every_den=50)
+    fast, slow = run(scene, "c", most=1000), run(scene, "python", most=1000)
+    assert differences(fast, slow) == []
+    assert fast.totals["chatters"] == 1 and fast.totals["uncertified"] == 0
+    _, exact, *_ = truth(exact_parts(scene), 40)
+    ends = [table["t"][table["kind"] == EVENT_KINDS["chatter"]][-1] for table in (fast.events, exact)]
+    left_out = fast.totals["chatter_time"]
+    assert abs(ends[0] + left_out - ends[1]) < left_out / 10

@@ -446,10 +446,12 @@ class RigidStops(Generic[N]):
         self.cut_off.add(t, after / (1 - e), speed, speed * after / 8)
 
     def _rubbing(self, state: State[N], status: Status, contact: Contact[N], speed: N) -> list[int]:
-        """Frictions at an end of a stop that slip so slowly that a hop which begins with a speed [m/s] turns
-        them round.
+        """Frictions at an end of a stop, or at what moves with it, that slip so slowly that a hop which
+        begins with a speed [m/s] turns them round.
         """
-        ends = {column for column in (contact.P, contact.Q) if column < self.maker.n}
+        leader, n = self.maker.ties(status)[0], self.maker.n
+        hopping = {leader[column] for column in (contact.P, contact.Q) if leader[column] < n}
+        ends = {column for column in range(n) if leader[column] in hopping}
         return [
             i
             for i, one in enumerate(self.scene.frictions)
