@@ -1,9 +1,22 @@
 """What rests at the start goes on under the forces that there are behind it, those of stops included."""
 
+from math import pi, sin
+
 import pytest
 
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.parts import BASE, GROUND, Body, Force, Friction, Harmonic, Scene, Stop
+from vibsim.physics.parts import (
+    BASE,
+    COMPRESSION,
+    GROUND,
+    Body,
+    Force,
+    Friction,
+    Harmonic,
+    RigidStop,
+    Scene,
+    Stop,
+)
 
 LIMIT = 0.5  # of the friction between the bodies [N]
 
@@ -42,3 +55,22 @@ def test_a_damper_that_is_touched_at_the_start_sets_the_sense_of_slip(engine):
     assert samples["v_a"][-1] - 0.15 == pytest.approx(-0.9e-3, rel=0.03)
     assert samples["v_b"][-1] - 0.15 == pytest.approx(-LIMIT * 1e-3, rel=1e-9)
     assert run.totals["loss_friction"] > 0
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+@pytest.mark.parametrize("phase", (-pi / 2, pi / 2))
+def test_a_base_that_turns_round_at_the_start_strikes_nothing(phase, engine):
+    """cos(90 deg) is 6e-17 in doubles: no impact and no beginning of a stick comes of it."""
+    base = (Harmonic(0.001, 9.0, 9.0 / (2 * pi), 0.0, phase),)
+    x = 0.001 if phase > 0 else -0.001
+    parts = {"base": base, "t_end": 0.2, "every_den": 100}
+    push = (Force("weight", 0, -1.0, ()),)
+    table = (RigidStop("table", BASE, 0, 0.0, COMPRESSION, 0.5, at_start=True),)
+    ball = open_trajectory(Scene((Body("m", 1.0, x, 0.0),), stops=table, forces=push, **parts), engine)
+    rub = (Friction("rub", 0, BASE, 1.0, 1.0, 0.0),)
+    carried = open_trajectory(Scene((Body("m", 1.0, x, 0.0),), frictions=rub, **parts), engine)
+    for run, name in ((ball, "table"), (carried, "rub")):
+        blocks = list(run.blocks())
+        assert sum(len(block.events["t"]) for block in blocks) == 2  # start and end
+        assert all((block.samples[name] == (3 if name == "table" else 0)).all() for block in blocks)
+        assert blocks[-1].samples["x_m"][-1] == pytest.approx(0.001 * sin(9.0 * 0.2 + phase), abs=1e-17)

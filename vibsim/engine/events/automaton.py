@@ -50,6 +50,7 @@ from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import AT_FORCE, Clearance, Friction, RigidStop, Scene, Stop
 
 JET = 7  # order of the highest derivative consulted where lower ones vanish
+TURN_ROUNDING = 4  # in units of eps: of a phase, which is at most pi, and of its cosine
 
 
 class Automaton(Generic[N]):
@@ -132,7 +133,13 @@ class Automaton(Generic[N]):
         return values[P], values[Q]
 
     def _base(self, state: State[N], of: str) -> N:
-        return value_and_rate(self.kit, self.scene.base, state.t)[0 if of == "x" else 1]
+        """Displacement or velocity of the base, which is 0 where it turns round at the start: cos(90 deg)."""
+        value, rate = value_and_rate(self.kit, self.scene.base, state.t)
+        if of == "x":
+            return value
+        fastest = sum((abs(one.amplitude * one.omega) for one in self.scene.base), self.kit.number(0))
+        turns = state.t == 0 and abs(rate) <= TURN_ROUNDING * self.kit.eps * fastest
+        return self.kit.number(0) if turns else rate
 
     def _depth(self, stop: Stop[N] | RigidStop[N], state: State[N]) -> N:
         xP, xQ = self._ends(stop, state, "x")
