@@ -109,6 +109,8 @@ def test_another_branch_is_kept(whole, tmp_path):
         ("Omega0", "5:6 kg", ValueError, "excitation.Omega0 is no mass"),
         ("c", "-1:1", ValueError, "coupling.c must be >= 0, got -1 N s/m"),
         ("nothing", "1:2", UnknownKeyError, "unknown key"),
+        ("run.tol", "1e-18:1e-10", ValueError, "no orbit depends on run.tol; follow a number of the bodies"),
+        ("x1", "-1:1 m", ValueError, "no orbit depends on initial.x1"),
     ],
 )
 def test_what_cannot_be_followed(whole, key, span, error, message):

@@ -100,6 +100,7 @@ def test_failed_points_end_in_exit_code_5():
         (("--omega0", "3,4", "--compute", "powr"), 2, "did you mean power?"),
         (("--omega0", "3,4", "--spread", "x1=1mm"), 2, "needs an ensemble"),
         (("--omega0", "3,4", "--spread", "x1"), 2, "is not KEY=HOW"),
+        (("--omega0", "3,4", "--seed", "1"), 2, "--seed draws the members of --ensemble, which is not given"),
         (("--ensemble", "3", "--spread", "x1=1kg"), 2, "must be a length"),
         (("--ensemble", "3", "--spread", "m1=1kg"), 3, "--spread blocks.m1: must be > 0"),
     ],

@@ -55,6 +55,9 @@ def test_from_a_stored_orbit_to_a_neighbour(tmp_path):
     done = call("orbit", "II-B", *CAPTURED, "-o", path)
     assert done.exit_code == 6 and "exists; kept" in done.stderr
     assert call("orbit", "II-B", "--from", tmp_path / "run.h5").exit_code == 6
+    other = call("orbit", "gallery/bilinear-oscillator", "--from", path)
+    assert other.exit_code == 6
+    assert f"{path}: holds an orbit of II-B, which has no x_mass, v_mass to start bilinear-" in other.stderr
 
 
 def test_a_search_stores_each(tmp_path):

@@ -14,7 +14,7 @@ from vibsim.branches.arclength import correct, tangent
 from vibsim.branches.branch import Branch, SpecialPoint
 from vibsim.branches.holding import held
 from vibsim.branches.locus import KINDS, WATCHED, Plane, PlanePoint, follow_pair
-from vibsim.branches.plan import BranchError, BranchPlan, value_in
+from vibsim.branches.plan import BranchError, BranchPlan, must_matter, value_in
 from vibsim.branches.special import GRAZING, STICKING, TORUS
 from vibsim.branches.touching import CONTACTS
 
@@ -117,8 +117,8 @@ def locus_plan(
 ) -> LocusPlan:
     """The plan of following the special point `label` of a branch over a second parameter.
 
-    Raises BranchError for a label that is none or cannot be followed, a key that is the branch's own, and a
-    range without the value of the case.
+    Raises BranchError for a label that is none or cannot be followed, a key that is the branch's own or
+    that no orbit depends on, and a range without the value of the case.
     """
     try:
         special = branch.special(label)
@@ -129,6 +129,7 @@ def locus_plan(
     if set(keys) & set(branch.plan.keys):
         raise BranchError(f"{keys[0]} is the parameter of the branch; a locus needs another")
     value = value_in(branch.case.quantity(keys[0]), unit)
+    must_matter(branch.case, keys)
     low, high = sorted(span)
     if not low <= value <= high or low == high:
         raise BranchError(

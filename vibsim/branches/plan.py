@@ -17,6 +17,7 @@ from vibsim.cases import Case
 
 PACE = Pace()
 FIRST_STEP = 0.1  # scaled, that the first correction of the start may have
+ASIDE = ("run", "initial", "clearances", "rest_distance")  # sections of a case that move no orbit
 
 
 class BranchError(ValueError):
@@ -120,9 +121,10 @@ class BranchPlan:
 def plan_from(orbit: Any, keys: Sequence[str], unit: str, span: tuple[float, float]) -> BranchPlan:
     """The plan of a branch through an orbit (a `vibsim.orbits.Orbit` with its case).
 
-    Raises BranchError where the range is empty or the orbit is not within it.
+    Raises BranchError where no orbit depends on the key, the range is empty or the orbit is not within it.
     """
     case = orbit.case
+    must_matter(case, keys)
     quantity = case.quantity(keys[0])
     parameter = value_in(quantity, unit)
     low, high = sorted(span)
@@ -137,6 +139,15 @@ def plan_from(orbit: Any, keys: Sequence[str], unit: str, span: tuple[float, flo
     travel = end.coordinates.travel(end.carried) or end.coordinates.size(end.X) or 1.0
     start = tuple(float(value) for value in orbit.X), orbit.period, parameter, travel
     return BranchPlan(case, tuple(keys), unit, (low, high), orbit.n, *start)
+
+
+def must_matter(case: Case, keys: Sequence[str]) -> None:
+    """Raise BranchError for a number of the case that no orbit depends on."""
+    for key in map(case.full_key, keys):
+        if key.partition(".")[0] in ASIDE:
+            raise BranchError(
+                f"no orbit depends on {key}; follow a number of the bodies, the parts or the source"
+            )
 
 
 def value_in(quantity: Any, unit: str) -> float:

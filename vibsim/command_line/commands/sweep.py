@@ -54,8 +54,8 @@ DEFAULT_CASE = "II-B"
     help="Run N members at every point, each with other start values.",
 )  # fmt: skip
 @click.option(
-    "--seed", type=click.IntRange(min=0), default=0, metavar="S", show_default=True,
-    help="Of the members' draws; member 7 of a seed is the same in an ensemble of any size.",
+    "--seed", type=click.IntRange(min=0), metavar="S",
+    help="Of the members' draws; member 7 of a seed is the same in an ensemble of any size. [default: 0]",
 )  # fmt: skip
 @click.option(
     "--spread", "spreads", metavar="KEY=HOW", multiple=True, callback=once_each,
@@ -147,6 +147,8 @@ def command(
     axes = [("", text, "Hz", option) for option, text in (("--omega0", omega0), ("--omega", omega)) if text]
     axes += [(key, text, "", "--param") for key, text in params]
     settings["compute"] = [name.strip() for name in computed.split(",") if name.strip()]
-    plan = read_plan(source, values, axes, (ensemble or 0, seed, spreads), settings)
+    if seed is not None and not ensemble:
+        raise click.UsageError("--seed draws the members of --ensemble, which is not given")
+    plan = read_plan(source, values, axes, (ensemble or 0, seed or 0, spreads), settings)
     plan, output = sharded(plan, shard, output)
     return run_sweep(plan, output, workers_for(plan, jobs, scheduler, engine), engine, force, ctx.obj)

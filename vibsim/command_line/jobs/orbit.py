@@ -14,6 +14,7 @@ from vibsim.command_line.terminal.progress import Progress
 from vibsim.command_line.text.orbit import orbit_lines, orbit_object, orbit_row
 from vibsim.command_line.text.quantities import counted, size
 from vibsim.command_line.text.summary import heading, print_lines
+from vibsim.engine.columns import state_columns
 from vibsim.files.errors import ResultFileError
 from vibsim.files.output_file import check_output
 from vibsim.files.signals import interrupted_with
@@ -60,6 +61,18 @@ class Wish:
             raise ResultFileError(f"{self.start}: holds a run and no orbit; give it in place of the case")
         return stored
 
+    def check_likeness(self, case: Case, stored: Result | None) -> None:
+        """Raise ResultFileError where the orbit to start from is one of other bodies than the case has."""
+        if stored is None:
+            return
+        case = case.with_values(self.changes) if self.changes else case
+        missing = [name for name in state_columns(case.scene()) if name not in stored]
+        if missing:
+            raise ResultFileError(
+                f"{self.start}: holds an orbit of {stored.case.name}, which has no {', '.join(missing)} "
+                f"to start {case.name} from"
+            )
+
 
 def _run(path: str) -> Result:
     if kind_of(path) != "trajectory":
@@ -88,10 +101,10 @@ class Row:
 
 def find_one(wish: Wish, settings: Settings) -> int:
     """Find one orbit and print it; returns the exit code."""
+    subject, beginning = wish.subject(), wish.beginning()
+    wish.check_likeness(subject.case if isinstance(subject, Result) else subject, beginning)
     with interrupted_with(lambda: f"{wish.output} is not written" if wish.output else ""):
-        row = _kept(
-            orbit(wish.subject(), wish.changes, wish.beginning(), wish.period, wish.engine), wish, wish.output
-        )
+        row = _kept(orbit(subject, wish.changes, beginning, wish.period, wish.engine), wish, wish.output)
     if settings.json:
         print_json(row.object)
     elif not settings.quiet:
