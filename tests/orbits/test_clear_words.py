@@ -73,3 +73,25 @@ def test_an_orbit_that_grazes_a_rigid_stop(tmp_path):
 def test_chatter_in_many_digits_is_told_briefly():
     done = call("orbit", "gallery/chattering-oscillator", "--digits", "20")
     assert done.exit_code != 0 and "impacts" in done.stderr and len(done.stderr) < 400
+
+
+TWO_ON_A_BELT = """
+name: two-on-a-belt
+bodies: {a: 1 kg, b: 1 kg}
+links:
+  to_a: {between: [a, ground], k: 1 N/m}
+  to_b: {between: [b, ground], k: 1 N/m}
+  across: {between: [a, b], k: 1.2 N/m}
+friction:
+  fa: {between: [a, ground], law: stribeck hyperbolic, N: 1 N, mu_s: 1, mu_d: 0.1, d: 3 s/m, belt: 99.5mm/s}
+  f2: {between: [b, ground], law: stribeck hyperbolic, N: 1.3 N, mu_s: 1, mu_d: 0.1, d: 3 s/m, belt: 99.5mm/s}
+initial: {a: {x: 0.3 m}, b: {x: -0.2 m}}
+run: {t_end: 60 s, every: 0.1 s}
+"""
+
+
+def test_a_step_of_newtons_method_that_ends_where_a_body_sticks(tmp_path):
+    """Two blocks on a belt (Galvanetto): at the end of a trial the first sticks, and does not turn round."""
+    (tmp_path / "two.yaml").write_text(TWO_ON_A_BELT)
+    done = call("orbit", tmp_path / "two.yaml")
+    assert done.exit_code == 4 and "the run does not come near itself" in done.stderr

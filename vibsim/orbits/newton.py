@@ -75,6 +75,12 @@ def _first(return_map: ReturnMap, X: np.ndarray, T: float | None) -> Return:
         end = return_map(X, T)
     except EngineError as error:
         raise NotConverged(f"the motion from the start of Newton's method fails: {error}", np.inf) from error
+    if end.stands_still:
+        raise NotConverged(
+            "the start of Newton's method does not come back to the section: what should turn round there "
+            f"stands still after {end.T:.6g} s; start from a run that has settled more",
+            np.inf,
+        )
     if not _has_derivative(end):
         raise NotConverged(
             "the motion from the start of Newton's method has no derivative: at "
@@ -87,7 +93,7 @@ def _first(return_map: ReturnMap, X: np.ndarray, T: float | None) -> Return:
 
 def _has_derivative(end: Return) -> bool:
     """Whether small disturbances of the start make small ones of the end."""
-    return isfinite(end.residual) and isnan(end.carried.undefined_at)
+    return not end.stands_still and isfinite(end.residual) and isnan(end.carried.undefined_at)
 
 
 def _bound(end: Return) -> float:

@@ -64,6 +64,13 @@ class Return:
         p = self.coordinates.section.pinned
         return None if p is None else (self.carried.vectors[:, p], float(self.carried.rate[p]))
 
+    @property
+    def stands_still(self) -> bool:
+        """Whether the pinned component does not move at the end, as a body that sticks to a belt: no time
+        of return follows from a disturbance.
+        """
+        return self.tilt is not None and self.tilt[1] == 0.0
+
     @once
     def derivative(self) -> np.ndarray:
         """dP/dX, the reduced monodromy matrix (m x m); its eigenvalues are the multipliers."""
