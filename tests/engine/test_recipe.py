@@ -1,5 +1,7 @@
 """Packed modes that follow from numbers of the scene are those that are made anew."""
 
+import gc
+import weakref
 from dataclasses import replace
 from math import sqrt
 
@@ -67,6 +69,23 @@ def test_scenes_over_a_damping_share_one_run(monkeypatch):
     for factor in (1.0, 1.1, 0.9):
         first.of(with_links(of, factor)).carry([0.0, 0.0, 0.2, 0.0], 1.0)
     assert len(made) == 1
+
+
+def test_a_run_goes_with_its_carriers():
+    """Without the collector of cycles: branches open many."""
+    of = load_case("I-A").scene()
+    gc.collect()
+    gc.disable()
+    try:
+        first = Carrier(of, "c")
+        second = first.of(with_links(of, 1.1))
+        for one in (first, second):
+            one.carry([0.0, 0.0, 0.2, 0.0], 1.0)
+        run = weakref.ref(first._shared.run)
+        del first, second, one
+        assert run() is None
+    finally:
+        gc.enable()
 
 
 def test_what_decides_on_the_form_of_modes():

@@ -33,7 +33,11 @@ class Record:
         self.count, self.values = len(inputs), list(inputs)
         self.steps: list[tuple[int, Step]] = []
         self.comparisons: list[tuple[Step, bool]] = []
-        self.inputs = [Recorded(self, place) for place in range(self.count)]
+
+    @property
+    def inputs(self) -> list[Recorded]:
+        """The numbers to begin with."""
+        return [Recorded(self, place) for place in range(self.count)]
 
     def place(self, number: Any) -> int:
         """Where a number is, a constant in a place of its own."""

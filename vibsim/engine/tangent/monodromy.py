@@ -100,14 +100,14 @@ class Carried:
 
 
 class _Shared:
-    """A run on the C engine that carriers of several scenes use by turns, and the one that it is on.
+    """A run on the C engine that carriers of several scenes use by turns, and the scene that it is on.
 
     first : the scene that it begins with; packed : its numbers
     """
 
     def __init__(self, first: Scene) -> None:
         self.first, self.packed = first, pack_scene(first, pitches(first))
-        self.on: Carrier | None = None
+        self.on: Scene | None = None
 
     @cached_property
     def run(self) -> CRun:
@@ -208,9 +208,9 @@ class Carrier:
     def _tuned(self) -> CRun:
         """The run on the C engine, on the numbers of this scene."""
         shared = self._shared
-        if shared.on is not self:
+        if shared.on is not self.scene:
             shared.run.retune(self.scene, self._packed, self._table)
-        shared.on = self
+        shared.on = self.scene
         return shared.run
 
     @cached_property
