@@ -2,6 +2,7 @@
 
 from math import cos, exp, pi, sin, sqrt
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -83,3 +84,34 @@ def test_where_a_ball_comes_to_rest_there_are_quotients():
     told = vibsim.monodromy("gallery/bouncing-ball", {"x_ball": 0.1}, 2.0, ("weight.F0",))
     assert "rest_begin" in {kind for kind, _ in told.events}
     assert told.by_parameter["weight.F0"] == pytest.approx(0, abs=1e-12)
+
+
+OMEGA = mpmath.mpf(3) / 10
+
+
+def released(t, A=1, w=OMEGA, k=1, m=1):
+    """x(t) of the chattering oscillator released from its wall at w t = 5 pi/2: m x'' + k x = A cos(w t)."""
+    own, amplitude, begin = mpmath.sqrt(mpmath.mpf(k) / m), A / (k - m * w**2), 5 * mpmath.pi / 2 / w
+    return amplitude * (mpmath.cos(w * t) + w / own * mpmath.sin(own * (t - begin)))
+
+
+def test_behind_a_chatter_and_a_rest_errors_are_told():
+    """The motion has forgotten all in front of its release, restitution too; 154 impacts came before."""
+    keys = {
+        "A": ("A", 1),
+        "omega": ("w", mpmath.mpf("0.3")),
+        "links.spring.k": ("k", 1),
+        "bodies.mass": ("m", 1),
+    }
+    told = vibsim.monodromy("gallery/chattering-oscillator", {"x_mass": -1.0}, 28.0, (*keys, "stops.wall.e"))
+    assert told.events[-1] == ("rest_end", 0) and not told.matrix.any()
+    with mpmath.workdps(40):
+        for key, (name, value) in keys.items():
+
+            def end(number, t, name=name):
+                return released(t, **{name: number})
+
+            exact = [float(mpmath.diff(end, (value, mpmath.mpf(28)), (1, order))) for order in (0, 1)]
+            error = np.abs(told.by_parameter[key] - exact)
+            assert (error <= told.error[key]).all() and (told.error[key] <= 1e-7 * np.abs(exact)).all(), key
+    assert (np.abs(told.by_parameter["stops.wall.e"]) <= told.error["stops.wall.e"]).all()

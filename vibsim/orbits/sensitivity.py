@@ -3,7 +3,8 @@
 Changes of the state, and of numbers of the case, are carried along by the motion, exact to rounding. Where
 the motion rests on a rigid stop, strikes several at one instant or strikes one with a body that sticks,
 changes of numbers are difference quotients of motions beside it, of two widths, whose leading error cancels
-(Richardson).
+(Richardson): of infinitely many impacts in front of a rest no closed form is known here. Behind the rest of a
+chattering oscillator they are right to 1e-13 by its force and mass, to 1e-9 by its frequency.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from vibsim.cases import Case
     from vibsim.physics.parts import Scene
 
+ROUNDINGS = 8  # of a state behind a motion that has been at rest and forgotten what came before
 WIDTH = 2.0**-10  # of the number: rounding 2^-53 / 2^-10 and what is left out, 2^-40, are both 1e-12 about
 
 
@@ -139,20 +141,24 @@ def _quotient(
     value = case.number(key)
     if value == 0:
         raise OrbitError(f"{key} is 0, so there is no telling how far to change it; give it a small value")
-    wide, narrow = (_central(case, key, value, share, start, T, engine) for share in (WIDTH, WIDTH / 2))
-    return (4 * narrow - wide) / 3, np.abs(narrow - wide) * WIDTH
+    (wide, _), (narrow, rounding) = (
+        _central(case, key, value, share, start, T, engine) for share in (WIDTH, WIDTH / 2)
+    )
+    return (4 * narrow - wide) / 3, np.abs(narrow - wide) * WIDTH + rounding
 
 
 def _central(
     case: "Case", key: str, value: float, share: float, start: Sequence[float], T: float, engine: str
-) -> np.ndarray:
-    """Central difference quotient over value (1 +- share)."""
+) -> tuple[np.ndarray, np.ndarray]:
+    """Central difference quotient over value (1 +- share), and what rounding of the motions does to it."""
     ends, numbers = [], []
     for sign in (1, -1):
         changed = case.with_values({key: f"{value * (1 + sign * share)!r} {_si(case, key)}".strip()})
         numbers.append(changed.number(key))
         ends.append(Carrier(changed.scene(), engine).carry(start, T, []).state)
-    return np.asarray((ends[0] - ends[1]) / (numbers[0] - numbers[1]))
+    apart = numbers[0] - numbers[1]
+    largest = float(np.abs(ends).max())
+    return (ends[0] - ends[1]) / apart, np.full(len(ends[0]), ROUNDINGS * 2.0**-52 * largest / abs(apart))
 
 
 def _si(case: "Case", key: str) -> str:
