@@ -97,6 +97,7 @@ def test_the_command_of_a_carried_point_begins_where_it_began(tmp_path, monkeypa
     ("words", "message"),
     [
         (["--kind", "phase"], "a page shows everything of a result; leave out --kind"),
+        (["--window", "1:2"], "a page shows everything of a result; leave out --kind"),
         (["II-B"], "a page shows one result; give one FILE"),
     ],
 )

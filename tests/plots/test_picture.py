@@ -131,3 +131,16 @@ def test_a_picture_without_room_is_refused(runs, here):
     with pytest.raises(PlotError, match=r"^x\.png: too small for what it shows: make it larger"):
         draw_files([runs["quiet"]], ["overview"], View(size_cm=(6.0, 4.0)), "x.png")
     assert list(here.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "view", "message"),
+    [
+        ("phase", View(detail=(0.1, 0.2)), "detail: kind phase has none; kinds that have: overview, displ"),
+        ("stiffness", View(window=(0.1, 0.2)), "window: kind stiffness has none; kinds that have: overview"),
+    ],
+)
+def test_spans_that_no_picture_would_show_are_refused(runs, here, kind, view, message):
+    with pytest.raises(PlotError, match=message):
+        draw_files([runs["quiet"]], [kind], view, "x.png")
+    assert list(here.iterdir()) == []

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from vibsim.files.signals import interrupted_with
 from vibsim.plots.errors import PlotError
-from vibsim.plots.registry import COLUMNS, Kind, choose
+from vibsim.plots.registry import COLUMNS, KINDS, Kind, choose
 from vibsim.plots.subject import Subject, open_subjects
 from vibsim.plots.view import View
 
@@ -49,8 +49,11 @@ def draw_files(
     """
     subjects = open_subjects(paths)
     if out is not None and Path(out).suffix.lower() == PAGE:
-        if names is not None or view.x or view.y:
-            raise PlotError(f"{out}: a page shows everything of a result; leave out --kind, --x and --y")
+        if names is not None or view != View():
+            raise PlotError(
+                f"{out}: a page shows everything of a result; leave out --kind, --x, --y, --window, "
+                "--detail, --width and --size"
+            )
         from vibsim.plots.live.html_file import write_page
 
         return write_page(subjects, out, force)
@@ -65,11 +68,15 @@ def draw_files(
 
 def chosen_kinds(subjects: Sequence[Subject], names: Sequence[str] | None, view: View) -> list[Kind]:
     """The kinds to draw; two columns that the view names take their place. Raises PlotError."""
-    if view.x is None and view.y is None:
-        return choose(names, subjects)
-    if names is not None:
+    if names is not None and (view.x is not None or view.y is not None):
         raise PlotError(f"kind {', '.join(names)}: two columns are drawn in the place of a kind; choose one")
-    return [COLUMNS]
+    kinds = choose(names, subjects) if view.x is None and view.y is None else [COLUMNS]
+    for span in ("window", "detail"):
+        if getattr(view, span) is not None and not any(span in kind.spans for kind in kinds):
+            shown = ", ".join(kind.name for kind in kinds)
+            fitting = ", ".join(kind.name for kind in KINDS if span in kind.spans)
+            raise PlotError(f"{span}: kind {shown} has none; kinds that have: {fitting}")
+    return kinds
 
 
 def name_targets(subjects: Sequence[Subject], kinds: Sequence[Kind], out: str | None) -> list[str]:

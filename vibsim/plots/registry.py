@@ -43,6 +43,7 @@ class Kind:
     width : "column" or "page", the width unless the user says otherwise
     alone : whether it shows one file at a time
     besides : what else it lays over that, as `reads`
+    spans : what it takes of a view: "window", "detail"
     """
 
     name: str
@@ -52,6 +53,7 @@ class Kind:
     width: str = "column"
     alone: bool = False
     besides: tuple[str, ...] = ()
+    spans: tuple[str, ...] = ("window",)
 
     @property
     def draw(self) -> Callable[..., Any]:
@@ -65,16 +67,19 @@ KINDS = (
         "trajectory",
         "one page: the machine, displacements, detail, relative portrait, speed",
         width="page",
+        spans=("window", "detail"),
     ),
     Kind(
         "displacement",
         "trajectory",
         "displacements of the bodies against time, impacts marked, with a detail",
+        spans=("window", "detail"),
     ),
     Kind(
         "velocity",
         "trajectory",
         "velocities of the bodies against time, impacts marked, with a detail",
+        spans=("window", "detail"),
     ),
     Kind("phase", "trajectory", "phase portrait of each body, impacts marked"),
     Kind("phase-drift-free", "trajectory", "the same, less the drift of each block", ("excitation",)),
@@ -103,9 +108,16 @@ KINDS = (
         "trajectory",
         "a stored orbit: phase plane with impacts, multipliers in the unit circle",
         ("orbit",),
+        spans=(),
     ),
-    Kind("stiffness", "case", "force of springs and stops against the relative displacement", ("springs",)),
-    Kind("motor", "case", "torque of the motor against its speed", ("motor",)),
+    Kind(
+        "stiffness",
+        "case",
+        "force of springs and stops against the relative displacement",
+        ("springs",),
+        spans=(),
+    ),
+    Kind("motor", "case", "torque of the motor against its speed", ("motor",), spans=()),
     Kind(
         "sommerfeld",
         "sweep",
@@ -160,8 +172,15 @@ KINDS = (
         ("end states", "map or starts"),
         alone=True,
     ),
-    Kind("fit", "fit", "price of the candidates over the free parameters", ("free parameters",), alone=True),
-    Kind("work-precision", "bench", "error against computing time of every method", width="page"),
+    Kind(
+        "fit",
+        "fit",
+        "price of the candidates over the free parameters",
+        ("free parameters",),
+        alone=True,
+        spans=(),
+    ),
+    Kind("work-precision", "bench", "error against computing time of every method", width="page", spans=()),
 )
 
 # drawn where two columns are named, and not one of `all`: any result of columns has it
