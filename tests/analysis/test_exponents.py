@@ -118,7 +118,7 @@ def test_a_regular_motor_has_its_own_direction():
 
 
 def test_what_a_case_has_not_got():
-    with pytest.raises(ValueError, match="tangent must be 0 to 3"):
+    with pytest.raises(ValueError, match="count must be 1 to 3 for this case, got 4"):
         vibsim.lyapunov(case(), 4)
     with pytest.raises(ValueError, match="a transient of 120 s leaves nothing of 120 s"):
         vibsim.lyapunov(case(), discard=120.0)

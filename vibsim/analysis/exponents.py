@@ -131,23 +131,23 @@ def stored_exponents(result: Result) -> Lyapunov | None:
     return judged(found, attrs.get("taylor_tolerance", UNIT_ROUNDOFF))
 
 
-def judged(found: LyapunovExponents, tolerance: float) -> Lyapunov:
+def judged(lyapunov: LyapunovExponents, tolerance: float) -> Lyapunov:
     """Intervals and warnings for exponents as they come; tolerance: of the Taylor flow."""
-    growth = found.growth
+    growth = lyapunov.growth
     times, sums = growth[:, 0], growth[:, 1:]
     with np.errstate(invalid="ignore"):  # -inf less -inf, in a direction that sticking took
         finite_time = np.diff(sums, axis=0) / np.diff(times)[:, None]
         finite_time[np.isneginf(sums[1:])] = -np.inf
     return Lyapunov(
-        exponents=found.exponents,
+        exponents=lyapunov.exponents,
         half_widths=np.array([_half_width(times, column) for column in sums.T]),
-        span=found.span,
+        span=lyapunov.span,
         times=times[1:],
         running=sums[1:] / (times[1:] - times[:1])[:, None],
         finite_time=finite_time,
-        rank_losses=found.rank_losses,
-        volume_residual=found.volume_residual,
-        warnings=tuple(_warnings(found, tolerance)),
+        rank_losses=lyapunov.rank_losses,
+        volume_residual=lyapunov.volume_residual,
+        warnings=tuple(_warnings(lyapunov, tolerance)),
     )
 
 
@@ -156,25 +156,25 @@ def _half_width(times: np.ndarray, growth: np.ndarray) -> float:
     return known.half_width if known else float("nan")
 
 
-def _warnings(found: LyapunovExponents, tolerance: float) -> Iterator[str]:
-    if len(found.growth) < 2:
+def _warnings(lyapunov: LyapunovExponents, tolerance: float) -> Iterator[str]:
+    if len(lyapunov.growth) < 2:
         yield "the run ended before the span of the exponents began"
     else:
-        yield from _trend(found.growth[:, 0], found.growth[:, 1])
-    if isfinite(found.undefined_time):
+        yield from _trend(lyapunov.growth[:, 0], lyapunov.growth[:, 1])
+    if isfinite(lyapunov.undefined_time):
         yield (
-            f"no exponents: at {found.undefined_time:.6g} s the motion grazes a rigid stop or strikes several"
-            " at one instant, where it has no derivative"
+            f"no exponents: at {lyapunov.undefined_time:.6g} s the motion grazes a rigid stop or strikes"
+            " several at one instant, where it has no derivative"
         )
-    if found.tangencies:
+    if lyapunov.tangencies:
         yield (
-            f"{found.tangencies} events crossed almost tangentially, the closest at"
-            f" {found.closest_tangency_time:.6g} s: first order holds there for tiny disturbances only"
+            f"{lyapunov.tangencies} events crossed almost tangentially, the closest at"
+            f" {lyapunov.closest_tangency_time:.6g} s: first order holds there for tiny disturbances only"
         )
-    bound = PIECE * max(tolerance, UNIT_ROUNDOFF) * found.tangent_pieces
-    if abs(found.volume_residual) > bound:
+    bound = PIECE * max(tolerance, UNIT_ROUNDOFF) * lyapunov.tangent_pieces
+    if abs(lyapunov.volume_residual) > bound:
         yield (
-            f"volumes grow by exp({found.volume_residual:.1e}) more than the equations of motion let them:"
+            f"volumes grow by exp({lyapunov.volume_residual:.1e}) more than the equations of motion let them:"
             " the exponents are not right"
         )
 

@@ -39,10 +39,10 @@ def judge_all(
         result = ready if isinstance(ready, Result) else simulate(ready)
         try:
             left_out = None if transient is None else transient.time(_length(result, window))
-            found = analyse(result, window, left_out, what, exponent)
+            verdicts = analyse(result, window, left_out, what, exponent)
         except ValueError as error:
             raise click.UsageError(f"{source}: {error}") from error
-        _print(source, changes, result, found, settings)
+        _print(source, changes, result, verdicts, settings)
 
 
 def _transient(text: str | None) -> Any:
@@ -69,12 +69,14 @@ def _opened(source: str, changes: dict[str, str]) -> Any:
     return open_result(source)
 
 
-def _print(source: str, changes: dict[str, str], result: Result, found: Analysis, settings: Settings) -> None:
+def _print(
+    source: str, changes: dict[str, str], result: Result, verdicts: Analysis, settings: Settings
+) -> None:
     if settings.json:
-        print_json({"file": source, **({"changes": changes} if changes else {}), **asdict(found)})
+        print_json({"file": source, **({"changes": changes} if changes else {}), **asdict(verdicts)})
     elif not settings.quiet:
         say(heading(result.case.name, result.case.title))
-        print_lines(analysis_lines(_judged(source, changes), result, found, settings.verbose))
+        print_lines(analysis_lines(_judged(source, changes), result, verdicts, settings.verbose))
 
 
 def _judged(source: str, changes: dict[str, str]) -> str:

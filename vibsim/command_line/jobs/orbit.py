@@ -115,28 +115,28 @@ def find_one(wish: Wish, settings: Settings) -> int:
     return 0
 
 
-def _kept(found: Orbit, wish: Wish, path: str | None) -> Row:
+def _kept(orbit: Orbit, wish: Wish, path: str | None) -> Row:
     """An orbit refined and stored; where its digits are not to be had, it is stored without them."""
     try:
-        digits = _refined(found, wish)
+        digits = _refined(orbit, wish)
     except BaseException as error:
         if path is not None:
-            save_orbit(found, path, wish.force)
+            save_orbit(orbit, path, wish.force)
         if path is not None and isinstance(error, KeyboardInterrupt):
             raise type(error)(f"{path} holds the orbit without the digits") from error
         raise
     if path is not None:
-        save_orbit(found, path, wish.force, digits)
-    return Row(found, digits, path)
+        save_orbit(orbit, path, wish.force, digits)
+    return Row(orbit, digits, path)
 
 
-def _refined(found: Orbit, wish: Wish) -> Any:
+def _refined(orbit: Orbit, wish: Wish) -> Any:
     """The orbit in many digits, where they are asked for."""
     if wish.digits is None:
         return None
     from vibsim.orbits.orbit_digits import refine
 
-    return refine(found, wish.digits)
+    return refine(orbit, wish.digits)
 
 
 def search_all(wish: Wish, count: int, seed: int, settings: Settings) -> int:

@@ -21,116 +21,118 @@ Line = tuple[str, str]
 T = TypeVar("T")
 
 
-def analysis_lines(source: str, result: Result, found: Analysis, verbose: bool = False) -> list[Line]:
+def analysis_lines(source: str, result: Result, verdicts: Analysis, verbose: bool = False) -> list[Line]:
     """Label and text of every verdict that there is; with `verbose`, of all that it rests on."""
-    lines = [("run", f"{source}, {_span(found.span.window)}{_trust(result)}")]
-    if any((found.drift, found.impacts, found.regime, found.frequencies)):
-        lines.append(("judged", _span(found.steady.window) + _trusted(found.steady.trusted)))
-    if found.capture:
-        lines += capture_lines(found.capture, verbose)
-    lines += _of_each(found.drift, lambda one: [("drift", drift_text(one))], "drift")
-    lines += _of_each(found.impacts, lambda one: impact_lines(one, verbose), "impacts")
-    if found.regime:
-        lines += regime_lines(found.regime)
-    lines += _of_each(found.frequencies, lambda one: list(frequency_lines(one)), "frequencies")
+    lines = [("run", f"{source}, {_span(verdicts.span.window)}{_trust(result)}")]
+    if any((verdicts.drift, verdicts.impacts, verdicts.regime, verdicts.frequencies)):
+        lines.append(("judged", _span(verdicts.steady.window) + _trusted(verdicts.steady.trusted)))
+    if verdicts.capture:
+        lines += capture_lines(verdicts.capture, verbose)
+    lines += _of_each(verdicts.drift, lambda one: [("drift", drift_text(one))], "drift")
+    lines += _of_each(verdicts.impacts, lambda one: impact_lines(one, verbose), "impacts")
+    if verdicts.regime:
+        lines += regime_lines(verdicts.regime)
+    lines += _of_each(verdicts.frequencies, lambda one: list(frequency_lines(one)), "frequencies")
     return lines
 
 
-def _of_each(found: T | dict[str, T] | None, lines: Callable[[T], list[Line]], label: str) -> list[Line]:
+def _of_each(verdicts: T | dict[str, T] | None, lines: Callable[[T], list[Line]], label: str) -> list[Line]:
     """The lines of a verdict; of several verdicts those of the first MOST_NAMED, each behind its name."""
-    if found is None:
+    if verdicts is None:
         return []
-    if not isinstance(found, dict):
-        return lines(found)
+    if not isinstance(verdicts, dict):
+        return lines(verdicts)
     blocks = []
-    for name, one in list(found.items())[:MOST_NAMED]:
+    for name, one in list(verdicts.items())[:MOST_NAMED]:
         (_, first), *others = lines(one)
         blocks += [("", f"{name}: {first}")]
         blocks += [("", f"  {word} {text}" if word else f"  {text}") for word, text in others]
-    more = len(found) - MOST_NAMED
+    more = len(verdicts) - MOST_NAMED
     blocks += [("", f"and {more} more, all of them with --json")] if more > 0 else []
     return [(label, blocks[0][1]), *blocks[1:]]
 
 
-def capture_lines(found: Capture, verbose: bool) -> list[Line]:
+def capture_lines(capture: Capture, verbose: bool) -> list[Line]:
     """Verdict, the hold that decides it, and when resonances were passed."""
-    first, *others = found.reason.split("; ")
-    lines = [("capture", f"{_verdict(found.verdict, CAPTURE_WORDS)}: {first}")]
-    if found.since is not None:
-        to = "" if found.until is None else f" to {found.until:.4g}"
-        near = f", near {found.resonance.name} {found.resonance.hz:.4g} Hz" if found.resonance else ""
-        lines.append(("", f"at {found.speed_hz:.4g} Hz from {found.since:.4g}{to} s{near}"))
+    first, *others = capture.reason.split("; ")
+    lines = [("capture", f"{_verdict(capture.verdict, CAPTURE_WORDS)}: {first}")]
+    if capture.since is not None:
+        to = "" if capture.until is None else f" to {capture.until:.4g}"
+        near = f", near {capture.resonance.name} {capture.resonance.hz:.4g} Hz" if capture.resonance else ""
+        lines.append(("", f"at {capture.speed_hz:.4g} Hz from {capture.since:.4g}{to} s{near}"))
     lines += [("", other) for other in others]
     if verbose:
-        for hold in found.holds:
+        for hold in capture.holds:
             held = f"held {_span((hold.begin, hold.end))} at {hold.speed_hz:.4g} Hz"
             lines.append(("", f"{held}, {hold.delay:.3g} times a free run-up, {hold.absorbed:.1%} absorbed"))
-    if found.passages:
+    if capture.passages:
         parts = [
-            f"{one.resonance.name} {one.resonance.hz:.4g} Hz at {one.time:.4g} s" for one in found.passages
+            f"{one.resonance.name} {one.resonance.hz:.4g} Hz at {one.time:.4g} s" for one in capture.passages
         ]
         lines.append(("", f"passed {', '.join(parts)}"))
     return lines
 
 
-def drift_text(found: Drift) -> str:
+def drift_text(drift: Drift) -> str:
     """Verdict, rate and interval."""
-    if found.rate is None or found.half_width is None:
-        return f"{_verdict(found.verdict)}: {found.reason}"
+    if drift.rate is None or drift.half_width is None:
+        return f"{_verdict(drift.verdict)}: {drift.reason}"
     return (
-        f"{_verdict(found.verdict)}: {_number(found.rate)} +- {short(found.half_width)} m/s ({found.reason})"
+        f"{_verdict(drift.verdict)}: {_number(drift.rate)} +- {short(drift.half_width)} m/s ({drift.reason})"
     )
 
 
-def impact_lines(found: ImpactsPerCycle, verbose: bool) -> list[Line]:
+def impact_lines(impacts: ImpactsPerCycle, verbose: bool) -> list[Line]:
     """Verdict, means per cycle, speeds at impact."""
-    text = f"{_verdict(found.verdict)}: {found.reason}"
-    if found.impacts is not None:
-        text = f"{_verdict(found.verdict)}: {found.impacts:.4g} per cycle, {found.reason}"
-        text += f"; {found.sticks:.4g} sticks per cycle" if found.sticks else ""
-    elif found.sticks is not None:
-        text = f"{_verdict(found.verdict)}: {found.sticks:.4g} per cycle, {found.reason}"
+    text = f"{_verdict(impacts.verdict)}: {impacts.reason}"
+    if impacts.impacts is not None:
+        text = f"{_verdict(impacts.verdict)}: {impacts.impacts:.4g} per cycle, {impacts.reason}"
+        text += f"; {impacts.sticks:.4g} sticks per cycle" if impacts.sticks else ""
+    elif impacts.sticks is not None:
+        text = f"{_verdict(impacts.verdict)}: {impacts.sticks:.4g} per cycle, {impacts.reason}"
     lines = [("impacts", text)]
-    if found.velocity:
-        lines.append(("", f"at {_spread(found.velocity)}"))
-    if verbose and found.words:
-        words = ", ".join(f"{word or '-'} {count}" for word, count in found.words.items())
-        lines.append(("words", f"{words}; {found.distinct_words} in all"))
+    if impacts.velocity:
+        lines.append(("", f"at {_spread(impacts.velocity)}"))
+    if verbose and impacts.words:
+        words = ", ".join(f"{word or '-'} {count}" for word, count in impacts.words.items())
+        lines.append(("words", f"{words}; {impacts.distinct_words} in all"))
     return lines
 
 
-def regime_lines(found: Regime) -> list[Line]:
+def regime_lines(regime: Regime) -> list[Line]:
     """Verdict, period, evidence."""
-    text = _verdict(found.verdict)
-    if found.verdict == "periodic":
-        text += f", period {found.period}" + ("" if found.since is None else f", since {found.since:.4g} s")
-    elif found.verdict == "transient" and found.period is not None:
-        text += f" towards period {found.period}"
-    lines = [("regime", f"{text}: {found.reason}")]
-    if found.multipliers is not None and found.exponents is not None:
-        shown = ", ".join(multiplier_text(complex(*pair)) for pair in found.multipliers if pair[1] >= 0)
+    text = _verdict(regime.verdict)
+    if regime.verdict == "periodic":
+        since = "" if regime.since is None else f", since {regime.since:.4g} s"
+        text += f", period {regime.period}{since}"
+    elif regime.verdict == "transient" and regime.period is not None:
+        text += f" towards period {regime.period}"
+    lines = [("regime", f"{text}: {regime.reason}")]
+    if regime.multipliers is not None and regime.exponents is not None:
+        shown = ", ".join(multiplier_text(complex(*pair)) for pair in regime.multipliers if pair[1] >= 0)
         lines.append(("", f"multipliers {shown}"))
-        rates = ("-inf" if value is None else f"{value:.4g}" for value in found.exponents)
+        rates = ("-inf" if value is None else f"{value:.4g}" for value in regime.exponents)
         lines.append(("", f"exponents {', '.join(rates)} 1/s"))
-    if found.exponent and found.verdict != "periodic":
-        value, half_width = found.exponent.value, found.exponent.half_width
+    if regime.exponent and regime.verdict != "periodic":
+        value, half_width = regime.exponent.value, regime.exponent.half_width
         lines.append(("", f"largest Lyapunov exponent {value:.3g} +- {short(half_width)} 1/s"))
     return lines
 
 
-def frequency_lines(found: DominantFrequencies) -> Iterator[Line]:
+def frequency_lines(frequencies: DominantFrequencies) -> Iterator[Line]:
     """The strongest lines: frequency, order of the source, amplitude."""
-    if not found.lines:
-        yield "frequencies", f"{_verdict(found.verdict, {'still': 'nothing vibrates'})}: {found.reason}"
+    if not frequencies.lines:
+        verdict = _verdict(frequencies.verdict, {"still": "nothing vibrates"})
+        yield "frequencies", f"{verdict}: {frequencies.reason}"
         return
     parts = [
         f"{line.hz:.4g} Hz{f' ({line.order})' if line.order else ''} {metres(line.amplitude)}"
-        for line in found.lines[:SHOWN]
+        for line in frequencies.lines[:SHOWN]
     ]
     yield "frequencies", ", ".join(parts)
-    orders = " (orders in brackets)" if any(line.order for line in found.lines[:SHOWN]) else ""
-    source = f"source {found.source_hz:.4g} Hz{orders}, " if found.source_hz else ""
-    yield "", f"{source}resolution {short(found.resolution_hz or 0.0)} Hz"
+    orders = " (orders in brackets)" if any(line.order for line in frequencies.lines[:SHOWN]) else ""
+    source = f"source {frequencies.source_hz:.4g} Hz{orders}, " if frequencies.source_hz else ""
+    yield "", f"{source}resolution {short(frequencies.resolution_hz or 0.0)} Hz"
 
 
 def _number(x: float) -> str:
@@ -154,5 +156,5 @@ def _trusted(trusted: bool | None) -> str:
     return ", which ends beyond the trust horizon" if trusted is False else ""
 
 
-def _spread(found: Spread) -> str:
-    return f"{found.least:.4g} to {found.greatest:.4g} {found.unit}, mean {found.mean:.4g} {found.unit}"
+def _spread(spread: Spread) -> str:
+    return f"{spread.least:.4g} to {spread.greatest:.4g} {spread.unit}, mean {spread.mean:.4g} {spread.unit}"

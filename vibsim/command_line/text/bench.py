@@ -123,8 +123,8 @@ def _time_text(bench: BenchResult, row: Row, took: float) -> str:
 def _remark(bench: BenchResult, row: Row) -> str:
     best = [
         word
-        for word, found in (("fastest", fastest(bench)), ("most accurate", most_accurate(bench)))
-        if row is found
+        for word, best in (("fastest", fastest(bench)), ("most accurate", most_accurate(bench)))
+        if row is best
     ]
     text = style(f"  {', '.join(best)}", fg="green", bold=True) if best else ""
     if row.status == SLOWER:
@@ -139,8 +139,10 @@ def verdict_lines(bench: BenchResult) -> list[tuple[str, str]]:
         return []
     t = bench.telling_time
     error = _error_text(ours.error_until(bench["time"], t))
-    told = f"{_short(1e3 * ours.time_per_second)} ms per second of motion, error {error} m until {t:g} s"
-    lines = [("vibsim", f"{family_of(ours.method).label.removeprefix('vibsim, ')}, {ours.setting}: {told}")]
+    numbers = f"{_short(1e3 * ours.time_per_second)} ms per second of motion, error {error} m until {t:g} s"
+    lines = [
+        ("vibsim", f"{family_of(ours.method).label.removeprefix('vibsim, ')}, {ours.setting}: {numbers}")
+    ]
     for i, each in enumerate(beside_reference(bench)):
         text = f"{family_of(each.row.method).label}, {each.row.setting}"
         ratio = f"{_ratio(each.times)} x the time, {_ratio(each.errors)} x the error"

@@ -12,21 +12,21 @@ COLORS = {"identical": "green", "agree": "green", "differ": "red"}
 
 
 def comparison_lines(
-    runs: Sequence[Result], paths: Sequence[str], found: Comparison
+    runs: Sequence[Result], paths: Sequence[str], comparison: Comparison
 ) -> list[tuple[str, str]]:
     """Label and text: both runs, what differs of them, until when they agree, statistics, verdict."""
     lines = [(label, _run_text(run, path)) for label, run, path in zip("AB", runs, paths, strict=True)]
-    for row, difference in enumerate(found.differences):
+    for row, difference in enumerate(comparison.differences):
         lines.append(("" if row else "differences", f"{difference.key}: {difference.a}  |  {difference.b}"))
-    if found.verdict != "identical":
-        lines.append(("agreement", _agreement_text(found)))
-    if found.statistics:
-        lines.append(("statistics", f"from {found.statistics_from:.4g} to {found.span:g} s"))
-    lines += [(statistic.name, _statistic_text(statistic)) for statistic in found.statistics]
-    if found.verdict in ("agree_until", "differ") and not found.statistics:
+    if comparison.verdict != "identical":
+        lines.append(("agreement", _agreement_text(comparison)))
+    if comparison.statistics:
+        lines.append(("statistics", f"from {comparison.statistics_from:.4g} to {comparison.span:g} s"))
+    lines += [(statistic.name, _statistic_text(statistic)) for statistic in comparison.statistics]
+    if comparison.verdict in ("agree_until", "differ") and not comparison.statistics:
         lines.append(("statistics", "none: what lies beyond is too short"))
-    verdict = style(WORDS[found.verdict], fg=COLORS.get(found.verdict, "yellow"), bold=True)
-    return [*lines, ("verdict", verdict + _reason(found))]
+    verdict = style(WORDS[comparison.verdict], fg=COLORS.get(comparison.verdict, "yellow"), bold=True)
+    return [*lines, ("verdict", verdict + _reason(comparison))]
 
 
 def _run_text(run: Result, path: str) -> str:
@@ -34,13 +34,13 @@ def _run_text(run: Result, path: str) -> str:
     return f"{path}: {run.attrs['case_name']}, {run.t_reached:g} s{horizon}"
 
 
-def _agreement_text(found: Comparison) -> str:
-    within = f"within {short(found.tolerance)} m"
-    if found.verdict == "agree":
-        return f"{within} to the end, {found.span:g} s"
-    if found.agree_until is None:
+def _agreement_text(comparison: Comparison) -> str:
+    within = f"within {short(comparison.tolerance)} m"
+    if comparison.verdict == "agree":
+        return f"{within} to the end, {comparison.span:g} s"
+    if comparison.agree_until is None:
         return f"not {within} at the start"
-    return f"{within} until {found.agree_until:.4g} of {found.span:g} s"
+    return f"{within} until {comparison.agree_until:.4g} of {comparison.span:g} s"
 
 
 def _statistic_text(statistic: ComparedStatistic) -> str:
@@ -52,6 +52,6 @@ def _interval(value: Average) -> str:
     return f"{value.mean:.5g} +- {value.half_width:.1g}"
 
 
-def _reason(found: Comparison) -> str:
-    names = [statistic.name for statistic in found.statistics if statistic.differs]
+def _reason(comparison: Comparison) -> str:
+    names = [statistic.name for statistic in comparison.statistics if statistic.differs]
     return f": {', '.join(names)}" if names else ""

@@ -27,9 +27,9 @@ def print_case(path: str, settings: Settings) -> None:
 def print_description(path: str, settings: Settings) -> None:
     """Print what a result file holds."""
     kind = kind_of(path)
-    told = {"bench": _print_bench, "fit": _print_fit, "branch": _print_branch, "locus": _print_locus}
-    if kind in told:
-        told[kind](path, settings)
+    printers = {"bench": _print_bench, "fit": _print_fit, "branch": _print_branch, "locus": _print_locus}
+    if kind in printers:
+        printers[kind](path, settings)
         return
     if kind != "trajectory":
         _print_sweep(path, settings)

@@ -10,24 +10,24 @@ from vibsim.results import Result
 
 def exponent_lines(result: Result) -> list[tuple[str, str]]:
     """Label and text: the exponents with their intervals, their span, and what speaks against them."""
-    found = stored_exponents(result)
-    if found is None:
+    lyapunov = stored_exponents(result)
+    if lyapunov is None:
         return []
-    pairs = zip(found.exponents.tolist(), found.half_widths.tolist(), strict=True)
-    begin, end = found.span
+    pairs = zip(lyapunov.exponents.tolist(), lyapunov.half_widths.tolist(), strict=True)
+    begin, end = lyapunov.span
     lines = [
         ("exponents", f"{', '.join(exponent_text(*pair) for pair in pairs)} 1/s"),
-        ("", f"from {begin:.4g} to {end:.4g} s{checks(found, bool(result.case.scene().rigid_stops))}"),
+        ("", f"from {begin:.4g} to {end:.4g} s{checks(lyapunov, bool(result.case.scene().rigid_stops))}"),
     ]
-    return lines + [("", style(warning, fg="yellow")) for warning in found.warnings]
+    return lines + [("", style(warning, fg="yellow")) for warning in lyapunov.warnings]
 
 
 def exponent_object(result: Result) -> dict[str, Any]:
     """What the intervals and warnings add to the attributes of a run."""
-    found = stored_exponents(result)
-    if found is None:
+    lyapunov = stored_exponents(result)
+    if lyapunov is None:
         return {}
-    return {"lyapunov_half_widths": found.half_widths, "lyapunov_warnings": list(found.warnings)}
+    return {"lyapunov_half_widths": lyapunov.half_widths, "lyapunov_warnings": list(lyapunov.warnings)}
 
 
 def exponent_text(value: float, half_width: float) -> str:
@@ -39,12 +39,12 @@ def exponent_text(value: float, half_width: float) -> str:
     return f"{value:.3g}" if math.isnan(half_width) else f"{value:.3g} +- {half_width:.2g}"
 
 
-def checks(found: Lyapunov, rests: bool) -> str:
+def checks(lyapunov: Lyapunov, rests: bool) -> str:
     """Rank losses, and how well volumes obey Liouville's identity."""
     parts = []
-    if found.rank_losses:
-        losses = f"{found.rank_losses} rank loss{'' if found.rank_losses == 1 else 'es'}"
+    if lyapunov.rank_losses:
+        losses = f"{lyapunov.rank_losses} rank loss{'' if lyapunov.rank_losses == 1 else 'es'}"
         parts.append(f"{losses} by {'sticking, rest and blows' if rests else 'sticking'}")
-    if not math.isnan(found.volume_residual):
-        parts.append(f"volume residual {found.volume_residual:.1e}")
+    if not math.isnan(lyapunov.volume_residual):
+        parts.append(f"volume residual {lyapunov.volume_residual:.1e}")
     return "".join(f", {part}" for part in parts)

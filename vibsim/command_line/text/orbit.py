@@ -133,7 +133,7 @@ def orbit_row(orbit: Orbit) -> str:
 def orbit_object(orbit: Orbit, digits: Any = None) -> dict[str, Any]:
     """An orbit for JSON: numbers in SI, multipliers as [re, im]."""
     drifts = orbit.drift
-    told = {
+    facts = {
         "case": orbit.case.name if orbit.case else None,
         "n": orbit.n,
         "period": orbit.period,
@@ -157,7 +157,7 @@ def orbit_object(orbit: Orbit, digits: Any = None) -> dict[str, Any]:
         "newton_steps": orbit.solution.steps,
         "certified": orbit.certified,
     }
-    return told | (digits.object() if digits is not None else {})
+    return facts | (digits.object() if digits is not None else {})
 
 
 def pairs(multipliers: Iterable[complex]) -> list[list[float]]:

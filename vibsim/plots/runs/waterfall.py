@@ -51,6 +51,8 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     axes.set_xlabel("Frequency (Hz)")
     if alone:
         axes.set_ylabel("Time (s)")
+        end = drawn[-1].place + apart  # above it there are lines, and no time
+        axes.set_yticks([tick for tick in axes.get_yticks() if axes.get_ylim()[0] <= tick <= end])
     else:
         axes.set_ylabel("Run")
         axes.set_yticks([row.place for row in drawn], [subject.name for subject in subjects])
