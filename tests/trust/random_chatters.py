@@ -44,7 +44,11 @@ def chatter(seed) -> Case:
     lines += _section("friction", frictions) + _section("forces", forces)
     if wall == "base":
         lines.append(f"base: {{a: {_spread(rng, 0.3, 3)} mm, omega: {_spread(rng, 0.8, 3)} Hz}}")
-    states = [f"{body}: {{x: {_even(rng, -8, -5)} mm, v: {_even(rng, -0.1, 0.1)} m/s}}" for body in bodies]
+    places = sorted((_even(rng, -8, -5) for _ in bodies), key=float, reverse=True)  # the tool behind the ram
+    states = [
+        f"{body}: {{x: {x} mm, v: {_even(rng, -0.1, 0.1)} m/s}}"
+        for body, x in zip(bodies, places, strict=True)
+    ]
     lines.append(f"initial: {{{', '.join(states)}}}")
     lines.append("run: {t_end: 1 s, every: 10 ms}")
     return load_case_text("\n".join(lines), name=f"chatter {seed}")
