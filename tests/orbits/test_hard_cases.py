@@ -187,3 +187,8 @@ def test_an_orbit_that_chatters_forgets_everything():
     orbit = vibsim.orbit("gallery/chattering-oscillator", {"run.t_end": "60 s"})
     assert orbit.n == 1 and orbit.multipliers.tolist() == [0, 0] and orbit.stable
     assert {"chatter", "rest_begin", "rest_end"} <= {kind for kind, _ in orbit.events}
+
+
+def test_the_least_period_of_ten_thousand():
+    """Times of 80,000 s have a rounding in which the motion goes on by more than that of its state."""
+    assert vibsim.orbit("gallery/bilinear-oscillator", period=10_000).n == 2

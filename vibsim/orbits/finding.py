@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from vibsim.orbits.coordinates import Coordinates
 from vibsim.orbits.errors import OrbitError
-from vibsim.orbits.newton import solve, tolerance
+from vibsim.orbits.newton import EPS, solve, tolerance
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.return_map import Return, ReturnMap
 from vibsim.physics.parts import Scene
@@ -99,9 +99,11 @@ def _shorter(orbit: Orbit, n: int) -> Orbit | None:
 
 
 def _displaced(orbit: Orbit) -> float:
-    """How far rounding may have moved the fixed point [m/s, as weighed]: the tolerance by (I - P')^-1."""
+    """How far rounding may have moved the fixed point [m/s, as weighed]: the tolerance by (I - P')^-1, and
+    the motion in the rounding of the time at which it meets the section.
+    """
     end = orbit.end
     weights = end.coordinates.weights
     matrix = (np.eye(len(weights)) - end.derivative) * (weights[:, None] / weights)
     smallest = np.linalg.svd(matrix, compute_uv=False).min(initial=1.0)
-    return float(orbit.solution.tolerance / max(smallest, 1e-6))
+    return float(orbit.solution.tolerance / max(smallest, 1e-6) + EPS * end.T * end.pace)
