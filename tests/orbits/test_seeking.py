@@ -15,7 +15,8 @@ from vibsim.orbits.settling import likely_periods
 from vibsim.orbits.word import cyclic
 from vibsim.results import simulate
 
-SETTLES = {"I-A": 5, "I-B": 18, "I-C": 1, "I-A-eq211": 1, "I-B-eq211": 3, "II-A": 1, "II-B": 3, "II-C": 1}
+# I-B-eq211 is not among them: it is chaotic for longer than its 300 s, and rounding decides where it is then
+SETTLES = {"I-A": 5, "I-B": 18, "I-C": 1, "I-A-eq211": 1, "II-A": 1, "II-B": 3, "II-C": 1}
 CAPTURED = {"c": "0.03 N s/m", "Omega0": "5 Hz"}
 
 
