@@ -95,3 +95,15 @@ def test_a_step_of_newtons_method_that_ends_where_a_body_sticks(tmp_path):
     (tmp_path / "two.yaml").write_text(TWO_ON_A_BELT)
     done = call("orbit", tmp_path / "two.yaml")
     assert done.exit_code == 4 and "the run does not come near itself" in done.stderr
+
+
+def test_a_motion_that_never_turns_back(tmp_path):
+    """A drill string: its top is turned on for good while the bit sticks and slips."""
+    (tmp_path / "string.yaml").write_text(
+        "name: string\nbodies: {top: 2 kg, bit: 0.3 kg}\n"
+        "links: {s: {between: [top, bit], k: 12 N/m}, drive: {between: [top, ground], c: 4 N s/m}}\n"
+        "friction: {f: {between: [bit, ground], N: 3 N, mu: 0.3, static: 1.5}}\n"
+        "forces: {torque: {on: top, F0: 1.8 N}}\nrun: {t_end: 40 s, every: 0.1 s}\n"
+    )
+    done = call("orbit", tmp_path / "string.yaml")
+    assert done.exit_code == 4 and "top does not turn round on the run: it comes to rest, " in done.stderr

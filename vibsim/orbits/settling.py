@@ -73,8 +73,8 @@ def _course_of_turns(
     times, states = returns(beyond, coordinates, engine, resume)
     if not len(times):
         raise OrbitError(
-            f"{coordinates.section.body} does not turn round on the run, which comes to rest or drifts away: "
-            "it goes to no periodic orbit"
+            f"{coordinates.section.body} does not turn round on the run: it comes to rest, drifts away or "
+            "moves on one way for good, and an orbit without a source is looked for where it turns round"
         )
     X = coordinates.of(states)
     return Course(times[-KEPT:], X[-KEPT:], X.min(axis=0), X.max(axis=0))
