@@ -15,7 +15,6 @@ from vibsim.orbits.settling import likely_periods
 from vibsim.orbits.word import cyclic
 from vibsim.results import simulate
 
-# I-B-eq211 is not among them: it is chaotic for longer than its 300 s, and rounding decides where it is then
 SETTLES = {"I-A": 5, "I-B": 18, "I-C": 1, "I-A-eq211": 1, "II-A": 1, "II-B": 3, "II-C": 1}
 CAPTURED = {"c": "0.03 N s/m", "Omega0": "5 Hz"}
 
@@ -28,6 +27,11 @@ def test_where_the_papers_cases_go(name):
     energy = orbit_there.energy
     gained, lost = (sum(energy[key] for key in energy if key.startswith(kind)) for kind in ("work", "loss"))
     assert gained == pytest.approx(lost, rel=1e-9)
+
+
+def test_a_run_is_followed_past_the_unstable_orbits_on_its_way():
+    """I-B-eq211 is chaotic for longer than its 300 s, and by an unstable orbit of period 6 then."""
+    assert orbit("I-B-eq211").stable
 
 
 def test_the_attractor_of_I_A_is_the_truths():

@@ -15,7 +15,7 @@ from vibsim.orbits.finding import least, unknowns
 from vibsim.orbits.newton import solve
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.return_map import ReturnMap
-from vibsim.orbits.settling import Course, course_of, course_of_result, likely_periods
+from vibsim.orbits.settling import MORE, Course, course_of, course_of_result, likely_periods
 
 if TYPE_CHECKING:
     from vibsim.cases.case import Case
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 TRIES = 6  # numbers of periods that are tried
 NEAR = 0.3  # of the spread of the points: an orbit further away is not where the run goes
+FURTHER = 16 * MORE  # periods that a run is followed beyond its end where it is near an unstable orbit
 FAR = 0.05  # of it: a run that comes no nearer to itself is not about to repeat itself
 
 
@@ -99,10 +100,22 @@ def start_of(start: Any) -> tuple[dict[str, float], int, float | None]:
 
 def _from_run(case: Case, result: Result | None, period: int | None, engine: str) -> Orbit:
     """The orbit that a run goes to."""
-    scene = case.scene()
-    return_map = ReturnMap(scene, period or 1, engine)
-    at = return_map.coordinates
-    course = course_of(scene, at, engine) if result is None else course_of_result(result, at, engine)
+    return_map = ReturnMap(case.scene(), period or 1, engine)
+    orbit_there = _after(MORE, case, result, return_map, period)
+    if orbit_there.stable or period:
+        return orbit_there
+    later = _after(FURTHER, case, result, return_map, period)  # a run may pass unstable orbits on its way
+    return later if later.stable else orbit_there
+
+
+def _after(more: int, case: Case, result: Result | None, return_map: ReturnMap, period: int | None) -> Orbit:
+    """The orbit near the point to which a run comes `more` periods of its source beyond its end."""
+    at, engine = return_map.coordinates, return_map.carrier.engine
+    course = (
+        course_of(case.scene(), at, engine, more=more)
+        if result is None
+        else course_of_result(result, at, engine, more)
+    )
     if len(course.points) < 4:
         raise OrbitError(
             f"the run meets the section {len(course.points)} times only; give a longer one, or a start"

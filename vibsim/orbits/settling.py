@@ -80,12 +80,14 @@ def _course_of_turns(
     return Course(times[-KEPT:], X[-KEPT:], X.min(axis=0), X.max(axis=0))
 
 
-def course_of_result(result: Result, coordinates: Coordinates, engine: str = "auto") -> Course:
+def course_of_result(
+    result: Result, coordinates: Coordinates, engine: str = "auto", more: int = MORE
+) -> Course:
     """The same of a stored run, from its last event on."""
     events = result.events
     last = int(np.flatnonzero(events["kind"] != EVENT_KINDS["end"])[-1])
     scene = replace(result.case.scene(), t_end=result.t_reached)
-    return course_of(scene, coordinates, engine, rows_of_instant(events, last))
+    return course_of(scene, coordinates, engine, rows_of_instant(events, last), more)
 
 
 def likely_periods(points: np.ndarray) -> tuple[list[int], list[float]]:

@@ -4,6 +4,14 @@
 #include "engine.h"
 #include "numbers.h"
 #include "responses.h"
+#include "wide.h"
+
+/* With all that it calls in one function, which then is built twice as a whole. */
+#ifdef __GNUC__
+#define FLAT __attribute__((flatten))
+#else
+#define FLAT
+#endif
 
 /* First time from which on the response to a constant load is a quotient; times ascend, and so does what it is told by. */
 static int first_settled(const Oscillator *o, const double *tau, int count)
@@ -140,7 +148,7 @@ static void move_coordinate(const Times *at, const Coordinate *c, const Motion *
 /* Work out at most TIMES_AT_ONCE ascending times tau, 0 < tau, for the three functions below; the next single time is evaluated
  * anew, whatever it is.
  */
-void closed_form_many(Run *r, const double *tau, int count)
+WIDE FLAT void closed_form_many(Run *r, const double *tau, int count)
 {
     const Modal *modal = r->mode->modal;
     Times *at = &r->closed_form.times;
@@ -194,7 +202,7 @@ void closed_form_base(const Run *r, double *restrict X, double *restrict V)
 }
 
 /* Displacements and velocities of body c, those of the base given. */
-void closed_form_body(const Run *r, int c, const double *X, const double *V, double *restrict x, double *restrict v)
+WIDE void closed_form_body(const Run *r, int c, const double *X, const double *V, double *restrict x, double *restrict v)
 {
     const ClosedForm *f = &r->closed_form;
     const Place *place = &r->mode->modal->places[c];
