@@ -12,7 +12,7 @@ from vibsim.engine.errors import EngineError
 from vibsim.engine.state import State
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.results import trust_companion
-from vibsim.results.trust_companion import Companion, companion_scene, described
+from vibsim.results.trust_companion import Companion, companion_scene, described, third_scene
 
 LONG = {"run.t_end": "100000 s"}
 
@@ -73,6 +73,9 @@ def test_the_companion_steps_otherwise_and_at_full_tolerance(name, method, chang
     assert (other.method, other.order) != (method, case.two_blocks().order)
     assert other.method == "closed_form" or other.tol == 2.0**-53
     assert ("closed form" in described(other)) == (other.method == "closed_form")
+    third = third_scene(other, case.scene())
+    assert third.method == "taylor" and third.order not in (other.order, case.scene().order)
+    assert third.bodies == other.bodies and third.tol == 2.0**-53
 
 
 def test_the_companion_goes_on_where_the_rest_distance_ends_the_run():

@@ -7,7 +7,7 @@ import pytest
 
 from tests.scenes import NO_SOURCE, fixed_block, harmonic, motor, scene
 from vibsim.physics.rates import longest_period
-from vibsim.results.trust_estimate import ErrorEstimate, held, rounded_up, widened
+from vibsim.results.trust_estimate import GROWN, WINDOW, ErrorEstimate, held, rounded_up, widened
 
 TIME = np.arange(2001) / 200
 PERIOD = 0.5
@@ -123,3 +123,48 @@ def test_the_slower_of_source_and_free_vibration_sets_the_time():
     loaded = 2 * math.pi / math.sqrt(200 * (1 / 0.327 + 1 / 2.94))  # the unbalanced mass moves with block 1
     assert longest_period(scene(motor(50.0)).as_parts()) == pytest.approx(loaded, rel=5e-3)
     assert longest_period(fixed_block({**NO_SOURCE, "source": "none"}, k1=0.0).as_parts()) == math.inf
+
+
+def asking(further, pieces=1):
+    """Estimates where a third run is `further` times as far away as the companion; (estimates, questions)."""
+    ours, theirs = growing()
+    questions = []
+
+    def third(count, last, until):
+        questions.append((count, last, until))
+        rows = slice(count - last, count)
+        return ours[:, rows] + further * (theirs - ours)[:, rows]
+
+    estimate = ErrorEstimate(SCENE, 1e-10, third)
+    parts = [
+        estimate.update(TIME[rows], ours[:, rows], theirs[:, rows])
+        for rows in np.array_split(np.arange(len(TIME)), pieces)
+    ]
+    return np.concatenate(parts), questions
+
+
+def test_a_third_run_that_is_further_away_widens_what_follows():
+    plain = estimated(*growing())[1]
+    got, [(count, last, until)] = asking(20.0)
+    assert until == TIME[count - 1] and last == WINDOW
+    assert GROWN * ULP < plain[count - 1] < 1e3 * GROWN * ULP
+    np.testing.assert_array_equal(got[:count], plain[:count])
+    assert np.all(got[count:] >= 0.999 * np.minimum(20 * plain, 1)[count:])
+    assert np.all(got[count:] <= 20 * 1.5 * plain[count:])  # decades of the wider distance count too
+    for pieces in (2, 7, 300, len(TIME)):
+        again, questions = asking(20.0, pieces)
+        np.testing.assert_allclose(again, got, rtol=2e-3)
+        assert questions == [(count, last, until)]
+
+
+@pytest.mark.parametrize("further", [0.05, 1.0, math.nan])
+def test_a_third_run_that_is_nearer_or_fails_changes_nothing(further):
+    got, questions = asking(further)
+    assert len(questions) == 1
+    np.testing.assert_array_equal(got, estimated(*growing())[1])
+
+
+def test_where_nothing_grows_no_third_run_is_asked():
+    ours, _ = growing()
+    estimate = ErrorEstimate(SCENE, 1e-10, lambda *_: pytest.fail("asked"))
+    estimate.update(TIME, ours, ours + 100 * ULP)

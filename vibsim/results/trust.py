@@ -1,6 +1,7 @@
 """Until when a run is right: its error at every sample, and the trust horizon."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING, Any
 
@@ -8,7 +9,7 @@ import numpy as np
 
 from vibsim.physics.parts import Scene
 from vibsim.results.columns import tables_of
-from vibsim.results.trust_companion import Companion, companion_scene, described
+from vibsim.results.trust_companion import Companion, companion_scene, described, third_scene
 from vibsim.results.trust_estimate import ErrorEstimate
 
 if TYPE_CHECKING:
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 
 COLUMN = "error_estimate"
 GoOn = Callable[[], bool]
+AT_ONCE = 100_000  # samples
 
 
 class NoTrust:
@@ -51,8 +53,9 @@ class Trust(NoTrust):
 
     def __init__(self, case: "Case", scene: Scene, engine: str):
         other = companion_scene(case, scene)
-        self._method = described(other)
-        self._estimate = ErrorEstimate(scene, case.number("run.trust_tolerance"))
+        self._method, self._engine = described(other), engine
+        self._third = third_scene(other, scene)
+        self._estimate = ErrorEstimate(scene, case.number("run.trust_tolerance"), self._by_a_third_run)
         self._companion = Companion(other, engine)
         self._names = tables_of(scene).displacements
 
@@ -76,9 +79,21 @@ class Trust(NoTrust):
         left_out : distance [m] at each sample that the run has left out of infinite sequences of impacts, as
         its companion has
         """
+        self._go_on = go_on
         ours = np.stack([samples[name] for name in self._names])
         theirs = self._companion.take(ours.shape[1], go_on)
         return {**samples, COLUMN: self._estimate.update(samples["time"], ours, theirs, left_out)}
+
+    def _by_a_third_run(self, count: int, last: int, until: float) -> np.ndarray:
+        """Displacements [m] of a third run at the `last` of its first `count` samples, up to `until` [s]."""
+        companion = Companion(replace(self._third, t_end=until), self._engine)
+        companion.start()
+        try:
+            for done in range(0, count - last, AT_ONCE):
+                companion.take(min(AT_ONCE, count - last - done), self._go_on)
+            return companion.take(last, self._go_on)
+        finally:
+            companion.close()
 
     def attrs(self, t_reached: float) -> dict[str, Any]:
         """Attributes of the file: horizon [s], tolerance [m], method, and the largest estimate [m].

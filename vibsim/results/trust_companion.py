@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 PARTS = ("bodies", "links", "stops", "frictions", "forces", "base", "motor")
 TURNS = ("cycles", "cycles_lo")
 USUAL_ORDER, OTHER_ORDER = 20, 25  # of the Taylor flow; both cost the same
+THIRD_ORDERS = (22, OTHER_ORDER, USUAL_ORDER)
 TOLERANCE = 2.0**-53
 PATIENCE = 0.1  # seconds between two questions whether to wait on
 HIGHER = 16  # hops, at the end of sequences of impacts under friction: four times as fast
@@ -63,6 +64,12 @@ def _other_flow(scene: Scene) -> tuple[str, int]:
     if scene.method == "taylor":
         return flow_of(replace(scene, method="auto")), _other_order(scene.order)
     return "taylor", USUAL_ORDER if flow_of(scene) == "closed_form" else _other_order(scene.order)
+
+
+def third_scene(companion: Scene, scene: Scene) -> Scene:
+    """The scene of a third run, whose steps are those of neither a run of `scene` nor its companion."""
+    order = next(order for order in THIRD_ORDERS if order not in (scene.order, companion.order))
+    return replace(companion, method="taylor", order=order)
 
 
 def _other_order(order: int) -> int:

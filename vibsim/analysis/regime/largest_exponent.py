@@ -17,6 +17,7 @@ from vibsim.results.result import Result
 from vibsim.results.windows import Window
 
 BLOCKS = 10
+EPS = 2.0**-52  # the rounding of each value of the growth, relative to what it has grown by
 DOUBT = 0.05  # probability that the interval misses the exponent
 
 
@@ -42,4 +43,5 @@ def exponent_of(times: np.ndarray, growth: np.ndarray) -> Exponent | None:
         return None
     edges = np.linspace(0, len(times) - 1, BLOCKS + 1).round().astype(int)
     found = average(np.diff(growth[edges]) / np.diff(times[edges]), DOUBT)
-    return Exponent(found.mean, found.half_width)
+    rounding = len(growth) * EPS * (1 + np.abs(growth).max()) / (times[-1] - times[0])
+    return Exponent(found.mean, max(found.half_width, float(rounding)))

@@ -49,6 +49,7 @@ def run_all(jobs: Sequence[Callable[[], Numbers]], advance: Advance) -> list[Num
                 raise Interrupted
     finally:
         waiting.clear()
+    advance(len(jobs), len(jobs))
     return [result.result() for result in results]
 
 
