@@ -55,17 +55,14 @@ def test_a_few_scenes_of_parts():
 @pytest.mark.slow
 @pytest.mark.timeout(7200)
 def test_two_hundred_scenes_of_parts():
-    """No horizon for the tolerance that cases have by default is late by more than 10 %; and of those for
-    tolerances down to 1e-10 m, where errors that hardly grow make a horizon a matter of luck, one in fifty.
-    """
+    """No horizon for tolerances from 1e-10 to 1e-4 m is late by more than 10 %."""
     cases = list(map(scene_of_parts, range(1, 201)))
     with ProcessPoolExecutor(os.cpu_count()) as pool:
         found = list(pool.map(judged, cases))
     every = [(tolerance, *pair) for one in found for tolerance, pair in one.horizons.items()]
     late = [tolerance for tolerance, estimated, true in every if estimated > 1.1 * true]
     assert len(every) > 200
-    assert 1e-6 not in late
-    assert len(late) <= len(every) / 50
+    assert late == []
     assert np.mean([one.within for one in found]) >= 0.9
     assert max(one.too_low for one in found) <= 0.1
 
