@@ -1,4 +1,4 @@
-"""Ways to call vibsim from a test."""
+"""Ways to call vibsim from a test, and what to call it with."""
 
 import subprocess
 import sys
@@ -6,6 +6,16 @@ import sys
 from click.testing import CliRunner
 
 from vibsim.command_line.main import group
+
+# a case whose force turns a billion times between two samples
+SLOW_SOURCE = """
+name: slow
+blocks: {m1: 1 kg, m2: fixed}
+coupling: {k1: 1 N/m}
+excitation: {kind: harmonic, A: 1 N, omega: 1e9 Hz}
+initial: {x1: 1 mm}
+run: {t_end: 100 s, every: 1 s}
+"""
 
 
 def call(*words, **options):

@@ -14,21 +14,13 @@ from pathlib import Path
 import pytest
 
 import vibsim
-from tests.command_line.made import call
+from tests.command_line.made import SLOW_SOURCE, call
 from vibsim.command_line.terminal.interruption import Interruption, ended_by_signals, heard_from_now_on
 from vibsim.opening import open_result
 
 GOES_ON = "holds what was done; the same command goes on from there"
 CAPTURED = "II-B -s c=0.03 -s Omega0=3.8Hz"
 BELT = "--spread block.x=-2:2m --spread block.v=0:2m/s --section 0 --compute end-state"
-SLOW_SOURCE = """
-name: slow
-blocks: {m1: 1 kg, m2: fixed}
-coupling: {k1: 1 N/m}
-excitation: {kind: harmonic, A: 1 N, omega: 1e9 Hz}
-initial: {x1: 1 mm}
-run: {t_end: 100 s, every: 1 s}
-"""
 OVERDAMPED = """
 name: slow
 blocks: {m1: 1 g, m2: fixed}

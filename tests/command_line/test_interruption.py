@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import vibsim
+from tests.command_line.made import SLOW_SOURCE
 from vibsim.command_line.terminal.interruption import Interruption
 from vibsim.command_line.terminal.slow_run import SlowRun
 from vibsim.files.signals import Terminated
@@ -113,16 +114,6 @@ def test_a_second_signal_interrupts_at_once():
         with pytest.raises(KeyboardInterrupt):
             signal.raise_signal(signal.SIGINT)
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
-
-
-SLOW_SOURCE = """
-name: slow
-blocks: {m1: 1 kg, m2: fixed}
-coupling: {k1: 1 N/m}
-excitation: {kind: harmonic, A: 1 N, omega: 1e9 Hz}
-initial: {x1: 1 mm}
-run: {t_end: 100 s, every: 1 s}
-"""
 
 
 def test_a_slow_run_is_told_with_its_rate_and_an_estimate(tmp_path):

@@ -7,7 +7,8 @@ import pytest
 
 from tests.scenes import NO_SOURCE, fixed_block, harmonic, motor, scene
 from vibsim.physics.rates import longest_period
-from vibsim.results.trust_estimate import GROWN, WINDOW, ErrorEstimate, held, rounded_up, widened
+from vibsim.results.trust_estimate import ErrorEstimate, held, rounded_up, widened
+from vibsim.results.trust_share import GROWN, WINDOW
 
 TIME = np.arange(2001) / 200
 PERIOD = 0.5
@@ -135,9 +136,9 @@ def asking(further, pieces=1):
         rows = slice(count - last, count)
         return ours[:, rows] + further * (theirs - ours)[:, rows]
 
-    estimate = ErrorEstimate(SCENE, 1e-10, third)
+    estimate = ErrorEstimate(SCENE, 1e-10)
     parts = [
-        estimate.update(TIME[rows], ours[:, rows], theirs[:, rows])
+        estimate.update(TIME[rows], ours[:, rows], theirs[:, rows], third=third)
         for rows in np.array_split(np.arange(len(TIME)), pieces)
     ]
     return np.concatenate(parts), questions
@@ -166,5 +167,5 @@ def test_a_third_run_that_is_nearer_or_fails_changes_nothing(further):
 
 def test_where_nothing_grows_no_third_run_is_asked():
     ours, _ = growing()
-    estimate = ErrorEstimate(SCENE, 1e-10, lambda *_: pytest.fail("asked"))
-    estimate.update(TIME, ours, ours + 100 * ULP)
+    estimate = ErrorEstimate(SCENE, 1e-10)
+    estimate.update(TIME, ours, ours + 100 * ULP, third=lambda *_: pytest.fail("asked"))

@@ -12,46 +12,50 @@ from vibsim.branches.arclength import ContinuationError
 from vibsim.engine.modes.rows import RowMaker
 from vibsim.orbits.return_map import Return
 from vibsim.orbits.sliding import excess
-from vibsim.orbits.word import Word
+from vibsim.orbits.word import Word, changes
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
 
 STOPPED = ("reversal", "stick_begin")  # events at which a sliding velocity is zero
-STICKS = Counter(stick_begin=1, stick_end=1)
+STICK, BACK = Counter(stick_begin=1, stick_end=1), Counter(reversal=1)  # what happens there
 
 
 def held(before: Word, after: Word) -> int | None:
     """Number of the friction of which a reversal becomes a stick, or a stick a reversal, from one word to
     another; None where another thing happens.
     """
-    one, other = Counter(before), Counter(after)
-    gone, come = one - other, other - one
-    frictions = {part for _, part in (*gone, *come)}
-    kinds = {Counter(kind for kind, _ in each.elements()) == STICKS for each in (gone, come)}
-    reversals = {Counter(kind for kind, _ in each.elements()) == Counter(reversal=1) for each in (gone, come)}
-    alone = kinds == reversals == {True, False} and len(frictions) == 1
+    gone, come = changes(before, after)
+    frictions = {part for _, part in gone + come}
+    alone = len(frictions) == 1 and [kinds_of(gone), kinds_of(come)] in ([STICK, BACK], [BACK, STICK])
     return frictions.pop() if alone else None
+
+
+def kinds_of(events: Counter[tuple[str, int]]) -> Counter[str]:
+    """How often each kind is among events."""
+    return Counter(kind for kind, _ in events.elements())
 
 
 def stops_of(scene: Scene, end: Return, friction: int) -> list[tuple[float, float]]:
     """When the sliding velocity of a friction comes to zero [s / period], and how far the force that would
     hold it there is beyond its limit [N], below 0 where it holds; scene: with the numbers of the motion.
+
+    Raises ContinuationError where it never does.
     """
     carried, maker = end.carried, RowMaker(scene, Doubles)
     rows = zip(carried.events, carried.times, carried.states, carried.codes.tolist(), strict=True)
-    return [
+    stops = [
         (float(t) / end.T, excess(scene, maker, friction, t, state, codes))
         for (kind, part), t, state, codes in rows
         if part == friction and kind in STOPPED
     ]
+    if not stops:
+        raise ContinuationError("the sliding velocity comes to zero no more")
+    return stops
 
 
 def critical_share(scene: Scene, end: Return, friction: int) -> float:
     """When the force that would hold is nearest to its limit [s / period]. Raises ContinuationError."""
-    stops = stops_of(scene, end, friction)
-    if not stops:
-        raise ContinuationError("the sliding velocity comes to zero no more")
-    return min(stops, key=lambda stop: abs(stop[1]))[0]
+    return min(stops_of(scene, end, friction), key=lambda stop: abs(stop[1]))[0]
 
 
 def excess_at(scene: Scene, end: Return, friction: int, share: float) -> float:
@@ -59,10 +63,7 @@ def excess_at(scene: Scene, end: Return, friction: int, share: float) -> float:
 
     Raises ContinuationError where there is none.
     """
-    stops = stops_of(scene, end, friction)
-    if not stops:
-        raise ContinuationError("the sliding velocity comes to zero no more")
-    return min(stops, key=lambda stop: _apart(stop[0], share))[1]
+    return min(stops_of(scene, end, friction), key=lambda stop: _apart(stop[0], share))[1]
 
 
 def _apart(one: float, other: float) -> float:

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,6 +16,7 @@ from vibsim.branches.locus import KINDS, WATCHED, Plane, PlanePoint, follow_pair
 from vibsim.branches.plan import BranchError, BranchPlan, must_matter, value_in
 from vibsim.branches.special import GRAZING, STICKING, TORUS
 from vibsim.branches.touching import CONTACTS
+from vibsim.orbits.word import changes
 
 FIRST_STEP = 0.1  # scaled, that the first correction may have
 
@@ -145,8 +145,8 @@ def locus_plan(
 
 def touched(special: SpecialPoint) -> int:
     """Number of the stop that is grazed at a special point. Raises BranchError where there are several."""
-    one, other = Counter(special.before), Counter(special.after)
-    stops = {part for kind, part in (one - other) + (other - one) if kind in CONTACTS}
+    gone, come = changes(special.before, special.after)
+    stops = {part for kind, part in gone + come if kind in CONTACTS}
     if len(stops) != 1:
         raise BranchError(f"{special.label}: {len(stops)} stops are grazed at once; a locus follows one")
     return stops.pop()

@@ -6,7 +6,6 @@ across. It goes on among the orbits of the other kind, back in the parameter: a 
 (Leine and van Campen 2006).
 """
 
-from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
@@ -15,11 +14,11 @@ from scipy.optimize import brentq
 
 from vibsim.branches.arclength import ContinuationError
 from vibsim.branches.family import Family
+from vibsim.branches.holding import STICK, kinds_of
 from vibsim.branches.node import Node, node_at
 from vibsim.branches.special import CORNER, Special
-from vibsim.branches.touching import motion_of_base
-from vibsim.orbits.word import Word
-from vibsim.physics.parts import BASE
+from vibsim.branches.touching import apart, motion_of_base
+from vibsim.orbits.word import Word, changes
 
 BACK = (1e-4, 1e-3, 1e-2)  # scaled: how far back in the parameter orbits of the other kind are looked for
 ASIDE = (0.25, 1.0, 4.0, 16.0)  # times that: how far a state is moved to be of the other kind
@@ -72,11 +71,11 @@ def _beside(family: Family, node: Node, change: float, size: float) -> Iterator[
 
 def _sticks_apart(one: Word, other: Word) -> int | None:
     """The friction at which one of two words has a stick and the other not; None where they differ else."""
-    gone, come = Counter(one) - Counter(other), Counter(other) - Counter(one)
+    gone, come = changes(one, other)
     more = gone or come
     frictions = {part for _, part in more}
-    sticks = Counter(kind for kind, _ in more.elements()) == Counter(stick_begin=1, stick_end=1)
-    return frictions.pop() if sticks and not (gone and come) and len(frictions) == 1 else None
+    alone = kinds_of(more) == STICK and not (gone and come) and len(frictions) == 1
+    return frictions.pop() if alone else None
 
 
 def _near(family: Family, node: Node, parameter: float) -> Node:
@@ -141,12 +140,5 @@ def least_slip(family: Family, node: Node, friction: int) -> float:
 def _slip_of(scene: Any, friction: Any, t: float, there: Any) -> tuple[float, float]:
     """Sliding velocity of a friction and its rate, where a motion has come to."""
     n, base = len(scene.bodies), motion_of_base(scene, t)
-
-    def of(end: int, values: Any, order: int) -> float:
-        return float(values[n + end]) if end >= 0 else float(base[order]) if end == BASE else 0.0
-
-    v, a = (
-        of(friction.P, values, order) - of(friction.Q, values, order)
-        for values, order in ((there.state, 1), (there.rate, 2))
-    )
-    return v - friction.belt, a
+    v, a = apart(friction, there.state[n:], base[1]), apart(friction, there.rate[n:], base[2])
+    return float(v) - friction.belt, float(a)

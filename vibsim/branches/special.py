@@ -1,10 +1,9 @@
 """What happens on a branch between two of its points, and how it is called."""
 
-from collections import Counter
 from dataclasses import dataclass
 
 from vibsim.branches.node import Node
-from vibsim.orbits.word import Word
+from vibsim.orbits.word import Word, changes
 
 FOLD, DOUBLING, TORUS, BRANCHING = "fold", "doubling", "neimark-sacker", "branch point"
 GRAZING, STICKING, TURNING, ORDER, CORNER = "grazing", "sticking", "turn", "order", "corner"
@@ -54,8 +53,8 @@ def kind_of_change(before: Word, after: Word) -> str:
     """What a change of the order of events is: contacts or sticks that come or go, reversals, or the order
     alone.
     """
-    one, other = Counter(before), Counter(after)
-    changed = {kind for (kind, _) in (one - other) + (other - one)}
+    gone, come = changes(before, after)
+    changed = {kind for kind, _ in gone + come}
     if changed & {"contact_begin", "contact_end", "impact", "transmitted"}:
         return GRAZING
     if changed & {"stick_begin", "stick_end", "rest_begin", "rest_end"}:

@@ -121,13 +121,17 @@ def gap_of(
     """Gap of a stop [m], its rate and acceleration at states (N, ...), with their rates of change."""
     stop, n = scene.stops[number], len(scene.bodies)
     base = motion_of_base(scene, t)
+    values = state, state[n:], None if rates is None else rates[n:]
+    gap, rate, bend = (
+        0.0 if of is None else stop.sense * apart(stop, of, base[order]) for order, of in enumerate(values)
+    )
+    return stop.gap + gap, rate, bend
 
-    def apart(values: Any, order: int) -> Any:
-        P, Q = (values[end] if end >= 0 else base[order] if end == BASE else 0.0 for end in (stop.P, stop.Q))
-        return -stop.sense * (Q - P)
 
-    bend = apart(rates[n:], 2) if rates is not None else 0.0
-    return stop.gap + apart(state, 0), apart(state[n:], 1), bend
+def apart(part: Any, values: Any, of_base: Any) -> Any:
+    """P - Q of the ends of a part: `values` by body, that of the base, and 0 of the ground."""
+    P, Q = (values[end] if end >= 0 else of_base if end == BASE else 0.0 for end in (part.P, part.Q))
+    return P - Q
 
 
 def motion_of_base(scene: Any, t: Any) -> list[Any]:

@@ -76,13 +76,24 @@ static inline double whole_power_of_two(double n)
     return double_of((bits_of(n + WHOLE) + 1023) << 52);
 }
 
+/* c[0] + c[1] x + ... + c[11] x^11. */
+static inline double sum_of_twelve(const double *c, double x)
+{
+    double x2 = x * x, x4 = x2 * x2;
+    double low = (c[0] + c[1] * x) + (c[2] + c[3] * x) * x2;
+    double middle = (c[4] + c[5] * x) + (c[6] + c[7] * x) * x2;
+    double high = (c[8] + c[9] * x) + (c[10] + c[11] * x) * x2;
+    return low + (middle + high * x4) * x4;
+}
+
 static inline double reduced_exponential(double x, double *rise)
 {
-    double n = (x * PER_LN_2 + WHOLE) - WHOLE, r = (x - n * LN_2) - n * LN_2_LO, r2 = r * r, r4 = r2 * r2;
-    double low = (1 / 2.0 + 1 / 6.0 * r) + (1 / 24.0 + 1 / 120.0 * r) * r2;
-    double middle = (1 / 720.0 + 1 / 5040.0 * r) + (1 / 40320.0 + 1 / 362880.0 * r) * r2;
-    double high = (1 / 3628800.0 + 1 / 39916800.0 * r) + (1 / 479001600.0 + 1 / 6227020800.0 * r) * r2;
-    *rise = r + r2 * (low + (middle + high * r4) * r4);
+    static const double exponential[] = {
+        1 / 2.0, 1 / 6.0, 1 / 24.0, 1 / 120.0, 1 / 720.0, 1 / 5040.0, 1 / 40320.0, 1 / 362880.0, 1 / 3628800.0, 1 / 39916800.0,
+        1 / 479001600.0, 1 / 6227020800.0,
+    };
+    double n = (x * PER_LN_2 + WHOLE) - WHOLE, r = (x - n * LN_2) - n * LN_2_LO;
+    *rise = r + r * r * sum_of_twelve(exponential, r);
     return n;
 }
 
@@ -121,7 +132,10 @@ static inline double hyperbolic_cosine(double x)
 
 static inline double logarithm(double x)
 {
-    double m, f, s, z, z2, z4, low, middle, high, rest, half;
+    static const double logarithm[] = {
+        2 / 3.0, 2 / 5.0, 2 / 7.0, 2 / 9.0, 2 / 11.0, 2 / 13.0, 2 / 15.0, 2 / 17.0, 2 / 19.0, 2 / 21.0, 2 / 23.0, 2 / 25.0,
+    };
+    double m, f, s, z, rest, half;
     int e;
     if (!(0.0 < x && x < INFINITY))
         return x == 0 ? -INFINITY : x > 0 ? x : NAN;
@@ -133,12 +147,7 @@ static inline double logarithm(double x)
     f = m - 1;
     s = f / (2 + f);
     z = s * s;
-    z2 = z * z;
-    z4 = z2 * z2;
-    low = (2 / 3.0 + 2 / 5.0 * z) + (2 / 7.0 + 2 / 9.0 * z) * z2;
-    middle = (2 / 11.0 + 2 / 13.0 * z) + (2 / 15.0 + 2 / 17.0 * z) * z2;
-    high = (2 / 19.0 + 2 / 21.0 * z) + (2 / 23.0 + 2 / 25.0 * z) * z2;
-    rest = z * (low + (middle + high * z4) * z4);
+    rest = z * sum_of_twelve(logarithm, z);
     half = 0.5 * f * f;
     return e * LN_2 - ((half - (s * (half + rest) + e * LN_2_LO)) - f);
 }

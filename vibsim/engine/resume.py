@@ -17,6 +17,7 @@ from vibsim.physics.parts import AT_FORCE, BASE, Clearance, Friction, RigidStop,
 
 Point = tuple[State[N], Status, Known]  # what a run goes on from: state, mode, known zeros
 Row = Mapping[str, float]  # of a table of events, by column
+Ends = tuple[float, float]  # a value at each end of a part
 
 JUMPS = ("impact", "transmitted", "chatter", "stick_begin", "reversal")
 ROUNDING = 2.0**-40  # of a velocity, above which its change is a jump [-]
@@ -156,10 +157,14 @@ def _zeros_of_parted(scene: Scene, rows: Sequence[Row], state: State, status: St
     return known
 
 
-def _places(scene: Scene, part: Stop | Clearance, state: State) -> tuple[float, float]:
+def _places(scene: Scene, part: Stop | Clearance, state: State) -> Ends:
     """Displacements of the ends of a part [m]."""
-    X = value_and_rate(Doubles, scene.base, state.t)[0]
-    P, Q = (state.x[end] if end >= 0 else X if end == BASE else 0.0 for end in (part.P, part.Q))
+    return _at_ends(part, state.x, value_and_rate(Doubles, scene.base, state.t)[0])
+
+
+def _at_ends(part: Stop | RigidStop | Clearance, values: Sequence[float], of_base: float) -> Ends:
+    """What the ends of a part have: of `values` by body, of the base, and 0 on the ground."""
+    P, Q = (values[end] if end >= 0 else of_base if end == BASE else 0.0 for end in (part.P, part.Q))
     return P, Q
 
 
@@ -183,6 +188,5 @@ def _watched(scene: Scene, kind: str, part: int, state: State, status: Status) -
 
 def _closing(scene: Scene, stop: Stop | RigidStop, state: State) -> float:
     """Rate of the depth of a stop [m/s]: contact at zero force begins while it shrinks."""
-    V = value_and_rate(Doubles, scene.base, state.t)[1]
-    vP, vQ = (state.v[end] if end >= 0 else V if end == BASE else 0.0 for end in (stop.P, stop.Q))
+    vP, vQ = _at_ends(stop, state.v, value_and_rate(Doubles, scene.base, state.t)[1])
     return stop.sense * (vQ - vP)

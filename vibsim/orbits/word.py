@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 from functools import lru_cache
 
@@ -35,6 +36,12 @@ def cyclic(word: Word) -> Word:
     """The least of all rotations of a word: orbits are compared by it, wherever the section cuts them."""
     doubled = word + word
     return min((doubled[i : i + len(word)] for i in range(len(word))), default=word)
+
+
+def changes(before: Word, after: Word) -> tuple[Counter[tuple[str, int]], Counter[tuple[str, int]]]:
+    """The events that a word has more often than another, and those that it has less often."""
+    one, other = Counter(before), Counter(after)
+    return one - other, other - one
 
 
 def spelled(scene: Scene, word: Word) -> str:

@@ -10,6 +10,13 @@ the Taylor series of what is left is summed in pairs of pairs, which shortens th
 """
 
 import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    import numpy as np
+
+X = TypeVar("X", float, "np.ndarray")
 
 WHOLE = 6755399441055744.0  # 1.5 * 2**52: adding it rounds to a whole number, which the last bits then hold
 QUARTERS = 2 / math.pi  # quarter turns to a radian
@@ -30,14 +37,12 @@ ROOT_HALF = 0.7071067811865476
 LOGARITHM = [2 / (2 * n + 1) for n in range(1, 13)]  # left out: 0.03^13 / 27 < 1e-21
 
 
-def sine_cosine(angle: float) -> tuple[float, float]:
-    """Sine and cosine of an angle [rad]; beyond a million radians with the error that n eps in it makes."""
-    if not -LARGEST < angle < LARGEST:
-        angle = math.fmod(angle, TWO_PI) if math.isfinite(angle) else math.nan
-    if angle != angle:
-        return angle, angle
-    shifted = angle * QUARTERS + WHOLE
-    quarters = shifted - WHOLE
+def off_quarters(angle: X) -> tuple[X, X, X]:
+    """Whole quarter turns in an angle [rad] below LARGEST, and sine and cosine of what is left: at most pi/4.
+
+    Of a double, or of an array with the same bits.
+    """
+    quarters = (angle * QUARTERS + WHOLE) - WHOLE
     r = ((angle - quarters * FIRST) - quarters * SECOND) - quarters * THIRD
     z = r * r
     z2 = z * z
@@ -47,8 +52,16 @@ def sine_cosine(angle: float) -> tuple[float, float]:
     c = ((b[0] + b[1] * z) + (b[2] + b[3] * z) * z2) + ((b[4] + b[5] * z) + b[6] * z2) * z4
     half = 0.5 * z
     near = 1 - half
-    sine = r + r * (z * s)
-    cosine = near + (((1 - near) - half) + z2 * c)
+    return quarters, r + r * (z * s), near + (((1 - near) - half) + z2 * c)
+
+
+def sine_cosine(angle: float) -> tuple[float, float]:
+    """Sine and cosine of an angle [rad]; beyond a million radians with the error that n eps in it makes."""
+    if not -LARGEST < angle < LARGEST:
+        angle = math.fmod(angle, TWO_PI) if math.isfinite(angle) else math.nan
+    if angle != angle:
+        return angle, angle
+    quarters, sine, cosine = off_quarters(angle)
     quadrant = int(quarters) & 3
     if quadrant & 1:
         sine, cosine = cosine, sine
@@ -65,17 +78,21 @@ def cos(angle: float) -> float:
     return sine_cosine(angle)[1]
 
 
+def _sum_of_twelve(c: Sequence[float], x: float) -> float:
+    """c[0] + c[1] x + ... + c[11] x^11."""
+    x2 = x * x
+    x4 = x2 * x2
+    low = (c[0] + c[1] * x) + (c[2] + c[3] * x) * x2
+    middle = (c[4] + c[5] * x) + (c[6] + c[7] * x) * x2
+    high = (c[8] + c[9] * x) + (c[10] + c[11] * x) * x2
+    return low + (middle + high * x4) * x4
+
+
 def _reduced(x: float) -> tuple[float, float]:
     """(n, exp(r) - 1) of x = n ln 2 + r, |r| < 0.35; x is not nan."""
     n = (x * PER_LN_2 + WHOLE) - WHOLE
     r = (x - n * LN_2) - n * LN_2_LO
-    r2 = r * r
-    r4 = r2 * r2
-    e = EXPONENTIAL
-    low = (e[0] + e[1] * r) + (e[2] + e[3] * r) * r2
-    middle = (e[4] + e[5] * r) + (e[6] + e[7] * r) * r2
-    high = (e[8] + e[9] * r) + (e[10] + e[11] * r) * r2
-    return n, r + r2 * (low + (middle + high * r4) * r4)
+    return n, r + r * r * _sum_of_twelve(EXPONENTIAL, r)
 
 
 def exp(x: float) -> float:
@@ -121,13 +138,7 @@ def log(x: float) -> float:
     f = m - 1
     s = f / (2 + f)
     z = s * s
-    z2 = z * z
-    z4 = z2 * z2
-    c = LOGARITHM
-    low = (c[0] + c[1] * z) + (c[2] + c[3] * z) * z2
-    middle = (c[4] + c[5] * z) + (c[6] + c[7] * z) * z2
-    high = (c[8] + c[9] * z) + (c[10] + c[11] * z) * z2
-    rest = z * (low + (middle + high * z4) * z4)
+    rest = z * _sum_of_twelve(LOGARITHM, z)
     half = 0.5 * f * f
     return e * LN_2 - ((half - (s * (half + rest) + e * LN_2_LO)) - f)
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from math import inf
 from typing import TYPE_CHECKING, Any
 
@@ -55,7 +56,7 @@ class Trust(NoTrust):
         other = companion_scene(case, scene)
         self._method, self._engine = described(other), engine
         self._third = third_scene(other, scene)
-        self._estimate = ErrorEstimate(scene, case.number("run.trust_tolerance"), self._by_a_third_run)
+        self._estimate = ErrorEstimate(scene, case.number("run.trust_tolerance"))
         self._companion = Companion(other, engine)
         self._names = tables_of(scene).displacements
 
@@ -79,19 +80,19 @@ class Trust(NoTrust):
         left_out : distance [m] at each sample that the run has left out of infinite sequences of impacts, as
         its companion has
         """
-        self._go_on = go_on
         ours = np.stack([samples[name] for name in self._names])
         theirs = self._companion.take(ours.shape[1], go_on)
-        return {**samples, COLUMN: self._estimate.update(samples["time"], ours, theirs, left_out)}
+        third = partial(self._by_a_third_run, go_on)
+        return {**samples, COLUMN: self._estimate.update(samples["time"], ours, theirs, left_out, third)}
 
-    def _by_a_third_run(self, count: int, last: int, until: float) -> np.ndarray:
+    def _by_a_third_run(self, go_on: GoOn, count: int, last: int, until: float) -> np.ndarray:
         """Displacements [m] of a third run at the `last` of its first `count` samples, up to `until` [s]."""
         companion = Companion(replace(self._third, t_end=until), self._engine)
         companion.start()
         try:
             for done in range(0, count - last, AT_ONCE):
-                companion.take(min(AT_ONCE, count - last - done), self._go_on)
-            return companion.take(last, self._go_on)
+                companion.take(min(AT_ONCE, count - last - done), go_on)
+            return companion.take(last, go_on)
         finally:
             companion.close()
 

@@ -10,28 +10,24 @@ damped motion under a steady force, the estimate follows them down.
 Two rounding errors of one size start in different directions, and what counts is their share in the
 direction that grows; by bad luck the distance is small where the error is not. Where nothing grows this
 averages out; where errors grow it stays. So the distance is multiplied by a factor that rises with the
-decades by which it has grown beyond rounding: 1 at the start, 3.5 when 1e-16 m has become 1e-6 m. And
-where it has grown by four decades, and lies in the direction that grows, a third run is followed up to there:
-if that lies further away, the distance is multiplied by as much from then on. To be far too low by bad luck
-takes two runs that share the error of the first.
+decades by which it has grown beyond rounding: 1 at the start, 3.5 when 1e-16 m has become 1e-6 m; and by
+what a third run tells (`trust_share`).
 
 When the two runs have nothing to do with each other any more, the estimate says how far apart such runs are:
 it saturates at the size of the motion.
 """
 
-from collections.abc import Callable
 from math import log, log10
 
 import numpy as np
 
 from vibsim.physics.parts import Scene
 from vibsim.physics.rates import longest_period
+from vibsim.results.trust_share import Share, Third
 
 ULP = 2.0**-52
 DECADES = 4.0  # of growth for which the distance counts once more
 PERIODS_HELD = 2.0
-GROWN = 1e4  # of a distance by its rounding, where a third run is asked
-WINDOW = 16  # samples at which it is
 BITS_BELOW = 12  # of a double, left out of its logarithm: room for sums
 UNIT = 2.0 ** (52 - BITS_BELOW)  # of the logarithm: so many to a power of two
 BITS_DROPPED = 43  # of 52: three digits are more than an estimate has, and zeros take no room on file
@@ -41,23 +37,16 @@ class ErrorEstimate:
     """Running estimate over blocks of samples, and the horizon: until when it is within `tolerance` [m].
 
     scene : what is run; it sets the time for which a distance is held
-    third : displacements [m] of a third run, shape (bodies, last), as `third(count, last, until)`: at the
-        `last` of its first `count` samples, which end at the time `until` [s]
     """
 
-    def __init__(
-        self, scene: Scene, tolerance: float, third: Callable[[int, int, float], np.ndarray] | None = None
-    ):
+    def __init__(self, scene: Scene, tolerance: float):
         self.tolerance = tolerance
         self.largest = 0.0  # estimate so far [m]
         self._fading = 1 / (PERIODS_HELD * longest_period(scene))  # [1/s]
         self._time = self._distance = self._size = 0.0  # at the last sample
         self._within = 0.0  # time of the last sample before the estimate passes the tolerance [s]
         self._passed = False
-        self._third, self._count = third, 0
-        self._asked: int | None = None  # number of the first sample at which the third run is asked
-        self._window: list[tuple[np.ndarray, np.ndarray]] = []  # the run there, and its distances
-        self._share: float | None = None  # by how much the third run is further away, at least 1
+        self._share = Share()
 
     def update(
         self,
@@ -65,12 +54,14 @@ class ErrorEstimate:
         ours: np.ndarray,
         theirs: np.ndarray,
         left_out: np.ndarray | float = 0.0,
+        third: Third | None = None,
     ) -> np.ndarray:
         """Estimates [m] at the next samples, shape of `time` [s].
 
         ours, theirs : displacements [m] of the run and its companion, shape (bodies, samples). NaN
         where the companion has failed: nothing is known any more, and the estimate is the size of the motion.
         left_out : a distance [m] that both are known to lack, at least
+        third : a third run, by which distances are widened; the same in every call
         """
         if not len(time):
             return np.empty(0)
@@ -79,9 +70,10 @@ class ErrorEstimate:
         apart = np.maximum(np.where(np.isnan(apart), size, apart), left_out)
         times, apart = np.append(self._time, time), np.append(self._distance, apart)
         distance = held(times, apart, self._fading)[1:]
-        share = self._shares(time, ours, apart[1:], distance > GROWN * ULP * size)
-        distances = np.minimum(distance * share, np.maximum(distance, size))
-        estimate = rounded_up(widened(distances, ULP * size))
+        rounding = ULP * size
+        share = self._share.of(time, ours, apart[1:], distance, rounding, third) if third else None
+        told = distance if share is None else np.minimum(distance * share, np.maximum(distance, size))
+        estimate = rounded_up(widened(told, rounding))
         self._time, self._distance, self._size = time[-1], distance[-1], size[-1]
         self._note(time, estimate)
         return estimate
@@ -89,32 +81,6 @@ class ErrorEstimate:
     def horizon(self, t_reached: float) -> float:
         """Time of the last sample before the estimate passes the tolerance [s]; else `t_reached`."""
         return self._within if self._passed else t_reached
-
-    def _shares(
-        self, time: np.ndarray, ours: np.ndarray, apart: np.ndarray, grown: np.ndarray
-    ) -> np.ndarray | float:
-        """What to multiply distances by at the next samples; wherever their block begins and ends."""
-        begin, self._count = self._count, self._count + len(time)
-        if self._third is None:
-            return 1.0
-        if self._asked is None:
-            if not grown.any():
-                return 1.0
-            self._asked = begin + int(np.argmax(grown))
-        low, high = max(self._asked - begin, 0), self._asked + WINDOW - begin
-        if self._share is None:
-            self._window.append((ours[:, low:high], apart[low:high]))
-            if high > len(time):
-                return 1.0
-            self._share = self._compared(self._third(begin + high, WINDOW, float(time[high - 1])))
-        return np.where(np.arange(len(time)) >= high, self._share, 1.0)
-
-    def _compared(self, theirs: np.ndarray) -> float:
-        """How much further away the third run is than the companion, at least 1; 1 where it has failed."""
-        ours, apart = (np.concatenate(parts, axis=-1) for parts in zip(*self._window, strict=True))
-        self._window = []
-        share = float(np.abs(ours - theirs).max() / apart.max())
-        return share if share > 1 else 1.0
 
     def _note(self, time: np.ndarray, estimate: np.ndarray) -> None:
         self.largest = max(self.largest, float(estimate.max()))

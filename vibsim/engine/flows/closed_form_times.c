@@ -6,13 +6,6 @@
 #include "responses.h"
 #include "wide.h"
 
-/* With all that it calls in one function, which then is built twice as a whole. */
-#ifdef __GNUC__
-#define FLAT __attribute__((flatten))
-#else
-#define FLAT
-#endif
-
 /* First time from which on the response to a constant load is a quotient; times ascend, and so does what it is told by. */
 static int first_settled(const Oscillator *o, const double *tau, int count)
 {
@@ -148,7 +141,7 @@ static void move_coordinate(const Times *at, const Coordinate *c, const Motion *
 /* Work out at most TIMES_AT_ONCE ascending times tau, 0 < tau, for the three functions below; the next single time is evaluated
  * anew, whatever it is.
  */
-WIDE FLAT void closed_form_many(Run *r, const double *tau, int count)
+WIDE_WITH_CALLS void closed_form_many(Run *r, const double *tau, int count)
 {
     const Modal *modal = r->mode->modal;
     Times *at = &r->closed_form.times;

@@ -31,7 +31,7 @@ def differences(one: Scene, other: Scene) -> Numbers | None:
     """The numbers in the rows of `other` that are not those of `one`, by place; None where their modes have
     not the same form.
     """
-    if _settings(one) != _settings(other):
+    if settings(one) != settings(other) or one.stop_on_violation != other.stop_on_violation:
         return None
     numbers: Numbers = {}
     for name in PARTS:
@@ -41,10 +41,9 @@ def differences(one: Scene, other: Scene) -> Numbers | None:
     return numbers
 
 
-def _settings(scene: Scene) -> tuple[object, ...]:
-    """How a scene is run, and on which body a motor is."""
-    on = None if scene.motor is None else scene.motor.on
-    return scene.method, scene.order, scene.tol, scene.stop_on_violation, on
+def settings(scene: Scene) -> tuple[int | None, str, int, float]:
+    """What rows depend on besides parts: on which body a motor is, and how the scene is run."""
+    return scene.motor.on if scene.motor else None, scene.method, scene.order, scene.tol
 
 
 def _alike(one: Any, other: Any, place: Place, numbers: Numbers) -> bool:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from vibsim.engine.flows.modal import pitch, pitches
 from vibsim.engine.ledgers.meters import MeterMaker
 from vibsim.engine.ledgers.packing_meters import pack_meters, terms_of
-from vibsim.engine.modes.likeness import Numbers, Place
+from vibsim.engine.modes.likeness import Numbers, Place, settings
 from vibsim.engine.modes.packing import Packed, packed_mode
 from vibsim.engine.modes.recipe import Recipe, recipe_of
 from vibsim.engine.modes.rows import Event, EventKey, ModeRows, RowMaker
@@ -148,12 +148,7 @@ def _signature(scene: Scene, pitched: bool) -> bytes:
     masses = [body.m for body in scene.bodies]
     parts = [getattr(scene, name) for name in PARTS]
     forces = scene.forces if pitched else _loads(scene)
-    return pickle.dumps((pitched, masses, parts, forces, _settings(scene)))
-
-
-def _settings(scene: Scene) -> tuple[int | None, str, int, float]:
-    """On which body a motor is, and how the scene is run."""
-    return scene.motor.on if scene.motor else None, scene.method, scene.order, scene.tol
+    return pickle.dumps((pitched, masses, parts, forces, settings(scene)))
 
 
 def _loads(scene: Scene) -> list[tuple[int, float, list[tuple[float, int | None]]]]:

@@ -47,10 +47,7 @@ tolerance_exponent = lru_cache(maxsize=16)(elementary.log2)  # of the one or two
 
 def pack_scene(scene: Scene, harmonics: Sequence[Pitch]) -> Packed:
     """The scene as bytes of ints and of doubles. harmonics: distinct pitches, as `ClosedForm.harmonics`."""
-    motor, settings = (
-        scene.motor,
-        (tolerance_exponent(scene.tol), scene.t_end, scene.every_num, scene.every_den),
-    )
+    motor = scene.motor
     parts = len(scene.stops) + len(scene.frictions) + len(scene.clearances)
     pack = Packer()
     ints, doubles = pack.ints, pack.doubles
@@ -70,7 +67,7 @@ def pack_scene(scene: Scene, harmonics: Sequence[Pitch]) -> Packed:
     ints += (motor is not None, motor.on if motor else 0, rest_columns(scene))
     ints += (scene.stop_on_violation, scene.order)
     doubles += (motor.m3, motor.e, motor.J, motor.M0, motor.Omega0) if motor else (0.0,) * 5
-    doubles += settings
+    doubles += (tolerance_exponent(scene.tol), scene.t_end, scene.every_num, scene.every_den)
     doubles += [body.m for body in scene.bodies]
     for one in harmonics:
         doubles += (1.0, *one)
