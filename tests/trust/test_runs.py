@@ -1,6 +1,8 @@
 """The trust horizon in runs, files and commands."""
 
+import gc
 import json
+from weakref import ref
 
 import h5py
 import numpy as np
@@ -10,7 +12,7 @@ import vibsim
 from tests.command_line.made import call
 from tests.results.made import short_case
 from vibsim.physics.rates import longest_period
-from vibsim.results import simulate, simulate_to_file
+from vibsim.results import recording, simulate, simulate_to_file
 from vibsim.results.cadence import Thinning, instants_per_sample, sampled_finer
 from vibsim.sweeps import sweep
 
@@ -164,3 +166,21 @@ def test_tolerances_that_are_none(value):
     found = call("run", "I-A", "-s", f"trust_tolerance={value}", "--dry-run")
     assert found.exit_code == 3
     assert "run.trust_tolerance" in found.stderr
+
+
+def test_what_judges_a_run_is_freed_with_it(monkeypatch):
+    """Without the garbage collector, which commands seldom call: else every run leaves its blocks behind."""
+    judges = []
+
+    class Watched(recording.Trust):
+        def __init__(self, *of):
+            super().__init__(*of)
+            judges.append(ref(self))
+
+    monkeypatch.setattr(recording, "Trust", Watched)
+    gc.disable()
+    try:
+        assert simulate(chaotic()).trust_horizon > 0
+        assert [judge() for judge in judges] == [None]
+    finally:
+        gc.enable()
