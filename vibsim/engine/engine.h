@@ -343,6 +343,9 @@ void taylor_expand(Run *r, const State *state);
 int taylor_polynomial(const Run *r, const Event *e, double *out);
 double taylor_magnitude(const Run *r, const Event *e);
 
+/* memory.c */
+void keep_freed_memory(void);
+
 /* closed_form.c */
 void closed_form_enter(Run *r, const State *state);
 void closed_form_evaluate(Run *r, double tau);

@@ -768,6 +768,7 @@ PyMODINIT_FUNC PyInit__engine(void)
     PyObject *made;
     if (PyType_Ready(&run_type) < 0 || (made = PyModule_Create(&module)) == NULL)
         return NULL;
+    keep_freed_memory();
 #ifdef Py_GIL_DISABLED
     PyUnstable_Module_SetGIL(made, Py_MOD_GIL_NOT_USED);
 #endif
