@@ -11,7 +11,7 @@ from tests.branches.made import CAPTURED, KEYS, orbit_of
 from vibsim.branches import continue_branch, read_branch
 from vibsim.branches.continuing import complete
 from vibsim.branches.plan import plan_from
-from vibsim.branches.records import given, plain
+from vibsim.branches.records import plain, read_record
 from vibsim.branches.store.branch_store import BranchFileStore
 from vibsim.cases import UnknownKeyError
 from vibsim.files.errors import ResultFileError
@@ -54,7 +54,7 @@ def test_it_reads_back_to_the_bit(whole):
 
 def test_records_as_plain_data(whole):
     for record in (*whole[0].records[0], *whole[0].records[1]):
-        assert given(json.loads(json.dumps(plain(record)))) == record
+        assert read_record(json.loads(json.dumps(plain(record)))) == record
 
 
 @pytest.mark.parametrize("stop", [1, 3, 7])

@@ -26,7 +26,7 @@ def test_what_would_be_obeyed_is_written_out(text, plain):
 
 
 def test_some_may_be_kept_and_white_space_is_one_blank():
-    assert plain_text("a\nb\x07", kept="\n") == "a\nb\\x07"
+    assert plain_text("a\nb\x07", allowed="\n") == "a\nb\\x07"
     assert one_line(" a\n\t b\u2028c ") == "a b c"
 
 

@@ -70,7 +70,7 @@ def test_what_a_statement_can_be_about_is_listed():
         ),
         (
             ["fit", "I-A", "--try", "c=1", "--want", "captured"],
-            "capture needs a motor, which I-A has not got",
+            "capture needs a motor, which I-A does not have",
         ),
     ],
 )

@@ -25,7 +25,7 @@ def clock(monkeypatch):
 
 def test_the_rest_takes_as_long_as_what_is_done(monkeypatch, clock):
     monkeypatch.setattr(sys, "stderr", Terminal())
-    progress = Progress(wanted=True, patience=PATIENCE)
+    progress = Progress(shown=True, patience=PATIENCE)
     for done in (10, 20):
         clock[0] += 10 * PATIENCE
         progress.show("points", done, 100)
@@ -36,7 +36,7 @@ def test_the_rest_takes_as_long_as_what_is_done(monkeypatch, clock):
 
 def test_time_of_the_motion_is_shown_in_seconds(monkeypatch, clock):
     monkeypatch.setattr(sys, "stderr", Terminal())
-    progress = Progress(wanted=True, patience=PATIENCE)
+    progress = Progress(shown=True, patience=PATIENCE)
     for t in (15.0, 30.0):
         clock[0] += 2 * PATIENCE
         progress.show("II-B", t, 300.0)
@@ -46,7 +46,7 @@ def test_time_of_the_motion_is_shown_in_seconds(monkeypatch, clock):
 
 def test_the_same_step_once_more_has_a_bar_and_a_beginning_of_its_own(monkeypatch, clock):
     monkeypatch.setattr(sys, "stderr", Terminal())
-    progress = Progress(wanted=True, patience=PATIENCE)
+    progress = Progress(shown=True, patience=PATIENCE)
     clock[0] += 10 * PATIENCE
     progress.show("II-B", 300.0, 300.0)
     progress.show("II-B", 1.0, 300.0)  # within its first second
@@ -60,7 +60,7 @@ def test_the_same_step_once_more_has_a_bar_and_a_beginning_of_its_own(monkeypatc
 
 def test_a_step_of_unequal_things_names_them_and_promises_no_time(monkeypatch, clock):
     monkeypatch.setattr(sys, "stderr", Terminal())
-    progress = Progress(wanted=True)
+    progress = Progress(shown=True)
     for number, name in enumerate(("taylor, 20", "rk45, 1e-6")):
         clock[0] += 10
         progress.show("methods", number / 2, 1.0, name)
@@ -71,7 +71,7 @@ def test_a_step_of_unequal_things_names_them_and_promises_no_time(monkeypatch, c
 
 def test_no_bar_within_the_first_second(monkeypatch, clock):
     monkeypatch.setattr(sys, "stderr", Terminal())
-    progress = Progress(wanted=True, patience=PATIENCE)
+    progress = Progress(shown=True, patience=PATIENCE)
     clock[0] += PATIENCE / 2
     progress.show("points", 1, 100)
     assert sys.stderr.getvalue() == ""
@@ -79,7 +79,7 @@ def test_no_bar_within_the_first_second(monkeypatch, clock):
 
 @pytest.mark.parametrize(("listed", "said"), [(False, ""), (True, "runs\nfigures\n")])
 def test_without_a_terminal_there_are_lines_at_most(monkeypatch, clock, capsys, listed, said):
-    progress = Progress(wanted=True, listed=listed)
+    progress = Progress(shown=True, listed=listed)
     for step, done in (("runs", 0), ("runs", 9), ("figures", 0)):
         clock[0] += 100
         progress.show(step, done, 10)
@@ -89,5 +89,5 @@ def test_without_a_terminal_there_are_lines_at_most(monkeypatch, clock, capsys, 
 
 def test_nothing_is_shown_where_it_is_not_wanted(monkeypatch, clock):
     monkeypatch.setattr(sys, "stderr", Terminal())
-    Progress(wanted=False, listed=True).show("runs", 5, 10)
+    Progress(shown=False, listed=True).show("runs", 5, 10)
     assert sys.stderr.getvalue() == ""

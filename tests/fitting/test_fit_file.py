@@ -36,7 +36,7 @@ def test_a_fit_is_a_table_of_its_candidates(tmp_path):
     best = frame[frame["rank"] == 1]
     assert list(best.index) == [fit.best.candidate.number] and best["price"].iloc[0] == fit.best.price
     shares = fit.to_dataframe("statement")["share"]
-    assert list(shares.loc[fit.best.candidate.number]) == [one.share for one in fit.best.found]
+    assert list(shares.loc[fit.best.candidate.number]) == [one.share for one in fit.best.results]
     with xarray.open_dataset(path, engine="h5netcdf") as data:
         assert set(fit.to_xarray().variables) == set(data.load().variables)
     heading, *lines = repr(fit).splitlines()
@@ -60,7 +60,7 @@ def test_the_file_tells_others_what_was_found(tmp_path):
         best = int(np.flatnonzero(ranks == 1)[0])
         assert best == found.best.candidate.number
         assert file["price"][best] == found.best.price
-        assert file["share"][best].tolist() == [each.share for each in found.best.found]
+        assert file["share"][best].tolist() == [each.share for each in found.best.results]
         assert file["statement_text"].asstr()[0] == "passes 3 Hz between 4 and 6 s"
         assert [dim[0].name for dim in file["value"].dims] == ["/candidate", "/statement", "/start"]
         values = file["value"][best, 0]

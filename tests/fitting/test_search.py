@@ -33,7 +33,7 @@ def test_leaving_the_printed_value_has_its_price():
     wanted = [f"passes 3 Hz between {run_up(3.0, J=0.002)} and {run_up(3.0, J=0.003) + 1} s"]
     plan = plan_of([light_motor()], {"J": "0.2:5 g m^2"}, wanted, leave={"J": 0.3}, candidates=48)
     best = done(plan).best
-    assert best.found[0].holds
+    assert best.results[0].holds
     assert best.price == best.candidate.leaving == pytest.approx(0.3 * np.log10(2), rel=0.15)
 
 
@@ -93,13 +93,13 @@ def test_readings_alone_are_judged_from_all_starts_at_once():
     )
     found = done(plan)
     assert [str(one) for one in found.candidates] == ["as given", "J = 0.003", "M0 = 0.01"]
-    counts = {str(each.candidate): each.found[0].count for each in found.ranking}
+    counts = {str(each.candidate): each.results[0].count for each in found.ranking}
     assert counts == {"as given": 4, "M0 = 0.01": 4, "J = 0.003": 0}
-    assert {each.found[0].of for each in found.ranking} == {4}
+    assert {each.results[0].of for each in found.ranking} == {4}
 
 
 def test_shares_have_wilsons_interval():
-    found = done(small_plan()).ranking[-1].found[0]
+    found = done(small_plan()).ranking[-1].results[0]
     holds = np.arange(found.of) < found.count
     expected = share(holds, np.ones(found.of, bool), 0)
     assert (found.share, found.low, found.high) == (expected.estimate, expected.low, expected.high)
@@ -127,7 +127,7 @@ def test_a_run_that_fails_fulfils_nothing():
     point = found.runs[index]
     found.runs[index] = type(point)(index, 2, point.sha256, "why")
     judged = found.judged(found.candidates[1])
-    assert (judged.failed, judged.explained, judged.found[0].shortfall) == (1, 0, 1.0)
+    assert (judged.failed, judged.explained, judged.results[0].shortfall) == (1, 0, 1.0)
 
 
 def test_the_trust_horizon_is_told_beside_what_is_decided():

@@ -9,7 +9,7 @@ from vibsim.plots.registry import fitting, kind_named
 from vibsim.plots.subject import open_subject
 from vibsim.plots.sweeps.axes import label_of, value_texts
 from vibsim.plots.sweeps.curves import curves
-from vibsim.plots.sweeps.power import given, taken
+from vibsim.plots.sweeps.power import absorbed_powers, source_power
 from vibsim.plots.view import View
 from vibsim.sweeps import sweep
 from vibsim.sweeps.plan.axis import read_axis
@@ -61,9 +61,9 @@ def test_panels_have_the_names_of_bodies_and_parts(subjects):
 @pytest.mark.parametrize("name", ["drill", "stack"])
 def test_what_is_taken_and_stored_adds_up_to_what_is_given(subjects, name):
     (curve,) = curves([subjects[name]])
-    total = sum(taken(curve).values())
-    assert (given(curve) > 0).all() and len(taken(curve)) >= 3 - (name == "stack")
-    np.testing.assert_allclose(total, given(curve), rtol=1e-9)
+    total = sum(absorbed_powers(curve).values())
+    assert (source_power(curve) > 0).all() and len(absorbed_powers(curve)) >= 3 - (name == "stack")
+    np.testing.assert_allclose(total, source_power(curve), rtol=1e-9)
 
 
 def test_axes_are_labelled_with_what_they_belong_to():

@@ -329,7 +329,7 @@ def test_what_a_scene_has_not_is_not_computed():
         ("capture", "a motor"),
         ("regime", "a source"),
     ):
-        with pytest.raises(PlanError, match=f"{name} needs {needs}, which free has not got"):
+        with pytest.raises(PlanError, match=f"{name} needs {needs}, which free does not have"):
             short_plan({"s.k": "1, 2"}, free, compute=[name])
 
 

@@ -136,5 +136,5 @@ def test_verdicts_on_file(tmp_path):
 
 
 def test_capture_needs_a_motor():
-    with pytest.raises(PlanError, match="capture needs a motor, which I-B has not got"):
+    with pytest.raises(PlanError, match="capture needs a motor, which I-B does not have"):
         short_plan({"c": "0.1"}, short_case("I-B"), compute=["capture"])

@@ -112,25 +112,25 @@ def analyse(
     result = as_result(result)
     span, steady = span_of(result, window), later_part(result, window, discard)
     scene = result.case.scene()
-    found: dict[str, Any] = {}
+    verdicts: dict[str, Any] = {}
     if "capture" in what and scene.has_motor:
-        found["capture"] = judge_capture(result, span.window)
+        verdicts["capture"] = judge_capture(result, span.window)
     if "drift" in what and drifting(scene):
         drifts = {name: measure_drift(result, steady, of) for name, of in drifting(scene).items()}
-        found["drift"] = _one_or_named(drifts)
+        verdicts["drift"] = _one_or_named(drifts)
     if "impacts" in what and scene.has_stop:
         of_parts = {name: count_impacts(result, steady, name) for name in counted_parts(scene)}
-        found["impacts"] = of_parts or count_impacts(result, steady)
+        verdicts["impacts"] = of_parts or count_impacts(result, steady)
     if "regime" in what:
-        found["regime"] = _regime(result, steady, exponent)
+        verdicts["regime"] = _regime(result, steady, exponent)
     if "frequencies" in what:
         several = len(motions_of(scene)) > 1
-        found["frequencies"] = (
+        verdicts["frequencies"] = (
             {name: find_frequencies(result, steady, name) for name in motions_of(scene)}
             if several
             else find_frequencies(result, steady)
         )
-    return Analysis(result.attrs["case_name"], span, span_of(result, steady), **found)
+    return Analysis(result.attrs["case_name"], span, span_of(result, steady), **verdicts)
 
 
 def _one_or_named(verdicts: dict[str, T]) -> OneOrNamed[T]:
@@ -140,7 +140,7 @@ def _one_or_named(verdicts: dict[str, T]) -> OneOrNamed[T]:
 
 def _regime(result: Result, steady: Window, exponent: bool) -> Regime:
     """The regime; of a periodic motion without exponent: one return gives it better than any estimate."""
-    found = judge_regime(result, steady)
-    if not exponent or found.verdict in ("periodic", "at rest"):
-        return found
+    regime = judge_regime(result, steady)
+    if not exponent or regime.verdict in ("periodic", "at rest"):
+        return regime
     return judge_regime(result, steady, largest_exponent(result, steady))

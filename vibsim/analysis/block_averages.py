@@ -63,11 +63,11 @@ def block_values(result: Result, blocks: list[Span]) -> dict[str, np.ndarray]:
     time, event_time = result.time, result.events["t"]
     rows = [rows_within(time, block) for block in blocks]
     enough = min(part.stop - part.start for part in rows) >= FEWEST_SAMPLES
-    found = [
+    averages = [
         (_of_samples(result, part, time) if enough else {}) | _of_events(result, event_time, block)
         for part, block in zip(rows, blocks, strict=True)
     ]
-    return {name: np.array([values[name] for values in found]) for name in found[0]}
+    return {name: np.array([values[name] for values in averages]) for name in averages[0]}
 
 
 def averages(values: Mapping[str, np.ndarray], doubt: float) -> dict[str, Average]:
@@ -96,21 +96,21 @@ def _of_samples(result: Result, rows: slice, time: np.ndarray) -> dict[str, floa
     """Amplitude (sqrt(2) rms of x_P - x_Q about its mean), drift rate, motor speed."""
     scene = result.case.scene()
     clock = time[rows]
-    found: dict[str, float] = {}
+    averages: dict[str, float] = {}
     pairs = pairs_of(scene)
     for pair in pairs:
         motion = RelativeMotion(scene, pair)
         columns = {name: np.asarray(result.column(name)[rows]) for name in motion.columns}
         y = motion({"time": clock, **columns}, "time")[1]
         apart = y - mean(y)
-        found[_named("amplitude", pair, pairs)] = sqrt(2 * float(mean(apart * apart)))
+        averages[_named("amplitude", pair, pairs)] = sqrt(2 * float(mean(apart * apart)))
     moving = [scene.bodies[one.reference] for one in drifting_sets(scene)]
     for body in moving:
         x = result.column(columns_of(body.name)[0])[rows]
-        found[_named("drift rate", body, moving)] = float(x[-1] - x[0]) / float(clock[-1] - clock[0])
+        averages[_named("drift rate", body, moving)] = float(x[-1] - x[0]) / float(clock[-1] - clock[0])
     if scene.has_motor:
-        found["motor speed"] = float(mean(result.column("phidot")[rows])) / (2 * pi)
-    return found
+        averages["motor speed"] = float(mean(result.column("phidot")[rows])) / (2 * pi)
+    return averages
 
 
 def _of_events(result: Result, times: np.ndarray, block: Span) -> dict[str, float]:

@@ -98,7 +98,7 @@ def capture_of_turns(turn_times: np.ndarray, impact_times: np.ndarray, scene: Sc
     holds = holds_of(times, speeds, motor)
     passed = passages(times, speeds, scene)
     verdict, reason, hold = _verdict(holds, float(speeds[-1]), impact_times, scene, bool(passed))
-    found = Capture(
+    capture = Capture(
         verdict,
         reason,
         span,
@@ -108,10 +108,10 @@ def capture_of_turns(turn_times: np.ndarray, impact_times: np.ndarray, scene: Sc
         passages=passed,
     )
     if hold is None:
-        return found
+        return capture
     near = near_resonance(hold, impact_times, scene)
     until = None if hold.at_end else hold.end
-    return replace(found, since=hold.begin, until=until, speed_hz=hold.speed_hz, resonance=near)
+    return replace(capture, since=hold.begin, until=until, speed_hz=hold.speed_hz, resonance=near)
 
 
 def _verdict(
@@ -169,15 +169,15 @@ def is_near(hold: Hold, resonance: Resonance) -> bool:
 
 def all_resonances(scene: Scene) -> tuple[Resonance, ...]:
     """With and without impacts, ascending."""
-    found = {*resonances(scene, False), *resonances(scene, True)}
-    return tuple(sorted(found, key=lambda one: one.hz))
+    both = {*resonances(scene, False), *resonances(scene, True)}
+    return tuple(sorted(both, key=lambda one: one.hz))
 
 
 def passages(times: np.ndarray, speeds: np.ndarray, scene: Scene) -> tuple[Passage, ...]:
     """When the mean speed last rose through each resonance that it ended well above."""
-    found = []
+    crossings = []
     for one in all_resonances(scene):
         below = np.flatnonzero(speeds < one.hz)
         if len(below) and speeds[-1] > one.hz * (1 + BAND):
-            found.append(Passage(one, float(times[below[-1] + 1])))
-    return tuple(found)
+            crossings.append(Passage(one, float(times[below[-1] + 1])))
+    return tuple(crossings)

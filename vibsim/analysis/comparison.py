@@ -187,11 +187,11 @@ def _distances(a: Result, b: Result) -> Iterator[Distances]:
     if count > 1:
         yield from _between_samples(coarse, fine, names, count)
         return
-    found = np.searchsorted(fine.time, times)
-    stored = np.array_equal(fine.time[np.minimum(found, len(fine) - 1)], times)
+    indices = np.searchsorted(fine.time, times)
+    stored = np.array_equal(fine.time[np.minimum(indices, len(fine) - 1)], times)
     for rows in pieces(slice(0, len(times)), ROWS):
         ours = {name: coarse.column(name)[rows] for name in names if name in coarse}
-        theirs = _picked(fine, names, found[rows]) if stored else fine.at(times[rows])
+        theirs = _picked(fine, names, indices[rows]) if stored else fine.at(times[rows])
         yield times[rows], _apart(ours, theirs, names)
 
 
@@ -230,5 +230,5 @@ def compared_statistics(a: Result, b: Result, start: float, end: float) -> list[
     with np.errstate(over="ignore", invalid="ignore"):  # a mean that is no number differs from any
         values = [block_values(result, blocks) for result in (a, b)]
         common = [name for name in values[0] if name in values[1]]
-        ours, theirs = (averages(found, DOUBT / len(common)) for found in values)
+        ours, theirs = (averages(samples, DOUBT / len(common)) for samples in values)
     return [ComparedStatistic(name, unit_of(name), ours[name], theirs[name]) for name in common]

@@ -40,13 +40,13 @@ def period_ends(scene: Scene, window: Window) -> np.ndarray:
 def _turn_ends(result: Result, window: Window) -> np.ndarray:
     """Where the furthest angle so far passes a whole turn, on the line between two samples."""
     rows = rows_within(result.column("time"), window)
-    found, reached = [np.empty(0)], -np.inf
+    ends, reached = [np.empty(0)], -np.inf
     for piece in pieces(rows, ROWS):
         joined = slice(max(piece.start - 1, rows.start), piece.stop)  # no interval is lost between pieces
         t, phi = (np.asarray(result.column(name)[joined]) for name in ("time", "phi"))
-        found.append(_passages(t, phi, reached))
+        ends.append(_passages(t, phi, reached))
         reached = max(reached, float(phi.max()))
-    return np.concatenate(found)
+    return np.concatenate(ends)
 
 
 def _passages(t: np.ndarray, phi: np.ndarray, reached: float) -> np.ndarray:

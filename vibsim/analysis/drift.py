@@ -95,8 +95,8 @@ def measure_drift(result: Result, window: Window | None = None, of: str | None =
 
 def drift_of_blocks(means: np.ndarray, middles: np.ndarray, span: Span, of: str = "x2") -> Drift:
     """The drift from the mean displacements [m] of neighbouring blocks and their mean times [s]."""
-    found = average(np.diff(means) / np.diff(middles), DOUBT)
-    rate, half_width = found.mean, found.half_width
+    velocity = average(np.diff(means) / np.diff(middles), DOUBT)
+    rate, half_width = velocity.mean, velocity.half_width
     verdict = "none" if abs(rate) <= max(half_width, STILL) else "forward" if rate > 0 else "backward"
     reason = f"{1 - DOUBT:.0%} interval from {len(means)} blocks"
     return Drift(verdict, reason, span, of, rate, half_width, len(means))

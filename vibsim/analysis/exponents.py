@@ -117,7 +117,7 @@ def stored_exponents(result: Result) -> Lyapunov | None:
     attrs = {name.removeprefix("lyapunov_"): value for name, value in result.attrs.items()}
     if "growth" not in attrs:
         return None
-    found = LyapunovExponents(
+    exponents = LyapunovExponents(
         exponents=attrs["exponents"],
         growth=attrs["growth"],
         rank_losses=attrs["rank_losses"],
@@ -128,7 +128,7 @@ def stored_exponents(result: Result) -> Lyapunov | None:
         tangent_pieces=attrs["pieces"],
         undefined_time=attrs.get("undefined_time", nan),
     )
-    return judged(found, attrs.get("taylor_tolerance", UNIT_ROUNDOFF))
+    return judged(exponents, attrs.get("taylor_tolerance", UNIT_ROUNDOFF))
 
 
 def judged(lyapunov: LyapunovExponents, tolerance: float) -> Lyapunov:

@@ -66,16 +66,16 @@ def run_up_time(motor: Motor) -> float:
 def holds_of(times: np.ndarray, speeds: np.ndarray, motor: Motor) -> list[Hold]:
     """All holds among the mean speeds [Hz] at `times` [s], the longest taken first, in order of time."""
     spans = [(0, len(speeds))]
-    found = []
+    holds = []
     while spans:
         start, stop = spans.pop()
         first, last = longest_stretch(speeds[start:stop])
         first, last = first + start, last + start
         hold = _hold(times, speeds, first, last, motor)
         if hold is not None:
-            found.append(hold)
+            holds.append(hold)
             spans += [(start, first), (last + 1, stop)]
-    return sorted(found, key=lambda hold: hold.begin)
+    return sorted(holds, key=lambda hold: hold.begin)
 
 
 def _hold(times: np.ndarray, speeds: np.ndarray, first: int, last: int, motor: Motor) -> Hold | None:

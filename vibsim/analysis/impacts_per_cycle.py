@@ -102,7 +102,7 @@ def count_impacts(result: Result, window: Window | None = None, part: str | None
     own, noun = (sticks, "sticks") if part in frictions else (impacts, "impacts")
     cycles, happened = len(words), sum(map(bool, own))
     verdict = f"no {noun}" if not happened else "every cycle" if happened == cycles else "some cycles"
-    found = ImpactsPerCycle(
+    counts = ImpactsPerCycle(
         verdict,
         f"{noun} in {happened} of {cycles} cycles",
         span,
@@ -116,8 +116,8 @@ def count_impacts(result: Result, window: Window | None = None, part: str | None
         speed,
     )
     if part in stops:
-        return replace(found, sticks=None, stick_counts=None)
-    return replace(found, impacts=None, impact_counts=None) if part in frictions else found
+        return replace(counts, sticks=None, stick_counts=None)
+    return replace(counts, impacts=None, impact_counts=None) if part in frictions else counts
 
 
 def words_of(result: Result, ends: np.ndarray, part: str | None = None) -> list[str]:

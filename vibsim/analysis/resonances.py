@@ -25,8 +25,8 @@ def resonances(scene: Scene, impacting: bool) -> tuple[Resonance, ...]:
     if not (impacting and scene.has_stop):
         return _named("free", [rate / (2 * pi) for rate in natural_rates(scene)])
     bilinear = bilinear_frequencies(scene)
-    found = _named("half bilinear", [hz / 2 for hz in bilinear]) + _named("bilinear", bilinear)
-    return tuple(sorted(found, key=lambda one: one.hz))
+    frequencies = _named("half bilinear", [hz / 2 for hz in bilinear]) + _named("bilinear", bilinear)
+    return tuple(sorted(frequencies, key=lambda one: one.hz))
 
 
 def _named(kind: str, frequencies: list[float]) -> tuple[Resonance, ...]:

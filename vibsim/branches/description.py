@@ -16,11 +16,11 @@ def branch_lines(branch: Branch) -> list[tuple[str, str]]:
     low, high = reach(branch)
     span = f"{branch.key} from {low:.6g} to {high:.6g} {branch.unit}".rstrip()
     count = int(branch["stable"].sum())
-    said = "without a multiplier outside the unit circle" if branch.key == ENERGY else "stable"
+    stable = "without a multiplier outside the unit circle" if branch.key == ENERGY else "stable"
     turns = branch.map.section.of_return.partition(" ")[0] + "s" * (branch.plan.n > 1)
     lines = [
         ("branch", f"{branch.case.name}: orbits of {branch.plan.n} {turns} over {span}"),
-        ("points", f"{len(branch)}, {count} of them {said}"),
+        ("points", f"{len(branch)}, {count} of them {stable}"),
         ("ends", _ends(branch)),
     ]
     if branch.key == ENERGY:

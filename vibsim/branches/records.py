@@ -139,7 +139,7 @@ def plain_orbit(orbit: OrbitRecord) -> dict[str, Any]:
     return {**asdict(orbit), "multipliers": [[mu.real, mu.imag] for mu in orbit.multipliers]}
 
 
-def given(data: Mapping[str, Any]) -> PointRecord | SpecialRecord:
+def read_record(data: Mapping[str, Any]) -> PointRecord | SpecialRecord:
     """The record that `plain` wrote down."""
     fields = {**data, "orbit": read_orbit(data["orbit"])}
     fields |= {name: tuple(data[name]) for name in ("unknowns", "tangent")}

@@ -16,14 +16,14 @@ ALTERNATIVES: dict[str, tuple[tuple[frozenset[str], frozenset[str]], ...]] = {
 DEPTH = {"stops": 2, "friction": 2, "forces": 2, "base": 1}  # of the dotted key of the part that has them
 
 
-def superseded(part: str, given: Collection[str]) -> set[str]:
-    """Keys of a part, such as "friction.guide", that give way when those `given` are set over it."""
+def superseded(part: str, keys: Collection[str]) -> set[str]:
+    """Keys of a part, such as "friction.guide", that give way when `keys` are set over it."""
     section, *names = part.split(".")
     out: set[str] = set()
     if DEPTH.get(section) != len(names) + 1:
         return out
     for one, other in ALTERNATIVES[section]:
         for new, old in ((one, other), (other, one)):
-            if new & set(given) and not old & set(given):
+            if new & set(keys) and not old & set(keys):
                 out |= old
     return out

@@ -142,11 +142,11 @@ class Case:
 
     def quantity(self, key: str) -> Quantity:
         """The exact quantity behind a dotted or short key. Raises UnknownKeyError (a KeyError)."""
-        found = self.values.get(self.full_key(key))
-        if not isinstance(found, Quantity):
+        quantity = self.values.get(self.full_key(key))
+        if not isinstance(quantity, Quantity):
             listed = ", ".join(self.numeric_keys())
             raise UnknownKeyError(f"{key} is no number of case {self.name}; its numbers are {listed}")
-        return found
+        return quantity
 
     def number(self, key: str) -> float:
         """A number of the case in SI units and rad/s; excitation.A is computed where a rule gives it.

@@ -20,7 +20,7 @@ Contradiction = tuple[tuple[str, ...], str]
 
 def contradictions(flat: Flat) -> list[Contradiction]:
     """All (keys, message) that the rules find in a case's values."""
-    return [found for rule in RULES for found in rule(flat)]
+    return [problem for rule in RULES for problem in rule(flat)]
 
 
 def _extends_is_followed(flat: Flat) -> Iterator[Contradiction]:
@@ -28,12 +28,12 @@ def _extends_is_followed(flat: Flat) -> Iterator[Contradiction]:
         yield ("extends",), "works in a case file only"
 
 
-def _given(flat: Flat, section: str) -> bool:
+def _present(flat: Flat, section: str) -> bool:
     return any(key.startswith(f"{section}.") for key in flat)
 
 
 def _friction_needs_block_2(flat: Flat) -> Iterator[Contradiction]:
-    if flat.get("blocks.m2") == "fixed" and _given(flat, "friction"):
+    if flat.get("blocks.m2") == "fixed" and _present(flat, "friction"):
         yield (
             ("friction", "blocks.m2"),
             "block 2 is fixed, so nothing slides; friction must be left out or none",
@@ -81,15 +81,15 @@ def _output_interval(flat: Flat) -> Iterator[Contradiction]:
 
 
 def _exact(flat: Flat, key: str) -> Fraction | None:
-    found = flat.get(key)
-    return found.value if isinstance(found, Quantity) else None
+    value = flat.get(key)
+    return value.value if isinstance(value, Quantity) else None
 
 
 def _derived_numbers_fit(flat: Flat) -> Iterator[Contradiction]:
     """What is computed from several values must fit a double as they do; in doubles an overflow is inf."""
     for name, factors in PRODUCTS.items():
-        found = [flat.get(factor) for factor in factors]
-        numbers = [factor.number() for factor in found if isinstance(factor, Quantity)]
+        values = [flat.get(factor) for factor in factors]
+        numbers = [factor.number() for factor in values if isinstance(factor, Quantity)]
         if len(numbers) == len(factors) and all(numbers):
             product = abs(prod(numbers))
             if not SMALLEST <= product <= LARGEST:

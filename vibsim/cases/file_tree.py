@@ -60,8 +60,8 @@ def read_tree(source: SourceText) -> Tree:
 
 def _read_chain(source: SourceText, chain: list[str], tree: Tree) -> Mapping | None:
     """The mapping of one file over that of its parent; None where nothing could be read."""
-    own, found = read_yaml(source.text, source.shown)
-    tree.problems += found
+    own, problems = read_yaml(source.text, source.shown)
+    tree.problems += problems
     extends = own.values.get("extends") if own else None
     parent = None
     if isinstance(extends, Text):

@@ -85,8 +85,8 @@ def _switchable(section: dict[str, Any]) -> dict[str, Any]:
 def _without_titles(schema: Any) -> Any:
     """Drop the titles that pydantic makes up from the names of keys and sections."""
     if isinstance(schema, dict):
-        kept = (key for key, value in schema.items() if key != "title" or isinstance(value, dict))
-        return {key: _without_titles(schema[key]) for key in kept}
+        untitled = (key for key, value in schema.items() if key != "title" or isinstance(value, dict))
+        return {key: _without_titles(schema[key]) for key in untitled}
     return [*map(_without_titles, schema)] if isinstance(schema, list) else schema
 
 

@@ -98,8 +98,8 @@ class Measured:
 
     def _json_bounds(self) -> dict[str, Any]:
         bounds = {"exclusiveMinimum": self.above, "minimum": self.least, "maximum": self.most}
-        found: dict[str, Any] = {name: float(bound) for name, bound in bounds.items() if bound is not None}
-        return found | ({"not": {"const": 0}} if self.nonzero else {})
+        keywords: dict[str, Any] = {name: float(bound) for name, bound in bounds.items() if bound is not None}
+        return keywords | ({"not": {"const": 0}} if self.nonzero else {})
 
 
 def _kind_of(value: object) -> str:

@@ -122,20 +122,22 @@ NAMED_SECTIONS = {
 def _plain_message(detail: Any) -> str:
     """The checks that pydantic does itself: words, texts, whole numbers."""
     kind, context, value = detail["type"], detail.get("ctx", {}), detail["input"]
-    got = "a mapping" if isinstance(value, dict) else shown(value)
+    actual = "a mapping" if isinstance(value, dict) else shown(value)
     if kind == "literal_error":
         section = context["expected"].replace("'", "").replace(" or ", ", ")
         near = nearest(str(value), section.split(", "))
         one_of = "one of " if ", " in section else ""
-        return f"must be {one_of}{section}, got {got}{f' (did you mean {near}?)' if near else ''}"
+        return f"must be {one_of}{section}, got {actual}{f' (did you mean {near}?)' if near else ''}"
     if kind == "greater_than_equal":
-        return f"must be >= {context['ge']}, got {got}"
+        return f"must be >= {context['ge']}, got {actual}"
     if kind == "less_than_equal":
-        return f"must be <= {context['le']}, got {got}"
+        return f"must be <= {context['le']}, got {actual}"
     if kind == "string_too_long":
         return f"may have at most {context['max_length']} characters"
     if kind == "string_pattern_mismatch":
-        return f"may hold letters, digits, spaces and . _ + -, and begins with a letter or digit; got {got}"
+        return (
+            f"may hold letters, digits, spaces and . _ + -, and begins with a letter or digit; got {actual}"
+        )
     if kind == "string_type":
-        return f"must be a text, got {got}"
-    return f"{detail['msg']}, got {got}"
+        return f"must be a text, got {actual}"
+    return f"{detail['msg']}, got {actual}"

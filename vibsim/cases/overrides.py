@@ -22,11 +22,11 @@ def apply_overrides(tree: Tree, overrides: Mapping[str, object]) -> None:
         raise TypeError(f"overrides must be a mapping such as {{'Omega0': '6 Hz'}}, got {overrides!r:.60}")
     if not overrides:
         return
-    given = [(key.strip(), value) for key, value in overrides.items()]
+    settings = [(key.strip(), value) for key, value in overrides.items()]
     present = _leaf_keys(tree.values)
-    allowed = keys_of(form_of(tree.values), _with_new_parts(tree.values, [key for key, _ in given]))
+    allowed = keys_of(form_of(tree.values), _with_new_parts(tree.values, [key for key, _ in settings]))
     named: dict[str, object] = {}
-    for key, value in given:
+    for key, value in settings:
         try:
             full = full_key(key, present, allowed)
             if character := unstorable(str(value)):
@@ -44,10 +44,10 @@ def apply_overrides(tree: Tree, overrides: Mapping[str, object]) -> None:
         tree.places[key] = tree.key_places[key] = Place(FILE)
 
 
-def _with_new_parts(values: dict[str, Any], given: Iterable[str]) -> dict[str, Any]:
+def _with_new_parts(values: dict[str, Any], keys: Iterable[str]) -> dict[str, Any]:
     """The values with the parts that overrides may add: those whose ends or body they give, and states."""
     form = form_of(values)
-    for key in given:
+    for key in keys:
         section, *names = key.split(".")
         if section in form.named and len(names) > 1 and (names[1] in PLACED or section == "initial"):
             parts = values.get(section)
@@ -67,8 +67,8 @@ def _supersede(tree: Tree, named: Mapping[str, object]) -> None:
         for name in part.split("."):
             section = section.get(name) if isinstance(section, dict) else None
         if replaced and isinstance(section, dict):
-            kept = {name: value for name, value in section.items() if name not in replaced}
-            tree.values = _with(tree.values, part.split("."), kept)
+            remaining = {name: value for name, value in section.items() if name not in replaced}
+            tree.values = _with(tree.values, part.split("."), remaining)
 
 
 def _leaf_keys(values: dict[str, Any], prefix: str = "") -> list[str]:

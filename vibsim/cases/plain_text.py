@@ -6,14 +6,14 @@ from unicodedata import category
 UNSTORABLE = re.compile("[\0\ud800-\udfff]")  # the end of a text in HDF5; what UTF-8 does not take
 
 
-def plain_text(text: object, kept: str = "") -> str:
+def plain_text(text: object, allowed: str = "") -> str:
     """A text with every character that is not printed as an escape of ASCII characters.
 
     Control and format characters (colours, cursor, direction of writing), line breaks, lone surrogates and
-    code points without a character become \\x1b, \\n, \\u202e ...; those in `kept` stay as they are.
+    code points without a character become \\x1b, \\n, \\u202e ...; those in `allowed` stay as they are.
     """
     return "".join(
-        ch if ch.isprintable() or ch in kept or category(ch) == "Zs" else _escape(ch) for ch in str(text)
+        ch if ch.isprintable() or ch in allowed or category(ch) == "Zs" else _escape(ch) for ch in str(text)
     )
 
 
@@ -24,8 +24,8 @@ def one_line(text: object) -> str:
 
 def unstorable(text: str) -> str:
     """The first character of a text that files cannot hold (null, lone surrogates), written out."""
-    found = UNSTORABLE.search(text)
-    return _escape(found.group()) if found else ""
+    match = UNSTORABLE.search(text)
+    return _escape(match.group()) if match else ""
 
 
 def _escape(character: str) -> str:

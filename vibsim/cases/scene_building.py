@@ -120,17 +120,19 @@ def _limit_friction(case: CaseFile, numbers: NumberType) -> Number:
 
 def _source(case: CaseFile, numbers: NumberType) -> dict[str, Number]:
     source = case.excitation
-    found: dict[str, Number] = dict.fromkeys(
+    source_numbers: dict[str, Number] = dict.fromkeys(
         ("A", "F0", "omega", "cycles", "cycles_lo", "m3", "e", "J", "M0", "Omega0")
     )
-    found["source"] = source.kind
+    source_numbers["source"] = source.kind
     if isinstance(source, Harmonic):
-        found["A"] = numbers.convert(*amplitude_value(source))
-        found["F0"], found["omega"] = numbers.of(source.F0), numbers.of(source.omega)
-        found["cycles"], found["cycles_lo"] = numbers.cycles(source.omega)
+        source_numbers["A"] = numbers.convert(*amplitude_value(source))
+        source_numbers["F0"], source_numbers["omega"] = numbers.of(source.F0), numbers.of(source.omega)
+        source_numbers["cycles"], source_numbers["cycles_lo"] = numbers.cycles(source.omega)
     elif isinstance(source, Motor):
-        found |= {name: numbers.of(getattr(source, name)) for name in ("m3", "e", "J", "M0", "Omega0")}
-    return found
+        source_numbers |= {
+            name: numbers.of(getattr(source, name)) for name in ("m3", "e", "J", "M0", "Omega0")
+        }
+    return source_numbers
 
 
 def _initial_state(case: CaseFile, numbers: NumberType) -> dict[str, Number]:

@@ -104,8 +104,8 @@ def called_as_result(source: str) -> bool:
 
 def _no_such_case(source: str) -> str:
     if called_as_result(source):
-        told = "is a result and no case file; vibsim info --case prints its case"
-        return told if isfile(source) else "no such file"
+        remedy = "is a result and no case file; vibsim info --case prints its case"
+        return remedy if isfile(source) else "no such file"
     names = shipped_case_names()
     hint = did_you_mean(source, names)
     if isfile(source):  # False too for what no file can be called

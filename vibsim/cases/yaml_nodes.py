@@ -115,8 +115,8 @@ class _Reader:
             elif isinstance(event, MappingStartEvent):
                 root = self.node(event, events, "", self.place(event), 1)
             elif isinstance(event, NodeEvent) and getattr(event, "value", None) != "":
-                got = shown(getattr(event, "value", "a list"))
-                self.stop(self.place(event), f"must be a mapping of sections, got {got}")
+                value_text = shown(getattr(event, "value", "a list"))
+                self.stop(self.place(event), f"must be a mapping of sections, got {value_text}")
         if root is None:
             self.report(
                 Place(self.file, 1, 1), "", "is empty; a case needs at least blocks and coupling, or bodies"
@@ -138,9 +138,9 @@ class _Reader:
         if broken:
             return Broken(place)
         if not isinstance(event, ScalarEvent):
-            wanted = "a single value" if "." in key or key in VALUES else "a mapping"
+            allowed = "a single value" if "." in key or key in VALUES else "a mapping"
             hint = did_you_mean(key.rpartition(".")[2], LISTS)
-            return self.report(place, key, f"lists are not used here{hint}; write {wanted}")
+            return self.report(place, key, f"lists are not used here{hint}; write {allowed}")
         if event.style is None and event.value in NULLS:
             return self.report(key_place, key, _null_message(key, event.value))
         return Text(event.value, place)

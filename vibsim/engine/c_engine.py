@@ -307,7 +307,7 @@ class CRun:
 
         advanced : what the first call of C has come to, where it has been made
         """
-        finished, told = 0, monotonic()
+        finished, last_told = 0, monotonic()
         while not finished:
             *counts, finished, status = advanced or self.run.advance()
             advanced = None
@@ -316,10 +316,10 @@ class CRun:
                 if self._set_rule(number, event):
                     continue
                 *counts, finished, status = self._decide(number, event, State(*values), order)
-                if not finished and status not in REASONS and monotonic() - told < SECONDS:
+                if not finished and status not in REASONS and monotonic() - last_told < SECONDS:
                     continue
             yield self._block(counts, finished)
-            told = monotonic()
+            last_told = monotonic()
             if status in REASONS:
                 raise EngineError(REASONS[status], State(*self.run.tally()["state"]))
 

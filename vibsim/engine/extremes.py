@@ -100,10 +100,10 @@ class Extremes(Generic[N]):
         state, zero = self.flow.state_at(t), self.kit.number(0)
         X, V = value_and_rate(self.kit, self.scene.base, t) if self.based else (zero, zero)
         x, v = (*state.x, zero, X), (*state.v, zero, V)
-        found = [(x[P] - x[Q], v[P] - v[Q]) for P, Q in self.pairs]
+        motions = [(x[P] - x[Q], v[P] - v[Q]) for P, Q in self.pairs]
         if self.spins:
-            found.append((state.w, self.flow.spin_rate(t - self.flow.t0)))
-        return found
+            motions.append((state.w, self.flow.spin_rate(t - self.flow.t0)))
+        return motions
 
     def _take_all(self, node: Sequence[tuple[N, N]]) -> None:
         for q, (value, _) in enumerate(node):

@@ -276,10 +276,10 @@ class PythonTrajectory(Trajectory[N]):
     @property
     def extremes(self) -> tuple[list[float], list[float], list[float]]:
         """Least and greatest of every pair so far, and the smallest gap of every stop that is watched."""
-        kept = self.driver.extremes
-        if kept is None:
+        own = self.driver.extremes
+        if own is None:
             return [], [], []
-        least, greatest, margins = (self.kit.rounded(of) for of in (kept.least, kept.greatest, kept.margins))
+        least, greatest, margins = (self.kit.rounded(of) for of in (own.least, own.greatest, own.margins))
         return least, greatest, margins
 
     @property
@@ -341,12 +341,12 @@ class PythonTrajectory(Trajectory[N]):
     @property
     def totals(self) -> dict[str, Any]:
         """Counts and margins so far, and the ledgers and exponents where they are kept, as doubles."""
-        driver, kept = self.driver, self.driver.flow.certificate
-        margin = inf if kept.margin == inf else self.kit.rounded([kept.margin])[0]
-        first_doubt, margin_time = self.kit.rounded([kept.first_doubt, kept.margin_time])
+        driver, certificate = self.driver, self.driver.flow.certificate
+        margin = inf if certificate.margin == inf else self.kit.rounded([certificate.margin])[0]
+        first_doubt, margin_time = self.kit.rounded([certificate.first_doubt, certificate.margin_time])
         totals = totals_of(
             driver.counts,
-            (kept.uncertified, first_doubt, margin, margin_time),
+            (certificate.uncertified, first_doubt, margin, margin_time),
             (driver.flow.taylor.steps + driver.flow.closed.steps, driver.flow.closed.evaluations),
             nan if driver.first_violation is None else self.kit.rounded([driver.first_violation])[0],
         )

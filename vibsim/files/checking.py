@@ -69,7 +69,7 @@ def check_datasets(
 
     lengths : of dimensions, where they are known. Returns those of all.
     """
-    found = dict(lengths or {})
+    dimension_lengths = dict(lengths or {})
     for dataset in declared:
         item = _hard_linked(file, dataset.name)
         if not isinstance(item, h5py.Dataset):
@@ -80,12 +80,12 @@ def check_datasets(
             had = "nothing" if item.shape is None else f"{len(item.shape)}"
             raise damaged(path, f"{dataset.name} has {had} dimensions, not {len(dataset.dims)}")
         for dimension, length in zip(dataset.dims, item.shape, strict=True):
-            if found.setdefault(dimension, length) != length:
-                wanted = f"the {found[dimension]} along {dimension.strip('/')}"
-                raise damaged(path, f"{dataset.name} has {length} values where there should be {wanted}")
+            if dimension_lengths.setdefault(dimension, length) != length:
+                expected = f"the {dimension_lengths[dimension]} along {dimension.strip('/')}"
+                raise damaged(path, f"{dataset.name} has {length} values where there should be {expected}")
         if not _wholly_on_file(item):
             raise damaged(path, f"{dataset.name} claims {item.size} values, more than the file holds")
-    return found
+    return dimension_lengths
 
 
 def check_values(path: object, dataset: Dataset, values: Any) -> None:
@@ -118,11 +118,11 @@ TYPES = {
 }
 
 
-def _of_type(dtype: np.dtype, wanted: str) -> bool:
-    if wanted == "text":
+def _of_type(dtype: np.dtype, expected: str) -> bool:
+    if expected == "text":
         string = h5py.check_string_dtype(dtype)
         return string is not None and string.length is None
-    return dtype.kind == wanted if wanted == "S" else dtype.newbyteorder("=") == np.dtype(wanted)
+    return dtype.kind == expected if expected == "S" else dtype.newbyteorder("=") == np.dtype(expected)
 
 
 def _type_name(dtype: np.dtype) -> str:

@@ -42,8 +42,8 @@ def _deflated(planes: np.ndarray) -> bytes:
 
 
 def _is_noise(plane: np.ndarray) -> bool:
-    found = np.bincount(plane[::SAMPLED], minlength=256)
-    return int(np.count_nonzero(found)) >= NOISE * 256
+    counts = np.bincount(plane[::SAMPLED], minlength=256)
+    return int(np.count_nonzero(counts)) >= NOISE * 256
 
 
 def fletcher32(data: bytes) -> int:

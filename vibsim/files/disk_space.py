@@ -12,11 +12,11 @@ from pathlib import Path
 DISK_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
 
-def reserve(path: Path, used: int, wanted: int) -> bool:
-    """Reserve `wanted` bytes behind the first `used` bytes of a file; False without room."""
+def reserve(path: Path, used: int, size: int) -> bool:
+    """Reserve `size` bytes behind the first `used` bytes of a file; False without room."""
     try:
         with open(path, "r+b") as file:
-            _extend(file.fileno(), used, wanted)
+            _extend(file.fileno(), used, size)
     except OSError as error:
         return error.errno not in DISK_FULL
     return True

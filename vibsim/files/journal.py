@@ -66,7 +66,7 @@ class Journal:
             elif (record := _record(line, fingerprint)) is None:
                 self.damaged += 1
             else:
-                yield self._given(record)
+                yield self._from_plain(record)
         self._whole = not self.damaged and header == {"fingerprint": fingerprint}
 
     def notes(self) -> list[str]:
@@ -121,7 +121,7 @@ class Journal:
         plain: dict[str, Any] = record
         return plain
 
-    def _given(self, plain: dict[str, Any]) -> Any:
+    def _from_plain(self, plain: dict[str, Any]) -> Any:
         """The record that `_plain` wrote down."""
         return plain
 
@@ -138,11 +138,11 @@ class Journal:
         self._records += len(lines)
 
     def kept_after(self, failure: ResultFileError) -> ResultFileError:
-        """What to raise where the file cannot be written: the journal has what it lacks, if anything."""
+        """What to raise where the file cannot be written: its text names what the journal holds."""
         if self._records < 2:  # the header alone
             return failure
-        kept = f"{failure}; what was computed is kept in {self.path.name}"
-        return ResultFileError(f"{kept}, and the same command goes on from there")
+        remedy = f"{failure}; what was computed is kept in {self.path.name}"
+        return ResultFileError(f"{remedy}, and the same command goes on from there")
 
     def close(self, remove: bool) -> None:
         """Let go of the lock; with `remove`, or where it is empty, of the file as well."""

@@ -77,8 +77,8 @@ def _check_format(path: Path, file: h5py.File) -> None:
         raise damaged(path, "the attribute vibsim_format is not a whole number from 1 on")
     if written > FORMAT:
         version = file.attrs.get("vibsim_version", "a newer version")
-        found = f"has format {int(written)}, written by vibsim {version}"
-        raise ResultFileError(f"{path}: {found}; this is vibsim {__version__}, which reads up to {FORMAT}")
+        newer = f"has format {int(written)}, written by vibsim {version}"
+        raise ResultFileError(f"{path}: {newer}; this is vibsim {__version__}, which reads up to {FORMAT}")
 
 
 def check_signature(path: Path) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from vibsim.fitting.fit_result import FitResult, open_fit
-from vibsim.fitting.judgement import Found, Judgement
+from vibsim.fitting.judgement import Judgement, StatementResult
 
 Lines = list[tuple[str, str]]
 Table = tuple[tuple[str, ...], list[tuple[str, ...]]]  # heads, rows
@@ -18,8 +18,8 @@ SHOWN = 10  # rows of a table
 
 def describe(path: str | Path) -> tuple[Lines, dict[str, Any]]:
     """Lines and facts of a fit file. Raises ResultFileError where it holds none."""
-    found = open_fit(path)
-    return fit_lines(found), facts(found)
+    fit = open_fit(path)
+    return fit_lines(fit), facts(fit)
 
 
 def fit_lines(fit: FitResult) -> Lines:
@@ -27,7 +27,7 @@ def fit_lines(fit: FitResult) -> Lines:
     plan = fit.plan
     lines = [("case", f"{case.name}  {case.title}") for case in plan.cases]
     lines += [("free", str(each)) for each in plan.free]
-    lines += [(f"statement {i}", _wanted(fit, i - 1)) for i in range(1, len(plan.statements) + 1)]
+    lines += [(f"statement {i}", _statement_line(fit, i - 1)) for i in range(1, len(plan.statements) + 1)]
     lines.append(("starts", starts_text(fit)))
     lines.append(("search", search_text(fit)))
     if fit.ranking:
@@ -38,7 +38,7 @@ def fit_lines(fit: FitResult) -> Lines:
     return lines
 
 
-def _wanted(fit: FitResult, position: int) -> str:
+def _statement_line(fit: FitResult, position: int) -> str:
     statement = fit.statements[position]
     name = f"{fit.plan.cases[statement.case].name}: " if len(fit.plan.cases) > 1 else ""
     return f"{name}{statement.text}"
@@ -67,7 +67,9 @@ def search_text(fit: FitResult) -> str:
 def best_text(fit: FitResult) -> str:
     """The first of the ranking in a sentence."""
     best = fit.best
-    return f"{best.candidate}: {best.explained} of {len(best.found)} statements hold, price {best.price:.3f}"
+    return (
+        f"{best.candidate}: {best.explained} of {len(best.results)} statements hold, price {best.price:.3f}"
+    )
 
 
 def horizon_texts(fit: FitResult, judged: Judgement) -> list[str]:
@@ -106,7 +108,7 @@ def ranking_table(fit: FitResult, rows: int = SHOWN) -> Table:
 
 def _row(fit: FitResult, rank: int, judged: Judgement) -> tuple[str, ...]:
     mark = "" if fit.is_confirmed(judged) else "*"
-    shares = (f"{each.count}/{each.of}{'' if each.holds else ' -'}" for each in judged.found)
+    shares = (f"{each.count}/{each.of}{'' if each.holds else ' -'}" for each in judged.results)
     return (f"{rank}{mark}", str(judged.candidate), *shares, str(judged.explained), f"{judged.price:.3f}")
 
 
@@ -135,23 +137,23 @@ def judged_facts(fit: FitResult, judged: Judgement) -> dict[str, Any]:
         "explained": judged.explained,
         "failed_runs": judged.failed,
         "trust_horizon_s": {name: _known(value) for name, value in horizons.items()},
-        "statements": [_found_facts(fit, judged, each) for each in judged.found],
+        "statements": [_statement_facts(fit, judged, each) for each in judged.results],
     }
 
 
-def _found_facts(fit: FitResult, judged: Judgement, found: Found) -> dict[str, Any]:
+def _statement_facts(fit: FitResult, judged: Judgement, result: StatementResult) -> dict[str, Any]:
     return {
-        "case": fit.plan.cases[found.statement.case].name,
-        "text": found.statement.text,
-        "holds": found.holds,
-        "count": found.count,
-        "of": found.of,
-        "low": found.low,
-        "high": found.high,
-        "shortfall": found.shortfall,
-        "median": _known(found.median),
-        "from_own_start": _known(fit.own_value(judged.candidate, found.statement)),
-        "within_trust_horizon": fit.within_horizon(judged.candidate, found.statement),
+        "case": fit.plan.cases[result.statement.case].name,
+        "text": result.statement.text,
+        "holds": result.holds,
+        "count": result.count,
+        "of": result.of,
+        "low": result.low,
+        "high": result.high,
+        "shortfall": result.shortfall,
+        "median": _known(result.median),
+        "from_own_start": _known(fit.own_value(judged.candidate, result.statement)),
+        "within_trust_horizon": fit.within_horizon(judged.candidate, result.statement),
     }
 
 

@@ -63,28 +63,28 @@ def _scales(fit: FitResult) -> dict[str, Any]:
 
 def _described(fit: FitResult) -> dict[str, Any]:
     """Cases and statements; of each candidate what it changes."""
-    made = fit.candidates
-    values = {f"value_{free.name}": [number_of(one, free) for one in made] for free in fit.plan.free}
+    candidates = fit.candidates
+    values = {f"value_{free.name}": [number_of(one, free) for one in candidates] for free in fit.plan.free}
     return {
         "case_name": [case.name for case in fit.plan.cases],
         "statement_text": [each.text for each in fit.statements],
         "statement_case": [each.case for each in fit.statements],
-        "changes": [json.dumps(one.changes) for one in made],
-        "origin": [one.origin for one in made],
-        "leaving": [one.leaving for one in made],
+        "changes": [json.dumps(one.changes) for one in candidates],
+        "origin": [one.origin for one in candidates],
+        "leaving": [one.leaving for one in candidates],
         **values,
     }
 
 
 def _measured(fit: FitResult) -> dict[str, Any]:
     """What came of each run."""
-    made, cases, starts = fit.candidates, range(len(fit.plan.cases)), range(fit.plan.all_starts)
-    index = product([one.number for one in made], cases, starts)
+    candidates, cases, starts = fit.candidates, range(len(fit.plan.cases)), range(fit.plan.all_starts)
+    index = product([one.number for one in candidates], cases, starts)
     runs = [fit.runs.get(each) or Point(each, MISSING, "") for each in index]
     return {
         **{name: [getattr(run, name) for run in runs] for name in ("status", "sha256", "error")},
-        "value": [fit.values(each, one) for one in made for each in fit.statements],
-        "trust_horizon": [fit.horizon(one, case) for one in made for case in cases],
+        "value": [fit.values(each, one) for one in candidates for each in fit.statements],
+        "trust_horizon": [fit.horizon(one, case) for one in candidates for case in cases],
     }
 
 
@@ -94,9 +94,11 @@ def _judged(fit: FitResult) -> dict[str, Any]:
     judged = {each.candidate.number: each for each in fit.ranking}
     ranks = {number: rank for rank, number in enumerate(judged, start=1)}
     price = [judged[number].price if number in judged else np.nan for number in numbers]
-    found = [judged[number].found if number in judged else [None] * len(fit.statements) for number in numbers]
+    results = [
+        judged[number].results if number in judged else [None] * len(fit.statements) for number in numbers
+    ]
     of_statements = {
-        name: [getattr(each, name, np.nan) for row in found for each in row]
+        name: [getattr(each, name, np.nan) for row in results for each in row]
         for name in ("share", "shortfall")
     }
     return {"price": price, "rank": [ranks.get(number, 0) for number in numbers], **of_statements}
@@ -110,5 +112,5 @@ def number_of(candidate: Candidate, free: FreeParameter) -> float:
     text = candidate.changes.get(free.key)
     if text is None:
         return np.nan
-    found = parse_quantity(text, UNITS[free.unit].dimension)
-    return float(found.value / UNITS[free.unit].factor)
+    quantity = parse_quantity(text, UNITS[free.unit].dimension)
+    return float(quantity.value / UNITS[free.unit].factor)

@@ -84,8 +84,8 @@ def fit(
     read = [load_case(case) for case in listed]
     settings = Search(method, candidates, seed, at_most, screen, confirm, fresh)
     plan = make_plan(read, free or {}, statements, readings, leave or {}, ensemble, spread or {}, settings)
-    found, _ = run_fit(plan, out, jobs, engine, force)
-    return found
+    result, _ = run_fit(plan, out, jobs, engine, force)
+    return result
 
 
 def make_plan(
@@ -167,11 +167,11 @@ def run_fit(
             evaluation = Evaluation(plan, store, workers, watch)
             complete = _searched(evaluation)
         attrs = {**origin(plan, engine), "complete": int(complete), "runs": len(store.runs)}
-        found = FitResult(attrs, plan, evaluation.candidates, store.runs)
+        result = FitResult(attrs, plan, evaluation.candidates, store.runs)
         if isinstance(store, FileRunStore):
-            write_fit(store.path, found)
+            write_fit(store.path, result)
             written = True
-        return found, complete
+        return result, complete
     finally:
         store.close(written)
 

@@ -94,8 +94,8 @@ class FreeParameter:
 def read_free(cases: list[Case], key: str, text: str, leave: float | None = None) -> FreeParameter:
     """The parameter that `key` and the range `text` describe, both ends tried in every case.
 
-    Raises FitError for a range that is none and a key that a case has not got, CaseError where a case does
-    not allow an end.
+    Raises FitError for a text that is no range and a key that is not one of a case's, CaseError where
+    a case does not allow an end.
     """
     words = text.split(maxsplit=1)
     scale = words[0] if words[:1] and words[0] in SCALES else ""
@@ -123,7 +123,7 @@ def read_free(cases: list[Case], key: str, text: str, leave: float | None = None
 
 def printed_value(case: Case, key: str, unit: str) -> float:
     """The value of a case in that unit."""
-    found = case.quantity(key)
-    if found.value and found.per_turn != UNITS[unit].per_turn:
-        raise FitError(f"{key}: {case.name} has {found}; turns and radians do not go together in a range")
-    return float(found.value / UNITS[unit].factor)
+    quantity = case.quantity(key)
+    if quantity.value and quantity.per_turn != UNITS[unit].per_turn:
+        raise FitError(f"{key}: {case.name} has {quantity}; turns and radians do not go together in a range")
+    return float(quantity.value / UNITS[unit].factor)

@@ -86,7 +86,7 @@ def _parsed(text: str, cases: Sequence[Case]) -> Statement:
     missing = missing_of(observable, cases[position])
     if missing:
         raise FitError(
-            f"{phrase.name} needs {' and '.join(missing)}, which {cases[position].name} has not got"
+            f"{phrase.name} needs {' and '.join(missing)}, which {cases[position].name} does not have"
         )
     tail, argument = _argument(claim[len(phrase.words) :].strip(), phrase, observable)
     tail, asked = _windowed(tail, Asked(phrase.name, argument), observable, cases[position])
@@ -154,8 +154,8 @@ def _windowed(tail: str, asked: Asked, observable: Observable, case: Case) -> tu
     padded, t_end = f" {tail}", case.number("run.t_end")
     last, over = _LAST.search(padded), _OVER.search(padded)
     after = _AFTER.search(padded) if observable.dimension != "time" else None
-    found = last or over or after
-    if found is None:
+    match = last or over or after
+    if match is None:
         return tail, asked
     if not observable.windowed:
         raise FitError(f"{asked.name} is of the whole run; it takes no span of time")
@@ -164,12 +164,12 @@ def _windowed(tail: str, asked: Asked, observable: Observable, case: Case) -> tu
         begin, end = t_end - asked.last, t_end
     else:
         begin, end = (
-            _ends(over["low"], over["high"], "time") if over else (_number(found["after"], "time"), inf)
+            _ends(over["low"], over["high"], "time") if over else (_number(match["after"], "time"), inf)
         )
         asked = Asked(asked.name, asked.argument, (begin, end))
     if not 0 <= begin < min(end, t_end):
         raise FitError(f"its span of time is not within the run, 0 to {t_end:g} s")
-    return padded[: found.start()].strip(), asked
+    return padded[: match.start()].strip(), asked
 
 
 def _bounds(tail: str, phrase: Phrase, observable: Observable) -> Bounds:
@@ -183,8 +183,8 @@ def _bounds(tail: str, phrase: Phrase, observable: Observable) -> Bounds:
         end = _number(one_sided["end"], observable.dimension)
         return Bounds(high=end) if " ".join(one_sided["side"].split()) in UPPER else Bounds(low=end)
     if between is None:
-        got = f", got {shown(tail)}" if tail else ""
-        raise FitError(f"{phrase.words} needs a range: {RANGES}{got}")
+        tail_text = f", got {shown(tail)}" if tail else ""
+        raise FitError(f"{phrase.words} needs a range: {RANGES}{tail_text}")
     return Bounds(*_ends(between["a"] or between["b"], between["high"], observable.dimension))
 
 
@@ -205,7 +205,7 @@ def _number(text: str, dimension: str) -> float:
         if percent and not rest.strip():
             return parse_quantity(number, "number").number() / 100
         return parse_quantity(text, "number").number()
-    found: Quantity = parse_quantity(text, dimension)
+    quantity: Quantity = parse_quantity(text, dimension)
     if dimension == "angular rate":
-        return float(found.value) if found.per_turn else float(found.value) / (2 * pi)
-    return found.number()
+        return float(quantity.value) if quantity.per_turn else float(quantity.value) / (2 * pi)
+    return quantity.number()

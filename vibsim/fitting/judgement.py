@@ -22,8 +22,8 @@ from vibsim.sweeps.points.point import Point
 
 
 @dataclass(frozen=True)
-class Found:
-    """What became of one statement.
+class StatementResult:
+    """How many of the starts one statement holds from.
 
     Attributes
     ----------
@@ -54,44 +54,44 @@ class Judgement:
 
     candidate: Candidate
     starts: tuple[int, ...]
-    found: tuple[Found, ...]
+    results: tuple[StatementResult, ...]
     price: float
     failed: int
 
     @property
     def explained(self) -> int:
         """Number of statements that hold."""
-        return sum(each.holds for each in self.found)
+        return sum(each.holds for each in self.results)
 
 
 def judge(
     plan: FitPlan, candidate: Candidate, runs: Mapping[Index, Point], starts: Sequence[int]
 ) -> Judgement:
     """The candidate judged from these starts, all of which were run."""
-    found = tuple(
-        _found(each, values_of(plan, each, candidate.number, runs, starts)) for each in plan.statements
+    results = tuple(
+        _result_of(each, values_of(plan, each, candidate.number, runs, starts)) for each in plan.statements
     )
     weights = np.array([each.weight for each in plan.statements])
-    missed = float(dot(weights, np.array([each.shortfall for each in found])) / total(weights))
+    missed = float(dot(weights, np.array([each.shortfall for each in results])) / total(weights))
     failed = sum(
         not runs[candidate.number, case, start].done for case in range(len(plan.cases)) for start in starts
     )
-    return Judgement(candidate, tuple(starts), found, missed + candidate.leaving, failed)
+    return Judgement(candidate, tuple(starts), results, missed + candidate.leaving, failed)
 
 
 def values_of(
     plan: FitPlan, statement: Statement, number: int, runs: Mapping[Index, Point], starts: Sequence[int]
 ) -> np.ndarray:
-    """What was measured for a statement from each start (n); NaN where the run failed or has it not."""
+    """What was measured for a statement from each start (n); NaN where the run failed or does not have it."""
     position = str(plan.asked[statement.case].index(statement.asked))
     return np.array([runs[number, statement.case, start].values.get(position, np.nan) for start in starts])
 
 
-def _found(statement: Statement, values: np.ndarray) -> Found:
+def _result_of(statement: Statement, values: np.ndarray) -> StatementResult:
     holds = np.array([statement.bounds.contain(value) for value in values])
     share = share_of(holds, np.ones(len(values), bool), 0)
     known = sorted(values[~np.isnan(values)].tolist())
-    return Found(
+    return StatementResult(
         statement,
         int(np.count_nonzero(holds)),
         len(values),

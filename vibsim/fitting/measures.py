@@ -101,16 +101,16 @@ def per_cycle(name: str) -> Measure:
     """Mean number of something per cycle: impacts or sticks."""
 
     def measure(result: Result, window: Window | None, argument: float) -> float:
-        found = getattr(count_impacts(result, window), name)
-        return NONE if found is None else found
+        count = getattr(count_impacts(result, window), name)
+        return NONE if count is None else count
 
     return measure
 
 
 def mean_impact_velocity(result: Result, window: Window | None, argument: float) -> float:
     """Mean closing velocity [m/s]."""
-    found = count_impacts(result, window).velocity
-    return NONE if found is None else found.mean
+    velocity = count_impacts(result, window).velocity
+    return NONE if velocity is None else velocity.mean
 
 
 def impact_count(result: Result, window: Window | None, argument: float) -> float:

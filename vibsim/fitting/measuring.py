@@ -48,13 +48,13 @@ def measure_all(
 
     Values are by the position of what was asked, as text; a run that fails is a point that says why.
     """
-    found = []
+    points = []
     for task in tasks:
         point = _measured(work, task, engine, go_on)
         if point is None:
             break
-        found.append(point)
-    return found
+        points.append(point)
+    return points
 
 
 def _measured(work: Work, task: Task, engine: str, go_on: Callable[[], bool] | None) -> Point | None:

@@ -132,7 +132,7 @@ OBSERVABLES: dict[str, Observable] = {
 
 
 def missing_of(observable: Observable, case: Case) -> list[str]:
-    """What a case has not got that an observable needs.
+    """Parts that an observable needs and the case does not have, in words.
 
     Statements on x1 and x2 are of the two blocks of the short form; a scene of named parts has none.
     """

@@ -75,9 +75,9 @@ class FileRunStore(RunStore):
         self._journal.go_on(plan.fingerprint, waiting)
 
     def add(self, points: Iterable[Point]) -> None:
-        found = list(points)
-        super().add(found)
-        self._journal.add(found)
+        batch = list(points)
+        super().add(batch)
+        self._journal.add(batch)
 
     def close(self, written: bool) -> None:
         self._journal.close(remove=written)

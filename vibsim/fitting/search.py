@@ -33,13 +33,13 @@ Subset = tuple[FreeParameter, ...]
 def search(evaluation: Evaluation) -> None:
     """Make and judge all candidates of the plan. Raises Interrupted."""
     plan = evaluation.plan
-    given = _given(evaluation)
-    ranked = evaluation.judge(given, range(plan.starts), "judging the readings")
+    candidates = _fixed_candidates(evaluation)
+    ranked = evaluation.judge(candidates, range(plan.starts), "judging the readings")
     for number, subset in enumerate(subsets(plan)):
         explore = _evolution if plan.search.method == EVOLUTION else _quasi_random
         ranked = [*ranked, *explore(evaluation, subset, number)]
     best = best_of(ranked, plan.search.confirm)
-    chosen = list({one.number: one for one in [*given, *(each.candidate for each in best)]}.values())
+    chosen = list({one.number: one for one in [*candidates, *(each.candidate for each in best)]}.values())
     if plan.fresh_starts:
         evaluation.judge(chosen, plan.fresh_starts, "judging the best again")
     evaluation.tell_horizons(chosen, "telling trust horizons")
@@ -62,14 +62,14 @@ def subsets(plan: FitPlan) -> list[Subset]:
     return [subset for size in sizes for subset in combinations(plan.free, size)]
 
 
-def _given(evaluation: Evaluation) -> list[Candidate]:
+def _fixed_candidates(evaluation: Evaluation) -> list[Candidate]:
     """The printed values and the readings."""
     plan = evaluation.plan
-    made = [evaluation.make(PRINTED, {}, 0.0)]
+    candidates = [evaluation.make(PRINTED, {}, 0.0)]
     for changes in plan.readings:
         price = leaving_price(list(plan.cases), changes, plan.free)
-        made.append(evaluation.make(READING, changes, price))
-    return made
+        candidates.append(evaluation.make(READING, changes, price))
+    return candidates
 
 
 def _candidate(evaluation: Evaluation, subset: Subset, place: Sequence[float]) -> Candidate:
@@ -88,9 +88,9 @@ def _budget(plan: FitPlan) -> int:
 def _quasi_random(evaluation: Evaluation, subset: Subset, number: int) -> list[Judgement]:
     plan = evaluation.plan
     places = sobol(len(subset), _budget(plan), [plan.search.seed, number])
-    made = [_candidate(evaluation, subset, place) for place in places]
+    candidates = [_candidate(evaluation, subset, place) for place in places]
     first = range(min(plan.search.screen, plan.starts))
-    screened = evaluation.judge(made, first, "screening")
+    screened = evaluation.judge(candidates, first, "screening")
     if len(first) == plan.starts:
         return screened
     ranked = sorted(screened, key=lambda each: (each.price, each.candidate.number))
@@ -106,10 +106,10 @@ def _evolution(evaluation: Evaluation, subset: Subset, number: int) -> list[Judg
     size = max(FEWEST, min(PER_PARAMETER * len(subset), budget // 4))
 
     def prices(places: np.ndarray) -> np.ndarray:
-        made = [_candidate(evaluation, subset, place) for place in places.T]
-        found = evaluation.judge(made, range(plan.starts), "evolving")
-        judged.extend(found)
-        return np.array([each.price for each in found])
+        candidates = [_candidate(evaluation, subset, place) for place in places.T]
+        judgements = evaluation.judge(candidates, range(plan.starts), "evolving")
+        judged.extend(judgements)
+        return np.array([each.price for each in judgements])
 
     differential_evolution(
         prices,

@@ -62,20 +62,20 @@ def _plan(first: Case, attrs: Mapping[str, Any]) -> FitPlan:
 
 
 def _candidates(stored: Mapping[str, Any], plan: FitPlan) -> list[Candidate]:
-    found = []
+    candidates = []
     rows = zip(stored["origin"], stored["changes"], stored["leaving"], strict=True)
     for number, (origin, changes, leaving) in enumerate(rows):
         values = dict(json.loads(changes))
         plan.cases[0].with_values(values)
-        found.append(Candidate(number, str(origin), values, float(leaving)))
-    return found
+        candidates.append(Candidate(number, str(origin), values, float(leaving)))
+    return candidates
 
 
 def _runs(stored: Mapping[str, Any], plan: FitPlan) -> list[Point]:
     """The runs, trust horizons included."""
     names = ("status", "value", "trust_horizon", "sha256", "error")
     status, values, horizons, sha256, error = (stored[name] for name in names)
-    found = []
+    runs = []
     for number, case, start in np.argwhere(status != MISSING).tolist():
         measured = {
             str(plan.asked[case].index(each.asked)): float(values[number, i, start])
@@ -83,8 +83,8 @@ def _runs(stored: Mapping[str, Any], plan: FitPlan) -> list[Point]:
             if each.case == case
         }
         at = number, case, start
-        found.append(Point(at, int(status[at]), str(sha256[at]), str(error[at]), measured))
+        runs.append(Point(at, int(status[at]), str(sha256[at]), str(error[at]), measured))
     for number, case in np.argwhere(~np.isnan(horizons)).tolist():
-        told = {HORIZON: float(horizons[number, case])}
-        found.append(Point((number, case, TRUST), DONE, str(sha256[number, case, 0]), "", told))
-    return found
+        attributes = {HORIZON: float(horizons[number, case])}
+        runs.append(Point((number, case, TRUST), DONE, str(sha256[number, case, 0]), "", attributes))
+    return runs

@@ -174,8 +174,8 @@ class Orbit(Labelled):
         """Name of the case, period, and whether it is stable."""
         name = f"of {self.case.name}: " if self.case is not None else ""
         _, on_circle, outside = sides_of_circle(self.multipliers)
-        said = "unstable" if outside else "neither stable nor unstable" if on_circle else "stable"
-        return f"{name}period {self.period:.8g} s, {said}"
+        stability = "unstable" if outside else "neither stable nor unstable" if on_circle else "stable"
+        return f"{name}period {self.period:.8g} s, {stability}"
 
     def lines(self) -> list[tuple[str, str]]:
         """Unknowns on the section, events, multipliers and margin."""

@@ -82,7 +82,7 @@ def monodromy(
     state : by name of the column, e.g. {"x1": 0.001, "v1": 0.2, ...} [m, m/s, rad, rad/s]; those left out: 0
     parameters : keys of numbers of the case by which the motion is differentiated too, e.g. ("c", "omega")
 
-    Raises OrbitError for a column that the case has not got, a number at which a part comes or goes and a
+    Raises OrbitError for a column that is not one of the case's, a number at which a part comes or goes and a
     motion that has no derivative, UnknownKeyError for keys, EngineError where the run fails.
 
     Between its reversals a damped oscillator of mass 1 kg contracts areas by exp(-c T):

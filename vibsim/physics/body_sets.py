@@ -95,10 +95,10 @@ def _sense(stop: Any) -> int:
 
 
 def _distinct(parts: Iterable[Any]) -> tuple[Pair, ...]:
-    found: dict[frozenset[int], Pair] = {}
+    pairs: dict[frozenset[int], Pair] = {}
     for part in parts:
-        found.setdefault(frozenset((part.P, part.Q)), Pair(part.name, part.P, part.Q))
-    return tuple(found.values())
+        pairs.setdefault(frozenset((part.P, part.Q)), Pair(part.name, part.P, part.Q))
+    return tuple(pairs.values())
 
 
 def _bodies(parts: Iterable[Any]) -> set[int]:

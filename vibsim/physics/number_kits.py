@@ -41,10 +41,10 @@ class MultiprecisionMissing(ImportError):
 
 def installed_library() -> str:
     """Name of the package that runs of many digits use here. Raises MultiprecisionMissing without any."""
-    found = next((name for name in KITS if find_spec(name) is not None), None)
-    if found is None:
+    library = next((name for name in KITS if find_spec(name) is not None), None)
+    if library is None:
         raise MultiprecisionMissing(MISSING)
-    return found
+    return library
 
 
 def number_kit(digits: int) -> DigitsKit[Number]:

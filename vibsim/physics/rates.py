@@ -64,16 +64,16 @@ def all_rates(scene: Scene, closed: Iterable[Stop | RigidStop] = ()) -> list[flo
     """The same with a 0 for each rigid motion: one for each body."""
     every: list[Spring] = [*scene.links, *(stop for stop in closed if isinstance(stop, Stop))]
     springs = [spring for spring in every if spring.k]
-    found: list[float] = []
+    rates: list[float] = []
     for one in body_sets(scene, springs):
         own = [spring for spring in springs if {spring.P, spring.Q} & set(one.bodies)]
         if not own:
-            found.append(0.0)  # a body alone
+            rates.append(0.0)  # a body alone
         elif len({frozenset((spring.P, spring.Q)) for spring in own}) == 1:
-            found += _of_pair(scene, own)
+            rates += _of_pair(scene, own)
         else:
-            found += _eigenvalues(scene, own, one.bodies)
-    return sorted(found)
+            rates += _eigenvalues(scene, own, one.bodies)
+    return sorted(rates)
 
 
 def _of_pair(scene: Scene, springs: Sequence[Spring]) -> list[float]:
@@ -123,9 +123,9 @@ def is_driven(scene: Scene) -> bool:
 
 def source_rates(scene: Scene) -> list[float]:
     """Angular rates [rad/s] of forces, base and motor (its no-load speed); those that are 0 left out."""
-    found = [abs(term.omega) for term in scene.harmonics if term.amplitude]
-    found += [abs(scene.motor.Omega0)] if scene.motor is not None else []
-    return [rate for rate in found if rate]
+    rates = [abs(term.omega) for term in scene.harmonics if term.amplitude]
+    rates += [abs(scene.motor.Omega0)] if scene.motor is not None else []
+    return [rate for rate in rates if rate]
 
 
 def source_period(scene: Scene) -> float:

@@ -83,8 +83,8 @@ def scatter_shares(
 
 
 def _value(judged: Judgement, free: FreeParameter) -> float:
-    found = number_of(judged.candidate, free)
-    return free.printed[0] if np.isnan(found) else found
+    number = number_of(judged.candidate, free)
+    return free.printed[0] if np.isnan(number) else number
 
 
 def _mark(axes: Axes, best: Any, printed: Any) -> None:

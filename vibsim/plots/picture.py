@@ -94,8 +94,8 @@ def picture_suffix(out: str) -> str:
     """Suffix of a picture, in lower case; PlotError for a format that vibsim does not write."""
     suffix = Path(out).suffix.lower()
     if suffix not in FORMATS:
-        said = f"suffix {suffix}" if suffix else "no suffix"
-        raise PlotError(f"{out}: {said}; pictures are {', '.join(FORMATS[:-1])} or {FORMATS[-1]}")
+        suffix_text = f"suffix {suffix}" if suffix else "no suffix"
+        raise PlotError(f"{out}: {suffix_text}; pictures are {', '.join(FORMATS[:-1])} or {FORMATS[-1]}")
     return suffix
 
 
@@ -162,12 +162,12 @@ def _write_opaque(figure: Figure, target: Any) -> None:
     from PIL import Image
     from PIL.PngImagePlugin import PngInfo
 
-    picture, said = BytesIO(), PngInfo()
+    picture, metadata = BytesIO(), PngInfo()
     figure.savefig(picture, format="png", dpi=DPI[".png"])
     for name, value in METADATA[".png"].items():
-        said.add_text(name, value)
+        metadata.add_text(name, value)
     dpi = (DPI[".png"], DPI[".png"])
-    Image.open(picture).convert("RGB").save(target, format="png", dpi=dpi, pnginfo=said)
+    Image.open(picture).convert("RGB").save(target, format="png", dpi=dpi, pnginfo=metadata)
 
 
 def _write_pages(figures: Sequence[Figure], target: str, force: bool) -> None:

@@ -83,7 +83,7 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
 
 def curves(bench: Any) -> list[Curve]:
     """The families that came to the telling time, their rows in the order of the ladder."""
-    found = []
+    listed = []
     for method in dict.fromkeys(row.method for row in bench.rows if row.method not in UNDRAWN):
         rows = [row for row in bench.rows if row.method == method and isfinite(error_at(bench, row))]
         if rows:
@@ -95,8 +95,8 @@ def curves(bench: Any) -> list[Curve]:
                     [row.faithful_time for row in rows],
                 )
             ]
-            found.append(Curve(family_of(method), *columns))
-    return found
+            listed.append(Curve(family_of(method), *columns))
+    return listed
 
 
 def _draw_curves(axes: Axes, drawn: Sequence[Curve]) -> None:

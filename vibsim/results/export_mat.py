@@ -22,8 +22,8 @@ def write_mat(result: Result, path: str | Path, window: Window, force: bool = Fa
     columns = {name: result.column(name) for name in result}
     bytes_needed = (samples.stop - samples.start) * sum(column.dtype.itemsize for column in columns.values())
     if bytes_needed > LARGEST:
-        wanted = f"would hold {bytes_needed / 2**30:.1f} GB"
-        raise ResultFileError(f"{path}: {wanted}, a MAT file takes 2 GB; export a window, or as CSV")
+        size_text = f"would hold {bytes_needed / 2**30:.1f} GB"
+        raise ResultFileError(f"{path}: {size_text}, a MAT file takes 2 GB; export a window, or as CSV")
     from scipy.io import savemat
 
     contents: dict[str, object] = {name: column[samples] for name, column in columns.items()}

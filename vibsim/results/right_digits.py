@@ -43,17 +43,17 @@ EXACT = Context(prec=2 * MOST_DIGITS)
 class DigitsPlan:
     """The precision of a run: `digits` for the next attempt, `enough` once a verdict has found them so.
 
-    wanted : the digits, or "auto" for as many as leave WANTED right ones at the end
+    digits : the digits, or "auto" for as many as leave WANTED right ones at the end
     """
 
-    def __init__(self, case: "Case", wanted: int | str, watch: Watch | None = None):
+    def __init__(self, case: "Case", digits: int | str, watch: Watch | None = None):
         self.case, self.watch = case, watch
-        self.automatic = wanted == "auto"
+        self.automatic = digits == "auto"
         self.enough = not self.automatic
         self.scene = case.scene()
         self._growth: float | None = None
         self.coarse_digits, self.coarse = DOUBLE_DIGITS, end_in_doubles(self.scene)
-        self.digits = self._first_choice() if self.automatic else _whole(wanted)
+        self.digits = self._first_choice() if self.automatic else _whole(digits)
 
     @property
     def growth(self) -> float:
@@ -91,9 +91,9 @@ class DigitsPlan:
         if end is None:
             self.enough = True
             return {}
-        found = None if self.coarse is None else agreement(self.coarse, end)
-        if found is not None and found >= TELLING:
-            right = floor(self.digits - max(self.coarse_digits - found, 0))
+        agreed = None if self.coarse is None else agreement(self.coarse, end)
+        if agreed is not None and agreed >= TELLING:
+            right = floor(self.digits - max(self.coarse_digits - agreed, 0))
             return self._judged(max(right, 0), self._source(), end)
         if self.automatic:
             return self._judged(0, "", end)

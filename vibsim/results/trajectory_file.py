@@ -89,8 +89,8 @@ class TrajectoryFile:
         if not datasets:
             return None
         samples, events = (
-            FileColumns(self.path, self._file, [each for each in datasets if of_events(each) == wanted])
-            for wanted in (False, True)
+            FileColumns(self.path, self._file, [each for each in datasets if of_events(each) == after])
+            for after in (False, True)
         )
         return Digits(samples, events)
 

@@ -148,12 +148,12 @@ class Companion:
         """The next samples; None after the last, or when not to go on."""
         if self._waiting:
             return self._waiting.popleft()
-        found = None if self._ended else self._awaited(go_on)
-        if isinstance(found, BaseException):
-            raise found
-        self._ended = found is None
+        block = None if self._ended else self._awaited(go_on)
+        if isinstance(block, BaseException):
+            raise block
+        self._ended = block is None
         self._room.release()
-        return found
+        return block
 
     def _awaited(self, go_on: Callable[[], bool]) -> np.ndarray | BaseException | None:
         """The next block, or what ended it; None when not to go on, which is asked whenever it waits."""

@@ -72,8 +72,8 @@ class ErrorEstimate:
         distance = held(times, apart, self._fading)[1:]
         rounding = ULP * size
         share = self._share.of(time, ours, apart[1:], distance, rounding, third) if third else None
-        told = distance if share is None else np.minimum(distance * share, np.maximum(distance, size))
-        estimate = rounded_up(widened(told, rounding))
+        bounded = distance if share is None else np.minimum(distance * share, np.maximum(distance, size))
+        estimate = rounded_up(widened(bounded, rounding))
         self._time, self._distance, self._size = time[-1], distance[-1], size[-1]
         self._note(time, estimate)
         return estimate

@@ -29,7 +29,7 @@ def case_of(name):
 def test_each_truth_is_that_of_its_case(name):
     truth = read_truth(name, case_of(name).sha256)
     assert truth.case == name
-    assert truth.made["digits"] == 40
+    assert truth.provenance["digits"] == 40
     assert len(truth.time) >= 11 and all(len(column) == len(truth.time) for column in truth.states.values())
     for flow, stray in truth.stray.items():
         assert set(stray) == set(truth.states)

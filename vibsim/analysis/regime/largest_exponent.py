@@ -42,6 +42,6 @@ def exponent_of(times: np.ndarray, growth: np.ndarray) -> Exponent | None:
     if len(times) < 2 * BLOCKS + 1 or not np.all(np.isfinite(growth)):
         return None
     edges = np.linspace(0, len(times) - 1, BLOCKS + 1).round().astype(int)
-    found = average(np.diff(growth[edges]) / np.diff(times[edges]), DOUBT)
+    rate = average(np.diff(growth[edges]) / np.diff(times[edges]), DOUBT)
     rounding = len(growth) * EPS * (1 + np.abs(growth).max()) / (times[-1] - times[0])
-    return Exponent(found.mean, max(found.half_width, float(rounding)))
+    return Exponent(rate.mean, max(rate.half_width, float(rounding)))

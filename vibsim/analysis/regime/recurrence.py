@@ -46,22 +46,22 @@ def find_period(points: np.ndarray) -> Recurrence | None:
         onset = onset_of(points, period)
         if len(points) - onset < max(LEAST, REPEATS * period):
             continue
-        found = recurrence(points, period, onset)
+        return_distance = recurrence(points, period, onset)
         exact = distance_to_last(points[onset:], period).max() <= EXACT
         if exact or (onset == 0 and len(points) >= ALL):
-            return found
-        if found.trend <= SHRINKS:
+            return return_distance
+        if return_distance.trend <= SHRINKS:
             shorter = approached_period(points[onset:])
-            return found if shorter is None or shorter.period >= period else None
+            return return_distance if shorter is None or shorter.period >= period else None
     return None
 
 
 def approached_period(points: np.ndarray) -> Recurrence | None:
     """The shortest period of which the points come closer to being; None: of none."""
     for period in _periods(points):
-        found = recurrence(points, period, 0)
-        if found.step <= NEAR and found.trend <= SHRINKS and found.steady:
-            return found
+        return_distance = recurrence(points, period, 0)
+        if return_distance.step <= NEAR and return_distance.trend <= SHRINKS and return_distance.steady:
+            return return_distance
     return None
 
 

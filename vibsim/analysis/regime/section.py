@@ -128,16 +128,16 @@ def section_of(result: Result, span: Span) -> Section:
 def extremes(result: Result, span: Span, coordinates: Coordinates) -> tuple[np.ndarray, np.ndarray]:
     """Least and greatest of each coordinate among the samples of the span; 0 without samples."""
     rows = rows_within(result.column("time"), span.window)
-    found = []
+    turns = []
     for piece in pieces(rows, ROWS):
         values = coordinates.of(
             {name: np.asarray(result.column(name)[piece]) for name in ("time", *coordinates.names)}
         )
-        found.append((values.min(axis=1), values.max(axis=1)))
-    if not found:
+        turns.append((values.min(axis=1), values.max(axis=1)))
+    if not turns:
         nothing = np.zeros(len(coordinates.of({name: np.empty(0) for name in ("time", *coordinates.names)})))
         return nothing, nothing
-    low, high = (np.array(part) for part in zip(*found, strict=True))
+    low, high = (np.array(part) for part in zip(*turns, strict=True))
     return low.min(axis=0), high.max(axis=0)
 
 

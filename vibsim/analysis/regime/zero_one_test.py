@@ -48,20 +48,20 @@ def square_displacements(p: np.ndarray, q: np.ndarray, steps: np.ndarray) -> np.
     transforms for the products.
     """
     count = p.shape[1]
-    kept = count - int(steps[-1])
-    products = _lagged_products(p, kept, steps) + _lagged_products(q, kept, steps)
+    starts = count - int(steps[-1])
+    products = _lagged_products(p, starts, steps) + _lagged_products(q, starts, steps)
     sums = np.cumsum(p * p + q * q, axis=1)
-    later = sums[:, steps + kept - 1] - sums[:, steps - 1]
-    return (later + sums[:, kept - 1 : kept] - 2 * products) / kept
+    later = sums[:, steps + starts - 1] - sums[:, steps - 1]
+    return (later + sums[:, starts - 1 : starts] - 2 * products) / starts
 
 
-def _lagged_products(x: np.ndarray, kept: int, steps: np.ndarray) -> np.ndarray:
-    """Sums of x[j] x[j + n] over the first `kept` j, for the n of `steps`: (k, m).
+def _lagged_products(x: np.ndarray, starts: int, steps: np.ndarray) -> np.ndarray:
+    """Sums of x[j] x[j + n] over the first `starts` j, for the n of `steps`: (k, m).
 
     Complex numbers are multiplied in parts: numpy's own products round differently on processors with FMA.
     """
-    length = 2 ** (x.shape[1] + kept).bit_length()
-    first, whole = np.fft.rfft(x[:, :kept], length), np.fft.rfft(x, length)
+    length = 2 ** (x.shape[1] + starts).bit_length()
+    first, whole = np.fft.rfft(x[:, :starts], length), np.fft.rfft(x, length)
     spectrum = np.empty_like(whole)
     spectrum.real = first.real * whole.real + first.imag * whole.imag
     spectrum.imag = first.real * whole.imag - first.imag * whole.real

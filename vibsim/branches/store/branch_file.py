@@ -47,9 +47,9 @@ def origin(plan: BranchPlan, engine: str) -> dict[str, Any]:
 
 def write_branch(path: Path, branch: Branch, attrs: dict[str, Any], complete: bool) -> None:
     """Write a branch to `path`, replacing what is there in one instant. Raises ResultFileError."""
-    found, orbits = branch.specials, branch.points
-    unresolved = sum(one.kind == UNRESOLVED for one in found)
-    counts = {"points": len(orbits), "special_points": len(found), "unresolved": unresolved}
+    specials, orbits = branch.specials, branch.points
+    unresolved = sum(one.kind == UNRESOLVED for one in specials)
+    counts = {"points": len(orbits), "special_points": len(specials), "unresolved": unresolved}
     counts["complete"] = int(complete)
     names = {"names_json": json.dumps(branch.names)}
     write_hdf5(path, {**attrs, **names, **counts}, datasets_of(branch.unit), values_of(branch))
@@ -59,23 +59,23 @@ def values_of(branch: Branch) -> dict[str, Any]:
     """What stands in the datasets of a branch, by name."""
     specials = branch.specials
     records = {record.unknowns: record for record in branch.records[1]}
-    found = [records[one.unknowns] for one in specials]
+    special_records = [records[one.unknowns] for one in specials]
     orbits = [point.orbit for point in branch.points]
     return {
         POINT: np.arange(len(orbits)),
-        SPECIAL: np.arange(len(found)),
+        SPECIAL: np.arange(len(special_records)),
         UNKNOWN: np.arange(len(branch.plan.state)),
         SCALED: np.arange(len(branch.points[0].unknowns)),
         MULTIPLIER: np.arange(len(orbits[0].multipliers)),
         BODY: np.arange(len(orbits[0].drift)),
         **orbit_values("", branch.spelled, branch.points),
-        **orbit_values("special_", branch.spelled, found),
+        **orbit_values("special_", branch.spelled, special_records),
         **{name: [getattr(one, name) for one in branch.points] for name in ("step", "iterations", "ended")},
-        "special_kind": [KINDS[record.kind] for record in found],
+        "special_kind": [KINDS[record.kind] for record in special_records],
         "special_label": [one.label for one in specials],
-        "special_before": [branch.spelled(record.before) for record in found],
-        "special_after": [branch.spelled(record.after) for record in found],
-        "special_jump": [record.jump for record in found],
+        "special_before": [branch.spelled(record.before) for record in special_records],
+        "special_after": [branch.spelled(record.after) for record in special_records],
+        "special_jump": [record.jump for record in special_records],
     }
 
 

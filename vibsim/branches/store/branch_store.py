@@ -5,7 +5,7 @@ from types import TracebackType
 
 from vibsim.branches.branch import Branch
 from vibsim.branches.plan import BranchPlan
-from vibsim.branches.records import PointRecord, SpecialRecord, given, plain
+from vibsim.branches.records import PointRecord, SpecialRecord, plain, read_record
 from vibsim.branches.store.branch_file import origin, read_branch, write_branch
 from vibsim.files.errors import ResultFileError
 from vibsim.files.journal import Journal
@@ -73,10 +73,10 @@ class BranchFileStore(BranchStore):
         waiting = list(self._journal.read(self.plan.fingerprint))
         known = {(point.way, point.number) for point in self.points}
         for record in waiting:
-            point = given(record["point"])
+            point = read_record(record["point"])
             assert isinstance(point, PointRecord)
             if (point.way, point.number) not in known and self._follows(point):
-                super().add(point, [given(each) for each in record["specials"]])  # type: ignore[misc]
+                super().add(point, [read_record(each) for each in record["specials"]])  # type: ignore[misc]
         self.notes += self._journal.notes()
         self._journal.go_on(self.plan.fingerprint, waiting)
 

@@ -87,7 +87,7 @@ def plain(point: LocusRecord) -> dict[str, Any]:
     return {**vars(point), "orbit": plain_orbit(point.orbit)}
 
 
-def given(data: dict[str, Any]) -> LocusRecord:
+def read_point(data: dict[str, Any]) -> LocusRecord:
     """The point that `plain` wrote down."""
     places = {name: tuple(data[name]) for name in ("unknowns", "tangent")}
     return LocusRecord(**{**data, **places, "orbit": read_orbit(data["orbit"])})
@@ -134,7 +134,7 @@ class LocusStore:
             self.points = sorted(there.points, key=lambda point: (-point.way, point.number))
         waiting = list(self._journal.read(self.plan.fingerprint))
         known = {(point.way, point.number) for point in self.points}
-        for point in map(given, waiting):
+        for point in map(read_point, waiting):
             if (point.way, point.number) not in known and self._follows(point):
                 self.points.append(point)
         self.notes += self._journal.notes()

@@ -54,8 +54,8 @@ def _harmonic(key: str, part: dict[str, Any], amplitude: str, constant: bool) ->
             message = f"must be a list of harmonics, such as {example}"
             yield Finding(f"{key}.terms", message, of_the_name=True)
     elif not single and not constant:
-        wanted = f"{amplitude} and omega, or terms" + (", or F0" if amplitude == "A" else "")
-        yield Finding(key, f"needs {wanted}", of_the_name=True)
+        required = f"{amplitude} and omega, or terms" + (", or F0" if amplitude == "A" else "")
+        yield Finding(key, f"needs {required}", of_the_name=True)
     elif single:
         for name in (amplitude, "omega"):
             if name not in part:

@@ -57,6 +57,6 @@ def _in_phase(source: dict[str, Any], amplitude: str) -> dict[str, Any]:
 
 
 def _states(values: dict[str, Any]) -> dict[str, Any]:
-    given = values.get("initial", {})
-    states = {body: AT_REST | given.get(body, {}) for body in values["bodies"]}
-    return states | ({"motor": ROTOR_AT_REST | given.get("motor", {})} if "motor" in values else {})
+    initial = values.get("initial", {})
+    states = {body: AT_REST | initial.get(body, {}) for body in values["bodies"]}
+    return states | ({"motor": ROTOR_AT_REST | initial.get("motor", {})} if "motor" in values else {})

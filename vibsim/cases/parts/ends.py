@@ -54,8 +54,8 @@ class Ends:
 def _ends(value: object) -> Ends:
     ends = Ends.read(value)
     if ends is None:
-        got = _shown_list(value) if isinstance(value, dict) else shown(value)
-        what = f"must be two ends such as [ram, ground]: bodies, ground or base; got {got}"
+        value_text = _shown_list(value) if isinstance(value, dict) else shown(value)
+        what = f"must be two ends such as [ram, ground]: bodies, ground or base; got {value_text}"
         raise PydanticCustomError("ends", "{what}", {"what": what})
     return ends
 

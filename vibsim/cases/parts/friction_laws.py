@@ -52,9 +52,9 @@ def directions(part: dict[str, Any]) -> tuple[Direction, Direction]:
     return forwards, backwards
 
 
-def _coulomb(given: dict[str, Any]) -> Direction:
-    mu = given["mu"].value
-    return Direction(mu, mu * (given["static"].value if "static" in given else 1))
+def _coulomb(values: dict[str, Any]) -> Direction:
+    mu = values["mu"].value
+    return Direction(mu, mu * (values["static"].value if "static" in values else 1))
 
 
 def _falling(mu_s: Fraction, mu_d: Fraction, rate: Fraction) -> Direction:
@@ -64,12 +64,12 @@ def _falling(mu_s: Fraction, mu_d: Fraction, rate: Fraction) -> Direction:
     return Direction(mu_d, mu_s, mu_s - mu_d, rate)
 
 
-def _hyperbolic(given: dict[str, Any]) -> Direction:
-    return _falling(given["mu_s"].value, given["mu_d"].value, given["d"].value)
+def _hyperbolic(values: dict[str, Any]) -> Direction:
+    return _falling(values["mu_s"].value, values["mu_d"].value, values["d"].value)
 
 
-def _exponential(given: dict[str, Any]) -> Direction:
-    return _falling(given["mu_s"].value, given["mu_d"].value, 1 / given["v0"].value)
+def _exponential(values: dict[str, Any]) -> Direction:
+    return _falling(values["mu_s"].value, values["mu_d"].value, 1 / values["v0"].value)
 
 
 DIRECTIONS = {COULOMB: _coulomb, HYPERBOLIC: _hyperbolic, EXPONENTIAL: _exponential}
@@ -103,17 +103,17 @@ def _of_both(key: str, part: dict[str, Any], law: Coefficients) -> Iterator[Find
                 yield from _of_one(f"{key}.{name}", part[name], law, or_sides=False)
 
 
-def _of_other_laws(key: str, given: dict[str, Any], law: Coefficients) -> Iterator[Finding]:
+def _of_other_laws(key: str, values: dict[str, Any], law: Coefficients) -> Iterator[Finding]:
     name = next(name for name, one in LAWS.items() if one is law)
     for other in KEYS:
-        if other in given and other not in law.all:
+        if other in values and other not in law.all:
             owners = " and ".join(one for one, coefficients in LAWS.items() if other in coefficients.all)
             what = f"belongs to law {owners}; {name} has {', '.join(law.all)}"
             yield Finding(f"{key}.{other}", what, of_the_name=True)
 
 
-def _of_one(key: str, given: dict[str, Any], law: Coefficients, or_sides: bool) -> Iterator[Finding]:
-    missing = [name for name in law.needed if name not in given]
+def _of_one(key: str, values: dict[str, Any], law: Coefficients, or_sides: bool) -> Iterator[Finding]:
+    missing = [name for name in law.needed if name not in values]
     if missing:
         listed = ", ".join(f"{name}: ..." for name in law.needed)
         more = f", or plus: {{{listed}}} and minus: {{{listed}}}" if or_sides else ""

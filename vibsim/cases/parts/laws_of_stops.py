@@ -56,9 +56,9 @@ def _place(draft: Draft, end: str) -> Any:
         return _base(draft)
     if end in NO_BODIES:
         return 0
-    given = draft.section("initial", end)
+    initial = draft.section("initial", end)
     x = draft.quantity(f"initial.{end}.x")
-    return 0 if "x" not in given else None if x is None else x.value
+    return 0 if "x" not in initial else None if x is None else x.value
 
 
 def _base(draft: Draft) -> Any:

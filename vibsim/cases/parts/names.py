@@ -59,10 +59,10 @@ def names_are_different(draft: Draft) -> Iterator[Finding]:
 
 def names_are_no_columns(draft: Draft) -> Iterator[Finding]:
     """A part named x_ram would share its column with the displacement of the body ram."""
-    taken = {column: body for body in draft.bodies for column in columns_of(body)}
-    taken |= {f"before_{columns_of(body)[1]}": body for body in draft.bodies}
+    columns = {column: body for body in draft.bodies for column in columns_of(body)}
+    columns |= {f"before_{columns_of(body)[1]}": body for body in draft.bodies}
     for section in PARTS:
         for name in draft.section(section):
-            if name in taken:
-                message = f"{name} is a column of body {taken[name]}; choose another name"
+            if name in columns:
+                message = f"{name} is a column of body {columns[name]}; choose another name"
                 yield Finding(f"{section}.{name}", message, of_the_name=True)

@@ -67,8 +67,8 @@ def _check_options(
     names: tuple[str, ...], resolved: bool, draw: bool, output: str | None, force: bool
 ) -> None:
     """Usage errors of options that do not go together."""
-    for option, given in (("--resolved", resolved), ("--draw", draw)):
-        if given and not names:
+    for option, value in (("--resolved", resolved), ("--draw", draw)):
+        if value and not names:
             raise click.UsageError(f"{option} shows cases; give the NAME of one")
     if draw and resolved:
         raise click.UsageError("--draw and --resolved do not go together")

@@ -95,8 +95,8 @@ def _facts(case: Case) -> Sequence[Fact]:
 def _described(report: Report) -> dict[str, Any]:
     """One report as JSON."""
     source, case, problems = report
-    found = {"source": source, "valid": not problems, "problems": [vars(problem) for problem in problems]}
+    facts = {"source": source, "valid": not problems, "problems": [vars(problem) for problem in problems]}
     if case is not None:
-        found |= {"name": case.name, "sha256": case.sha256, "resolved": json.loads(case.resolved_json())}
-        found["facts"] = {fact.name: {"value": fact.value, "unit": fact.unit} for fact in _facts(case)}
-    return found
+        facts |= {"name": case.name, "sha256": case.sha256, "resolved": json.loads(case.resolved_json())}
+        facts["facts"] = {fact.name: {"value": fact.value, "unit": fact.unit} for fact in _facts(case)}
+    return facts

@@ -51,14 +51,14 @@ def command(
     if tolerance is None:
         tolerance = max(run.case.number("run.trust_tolerance") for run in (ours, theirs))
     try:
-        found = compare(ours, theirs, tolerance)
+        comparison = compare(ours, theirs, tolerance)
     except ValueError as error:
         raise ResultFileError(f"{a}, {b}: {error}") from error
     if ctx.obj.json:
-        differs = [statistic.name for statistic in found.statistics if statistic.differs]
-        print_json({"a": a, "b": b, **asdict(found), "statistics_that_differ": differs})
+        differs = [statistic.name for statistic in comparison.statistics if statistic.differs]
+        print_json({"a": a, "b": b, **asdict(comparison), "statistics_that_differ": differs})
     elif not ctx.obj.quiet:
-        print_lines(comparison_lines((ours, theirs), (a, b), found))
+        print_lines(comparison_lines((ours, theirs), (a, b), comparison))
 
 
 def _run(path: str) -> Any:

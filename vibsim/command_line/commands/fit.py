@@ -26,7 +26,9 @@ FREE = Pair("KEY=FROM:TO, such as J=0.5:20g.m^2", some_text)
     ),
 )
 @click.argument("sources", metavar="CASE...", nargs=-1, type=CASE)
-@click.option("--want", "wanted", metavar="STATEMENT", multiple=True, help="What runs should do; repeatable.")
+@click.option(
+    "--want", "statements", metavar="STATEMENT", multiple=True, help="What runs should do; repeatable."
+)
 @click.option(
     "--free", "free", metavar="KEY=RANGE", multiple=True, type=FREE,
     help="A number to change; 'log FROM:TO' divides by ratio, 'linear FROM:TO' in equal steps; repeatable.",
@@ -89,7 +91,7 @@ FREE = Pair("KEY=FROM:TO, such as J=0.5:20g.m^2", some_text)
 def command(
     ctx: click.Context,
     sources: tuple[str, ...],
-    wanted: tuple[str, ...],
+    statements: tuple[str, ...],
     free: tuple[tuple[str, str], ...],
     prices: tuple[tuple[str, float], ...],
     readings: tuple[str, ...],
@@ -116,8 +118,8 @@ def command(
     if list_words:
         return words_listed(ctx.obj)
     check_engine(engine)
-    given = {"run.t_end": t_end, "run.every": every}
-    values = dict(changes) | {key: value for key, value in given.items() if value is not None}
-    plan = read_plan(sources, values, wanted, free, prices, readings, ensemble, spreads, settings)
+    run_settings = {"run.t_end": t_end, "run.every": every}
+    values = dict(changes) | {key: value for key, value in run_settings.items() if value is not None}
+    plan = read_plan(sources, values, statements, free, prices, readings, ensemble, spreads, settings)
     name = "-".join(case.name for case in plan.cases)
     return run_job(plan, output or f"{name}-fit.h5", jobs, engine, force, ctx.obj)

@@ -96,8 +96,8 @@ def command(
     check_engine(engine)
     check_digits(digits, engine)
     check_picture(picture, len(sources), force or dry_run)
-    given = {"run.t_end": t_end, "run.every": every, "run.method": method}
-    values = joined(changes, given)
+    run_settings = {"run.t_end": t_end, "run.every": every, "run.method": method}
+    values = joined(changes, run_settings)
     jobs = with_exponents(plan(sources, values, output), lyapunov, discard, digits)
     if dry_run:
         print_plan(jobs, ctx.obj)

@@ -142,8 +142,8 @@ def command(
         source = DEFAULT_CASE
         if not ctx.obj.quiet:
             say(f"no case given: sweeping {source}", err=True)
-    given = {"run.t_end": t_end, "run.method": method}
-    values = joined(changes, given)
+    run_settings = {"run.t_end": t_end, "run.method": method}
+    values = joined(changes, run_settings)
     axes = [("", text, "Hz", option) for option, text in (("--omega0", omega0), ("--omega", omega)) if text]
     axes += [(key, text, "", "--param") for key, text in params]
     settings["compute"] = [name.strip() for name in computed.split(",") if name.strip()]

@@ -88,14 +88,14 @@ def _kept(path: Path, rows_begun: bool) -> str:
     return f"{path} holds the rows that were done, and the truth; --truth {path} uses it again"
 
 
-def _truth(plan: Plan, path: Path, given: str | None) -> Truth | None:
-    """The truth of the file given, else of the file about to be replaced; None to compute it."""
-    if given is not None:
+def _truth(plan: Plan, path: Path, file: str | None) -> Truth | None:
+    """The truth of `file`, else of the file about to be replaced; None to compute it."""
+    if file is not None:
         try:
-            return truth_from(plan, given)
+            return truth_from(plan, file)
         except BenchError as error:
             raise click.UsageError(f"--truth: {error}") from None
-    found = truth_at_hand(plan, path)
-    if found is None:
+    truth = truth_at_hand(plan, path)
+    if truth is None:
         check_digits("auto", "python")
-    return found
+    return truth

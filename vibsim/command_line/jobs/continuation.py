@@ -39,10 +39,10 @@ def read_plan(
     Raises UsageError for what cannot be followed, CaseError, OrbitError and ResultFileError for the source.
     """
     chosen = [(option, text) for option, text in options.items() if text is not None]
-    given = len(chosen) + (param is not None)
+    parameters = len(chosen) + (param is not None)
     if switch is not None:
-        return _switched(source, changes, given, switch, output)
-    if given != 1:
+        return _switched(source, changes, parameters, switch, output)
+    if parameters != 1:
         raise click.UsageError("give one range to follow: --omega0, --omega, --energy or --param KEY=FROM:TO")
     _check_kind(source)
     case = read_case(source, changes)

@@ -28,7 +28,7 @@ Pairs = Sequence[tuple[str, Any]]
 def read_plan(
     sources: Sequence[str],
     values: dict[str, str],
-    wanted: Sequence[str],
+    statements: Sequence[str],
     free: Pairs,
     prices: Pairs,
     readings: Sequence[str],
@@ -51,7 +51,7 @@ def read_plan(
             )
     try:
         return make_plan(
-            cases, dict(free), wanted, readings, dict(prices), ensemble, dict(spreads), Search(**settings)
+            cases, dict(free), statements, readings, dict(prices), ensemble, dict(spreads), Search(**settings)
         )
     except FitError as error:
         raise click.UsageError(str(error)) from None
@@ -62,32 +62,32 @@ def run_job(
 ) -> int:
     """Run or complete a fit; returns the exit code."""
     began, steps = time.perf_counter(), Progress(not settings.quiet, listed=True)
-    kept = f"{output} holds what was done; the same command goes on from there"
-    with Interruption() as interruption, interrupted_with(lambda: kept):
+    remedy = f"{output} holds what was done; the same command goes on from there"
+    with Interruption() as interruption, interrupted_with(lambda: remedy):
 
         def watch(step: str, done: int, total: int) -> bool:
             steps.show(step, done, total)
             return interruption.signum is None
 
         try:
-            found, complete = run_fit(plan, output, jobs, engine, force, watch)
+            fit, complete = run_fit(plan, output, jobs, engine, force, watch)
         finally:
             steps.close()
     if settings.json:
-        print_json({"file": output, **facts(found)})
+        print_json({"file": output, **facts(fit)})
     elif not settings.quiet:
-        print_fit(found, (f"{output} ({size(output)}), {time.perf_counter() - began:.1f} s"))
+        print_fit(fit, (f"{output} ({size(output)}), {time.perf_counter() - began:.1f} s"))
     if not complete:
-        say(f"interrupted: {kept}", err=True)
+        say(f"interrupted: {remedy}", err=True)
         return interruption.exit_code
     return 0
 
 
-def print_fit(found: FitResult, file: str, more: Iterable[tuple[str, str]] = ()) -> None:
+def print_fit(fit: FitResult, file: str, more: Iterable[tuple[str, str]] = ()) -> None:
     """Lines, then the ranking as a table, then more lines and the file."""
-    print_lines(fit_lines(found))
-    print_table(ranking_table(found))
-    if found.plan.free and found.plan.fresh_starts:
+    print_lines(fit_lines(fit))
+    print_table(ranking_table(fit))
+    if fit.plan.free and fit.plan.fresh_starts:
         say("  from fresh starts; * from those by which it was chosen; - does not hold")
     print_lines([*more, ("file", file)])
 

@@ -160,8 +160,8 @@ def search_all(wish: Wish, count: int, seed: int, settings: Settings) -> int:
     elif not settings.quiet:
         _print_list(case, rows, done)
     if interruption.signum is not None:
-        kept = f"; what was found is in {rows[0].file} and on" if rows and rows[0].file else ""
-        say(f"interrupted after {done} of {count} starts{kept}", err=True)
+        files = f"; what was found is in {rows[0].file} and on" if rows and rows[0].file else ""
+        say(f"interrupted after {done} of {count} starts{files}", err=True)
         return interruption.exit_code
     return 0
 

@@ -22,8 +22,8 @@ def write_report(folder: str, formats: tuple[str, ...], fresh: bool, settings: S
     """Write the report into the folder; returns the exit code."""
     began = time.perf_counter()
     steps = Progress(not settings.quiet, listed=True)
-    kept = f"{folder} holds what was done; the same command goes on from there"
-    with Interruption() as interruption, interrupted_with(lambda: kept):
+    remedy = f"{folder} holds what was done; the same command goes on from there"
+    with Interruption() as interruption, interrupted_with(lambda: remedy):
 
         def tell(step: str, done: int, total: int) -> bool:
             steps.show(step, done, total)
@@ -32,7 +32,7 @@ def write_report(folder: str, formats: tuple[str, ...], fresh: bool, settings: S
         try:
             report = write_paper(folder, formats, tell, fresh)
         except Interrupted:
-            return told(f"interrupted: {kept}", interruption.exit_code, settings.json)
+            return told(f"interrupted: {remedy}", interruption.exit_code, settings.json)
         finally:
             steps.close()
     _print_report(report, folder, time.perf_counter() - began, settings)

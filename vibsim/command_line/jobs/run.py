@@ -52,7 +52,7 @@ def _run_one(
     began = time.perf_counter()
     t_end = job.case.scene().t_end
     progress = Progress(not settings.quiet, PATIENCE)
-    slow = SlowRun(job.case.name, t_end, wanted=not settings.quiet)
+    slow = SlowRun(job.case.name, t_end, shown=not settings.quiet)
 
     def watch(t: float) -> bool:
         progress.show(job.case.name, t, t_end)

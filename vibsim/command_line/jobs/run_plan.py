@@ -52,9 +52,9 @@ def hdf5_name(output: str) -> str:
     """The name of an output file as given. Raises UsageError where its suffix promises another format."""
     suffix = Path(output).suffix
     if suffix.lower() not in SUFFIXES:
-        said = f"suffix {suffix}" if suffix else "no suffix"
+        suffix_text = f"suffix {suffix}" if suffix else "no suffix"
         exported = "; for CSV or MAT: vibsim export" if suffix.lower() in (".csv", ".mat") else ""
-        raise click.UsageError(f"-o {output}: {said}; results are HDF5 files, .h5 or .hdf5{exported}")
+        raise click.UsageError(f"-o {output}: {suffix_text}; results are HDF5 files, .h5 or .hdf5{exported}")
     return output
 
 
@@ -146,8 +146,8 @@ def print_plan(jobs: list[Job], settings: Settings) -> None:
     for job in jobs:
         resolved = json.loads(job.case.resolved_json())
         if settings.json:
-            told = {"file": str(job.output), "file_exists": os.path.exists(job.output)}
-            print_json({**told, "case": resolved, "case_sha256": job.case.sha256})
+            facts = {"file": str(job.output), "file_exists": os.path.exists(job.output)}
+            print_json({**facts, "case": resolved, "case_sha256": job.case.sha256})
             continue
         if settings.quiet:
             continue

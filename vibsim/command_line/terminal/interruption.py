@@ -77,7 +77,7 @@ def _set_alarm(seconds: float) -> None:
 
 
 class Interrupted(Exception):
-    """The command was interrupted and nobody has said so yet; its text says what is not there."""
+    """The command was interrupted and no message of it is printed yet; its text names what was not done."""
 
     def __init__(self, text: str, by_sigterm: bool):
         super().__init__(f"interrupted: {text}" if text else "interrupted")

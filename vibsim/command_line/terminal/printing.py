@@ -27,7 +27,7 @@ def say(text: str = "", err: bool = False, nl: bool = True) -> None:
     """Print a text; control characters in it are written out (\\x1b), but for line ends and `style`."""
     from vibsim.cases.plain_text import plain_text
 
-    parts = [plain_text(part, kept="\n\t") for part in text.split(_OWN)]
+    parts = [plain_text(part, allowed="\n\t") for part in text.split(_OWN)]
     click.echo("\x1b".join(parts), err=err, nl=nl)
 
 
@@ -37,5 +37,5 @@ def print_json(value: Any, indent: int | None = None) -> None:
     click.echo(_UNSAFE_IN_JSON.sub(_escaped, text))
 
 
-def _escaped(found: re.Match[str]) -> str:
-    return f"\\u{ord(found[0]):04x}"
+def _escaped(match: re.Match[str]) -> str:
+    return f"\\u{ord(match[0]):04x}"

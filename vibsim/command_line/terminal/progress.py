@@ -20,8 +20,8 @@ class Progress:
     listed : whether there are several steps, which are said line by line where there is no terminal
     """
 
-    def __init__(self, wanted: bool, patience: float = 0.0, listed: bool = False):
-        self._wanted, self._patience, self._listed = wanted, patience, listed
+    def __init__(self, shown: bool, patience: float = 0.0, listed: bool = False):
+        self._shown, self._patience, self._listed = shown, patience, listed
         self._step, self._done = "", 0.0
         self._began = time.time()
         self._bar: Any = None
@@ -31,7 +31,7 @@ class Progress:
 
         item : what is being done, of a step whose things take unequal times: no time to wait is told
         """
-        if not self._wanted:
+        if not self._shown:
             return
         if step != self._step or done < self._done:  # the next step, or this one once more
             self._begin(step)

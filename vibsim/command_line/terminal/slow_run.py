@@ -16,21 +16,21 @@ class SlowRun:
     """Tells once, on stderr, that the run `label` to `t_end` [s] is slow."""
 
     def __init__(
-        self, label: str, t_end: float, wanted: bool = True, clock: Callable[[], float] = time.monotonic
+        self, label: str, t_end: float, shown: bool = True, clock: Callable[[], float] = time.monotonic
     ):
-        self._label, self._t_end, self._wanted, self._clock = label, t_end, wanted, clock
+        self._label, self._t_end, self._shown, self._clock = label, t_end, shown, clock
         self._since, self._t = clock(), 0.0
 
     def note(self, t: float) -> None:
         """Learn that the run is worked out to `t` [s]."""
         now = self._clock()
-        if not self._wanted or now - self._since < PATIENCE:
+        if not self._shown or now - self._since < PATIENCE:
             return
         rate = (t - self._t) / (now - self._since)
         left = (self._t_end - t) / rate if rate > 0 else float("inf")
         self._since, self._t = now, t
         if 0 <= rate < SLOW and left > LONG:
-            self._wanted = False
+            self._shown = False
             say(f"{self._label}: {_told(t, rate, left)}", err=True)
 
 

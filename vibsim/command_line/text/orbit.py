@@ -78,15 +78,15 @@ def multipliers_text(orbit: Orbit) -> str:
 def stability_text(orbit: Orbit) -> str:
     """Whether it is stable, and which bifurcations are near."""
     _, on_circle, outside = sides_of_circle(orbit.multipliers)
-    said = "stable"
+    stability = "stable"
     if outside:
-        said = style(f"unstable: {counted(outside, 'multiplier')} outside", fg="yellow")
+        stability = style(f"unstable: {counted(outside, 'multiplier')} outside", fg="yellow")
     elif on_circle:
-        said = style(
+        stability = style(
             f"undecided by first order: {counted(on_circle, 'multiplier')} on the unit circle", fg="yellow"
         )
     near = [neighbour.text for neighbour in neighbours(orbit)]
-    return "; ".join([said, *near])
+    return "; ".join([stability, *near])
 
 
 def margins_text(orbit: Orbit) -> str:
@@ -122,10 +122,10 @@ def certificate_text(orbit: Orbit) -> str:
 def orbit_row(orbit: Orbit) -> str:
     """One orbit of a list."""
     of = orbit.return_map.section.of_return.partition(" ")[0]
-    said = "stable" if orbit.stable else "unstable"
+    stability = "stable" if orbit.stable else "unstable"
     largest = abs(orbit.multipliers).max(initial=0.0)
     return (
-        f"{counted(orbit.n, of)}, {orbit.period:.10g} s, {said} (largest multiplier {largest:.6g}), "
+        f"{counted(orbit.n, of)}, {orbit.period:.10g} s, {stability} (largest multiplier {largest:.6g}), "
         f"{orbit.spelled or 'no events'}"
     )
 

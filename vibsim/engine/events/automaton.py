@@ -336,15 +336,15 @@ class Automaton(Generic[N]):
         while True:
             tied = status.with_ties(dict.fromkeys(standing, STICK))
             leader, drift = self.maker.ties(tied)
-            kept = {
+            resting = {
                 k
                 for k, friction in enumerate(self.scene.frictions)
                 for P, Q in [self.maker.ends(friction)]
                 if k not in standing and leader[P] == leader[Q] and drift[P] - drift[Q] == friction.belt
             }
-            if not kept:
+            if not resting:
                 return sorted(standing)
-            standing |= kept
+            standing |= resting
 
     def _hold_ends(self, state: State[N], status: Status, event: Event[N]) -> Taken:
         rows = self.maker.rows(status)
@@ -401,8 +401,8 @@ class Automaton(Generic[N]):
         if settled is not None:
             return settled
         self._doubt(state)
-        found = self._first_consistent(state, after, standing, besides=status)
-        return after if found is None else found
+        consistent = self._first_consistent(state, after, standing, besides=status)
+        return after if consistent is None else consistent
 
     # -- friction at rest
 

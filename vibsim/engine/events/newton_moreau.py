@@ -223,8 +223,8 @@ def _step_back(
                 reach, leaving = share, k
     assert reach is not None
     moved = [now + reach * (then - now) for now, then in zip(impulses, solution, strict=True)]
-    kept = [k for k in range(len(active)) if k != leaving and moved[k] >= 0]
-    return [active[k] for k in kept], [moved[k] for k in kept]
+    remaining = [k for k in range(len(active)) if k != leaving and moved[k] >= 0]
+    return [active[k] for k in remaining], [moved[k] for k in remaining]
 
 
 def solved(

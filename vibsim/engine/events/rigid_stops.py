@@ -369,9 +369,9 @@ class RigidStops(Generic[N]):
                     common = self._mean([inertias[c] for c in bodies], [state.v[c] for c in bodies])
                 loss = impulse = zero
                 for c in bodies:
-                    given = inertias[c] * (common - state.v[c])
-                    loss = loss - given * ((state.v[c] + common) / 2 - still)
-                    impulse = impulse + given
+                    gained = inertias[c] * (common - state.v[c])
+                    loss = loss - gained * ((state.v[c] + common) / 2 - still)
+                    impulse = impulse + gained
                     state.v[c] = common
                 if loss != 0 or impulse != 0:
                     stop = next(j for j, edge in edges.items() if groups.leader[edge[0]] == leader)
@@ -393,7 +393,7 @@ class RigidStops(Generic[N]):
         """Bring open stops to rest that would be struck again within the resolution of time; whether there
         are any.
         """
-        unit, found = self._unit_of(state.t), False
+        unit, chatter = self._unit_of(state.t), False
         for c in touch.contacts:
             speed = -touch.rates[c.stop]
             if status.stops[c.stop] != OPEN or speed == 0:
@@ -410,8 +410,8 @@ class RigidStops(Generic[N]):
             if soon:
                 self.cut_off.add(state.t, last, speed, speed * after / 8)
                 touch.rates[c.stop], touch.ended[c.stop] = self.kit.number(0), drive
-                found = True
-        return found
+                chatter = True
+        return chatter
 
     def _fade(self, state: State[N], status: Status, touch: Touch[N], i: int) -> None:
         """Take a hop on stop `i` that ends in rest for the last of its sequence where rounding of velocities

@@ -171,7 +171,7 @@ class _Builder(Generic[N]):
     def _components(self) -> list[list[int]]:
         """Leading columns that move, by what couplings join them: [(leaders, couplings)]."""
         left = [c for c in range(self.n) if self.leader[c] == c and self.moves(c)]
-        found: list[list[int]] = []
+        components: list[list[int]] = []
         while left:
             reached, ahead = [left[0]], [left[0]]
             while ahead:
@@ -182,9 +182,9 @@ class _Builder(Generic[N]):
                         if one == c and self.moves(other) and other not in reached:
                             reached.append(other)
                             ahead.append(other)
-            found.append(sorted(reached))
+            components.append(sorted(reached))
             left = [c for c in left if c not in reached]
-        return found
+        return components
 
     def _component(self, leaders: list[int]) -> bool:
         """Coordinates of one component; whether it has a closed form."""
@@ -391,14 +391,14 @@ class _Builder(Generic[N]):
         """[(factor, mass)] by which a force on a column accelerates the coordinate; None where it does
         not.
         """
-        found = None
+        total = None
         if not self.moves(column):
             return None
         for weight, (P, Q) in zip(weights, edges, strict=True):
             if column in (P, Q) and weight != 0:
                 part = weight if column == P else -weight
-                found = part if found is None else found + part
-        return None if found is None else (found, self.rows.own_mass(column))
+                total = part if total is None else total + part
+        return None if total is None else (total, self.rows.own_mass(column))
 
     @staticmethod
     def _per_mass(value: N, share: tuple[N, N]) -> N:
@@ -488,9 +488,9 @@ class _Builder(Generic[N]):
 
     def _pairs(self, places: list[Place[N]]) -> dict[Edge, Difference[N]]:
         """Differences of columns that events, couplings and frictions read."""
-        wanted = {(t.P, t.Q) for event in self.rows.events for t in event.terms if t.kind in (0, 1)}
-        wanted |= {(q.P, q.Q) for q in self.rows.couplings}
-        return {pair: difference(places[pair[0]], places[pair[1]]) for pair in wanted}
+        pairs = {(t.P, t.Q) for event in self.rows.events for t in event.terms if t.kind in (0, 1)}
+        pairs |= {(q.P, q.Q) for q in self.rows.couplings}
+        return {pair: difference(places[pair[0]], places[pair[1]]) for pair in pairs}
 
 
 def difference(one: Place[N], other: Place[N]) -> Difference[N]:

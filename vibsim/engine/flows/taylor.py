@@ -260,12 +260,12 @@ class Taylor(Generic[N]):
     def derivatives(self, event: Event[N], count: int) -> list[N]:
         """Derivatives of order 0 to `count` of an event function at the expansion point."""
         factorial = 1
-        found: list[N] = []
+        derivatives: list[N] = []
         series = self.polynomial(event)
         for n in range(count + 1):
             factorial = factorial * n if n > 0 else 1
-            found.append(series[n] * factorial)
-        return found
+            derivatives.append(series[n] * factorial)
+        return derivatives
 
     def advance(self, limit: N) -> Advance[N]:
         """One step to its end, to the first event within it or to `limit`; returns (time, event or None)."""

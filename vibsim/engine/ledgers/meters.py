@@ -127,13 +127,13 @@ class MeterMaker(Generic[N]):
         self.scene, self.kit, self.maker, self.momentum = scene, kit, maker, momentum
         self.names = entries_of(scene, momentum)
         self.ground, self.base = maker.n, maker.n + 1
-        self.made: dict[Status, Meters[N]] = {}
+        self.by_status: dict[Status, Meters[N]] = {}
 
     def meters(self, rows: ModeRows[N]) -> Meters[N]:
         """The meters of the mode of `rows`."""
-        if rows.status not in self.made:
-            self.made[rows.status] = self._make(rows)
-        return self.made[rows.status]
+        if rows.status not in self.by_status:
+            self.by_status[rows.status] = self._make(rows)
+        return self.by_status[rows.status]
 
     def _make(self, rows: ModeRows[N]) -> Meters[N]:
         self.now: Meters[N] = Meters()

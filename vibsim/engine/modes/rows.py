@@ -160,7 +160,7 @@ class RowMaker(Generic[N]):
         self.scene, self.kit = scene, kit
         self.n = len(scene.bodies)
         self.zero = kit.number(0)
-        self.made: dict[Status, ModeRows[N]] = {}
+        self.by_status: dict[Status, ModeRows[N]] = {}
         self.guarded = self._guarded()
 
     def _guarded(self) -> set[int]:
@@ -187,9 +187,9 @@ class RowMaker(Generic[N]):
 
     def rows(self, status: Status) -> ModeRows[N]:
         """The rows of the mode `status`."""
-        if status not in self.made:
-            self.made[status] = self._make(status)
-        return self.made[status]
+        if status not in self.by_status:
+            self.by_status[status] = self._make(status)
+        return self.by_status[status]
 
     def stuck(self, status: Status) -> list[Tie]:
         """The ties that hold: (number, columns of P and Q)."""

@@ -64,7 +64,7 @@ def lyapunov_exponents(
     between : called after every few milliseconds of work; what it raises ends the run
 
     Exponents that are 0 by construction are left out: see `vibsim.engine.tangent.tangent_space`. Raises
-    ValueError for a count that the scene has not got, EngineError when the run fails.
+    ValueError for more exponents than the scene has, EngineError when the run fails.
     """
     count = dimension(scene) if count is None else count
     begin = scene.t_end / 2 if discard is None else discard

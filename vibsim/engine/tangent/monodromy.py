@@ -239,7 +239,7 @@ class Carrier:
             driver.run(PIECES)
         codes = [(kind, part, *status.codes) for kind, part, _, status, _ in driver.events[1:-1]]
         width = 2 + len(driver.status.codes)
-        kept, rows = driver.flow.certificate, driver.maker.rows(driver.status)
+        flow_certificate, rows = driver.flow.certificate, driver.maker.rows(driver.status)
         moved: ArrayLike = []
         undefined = 0, nan
         if driver.tangent:
@@ -248,7 +248,7 @@ class Carrier:
         table = np.array([(one.t, *self._components(one)) for _, _, one, *_ in driver.events[1:-1]])
         table = table.reshape(-1, 1 + self.size)
         happened = np.array(codes, dtype="i1").reshape(-1, width)
-        certificate = kept.uncertified, kept.margin
+        certificate = flow_certificate.uncertified, flow_certificate.margin
         there = partial(self._rate, driver.state, rows)
         return self._told(driver.state, there, moved, happened, table, certificate, undefined)
 

@@ -46,10 +46,10 @@ def count_events(
         (EVENT_NAMES[kind], Decimal(t))
         for t, kind in zip(true["t"].tolist(), true["kind"].tolist(), strict=True)
     ]
-    found = [(EVENT_NAMES[kind], Decimal(t)) for t, kind in events]
+    named = [(EVENT_NAMES[kind], Decimal(t)) for t, kind in events]
     within = [min(half, widest) for half in _reach(truth)]
-    matching = match_events(truth, within, found)
+    matching = match_events(truth, within, named)
     hits = Counter(truth[i][0] for i, _ in matching.pairs if truth[i][1] <= until)
     missed = Counter(truth[i][0] for i in matching.missed if truth[i][1] <= until)
-    spurious = Counter(found[j][0] for j in matching.spurious if found[j][1] <= until)
+    spurious = Counter(named[j][0] for j in matching.spurious if named[j][1] <= until)
     return {name: EventCount(hits[name], missed[name], spurious[name]) for name in EVENT_KINDS}

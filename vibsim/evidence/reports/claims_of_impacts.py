@@ -99,8 +99,8 @@ def impacts_of_motor(numbers: Numbers) -> Finding:
 
 
 def _count_line(numbers: Numbers, name: str) -> str:
-    found = magnitudes(numbers, name, "impacts")
-    span = f", {min(found):.0f} to {max(found):.0f}" if found else ""
+    counts = magnitudes(numbers, name, "impacts")
+    span = f", {min(counts):.0f} to {max(counts):.0f}" if counts else ""
     return (
         f"{name}: {numbers['runs'][name]['impacts']} from rest; perturbed starts: median "
         f"{middle(numbers, name, 'impacts'):.0f}{span}"

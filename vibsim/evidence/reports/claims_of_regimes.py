@@ -85,9 +85,9 @@ def chaotic_somewhere(numbers: Numbers) -> Finding:
         f"3000 s: {', '.join(lasting) or 'none'}",
         *(_neighbours(rows, law, c) for law in LAWS for c in DAMPINGS),
     ]
-    found = bool(runs) or any(row["regime"] == "chaotic" for row in rows)
-    remark = "Case II is chaotic for a while: see its trust horizons." if found else ""
-    return Finding(HOLDS if found else FAILS, tuple(lines), tuple(runs), remark=remark)
+    chaotic = bool(runs) or any(row["regime"] == "chaotic" for row in rows)
+    remark = "Case II is chaotic for a while: see its trust horizons." if chaotic else ""
+    return Finding(HOLDS if chaotic else FAILS, tuple(lines), tuple(runs), remark=remark)
 
 
 def _neighbours(rows: Sequence[Numbers], law: str, c: float) -> str:
@@ -110,8 +110,8 @@ def _listed(rows: Sequence[Numbers]) -> str:
 
 def three_regimes(numbers: Numbers) -> Finding:
     """Regimes and impacts of I-A, I-B and I-C; and where the missing ones are found."""
-    seen = {name: _regimes_of(numbers, name) for name in (*PRINTED, *EQUAL_FORCE)}
-    there = {regime for name in PRINTED for regime in seen[name]}
+    regimes = {name: _regimes_of(numbers, name) for name in (*PRINTED, *EQUAL_FORCE)}
+    there = {regime for name in PRINTED for regime in regimes[name]}
     struck = [name for name in PRINTED if numbers["runs"][name]["impacts"]]
     lines = tuple(_regime_line(numbers, name) for name in (*PRINTED, *EQUAL_FORCE))
     holds = there >= set(NAMED) and len(struck) < len(PRINTED)
@@ -158,9 +158,9 @@ def _where_found(rows: Sequence[Numbers], regime: str) -> str:
         for c in DAMPINGS
         if rows_of(rows, regime, law, c)
     ]
-    found = [row for row in rows if row["regime"] == regime and "later" in row]
-    lasts = any(row["later"]["regime"] == regime for row in found)
-    passing = " None of those that were followed lasts." if found and not lasts else ""
+    matching = [row for row in rows if row["regime"] == regime and "later" in row]
+    lasts = any(row["later"]["regime"] == regime for row in matching)
+    passing = " None of those that were followed lasts." if matching and not lasts else ""
     return f"Nearest {regime} motion: {'; '.join(places) or 'none found'}.{passing}"
 
 

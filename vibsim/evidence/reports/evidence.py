@@ -44,8 +44,8 @@ def magnitudes(numbers: Numbers, name: str, key: str) -> list[float]:
 
 def middle(numbers: Numbers, name: str, key: str) -> float:
     """Median of those magnitudes; 0 without any."""
-    found = magnitudes(numbers, name, key)
-    return median(found) if found else 0.0
+    values = magnitudes(numbers, name, key)
+    return median(values) if values else 0.0
 
 
 def share_above(numbers: Numbers, one: str, other: str, key: str) -> float:

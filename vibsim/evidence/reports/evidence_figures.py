@@ -90,9 +90,9 @@ def draw_regimes(numbers: Numbers) -> Figure:
     figure = sheet(PAGE, 5.4)
     axes = figure.subplots()
     rows = [(law, c) for law in LAWS for c in DAMPINGS]
-    found = {(row["law"], row["c"], row["hz"]): row["regime"] for row in numbers["nearby"]}
+    regimes = {(row["law"], row["c"], row["hz"]): row["regime"] for row in numbers["nearby"]}
     kinds = list(KINDS)
-    classes = np.array([[_class(kinds, found.get((*row, hz))) for hz in FREQUENCIES] for row in rows])
+    classes = np.array([[_class(kinds, regimes.get((*row, hz))) for hz in FREQUENCIES] for row in rows])
     half = (FREQUENCIES[1] - FREQUENCIES[0]) / 2
     edges = [hz - half for hz in FREQUENCIES] + [FREQUENCIES[-1] + half]
     colours = ListedColormap(list(KINDS.values()))

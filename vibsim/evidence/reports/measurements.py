@@ -22,7 +22,7 @@ STATES = ("x1", "x2", "v1", "v2")
 def measure_run(result: Result) -> Numbers:
     """All that the report needs to know of one run; lengths in m, times in s, frequencies in Hz."""
     scene, attrs = result.case.two_blocks(), result.attrs
-    found: Numbers = {
+    facts: Numbers = {
         "case_sha256": attrs["case_sha256"],
         "title": result.case.title,
         "t_end": result.t_reached,
@@ -41,11 +41,11 @@ def measure_run(result: Result) -> Numbers:
     }
     if scene.has_motor:
         capture = judge_capture(result)
-        found["capture"] = plain(capture)
+        facts["capture"] = plain(capture)
         if capture.since is not None:
             held = (capture.since, capture.until or result.t_reached)
-            found["held"] = {**plain(find_frequencies(result, held)), "reach": reach_at_end(result, held)}
-    return found
+            facts["held"] = {**plain(find_frequencies(result, held)), "reach": reach_at_end(result, held)}
+    return facts
 
 
 def greatest(values: np.ndarray) -> float:
@@ -73,12 +73,12 @@ def reach_at_end(result: Result, hold: Window) -> Numbers:
     """Greatest x1 - x2 [m] in the last 5 s of a hold, and in the 5 s that end 50 s before its end."""
     begin, end = hold
     last, before = (end - SMOOTHED, end), (end - 50.0 - SMOOTHED, end - 50.0)
-    found: Numbers = {"last": None, "before": None}
+    reach: Numbers = {"last": None, "before": None}
     for key, window in (("last", last), ("before", before)):
         rows = rows_within(result.time, window)
         if window[0] >= begin and rows.stop > rows.start:
-            found[key] = float((result["x1"][rows] - result["x2"][rows]).max())
-    return found
+            reach[key] = float((result["x1"][rows] - result["x2"][rows]).max())
+    return reach
 
 
 def displacement_peak(time: np.ndarray, x: np.ndarray) -> Numbers:

@@ -77,7 +77,7 @@ def outcome(case: Case) -> Numbers:
 def outcome_of(result: Result) -> Numbers:
     """Capture verdict with its hold and the final speed [Hz], drift rate [m/s], and peak of x2."""
     capture, drift = judge_capture(result), measure_drift(result)
-    found: dict[str, Any] = {
+    outcome: dict[str, Any] = {
         "verdict": capture.verdict,
         "since": capture.since,
         "until": capture.until,
@@ -86,4 +86,4 @@ def outcome_of(result: Result) -> Numbers:
         "drift": drift.rate,
         "peak": displacement_peak(result.time, result["x2"]),
     }
-    return found
+    return outcome

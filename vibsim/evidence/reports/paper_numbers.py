@@ -153,8 +153,8 @@ def changes_of(case: Case) -> dict[str, list[str]]:
 
 def measure_long_runs(cases: Mapping[str, Case], advance: Advance) -> Numbers:
     """The regime that each motion settles in."""
-    found = run_all([partial(_long_run, case) for case in cases.values()], advance)
-    return dict(zip(cases, found, strict=True))
+    runs = run_all([partial(_long_run, case) for case in cases.values()], advance)
+    return dict(zip(cases, runs, strict=True))
 
 
 def _long_run(case: Case) -> Numbers:

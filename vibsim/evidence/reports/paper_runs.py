@@ -39,9 +39,9 @@ def obtain_run(
     when `watch` returns False before the end.
     """
     path = folder / f"{case.name}.h5"
-    found = None if fresh else stored_run(case, path)
-    if found is not None:
-        return found, False
+    stored = None if fresh else stored_run(case, path)
+    if stored is not None:
+        return stored, False
     result = simulate_to_file(case, path, force=True, watch=watch)
     if not result.complete:
         raise Interrupted

@@ -88,12 +88,12 @@ def _fitted(
     search: Search,
 ) -> Numbers:
     sampled = [case.with_values({"run.every": EVERY}) for case in cases]
-    statements = [said.text for said in STATEMENTS]
+    statements = [statement.text for statement in STATEMENTS]
     plan = make_plan(sampled, free, statements, readings, {}, starts, SPREAD, search)
-    found, complete = run_fit(plan, watch=lambda step, done, total: advance(done, total))
+    fit, complete = run_fit(plan, watch=lambda step, done, total: advance(done, total))
     if not complete:
         raise Interrupted
-    return {"ranking": facts(found)["ranking"]}
+    return {"ranking": facts(fit)["ranking"]}
 
 
 def keeps_table_1(changes: dict[str, Any]) -> bool:
@@ -103,5 +103,5 @@ def keeps_table_1(changes: dict[str, Any]) -> bool:
 
 def made_of() -> list[Any]:
     """What the search depends on besides the cases."""
-    statements = [said.text for said in STATEMENTS]
+    statements = [statement.text for statement in STATEMENTS]
     return [statements, READINGS, FREE, SPREAD, EVERY, STARTS, FEW, POINTS, SEED]

@@ -38,9 +38,11 @@ def measure_nearby(case: Case, unbalance: float, advance: Advance) -> list[Numbe
     """
     points = [(law, hz, c) for law in LAWS for c in DAMPINGS for hz in FREQUENCIES]
     cases = [at_point(case, unbalance, *point) for point in points]
-    found = run_all([partial(_regime, each) for each in cases], advance)
+    verdicts = run_all([partial(_regime, each) for each in cases], advance)
     keys = ("law", "hz", "c")
-    rows = [{**dict(zip(keys, point, strict=True)), **row} for point, row in zip(points, found, strict=True)]
+    rows = [
+        {**dict(zip(keys, point, strict=True)), **row} for point, row in zip(points, verdicts, strict=True)
+    ]
     places = followed(rows)
     later = run_all([partial(_regime, cases[place].with_values(LONGER)) for place in places], advance)
     for place, regime in zip(places, later, strict=True):

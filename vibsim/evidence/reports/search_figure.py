@@ -52,8 +52,8 @@ def place_of(changes: Numbers) -> Point:
 
 
 def _share(row: Numbers, statement: int) -> float:
-    found = row["statements"][statement]
-    return float(found["count"] / found["of"])
+    counts = row["statements"][statement]
+    return float(counts["count"] / counts["of"])
 
 
 def _mark(axes: Axes, printed: Point, reading: Point) -> None:

@@ -23,7 +23,7 @@ KINDS = ("captured", "escaped", "passed", "not met", "undecided")
 
 def readings_table(ranking: Sequence[Numbers]) -> Table:
     """Every reading: what it changes, from how many starts each statement then holds, and its price."""
-    heads = ("Changed", "Table 1", *(said.head for said in STATEMENTS), "Hold", "Price")
+    heads = ("Changed", "Table 1", *(statement.head for statement in STATEMENTS), "Hold", "Price")
     return Table(
         "Readings of the printed numbers, the cheapest first",
         heads,
@@ -33,10 +33,10 @@ def readings_table(ranking: Sequence[Numbers]) -> Table:
 
 def _reading(row: Numbers) -> tuple[str, ...]:
     changes = row["changes"]
-    counts = (f"{found['count']}/{found['of']}" for found in row["statements"])
+    counts = (f"{share['count']}/{share['of']}" for share in row["statements"])
     explained = f"{row['explained']}/{len(row['statements'])}"
-    kept = "kept" if keeps_table_1(changes) else "contradicted"
-    return named(changes) or "nothing, as printed", kept, *counts, explained, f"{price_of(row):.2f}"
+    table_1 = "kept" if keeps_table_1(changes) else "contradicted"
+    return named(changes) or "nothing, as printed", table_1, *counts, explained, f"{price_of(row):.2f}"
 
 
 def named(changes: Mapping[str, str]) -> str:
@@ -87,10 +87,10 @@ def _ensemble(outcomes: Sequence[Numbers]) -> tuple[str, ...]:
 def solver_table(rows: Sequence[Numbers]) -> Table:
     """What each solver makes of II-B and II-C."""
     columns = ("Solver", "II-B", "II-C", "x2 of II-C at 300 s")
-    found = tuple(
+    outcomes = tuple(
         (row["solver"], _solved(row["II-B"]), _solved(row["II-C"]), _drifted(row["II-C"])) for row in rows
     )
-    return Table("The printed parameters by solvers without events", columns, found)
+    return Table("The printed parameters by solvers without events", columns, outcomes)
 
 
 def capturing_solvers(rows: Sequence[Numbers]) -> str:

@@ -70,8 +70,8 @@ def solved(solver: str, case: Case) -> Numbers:
         return {"failed": str(error)}
     if attempt.stopped:
         return {"failed": f"given up at {attempt.t_reached:.0f} s of {scene.t_end:g} s"}
-    found = outcome_of(_as_result(case, times, attempt))
-    return {**found, "steps": attempt.steps, "drifted": float(attempt.states[-1, 2])}
+    outcome = outcome_of(_as_result(case, times, attempt))
+    return {**outcome, "steps": attempt.steps, "drifted": float(attempt.states[-1, 2])}
 
 
 def _told_to_stop() -> bool:

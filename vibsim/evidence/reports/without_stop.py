@@ -21,8 +21,8 @@ SETTLED = {**AS_LONG, "run.t_end": "10000 s"}  # free vibration dies out as exp(
 
 def measure_without_stop(cases: Sequence[Case], advance: Advance) -> Numbers:
     """For each case by name: drift over the same time, and the regime that it settles in."""
-    found = run_all([partial(_measured, case) for case in cases], advance)
-    return {case.name: numbers for case, numbers in zip(cases, found, strict=True)}
+    runs = run_all([partial(_measured, case) for case in cases], advance)
+    return {case.name: numbers for case, numbers in zip(cases, runs, strict=True)}
 
 
 def _measured(case: Case) -> Numbers:

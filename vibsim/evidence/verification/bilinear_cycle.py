@@ -62,8 +62,8 @@ def on_linear_orbit(amplitude: float, engine: str) -> Result:
     """Ten periods from the start of the orbit without impacts, f = `amplitude` [N]."""
     response = amplitude / complex(1 - 0.64, 0.016)
     start = {"initial__mass__x": response.real, "initial__mass__v": -0.8 * response.imag}
-    given = {"forces__drive__A": amplitude, "run__t_end": 10 * PERIOD / 2, "run__every": "10 s"}
-    return run(made_case(CASE, "bilinear oscillator", **given, **start), engine)
+    settings = {"forces__drive__A": amplitude, "run__t_end": 10 * PERIOD / 2, "run__every": "10 s"}
+    return run(made_case(CASE, "bilinear oscillator", **settings, **start), engine)
 
 
 def grazing(engine: str) -> Iterator[Row]:

@@ -149,9 +149,9 @@ def doubling(engine: str) -> Iterator[Row]:
     wrong = 0
     for part in (0.03, 0.01):
         for sign in (-1, 1):
-            given = start_on_orbit(DOUBLED * (1 + sign * part), push=1e-4)
-            given["run__t_end"] = 200.5 * PERIOD
-            apart = intervals(run(made_case(TABLE, "ball on a table", **given), engine)) - PERIOD
+            settings = start_on_orbit(DOUBLED * (1 + sign * part), push=1e-4)
+            settings["run__t_end"] = 200.5 * PERIOD
+            apart = intervals(run(made_case(TABLE, "ball on a table", **settings), engine)) - PERIOD
             first, last = np.abs(apart[20:30]).max(), np.abs(apart[-10:]).max()
             wrong += int((last > first) != (sign > 0))
             wrong += int(sign > 0 and not np.all(apart[-10:-1] * apart[-9:] < 0))

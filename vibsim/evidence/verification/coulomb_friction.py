@@ -38,9 +38,9 @@ run: {t_end: 8 s, every: 10 ms}
 
 def checks() -> list[Check]:
     """V6 and V7 by both flows."""
-    found = [Check(f"V6/{flow}", "A block that slides and stops", partial(sliding, flow)) for flow in BOTH]
-    found += [Check(f"V7/{flow}", "Spring and Coulomb friction", partial(swinging, flow)) for flow in BOTH]
-    return found
+    listed = [Check(f"V6/{flow}", "A block that slides and stops", partial(sliding, flow)) for flow in BOTH]
+    listed += [Check(f"V7/{flow}", "Spring and Coulomb friction", partial(swinging, flow)) for flow in BOTH]
+    return listed
 
 
 def sliding(flow: str, engine: str) -> Iterator[Row]:

@@ -35,16 +35,16 @@ run: {t_end: 0.7 s, every: 10 ms}
 
 def checks() -> list[Check]:
     """The nine cases by their flows, and the entries."""
-    found = [Check("V11/entries", "Entries of the ledger with a closed form", entries)]
+    listed = [Check("V11/entries", "Entries of the ledger with a closed form", entries)]
     for name in shipped_case_names():
         case = named_case(name)
-        found += [
+        listed += [
             Check(
                 f"V11/{name}/{flow}", f"Ledger of {name} over 300 s", partial(closure, name, flow), long=True
             )
             for flow in flows_of(case)
         ]
-    return found
+    return listed
 
 
 def closure(name: str, flow: str, engine: str) -> Iterator[Row]:

@@ -21,7 +21,7 @@ class Matching:
     spurious: list[int]
 
 
-def match_events(truth: Sequence[Event], within: Sequence[float], found: Sequence[Event]) -> Matching:
+def match_events(truth: Sequence[Event], within: Sequence[float], events: Sequence[Event]) -> Matching:
     """Pair each event of the truth with one of its kind, at most `within` [s] of its own away.
 
     Both sequences ascend in time. Kinds are matched one by one: two events at one instant have no order.
@@ -29,10 +29,10 @@ def match_events(truth: Sequence[Event], within: Sequence[float], found: Sequenc
     pairs: list[tuple[int, int]] = []
     for kind in {kind for kind, _ in truth}:
         ours = [i for i, event in enumerate(truth) if event[0] == kind]
-        theirs = [j for j, event in enumerate(found) if event[0] == kind]
+        theirs = [j for j, event in enumerate(events) if event[0] == kind]
         while ours and theirs:
             i, j = ours[0], theirs[0]
-            late = found[j][1] - truth[i][1]
+            late = events[j][1] - truth[i][1]
             if abs(late) <= within[i]:
                 pairs.append((i, j))
             if late >= -within[i]:
@@ -40,7 +40,7 @@ def match_events(truth: Sequence[Event], within: Sequence[float], found: Sequenc
             if late <= within[i]:
                 del theirs[0]
     missed = set(range(len(truth))).difference(i for i, _ in pairs)
-    spurious = set(range(len(found))).difference(j for _, j in pairs)
+    spurious = set(range(len(events))).difference(j for _, j in pairs)
     return Matching(sorted(pairs), sorted(missed), sorted(spurious))
 
 

@@ -35,8 +35,8 @@ run: {t_end: 3 s, every: 5 ms}
 
 def checks() -> list[Check]:
     """V2 and V3 by both flows."""
-    found = [Check(f"V2/{flow}", "Free vibration of two blocks", partial(free, flow)) for flow in BOTH]
-    return found + [
+    listed = [Check(f"V2/{flow}", "Free vibration of two blocks", partial(free, flow)) for flow in BOTH]
+    return listed + [
         Check(f"V3/{flow}", "Free vibration with the stop", partial(bilinear, flow)) for flow in BOTH
     ]
 

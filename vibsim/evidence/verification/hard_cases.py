@@ -87,10 +87,10 @@ def distance(value: float, expected: Decimal) -> float:
 
 def event_row(name: str, truth: Truth, result: Result, flow: str) -> Row:
     """All events: the one that comes nearest to its bound, or how many are missed or spurious."""
-    found = outside(events_of(result), truth.undecided)
-    matching = match_events(truth.events, reach(truth.events), found)
+    events = outside(events_of(result), truth.undecided)
+    matching = match_events(truth.events, reach(truth.events), events)
     points = [
-        event_point(truth.events[i], found[j], LUCK * truth.event_stray[flow][i]) for i, j in matching.pairs
+        event_point(truth.events[i], events[j], LUCK * truth.event_stray[flow][i]) for i, j in matching.pairs
     ]
     wrong = len(matching.missed) + len(matching.spurious)
     shown, because = compared("events", 0.0, wrong, 0.0), "every event once"
@@ -100,7 +100,7 @@ def event_row(name: str, truth: Truth, result: Result, flow: str) -> Row:
         name,
         shown.what if shown.what == "events" else f"events, {shown.what}",
         f"{len(truth.events)} events{_open(len(truth.undecided))}",
-        f"{len(found)} events{_flaws(matching)}, {certificate(result)}",
+        f"{len(events)} events{_flaws(matching)}, {certificate(result)}",
         shown.error,
         shown.bound,
         shown.unit,
@@ -109,12 +109,12 @@ def event_row(name: str, truth: Truth, result: Result, flow: str) -> Row:
     )
 
 
-def event_point(truth: Event, found: Event, bound: float) -> Point:
+def event_point(truth: Event, event: Event, bound: float) -> Point:
     """The time of one event, which lies on the grid of doubles."""
     kind, t = truth
-    late = float(abs(found[1] - t))
+    late = float(abs(event[1] - t))
     what = f"{kind} at {t:.6g} s"
-    return compared(what, float(t), float(found[1]), bound + ulp(float(t)), "s", late)
+    return compared(what, float(t), float(event[1]), bound + ulp(float(t)), "s", late)
 
 
 def _flaws(matching: Matching) -> str:

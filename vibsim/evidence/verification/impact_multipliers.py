@@ -41,12 +41,12 @@ def multipliers(engine: str) -> Iterator[Row]:
         coarse, fine = (monodromy(sigma, step, engine) for step in (STEP, STEP / 2))
         best = fine + (fine - coarse) / 3  # the error of the fourth order in the step is left
         blur = float(np.abs(fine - coarse).max()) / 3 + 4 * STATE_UNITS * UNIT / STEP
-        found = max(np.linalg.eigvals(best), key=lambda one: one.imag)
+        multiplier = max(np.linalg.eigvals(best), key=lambda one: one.imag)
         if sigma == 0:
-            bound = 2 * blur / abs(2 * found.imag) + last_digit(PLACES)
+            bound = 2 * blur / abs(2 * multiplier.imag) + last_digit(PLACES)
             for what, expected, value in (
-                ("real part of the multipliers", PRINTED.real, found.real),
-                ("imaginary part of the multipliers", PRINTED.imag, found.imag),
+                ("real part of the multipliers", PRINTED.real, multiplier.real),
+                ("imaginary part of the multipliers", PRINTED.imag, multiplier.imag),
             ):
                 points.append(compared(what, expected, float(value), bound))
         bound = 4 * float(np.abs(best).max()) * blur

@@ -117,13 +117,13 @@ def blur_of(size: float) -> float:
     return 2 * 3 * STATE_UNITS * UNIT * size
 
 
-def multiplier_points(found: Orbit, trace: float, product: float, bound: float, where: str) -> list[Point]:
+def multiplier_points(orbit: Orbit, trace: float, product: float, bound: float, where: str) -> list[Point]:
     """Sum and product of the two multipliers; bound: of the sum, but for rounding of the derivative.
 
     The product changes with the derivative by no more than its size.
     """
-    first, second = found.multipliers
-    size = float(np.linalg.norm(found.end.derivative))
+    first, second = orbit.multipliers
+    size = float(np.linalg.norm(orbit.end.derivative))
     total, both, blur = float((first + second).real), float((first * second).real), blur_of(size)
     return [
         compared(f"sum of the multipliers {where}", trace, total, bound + 2 * blur),
@@ -137,8 +137,8 @@ def orbits(engine: str) -> Iterator[Row]:
     for sigma in (0.0, *SIGMAS):
         values = {"k": 1.0, "m": 1.0, "A": 1.0, "omega": OMEGA, "e": E, "sigma": sigma}
         bound = settled_bound(moved_by(trace_of, **values), PERIOD, 1, OMEGA)
-        found = orbit_at(sigma, engine)
-        points += multiplier_points(found, trace_of(sigma=sigma), E * E, bound, f"at sigma = {sigma:g} m")
+        computed = orbit_at(sigma, engine)
+        points += multiplier_points(computed, trace_of(sigma=sigma), E * E, bound, f"at sigma = {sigma:g} m")
     yield worst_row("V13/orbit", points, BECAUSE)
     upper = max(orbit_at(0.0, engine).multipliers, key=lambda one: float(one.imag))
     printed = [
@@ -182,13 +182,13 @@ def fold(engine: str) -> Iterator[Row]:
 
 def recipes_orbit(engine: str) -> Iterator[Row]:
     """Multipliers at A = 1 from the printed speed and phase of the impact, and their product as printed."""
-    found = orbit(made_case(CASE, "example 15.2", **RECIPES), engine=engine)
+    computed = orbit(made_case(CASE, "example 15.2", **RECIPES), engine=engine)
     values = {"V": RECIPES_SPEED, "phase": RECIPES_PHASE, "A": 1.0, "c": DAMPING, "e": E, "sigma": 1.0}
     digits = last_digit(15) * moved_by(recipes_trace, V=RECIPES_SPEED) / RECIPES_SPEED
     digits += last_digit(13) * moved_by(recipes_trace, phase=RECIPES_PHASE) / RECIPES_PHASE
     bound = settled_bound(moved_by(recipes_trace, **values), 2 * pi, 1) + digits
     closed = E * E * exp(-2 * pi * DAMPING)
-    points = multiplier_points(found, recipes_trace(), closed, bound, "at A = 1 N")
+    points = multiplier_points(computed, recipes_trace(), closed, bound, "at A = 1 N")
     yield worst_row("V14/orbit", points, BECAUSE)
     what = "product of the multipliers, printed"
     bound = points[1].bound + last_digit(PRODUCT_PLACES)

@@ -65,10 +65,10 @@ def speed_of(
 
 def conditioning_of(sigma: float) -> float:
     """Sum of |p dV/dp| over the numbers of the scene [m/s], and once the size of a state."""
-    given = {"k": 1.0, "m": 1.0, "A": 1.0, "omega": OMEGA, "e": E, "sigma": sigma}
+    numbers = {"k": 1.0, "m": 1.0, "A": 1.0, "omega": OMEGA, "e": E, "sigma": sigma}
     moved = (
-        speed_of(**{**given, key: value * (1 + STEP)}) - speed_of(**{**given, key: value * (1 - STEP)})
-        for key, value in given.items()
+        speed_of(**{**numbers, key: value * (1 + STEP)}) - speed_of(**{**numbers, key: value * (1 - STEP)})
+        for key, value in numbers.items()
     )
     # an error of the place where the mass is counts as one of sigma, in units of the amplitude
     place = (speed_of(sigma=sigma + STEP) - speed_of(sigma=sigma - STEP)) / (2 * STEP)

@@ -35,11 +35,13 @@ def kicked_scene(scene: TwoBlocks, kit: Kit[Number], rng: Random) -> TwoBlocks:
 
     The frequency in Hz stays: both flows reduce the phase with twice the digits of a double.
     """
-    given = {name: getattr(scene, name) for name in NUMBERS + START}
+    numbers = {name: getattr(scene, name) for name in NUMBERS + START}
     return replace(
         scene,
         **{
-            name: value * _factor(kit, rng, SCENE_UNITS) for name, value in given.items() if value is not None
+            name: value * _factor(kit, rng, SCENE_UNITS)
+            for name, value in numbers.items()
+            if value is not None
         },
     )
 

@@ -40,11 +40,11 @@ HALVINGS = 48  # of the span 1 +- 1e-3 in which the grazing amplitude is looked 
 
 def checks() -> list[Check]:
     """V4 and V5 by both flows."""
-    found = [
+    listed = [
         Check(f"V4/{flow}", "Steady state under a harmonic force", partial(steady, flow)) for flow in BOTH
     ]
-    found += [Check(f"V5/{flow}", "Grazing of the steady state", partial(grazing, flow)) for flow in BOTH]
-    return found
+    listed += [Check(f"V5/{flow}", "Grazing of the steady state", partial(grazing, flow)) for flow in BOTH]
+    return listed
 
 
 def impedance(omega: float, c: float) -> float:

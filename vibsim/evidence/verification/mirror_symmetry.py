@@ -20,14 +20,14 @@ ODD = ("x1", "v1", "x2", "v2", "friction")  # change sign; all else stays
 
 def checks() -> list[Check]:
     """One check per case and flow."""
-    found = []
+    listed = []
     for name in (*shipped_case_names(), *NAMES):
         case = mirrored_case(name)
-        found += [
+        listed += [
             Check(f"V8/{name.rpartition('/')[2]}/{flow}", f"{name} in a mirror", partial(rows, name, flow))
             for flow in flows_of(case)
         ]
-    return found
+    return listed
 
 
 def mirrored_case(name: str) -> Case:

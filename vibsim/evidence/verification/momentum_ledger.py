@@ -34,9 +34,9 @@ def rows(name: str, engine: str) -> Iterator[Row]:
     yield number_row(f"V21/{name}", point, "promised: 1e-12 of the largest entry")
     end = momenta(scene, {column: float(values[-1]) for column, values in last.items()})
     impulses = float(totals["impulse_source"]), float(totals["impulse_ground"])
-    given = float(totals["momentum_start"]) + sum(impulses)
+    expected = float(totals["momentum_start"]) + sum(impulses)
     size = max(map(abs, [*end, *impulses]))
-    point = compared("momentum at the end", given, sum(end), CLOSURE * size, "N s")
+    point = compared("momentum at the end", expected, sum(end), CLOSURE * size, "N s")
     yield number_row(f"V21/{name}", point, "of the last state; 1e-12 of the largest entry")
     others = [key for key, value in totals.items() if key.startswith("impulse.") and value]
     wrong = sum(not key.startswith(("impulse.ground", "impulse.forces")) for key in others)
@@ -45,9 +45,9 @@ def rows(name: str, engine: str) -> Iterator[Row]:
 
 def momenta(scene: Scene, state: dict[str, float]) -> list[float]:
     """m v of each body, and what the imbalance on one adds: m3 (v - e phidot sin phi) [N s]."""
-    found = [body.m * state[f"v{body.name}"] for body in scene.bodies]
+    own = [body.m * state[f"v{body.name}"] for body in scene.bodies]
     motor = scene.motor
     if motor is not None:
-        found.append(motor.m3 * state[f"v{scene.bodies[motor.on].name}"])
-        found.append(-motor.m3 * motor.e * state["phidot"] * sin(state["phi"]))
-    return found
+        own.append(motor.m3 * state[f"v{scene.bodies[motor.on].name}"])
+        own.append(-motor.m3 * motor.e * state["phidot"] * sin(state["phi"]))
+    return own

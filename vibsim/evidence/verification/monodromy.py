@@ -46,17 +46,17 @@ BECAUSE = (
 
 def checks() -> list[Check]:
     """A periodic motion, a turn of the motor, and the identity over 300 s of the nine cases."""
-    found = [
+    listed = [
         Check(f"V10/period/{flow}", "Monodromy of a periodic motion", partial(period, flow)) for flow in BOTH
     ]
-    found.append(Check("V10/turn/taylor", "Monodromy of II-B over a turn", turn))
+    listed.append(Check("V10/turn/taylor", "Monodromy of II-B over a turn", turn))
     for name in shipped_case_names():
         title = f"Liouville's identity over 300 s of {name}"
-        found += [
+        listed += [
             Check(f"V10/{name}/{flow}", title, partial(identity, name, flow), long=True)
             for flow in flows_of(named_case(name))
         ]
-    return found
+    return listed
 
 
 def period(flow: str, engine: str) -> Iterator[Row]:

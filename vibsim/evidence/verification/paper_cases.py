@@ -61,13 +61,13 @@ PUBLISHED = "half a unit of the last digit published, and twice the stray of run
 
 def checks() -> list[Check]:
     """One check per case and flow, and one of the checkpoints of II-B."""
-    found = []
+    listed = []
     for name in (*CASE_I, *SPANS):
         case = judged_case(name)
-        found += [
+        listed += [
             Check(f"V1/{name}/{flow}", case.title, partial(rows, name, flow)) for flow in flows_of(case)
         ]
-    return [*found, Check("V1/II-B-checkpoints/taylor", "II-B at 20 and 50 s, 50 digits", checkpoints)]
+    return [*listed, Check("V1/II-B-checkpoints/taylor", "II-B at 20 and 50 s, 50 digits", checkpoints)]
 
 
 def judged_case(name: str) -> Case:

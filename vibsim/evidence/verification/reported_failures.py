@@ -117,8 +117,8 @@ def touch_points(result: Result, k: int, begins: np.ndarray, ends: np.ndarray) -
     end = begin + 2 / q * atan(q * w / 10)
     steps = result.attrs["steps"] if method_steps(result) else 0
     late = 5 * UNIT * (SCENE_UNITS * 3 + STATE_UNITS * (1 + steps)) / w + ulp(1.0)
-    for what, expected, found in (("begin", begin, begins), ("end", end, ends)):
-        for t in found:
+    for what, expected, computed in (("begin", begin, begins), ("end", end, ends)):
+        for t in computed:
             yield compared(f"{what} of contact 1e-{k} m deep", expected, float(t), 2 * late, "s")
 
 

@@ -82,8 +82,8 @@ def compared(
 
 def worst_row(check: str, points: Iterable[Point], because: str) -> Row:
     """The row of many numbers: it shows the one that comes nearest to its bound, or is furthest beyond it."""
-    found = list(points)
-    return number_row(check, max(found, key=lambda point: point.share), because, found)
+    listed = list(points)
+    return number_row(check, max(listed, key=lambda point: point.share), because, listed)
 
 
 def counted_row(check: str, what: str, expected: int, obtained: int, because: str) -> Row:

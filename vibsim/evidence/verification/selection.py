@@ -15,11 +15,11 @@ def selected(checks: Sequence[Check], names: Iterable[str]) -> list[Check]:
 
     V1 stands for V1/..., not for V10; hard/stiff for every check that begins so. Letter case does not matter.
     """
-    wanted = {check.name for name in names for check in _found(checks, name)}
-    return [check for check in checks if check.name in wanted] if wanted else list(checks)
+    chosen = {check.name for name in names for check in _named(checks, name)}
+    return [check for check in checks if check.name in chosen] if chosen else list(checks)
 
 
-def _found(checks: Sequence[Check], name: str) -> list[Check]:
+def _named(checks: Sequence[Check], name: str) -> list[Check]:
     plain = name.strip().rstrip("/").casefold()
     whole = [check for check in checks if f"{check.name}/".casefold().startswith(f"{plain}/")]
     begun = [check for check in checks if check.name.casefold().startswith(plain)]
@@ -30,8 +30,8 @@ def _found(checks: Sequence[Check], name: str) -> list[Check]:
 
 def spellings(checks: Sequence[Check]) -> list[str]:
     """Everything that names one check or several: V3, V3/taylor, hard/stiff-stop, ..."""
-    found: dict[str, None] = {}
+    names: dict[str, None] = {}
     for check in checks:
         parts = check.name.split("/")
-        found |= {"/".join(parts[:count]): None for count in range(1, len(parts) + 1)}
-    return list(found)
+        names |= {"/".join(parts[:count]): None for count in range(1, len(parts) + 1)}
+    return list(names)

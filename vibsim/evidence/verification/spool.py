@@ -65,9 +65,9 @@ def rows(method: str, engine: str) -> Iterator[Row]:
     points: list[Point] = []
     wrong = 0
     for n in range(1, PERIODS):
-        found = events_between(result, n * PERIOD, (n + 1) * PERIOD)
-        wrong += int([kind for kind, *_ in found] != [kind for kind, _ in TRUTH])
-        points += period_points(found, n * PERIOD)
+        events = events_between(result, n * PERIOD, (n + 1) * PERIOD)
+        wrong += int([kind for kind, *_ in events] != [kind for kind, _ in TRUTH])
+        points += period_points(events, n * PERIOD)
     yield counted_row(name, "periods with other events", 0, wrong, "18 events in each of nine periods")
     yield worst_row(name, points, BECAUSE)
     doubts = int(result.attrs["uncertified"])
@@ -82,12 +82,12 @@ def events_between(result: Result, low: Decimal, high: Decimal) -> list[tuple[st
     return [event for event in inner if event[0] != "end"]
 
 
-def period_points(found: list[tuple[str, float, float, float]], start: Decimal) -> Iterator[Point]:
+def period_points(events: list[tuple[str, float, float, float]], start: Decimal) -> Iterator[Point]:
     """Times of one period's events. An impact at the speed v comes late by an error of place over v, and
     so do all after it; the end of slip by an error of speed over the deceleration.
     """
     late = 0.0
-    for (kind, expected), (_, t, speed, x) in zip(TRUTH, found, strict=False):
+    for (kind, expected), (_, t, speed, x) in zip(TRUTH, events, strict=False):
         late += STATE_UNITS * UNIT * PLACE / speed if kind == "impact" else 0.0
         ends = kind == "stick_begin" or (kind == "reversal" and speed < SLOW)
         stopping = STATE_UNITS * UNIT * SPEED / deceleration(t, x) if ends else 0.0

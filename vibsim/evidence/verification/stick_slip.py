@@ -68,14 +68,14 @@ def cycle(engine: str) -> Iterator[Row]:
     begins, ends = times(result, "stick_begin"), times(result, "stick_end")
     released = result.events["x_block"][result.events["kind"] == EVENT_KINDS["stick_end"]]
     steps = 1 + result.attrs["steps"] / len(ends)  # Taylor steps of a cycle
-    for what, expected, found, conditioning, unit in (
+    for what, expected, computed, conditioning, unit in (
         ("period", PERIOD, np.diff(begins), PERIOD_CONDITIONING, "s"),
         ("stick", STICK, ends[1:] - begins[: len(ends) - 1], STICK_CONDITIONING, "s"),
         ("release", RELEASE, released, RELEASE_CONDITIONING, "m"),
     ):
         bound = settled_bound(conditioning, result.t_reached, steps)
         bound += last_digit(PLACES) if unit == "s" else 0.0
-        points = [compared(what, expected, float(value), bound, unit) for value in found]
+        points = [compared(what, expected, float(value), bound, unit) for value in computed]
         yield worst_row("V16/cycle", points, BECAUSE)
 
 
@@ -97,14 +97,16 @@ def unstable_rest(engine: str) -> Iterator[Row]:
     """
     points = []
     for belt in (0.9 * UNSTABLE, UNSTABLE, 1.1 * UNSTABLE):
-        given = {"friction__belt__belt": belt, "initial__block__x": mu(belt) + SMALL}
-        result = run(made_case(OSCILLATOR, "belt oscillator", **given), engine)
+        settings = {"friction__belt__belt": belt, "initial__block__x": mu(belt) + SMALL}
+        result = run(made_case(OSCILLATOR, "belt oscillator", **settings), engine)
         rate = -(0.1 - exp(-2 * belt)) / 2
-        found = log(energy(result, belt, rate, -1) / energy(result, belt, rate, 0)) / 2 / result.t_reached
+        growth_rate = (
+            log(energy(result, belt, rate, -1) / energy(result, belt, rate, 0)) / 2 / result.t_reached
+        )
         steps, size = result.attrs["steps"], SMALL * exp(min(0.0, rate * result.t_reached))
         left_out = 0.03 * (SMALL * exp(max(0.0, rate * result.t_reached))) ** 2
         bound = left_out + (SMALL + UNIT * (SCENE_UNITS + STATE_UNITS * steps) / size) / result.t_reached
-        points.append(compared(f"growth at {belt:.4g} m/s", rate, found, bound, "1/s"))
+        points.append(compared(f"growth at {belt:.4g} m/s", rate, growth_rate, bound, "1/s"))
     yield worst_row("V18/rest", points, "amplitude 1e-4 m: its square once, its cube all the time; rounding")
 
 
@@ -116,9 +118,13 @@ def energy(result: Result, belt: float, rate: float, at: int) -> float:
 
 def sticks_again(belt: float, engine: str) -> tuple[bool, Result]:
     """Whether slip that begins on the belt comes back to its speed."""
-    given = {"friction__belt__belt": belt, "initial__block__v": belt, "initial__block__x": 0.9 - 0.1 * belt}
+    settings = {
+        "friction__belt__belt": belt,
+        "initial__block__v": belt,
+        "initial__block__x": 0.9 - 0.1 * belt,
+    }
     span = {"run__t_end": 10.0, "run__every": "10 s"}
-    result = run(made_case(OSCILLATOR, "belt oscillator", **given, **span), engine)
+    result = run(made_case(OSCILLATOR, "belt oscillator", **settings, **span), engine)
     return len(times(result, "stick_begin")) > 0, result
 
 

@@ -50,16 +50,16 @@ def undecided_spans(truth: list[Event], runs: list[Run]) -> list[Window]:
 
 def merged(spans: list[Window]) -> list[Window]:
     """The same spans, those that overlap made one."""
-    found: list[Window] = []
+    windows: list[Window] = []
     for low, high in sorted(spans):
-        if found and low <= found[-1][1]:
-            found[-1] = found[-1][0], max(high, found[-1][1])
+        if windows and low <= windows[-1][1]:
+            windows[-1] = windows[-1][0], max(high, windows[-1][1])
         else:
-            found.append((low, high))
-    return [(kept(low), kept(high)) for low, high in found]
+            windows.append((low, high))
+    return [(stored_digits(low), stored_digits(high)) for low, high in windows]
 
 
-def kept(value: Decimal) -> Decimal:
+def stored_digits(value: Decimal) -> Decimal:
     """`value` to the digits that are stored."""
     return Decimal(f"{value:.{KEPT - 1}e}")
 

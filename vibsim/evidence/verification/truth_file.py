@@ -25,7 +25,7 @@ class Truth:
     Attributes
     ----------
     case, sha256 : name and fingerprint of the case
-    made : how it was made: digits, library, flow, what confirmed it
+    provenance : how it was made: digits, library, flow, what confirmed it
     time : instants of the states [s], doubles
     states : columns at these instants, SI
     stray : per flow and column, how far runs that are kicked as doubles round stray from the truth, likewise
@@ -38,7 +38,7 @@ class Truth:
 
     case: str
     sha256: str
-    made: dict[str, Any]
+    provenance: dict[str, Any]
     time: list[float]
     states: dict[str, list[Decimal]]
     stray: dict[str, dict[str, list[float]]]
@@ -88,7 +88,7 @@ def _to_json(truth: Truth) -> dict[str, Any]:
     return {
         "case": truth.case,
         "case_sha256": truth.sha256,
-        "made": truth.made,
+        "made": truth.provenance,
         "time": truth.time,
         "states": {name: [str(value) for value in column] for name, column in truth.states.items()},
         "stray": truth.stray,

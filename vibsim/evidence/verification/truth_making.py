@@ -15,7 +15,7 @@ from vibsim.evidence.verification.event_matching import outside
 from vibsim.evidence.verification.hard_cases import CLOSED_FORMS, REPORTED
 from vibsim.evidence.verification.paper_cases import CASE_I, SPANS
 from vibsim.evidence.verification.runs import flows_of
-from vibsim.evidence.verification.stray import kept, states_apart, times_apart, undecided_spans
+from vibsim.evidence.verification.stray import states_apart, stored_digits, times_apart, undecided_spans
 from vibsim.evidence.verification.truth_file import Truth, truth_path, write_truth
 from vibsim.physics.number_kits import number_kit
 
@@ -39,7 +39,7 @@ def make_truth(name: str) -> Truth:
     stray = {flow: states_apart(truth, runs) for flow, runs in kicked.items()}
     event_stray = {flow: times_apart(events, runs) for flow, runs in kicked.items()}
     confirm(name, truth, other, stray, (events, event_stray))
-    made = {
+    provenance = {
         "digits": DIGITS,
         "library": number_kit(DIGITS).library,
         "flow": flows[0],
@@ -49,11 +49,11 @@ def make_truth(name: str) -> Truth:
     return Truth(
         name,
         load_case(name).sha256 if how.period else how.case.sha256,
-        made,
+        provenance,
         truth.time,
-        {name: [kept(value) for value in column] for name, column in truth.states.items()},
+        {name: [stored_digits(value) for value in column] for name, column in truth.states.items()},
         stray,
-        [(kind, kept(t)) for kind, t in events],
+        [(kind, stored_digits(t)) for kind, t in events],
         event_stray,
         undecided,
         how.period,

@@ -104,7 +104,7 @@ def plates(stage: Stage, moved: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Positions [cm] of the plates of stops, and heads of hooks: free they go with the end that bears them,
     in contact with the other.
     """
-    found = {}
+    places = {}
     for element, _, slot in stage.placed:
         if element.kind not in ("stop", "hook"):
             continue
@@ -113,11 +113,11 @@ def plates(stage: Stage, moved: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         at_rest = attached(stage, element, slot, 1) - attached(stage, element, slot, -1)
         if element.kind == "stop":  # nose of the left end, plate borne by the right one
             reach = at_rest - NOSE_CM - stage.gaps[element.key]
-            found[element.key] = np.maximum(right - reach, left + NOSE_CM)
+            places[element.key] = np.maximum(right - reach, left + NOSE_CM)
         else:  # lips of the right end, head borne by the left one
             reach = at_rest - NOSE_CM + stage.gaps[element.key]
-            found[element.key] = np.maximum(left + reach, right - NOSE_CM)
-    return found
+            places[element.key] = np.maximum(left + reach, right - NOSE_CM)
+    return places
 
 
 def _lit(subject: Subject, times: np.ndarray, states: dict[str, np.ndarray], length: float) -> np.ndarray:

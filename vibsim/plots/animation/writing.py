@@ -112,9 +112,9 @@ def _write_mp4(frames: Iterator[np.ndarray], film: Film, out: str, force: bool, 
         except BaseException:
             process.kill()
             raise
-        _, said = process.communicate()
+        _, messages = process.communicate()
         if process.returncode:
-            first = said.decode("utf-8", "replace").strip().splitlines()[:1]
+            first = messages.decode("utf-8", "replace").strip().splitlines()[:1]
             raise ResultFileError(f"{out}: ffmpeg failed: {''.join(first)[:200]}")
 
 

@@ -85,8 +85,8 @@ def stiffness_panel(axes: Axes, subjects: Sequence[Subject], motion: str | None 
 def corners(scene: Scene, pair: Pair) -> list[tuple[float, Stop]]:
     """Relative displacement [m] at which each elastic stop between the ends is met, ascending."""
     stops = [stop for stop in stops_between(scene, pair) if isinstance(stop, Stop)]
-    found = [(stop_position(stop, pair), stop) for stop in stops]
-    return sorted(found, key=lambda each: each[0])
+    positions = [(stop_position(stop, pair), stop) for stop in stops]
+    return sorted(positions, key=lambda each: each[0])
 
 
 def rigid_stops_between(scene: Scene, pair: Pair) -> list[tuple[float, RigidStop]]:

@@ -62,12 +62,12 @@ def _columns(table: Tidy) -> list[dict[str, Any]]:
 
 def _further(arrays: Arrays, table: Tidy) -> list[dict[str, Any]]:
     """Columns of several values per point."""
-    found = []
+    columns = []
     for name, dataset in arrays.datasets.items():
         if len(dataset.dims) == len(table.dims) + 1 and dataset.dims[:-1] == table.dims:
             values = np.asarray(arrays.read(name))
-            found.append(_column(name, dataset.column, values.reshape(table.count, -1), values.shape[-1]))
-    return found
+            columns.append(_column(name, dataset.column, values.reshape(table.count, -1), values.shape[-1]))
+    return columns
 
 
 def _column(name: str, column: Any, values: np.ndarray, width: int) -> dict[str, Any]:

@@ -82,30 +82,30 @@ def thinned(rows: Table, most: int) -> Table:
     stretch = -(-count * (1 + PER_EXTREME * len(names)) // most)
     whole = count // stretch * stretch
     begins = np.arange(0, whole, stretch)
-    kept = [begins, np.arange(whole, count)]
+    indices = [begins, np.arange(whole, count)]
     for name in names:
         blocks = rows[name][:whole].reshape(-1, stretch)
-        kept += [begins + blocks.argmin(axis=1), begins + blocks.argmax(axis=1)]
-    places = np.unique(np.concatenate(kept))
+        indices += [begins + blocks.argmin(axis=1), begins + blocks.argmax(axis=1)]
+    places = np.unique(np.concatenate(indices))
     return {name: values[places] for name, values in rows.items()}
 
 
 def panels(subject: Subject, rows: Table) -> list[dict[str, Any]]:
     """Displacements, velocities, and the speed of a motor."""
-    found = []
+    listed = []
     for words, unit in (("displacement", "m"), ("velocity", "m/s")):
         names = subject.columns_in(unit)
         scale = scale_for(unit, *(rows[name] for name in names))
         curves = [
             {"name": name, "column": name, "colour": i, **_interpolated(name)} for i, name in enumerate(names)
         ]
-        found.append(
+        listed.append(
             {"label": scale.label(words), "unit": scale.unit, "factor": scale.factor, "curves": curves}
         )
     if subject.scene.has_motor:
         curve = {"name": "motor speed", "column": "phidot", "colour": 2, "rate": None}
-        found.append({"label": "motor speed (Hz)", "unit": "Hz", "factor": 0.5 / np.pi, "curves": [curve]})
-    return found
+        listed.append({"label": "motor speed (Hz)", "unit": "Hz", "factor": 0.5 / np.pi, "curves": [curve]})
+    return listed
 
 
 def _interpolated(name: str) -> dict[str, Any]:

@@ -38,18 +38,18 @@ class Envelope:
             self._merge(int(column[begin]), t[begin:end], values[begin:end])
 
     def _merge(self, column: int, t: np.ndarray, values: np.ndarray) -> None:
-        kept_t, kept = self._t[column], self._value[column]
+        kept_t, merged = self._t[column], self._value[column]
         rows = (0, int(np.argmin(values)), int(np.argmax(values)), len(t) - 1)
         fresh = np.isnan(kept_t[FIRST])
         replace = (
             fresh,
-            fresh or values[rows[LEAST]] < kept[LEAST],
-            fresh or values[rows[GREATEST]] > kept[GREATEST],
+            fresh or values[rows[LEAST]] < merged[LEAST],
+            fresh or values[rows[GREATEST]] > merged[GREATEST],
             True,
         )
         for which, row in enumerate(rows):
             if replace[which]:
-                kept_t[which], kept[which] = t[row], values[row]
+                kept_t[which], merged[which] = t[row], values[row]
 
     def points(self) -> tuple[np.ndarray, np.ndarray]:
         """The samples kept, (t, values), in ascending time and without repetition."""

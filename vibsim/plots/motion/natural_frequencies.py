@@ -31,25 +31,27 @@ def natural_frequencies(scene: Scene) -> list[Frequency]:
     motion).
     """
     hertz = [rate / (2 * math.pi) for rate in rates.natural_rates(scene)]
-    found = _papers(scene, hertz[0]) if hertz and is_papers(scene) else []
-    found = found or [Frequency(f"f{i}", f"$f_{{{i}}}$", hz) for i, hz in enumerate(hertz[:MOST], 1)]
+    frequencies = _papers(scene, hertz[0]) if hertz and is_papers(scene) else []
+    frequencies = frequencies or [
+        Frequency(f"f{i}", f"$f_{{{i}}}$", hz) for i, hz in enumerate(hertz[:MOST], 1)
+    ]
     bilinear = rates.bilinear_frequencies(scene)
     if len(bilinear) == 1:
-        found.append(Frequency("bilinear", "bilinear", bilinear[0]))
-        found.append(Frequency("half bilinear", "½ bilinear", bilinear[0] / 2))
-    return found
+        frequencies.append(Frequency("bilinear", "bilinear", bilinear[0]))
+        frequencies.append(Frequency("half bilinear", "½ bilinear", bilinear[0] / 2))
+    return frequencies
 
 
 def _papers(scene: Scene, free: float) -> list[Frequency]:
     """Those of the two blocks of the paper, or of block 1 before a wall."""
     coupling = scene.links[0]
     held = rates.frequency(coupling.k, scene.bodies[coupling.P].m)
-    found = [Frequency("held", r"$\sqrt{k_1/m_1}$", held)]
+    frequencies = [Frequency("held", r"$\sqrt{k_1/m_1}$", held)]
     if coupling.Q != GROUND:
-        found.append(Frequency("free-free", "free–free", free))
+        frequencies.append(Frequency("free-free", "free–free", free))
     elif scene.has_motor:
-        found.append(Frequency("with motor", r"$\sqrt{k_1/(m_1+m_3)}$", free))
-    return found
+        frequencies.append(Frequency("with motor", r"$\sqrt{k_1/(m_1+m_3)}$", free))
+    return frequencies
 
 
 def fractions(scene: Scene) -> list[Frequency]:
@@ -57,12 +59,12 @@ def fractions(scene: Scene) -> list[Frequency]:
 
     q/p of the bilinear frequency: p impacts in q turns of the source. Half of it is in `natural_frequencies`.
     """
-    found = {frequency.name: frequency for frequency in natural_frequencies(scene)}
-    if "bilinear" not in found:
+    frequencies = {frequency.name: frequency for frequency in natural_frequencies(scene)}
+    if "bilinear" not in frequencies:
         return []
-    own = next(found[name] for name in ("free-free", "with motor", "held", "f1") if name in found)
-    parts = [("⅓ ", 1 / 3, found["bilinear"]), ("⅔ ", 2 / 3, found["bilinear"])]
-    parts += [("¾ ", 3 / 4, found["bilinear"]), ("½ ", 1 / 2, own), ("⅓ ", 1 / 3, own)]
+    own = next(frequencies[name] for name in ("free-free", "with motor", "held", "f1") if name in frequencies)
+    parts = [("⅓ ", 1 / 3, frequencies["bilinear"]), ("⅔ ", 2 / 3, frequencies["bilinear"])]
+    parts += [("¾ ", 3 / 4, frequencies["bilinear"]), ("½ ", 1 / 2, own), ("⅓ ", 1 / 3, own)]
     return [Frequency(sign + whole.name, sign + whole.label, part * whole.hz) for sign, part, whole in parts]
 
 
@@ -85,5 +87,5 @@ def motor_of(scene: Scene) -> Motor:
 
 def shortest_period(scene: Scene) -> float | None:
     """Shortest period in the motion [s]: of a source or of the vibration with all stops in contact."""
-    found = [*rates.source_rates(scene), *rates.natural_rates(scene, scene.stops)]
-    return 2 * math.pi / max(found) if found else None
+    rates_of_scene = [*rates.source_rates(scene), *rates.natural_rates(scene, scene.stops)]
+    return 2 * math.pi / max(rates_of_scene) if rates_of_scene else None

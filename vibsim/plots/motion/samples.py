@@ -29,15 +29,15 @@ def whole_span(result: Any) -> Span:
     return float(time[0]), float(time[-1])
 
 
-def window_of(subject: Subject, wanted: Span | None) -> Span:
-    """The part of `wanted` (None: everything) that the run covers; PlotError when it covers nothing of it."""
+def window_of(subject: Subject, asked: Span | None) -> Span:
+    """The part of `asked` (None: everything) that the run covers; PlotError when it covers nothing of it."""
     first, last = whole_span(subject.result)
-    if wanted is None:
+    if asked is None:
         return first, last
-    window = max(first, wanted[0]), min(last, wanted[1])
+    window = max(first, asked[0]), min(last, asked[1])
     if not window[0] < window[1]:
         covered = f"{subject.path}, which covers {first:g} to {last:g} s"
-        raise PlotError(f"window {wanted[0]:g}:{wanted[1]:g} lies outside {covered}")
+        raise PlotError(f"window {asked[0]:g}:{asked[1]:g} lies outside {covered}")
     _check_length(subject, window)
     return window
 
@@ -50,21 +50,21 @@ def _check_length(subject: Subject, window: Span) -> None:
         raise PlotError(f"window {shown} is too short: {subject.path} has nothing to draw in it")
 
 
-def shown(subject: Subject, wanted: Span | None, fallback: Callable[[Subject, Span], Span]) -> Span:
-    """The part of `wanted` that the run covers; without a wish, what `fallback` makes of all."""
-    window = window_of(subject, wanted)
-    return fallback(subject, window) if wanted is None else window
+def shown(subject: Subject, asked: Span | None, fallback: Callable[[Subject, Span], Span]) -> Span:
+    """The part of `asked` that the run covers; without a wish, what `fallback` makes of all."""
+    window = window_of(subject, asked)
+    return fallback(subject, window) if asked is None else window
 
 
-def common_window(subjects: Sequence[Subject], wanted: Span | None) -> Span:
-    """From the earliest to the latest instant that any of the subjects shows of `wanted`."""
-    windows = [window_of(subject, wanted) for subject in subjects]
+def common_window(subjects: Sequence[Subject], asked: Span | None) -> Span:
+    """From the earliest to the latest instant that any of the subjects shows of `asked`."""
+    windows = [window_of(subject, asked) for subject in subjects]
     return min(first for first, _ in windows), max(last for _, last in windows)
 
 
-def shared_window(subjects: Sequence[Subject], wanted: Span | None) -> Span:
-    """The span that all the subjects cover, of `wanted`."""
-    windows = [window_of(subject, wanted) for subject in subjects]
+def shared_window(subjects: Sequence[Subject], asked: Span | None) -> Span:
+    """The span that all the subjects cover, of `asked`."""
+    windows = [window_of(subject, asked) for subject in subjects]
     return max(first for first, _ in windows), min(last for _, last in windows)
 
 
@@ -95,8 +95,8 @@ def series(result: Any, names: tuple[str, ...], span: Span, columns: int) -> dic
     """
     within = rows(result, span)
     if within.stop - within.start <= POINTS_PER_COLUMN * columns:
-        found = samples(result, ("time", *names), span)
-        return {name: (found["time"], found[name]) for name in names}
+        values = samples(result, ("time", *names), span)
+        return {name: (values["time"], values[name]) for name in names}
     envelopes = {name: Envelope(*span, columns) for name in names}
     for block in blocks(result, ("time", *names), span):
         for name, envelope in envelopes.items():

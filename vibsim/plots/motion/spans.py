@@ -67,8 +67,8 @@ def detail_span(subjects: Sequence[Subject], view: View) -> Span:
     return max(window[0], end - length), end
 
 
-def _within(window: Span, wanted: Span) -> Span:
-    span = max(window[0], wanted[0]), min(window[1], wanted[1])
+def _within(window: Span, asked: Span) -> Span:
+    span = max(window[0], asked[0]), min(window[1], asked[1])
     if not span[0] < span[1]:
-        raise PlotError(f"detail {wanted[0]:g}:{wanted[1]:g} lies outside what is shown, {seconds(window)}")
+        raise PlotError(f"detail {asked[0]:g}:{asked[1]:g} lies outside what is shown, {seconds(window)}")
     return span

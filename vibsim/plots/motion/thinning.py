@@ -21,14 +21,14 @@ def one_per_pixel(blocks: Blocks, pixels: tuple[int, int] = (1200, 900)) -> tupl
     """
     x_low, x_span, y_low, y_span = _range(blocks)
     wide, high = pixels
-    seen = np.zeros(wide * high, dtype=bool)
+    painted = np.zeros(wide * high, dtype=bool)
     kept_x, kept_y = [], []
     for x, y in blocks():
         column = np.minimum(((x - x_low) / x_span * wide).astype(np.int64), wide - 1)
         row = np.minimum(((y - y_low) / y_span * high).astype(np.int64), high - 1)
         pixel, first = np.unique(row * wide + column, return_index=True)
-        first = first[~seen[pixel]]
-        seen[pixel] = True
+        first = first[~painted[pixel]]
+        painted[pixel] = True
         kept_x.append(x[first])
         kept_y.append(y[first])
     return np.concatenate(kept_x), np.concatenate(kept_y)

@@ -48,9 +48,9 @@ def impact_ticks(axes: Axes, subject: Subject, span: Span) -> str:
         return ""
     t = impact_times(subject.result, window_of(subject, span))
     pixel = ((t - span[0]) / (span[1] - span[0]) * pixel_columns(axes)).astype(int)
-    seen = t[np.unique(pixel, return_index=True)[1]]
+    distinct = t[np.unique(pixel, return_index=True)[1]]
     axes.plot(
-        seen, np.zeros(len(seen)), linestyle="none", marker=2, markersize=2.2, markeredgewidth=0.3,
+        distinct, np.zeros(len(distinct)), linestyle="none", marker=2, markersize=2.2, markeredgewidth=0.3,
         color="0.6", transform=axes.get_xaxis_transform(), gid="impacts",
     )  # fmt: skip
     return f"{len(t)} impact{'' if len(t) == 1 else 's'}"

@@ -44,9 +44,9 @@ def turn_extremes(result: Any, column: str, span: Span) -> TurnExtremes:
         inside = (turn >= 0) & (turn < count)
         np.minimum.at(least, turn[inside], block[column][inside])
         np.maximum.at(greatest, turn[inside], block[column][inside])
-    seen = np.isfinite(least)
+    turning = np.isfinite(least)
     middle, hertz = (times[:-1] + times[1:]) / 2, 1 / np.diff(times)
-    return TurnExtremes(middle[seen], hertz[seen], least[seen], greatest[seen])
+    return TurnExtremes(middle[turning], hertz[turning], least[turning], greatest[turning])
 
 
 def _stretches(result: Any, column: str, span: Span, turns: int) -> Iterator[dict[str, np.ndarray]]:

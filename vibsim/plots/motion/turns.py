@@ -27,8 +27,8 @@ def turn_times(result: Any, span: Span) -> np.ndarray:
     """
     scene = result.case.scene()
     if scene.has_motor:
-        found = [_motor_turns(part) for part in _joined_blocks(result, ("time", "phi", "phidot"), span)]
-        return np.concatenate([np.empty(0), *found])
+        times = [_motor_turns(part) for part in _joined_blocks(result, ("time", "phi", "phidot"), span)]
+        return np.concatenate([np.empty(0), *times])
     period = common_period(scene)
     if period is None:
         return np.empty(0)

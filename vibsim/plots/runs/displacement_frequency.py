@@ -54,8 +54,8 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     if shown is not None:
         figure.colorbar(shown, ax=panels, label="Time (s)", pad=0.02, aspect=40)
     spans = [window_of(subject, view.window) for subject in subjects]
-    said = [*dict.fromkeys(map(seconds, spans)), trust_remark(subjects, spans)]
-    note(panels[0], "; ".join(filter(None, said)))
+    remarks = [*dict.fromkeys(map(seconds, spans)), trust_remark(subjects, spans)]
+    note(panels[0], "; ".join(filter(None, remarks)))
     if len(subjects) > 1:
         legend_above(panels[0], markerscale=4)
     letter_panels(panels)
@@ -83,15 +83,15 @@ def _passages(subjects: Sequence[Subject], spans: Sequence[Span], column: str) -
     def plane(columns: Block) -> tuple[np.ndarray, np.ndarray]:
         return columns["phidot"] / (2 * math.pi), columns[column]
 
-    found = []
+    passages = []
     for i, (subject, span) in enumerate(zip(subjects, spans, strict=True)):
         if column in subject.tables.samples:
             colour = overlay(i)["color"] if len(subjects) > 1 else BLUE
             loops = trace(subject.result, ("phidot", column), plane, span)
             extremes = turn_extremes(subject.result, column, span)
             many = len(extremes.hertz) > LOOPS_UP_TO
-            found.append(Passage(subject, loops, extremes if many else None, colour))
-    return found
+            passages.append(Passage(subject, loops, extremes if many else None, colour))
+    return passages
 
 
 def _draw(axes: Axes, passage: Passage, column: str, scale: Scale, alone: bool) -> Any:

@@ -54,18 +54,18 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     Histogram and phases are those of the last half of the run, unless the view has a window.
     """
     window = common_window(subjects, view.window)
-    found = [impacts_of(subject, window_of(subject, window)) for subject in subjects]
-    spans = [_settled(subject, view, impacts) for subject, impacts in zip(subjects, found, strict=True)]
-    settled = [impacts.within(span) for impacts, span in zip(found, spans, strict=True)]
-    scale = scale_for("m/s", *(impacts.closing for impacts in found))
-    with_phase = any(impacts.phase is not None for impacts in found)
+    of_subjects = [impacts_of(subject, window_of(subject, window)) for subject in subjects]
+    spans = [_settled(subject, view, impacts) for subject, impacts in zip(subjects, of_subjects, strict=True)]
+    settled = [impacts.within(span) for impacts, span in zip(of_subjects, spans, strict=True)]
+    scale = scale_for("m/s", *(impacts.closing for impacts in of_subjects))
+    with_phase = any(impacts.phase is not None for impacts in of_subjects)
     figure = sheet(view, 8.8 if with_phase else 5.0)
     grid = figure.add_gridspec(2 if with_phase else 1, 2, width_ratios=(4, 1))
     over_time = figure.add_subplot(grid[0, 0])
     histogram = figure.add_subplot(grid[0, 1], sharey=over_time)
     over_phase = figure.add_subplot(grid[1, :]) if with_phase else None
     colours = [overlay(i)["color"] for i in range(len(subjects))] if len(subjects) > 1 else [BLUE]
-    for subject, impacts, late, colour in zip(subjects, found, settled, colours, strict=True):
+    for subject, impacts, late, colour in zip(subjects, of_subjects, settled, colours, strict=True):
         _dots(over_time, impacts.t, scale(impacts.closing), colour, subject.name)
         _histogram(histogram, scale(late.closing), colour, filled=len(subjects) == 1)
         if over_phase is not None and late.phase is not None:

@@ -77,13 +77,13 @@ def phase_panels(
 
 
 def _portraits(subjects: Sequence[Subject], view: View, column: str, less_drift: bool) -> list[Portrait]:
-    found = []
+    portraits = []
     for i, subject in enumerate(subjects):
         if column in subject.columns_in("m"):
             span = shown(subject, view.window, steady_span)
             look = {**overlay(i), "alpha": 0.7} if len(subjects) > 1 else {"color": BLUE}
-            found.append(_portrait(subject, column, span, less_drift, look))
-    return found
+            portraits.append(_portrait(subject, column, span, less_drift, look))
+    return portraits
 
 
 def _portrait(subject: Subject, column: str, span: Span, less_drift: bool, look: dict[str, Any]) -> Portrait:
@@ -110,9 +110,9 @@ def _panel(axes: Axes, portraits: Sequence[Portrait], column: str, scales: tuple
     spans = [portrait.span for portrait in portraits]
     drifts = [portrait.drift for portrait in portraits if portrait.drift]
     scale = scale_for("m/s", drifts)
-    said = [
+    remarks = [
         *dict.fromkeys(map(seconds, spans)),
         f"drift {', '.join(f'{scale(drift):.3g}' for drift in drifts)} {scale.unit}" if drifts else "",
         trust_remark([portrait.subject for portrait in portraits], spans),
     ]
-    note(axes, "; ".join(filter(None, said)))
+    note(axes, "; ".join(filter(None, remarks)))

@@ -53,7 +53,7 @@ def relative_panel(axes: Axes, subjects: Sequence[Subject], view: View) -> None:
     axes.margins(0.05)
     axes.set_xlabel(scales[0].label(f"Relative displacement {pairs[0].displacement}"))
     axes.set_ylabel(scales[1].label(f"Relative velocity {pairs[0].velocity}"))
-    said = [*dict.fromkeys(map(seconds, spans)), trust_remark(subjects, spans)]
-    text = "; ".join(filter(None, said))
+    remarks = [*dict.fromkeys(map(seconds, spans)), trust_remark(subjects, spans)]
+    text = "; ".join(filter(None, remarks))
     crowded = len(text) > BESIDE_STOP or any(not name.startswith("$") for _, name in stops)
     note(axes, text, above=1 if len(subjects) == 1 and stops and crowded else 0)

@@ -24,24 +24,24 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     """Amplitude of the first relative motion over time and frequency."""
     subject = subjects[0]
     span, motion = window_of(subject, view.window), first_motion(subject)
-    found = pieces(subject, span, motion, count=600)
+    cut = pieces(subject, span, motion, count=600)
     figure = sheet(view, 7.0)
     axes = figure.subplots()
-    scale = scale_for("m", found.amplitudes)
-    values = scale(found.amplitudes)
+    scale = scale_for("m", cut.amplitudes)
+    values = scale(cut.amplitudes)
     largest = float(values.max()) or 1.0
     least = largest * 10.0**-DECADES
     picture = axes.pcolormesh(
-        found.times, found.hz, np.maximum(values, least).T, cmap="magma", shading="nearest",
+        cut.times, cut.hz, np.maximum(values, least).T, cmap="magma", shading="nearest",
         norm=LogNorm(least, largest), rasterized=True, gid="spectrogram",
     )  # fmt: skip
     figure.colorbar(picture, ax=axes, label=scale.label(f"Amplitude of {motion}"), pad=0.01)
     if subject.scene.has_motor:
         _speeds(axes, subject, span)
-    axes.set_ylim(0, found.hz[-1])
+    axes.set_ylim(0, cut.hz[-1])
     axes.set_ylabel("Frequency (Hz)")
     time_axis(axes, span)
-    note(axes, f"pieces of {found.length:.3g} s")
+    note(axes, f"pieces of {cut.length:.3g} s")
     return figure
 
 

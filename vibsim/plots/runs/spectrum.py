@@ -41,8 +41,8 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     axes.set_xlim(0, max(hz[-1] for _, hz, _ in curves))
     axes.set_xlabel("Frequency (Hz)")
     axes.set_ylabel(scale.label("Amplitude"))
-    said = [*dict.fromkeys(map(seconds, spans)), trust_remark(subjects, spans)]
-    note(axes, "; ".join(filter(None, said)))
+    remarks = [*dict.fromkeys(map(seconds, spans)), trust_remark(subjects, spans)]
+    note(axes, "; ".join(filter(None, remarks)))
     if len(subjects) > 1:
         legend_above(axes)
     else:

@@ -45,9 +45,9 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     axes.set_xlabel(scales[0].label(f"Relative displacement {pairs[0].displacement}"))
     axes.set_ylabel(scales[1].label(f"Relative velocity {pairs[0].velocity}"))
     count = sum(len(y) for y, _ in drawn)
-    said = [f"{count} point{'' if count == 1 else 's'}", *dict.fromkeys(map(seconds, spans))]
+    remarks = [f"{count} point{'' if count == 1 else 's'}", *dict.fromkeys(map(seconds, spans))]
     named = len(subjects) == 1 and _stops_if_near(axes, pairs[0], scales[0])
-    note(axes, "; ".join(filter(None, [*said, trust_remark(subjects, spans)])), above=1 if named else 0)
+    note(axes, "; ".join(filter(None, [*remarks, trust_remark(subjects, spans)])), above=1 if named else 0)
     if len(subjects) > 1:
         legend_above(axes, markerscale=2)
     return figure

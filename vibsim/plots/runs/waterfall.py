@@ -61,10 +61,8 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
 
 
 def _of_pieces(subject: Subject, view: View) -> list[Row]:
-    found = pieces(subject, window_of(subject, view.window), first_motion(subject), count=MOST)
-    return [
-        Row(float(time), found.hz, sizes) for time, sizes in zip(found.times, found.amplitudes, strict=True)
-    ]
+    cut = pieces(subject, window_of(subject, view.window), first_motion(subject), count=MOST)
+    return [Row(float(time), cut.hz, sizes) for time, sizes in zip(cut.times, cut.amplitudes, strict=True)]
 
 
 def _of_runs(subjects: Sequence[Subject], view: View) -> list[Row]:

@@ -64,14 +64,14 @@ def motions_of(subjects: Sequence[Subject]) -> dict[str, str]:
     """Labels of the motions of all sweeps by name: those of two ends against each other, called after the
     stop or link between them, then those of bodies.
     """
-    found: dict[str, str] = {}
+    by_word: dict[str, str] = {}
     for subject in subjects:
         motions = subject.result.plan.recipe.of.motions
         for motion in sorted(motions, key=lambda motion: motion.Q == GROUND):
             named = motion.Q != GROUND and subject.result.plan.recipe.of.of_parts
             label = as_text(motion.part) if named else difference(subject.scene, motion, "x")
-            found.setdefault(motion.name, label)
-    return found
+            by_word.setdefault(motion.name, label)
+    return by_word
 
 
 def _common_scale(drawn: Sequence[Curve], names: Sequence[str]) -> Scale:

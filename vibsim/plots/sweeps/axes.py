@@ -164,6 +164,6 @@ def shown(low: float, high: float, view: View) -> Span:
         return low, high
     first, last = max(low, view.window[0]), min(high, view.window[1])
     if not first < last:
-        asked = ":".join(f"{end:g}" for end in view.window)
-        raise PlotError(f"the window {asked} lies outside the sweep, {low:.6g} to {high:.6g}")
+        window_text = ":".join(f"{end:g}" for end in view.window)
+        raise PlotError(f"the window {window_text} lies outside the sweep, {low:.6g} to {high:.6g}")
     return first, last

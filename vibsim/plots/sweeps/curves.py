@@ -106,7 +106,7 @@ def curves(subjects: Sequence[Subject]) -> list[Curve]:
     """All curves of the subjects."""
     every = [(subject, others) for subject in subjects for others in _others(subject.result)]
     tones = _tones(subjects, len(every))
-    found = []
+    listed = []
     for i, (subject, others) in enumerate(every):
         result, a = subject.result, along(subject.result)
         directions = result.directions if result.plan.carry else result.directions[:1]
@@ -120,7 +120,7 @@ def curves(subjects: Sequence[Subject]) -> list[Curve]:
             colour = _colour(i, len(every), direction, tones[i])
             at = list(others)
             at.insert(a, ascending)
-            found.append(
+            listed.append(
                 Curve(
                     subject,
                     i,
@@ -134,7 +134,7 @@ def curves(subjects: Sequence[Subject]) -> list[Curve]:
                     (*at, d),
                 )
             )
-    return found
+    return listed
 
 
 def _others(result: Any) -> Iterator[tuple[Any, ...]]:
@@ -200,12 +200,12 @@ def frequencies(subjects: Sequence[Subject], parts: bool = False) -> list[Freque
 
     parts : whether to add fractions of them
     """
-    found: dict[tuple[str, float], Frequency] = {}
+    by_label: dict[tuple[str, float], Frequency] = {}
     for subject in subjects:
         if not TUNING & {LONG.pattern(key) for axis in subject.result.axes for key in axis.keys}:
             own = [*natural_frequencies(subject.scene), *(fractions(subject.scene) if parts else [])]
-            found |= {(f.label, round(f.hz, 6)): f for f in own}
-    return list(found.values())
+            by_label |= {(f.label, round(f.hz, 6)): f for f in own}
+    return list(by_label.values())
 
 
 def name_curves(figure: Figure, panels: Sequence[Axes], drawn: Sequence[Curve], **options: Any) -> None:

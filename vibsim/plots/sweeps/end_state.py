@@ -67,8 +67,8 @@ def _draw_shares(subject: Subject, view: View) -> Figure:
     axes.set_ylabel("Share of the starts")
     axes.legend(loc="best")
     doubts = int(np.count_nonzero(result["end_state"] == VERDICTS["undecided"]))
-    told = f"; {doubts} undecided" if doubts else ""
-    _say(axes, f"{len(result.members)} starts each; bars: 95 %{told}", subject)
+    doubts_text = f"; {doubts} undecided" if doubts else ""
+    _say(axes, f"{len(result.members)} starts each; bars: 95 %{doubts_text}", subject)
     return figure
 
 

@@ -66,13 +66,13 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
 
 def quantities_of(subjects: Sequence[Subject]) -> list[Quantity]:
     """What all sweeps have stroboscopic points of, and is drawn; PlotError where that is nothing."""
-    found = _sections(subjects[0])
-    found = [row for row in found if all(row.column in subject.result for subject in subjects)]
-    displacements = [row for row in found if row.unit == "m"]
+    rows = _sections(subjects[0])
+    rows = [row for row in rows if all(row.column in subject.result for subject in subjects)]
+    displacements = [row for row in rows if row.unit == "m"]
     if not displacements:
         raise PlotError("the sweeps have no stroboscopic points of the same motion")
-    speeds = [row for row in found if row.unit == "Hz"]
-    rates = [row for row in found if row.unit == "m/s"]
+    speeds = [row for row in rows if row.unit == "Hz"]
+    rates = [row for row in rows if row.unit == "m/s"]
     return [*displacements[:ROWS], *(speeds or (rates if len(displacements) == 1 else []))]
 
 

@@ -43,7 +43,12 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     panels = sheet.panels[:, 0]
     limit(panels[0], sheet.drawn, view)
     scale = scale_for(
-        "W", *(values for curve in sheet.drawn for values in (given(curve), *taken(curve).values()))
+        "W",
+        *(
+            values
+            for curve in sheet.drawn
+            for values in (source_power(curve), *absorbed_powers(curve).values())
+        ),
     )
     for axes, curve in zip(panels, sheet.drawn, strict=True):
         _panel(axes, curve, scale)
@@ -60,14 +65,14 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     return sheet.figure
 
 
-def given(curve: Curve) -> np.ndarray:
+def source_power(curve: Curve) -> np.ndarray:
     """Mean power that sources, base and belts give together along a curve [W] (n)."""
     names = [name for name in GIVERS if name in curve.subject.result.plan.columns]
     total: np.ndarray = sum((curve.mean(name) for name in names[1:]), curve.mean(names[0]))
     return total
 
 
-def taken(curve: Curve) -> dict[str, np.ndarray]:
+def absorbed_powers(curve: Curve) -> dict[str, np.ndarray]:
     """Mean powers that are taken and stored along a curve [W] (n), by column; those that are 0 left out."""
     names = [name for name in TAKERS if name in curve.subject.result.plan.columns]
     powers = {name: curve.mean(name) for name in names}
@@ -76,7 +81,7 @@ def taken(curve: Curve) -> dict[str, np.ndarray]:
 
 def _panel(axes: Axes, curve: Curve, scale: Scale) -> None:
     below = np.zeros(len(curve.x))
-    for name, values in taken(curve).items():
+    for name, values in absorbed_powers(curve).items():
         words, colour = TAKERS[name]
         above = below + scale(values)
         axes.fill_between(curve.x, below, above, color=colour, linewidth=0, label=words, gid=name)
@@ -87,5 +92,5 @@ def _panel(axes: Axes, curve: Curve, scale: Scale) -> None:
     ]
     if len(single) == 1:
         draw_bands(axes, source, single[0], scale)
-    axes.plot(curve.x, scale(given(curve)), label="source", gid="power_source", **source.look)
+    axes.plot(curve.x, scale(source_power(curve)), label="source", gid="power_source", **source.look)
     axes.axhline(0, color=GREY, linewidth=0.5, zorder=1)

@@ -51,7 +51,7 @@ class CaptureVerdict:
         self._late.append(_thinned(block))
 
     def values(
-        self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]
+        self, window: tuple[float, float], run: MeasuredRun, measured: dict[str, Any]
     ) -> dict[str, float]:
         """The verdict and its times; NaN where there is none."""
         resumed = run.rows[-1]["t"] if run.rows else 0.0

@@ -28,7 +28,7 @@ class Certificate:
         """The engine counts them."""
 
     def values(
-        self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]
+        self, window: tuple[float, float], run: MeasuredRun, measured: dict[str, Any]
     ) -> dict[str, float]:
         """The engine's total, of transient and rest."""
         return {"uncertified": run.totals["uncertified"]}

@@ -18,18 +18,18 @@ TITLE = "Poincare section at the beginning of contact"
 
 def columns(of: Quantities) -> Columns:
     """Velocity, phase and motor speed at the last contacts of each stop; none without a stop."""
-    found: Columns = {}
+    columns_of_parts: Columns = {}
     for stop in _stops(of):
         at = "at the last beginnings of contact" + (f" with {stop}" if stop else "")
         rate = f"velocity v_P - v_Q of {stop}" if stop else RELATIVE_RATE
-        found[_name("velocity", stop)] = Column("m s-1", f"{rate} {at}", dimension="contact")
+        columns_of_parts[_name("velocity", stop)] = Column("m s-1", f"{rate} {at}", dimension="contact")
         if of.has_source:
-            found[_name("phase", stop)] = Column(
+            columns_of_parts[_name("phase", stop)] = Column(
                 "1", f"phase of the source in turns, 0 to 1, {at}", "contact"
             )
         if of.has_motor:
-            found[_name("speed", stop)] = Column("Hz", f"motor speed {at}", dimension="contact")
-    return found
+            columns_of_parts[_name("speed", stop)] = Column("Hz", f"motor speed {at}", dimension="contact")
+    return columns_of_parts
 
 
 def _stops(of: Quantities) -> tuple[str, ...]:
@@ -51,7 +51,9 @@ class ContactSection:
         """Take the next block."""
         self._contacts.update(block)
 
-    def values(self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]) -> dict[str, Any]:
+    def values(
+        self, window: tuple[float, float], run: MeasuredRun, measured: dict[str, Any]
+    ) -> dict[str, Any]:
         """The last contacts, oldest first."""
         sections: dict[str, Any] = {}
         for stop in _stops(self._of):

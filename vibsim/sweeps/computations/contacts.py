@@ -37,12 +37,12 @@ class Contacts:
         self._parts.append(self._of({name: column[chosen] for name, column in events.items()}))
 
     def _of(self, events: Contact) -> Contact:
-        found = {"t": events["t"], "part": events["part"], "velocity": self._velocity(events)}
+        columns = {"t": events["t"], "part": events["part"], "velocity": self._velocity(events)}
         if self._scene.has_motor:
-            found |= {"phase": events["phase"] / TURN, "speed": events["phidot"] / TURN}
+            columns |= {"phase": events["phase"] / TURN, "speed": events["phidot"] / TURN}
         elif self._period is not None:
-            found["phase"] = _phase(self._period, events["t"])
-        return found
+            columns["phase"] = _phase(self._period, events["t"])
+        return columns
 
     def _velocity(self, events: Contact) -> np.ndarray:
         """v_P - v_Q of the stop that each contact is at, in front of it [m/s] (n)."""

@@ -53,7 +53,7 @@ class EndState:
         self._energies.append(energy)
 
     def values(
-        self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]
+        self, window: tuple[float, float], run: MeasuredRun, measured: dict[str, Any]
     ) -> dict[str, float]:
         """The verdict on the window."""
         middle = (window[0] + window[1]) / 2

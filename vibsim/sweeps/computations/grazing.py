@@ -34,7 +34,7 @@ class Grazing:
         """The engine keeps them."""
 
     def values(
-        self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]
+        self, window: tuple[float, float], run: MeasuredRun, measured: dict[str, Any]
     ) -> dict[str, float]:
         """The margins; nothing where no turn was seen."""
         margins = run.extremes[2]

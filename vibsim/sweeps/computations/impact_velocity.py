@@ -51,7 +51,9 @@ class ImpactVelocity:
         """Take the next block."""
         self._contacts.update(block)
 
-    def values(self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]) -> dict[str, Any]:
+    def values(
+        self, window: tuple[float, float], run: MeasuredRun, measured: dict[str, Any]
+    ) -> dict[str, Any]:
         """Mean and quantiles; nothing where there was no impact."""
         spectra: dict[str, Any] = {}
         for stop in self._stops:

@@ -48,7 +48,9 @@ class Lyapunov:
     def update(self, block: Block) -> None:
         """The exponents come from a run of their own."""
 
-    def values(self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]) -> dict[str, Any]:
+    def values(
+        self, window: tuple[float, float], run: MeasuredRun, measured: dict[str, Any]
+    ) -> dict[str, Any]:
         """The exponents and how well they are known."""
         count = dimension(self._scene) if self._everything else 1
         computed = lyapunov_exponents(self._scene, count, self._begin, run.engine, run.ask)

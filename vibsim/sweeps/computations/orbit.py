@@ -51,7 +51,9 @@ class Orbit:
         """Take the next block."""
         self._verdicts.update(block)
 
-    def values(self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]) -> dict[str, Any]:
+    def values(
+        self, window: tuple[float, float], run: MeasuredRun, measured: dict[str, Any]
+    ) -> dict[str, Any]:
         """Period, largest exponent and multipliers; NaN where there is no orbit that the run goes to."""
         judged = self._verdicts.regime()
         count = multipliers(self._scene)

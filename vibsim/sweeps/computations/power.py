@@ -77,7 +77,7 @@ class Power:
         return rows_of_instant(block.events, at, self._last or ())
 
     def values(
-        self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]
+        self, window: tuple[float, float], run: MeasuredRun, measured: dict[str, Any]
     ) -> dict[str, float]:
         """Changes of the ledger's entries within the window, by its length; nothing of one without length.
 

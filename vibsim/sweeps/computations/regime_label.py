@@ -40,15 +40,15 @@ class RegimeLabel:
         self._verdicts.update(block)
 
     def values(
-        self, window: tuple[float, float], run: MeasuredRun, found: dict[str, Any]
+        self, window: tuple[float, float], run: MeasuredRun, measured: dict[str, Any]
     ) -> dict[str, float]:
         """The verdict; a largest Lyapunov exponent that was computed too has its say."""
-        judged = self._verdicts.regime(_exponent(found))
+        judged = self._verdicts.regime(_exponent(measured))
         numbers = {"regime_period": judged.period, "chaos_number": judged.chaos_number}
         known = {name: float(value) for name, value in numbers.items() if value is not None}
         return {"regime": float(VERDICTS[judged.verdict]), **known}
 
 
-def _exponent(found: dict[str, Any]) -> Exponent | None:
-    value, half_width = (found.get(name, math.nan) for name in (LARGEST, HALF_WIDTH))
+def _exponent(measured: dict[str, Any]) -> Exponent | None:
+    value, half_width = (measured.get(name, math.nan) for name in (LARGEST, HALF_WIDTH))
     return Exponent(value, half_width) if math.isfinite(value) and math.isfinite(half_width) else None

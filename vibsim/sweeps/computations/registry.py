@@ -37,7 +37,7 @@ class Computation(Protocol):
     def update(self, block: Block) -> None:
         """Take the next block; the first may begin before the transient ends."""
 
-    def values(self, window: Window, run: MeasuredRun, found: dict[str, Any]) -> dict[str, Any]:
+    def values(self, window: Window, run: MeasuredRun, measured: dict[str, Any]) -> dict[str, Any]:
         """By column a float, or an array where the column has a further dimension.
 
         found : what the computations before this one have come to
@@ -100,15 +100,15 @@ def read_computations(names: str | Iterable[str], of: Quantities) -> tuple[str, 
 
     "all" stands for all that the scene has use for. Raises ValueError for a name that there is not.
     """
-    wanted = {names} if isinstance(names, str) else set(names)
-    if "all" in wanted:
+    chosen = {names} if isinstance(names, str) else set(names)
+    if "all" in chosen:
         return fitting(COMPUTATIONS, of)
-    for name in sorted(wanted - set(COMPUTATIONS)):
+    for name in sorted(chosen - set(COMPUTATIONS)):
         allowed = ", ".join([*COMPUTATIONS, "all"])
         raise ValueError(
             f"nothing to compute is called {name!r}{did_you_mean(name, COMPUTATIONS)}; allowed: {allowed}"
         )
-    return tuple(name for name in COMPUTATIONS if name in wanted)
+    return tuple(name for name in COMPUTATIONS if name in chosen)
 
 
 def fitting(names: Iterable[str], of: Quantities) -> tuple[str, ...]:

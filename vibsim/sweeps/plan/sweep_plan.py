@@ -77,7 +77,7 @@ class Plan:
         for name in self.compute:
             kind = COMPUTATIONS[name]
             if not kind.columns(self.recipe.of):
-                raise PlanError(f"{name} needs {kind.needs}, which {self.case.name} has not got")
+                raise PlanError(f"{name} needs {kind.needs}, which {self.case.name} does not have")
         if not self.discard.relative and self.discard.value >= self.case.quantity("run.t_end").value:
             raise PlanError(
                 f"a transient of {self.discard} leaves nothing of a run of {self.case.quantity('run.t_end')}"
@@ -137,10 +137,10 @@ class Plan:
 
     def changes(self, index: Index) -> dict[str, str]:
         """The values of the case that the point at `index` replaces: dotted key -> text."""
-        found: dict[str, str] = {}
+        settings: dict[str, str] = {}
         for axis, i in zip(self.axes, index, strict=False):
-            found |= axis.changes(i)
-        return found
+            settings |= axis.changes(i)
+        return settings
 
     def point_case(self, index: Index, start: Start | None = None) -> "Case":
         """The case of one point, begun from `start` where a state is carried. Raises CaseError."""

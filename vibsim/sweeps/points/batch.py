@@ -30,13 +30,13 @@ def compute_batch(
     recipe: Recipe, pieces: Pieces, engine: str, go_on: Callable[[], bool] | None = None
 ) -> list[Point]:
     """The points of all pieces, in their order; those that were done before `go_on` said False."""
-    found: list[Point] = []
+    points: list[Point] = []
     for piece in pieces:
         done = list(compute_piece(recipe, piece, engine, go_on))
-        found += done
+        points += done
         if len(done) < len(piece):
             break
-    return found
+    return points
 
 
 def compute_piece(

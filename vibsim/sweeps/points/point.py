@@ -123,18 +123,18 @@ def measure(scene: Scene, recipe: Recipe, engine: str, go_on: Callable[[], bool]
             computation.update(block)
         end = _end_state(scene, block) or end
     values = {**statistics.values(run), **run.totals, "t_reached": run.t_reached, **end}
-    found: dict[str, Any] = dict(statistics.section(recipe.section))
+    measured: dict[str, Any] = dict(statistics.section(recipe.section))
     if run.late:
         for computation in computed:
-            found |= computation.values(statistics.window(run), run, found)
-    numbers = {name: value for name, value in found.items() if isinstance(value, float)}
-    arrays = {name: value for name, value in found.items() if not isinstance(value, float)}
+            measured |= computation.values(statistics.window(run), run, measured)
+    numbers = {name: value for name, value in measured.items() if isinstance(value, float)}
+    arrays = {name: value for name, value in measured.items() if not isinstance(value, float)}
     return {**values, **numbers}, arrays
 
 
 def _watchers(computed: list[Computation]) -> Callable[[Block], None] | None:
     """Shows blocks of the transient to those computations that take them; None where none does."""
-    taking = [found.transient for found in computed if hasattr(found, "transient")]
+    taking = [computation.transient for computation in computed if hasattr(computation, "transient")]
     if not taking:
         return None
 

@@ -45,10 +45,10 @@ class Table:
             if name not in self._further:
                 array[point.index] = point.values.get(name, np.nan)
                 continue
-            row, found = array[point.index], point.arrays.get(name)
+            row, values = array[point.index], point.arrays.get(name)
             row[...] = np.nan
-            if found is not None:
-                row[len(row) - len(found) :] = found
+            if values is not None:
+                row[len(row) - len(values) :] = values
         self.status[point.index] = point.status
         self.sha256[point.index] = point.sha256
         self.error[point.index] = point.error

@@ -33,12 +33,12 @@ class Backlog:
     def batch(self, workers: int) -> Handed:
         """The next batch, for one of so many workers; empty where there is nothing to do at the moment."""
         handed: Handed = []
-        wanted = self._wanted(workers)
-        while wanted > 0 and (chain := self._next_chain()) is not None:
-            piece = chain.piece(wanted)
+        room = self._batch_size(workers)
+        while room > 0 and (chain := self._next_chain()) is not None:
+            piece = chain.piece(room)
             if piece is not None:
                 handed.append((chain, piece))
-                wanted -= len(piece)
+                room -= len(piece)
                 self._left -= len(piece)
         return handed
 
@@ -52,7 +52,7 @@ class Backlog:
                 self._begun.append(chain)
         self._note(points)
 
-    def _wanted(self, workers: int) -> int:
+    def _batch_size(self, workers: int) -> int:
         share = ceil(max(self._left, 1) / (ROUNDS * workers))
         fitting = int(self._seconds / self._pace) if self._pace else 1
         return max(1, min(share, fitting, LARGEST))

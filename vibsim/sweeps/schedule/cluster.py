@@ -69,11 +69,11 @@ class ClusterWorkers:
         checked = self._client.run(
             differing, self.engine, self.recipe.compute, self._signature, on_error="return"
         )
-        for worker, found in checked.items():
-            if isinstance(found, Exception):
-                raise ClusterError(f"worker {worker} cannot run vibsim: {found}")
-            if found:
-                raise ClusterError(f"worker {worker} {found}")
+        for worker, difference in checked.items():
+            if isinstance(difference, Exception):
+                raise ClusterError(f"worker {worker} cannot run vibsim: {difference}")
+            if difference:
+                raise ClusterError(f"worker {worker} {difference}")
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
         for future in self._handed:
@@ -136,9 +136,9 @@ class ClusterWorkers:
 
 def compute_there(recipe: Recipe, pieces: Pieces, engine: str, expected: dict[str, str]) -> list[Point]:
     """On a worker: the points of a batch. Raises WorkerMismatch where they would have other bits."""
-    found = differing(engine, recipe.compute, expected)
-    if found:
-        raise WorkerMismatch(f"worker {socket.gethostname()}, process {os.getpid()}, {found}")
+    difference = differing(engine, recipe.compute, expected)
+    if difference:
+        raise WorkerMismatch(f"worker {socket.gethostname()}, process {os.getpid()}, {difference}")
     return compute_batch(recipe, pieces, engine)
 
 

@@ -37,12 +37,12 @@ def always(of: Quantities) -> Columns:
 
 def distinct(*tables: Iterable[tuple[str, Column]]) -> Columns:
     """All columns of tables of (name, column). Raises ValueError where two have one name."""
-    found: Columns = {}
+    columns: Columns = {}
     for name, column in chain(*tables):
-        if name in found:
+        if name in columns:
             raise ValueError(f"two columns would be called {name}: give a body or stop another name")
-        found[name] = column
-    return found
+        columns[name] = column
+    return columns
 
 
 def statistics(of: Quantities) -> Columns:
@@ -121,11 +121,11 @@ def end_state(of: Quantities) -> Columns:
 def section(of: Quantities) -> Columns:
     """The last stroboscopic points."""
     points = "at the last stroboscopic points"
-    found = {
+    columns = {
         name: Column("m s-1", f"{motion.rate_words} {points}", dimension="section")
         if is_rate
         else Column("m", f"{motion.words if of.of_parts else RELATIVE} {points}", dimension="section")
         for name, (motion, is_rate) in of.sections.items()
     }
     speed = Column("Hz", f"motor speed {points}", dimension="section")
-    return {**found, "section_speed": speed} if of.has_motor else found
+    return {**columns, "section_speed": speed} if of.has_motor else columns

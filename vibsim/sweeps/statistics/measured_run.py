@@ -79,8 +79,8 @@ class MeasuredRun:
     def ends(self) -> dict[str, np.ndarray]:
         """Time and states at `begin` and at the end of the run, each (2)."""
         times = np.array([self.begin, self.t_reached])
-        found = state_at(self.scene, self.rows or self._start, times[:1], self.engine)
-        return {name: np.array([found[name][0], self._last[name]]) for name in section_columns(self.scene)}
+        states = state_at(self.scene, self.rows or self._start, times[:1], self.engine)
+        return {name: np.array([states[name][0], self._last[name]]) for name in section_columns(self.scene)}
 
     def _transient(self) -> list[Row] | None:
         """Run up to `begin`; the rows of the last instant of events."""

@@ -74,15 +74,15 @@ class Statistics:
         By column: displacements [m] and velocities [m/s], motor speed [Hz].
         """
         points = {name: column[max(len(column) - count, 0) :] for name, column in self.points().items()}
-        found = {
+        values = {
             name: (velocities if is_rate else displacements)(self.scene, (motion,), points)[0]
             for name, (motion, is_rate) in self.of.sections.items()
         }
         if self.scene.has_motor:
-            found["section_speed"] = points["phidot"] / TURN
+            values["section_speed"] = points["phidot"] / TURN
         return {
             name: np.concatenate([np.full(count - len(column), np.nan), column])
-            for name, column in found.items()
+            for name, column in values.items()
         }
 
     def _amplitudes(self, run: MeasuredRun, periods: int) -> dict[str, float]:
@@ -93,28 +93,28 @@ class Statistics:
             else np.array([*least, *greatest])[:, None]
         )
         low, high = np.split(rows, 2)  # of every whole period; without one of everything
-        found = {}
+        amplitudes = {}
         for i, motion in enumerate(self.of.motions):
             half = (high[i] - low[i]) / 2
-            found[f"amplitude_{motion.name}"] = float(mean(half))
-            found[f"amplitude_{motion.name}_max"] = float(half.max())
+            amplitudes[f"amplitude_{motion.name}"] = float(mean(half))
+            amplitudes[f"amplitude_{motion.name}_max"] = float(half.max())
         for name, motion in self.of.ranged.items():
             i = self.of.motions.index(motion)
-            found[f"{name}_min"], found[f"{name}_max"] = float(least[i]), float(greatest[i])
-        return found
+            amplitudes[f"{name}_min"], amplitudes[f"{name}_max"] = float(least[i]), float(greatest[i])
+        return amplitudes
 
     def _per_period(self, times: np.ndarray, periods: int) -> dict[str, float]:
         """Events in the whole periods, divided by their number."""
-        found: dict[str, float] = {"periods": float(periods)}
+        per_period: dict[str, float] = {"periods": float(periods)}
         parts = {"impacts_per_period": self.of.stops, "sticks_per_period": self.of.frictions}
         for name, begun in self._begun.items():
             happened, part = (np.concatenate([[], *column]) for column in zip(*begun, strict=True))
             counted = (happened >= times[0]) & (happened < times[-1])
-            found[name] = np.count_nonzero(counted) / periods if periods else math.nan
+            per_period[name] = np.count_nonzero(counted) / periods if periods else math.nan
             for one in parts[name]:
                 count = np.count_nonzero(counted & (part == self._number(one)))
-                found[f"{name}_{one}"] = count / periods if periods else math.nan
-        return found
+                per_period[f"{name}_{one}"] = count / periods if periods else math.nan
+        return per_period
 
     def _number(self, part: str) -> int | None:
         """Number of a part among those of the events table; None where it is not in the scene: mu = 0."""
@@ -126,12 +126,12 @@ class Statistics:
         """Slopes of the lines of least squares through displacements at the stroboscopic points [m/s]."""
         t = points["time"] - mean(points["time"])
         square = float(dot(t, t))
-        found = {}
+        drifts = {}
         for name, motion in self.of.drifting.items():
             x = displacements(self.scene, (motion,), points)[0]
             x = x - x[0]
-            found[name] = float(dot(t, x - mean(x))) / square if square else math.nan
-        return found
+            drifts[name] = float(dot(t, x - mean(x))) / square if square else math.nan
+        return drifts
 
     def _speeds(self, points: dict[str, np.ndarray], run: MeasuredRun) -> dict[str, float]:
         """Mean speed over the whole periods, extremes over everything [Hz]."""

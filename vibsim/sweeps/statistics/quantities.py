@@ -152,12 +152,12 @@ def _pairs(scene: Scene) -> Iterator[Motion]:
 
     Ends on the ground make no pair: there the relative motion is that of the body.
     """
-    seen = set()
+    listed = set()
     parts: tuple[Stop | RigidStop | Link, ...] = (*scene.stops, *scene.links)
     for part in parts:
         ends = frozenset((part.P, part.Q))
-        if GROUND not in ends and ends not in seen:
-            seen.add(ends)
+        if GROUND not in ends and ends not in listed:
+            listed.add(ends)
             (x, v), (other_x, other_v) = (_end_columns(scene, end) for end in (part.P, part.Q))
             names = f"relative_{part.name}", f"velocity_{part.name}"
             yield Motion(*names, f"{x} - {other_x}", f"{v} - {other_v}", part.P, part.Q, part.name)
@@ -175,20 +175,20 @@ def _damped_stops(scene: Scene) -> list[str]:
 
 def _powers(scene: Scene, frictions: Iterable[str]) -> dict[str, tuple[str, str]]:
     """The parts that give or take power: forces, motor, belts; dampers, stops with one, frictions."""
-    found = {
+    powers = {
         f"power_force_{f.name}": (f"work.forces.{f.name}", f"force {f.name} gives") for f in scene.forces
     }
     if scene.has_motor:
-        found["power_motor"] = "work.motor", "the motor gives"
+        powers["power_motor"] = "work.motor", "the motor gives"
     belts, damped = [f.name for f in scene.frictions if f.belt], _damped_stops(scene)
-    found |= {f"power_belt_{name}": (f"work.friction.{name}", f"the belt of {name} gives") for name in belts}
+    powers |= {f"power_belt_{name}": (f"work.friction.{name}", f"the belt of {name} gives") for name in belts}
     dampers = [link.name for link in scene.links if link.c]
-    found |= {
+    powers |= {
         f"power_damper_{name}": (f"loss.links.{name}", f"the damper of {name} takes") for name in dampers
     }
-    found |= {f"power_stop_{name}": (f"loss.stops.{name}", f"the stop {name} takes") for name in damped}
-    found |= {
+    powers |= {f"power_stop_{name}": (f"loss.stops.{name}", f"the stop {name} takes") for name in damped}
+    powers |= {
         f"power_friction_{name}": (f"loss.friction.{name}", f"the friction {name} takes")
         for name in frictions
     }
-    return {name: (entry, f"mean power that {words}") for name, (entry, words) in found.items()}
+    return {name: (entry, f"mean power that {words}") for name, (entry, words) in powers.items()}

@@ -19,20 +19,20 @@ def differences(plan: Plan, attrs: Mapping[str, Any]) -> list[str]:
     if attrs.get("sweep_sha256") == plan.fingerprint:
         return []
     stored = json.loads(attrs["sweep_settings_json"])
-    found = [*_settings(stored, plan.settings), *_cases(attrs["case_resolved_json"], plan, stored["axes"])]
-    more = len(found) - AT_MOST
-    return [*found[:AT_MOST], *([f"and {more} more"] if more > 0 else [])]
+    listed = [*_settings(stored, plan.settings), *_cases(attrs["case_resolved_json"], plan, stored["axes"])]
+    more = len(listed) - AT_MOST
+    return [*listed[:AT_MOST], *([f"and {more} more"] if more > 0 else [])]
 
 
-def _settings(stored: Mapping[str, Any], wanted: Mapping[str, Any]) -> Iterator[str]:
-    axes = [{axis["key"]: axis for axis in side["axes"]} for side in (stored, wanted)]
+def _settings(stored: Mapping[str, Any], settings: Mapping[str, Any]) -> Iterator[str]:
+    axes = [{axis["key"]: axis for axis in side["axes"]} for side in (stored, settings)]
     for key in dict.fromkeys([*axes[1], *axes[0]]):
         yield from _line(key, *(_axis(side.get(key)) for side in axes))
     if set(axes[0]) == set(axes[1]):
         yield from _line("order of the axes", *map(", ".join, axes))
-    for name in dict.fromkeys([*wanted, *stored]):
+    for name in dict.fromkeys([*settings, *stored]):
         if name != "axes":
-            yield from _line(name.replace("_", " "), *(_words(side.get(name)) for side in (stored, wanted)))
+            yield from _line(name.replace("_", " "), *(_words(side.get(name)) for side in (stored, settings)))
 
 
 def _cases(resolved: str, plan: Plan, stored_axes: list[dict[str, Any]]) -> Iterator[str]:
@@ -53,9 +53,9 @@ def _exact_values(case: Case) -> dict[str, Any]:
     }
 
 
-def _line(what: str, stored: str, wanted: str) -> Iterator[str]:
-    if stored != wanted:
-        yield f"{what}: in the file {stored}, here {wanted}"
+def _line(what: str, stored: str, planned: str) -> Iterator[str]:
+    if stored != planned:
+        yield f"{what}: in the file {stored}, here {planned}"
 
 
 def _axis(axis: Mapping[str, Any] | None) -> str:

@@ -29,7 +29,7 @@ class Journal(Records):
             "arrays": {name: array.astype("<f8").tobytes().hex() for name, array in point.arrays.items()},
         }
 
-    def _given(self, plain: dict[str, Any]) -> Point:
+    def _from_plain(self, plain: dict[str, Any]) -> Point:
         arrays = {
             name: np.frombuffer(bytes.fromhex(digits), "<f8") for name, digits in plain["arrays"].items()
         }

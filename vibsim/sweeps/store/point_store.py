@@ -91,9 +91,9 @@ class FileStore(Store):
             self._on_file = False
         self.notes += self._journal.notes()
 
-    def _refuse(self, found: list[str]) -> None:
-        if found:
-            listed = "\n  ".join(found)
+    def _refuse(self, differences: list[str]) -> None:
+        if differences:
+            listed = "\n  ".join(differences)
             raise ResultFileError(
                 f"{self._shown}: holds another sweep; kept (--force replaces it). It differs in\n  {listed}"
             )

@@ -68,9 +68,9 @@ def _check_count(path: Path, file: h5py.File, axes: list[Mapping[str, Any]]) -> 
     """A number of points that the file does not have must not be made: it may be any number."""
     status = file.get("status")
     there = status.size if isinstance(status, h5py.Dataset) and status.size is not None else 0
-    wanted = prod(map(_length, axes))
-    if not 0 < wanted <= there:
-        raise damaged(path, f"{SETTINGS} names {wanted} points, and status has {there}")
+    expected = prod(map(_length, axes))
+    if not 0 < expected <= there:
+        raise damaged(path, f"{SETTINGS} names {expected} points, and status has {there}")
 
 
 def _plan(case: "Case", settings: Mapping[str, Any]) -> Plan:
@@ -103,6 +103,6 @@ def _check_axes(case: "Case", plan: Plan) -> None:
 def _check_scales(path: Path, file: h5py.File, plan: Plan) -> None:
     """The scales must say what the settings say."""
     values = [*(axis.numbers() for axis in plan.axes), np.array(plan.directions)]
-    for name, wanted in zip(dimensions(plan), values, strict=True):
-        if not np.array_equal(file[name][...], wanted):
+    for name, expected in zip(dimensions(plan), values, strict=True):
+        if not np.array_equal(file[name][...], expected):
             raise damaged(path, f"{name} and {SETTINGS} name different values")
