@@ -160,7 +160,7 @@ case = vibsim.load_case("II-B", {"run.t_end": "1000000 s", "run.every": "1 ms"})
 told = False
 def watch(t):
     global told
-    if t > 120 and not told:  # two flushes, of about 72 s of samples each, are through
+    if t > 220 and not told:  # two flushes, of some 72 s of samples each, are through, and 66 s may wait
         told = True
         print("going", flush=True)
     return True

@@ -12,7 +12,8 @@ from vibsim.engine.errors import EngineError
 from vibsim.engine.state import State
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.results import trust_companion
-from vibsim.results.trust_companion import Companion, companion_scene, described, third_scene
+from vibsim.results.trust_companion import Companion, companion_scene, described
+from vibsim.results.trust_third import third_scene
 
 LONG = {"run.t_end": "100000 s"}
 

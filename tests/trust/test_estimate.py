@@ -1,6 +1,7 @@
 """From distances to estimates and a horizon."""
 
 import math
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from tests.scenes import NO_SOURCE, fixed_block, harmonic, motor, scene
 from vibsim.physics.rates import longest_period
 from vibsim.results.trust_estimate import ErrorEstimate, held, rounded_up, widened
-from vibsim.results.trust_share import GROWN, WINDOW
+from vibsim.results.trust_share import GROWN, WINDOW, NotYet
 
 TIME = np.arange(2001) / 200
 PERIOD = 0.5
@@ -126,21 +127,28 @@ def test_the_slower_of_source_and_free_vibration_sets_the_time():
     assert longest_period(fixed_block({**NO_SOURCE, "source": "none"}, k1=0.0).as_parts()) == math.inf
 
 
-def asking(further, pieces=1):
-    """Estimates where a third run is `further` times as far away as the companion; (estimates, questions)."""
+def asking(further, pieces=1, late=0):
+    """Estimates where a third run is `further` times as far away as the companion, and answers after `late`
+    questions; (estimates, questions).
+    """
     ours, theirs = growing()
     questions = []
 
     def third(count, last, until):
         questions.append((count, last, until))
+        if len(questions) <= late:
+            raise NotYet
         rows = slice(count - last, count)
         return ours[:, rows] + further * (theirs - ours)[:, rows]
 
     estimate = ErrorEstimate(SCENE, 1e-10)
-    parts = [
-        estimate.update(TIME[rows], ours[:, rows], theirs[:, rows], third=third)
-        for rows in np.array_split(np.arange(len(TIME)), pieces)
-    ]
+    waiting = np.array_split(np.arange(len(TIME)), pieces)
+    parts = []
+    while waiting:
+        rows = waiting[0]
+        with suppress(NotYet):
+            parts.append(estimate.update(TIME[rows], ours[:, rows], theirs[:, rows], third=third))
+            waiting.pop(0)
     return np.concatenate(parts), questions
 
 
@@ -156,6 +164,22 @@ def test_a_third_run_that_is_further_away_widens_what_follows():
         again, questions = asking(20.0, pieces)
         np.testing.assert_allclose(again, got, rtol=2e-3)
         assert questions == [(count, last, until)]
+
+
+@pytest.mark.parametrize("pieces", [1, 7, 300])
+def test_samples_that_a_third_run_was_late_for_are_judged_as_if_it_had_not_been(pieces):
+    at_once, [question] = asking(20.0, pieces)
+    later, questions = asking(20.0, pieces, late=3)
+    np.testing.assert_array_equal(later, at_once)
+    assert questions == 4 * [question]
+
+
+def test_where_a_third_run_will_not_be_known_the_estimate_is_the_size_of_the_motion():
+    ours, _ = growing()
+    got, [(count, *_)] = asking(math.inf)
+    size = np.maximum.accumulate(np.abs(ours).max(axis=0))
+    np.testing.assert_array_equal(got[:count], estimated(*growing())[1][:count])
+    assert np.all(got[count:] >= size[count:])
 
 
 @pytest.mark.parametrize("further", [0.05, 1.0, math.nan])

@@ -12,8 +12,9 @@ import vibsim
 from tests.command_line.made import call
 from tests.results.made import short_case
 from vibsim.physics.rates import longest_period
-from vibsim.results import recording, simulate, simulate_to_file
+from vibsim.results import recording, simulate, simulate_to_file, trust
 from vibsim.results.cadence import Thinning, instants_per_sample, sampled_finer
+from vibsim.results.trust_third import LastSamples
 from vibsim.sweeps import sweep
 
 
@@ -111,6 +112,25 @@ def test_an_interrupted_run_is_judged_as_far_as_it_went(tmp_path):
     assert 20 <= result.t_reached < 300
     assert result.trust_horizon == result.t_reached
     assert len(result.error_estimate) == len(result)
+
+
+def test_a_run_goes_on_while_a_third_run_is_waited_for(monkeypatch):
+    """Whether it waits at once or goes on for four blocks, all comes out the same."""
+    case = short_case("II-B", "119 s")
+    monkeypatch.setattr(trust, "HELD", 0)
+    waiting = simulate(case)
+    monkeypatch.setattr(trust, "HELD", 4)
+    going_on = simulate(case)
+    assert waiting.trust_horizon == going_on.trust_horizon < 100
+    assert all(waiting[name].tobytes() == going_on[name].tobytes() for name in waiting)
+
+
+def test_a_run_that_is_stopped_before_a_third_run_has_ended_is_not_trusted_beyond(monkeypatch, tmp_path):
+    monkeypatch.setattr(LastSamples, "told", lambda *_: None)
+    result = simulate_to_file(short_case("II-B", "300 s"), tmp_path / "a.h5", watch=lambda t: t < 90)
+    assert not result.complete and result.t_reached > 80
+    assert len(result.error_estimate) == len(result) > 0.99 * result.t_reached / 5e-3
+    assert 50 < result.trust_horizon < 70
 
 
 def test_the_python_engine_estimates_the_same():

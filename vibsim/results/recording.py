@@ -1,12 +1,13 @@
 """A run of the engine, recorded block by block into memory or a file."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from vibsim.engine.choice import flow_of
+from vibsim.engine.errors import EngineError
 from vibsim.engine.trajectory import Block, open_trajectory
 from vibsim.files.declarations import Column
 from vibsim.results.cadence import Thinning, instants_per_sample, sampled_finer
@@ -51,7 +52,7 @@ class Recording:
         self.t_reached = self._known_to = self._worked_to = 0.0
         self.complete = False
         self._distances = Distances(case, self.scene)
-        self._trust = Trust(case, judged, engine) if trust else NoTrust()
+        self._trust: NoTrust[tuple[Rows, float]] = Trust(case, judged, engine) if trust else NoTrust()
         self.tables = tables_of(self.scene).judged(self._trust.columns)
 
     def into(self, sink: Sink, watch: Watch | None = None) -> None:
@@ -61,19 +62,31 @@ class Recording:
             return watch is None or watch(self.progress)
 
         with self._trust:
-            for block in self.trajectory.blocks():
-                times = block.samples["time"][-1:].tolist()
-                self._known_to = max(float(block.t_reached), *times, self._known_to)
-                self._worked_to = getattr(block, "worked_to", self._known_to)
-                samples = self._thinning.thinned(
-                    self._trust.judged(block.samples, go_on, self._left_out(block))
-                )
-                sink.append(samples, block.events)
-                self._distances.update(samples, block.events)
-                self.t_reached = self._known_to
-                if not go_on():
-                    return
+            try:
+                self._run(sink, go_on)
+            except EngineError:
+                self._hand_on(sink, self._trust.rest(go_on))
+                raise
+            self._hand_on(sink, self._trust.rest(go_on))
+
+    def _run(self, sink: Sink, go_on: Callable[[], bool]) -> None:
+        for block in self.trajectory.blocks():
+            times = block.samples["time"][-1:].tolist()
+            self._known_to = max(float(block.t_reached), *times, self._known_to)
+            self._worked_to = getattr(block, "worked_to", self._known_to)
+            left_out, tag = self._left_out(block), (block.events, self._known_to)
+            self._hand_on(sink, self._trust.judged(block.samples, left_out, tag, go_on))
+            if not go_on():
+                return
         self.complete = True
+
+    def _hand_on(self, sink: Sink, judged: Iterable[tuple[Rows, tuple[Rows, float]]]) -> None:
+        """Give the sink blocks of samples, each with its events and the time [s] that is known then."""
+        for rows, (events, known_to) in judged:
+            samples = self._thinning.thinned(rows)
+            sink.append(samples, events)
+            self._distances.update(samples, events)
+            self.t_reached = known_to
 
     def _left_out(self, block: Block) -> np.ndarray | float:
         """Distance that completed chatter has left out at the samples of a block [m], wherever that ends."""

@@ -1,50 +1,67 @@
 """Until when a run is right: its error at every sample, and the trust horizon."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections import deque
+from collections.abc import Iterator, Mapping
 from functools import partial
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
 from vibsim.physics.parts import Scene
 from vibsim.results.columns import tables_of
-from vibsim.results.trust_companion import Companion, companion_scene, described, third_scene
+from vibsim.results.trust_companion import Companion, GoOn, companion_scene, described
 from vibsim.results.trust_estimate import ErrorEstimate
+from vibsim.results.trust_share import NotYet
+from vibsim.results.trust_third import ThirdRun
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
 
 COLUMN = "error_estimate"
-GoOn = Callable[[], bool]
-AT_ONCE = 100_000  # samples
+HELD = 4  # blocks of samples that wait for a third run before the run itself does
+Rows = Mapping[str, np.ndarray]
+Tag = TypeVar("Tag")  # whatever goes with a block
 
 
-class NoTrust:
+class Unjudged(NamedTuple, Generic[Tag]):
+    """A block of samples with what it is judged by: displacements of the run and its companion [m]."""
+
+    samples: Rows
+    ours: np.ndarray
+    theirs: np.ndarray
+    left_out: np.ndarray | float
+    tag: Tag
+
+
+class NoTrust(Generic[Tag]):
     """What takes the place of `Trust` in a run that is not judged."""
 
     columns: tuple[str, ...] = ()
     t_reached = inf  # of what judges [s]
 
-    def __enter__(self) -> "NoTrust":
+    def __enter__(self) -> "NoTrust[Tag]":
         return self
 
     def __exit__(self, *failure: object) -> None:
         pass
 
     def judged(
-        self, samples: Mapping[str, np.ndarray], go_on: GoOn, left_out: np.ndarray | float = 0.0
-    ) -> Mapping[str, np.ndarray]:
+        self, samples: Rows, left_out: np.ndarray | float, tag: Tag, go_on: GoOn
+    ) -> Iterator[tuple[Rows, Tag]]:
         """The samples as they are."""
-        return samples
+        yield samples, tag
+
+    def rest(self, go_on: GoOn) -> Iterator[tuple[Rows, Tag]]:
+        """Nothing waits."""
+        return iter(())
 
     def attrs(self, t_reached: float) -> dict[str, Any]:
         """Nothing is known."""
         return {}
 
 
-class Trust(NoTrust):
+class Trust(NoTrust[Tag]):
     """Judges a run of `case` while it is computed, by a companion on the same engine.
 
     case, scene : what is run. To be entered for as long as the run goes.
@@ -54,18 +71,19 @@ class Trust(NoTrust):
 
     def __init__(self, case: "Case", scene: Scene, engine: str):
         other = companion_scene(case, scene)
-        self._method, self._engine = described(other), engine
-        self._third = third_scene(other, scene)
+        self._method = described(other)
         self._estimate = ErrorEstimate(scene, case.number("run.trust_tolerance"))
-        self._companion = Companion(other, engine)
+        self._companion, self._third = Companion(other, engine), ThirdRun(other, scene, engine)
         self._names = tables_of(scene).displacements
+        self._held: deque[Unjudged[Tag]] = deque()
 
-    def __enter__(self) -> "Trust":
+    def __enter__(self) -> "Trust[Tag]":
         self._companion.start()
         return self
 
     def __exit__(self, *failure: object) -> None:
         self._companion.close()
+        self._third.close()
 
     @property
     def t_reached(self) -> float:  # type: ignore[override]
@@ -73,28 +91,43 @@ class Trust(NoTrust):
         return self._companion.t_reached
 
     def judged(
-        self, samples: Mapping[str, np.ndarray], go_on: GoOn, left_out: np.ndarray | float = 0.0
-    ) -> dict[str, np.ndarray]:
-        """The next block of samples with the column `error_estimate` [m]; `go_on` as in `Companion.take`.
+        self, samples: Rows, left_out: np.ndarray | float, tag: Tag, go_on: GoOn
+    ) -> Iterator[tuple[Rows, Tag]]:
+        """Take the next block of samples, and yield those that are judged by now, with the column
+        `error_estimate` [m]: none where a third run is waited for.
 
         left_out : distance [m] at each sample that the run has left out of infinite sequences of impacts, as
-        its companion has
+        its companion has; tag : what goes with the block; `go_on` as in `Companion.take`
         """
         ours = np.stack([samples[name] for name in self._names])
         theirs = self._companion.take(ours.shape[1], go_on)
-        third = partial(self._by_a_third_run, go_on)
-        return {**samples, COLUMN: self._estimate.update(samples["time"], ours, theirs, left_out, third)}
+        self._held.append(Unjudged(samples, ours, theirs, left_out, tag))
+        if not self._third.is_awaited or len(self._held) > HELD:
+            yield from self._released(go_on, len(self._held) > HELD)
 
-    def _by_a_third_run(self, go_on: GoOn, count: int, last: int, until: float) -> np.ndarray:
-        """Displacements [m] of a third run at the `last` of its first `count` samples, up to `until` [s]."""
-        companion = Companion(replace(self._third, t_end=until), self._engine)
-        companion.start()
-        try:
-            for done in range(0, count - last, AT_ONCE):
-                companion.take(min(AT_ONCE, count - last - done), go_on)
-            return companion.take(last, go_on)
-        finally:
-            companion.close()
+    def rest(self, go_on: GoOn) -> Iterator[tuple[Rows, Tag]]:
+        """Yield the blocks that wait, judged. Where `go_on` says no, nothing is known from where a third run
+        was asked that has not ended.
+        """
+        yield from self._released(go_on, waits=True)
+
+    def _released(self, go_on: GoOn, waits: bool) -> Iterator[tuple[Rows, Tag]]:
+        third = partial(self._by_a_third_run, go_on, waits)
+        while self._held:
+            samples, ours, theirs, left_out, tag = self._held[0]
+            try:
+                estimates = self._estimate.update(samples["time"], ours, theirs, left_out, third)
+            except NotYet:
+                return
+            self._held.popleft()
+            yield {**samples, COLUMN: estimates}, tag
+
+    def _by_a_third_run(self, go_on: GoOn, waits: bool, count: int, last: int, until: float) -> np.ndarray:
+        """`trust_share.Third`, to be waited for or not."""
+        told = self._third.displacements(lambda: waits and go_on(), count, last, until)
+        if told is None and not waits:
+            raise NotYet
+        return np.full((len(self._names), last), inf) if told is None else told
 
     def attrs(self, t_reached: float) -> dict[str, Any]:
         """Attributes of the file: horizon [s], tolerance [m], method, and the largest estimate [m].

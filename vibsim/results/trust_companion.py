@@ -33,11 +33,11 @@ if TYPE_CHECKING:
 PARTS = ("bodies", "links", "stops", "frictions", "forces", "base", "motor")
 TURNS = ("cycles", "cycles_lo")
 USUAL_ORDER, OTHER_ORDER = 20, 25  # of the Taylor flow; both cost the same
-THIRD_ORDERS = (22, OTHER_ORDER, USUAL_ORDER)
 TOLERANCE = 2.0**-53
 PATIENCE = 0.1  # seconds between two questions whether to wait on
 HIGHER = 16  # hops, at the end of sequences of impacts under friction: four times as fast
 BLOCKS_AHEAD = 8  # bounds the memory of a companion that is faster than the run
+GoOn = Callable[[], bool]
 
 
 def companion_scene(case: "Case", scene: Scene) -> Scene:
@@ -64,12 +64,6 @@ def _other_flow(scene: Scene) -> tuple[str, int]:
     if scene.method == "taylor":
         return flow_of(replace(scene, method="auto")), _other_order(scene.order)
     return "taylor", USUAL_ORDER if flow_of(scene) == "closed_form" else _other_order(scene.order)
-
-
-def third_scene(companion: Scene, scene: Scene) -> Scene:
-    """The scene of a third run, whose steps are those of neither a run of `scene` nor its companion."""
-    order = next(order for order in THIRD_ORDERS if order not in (scene.order, companion.order))
-    return replace(companion, method="taylor", order=order)
 
 
 def _other_order(order: int) -> int:
@@ -100,8 +94,8 @@ def moved(value: Any, exact: Any) -> Any:
     return nextafter(value, inf if error > 0 else -inf) if error else value
 
 
-class Companion:
-    """A run of `scene` in a thread of its own, of which only the displacements at the samples are kept.
+class Beside:
+    """A run of `scene` in a thread of its own, of which only the displacements at the samples are used.
 
     The C engine lets go of the interpreter while it computes: on two cores it costs hardly any time.
     """
@@ -109,18 +103,56 @@ class Companion:
     def __init__(self, scene: Scene, engine: str):
         self._trajectory = open_trajectory(scene, engine, lowest=HIGHER * LOWEST)
         self._names = tables_of(scene).displacements
-        self._queue: SimpleQueue[np.ndarray | BaseException | None] = SimpleQueue()
-        self._room = threading.Semaphore(BLOCKS_AHEAD)
-        self._closed = self._ended = False
+        self._closed = False
         self.t_reached = 0.0  # [s]; infinite once it has ended
-        self._waiting: deque[np.ndarray] = deque()
         self._thread = threading.Thread(target=self._run, name="vibsim companion", daemon=True)
 
     def start(self) -> None:
         """Set off."""
         self._thread.start()
 
-    def take(self, count: int, go_on: Callable[[], bool] = lambda: True) -> np.ndarray:
+    def close(self) -> None:
+        """End it where it is."""
+        self._closed = True
+        self._thread.join()
+
+    def _run(self) -> None:
+        from vibsim.engine.errors import EngineError
+
+        error: BaseException | None = None
+        try:
+            for block in self._trajectory.blocks():
+                self._hand_on(np.stack([block.samples[name] for name in self._names]))
+                if self._closed:
+                    return
+                self.t_reached = max(block.t_reached, *block.samples["time"][-1:].tolist(), self.t_reached)
+        except EngineError:
+            pass  # the run went on where this one failed: nothing more to compare with
+        except BaseException as raised:  # raised again where the samples are asked for
+            error = raised
+        self._end(error)
+        self.t_reached = inf
+
+    def _hand_on(self, piece: np.ndarray) -> None:
+        """Take the next samples, shape (blocks that move, samples)."""
+        raise NotImplementedError
+
+    def _end(self, error: BaseException | None) -> None:
+        """Note the end, and what it was if not that of the run."""
+        raise NotImplementedError
+
+
+class Companion(Beside):
+    """A run beside the first, which may be as far ahead of it as a few blocks."""
+
+    def __init__(self, scene: Scene, engine: str):
+        super().__init__(scene, engine)
+        self._queue: SimpleQueue[np.ndarray | BaseException | None] = SimpleQueue()
+        self._room = threading.Semaphore(BLOCKS_AHEAD)
+        self._ended = False
+        self._waiting: deque[np.ndarray] = deque()
+
+    def take(self, count: int, go_on: GoOn = lambda: True) -> np.ndarray:
         """Displacements [m] at the next `count` samples, shape (blocks that move, count).
 
         NaN from where the companion has failed, or where `go_on` says no: it is asked while they are waited
@@ -142,20 +174,20 @@ class Companion:
         """End the companion where it is."""
         self._closed = True
         self._room.release()
-        self._thread.join()
+        super().close()
 
-    def _next(self, go_on: Callable[[], bool]) -> np.ndarray | None:
+    def _next(self, go_on: GoOn) -> np.ndarray | None:
         """The next samples; None after the last, or when not to go on."""
         if self._waiting:
             return self._waiting.popleft()
-        block = None if self._ended else self._awaited(go_on)
-        if isinstance(block, BaseException):
-            raise block
-        self._ended = block is None
+        piece = None if self._ended else self._awaited(go_on)
+        if isinstance(piece, BaseException):
+            raise piece
+        self._ended = piece is None
         self._room.release()
-        return block
+        return piece
 
-    def _awaited(self, go_on: Callable[[], bool]) -> np.ndarray | BaseException | None:
+    def _awaited(self, go_on: GoOn) -> np.ndarray | BaseException | None:
         """The next block, or what ended it; None when not to go on, which is asked whenever it waits."""
         while True:
             if self._queue.empty() and not go_on():
@@ -165,20 +197,9 @@ class Companion:
             except Empty:
                 continue
 
-    def _run(self) -> None:
-        from vibsim.engine.errors import EngineError
+    def _hand_on(self, piece: np.ndarray) -> None:
+        self._room.acquire()
+        self._queue.put(piece)
 
-        last: BaseException | None = None
-        try:
-            for block in self._trajectory.blocks():
-                self._room.acquire()
-                if self._closed:
-                    return
-                self._queue.put(np.stack([block.samples[name] for name in self._names]))
-                self.t_reached = max(block.t_reached, *block.samples["time"][-1:].tolist(), self.t_reached)
-        except EngineError:
-            pass  # the run went on where its companion failed: nothing more to compare with
-        except BaseException as error:  # raised where the samples are asked for
-            last = error
-        self.t_reached = inf
-        self._queue.put(last)
+    def _end(self, error: BaseException | None) -> None:
+        self._queue.put(error)

@@ -61,7 +61,8 @@ class ErrorEstimate:
         ours, theirs : displacements [m] of the run and its companion, shape (bodies, samples). NaN
         where the companion has failed: nothing is known any more, and the estimate is the size of the motion.
         left_out : a distance [m] that both are known to lack, at least
-        third : a third run, by which distances are widened; the same in every call
+        third : a third run, by which distances are widened; the same in every call. Where it raises NotYet,
+        these samples have to be given again
         """
         if not len(time):
             return np.empty(0)

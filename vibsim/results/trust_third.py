@@ -1,0 +1,74 @@
+"""The third run, which is asked once: for the end of what it has to show (see `trust_share`)."""
+
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+
+from vibsim.physics.parts import Scene
+from vibsim.results.trust_companion import OTHER_ORDER, PATIENCE, USUAL_ORDER, Beside, GoOn
+
+ORDERS = (22, OTHER_ORDER, USUAL_ORDER)
+
+
+def third_scene(companion: Scene, scene: Scene) -> Scene:
+    """The scene of a third run, whose steps are those of neither a run of `scene` nor its companion."""
+    order = next(order for order in ORDERS if order not in (scene.order, companion.order))
+    return replace(companion, method="taylor", order=order)
+
+
+class LastSamples(Beside):
+    """The `last` of the first `count` samples of a run of `scene`, which ends with them."""
+
+    def __init__(self, scene: Scene, engine: str, count: int, last: int):
+        super().__init__(scene, engine)
+        self._first, self._last, self._seen = count - last, last, 0
+        self._parts: list[np.ndarray] = []
+        self._error: BaseException | None = None
+
+    def told(self, seconds: float) -> np.ndarray | None:
+        """Displacements [m], shape (blocks that move, last), NaN where the run has failed; None where it goes
+        on for more than so many `seconds`.
+        """
+        self._thread.join(seconds)
+        if self._thread.is_alive():
+            return None
+        if self._error:
+            raise self._error
+        rest = self._first + self._last - max(self._seen, self._first)
+        return np.concatenate([*self._parts, np.full((len(self._names), max(rest, 0)), np.nan)], axis=1)
+
+    def _hand_on(self, piece: np.ndarray) -> None:
+        low, high = self._first - self._seen, self._first + self._last - self._seen
+        self._seen += piece.shape[1]
+        self._parts.append(piece[:, max(low, 0) : max(high, 0)].copy())
+
+    def _end(self, error: BaseException | None) -> None:
+        self._error = error
+
+
+class ThirdRun:
+    """A third run beside a run of `scene` and its companion, set off when it is asked for the first time."""
+
+    def __init__(self, companion: Scene, scene: Scene, engine: str):
+        self._scene, self._engine = third_scene(companion, scene), engine
+        self._run: LastSamples | None = None
+
+    @property
+    def is_awaited(self) -> bool:
+        """Whether it was asked and has not ended."""
+        return self._run is not None and self._run.t_reached < inf
+
+    def displacements(self, go_on: GoOn, count: int, last: int, until: float) -> np.ndarray | None:
+        """What `LastSamples` of a run up to `until` [s] tells; None where it goes on when `go_on` says no."""
+        if self._run is None:
+            self._run = LastSamples(replace(self._scene, t_end=until), self._engine, count, last)
+            self._run.start()
+        while (told := self._run.told(PATIENCE if go_on() else 0.0)) is None and go_on():
+            pass
+        return told
+
+    def close(self) -> None:
+        """End it where it is."""
+        if self._run:
+            self._run.close()
