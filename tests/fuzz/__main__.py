@@ -20,25 +20,42 @@ INTERRUPTED = {130, -2}  # -2: by the signal itself, which a shell calls 130
 CODES = {
     "case": {0, 3, 4},
     "options": {0, 2, 3, 4, 5, 6},
-    "file": {0, 2, 6},
+    "file": {0, 2, 3, 4, 6},
 }
 ON_CASES = [["check", "case.yaml"], ["run", "case.yaml", "--t-end", "0.2s", "--force", "-o", "out.h5"]]
 ON_CASES += [["run", "case.yaml", "--force", "-o", "out.h5"], ["check", "case.yaml", "--json"]]
 ON_FILES = [
-    ["info", "mutant.h5"],
-    ["info", "mutant.h5", "--json"],
-    ["analyse", "mutant.h5"],
-    ["info", "mutant.h5", "--case"],
+    "info mutant.h5",
+    "info mutant.h5 --json",
+    "info mutant.h5 --case",
+    "analyse mutant.h5",
+    "compare mutant.h5 run.h5",
+    "plot mutant.h5 --list",
+    "plot mutant.h5 -o p.png --force",
+    "plot mutant.h5 -o p.html --force",
+    "export mutant.h5 -o out.csv --force",
+    "export mutant.h5 --ro-crate -o crate --force",
+    "animate mutant.h5 -o film.html --force",
+    "run mutant.h5 --dry-run -o o.h5",
+    "run mutant.h5 --t-end 0.1s -o o.h5",
+    "orbit mutant.h5 -o o.h5",
+    "orbit I-A --from mutant.h5 -o o.h5",
+    "continue mutant.h5 --omega0 3:9 --max-points 4 -o o.h5",
+    "continue mutant.h5 --switch PD2 --max-points 4 -o o.h5",
+    "continue mutant.h5 --locus NS1 --param c=0.02:0.04 --max-points 4 -o o.h5",
 ]
-ON_FILES += [
-    ["plot", "mutant.h5", "-o", "p.png", "--force"],
-    ["export", "mutant.h5", "-o", "out.csv", "--force"],
-]
-ON_FILES += [
-    ["compare", "mutant.h5", "run.h5"],
-    ["plot", "mutant.h5", "--list"],
-    ["run", "mutant.h5", "--dry-run", "-o", "o.h5"],
-]
+WHOLE = {
+    "run": "run II-B --t-end 1s",
+    "digits": "run I-A --t-end 0.1s --digits 20",
+    "exponents": "run II-B --t-end 2s --lyapunov 2",
+    "sweep": "sweep II-B --omega0 3:5:1 --t-end 1s --section 5",
+    "ensemble": "sweep II-B --ensemble 3 --compute all --t-end 1s",
+    "orbit": "orbit I-A --digits 20",
+    "branch": "continue II-B -s c=0.03 -s Omega0=3.8Hz --omega0 3:9 --max-points 80",
+    "locus": "continue branch.h5 --locus NS1 --param c=0.02:0.04 --max-points 4",
+    "fit": "fit II-B --free J=1:2gm^2 --want captured --t-end 1s --candidates 4 --ensemble 1 --fresh 1",
+    "bench": "bench I-A --t-end 0.5s --methods taylor",
+}
 
 
 def main(words=None):
@@ -53,7 +70,7 @@ def main(words=None):
     failed = Counter()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        wholes = whole_files(folder / "whole")
+        (wholes := folder / "whole").mkdir()
         for number in range(options.count):
             kind = options.kinds.split(",")[number % len(options.kinds.split(","))]
             problem = one(f"{options.seed}/{number}", kind, folder / "scratch", wholes, options)
@@ -64,22 +81,17 @@ def main(words=None):
     return 1 if failed else 0
 
 
-def whole_files(folder):
-    """A folder with a file of every kind, for mutants to begin from."""
-    folder.mkdir()
-    for words in (
-        ["run", "II-B", "--t-end", "1s", "-o", "run.h5"],
-        ["run", "I-A", "--t-end", "0.1s", "--digits", "20", "-o", "digits.h5"],
-        ["run", "II-B", "--t-end", "2s", "--lyapunov", "2", "-o", "exponents.h5"],
-        ["sweep", "II-B", "--omega0", "3:5:1", "--t-end", "1s", "--section", "5", "-o", "sweep.h5"],
-        ["sweep", "II-B", "--ensemble", "3", "--compute", "all", "--t-end", "1s", "-o", "ensemble.h5"],
-        ["bench", "I-A", "--t-end", "0.5s", "--methods", "taylor", "-o", "bench.h5"],
-    ):
-        outcome = run(words, folder, limit=120)
-        if outcome.code:
-            raise SystemExit(f"{' '.join(words)}: {outcome.stderr}")
-    shutil.copy(case_files()[0], folder / "case.yaml")
-    return folder
+def with_wholes(words, wholes, folder):
+    """The words; the whole files that they name are put into the folder, made when they are named first."""
+    for name in [each for each in WHOLE if f"{each}.h5" in words]:
+        if not (wholes / f"{name}.h5").exists():
+            command = with_wholes(WHOLE[name].split(), wholes, wholes)
+            outcome = run([*command, "-o", f"{name}.h5"], wholes, limit=120)
+            if outcome.code:
+                raise SystemExit(f"{WHOLE[name]}: {outcome.stderr}")
+        if folder != wholes:
+            shutil.copy(wholes / f"{name}.h5", folder)
+    return words
 
 
 def case_files():
@@ -130,15 +142,18 @@ def of_a_case(draw, scratch, wholes):
 
 
 def of_options(draw, scratch, wholes):
-    for name in ("run.h5", "sweep.h5", "case.yaml"):
-        shutil.copy(wholes / name, scratch)
-    return option_mutants.mutant(draw)
+    shutil.copy(case_files()[0], scratch / "case.yaml")
+    return with_wholes(option_mutants.mutant(draw), wholes, scratch)
 
 
 def of_a_file(draw, scratch, wholes):
-    shutil.copy(wholes / "run.h5", scratch)
-    file_mutants.mutant(draw.choice(sorted(wholes.glob("*.h5"))), scratch / "mutant.h5", draw)
-    return draw.choice(ON_FILES)
+    """A command on a mutant, or the one that made the file, once more: it may go on from what is there."""
+    name = draw.choice(list(WHOLE))
+    with_wholes([f"{name}.h5"], wholes, scratch)
+    file_mutants.mutant(scratch / f"{name}.h5", scratch / "mutant.h5", draw)
+    again = f"{WHOLE[name]} -o mutant.h5"
+    words = again if draw.random() < 0.1 else draw.choice(ON_FILES)
+    return with_wholes(words.split(), wholes, scratch)
 
 
 MAKERS = {"case": of_a_case, "options": of_options, "file": of_a_file}

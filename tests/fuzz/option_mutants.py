@@ -57,79 +57,70 @@ VALUES = [
     "csv",
     "png",
     "\x1b]0;x\a",
+    "drift none",
+    "impacts at most 3",
+    "NS1",
+    "PD9",
+    "x1",
+    "events/v1",
+    "12x8",
+    "orbit.h5",
+    "fit.h5",
     "é",
     "9" * 40,
 ]
-LONG = ["--t-end", "0.2s"]
 OPTIONS = {
-    "run": [
-        "-s",
-        "--t-end",
-        "--every",
-        "--method",
-        "--lyapunov",
-        "--plot",
-        "--dry-run",
-        "--force",
-        "--no-trust",
-    ],
-    "sweep": [
-        "--omega0",
-        "--omega",
-        "--param",
-        "--direction",
-        "--carry-state",
-        "--discard",
-        "--section",
-        "--every",
-    ]
-    + [
-        "--compute",
-        "--ensemble",
-        "--seed",
-        "--spread",
-        "-s",
-        "--t-end",
-        "--shard",
-        "--force",
-        "-j",
-        "--list",
-    ],
-    "plot": ["--kind", "--window", "--detail", "--width", "--list", "--force"],
-    "info": ["--case", "--json", "-v", "-q"],
-    "analyse": ["--window", "-s", "--json"],
-    "compare": ["--tolerance", "--json"],
-    "export": ["--window", "--format", "--events", "--force"],
-    "cases": ["--json"],
-    "check": ["--json", "-s"],
-    "schema": [],
-    "nosuch": ["--nothing"],
-}
-FLAGS = {
-    "--dry-run",
-    "--force",
+    "run": "-s --t-end --every --method --digits --lyapunov --discard --engine --plot --dry-run --force "
     "--no-trust",
-    "--carry-state",
-    "--list",
-    "--case",
-    "--json",
-    "-v",
-    "-q",
-    "--events",
+    "sweep": "--omega0 --omega --param --direction --carry-state --discard --section --every --compute "
+    "--ensemble --seed --spread -s --t-end --shard --force -j --list",
+    "orbit": "-s --from --period --search --seed --digits --engine --force",
+    "continue": "--omega0 --omega --param --energy --switch --locus --max-points -s --engine --force",
+    "fit": "--want --free --leave --try --ensemble --spread --method --candidates --at-most --screen "
+    "--confirm --fresh --seed --list -s --every -j --force",
+    "plot": "--kind --window --detail --x --y --width --size --font-size --style --list --force",
+    "animate": "--window --speed --force",
+    "info": "--case --json -v -q",
+    "analyse": "--what --window --discard --no-exponent -s --json",
+    "compare": "--tolerance --json",
+    "export": "--window --along --ro-crate --events --force",
+    "bench": "-s --methods --limit --truth --plot --force",
+    "verify": "--list --engine --json",
+    "cases": "--json",
+    "check": "--json -s",
+    "schema": "",
+    "new": "--from --force",
+    "nosuch": "--nothing",
 }
-OUTPUTS = ["out.h5", "out.csv", "out.png", "out", "nosuch/out.h5", "/dev/null"]
-SOURCES = ["II-B", "I-A", "case.yaml", "run.h5", "sweep.h5", "nosuch", "nosuch.h5", "-", ".", "\x1b[2J.h5"]
+FLAGS = {"--dry-run", "--force", "--no-trust", "--carry-state", "--list", "--case", "--json", "-v", "-q"}
+FLAGS |= {"--events", "--no-exponent", "--ro-crate"}
+OUTPUTS = ["out.h5", "out.csv", "out.png", "out.html", "out", "nosuch/out.h5", "/dev/null"]
+SOURCES = ["II-B", "I-A", "case.yaml", "run.h5", "sweep.h5", "orbit.h5", "branch.h5", "fit.h5", "locus.h5"]
+SOURCES += ["nosuch", "nosuch.h5", "-", ".", "\x1b[2J.h5"]
+OFTEN = [9, 3, 5, 9, 9, 5, 5, 2, 2, 1, 1, 1, 1, 1]  # how often each source
+SHORT = {  # what keeps a command from running for long
+    "run": "--t-end 0.2s",
+    "sweep": "--t-end 0.2s",
+    "continue": "--max-points 4",
+    "fit": "--t-end 0.2s --candidates 4 --confirm 1 --fresh 1 --ensemble 1",
+    "bench": "--t-end 0.1s --methods taylor",
+}
+USUAL = {  # what a command does little without
+    "sweep": "--omega0 3:5:1",
+    "continue": "--omega0 3:9",
+    "fit": "--free J=1:2gm^2 --want captured",
+}
 
 
 def mutant(draw):
     """Words of one command line; what would run for long is cut short by options in front."""
     command = draw.choice(list(OPTIONS))
-    words = [command, *draw.choices(SOURCES, [9, 3, 5, 9, 9, 1, 1, 1, 1, 1], k=draw.choice([0, 1, 1, 1, 2]))]
-    words += LONG if command in ("run", "sweep") else []
+    words = [command, *draw.choices(SOURCES, OFTEN, k=draw.choice([0, 1, 1, 1, 2]))]
+    words += SHORT.get(command, "").split()
     if draw.random() < 0.5:
         words += ["-o", draw.choice(OUTPUTS)]
-    words += ["--omega0", "3:5:1"] if command == "sweep" and draw.random() < 0.5 else []
+    words += USUAL.get(command, "").split() if draw.random() < 0.5 else []
     for _ in range(draw.randint(0, 3)):
-        option = draw.choice(OPTIONS[command] or ["--help"])
+        option = draw.choice(OPTIONS[command].split() or ["--help"])
         words += [option] if option in FLAGS else [option, draw.choice(VALUES)]
     return words

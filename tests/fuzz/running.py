@@ -1,10 +1,13 @@
 """One mutant at a time: a forked copy of this process runs the command, and is watched from outside."""
 
 import os
+import pkgutil
 import signal
 import sys
 import time
 from dataclasses import dataclass
+
+from vibsim.command_line import commands
 
 LIMIT = 4.0  # seconds until a command is interrupted: what a case asks for may take for ever
 PATIENCE = 2.0  # seconds that it may take to end then
@@ -88,11 +91,13 @@ def preload():
         "results.trajectory_file",
         "sweeps.sweeping",
         "sweeps.sweep_result",
+        "branches.continuing",
+        "fitting.fitting",
         "plots.picture",
     ):
         __import__(f"vibsim.{name}")
-    for name in ("run", "sweep", "plot", "info", "analyse", "compare", "export", "cases", "check", "schema"):
-        __import__(f"vibsim.command_line.commands.{name}")
+    for module in pkgutil.iter_modules(commands.__path__):
+        __import__(f"{commands.__name__}.{module.name}")
 
 
 def control_characters(text):

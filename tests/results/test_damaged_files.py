@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -10,12 +11,21 @@ import pytest
 import vibsim
 from tests.results.damages import OF_ATTRIBUTES, OF_DATASETS, damage_attribute, datasets
 from tests.results.made import short_case
+from vibsim.branches.locus_plan import locus_plan
+from vibsim.branches.span import read_span
+from vibsim.branches.store.branch_store import BranchFileStore
+from vibsim.branches.store.locus_file import LocusStore
+from vibsim.branches.store.structure import ATTRIBUTES as OF_BRANCH
+from vibsim.branches.store.structure import LOCUS_ATTRIBUTES as OF_LOCUS
 from vibsim.evidence.benchmark.bench_structure import ATTRIBUTES as OF_BENCH
+from vibsim.files.reading import damage_named
 from vibsim.fitting import fit
 from vibsim.fitting.fit_structure import ATTRIBUTES as OF_FIT
+from vibsim.fitting.run_store import FileRunStore
 from vibsim.results import ResultFileError
 from vibsim.results.trajectory_structure import ATTRIBUTES as OF_TRAJECTORY
 from vibsim.sweeps import sweep
+from vibsim.sweeps.store.point_store import FileStore
 from vibsim.sweeps.store.sweep_structure import ATTRIBUTES as OF_SWEEP
 
 ATTRIBUTES = {
@@ -24,6 +34,9 @@ ATTRIBUTES = {
     "sweep": OF_SWEEP,
     "bench": OF_BENCH,
     "fit": OF_FIT,
+    "orbit": OF_TRAJECTORY,
+    "branch": OF_BRANCH,
+    "locus": OF_LOCUS,
 }
 NOT_READ = {"digits": {"digits/events/event"}, "bench": {"row", "time", "kind"}, "sweep": {"section"}}
 
@@ -49,6 +62,11 @@ def whole(tmp_path_factory):
         jobs=1,
         out=folder / "fit.h5",
     )
+    captured = vibsim.orbit("II-B", {"c": "0.03 N s/m", "Omega0": "5.7 Hz"})
+    captured.save(folder / "orbit.h5")
+    omega0 = vibsim.continue_branch(captured, "excitation.Omega0", "5.6:5.8 Hz", out=folder / "branch.h5")
+    plan = locus_plan(omega0, "F1", *read_span(omega0.case, "c", "0.028:0.032"))
+    LocusStore(plan, folder / "locus.h5").complete(most=3)
     from vibsim.command_line.main import group
 
     group.main(
@@ -224,3 +242,32 @@ def test_a_pipe_is_no_result_file(tmp_path):
     os.mkfifo(tmp_path / "pipe.h5")
     with pytest.raises(ResultFileError, match="is not a regular file"):
         vibsim.open_result(tmp_path / "pipe.h5")
+
+
+def go_on(kind, whole, path):
+    """Go on with what is in a whole file, on that at `path`."""
+    there = vibsim.open_result(whole[kind])
+    STORES[kind](there.plan, path)
+
+
+STORES = {"sweep": FileStore, "fit": FileRunStore, "branch": BranchFileStore, "locus": LocusStore}
+
+
+@pytest.mark.parametrize("kind", STORES)
+def test_what_cannot_be_gone_on_from_is_named_as_it_was_typed(whole, tmp_path, monkeypatch, kind):
+    monkeypatch.chdir(tmp_path)
+    Path("a.h5").write_bytes(whole[kind].read_bytes()[:-100])
+    with pytest.raises(ResultFileError, match=r"^a\.h5: is truncated"):
+        go_on(kind, whole, "a.h5")
+    shutil.copy(whole[kind], "a.h5")
+    with h5py.File("a.h5", "r+") as file:
+        file.attrs["vibsim_format"] = 1000
+    with pytest.raises(ResultFileError, match=r"^a\.h5: has format 1000, written by vibsim"):
+        go_on(kind, whole, "a.h5")
+    assert [each.name for each in Path().iterdir()] == ["a.h5"]
+
+
+def test_words_of_hdf5_stand_without_quotes():
+    with pytest.raises(ResultFileError) as caught, damage_named(Path("a.h5")):
+        raise KeyError("bad object header")
+    assert str(caught.value) == "a.h5: damaged: bad object header"

@@ -77,7 +77,8 @@ def reason(error: BaseException) -> str:
     number = getattr(error, "errno", None)
     if number in DISK_FULL:
         return "disk full"
-    text = os.strerror(number) if number else str(error) or type(error).__name__
+    said = error.args[0] if isinstance(error, KeyError) and error.args else error  # str() quotes a key
+    text = os.strerror(number) if number else str(said) or type(error).__name__
     return text.strip().splitlines()[0]
 
 

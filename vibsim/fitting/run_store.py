@@ -62,7 +62,7 @@ class FileRunStore(RunStore):
 
     def _go_on(self, plan: FitPlan) -> None:
         if self.path.exists():
-            attrs, there, _, points = read_fit(self.path)
+            attrs, there, _, points = read_fit(Path(self._shown))
             if attrs["fit_sha256"] != plan.fingerprint:
                 others = " and ".join(_differences(plan, there.cases, attrs["fit_settings_json"]))
                 raise ResultFileError(

@@ -65,7 +65,7 @@ class BranchFileStore(BranchStore):
     def _go_on(self) -> None:
         """Take over what the file and the journal hold; they must be of this branch."""
         if self.path.exists():
-            there = read_branch(self.path)
+            there = read_branch(self._shown)
             self._refuse(there)
             points, specials = there.records
             self.points, self.specials = _as_they_came(points), specials

@@ -128,7 +128,7 @@ class LocusStore:
             self._journal.restart(self.plan.fingerprint)
             return
         if self.path.exists():
-            there = read_locus(self.path)
+            there = read_locus(shown)
             if there.plan.fingerprint != self.plan.fingerprint:
                 raise ResultFileError(f"{shown}: holds another locus; kept (--force replaces it)")
             self.points = sorted(there.points, key=lambda point: (-point.way, point.number))
