@@ -138,7 +138,7 @@ class CRun:
             self.run.keep_ledger(*pack_ledger(scene, names, jumps_of(scene, names), self.maker.ends))
         if scene.rigid_stops:
             names = self.meters.names if self.meters else []
-            self.run.keep_blows(*pack_blows(scene, names, self.maker.ends))
+            self.run.keep_blows(*pack_blows(scene, names, self.maker.ends, lowest))
         count, begin = tangent
         self.moving = count > 0
         if self.moving:
@@ -213,7 +213,7 @@ class CRun:
         if self.packer and (touching or weighed or _arm(before) != _arm(scene)):
             self.packer = self.packer.of(scene)
         if touching and scene.rigid_stops:
-            self.run.keep_blows(*pack_blows(scene, [], self.maker.ends))
+            self.run.keep_blows(*pack_blows(scene, [], self.maker.ends, self.lowest))
 
     def _begin(self, state: State, status: Status, known: Known) -> None:
         self.first = state.copy(), status

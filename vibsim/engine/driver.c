@@ -2,7 +2,7 @@
  *
  * What follows an event is decided here where its rule is simple and the decision clear, and left to Python elsewhere:
  *   CROSS  the function falls through its zero: on to the mode `target`
- *   STRUCK one rigid stop is struck, and nothing else touches: on in the same mode, see blows.c
+ *   STRUCK one rigid stop is struck, and nothing else touches: on in the mode that slips as the velocities say, see blows.c
  *   STAND  a sliding velocity is zero: on to `target`, where it sticks, if every tie of that mode holds, or to `other`, where
  *          it slides the other way, if the tie `hold` gives way
  */
@@ -248,10 +248,17 @@ static double flow_rate(Run *r, const Event *e)
     return series[1];
 }
 
-/* Acceleration that drives the ends of a rigid stop together at r->next, in the present mode. */
-double drive_at_next(Run *r, const Event *e)
+/* Acceleration that drives the ends of a rigid stop together at r->next in mode m, from its event function `key`. */
+double drive_at_next(Run *r, const Mode *m, int key)
 {
+    const Mode *before = r->mode;
+    const Event *e = m->events, *end = e + m->event_count;
     double series[SERIES], steps = r->steps, evaluations = r->evaluations, drive;
+    while (e < end && e->key != key)
+        e++;
+    if (e == end)
+        return NAN;
+    r->mode = m;
     enter_flow(r, &r->next);
     if (r->closed) {
         closed_form_jets(r, 2);
@@ -260,6 +267,7 @@ double drive_at_next(Run *r, const Event *e)
         taylor_polynomial(r, e, series);
         drive = -(2 * series[2]);
     }
+    r->mode = before;
     r->steps = steps;
     r->evaluations = evaluations;
     return drive;
@@ -379,7 +387,7 @@ static int take_by_rule(Run *r, Buffers *b)
         if (!blow_take(r, e, &done))
             return 0;
         r->behind[e->key] = 1;
-        run_take(r, b, e->target, 1, &kind, &part);
+        run_take(r, b, done.target, done.happened, r->blows.kinds, r->blows.parts);
         if (r->status == OK)
             blow_count(r, &done);
         return 1;

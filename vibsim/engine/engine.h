@@ -266,10 +266,29 @@ typedef struct {
     int stop, P, Q, sense, loss, work, impulse;
 } RigidStop;
 
-/* A blow: rates of the depth before and after it, impulse, velocity of the base. */
+/* A friction: its ends and the velocity of its belt. */
+typedef struct {
+    double belt;
+    int P, Q;
+} Rubbing;
+
+/* What a blow may change: rigid stops and frictions in the order of their numbers; none where none were told of. `codes`:
+ * of the mode behind a blow; kinds, parts: of the events that it makes. lowest: of hops, see rigid_stops.py
+ */
+typedef struct {
+    RigidStop *stops;
+    Rubbing *frictions;
+    double lowest;
+    int stop_count, friction_count, *codes, *kinds, *parts;
+} Blows;
+
+/* A blow: rates of the depth before and after it, impulse, speeds of its ends in front of it; position and velocity of the
+ * base; the mode behind it and how many events it makes.
+ */
 typedef struct {
     const RigidStop *stop;
-    double before, after, impulse, V;
+    double before, after, impulse, size, X, V;
+    int target, happened;
 } Blow;
 
 /* A run: everything between two calls. */
@@ -294,8 +313,7 @@ typedef struct Run {
     Ledger ledger;
     Section section;
     Extremes extremes;
-    RigidStop *rigid; /* rigid_count of them, in the order of their numbers; NULL where none was told of */
-    int rigid_count;
+    Blows blows;
     Taylor taylor;
     ClosedForm closed_form;
     struct Tangent *tangent; /* small disturbances that it carries along; NULL where there are none */
@@ -388,7 +406,8 @@ void base_motion_at(const Run *r, double t, double *X, double *V); /* accelerati
 /* blows.c; take returns 0 where Python has to decide */
 int blow_take(Run *r, const Event *event, Blow *done);
 void blow_count(Run *r, const Blow *done);
-double drive_at_next(Run *r, const Event *event); /* driver.c */
+void blows_free(Blows *b);
+double drive_at_next(Run *r, const Mode *m, int key); /* driver.c */
 
 /* ledger.c; gather returns 0 when the work of one call is spent before the stretch is done */
 void ledger_open(Run *r);

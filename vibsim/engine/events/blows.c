@@ -1,27 +1,46 @@
 /* A blow on one rigid stop alone; twin of that case of vibsim/engine/events/rigid_stops.py and newton_moreau.py.
  *
- * Whatever is not clear is left to Python: another rigid stop near, an approach or a departure that rounding or the
- * resolution of time could tell otherwise.
+ * Frictions of the bodies that it moves slip behind it as the velocities say; what sticks elsewhere, rests or is pressed and
+ * may let go has no rule. Whatever is not clear is left to Python: another rigid stop near, an approach, a departure or a
+ * sliding velocity that rounding or the resolution of time could tell otherwise, a mode that has not been met.
  */
 #include <stdlib.h>
+#include <string.h>
 
 #include "modes.h"
+#include "numbers.h"
 
 #define NEAR 64  /* units in the last place of time or displacements: beyond what Python asks for */
-#define LASTING 32 /* units of time before the next blow, in the same way */
+#define NEXT 2
+#define LAST 8
 #define ROUNDING 8
+#define TURNING 4 /* times the speed of a hop: what slips faster does not turn round in it */
+#define CLEAR 2   /* times the bounds of a hop: as `drive` is not that of Python to the bit */
+
+static int room_for_blows(Run *r, int stops, int frictions)
+{
+    Blows *b = &r->blows;
+    blows_free(b);
+    b->stops = calloc((size_t)stops + 1, sizeof(RigidStop));
+    b->frictions = calloc((size_t)frictions + 1, sizeof(Rubbing));
+    b->codes = calloc((size_t)(r->parts + 2 * (frictions + 1)), sizeof(int));
+    if (!b->stops || !b->frictions || !b->codes)
+        return 0;
+    b->kinds = b->codes + r->parts;
+    b->parts = b->kinds + frictions + 1;
+    return 1;
+}
 
 /* The numbers in which vibsim/engine/ledgers/packing_meters.py writes them; 0 without memory or where they are none. */
 int blows_read(Run *r, Reader *in)
 {
-    int count = read_index(in, 0, r->parts), i;
-    free(r->rigid);
-    r->rigid_count = 0;
-    r->rigid = calloc((size_t)count + 1, sizeof(RigidStop));
-    if (!r->rigid)
+    Blows *b = &r->blows;
+    int stops = read_index(in, 0, r->parts), frictions = read_index(in, 0, r->parts - r->clearances - stops), i;
+    if (in->short_of || !room_for_blows(r, stops, frictions))
         return 0;
-    for (i = 0; i < count; i++) {
-        RigidStop *s = &r->rigid[i];
+    b->lowest = read_double(in);
+    for (i = 0; i < stops; i++) {
+        RigidStop *s = &b->stops[i];
         s->stop = read_index(in, 0, r->parts - 1);
         s->P = read_index(in, 0, r->columns - 1);
         s->Q = read_index(in, 0, r->columns - 1);
@@ -32,17 +51,37 @@ int blows_read(Run *r, Reader *in)
         s->gap = read_double(in);
         s->e = read_double(in);
     }
-    r->rigid_count = count;
+    for (i = 0; i < frictions; i++) {
+        b->frictions[i].P = read_index(in, 0, r->columns - 1);
+        b->frictions[i].Q = read_index(in, 0, r->columns - 1);
+        b->frictions[i].belt = read_double(in);
+    }
+    b->stop_count = stops;
+    b->friction_count = frictions;
     return read_through(in);
 }
 
-static const RigidStop *stop_of(const Run *r, int number)
+void blows_free(Blows *b)
+{
+    free(b->stops);
+    free(b->frictions);
+    free(b->codes);
+    memset(b, 0, sizeof *b);
+}
+
+static const RigidStop *stop_of(const Blows *b, int number)
 {
     int i;
-    for (i = 0; i < r->rigid_count; i++)
-        if (r->rigid[i].stop == number)
-            return &r->rigid[i];
+    for (i = 0; i < b->stop_count; i++)
+        if (b->stops[i].stop == number)
+            return &b->stops[i];
     return NULL;
+}
+
+/* One unit in the last place of the time. */
+static double unit_of(const Run *r)
+{
+    return nextafter(r->next.t, INFINITY) - r->next.t;
 }
 
 static double column(const Run *r, const double *values, int c, double base)
@@ -96,32 +135,40 @@ static void seat(Run *r, const RigidStop *s, double X)
         r->next.x[s->Q] = r->next.x[s->Q] + -(Q * distance);
 }
 
-/* Take the blow of the pending event at r->next; 0 where Python has to decide, and nothing is changed then. */
-int blow_take(Run *r, const Event *event, Blow *done)
+/* Whether no other rigid stop takes part in a blow. */
+static int alone(const Run *r, const Blow *done)
 {
-    const RigidStop *s = stop_of(r, event->part);
-    double unit, X, V, between, own, other, together, vP, vQ, afterP, afterQ, speed, drive;
+    const Blows *b = &r->blows;
+    double unit = unit_of(r);
     int i;
-    if (s == NULL || s->e == 0)
-        return 0;
-    base_motion_at(r, r->next.t, &X, &V);
-    unit = nextafter(r->next.t, INFINITY) - r->next.t;
-    done->before = rate_of(r, s, V);
-    if (!(done->before > 0))
-        return 0;
-    for (i = 0; i < r->rigid_count; i++)
-        if (&r->rigid[i] != s && !stands_off(r, &r->rigid[i], s, X, V, unit))
+    for (i = 0; i < b->stop_count; i++)
+        if (&b->stops[i] != done->stop && !stands_off(r, &b->stops[i], done->stop, done->X, done->V, unit))
             return 0;
-    drive = drive_at_next(r, event);
-    speed = s->e * done->before;
-    if (!isfinite(drive) || !(2 * speed > drive * (LASTING * unit)))
-        return 0;
-    own = s->P < r->bodies ? 1 / r->masses[s->P] : 0.0;
-    other = s->Q < r->bodies ? 1 / r->masses[s->Q] : 0.0;
-    vP = afterP = column(r, r->next.v, s->P, V);
-    vQ = afterQ = column(r, r->next.v, s->Q, V);
-    between = vP - vQ;
-    together = own + other;
+    return 1;
+}
+
+/* 1 / mass that an impulse meets, 0 of ground and base. turning: speed that the rotor gains per impulse on its body */
+static double mobility(const Run *r, int c, double *turning)
+{
+    double inertia, coupling, determinant;
+    if (c >= r->bodies)
+        return 0.0;
+    if (!r->has_motor || c != r->motor_on)
+        return 1 / r->masses[c];
+    inertia = r->J + r->m3 * r->e * r->e;
+    coupling = r->m3 * r->e * sine_of(r->next.phase);
+    determinant = (r->masses[c] + r->m3) * inertia - coupling * coupling;
+    *turning = coupling / determinant;
+    return inertia / determinant;
+}
+
+/* Both ends go on with what they have in common, and part with e times what they had not. */
+static void strike(Run *r, Blow *done)
+{
+    const RigidStop *s = done->stop;
+    double turning = 0.0, own = mobility(r, s->P, &turning), other = mobility(r, s->Q, &turning), together = own + other;
+    double vP = column(r, r->next.v, s->P, done->V), vQ = column(r, r->next.v, s->Q, done->V), between = vP - vQ;
+    double afterP = vP, afterQ = vQ;
     if (other == 0) {
         afterP = vQ - s->e * between;
     } else if (own == 0) {
@@ -135,11 +182,123 @@ int blow_take(Run *r, const Event *event, Blow *done)
         r->next.v[s->P] = afterP;
     if (s->Q < r->bodies)
         r->next.v[s->Q] = afterQ;
-    done->stop = s;
+    done->size = fabs(vP) + fabs(vQ);
     done->after = -(s->e * done->before);
     done->impulse = (1 + s->e) * done->before / together;
-    done->V = V;
-    seat(r, s, X);
+    if (r->has_motor && s->P == r->motor_on)
+        r->next.w = r->next.w + turning * (s->sense * done->impulse);
+    else if (r->has_motor && s->Q == r->motor_on)
+        r->next.w = r->next.w + turning * -(s->sense * done->impulse);
+}
+
+/* Whether a blow moves an end of a friction. */
+static int moves(const Run *r, const RigidStop *s, const Rubbing *f)
+{
+    int P = f->P == s->P || f->P == s->Q, Q = f->Q == s->P || f->Q == s->Q;
+    return (P && f->P < r->bodies) || (Q && f->Q < r->bodies);
+}
+
+static double slip_of(const Run *r, const Rubbing *f, double V)
+{
+    return (column(r, r->next.v, f->P, V) - column(r, r->next.v, f->Q, V)) - f->belt;
+}
+
+/* Number of the mode with the codes of r->blows; NOTHING where it has not been met. */
+static int mode_behind(const Run *r)
+{
+    const size_t size = sizeof(int) * (size_t)r->parts;
+    int k;
+    if (memcmp(r->mode->codes, r->blows.codes, size) == 0)
+        return r->mode_number;
+    for (k = 0; k < r->mode_count; k++)
+        if (memcmp(r->modes[k]->codes, r->blows.codes, size) == 0)
+            return k;
+    return NOTHING;
+}
+
+/* The frictions that a blow moves slip as the velocities behind it say, in a mode that has been met; 0 where one may stick. */
+static int turned(Run *r, Blow *done)
+{
+    Blows *b = &r->blows;
+    int *codes = b->codes + (r->parts - r->clearances - b->friction_count), i;
+    memcpy(b->codes, r->mode->codes, sizeof(int) * (size_t)r->parts);
+    b->kinds[0] = IMPACT;
+    b->parts[0] = done->stop->stop;
+    done->happened = 1;
+    for (i = 0; i < b->friction_count; i++) {
+        const Rubbing *f = &b->frictions[i];
+        double slip, own;
+        int sense;
+        if (!moves(r, done->stop, f))
+            continue;
+        slip = slip_of(r, f, done->V);
+        own = fabs(column(r, r->next.v, f->P, done->V)) + fabs(column(r, r->next.v, f->Q, done->V)) + fabs(f->belt);
+        if (!(fabs(slip) > ROUNDING * EPS * fmax(own, done->size)))
+            return 0;
+        sense = slip > 0 ? 1 : -1;
+        if (sense != codes[i]) {
+            b->kinds[done->happened] = codes[i] == 0 ? STICK_END : REVERSAL;
+            b->parts[done->happened++] = i;
+        }
+        codes[i] = sense;
+    }
+    done->target = mode_behind(r);
+    return done->target != NOTHING;
+}
+
+/* Whether a friction that the blow moves slips so slowly that a hop of the speed behind it turns it round. */
+static int rubs(const Run *r, const Blow *done)
+{
+    int i;
+    for (i = 0; i < r->blows.friction_count; i++) {
+        const Rubbing *f = &r->blows.frictions[i];
+        if (moves(r, done->stop, f) && fabs(slip_of(r, f, done->V)) <= TURNING * -done->after)
+            return 1;
+    }
+    return 0;
+}
+
+/* Whether the next blow on the stop comes late enough not to be the end of an infinite sequence. */
+static int departs(Run *r, const Event *event, const Blow *done)
+{
+    double speed = -done->after, e = done->stop->e, drive = drive_at_next(r, r->modes[done->target], event->key);
+    if (!isfinite(drive) || !(2 * speed > CLEAR * (drive * (fmax(NEXT, (1 - e) * LAST) * unit_of(r)))))
+        return 0;
+    if (drive <= 0 || e == 1 || !rubs(r, done))
+        return 1;
+    return speed * (2 * speed / drive) / 4 > CLEAR * (r->blows.lowest * EPS * size_of(r, done->stop, done->X));
+}
+
+/* Zeros of sliding velocities that the blow has changed are none any more. */
+static void forget_slips(Run *r, const Blow *done)
+{
+    const Mode *m = r->modes[done->target];
+    int i;
+    for (i = 0; i < m->event_count; i++) {
+        const Event *e = &m->events[i];
+        if (e->kind == SLIDE && e->part < r->blows.friction_count && moves(r, done->stop, &r->blows.frictions[e->part]))
+            r->behind[e->key] = 0;
+    }
+}
+
+/* Take the blow of the pending event at r->next; 0 where Python has to decide, and nothing is changed then. */
+int blow_take(Run *r, const Event *event, Blow *done)
+{
+    const RigidStop *s = done->stop = stop_of(&r->blows, event->part);
+    if (s == NULL || s->e == 0 || r->next.t == 0)
+        return 0;
+    base_motion_at(r, r->next.t, &done->X, &done->V);
+    done->before = rate_of(r, s, done->V);
+    if (!(done->before > 0) || !alone(r, done))
+        return 0;
+    strike(r, done);
+    if (!turned(r, done) || !departs(r, event, done)) {
+        memcpy(r->next.v, r->before_v, sizeof(double) * (size_t)r->bodies);
+        r->next.w = r->before_w;
+        return 0;
+    }
+    forget_slips(r, done);
+    seat(r, s, done->X);
     return 1;
 }
 

@@ -64,15 +64,16 @@ class RuleMaker:
         return Rule(CROSS, status, None, -1, kind, part, key, order)
 
     def _blow_rule(self, status: Status, event: Event) -> Rule | None:
-        """Of a blow on a stop whose ends nothing else acts on that asks for a decision: no tie, friction or
-        damped stop that lets go at zero force, and no rotor.
+        """Of a blow on a stop, where no stop rests, where no friction sticks but those that it makes slip,
+        and no damped stop at its ends lets go at zero force.
         """
         i, scene = event.part, self.scene
         struck = {column for column in self.maker.ends(scene.stops[i]) if column < self.maker.n}
         lifting = [stop for _, stop in scene.elastic_stops if stop.release == AT_FORCE and stop.c != 0]
-        parts: list[Joined] = [*scene.frictions, *lifting]
-        touched = any(struck & set(self.maker.ends(part)) for part in parts)
-        if status.tied or touched or (scene.motor is not None and scene.motor.on in struck):
+        lasting: list[Joined] = [self.maker.tie(k) for k in status.tied]
+        if RESTING in status.stops or any(struck & set(self.maker.ends(stop)) for stop in lifting):
+            return None
+        if any(not struck & set(self.maker.ends(tie)) for tie in lasting):
             return None
         return Rule(STRUCK, status, None, -1, "impact", i, event.key, 1)
 

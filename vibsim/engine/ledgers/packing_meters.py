@@ -22,16 +22,22 @@ def pack_ledger(
     return pack.packed
 
 
-def pack_blows(scene: Scene, names: Sequence[Entry], ends: Callable[[Joined], Edge]) -> tuple[bytes, bytes]:
-    """The rigid stops, with the entries `names` of the ledgers that a blow on them adds to."""
+def pack_blows(
+    scene: Scene, names: Sequence[Entry], ends: Callable[[Joined], Edge], lowest: int
+) -> tuple[bytes, bytes]:
+    """The rigid stops, with the entries `names` of the ledgers that a blow on them adds to, and the frictions
+    that it may turn. lowest: height of the last hops, as of `RigidStops`
+    """
     pack = Packer()
     entry = {name: number for number, name in enumerate(names)}
-    pack.put((len(scene.rigid_stops),))
+    pack.put((len(scene.rigid_stops), len(scene.frictions)), (lowest,))
     for j, stop in scene.rigid_stops:
         place = {GROUND: "ground", BASE: "base"}.get(min(stop.P, stop.Q), "")
         work = entry.get(("work", "base", ""), -1) if place == "base" else -1
         entries = entry.get(("loss", "stops", stop.name), -1), work, entry.get(("impulse", place, ""), -1)
         pack.put((j, *ends(stop), stop.sense, *entries), (stop.gap, stop.e))
+    for friction in scene.frictions:
+        pack.put(ends(friction), (friction.belt,))
     return pack.packed
 
 

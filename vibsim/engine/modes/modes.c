@@ -677,7 +677,7 @@ void run_free(Run *r)
     ledger_free(&r->ledger);
     tangent_free(r->tangent);
     extremes_free(&r->extremes);
-    free(r->rigid);
+    blows_free(&r->blows);
     free(r->modes);
     free(r->known);
     free(r->behind);
