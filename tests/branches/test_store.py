@@ -10,9 +10,12 @@ import pytest
 from tests.branches.made import CAPTURED, KEYS, orbit_of
 from vibsim.branches import continue_branch, read_branch
 from vibsim.branches.continuing import complete
+from vibsim.branches.locus_plan import locus_plan
 from vibsim.branches.plan import plan_from
 from vibsim.branches.records import plain, read_record
+from vibsim.branches.span import read_span
 from vibsim.branches.store.branch_store import BranchFileStore
+from vibsim.branches.store.locus_file import LocusStore
 from vibsim.cases import UnknownKeyError
 from vibsim.files.errors import ResultFileError
 from vibsim.files.journal import journal_path
@@ -90,6 +93,24 @@ def test_more_points_are_added_to_a_file(whole, tmp_path):
     few, finished = complete(BranchFileStore(branch.plan, path), 6)
     assert finished and len(few) == 6 and "" in few.ends
     same(complete(BranchFileStore(branch.plan, path), 5000)[0], branch)
+
+
+def test_a_finished_file_is_not_written_again(whole, tmp_path):
+    path = tmp_path / "whole.h5"
+    shutil.copy(whole[1], path)
+    before = path.stat().st_mtime_ns, path.read_bytes()
+    same(complete(BranchFileStore(whole[0].plan, path), 5000)[0], whole[0])
+    assert (path.stat().st_mtime_ns, path.read_bytes()) == before and not journal_path(path).exists()
+
+
+def test_nor_is_that_of_a_locus(whole, tmp_path):
+    path = tmp_path / "locus.h5"
+    plan = locus_plan(whole[0], "F1", *read_span(whole[0].case, "c", "0.029:0.031"))
+    first = LocusStore(plan, path).complete(most=3)
+    before = path.stat().st_mtime_ns, path.read_bytes()
+    again = LocusStore(plan, path).complete(most=3)
+    assert again[0].points == first[0].points and again[1] == first[1]
+    assert (path.stat().st_mtime_ns, path.read_bytes()) == before and not journal_path(path).exists()
 
 
 def test_another_branch_is_kept(whole, tmp_path):

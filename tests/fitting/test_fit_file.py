@@ -1,8 +1,10 @@
 """A fit on file: the same again, readable by others, resumed after any end, refused where it is another."""
 
+import errno
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -89,9 +91,26 @@ def test_an_interrupted_fit_goes_on_to_the_same_bits(tmp_path, method):
 def test_a_finished_fit_computes_nothing_again(tmp_path):
     plan, path = small_plan(), tmp_path / "fit.h5"
     done(plan, path)
+    before = path.stat().st_mtime_ns, path.read_bytes()
     steps = []
     run_fit(plan, path, 1, watch=lambda step, ready, total: steps.append(ready == total) or True)
     assert all(steps)
+    assert (path.stat().st_mtime_ns, path.read_bytes()) == before
+
+
+def test_a_fit_that_cannot_be_written_goes_on_from_its_journal(tmp_path, monkeypatch):
+    def full(path, data):
+        raise OSError(errno.ENOSPC, "full")
+
+    plan, path = small_plan(), tmp_path / "fit.h5"
+    with monkeypatch.context() as patched, pytest.raises(ResultFileError) as caught:
+        patched.setattr(Path, "write_bytes", full)
+        done(plan, path)
+    kept = "what was computed is kept in fit.h5.journal, and the same command goes on from there"
+    assert str(caught.value) == f"{path}: cannot write: disk full; {kept}"
+    steps = []
+    run_fit(plan, path, 1, watch=lambda step, ready, total: steps.append(ready == total) or True)
+    assert all(steps) and open_result(path).attrs["complete"] == 1
 
 
 def start(path, *more):

@@ -1,5 +1,6 @@
 """vibsim orbit: what it prints, stores and refuses."""
 
+import errno
 import json
 
 import pytest
@@ -71,6 +72,25 @@ def test_a_search_stores_each(tmp_path):
     assert done.exit_code == 6
     listed = call("orbit", *words[:5]).stdout.splitlines()
     assert f"{len(found['orbits'])} from 6 starts" in listed[1] and len(listed) == 2 + len(found["orbits"])
+
+
+def test_what_cannot_be_stored_is_printed(tmp_path, monkeypatch):
+    """It may have taken hours; a search ends there."""
+
+    def full(descriptor, start, count):
+        raise OSError(errno.ENOSPC, "full")
+
+    monkeypatch.setattr("vibsim.files.disk_space._extend", full)
+    monkeypatch.chdir(tmp_path)
+    done = call("orbit", "I-C", "--digits", 25, "-o", "a.h5")
+    assert done.exit_code == 6 and "1.53846153846153846153846" in done.stdout
+    assert done.stderr == "Error: a.h5: disk full\n"
+    done = call("orbit", "I-C", "--search", 3, "-o", "a.h5", "--json")
+    printed = json.loads(done.stdout)
+    assert done.exit_code == 6 and printed["starts"] == 1 and len(printed["orbits"]) == 1
+    error = {"message": "a-1.h5: disk full", "exit_code": 6}
+    assert printed["error"] == error and "file" not in printed["orbits"][0]
+    assert not list(tmp_path.iterdir())
 
 
 def test_digits(tmp_path):

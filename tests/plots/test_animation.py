@@ -1,6 +1,7 @@
 """Moving pictures: positions are those of the run, gaps close when stops are struck, files hold frames."""
 
 import json
+import os
 import re
 import shutil
 import subprocess
@@ -125,6 +126,22 @@ def test_an_mp4_has_its_frames(runs, tmp_path):
     assert call("animate", runs["motor"], "-o", str(out), "--window", "10:10.5", "-q").exit_code == 0
     told = subprocess.run([encoder, "-i", str(out), "-f", "null", "-"], capture_output=True, text=True)
     assert "1280x720" in told.stderr and re.findall(r"frame=\s*(\d+)", told.stderr)[-1] == "16"
+
+
+ENCODER = """#!/bin/sh
+echo '[vost#0:0/libx264 @ 0x55] Error submitting a packet to the muxer: No space left on device' >&2
+exit 228
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs a shell")
+def test_a_full_disk_is_told_in_our_words(runs, tmp_path, monkeypatch):
+    (tmp_path / "ffmpeg").write_text(ENCODER)
+    (tmp_path / "ffmpeg").chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+    out = tmp_path / "a.mp4"
+    done = call("animate", runs["motor"], "-o", str(out), "--window", "10:10.1", "-q")
+    assert (done.exit_code, done.stderr) == (6, f"Error: {out}: cannot write: disk full\n")
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from vibsim.cases import Case
 from vibsim.cases.loading import load_case
 from vibsim.fitting.errors import FitError, Interrupted
 from vibsim.fitting.evaluation import Evaluation, Watch
-from vibsim.fitting.fit_file import origin, write_fit
+from vibsim.fitting.fit_file import origin
 from vibsim.fitting.fit_result import FitResult
 from vibsim.fitting.free_parameter import read_free
 from vibsim.fitting.grammar import parse_statement
@@ -166,10 +166,10 @@ def run_fit(
         with LocalWorkers(plan.work, jobs or available_cores(), engine, measure_all) as workers:
             evaluation = Evaluation(plan, store, workers, watch)
             complete = _searched(evaluation)
-        attrs = {**origin(plan, engine), "complete": int(complete), "runs": len(store.runs)}
+        attrs = {**origin(plan, engine), **store.attrs, "complete": int(complete), "runs": len(store.runs)}
         result = FitResult(attrs, plan, evaluation.candidates, store.runs)
         if isinstance(store, FileRunStore):
-            write_fit(store.path, result)
+            store.publish(result)
             written = True
         return result, complete
     finally:

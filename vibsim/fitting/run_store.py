@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from vibsim.files.errors import ResultFileError
 from vibsim.files.leftover import check_leftover
 from vibsim.files.output_file import check_output
+from vibsim.fitting.fit_file import write_fit
 from vibsim.fitting.measuring import Index
 from vibsim.fitting.plan import FitPlan
 from vibsim.fitting.stored_fit import read_fit
@@ -18,6 +19,7 @@ from vibsim.sweeps.store.journal import Journal
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
+    from vibsim.fitting.fit_result import FitResult
 
 Runs = dict[Index, Point]
 
@@ -27,6 +29,7 @@ class RunStore:
 
     def __init__(self) -> None:
         self.runs: Runs = {}
+        self.attrs: dict[str, str] = {}  # of the file, where there is one
         self.notes: list[str] = []
 
     def add(self, points: Iterable[Point]) -> None:
@@ -50,6 +53,7 @@ class FileRunStore(RunStore):
         self.path = check_output(path, force=True)
         check_leftover(path, force)
         self._shown = path
+        self._on_file = (0, False)  # runs, and whether the search had come to its end
         self._journal = Journal(self.path, "fit")
         try:
             if force:
@@ -69,6 +73,8 @@ class FileRunStore(RunStore):
                     f"{self._shown}: holds another fit, of other {others}; kept (--force replaces it)"
                 )
             super().add(points)
+            self.attrs = {"date_created": attrs["date_created"]}
+            self._on_file = (len(self.runs), bool(attrs["complete"]))
         waiting = list(self._journal.read(plan.fingerprint))
         super().add(waiting)
         self.notes += self._journal.notes()
@@ -78,6 +84,18 @@ class FileRunStore(RunStore):
         batch = list(points)
         super().add(batch)
         self._journal.add(batch)
+
+    def publish(self, result: FitResult) -> None:
+        """Write the file of the fit, unless it is there; where that fails, the journal keeps its runs.
+
+        Raises ResultFileError.
+        """
+        if (len(self.runs), bool(result.attrs["complete"])) <= self._on_file:
+            return
+        try:
+            write_fit(self.path, result)
+        except ResultFileError as failure:
+            raise self._journal.kept_after(failure) from failure
 
     def close(self, written: bool) -> None:
         self._journal.close(remove=written)

@@ -170,7 +170,7 @@ class TrajectoryWriter:
         if reached > 0.0:
             return f"{self.shown}: {cause}; it holds the run until {reached:g} s"
         self.partial.unlink()
-        return f"{self.shown.removesuffix('.partial')}: {cause}; nothing was computed by then"
+        return f"{self.shown.removesuffix('.partial')}: {cause}; nothing is stored"
 
     def _lost(self, error: Exception) -> ResultFileError:
         """Close the file as the last flush left it, after a write that has failed; what to raise."""

@@ -52,6 +52,7 @@ class BranchFileStore(BranchStore):
         super().__init__(plan, engine)
         self.path, self._shown = check_output(path, force=True), path
         check_leftover(path, force)
+        self._on_file = (0, False)  # points, and whether they are all
         self._journal = Journal(self.path, "branch")
         try:
             if not force:
@@ -70,6 +71,7 @@ class BranchFileStore(BranchStore):
             points, specials = there.records
             self.points, self.specials = _as_they_came(points), specials
             self.attrs["date_created"] = there.attrs["date_created"]
+            self._on_file = (len(points), bool(there.attrs["complete"]))
         waiting = list(self._journal.read(self.plan.fingerprint))
         known = {(point.way, point.number) for point in self.points}
         for record in waiting:
@@ -102,7 +104,7 @@ class BranchFileStore(BranchStore):
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
         published = False
         try:
-            if self.points:
+            if (len(self.points), self.complete) > self._on_file:
                 write_branch(self.path, self.branch, self.attrs, self.complete)
             published = True
         except ResultFileError as failure:

@@ -114,6 +114,7 @@ class LocusStore:
         self.path = None if path is None else check_output(path, force=True)
         if path is not None:
             check_leftover(path, force)
+        self._on_file = (0, False)  # points, and whether they are all
         self._journal = None if self.path is None else Journal(self.path, "locus")
         if self._journal is not None:
             try:
@@ -132,6 +133,8 @@ class LocusStore:
             if there.plan.fingerprint != self.plan.fingerprint:
                 raise ResultFileError(f"{shown}: holds another locus; kept (--force replaces it)")
             self.points = sorted(there.points, key=lambda point: (-point.way, point.number))
+            self.attrs["date_created"] = there.attrs["date_created"]
+            self._on_file = (len(self.points), bool(there.attrs["complete"]))
         waiting = list(self._journal.read(self.plan.fingerprint))
         known = {(point.way, point.number) for point in self.points}
         for point in map(read_point, waiting):
@@ -164,7 +167,7 @@ class LocusStore:
             return
         published = False
         try:
-            if self.points:
+            if (len(self.points), finished) > self._on_file:
                 write_locus(self.path, self.locus, self.attrs, finished)
             published = True
         except ResultFileError as failure:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from vibsim.cases import Case
+from vibsim.command_line.errors import FILE_TROUBLE, told
 from vibsim.command_line.jobs.run_plan import check_digits, check_engine, hdf5_name, read_case
 from vibsim.command_line.options.settings import Settings
 from vibsim.command_line.terminal.interruption import Interruption
@@ -88,6 +89,7 @@ class Row:
     orbit: Orbit
     digits: Any
     file: str | None
+    trouble: ResultFileError | None = None  # why there is no file
 
     @property
     def object(self) -> dict[str, Any]:
@@ -106,17 +108,29 @@ def find_one(wish: Wish, settings: Settings) -> int:
     with interrupted_with(lambda: f"{wish.output} is not written" if wish.output else ""):
         row = _kept(orbit(subject, wish.changes, beginning, wish.period, wish.engine), wish, wish.output)
     if settings.json:
-        print_json(row.object)
+        print_json(row.object | _error_object(row.trouble))
     elif not settings.quiet:
         case = row.orbit.case
         assert case is not None  # the wish names one
         say(heading(case.name, case.title))
         print_lines([*orbit_lines(row.orbit, row.digits), *row.file_line])
-    return 0
+    return _code(row.trouble)
+
+
+def _code(trouble: ResultFileError | None) -> int:
+    """The exit code, and on stderr why an orbit that was printed is not stored."""
+    return 0 if trouble is None else told(f"Error: {trouble}", FILE_TROUBLE, as_json=False)
+
+
+def _error_object(trouble: ResultFileError | None) -> dict[str, Any]:
+    """The same for programs."""
+    return {} if trouble is None else {"error": {"message": str(trouble), "exit_code": FILE_TROUBLE}}
 
 
 def _kept(orbit: Orbit, wish: Wish, path: str | None) -> Row:
-    """An orbit refined and stored; where its digits are not to be had, it is stored without them."""
+    """An orbit refined and stored; where its digits are not to be had, it is stored without them, and where
+    it cannot be stored, it is there to be printed.
+    """
     try:
         digits = _refined(orbit, wish)
     except BaseException as error:
@@ -125,8 +139,11 @@ def _kept(orbit: Orbit, wish: Wish, path: str | None) -> Row:
         if path is not None and isinstance(error, KeyboardInterrupt):
             raise type(error)(f"{path} holds the orbit without the digits") from error
         raise
-    if path is not None:
-        save_orbit(orbit, path, wish.force, digits)
+    try:
+        if path is not None:
+            save_orbit(orbit, path, wish.force, digits)
+    except ResultFileError as error:
+        return Row(orbit, digits, None, error)
     return Row(orbit, digits, path)
 
 
@@ -153,17 +170,19 @@ def search_all(wish: Wish, count: int, seed: int, settings: Settings) -> int:
                 rows.append(_kept(each, wish, _numbered(wish, len(rows) + 1)))
             done = attempt.number + 1
             steps.show("starts", done, count)
-            if interruption.signum is not None:
+            if interruption.signum is not None or any(row.trouble for row in rows):
                 break
+    trouble = next((row.trouble for row in rows if row.trouble), None)
     if settings.json:
-        print_json({"starts": done, "seed": seed, "orbits": [row.object for row in rows]})
+        orbits = {"starts": done, "seed": seed, "orbits": [row.object for row in rows]}
+        print_json(orbits | _error_object(trouble))
     elif not settings.quiet:
         _print_list(case, rows, done)
     if interruption.signum is not None:
         files = f"; what was found is in {rows[0].file} and on" if rows and rows[0].file else ""
         say(f"interrupted after {done} of {count} starts{files}", err=True)
         return interruption.exit_code
-    return 0
+    return _code(trouble)
 
 
 def _numbered(wish: Wish, number: int) -> str | None:

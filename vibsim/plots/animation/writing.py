@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibsim.files.disk_space import DISK_FULL
 from vibsim.files.errors import ResultFileError
 from vibsim.files.output_file import output_file
 from vibsim.labelled.extras import MissingExtra, extra
@@ -114,8 +116,14 @@ def _write_mp4(frames: Iterator[np.ndarray], film: Film, out: str, force: bool, 
             raise
         _, messages = process.communicate()
         if process.returncode:
-            first = messages.decode("utf-8", "replace").strip().splitlines()[:1]
-            raise ResultFileError(f"{out}: ffmpeg failed: {''.join(first)[:200]}")
+            raise ResultFileError(f"{out}: {_why_ffmpeg_failed(messages.decode('utf-8', 'replace'))}")
+
+
+def _why_ffmpeg_failed(messages: str) -> str:
+    """What its messages come to, in one line."""
+    if any(os.strerror(number) in messages for number in DISK_FULL):
+        return "cannot write: disk full"
+    return f"ffmpeg failed: {''.join(messages.strip().splitlines()[:1])[:200]}"
 
 
 def _write_gif(frames: Iterator[np.ndarray], out: str, force: bool) -> None:
