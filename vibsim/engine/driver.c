@@ -5,6 +5,7 @@
  *   STRUCK one rigid stop is struck, and nothing else touches: on in the mode that slips as the velocities say, see blows.c
  *   STAND  a sliding velocity is zero: on to `target`, where it sticks, if every tie of that mode holds, or to `other`, where
  *          it slides the other way, if the tie `hold` gives way
+ *   BEAR   as CROSS, where forces jump: if every tie of the mode `target` holds
  */
 #include <string.h>
 
@@ -238,14 +239,17 @@ static double direct_rate(const Run *r, const Event *e)
     return total;
 }
 
-/* First derivative of an event function of the present mode at r->next, by Taylor series as the automaton's. */
-static double flow_rate(Run *r, const Event *e)
+/* Value, or first derivative, of an event function of mode m at r->next, by Taylor series as the automaton's. */
+static double flow_derivative(Run *r, const Mode *m, const Event *e, int order)
 {
+    const Mode *before = r->mode;
     double series[SERIES], steps = r->steps;
+    r->mode = m;
     taylor_enter(r, &r->next);
     taylor_polynomial(r, e, series);
+    r->mode = before;
     r->steps = steps;
-    return series[1];
+    return series[order];
 }
 
 /* Acceleration that drives the ends of a rigid stop together at r->next in mode m, from its event function `key`. */
@@ -273,43 +277,57 @@ double drive_at_next(Run *r, const Mode *m, int key)
     return drive;
 }
 
-static double column_value(const Run *r, const double *values, int c)
+static double column_value(const Run *r, const double *values, int c, double base)
 {
-    return c < r->bodies ? values[c] : 0.0;
+    return c < r->bodies ? values[c] : c == r->bodies ? 0.0 : base;
 }
 
-/* Value of a HOLD function of mode m at r->next, whose terms are all couplings, and the size of its terms. */
-static double direct_hold(const Run *r, const Mode *m, const Event *e, double *size)
+/* Value of a HOLD function of mode m at r->next from its couplings, and the size of these; X, V: of the base. Returns 0 where
+ * it has other terms.
+ */
+static int direct_hold(const Run *r, const Mode *m, const Event *e, double X, double V, double *value, double *size)
 {
     double total = 0.0;
-    int i;
+    int direct = 1, first = 1, i;
     *size = 0.0;
     for (i = 0; i < e->terms; i++) {
         const Term *t = &m->terms[e->first + i];
         const Coupling *c = &m->couplings[t->P];
-        double y = column_value(r, r->next.x, c->P) - column_value(r, r->next.x, c->Q);
-        double u = column_value(r, r->next.v, c->P) - column_value(r, r->next.v, c->Q);
-        double part = t->coefficient * (c->k * y + c->c * u + c->offset);
-        total = i == 0 ? part : total + part;
+        double y, u, part;
+        if (t->kind != COUPLING) {
+            direct = 0;
+            continue;
+        }
+        y = column_value(r, r->next.x, c->P, X) - column_value(r, r->next.x, c->Q, X);
+        u = column_value(r, r->next.v, c->P, V) - column_value(r, r->next.v, c->Q, V);
+        part = t->coefficient * (c->k * y + c->c * u + c->offset);
+        total = first ? part : total + part;
+        first = 0;
         *size = *size + fabs(t->coefficient) * (c->k * fabs(y) + c->c * fabs(u) + fabs(c->offset));
     }
-    return total + e->constant;
+    *value = total + e->constant;
+    return direct;
 }
 
-/* 1: every tie of the mode `target` holds; -1: the tie `hold` gives way; 0: not clear. */
-static int stands(const Run *r, const Event *e)
+/* 1: every tie of mode m holds; -1: the tie `hold` alone gives way; 0: not clear. */
+static int stands(Run *r, const Mode *m, int hold)
 {
-    const Mode *m = r->modes[e->target];
+    double X = 0.0, V = 0.0;
     int i, answer = 1;
+    if (r->base_count > 0 && r->next.t == 0) /* where it turns round, Python knows better than its cosine */
+        return 0;
+    if (r->base_count > 0)
+        base_motion_at(r, r->next.t, &X, &V);
     for (i = 0; i < m->event_count; i++) {
         double value, size;
         if (m->events[i].kind != HOLD)
             continue;
-        value = direct_hold(r, m, &m->events[i], &size);
-        if (fabs(value) < 4 * EPS * size || value == 0)
+        if (!direct_hold(r, m, &m->events[i], X, V, &value, &size))
+            value = flow_derivative(r, m, &m->events[i], 0);
+        if (fabs(value) < 4 * EPS * size || value == 0 || value != value)
             return 0;
         if (value < 0) {
-            if (i != e->hold)
+            if (i != hold)
                 return 0;
             answer = -1;
         }
@@ -317,12 +335,27 @@ static int stands(const Run *r, const Event *e)
     return answer;
 }
 
+/* Whether what slips in mode m by the event function `key` goes on doing so, while every tie of it holds. */
+static int slips(Run *r, const Mode *m, int key)
+{
+    int ties = 0, slide = NOTHING, i;
+    for (i = 0; i < m->event_count; i++) {
+        ties += m->events[i].kind == HOLD;
+        slide = m->events[i].key == key ? i : slide;
+    }
+    if (ties == 0) /* then Python does not look either */
+        return 1;
+    return slide != NOTHING && stands(r, m, NOTHING) > 0 && flow_derivative(r, m, &m->events[slide], 1) > 0;
+}
+
 /* Give the bodies of the group that `column` is in their common velocity; momentum is kept where they move freely. */
 static void join(Run *r, const Mode *m, int column)
 {
     int leader = m->leader[column], c;
-    double common = 0.0, momentum = 0.0;
-    if (leader < r->bodies) {
+    double common = 0.0, momentum = 0.0, X;
+    if (leader > r->bodies) {
+        base_motion_at(r, r->next.t, &X, &common);
+    } else if (leader < r->bodies) {
         int first = 1;
         for (c = 0; c < r->bodies; c++)
             if (m->leader[c] == leader) {
@@ -369,8 +402,8 @@ static int take_by_rule(Run *r, Buffers *b)
     int kind = e->event, part = e->event_part, k;
     for (k = 0; k < r->key_count; k++)
         r->behind[k] = -1;
-    if (e->rule == CROSS) {
-        double rate = e->kind == HOLD || e->kind == PUSH ? flow_rate(r, e) : direct_rate(r, e);
+    if (e->rule == CROSS || e->rule == BEAR) {
+        double rate = e->kind == HOLD || e->kind == PUSH ? flow_derivative(r, r->mode, e, 1) : direct_rate(r, e);
         if (rate == 0 || rate != rate || (e->kind == HOLD && touches(r)))
             return 0;
         if (rate > 0) {
@@ -378,6 +411,8 @@ static int take_by_rule(Run *r, Buffers *b)
             run_take(r, b, r->mode_number, 0, NULL, NULL);
             return 1;
         }
+        if (e->rule == BEAR && stands(r, r->modes[e->target], NOTHING) <= 0)
+            return 0;
         r->behind[e->event_key] = e->order;
         run_take(r, b, e->target, 1, &kind, &part);
         return 1;
@@ -393,7 +428,7 @@ static int take_by_rule(Run *r, Buffers *b)
         return 1;
     }
     if (e->rule == STAND) {
-        int answer = stands(r, e);
+        int answer = stands(r, r->modes[e->target], e->hold);
         if (answer == 0)
             return 0;
         if (answer > 0) {
@@ -402,6 +437,8 @@ static int take_by_rule(Run *r, Buffers *b)
             run_take(r, b, e->target, 1, &kind, &part);
             return 1;
         }
+        if (!slips(r, r->modes[e->other], e->event_key))
+            return 0;
         kind = REVERSAL;
         r->behind[e->event_key] = 1;
         run_take(r, b, e->other, 1, &kind, &part);

@@ -26,7 +26,7 @@ enum { DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL };  /* kinds of term
 enum { SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB };    /* kinds of meters, see meters.py */
 enum { IN_CONTACT = 1, AT_REST = 3 };                           /* codes of a stop */
 enum { ADVANCE, SAMPLE, SECTION, ARRIVE, EXTREMES, LEDGER, TANGENT, STAGES }; /* of a stretch */
-enum { ASK, CROSS, STAND, STRUCK };                             /* rules for what follows an event */
+enum { ASK, CROSS, STAND, STRUCK, BEAR };                       /* rules for what follows an event */
 enum { START, CONTACT_BEGIN, CONTACT_END, REVERSAL, STICK_BEGIN, STICK_END, VIOLATION_BEGIN, VIOLATION_END, END,
        IMPACT, TRANSMITTED, CHATTER, REST_BEGIN, REST_END, KINDS };
 enum { OK, ACCUMULATION, DIVERGED, UNDECIDED, NO_MEMORY };      /* status of a run */

@@ -226,27 +226,16 @@ static PyObject *set_rule(RunObject *self, PyObject *args)
 {
     Run *r = &self->run;
     Event *e;
-    int mode, event, v[8], i;
+    int mode, event, v[8];
     if (!PyArg_ParseTuple(args, "ii(iiiiiiii)", &mode, &event, &v[0], &v[1], &v[2], &v[3], &v[4], &v[5], &v[6], &v[7]) || !idle(self))
         return NULL;
-    if (mode < 0 || mode >= r->mode_count || event < 0 || event >= r->modes[mode]->event_count || v[0] < ASK || v[0] > STRUCK ||
+    if (mode < 0 || mode >= r->mode_count || event < 0 || event >= r->modes[mode]->event_count || v[0] < ASK || v[0] > BEAR ||
         v[1] < 0 || v[1] >= r->mode_count || v[2] < 0 || v[2] >= r->mode_count || v[4] < 0 || v[4] >= KINDS || v[6] < 0 ||
         v[6] >= r->key_count || v[7] < 0 || v[7] > JET_ORDER) {
         PyErr_SetString(PyExc_ValueError, "no such rule");
         return NULL;
     }
     e = &r->modes[mode]->events[event];
-    if (v[0] == STAND) /* HOLD functions of the mode must be made of couplings */
-        for (i = 0; i < r->modes[v[1]]->event_count; i++) {
-            const Mode *m = r->modes[v[1]];
-            const Event *other = &m->events[i];
-            int k;
-            for (k = 0; other->kind == HOLD && k < other->terms; k++)
-                if (m->terms[other->first + k].kind != COUPLING) {
-                    PyErr_SetString(PyExc_ValueError, "no such rule");
-                    return NULL;
-                }
-        }
     e->rule = v[0];
     e->target = v[1];
     e->other = v[2];

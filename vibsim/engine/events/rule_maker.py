@@ -6,7 +6,6 @@ What follows other events Python decides, by the `Automaton`.
 from __future__ import annotations
 
 from vibsim.engine.events.automaton import Automaton
-from vibsim.engine.modes.packing import coupled
 from vibsim.engine.modes.rows import (
     CLEARANCE,
     GAP,
@@ -19,7 +18,7 @@ from vibsim.engine.modes.rows import (
     Joined,
     ModeRows,
 )
-from vibsim.engine.modes.rule import CROSS, STAND, STRUCK, Rule
+from vibsim.engine.modes.rule import BEAR, CROSS, STAND, STRUCK, Rule
 from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Status
 from vibsim.physics.parts import AT_FORCE
 
@@ -60,8 +59,10 @@ class RuleMaker:
         return self._cross(after, "stick_end", tie, (SLIDE, tie), 1 if drops else 2)
 
     @staticmethod
-    def _cross(status: Status, kind: str, part: int, key: EventKey, order: int) -> Rule:
-        return Rule(CROSS, status, None, -1, kind, part, key, order)
+    def _cross(
+        status: Status, happened: str, part: int, key: EventKey, order: int, kind: int = CROSS
+    ) -> Rule:
+        return Rule(kind, status, None, -1, happened, part, key, order)
 
     def _blow_rule(self, status: Status, event: Event) -> Rule | None:
         """Of a blow on a stop, where no stop rests, where no friction sticks but those that it makes slip,
@@ -80,40 +81,30 @@ class RuleMaker:
     def _contact_rule(self, status: Status, event: Event, key: EventKey) -> Rule | None:
         i = event.part
         stop, before = dict(self.scene.elastic_stops)[i], status.stops[i]
-        if before == LIFTED or self._against_base(stop) or (stop.c != 0 and status.tied):
+        if before == LIFTED or self._against_base(stop):
             return None
         after = CONTACT if before == OPEN else OPEN
         kind = "contact_begin" if after == CONTACT else "contact_end"
-        return self._cross(status.with_stop(i, after), kind, i, key, 1)
+        behind = status.with_stop(i, after)
+        if stop.c == 0 or not status.tied:
+            return self._cross(behind, kind, i, key, 1)
+        if not self.automaton._possible(self.maker.rows(behind)):
+            return None
+        return self._cross(behind, kind, i, key, 1, BEAR)
 
     def _against_base(self, part: Joined) -> bool:
         return self.maker.n + 1 in self.maker.ends(part)
 
     def _stand_rule(self, status: Status, event: Event, key: EventKey) -> Rule | None:
         i = event.part
-        if RESTING in status.stops:
-            return None
         standing = self.automaton.standing(status, [i])
         stuck = status.with_frictions(dict.fromkeys(standing, STICK))
         rows = self.maker.rows(stuck)
-        holds = [e for e in rows.events if e.kind == HOLD]
-        if len(standing) > 1 and set(standing) - {i} != {
-            k for k, v in enumerate(status.frictions) if v == STICK
-        }:
-            return None
-        if not all(coupled(e) for e in holds) or self.maker.n + 1 in {
-            c for q in rows.couplings for c in (q.P, q.Q)
-        }:
-            return None
-        if rows.leader[self.maker.ends(self.scene.frictions[i])[0]] == self.maker.n + 1:
-            return None
-        if not self.automaton._possible(rows):
+        if set(standing) - {i} != set(status.tied) or not self.automaton._possible(rows):
             return None
         other, hold = None, -1
-        if standing == [i]:
-            before = status.frictions[i]
-            other = status.with_frictions({i: -before})
-            for number, e in enumerate(rows.events):
-                if e.kind == HOLD and rows.cuts[e.part].ties[0][1] * e.direction == -before:
-                    hold = number
+        before = status.frictions[i]
+        for number, e in enumerate(rows.events):
+            if e.kind == HOLD and [(i, -before * e.direction)] == list(rows.cuts[e.part].ties):
+                other, hold = status.with_frictions({i: -before}), number
         return Rule(STAND, stuck, other, hold, "stick_begin", i, key, 1)

@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from vibsim.engine.flows.modal import Pitch, pitch
-from vibsim.engine.modes.rows import COUPLING, DIFFERENCE, RATE, Event, EventKey, ModeRows, Term
+from vibsim.engine.modes.rows import DIFFERENCE, RATE, Event, EventKey, ModeRows, Term
 from vibsim.engine.state import State
 from vibsim.physics import elementary
 from vibsim.physics.parts import BASE, GROUND, Harmonic, Scene
@@ -192,8 +192,3 @@ def pack_modal(pack: Packer, modal: ModalMotion) -> None:
         )
         pack.put((), coordinate.sines)
         pack.put((), coordinate.cosines)
-
-
-def coupled(event: Event) -> bool:
-    """Whether all terms of an event function are couplings."""
-    return all(term.kind == COUPLING for term in event.terms)
