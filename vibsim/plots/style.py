@@ -11,6 +11,7 @@ from typing import Any
 
 import matplotlib
 
+from vibsim.files.output_file import reason
 from vibsim.plots.errors import PlotError
 
 # Okabe and Ito, "Color Universal Design" (2008), dark and light in turn: they print in different greys.
@@ -65,10 +66,11 @@ def _lay_over(sheet: str | PathLike[str]) -> None:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of keys that this matplotlib has given up
+            if Path(sheet).is_file():
+                open(sheet).close()  # of one that must not be read matplotlib says only that it is no style
             style.use(fspath(sheet))
     except (OSError, ValueError, UnicodeDecodeError) as error:
-        first = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise PlotError(f"{sheet} is no style sheet of matplotlib: {first:.120}") from None
+        raise PlotError(f"{sheet} is no style sheet of matplotlib: {reason(error):.120}") from None
 
 
 def points(size: float) -> float:

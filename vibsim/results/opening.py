@@ -24,13 +24,17 @@ def names_a_result(source: str | Path) -> bool:
 
 
 def is_result_file(path: str | Path) -> bool:
-    """Whether `path` is a regular file that begins as an HDF5 file does; of a pipe nothing is read."""
+    """Whether `path` is a regular file that begins as an HDF5 file does; of a pipe nothing is read.
+
+    One that must not be read is judged by its name, and whoever opens it says so.
+    """
+    from vibsim.cases.sources import called_as_result
     from vibsim.files.reading import check_signature
 
     try:
         check_signature(Path(path))
-    except ResultFileError:
-        return False
+    except ResultFileError as error:
+        return isinstance(error.__cause__, PermissionError) and called_as_result(str(path))
     return True
 
 

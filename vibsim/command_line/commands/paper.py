@@ -40,8 +40,8 @@ class Formats(click.ParamType):
     ),
 )
 @click.option(
-    "-o", "--output", "folder", type=click.Path(file_okay=False), default="paper", show_default=True,
-    metavar="DIR", help="Folder for the report; made where it is missing.",
+    "-o", "--output", "folder", type=click.Path(file_okay=False, readable=False), default="paper",
+    show_default=True, metavar="DIR", help="Folder for the report; made where it is missing.",
 )  # fmt: skip
 @click.option(
     "--format", "formats", type=Formats(), default="png,pdf", show_default=True, metavar="FORMAT[,FORMAT..]",

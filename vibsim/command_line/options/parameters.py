@@ -163,7 +163,7 @@ ASSIGNMENT = Pair("KEY=VALUE, such as excitation.Omega0='6.5 Hz'")
 KEY_RANGE = Pair("KEY=RANGE, such as c=0.01:0.05/9", some_text, several=True)
 KEY_SPREAD = Pair("KEY=HOW, such as x1=1mm", some_text)
 WINDOW = Window()
-FILE = click.Path(path_type=str)
+FILE = click.Path(path_type=str, readable=False)  # who opens it says why it cannot be read
 
 
 def once_each(
