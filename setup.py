@@ -1,7 +1,8 @@
 """Builds the optional C engine and names the packages; everything else is declared in pyproject.toml.
 
 Without a compiler the extension is left out (`optional=True`) and vibsim runs on its Python engine.
-`-ffp-contract=off` keeps every product and sum rounded by itself, so that both engines agree bit for bit.
+`-ffp-contract=off` keeps every product and sum rounded by itself, so that both engines agree bit for bit;
+`-fno-trapping-math` says that no operation stops the program, so that loops become vectors: values stay.
 VIBSIM_BUILD=strict takes warnings for errors, =sanitize watches addresses and undefined behaviour (`make
 sanitize`), =coverage counts lines (`make coverage`); all fail where the engine does not build.
 """
@@ -12,7 +13,7 @@ from glob import glob
 from setuptools import Extension, find_packages, setup
 
 ROOM = "vibsim/engine"
-GCC_FLAGS = ["-std=c99", "-O3", "-ffp-contract=off", "-fno-fast-math", "-Wall"]
+GCC_FLAGS = ["-std=c99", "-O3", "-ffp-contract=off", "-fno-fast-math", "-fno-trapping-math", "-Wall"]
 MSVC_FLAGS = ["/O2", "/fp:strict", "/std:c11"]  # C99's restrict is C11's to it
 STRICT = ["-Wextra", "-Werror"]
 SANITIZED = ["-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]

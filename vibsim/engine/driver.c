@@ -453,25 +453,24 @@ static void sample_one(Run *r, double t, double *row, long room)
     write_state(r, row, room, &r->scratch);
 }
 
-/* The closed form keeps the time it was evaluated at last: the last sample is taken by itself, and the first one if it is there. */
+/* The first sample may be where the closed form was evaluated last. */
 static void sample_closed_form(Run *r, const double *times, const double *tau, int count, double *row, long room)
 {
-    const int here = tau[0] == r->closed_form.tau, last = count - 1, n = r->bodies;
+    const int here = tau[0] == r->closed_form.tau, n = r->bodies;
     double X[TIMES_AT_ONCE], V[TIMES_AT_ONCE];
     int i, c;
-    if (here && last > 0)
+    if (here)
         sample_one(r, times[0], row, room);
-    if (last > here) {
-        closed_form_many(r, tau + here, last - here);
-        closed_form_base(r, X, V);
-        for (c = 0; c < n; c++)
-            closed_form_body(r, c, X, V, row + here + (1 + 2 * c) * room, row + here + (2 + 2 * c) * room);
-        for (i = here; i < last; i++) {
-            row[i] = times[i];
-            row[i + (1 + 2 * n) * room] = row[i + (2 + 2 * n) * room] = 0.0;
-        }
+    if (count == here)
+        return;
+    closed_form_many(r, tau + here, count - here);
+    closed_form_base(r, X, V);
+    for (c = 0; c < n; c++)
+        closed_form_body(r, c, X, V, row + here + (1 + 2 * c) * room, row + here + (2 + 2 * c) * room);
+    for (i = here; i < count; i++) {
+        row[i] = times[i];
+        row[i + (1 + 2 * n) * room] = row[i + (2 + 2 * n) * room] = 0.0;
     }
-    sample_one(r, times[last], row + last, room);
 }
 
 static void sample_at(Run *r, Buffers *b, const double *times, int count)

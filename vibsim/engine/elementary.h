@@ -97,9 +97,11 @@ static inline double reduced_exponential(double x, double *rise)
     return n;
 }
 
+/* Without a branch, too. */
 static inline double exponential(double x)
 {
-    double within = x < -FLAT_EXPONENT ? -FLAT_EXPONENT : x > FLAT_EXPONENT ? FLAT_EXPONENT : x, rise, n = reduced_exponential(within, &rise);
+    double above = x < -FLAT_EXPONENT ? -FLAT_EXPONENT : x, within = above > FLAT_EXPONENT ? FLAT_EXPONENT : above;
+    double rise, n = reduced_exponential(within, &rise);
     double first = (n * 0.5 + WHOLE) - WHOLE;
     return ((1 + rise) * whole_power_of_two(first)) * whole_power_of_two(n - first);
 }

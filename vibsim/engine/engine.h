@@ -216,7 +216,8 @@ typedef struct {
     Response *responses;
     double *sin0, *cos0, *sines, *cosines, *sine, *cosine; /* by harmonic: at the anchor, here, and of the angle between */
     Times times;
-    double *x0, *v0, *rest, base[JET + 1], tau; /* rest: of each body, what does not move in this segment */
+    double *x0, *v0, *rest, base[JET + 1]; /* rest: of each body, what does not move in this segment */
+    double tau, counted; /* the time that all this is of; that of the last evaluation, by itself or among many */
     Search search;
 } ClosedForm;
 

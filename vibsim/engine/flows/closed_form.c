@@ -89,7 +89,7 @@ void closed_form_enter(Run *r, const State *state)
     }
     for (m = 0; m < modal->count; m++)
         anchor_coordinate(r, modal, &modal->coordinates[m], &f->motions[m]);
-    f->tau = 0.0;
+    f->tau = f->counted = 0.0;
     closed_form_open(r);
 }
 
@@ -144,8 +144,8 @@ void closed_form_evaluate(Run *r, double tau)
     int h, m;
     if (tau == f->tau)
         return;
-    r->evaluations += 1;
-    f->tau = tau;
+    r->evaluations += tau != f->counted;
+    f->tau = f->counted = tau;
     for (h = 0; h < r->harmonic_count; h++) {
         const Harmonic *one = &r->harmonics[h];
         double angle = one->omega * tau, cosine, sine, sin0 = f->sin0[h], cos0 = f->cos0[h];

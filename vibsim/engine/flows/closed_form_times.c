@@ -1,10 +1,16 @@
 /* The closed-form flow at many times of a segment: the operations of closed_form.c, response by response in loops over the
- * times. From where a response is a plain quotient, a compiler makes operations on vectors of them.
+ * times without branches, of which a compiler makes operations on vectors.
  */
 #include "engine.h"
 #include "numbers.h"
 #include "responses.h"
 #include "wide.h"
+
+/* How many times are worked on, so that loops over the first `count` have no rest that is less than a register wide. */
+static int whole_registers(int count)
+{
+    return (count + LANES - 1) / LANES * LANES;
+}
 
 /* First time from which on the response to a constant load is a quotient; times ascend, and so does what it is told by. */
 static int first_settled(const Oscillator *o, const double *tau, int count)
@@ -19,6 +25,15 @@ static int first_beating(const Oscillator *o, const double *tau, int count)
 {
     int j = 0;
     while (j < count && !is_quotient(o, tau[j] * tau[j]))
+        j++;
+    return j;
+}
+
+/* First time from which on a response that is no quotient has no series either. */
+static int first_slow(const Oscillator *o, const double *tau, int count)
+{
+    int j = 0;
+    while (j < count && !(o->wd * tau[j] >= 0.5))
         j++;
     return j;
 }
@@ -53,23 +68,51 @@ static void move_freely(const Motion *y, const double *restrict tau, int count, 
     }
 }
 
+/* Responses to a harmonic load by their series at the first `count` times, and with them at some behind. */
+static void response_series_at(const Oscillator *restrict o, const double *restrict tau, int count, double *restrict hc, double *restrict hs)
+{
+    const int whole = whole_registers(count);
+    int j;
+    for (j = 0; j < whole; j++)
+        series_response(o, tau[j], &hc[j], &hs[j]);
+}
+
 static void drive_freely(const Oscillator *o, const Response *response, const double *restrict tau, int count,
                          const double *restrict cosine, const double *restrict sine, double *restrict q, double *restrict u)
 {
     const double load_sine = response->load_sine, load_cosine = response->load_cosine, omega = o->omega, inverse = o->inverse_r;
     const int turned = first_turned(o, tau, count);
+    double hc[TIMES_AT_ONCE], hs[TIMES_AT_ONCE];
     int j;
-    for (j = 0; j < turned; j++) {
-        double hc, hs;
-        free_harmonic_response(o, tau[j], cosine[j], sine[j], &hc, &hs);
-        q[j] = q[j] + (load_sine * hc + load_cosine * hs);
-        u[j] = u[j] + (load_sine * (sine[j] / omega) + load_cosine * (omega * hc));
-    }
+    response_series_at(o, tau, turned, hc, hs);
     for (j = turned; j < count; j++) {
-        double angle = omega * tau[j], hc = (cosine[j] - 1) * inverse, hs = (sine[j] - angle) * inverse;
-        q[j] = q[j] + (load_sine * hc + load_cosine * hs);
-        u[j] = u[j] + (load_sine * (sine[j] / omega) + load_cosine * (omega * hc));
+        hc[j] = (cosine[j] - 1) * inverse;
+        hs[j] = (sine[j] - omega * tau[j]) * inverse;
     }
+    for (j = 0; j < count; j++) {
+        q[j] = q[j] + (load_sine * hc[j] + load_cosine * hs[j]);
+        u[j] = u[j] + (load_sine * (sine[j] / omega) + load_cosine * (omega * hc[j]));
+    }
+}
+
+static void swing_at(const Oscillator *restrict o, const double *restrict tau, int count, double *restrict release,
+                     double *restrict impulse)
+{
+    double sine[TIMES_AT_ONCE], cosine[TIMES_AT_ONCE];
+    int j;
+    for (j = 0; j < count; j++)
+        moderate_sine_cosine(o->wd * tau[j], &sine[j], &cosine[j]);
+    for (j = 0; j < count; j++)
+        swing(o, tau[j], sine[j], cosine[j], &release[j], &impulse[j]);
+}
+
+/* Response to a constant load at the first `count` times, and with them at some behind. */
+static void steady_series_at(const Oscillator *restrict o, const double *restrict tau, int count, double *restrict steady)
+{
+    const int whole = whole_registers(count);
+    int j;
+    for (j = 0; j < whole; j++)
+        steady[j] = tau[j] * tau[j] * horner(o->steady_series, SERIES_TERMS, o->rate * tau[j]);
 }
 
 static void oscillate(const Oscillator *o, const Motion *y, const double *restrict tau, int count, double *restrict release,
@@ -80,16 +123,15 @@ static void oscillate(const Oscillator *o, const Motion *y, const double *restri
     double steady[TIMES_AT_ONCE];
     int j;
     if (o->oscillates && o->wd * tau[count - 1] < LARGEST_ANGLE)
-        for (j = 0; j < count; j++) {
-            double sine, cosine;
-            moderate_sine_cosine(o->wd * tau[j], &sine, &cosine);
-            swing(o, tau[j], sine, cosine, &release[j], &impulse[j]);
-        }
+        swing_at(o, tau, count, release, impulse);
     else
         for (j = 0; j < count; j++)
             release_and_impulse(o, tau[j], &release[j], &impulse[j]);
-    for (j = 0; j < settled; j++)
-        steady[j] = constant_response(o, tau[j], release[j]);
+    if (o->oscillates)
+        steady_series_at(o, tau, settled, steady);
+    else
+        for (j = 0; j < settled; j++)
+            steady[j] = constant_response(o, tau[j], release[j]);
     for (j = settled; j < count; j++)
         steady[j] = (1 - release[j]) * per_b;
     for (j = 0; j < count; j++) {
@@ -104,13 +146,15 @@ static void drive(const Oscillator *o, const Response *response, const double *r
 {
     const double a = o->a, b = o->b, omega = o->omega, real = o->inverse_r, imaginary = o->inverse_i;
     const double load_sine = response->load_sine, load_cosine = response->load_cosine;
-    const int beating = first_beating(o, tau, count);
+    const int slow = first_slow(o, tau, count), beating = first_beating(o, tau, count);
+    double hc[TIMES_AT_ONCE], hs[TIMES_AT_ONCE];
     int j;
+    response_series_at(o, tau, slow < beating ? slow : beating, hc, hs);
+    for (j = slow; j < beating; j++)
+        confluent_response(o, tau[j], cosine[j], sine[j], &hc[j], &hs[j]);
     for (j = 0; j < beating; j++) {
-        double hc, hs, dc, ds;
-        harmonic_response(o, tau[j], release[j], impulse[j], cosine[j], sine[j], &hc, &hs, &dc, &ds);
-        q[j] = q[j] + (load_sine * hc + load_cosine * hs);
-        u[j] = u[j] + (load_sine * dc + load_cosine * ds);
+        q[j] = q[j] + (load_sine * hc[j] + load_cosine * hs[j]);
+        u[j] = u[j] + (load_sine * (impulse[j] - omega * hs[j]) + load_cosine * (omega * hc[j]));
     }
     for (j = beating; j < count; j++) {
         double nr = cosine[j] - release[j], ni = sine[j] - omega * impulse[j];
@@ -138,21 +182,34 @@ static void move_coordinate(const Times *at, const Coordinate *c, const Motion *
     }
 }
 
-/* Work out at most TIMES_AT_ONCE ascending times tau, 0 < tau, for the three functions below; the next single time is evaluated
- * anew, whatever it is.
+/* Fill whole registers with the times, the last of them again where there are none left; how many that makes. */
+static int filled_up(const double *times, int count, double *tau)
+{
+    const int whole = whole_registers(count);
+    int j;
+    for (j = 0; j < whole; j++)
+        tau[j] = times[j < count ? j : count - 1];
+    return whole;
+}
+
+/* Work out at most TIMES_AT_ONCE ascending times, none of them negative, for the three functions below; the next single time is
+ * evaluated anew, whatever it is.
  */
-WIDE_WITH_CALLS void closed_form_many(Run *r, const double *tau, int count)
+WIDE_WITH_CALLS void closed_form_many(Run *r, const double *times, int count)
 {
     const Modal *modal = r->mode->modal;
     Times *at = &r->closed_form.times;
+    double tau[TIMES_AT_ONCE];
     int i;
-    at->count = count;
-    r->evaluations += count;
+    at->count = filled_up(times, count, tau);
+    r->evaluations += count - (times[0] == r->closed_form.counted);
+    r->closed_form.counted = times[count - 1];
     r->closed_form.tau = NAN;
     for (i = 0; i < r->harmonic_count; i++)
-        turn_harmonic(&r->harmonics[i], tau, count, at->cosine[i], at->sine[i]);
+        turn_harmonic(&r->harmonics[i], tau, at->count, at->cosine[i], at->sine[i]);
     for (i = 0; i < modal->count; i++)
         move_coordinate(at, &modal->coordinates[i], &r->closed_form.motions[i], tau, at->q[i], at->u[i]);
+    at->count = count;
 }
 
 /* Sine of a harmonic, its phase at the anchor included. */

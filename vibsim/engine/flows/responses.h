@@ -14,8 +14,8 @@ void confluent_response(const Oscillator *o, double t, double cosine, double sin
 /* Of an oscillation whose sine and cosine are given. */
 static inline void swing(const Oscillator *o, double t, double sine, double cosine, double *release, double *impulse)
 {
-    double decay = exponential(-(o->a * t)), rise = decay * (sine * o->per_wd);
-    *impulse = o->wd * t != 0 ? rise : decay * t;
+    double decay = exponential(-(o->a * t)), rise = decay * (sine * o->per_wd), slow = decay * t;
+    *impulse = o->wd * t != 0 ? rise : slow;
     *release = decay * cosine + o->a * *impulse;
 }
 

@@ -14,4 +14,6 @@
 #define WIDE_WITH_CALLS
 #endif
 
+#define LANES 4 /* doubles in a register, or a multiple; TIMES_AT_ONCE is a multiple of it */
+
 #endif

@@ -80,11 +80,11 @@ static int ascend(const double *tau)
     return n == NODE_COUNT;
 }
 
-/* All nodes but the last, and but the first where the closed form was evaluated last; returns which is the first of them. */
-static int many_nodes(Run *r, const Meters *m, const double *tau)
+/* All nodes from the first that is told. */
+static void many_nodes(Run *r, const Meters *m, const double *tau, int first)
 {
     Nodes *at = &r->ledger.nodes;
-    const int first = tau[0] == r->closed_form.tau, base = r->columns - 1, count = NODE_COUNT - 1 - first;
+    const int base = r->columns - 1, count = NODE_COUNT - first;
     double X[NODE_COUNT], x[NODE_COUNT];
     int i, k, n;
     closed_form_many(r, tau + first, count);
@@ -105,7 +105,6 @@ static int many_nodes(Run *r, const Meters *m, const double *tau)
                 out[n] = out[n] + force->terms[k].amplitude * sines[n];
         }
     }
-    return first;
 }
 
 static void closed_form_nodes(Run *r, const Meters *m, const double *tau)
@@ -113,11 +112,9 @@ static void closed_form_nodes(Run *r, const Meters *m, const double *tau)
     Nodes *at = &r->ledger.nodes;
     const ClosedForm *f = &r->closed_form;
     const int base = r->columns - 1, one_by_one = m->function_count > 0 || !ascend(tau); /* they coincide in a very short piece */
-    const int first = one_by_one ? NODE_COUNT : many_nodes(r, m, tau);
+    const int alone = one_by_one ? NODE_COUNT : tau[0] == f->tau; /* how many, from the first */
     int i, n;
-    for (n = 0; n < NODE_COUNT; n++) {
-        if (n == first)
-            n = NODE_COUNT - 1;
+    for (n = 0; n < alone; n++) {
         closed_form_state_after(r, tau[n], &r->scratch);
         for (i = 0; i < m->column_count; i++)
             if (m->columns[i] < r->bodies)
@@ -133,6 +130,8 @@ static void closed_form_nodes(Run *r, const Meters *m, const double *tau)
         for (i = 0; i < m->function_count; i++)
             at->function[i][n] = event_derivative(r, &m->functions[i], 0);
     }
+    if (alone < NODE_COUNT)
+        many_nodes(r, m, tau, alone);
 }
 
 /* The integral of a meter over the nodes, by the length of the piece. */
