@@ -279,7 +279,7 @@ double drive_at_next(Run *r, const Mode *m, int key)
 
 static double column_value(const Run *r, const double *values, int c, double base)
 {
-    return c < r->bodies ? values[c] : c == r->bodies ? 0.0 : base;
+    return c < r->bodies ? values[c] : c > r->bodies ? base : 0.0;
 }
 
 /* Value of a HOLD function of mode m at r->next from its couplings, and the size of these; X, V: of the base. Returns 0 where
@@ -288,7 +288,7 @@ static double column_value(const Run *r, const double *values, int c, double bas
 static int direct_hold(const Run *r, const Mode *m, const Event *e, double X, double V, double *value, double *size)
 {
     double total = 0.0;
-    int direct = 1, first = 1, i;
+    int direct = 1, i;
     *size = 0.0;
     for (i = 0; i < e->terms; i++) {
         const Term *t = &m->terms[e->first + i];
@@ -301,8 +301,7 @@ static int direct_hold(const Run *r, const Mode *m, const Event *e, double X, do
         y = column_value(r, r->next.x, c->P, X) - column_value(r, r->next.x, c->Q, X);
         u = column_value(r, r->next.v, c->P, V) - column_value(r, r->next.v, c->Q, V);
         part = t->coefficient * (c->k * y + c->c * u + c->offset);
-        total = first ? part : total + part;
-        first = 0;
+        total = i == 0 ? part : total + part;
         *size = *size + fabs(t->coefficient) * (c->k * fabs(y) + c->c * fabs(u) + fabs(c->offset));
     }
     *value = total + e->constant;
@@ -338,14 +337,13 @@ static int stands(Run *r, const Mode *m, int hold)
 /* Whether what slips in mode m by the event function `key` goes on doing so, while every tie of it holds. */
 static int slips(Run *r, const Mode *m, int key)
 {
-    int ties = 0, slide = NOTHING, i;
-    for (i = 0; i < m->event_count; i++) {
-        ties += m->events[i].kind == HOLD;
-        slide = m->events[i].key == key ? i : slide;
-    }
-    if (ties == 0) /* then Python does not look either */
+    int i;
+    if (m->untied) /* then Python does not look either */
         return 1;
-    return slide != NOTHING && stands(r, m, NOTHING) > 0 && flow_derivative(r, m, &m->events[slide], 1) > 0;
+    for (i = 0; i < m->event_count; i++)
+        if (m->events[i].key == key)
+            return stands(r, m, NOTHING) > 0 && flow_derivative(r, m, &m->events[i], 1) > 0;
+    return 0;
 }
 
 /* Give the bodies of the group that `column` is in their common velocity; momentum is kept where they move freely. */

@@ -173,7 +173,7 @@ class Automaton(Generic[N]):
 
     def _enter(self, state: State[N], status: Status) -> ModeRows[N]:
         rows = self.maker.rows(status)
-        self.flow.enter(state, rows, {})
+        self.flow.look(state, rows)
         return rows
 
     def _event(self, rows: ModeRows[N], key: EventKey) -> Event[N]:

@@ -53,6 +53,7 @@ class Taylor(Generic[N]):
         self.search = PolynomialSearch(kit)
         self.search.certificate = certificate
         self.evaluations = self.steps = 0
+        self.looked_at: tuple[ModeRows[N], tuple[N, ...]] | None = None
         rates = [term.omega for term in scene.harmonics if term.amplitude != 0]
         self.longest = min((3 / rate for rate in rates), default=kit.inf)
 
@@ -63,11 +64,23 @@ class Taylor(Generic[N]):
 
     def enter(self, state: State[N], rows: ModeRows[N], known: Known) -> None:
         """Expand the motion at `state` in the mode of `rows`; known: {event key: order of its zero here}."""
-        self.rows, self.known = rows, known
-        self.t0, self.start = state.t, state
-        self._expand(state)
+        self._expand_in(state, rows, known)
         self.steps += 1
         self.h = self._step_length()
+
+    def look(self, state: State[N], rows: ModeRows[N]) -> None:
+        """Expand the motion at `state` in the mode of `rows` for its derivatives there: no step follows. What
+        was looked at last is not expanded anew.
+        """
+        place = (state.t, *state.x, *state.v, state.phase, state.w)
+        if self.looked_at is None or self.looked_at[0] is not rows or self.looked_at[1] != place:
+            self._expand_in(state, rows, {})
+            self.looked_at = rows, place
+
+    def _expand_in(self, state: State[N], rows: ModeRows[N], known: Known) -> None:
+        self.rows, self.known, self.looked_at = rows, known, None
+        self.t0, self.start = state.t, state
+        self._expand(state)
 
     def carry_on(self, state: State[N]) -> None:
         """Go on from an instant that was no event: the next step."""
