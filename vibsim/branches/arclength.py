@@ -14,7 +14,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from vibsim.branches.lapack import solved_by_pivots
+from vibsim.orbits.lapack import solved_by_pivots
 
 ITERATIONS = 8  # of Newton's method: more mean that the step was too long
 CLOSE = 1e-13  # scaled length of a Newton step behind which rounding begins

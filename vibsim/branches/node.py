@@ -7,8 +7,8 @@ import numpy as np
 
 from vibsim.branches.arclength import correct, kernel, length_of, tangent
 from vibsim.branches.family import Family, FamilyPoint
-from vibsim.branches.lapack import determinant
 from vibsim.once import once
+from vibsim.orbits.lapack import determinant
 from vibsim.orbits.multipliers import ON_CIRCLE
 
 STEADY = 4.0  # times that the share of the parameter in the tangent may change where Newton holds it

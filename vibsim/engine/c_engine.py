@@ -27,7 +27,7 @@ from vibsim.engine.ledgers.ledger import struck_entries
 from vibsim.engine.ledgers.meters import jumps_of
 from vibsim.engine.ledgers.packing_meters import pack_blows, pack_extremes, pack_ledger
 from vibsim.engine.modes.mode_table import ModeTable, mode_table
-from vibsim.engine.modes.packing import Packed, pack_scene, pack_state
+from vibsim.engine.modes.packing import pack_scene, pack_state
 from vibsim.engine.modes.rows import (
     HOLD,
     STRIKE,
@@ -188,16 +188,16 @@ class CRun:
         """
         return partial(self.table.maker.rows, self.statuses[number])
 
-    def retune(self, scene: Scene, packed: Packed, table: ModeTable) -> None:
+    def retune(self, scene: Scene, doubles: bytes, table: ModeTable) -> None:
         """Go over to a scene whose modes have the same form (`likeness.differences`); a restart has to
         follow.
 
-        packed : the scene; table : of its modes
+        doubles : of the packed scene; table : of its modes
         """
         for name in ("scout", "automaton", "tangencies", "maker"):
             self.__dict__.pop(name, None)
         before, self.scene = self.scene, scene
-        self.run.retune(packed[1])
+        self.run.retune(doubles)
         if table is not self.table:
             self.table = table
             for number, status in enumerate(self.statuses):
@@ -237,10 +237,10 @@ class CRun:
         """
         self.run.rewind(end)
         self.moving = len(vectors) > 0
-        self.packer = self.packer or DisturbancePacker(self.scene, self.maker.ends)
-        self.plain = self.plain or PlainStart(self.scene, self.maker.ends)
         if self.moving:
+            self.packer = self.packer or DisturbancePacker(self.scene, self.maker.ends)
             self.run.keep_tangent(*self.packer.packed(vectors))
+        self.plain = self.plain or PlainStart(self.scene, self.maker.ends)
         status = self.plain.status(state) if self.plain.known else None
         self._set_off(*(self._begun(state) if status is None else (state, status, {})))
 
@@ -284,13 +284,14 @@ class CRun:
 
     def _mode(self, status: Status) -> int:
         """Number of a mode in C; adds it where it is new."""
-        if status not in self.numbers:
+        number = self.numbers.get(status)
+        if number is None:
             number = self.run.add_mode(*self.table.packed(status, lambda: self.scout))
             if self.meters:
                 self.run.set_meters(number, *self.table.packed_meters(status, self.momentum))
             self.numbers[status] = number
             self.statuses.append(status)
-        return self.numbers[status]
+        return number
 
     def _known(self, known: Known, missing: int) -> bytes:
         if not known and missing == 0:

@@ -25,7 +25,9 @@ def multipliers_of(end: Return) -> np.ndarray:
     """
     matrix = end.derivative * end.coordinates.ratios
     rounding = ROUNDING * EPS * sqrt(np.vdot(matrix, matrix))
-    values = sorted(np.linalg.eigvals(matrix).tolist(), key=lambda mu: (-abs(mu), mu.real, mu.imag))
+    from vibsim.orbits.lapack import eigenvalues  # scipy, which most commands do without
+
+    values: list[complex] = sorted(eigenvalues(matrix), key=lambda mu: (-abs(mu), mu.real, mu.imag))
     values = [mu if abs(mu) > rounding else 0.0 for mu in values]
     if values and any(kind in FORGETS for kind, _ in end.events):
         values[-1] = 0.0

@@ -103,7 +103,7 @@ class Return:
         """Size of the rates of change at the end, as weighed [m/s^2]."""
         return self.coordinates.size(self.rate)
 
-    @property
+    @once
     def events(self) -> Word:
         """(kind, part) of what happened, in the order from the section."""
         return word_of(self.carried.events)
@@ -152,7 +152,8 @@ class ReturnMap:
             return ReturnMap(scene, self.n, self.carrier.engine)
         other = object.__new__(ReturnMap)
         vars(other).update(vars(self), scene=scene, carrier=carrier)
-        if self.section.timed:
+        own = self.scene
+        if self.section.timed and not (scene.forces is own.forces and scene.base is own.base):
             other.section = section_of(scene)
         other.coordinates = self.coordinates.of_scene(scene)
         return other

@@ -38,6 +38,8 @@ def common_period(scene: Scene[Any]) -> Period | None:
     Frequencies are doubles or fractions.
     """
     terms = [term for term in scene.harmonics if term.cycles != 0]
+    if len(terms) == 1:
+        return Period(terms[0].cycles, terms[0].cycles_lo, 1)
     strong = [term for term in terms if term.amplitude != 0]
     pitches = list(dict.fromkeys((term.cycles, term.cycles_lo) for term in strong or terms))
     if not pitches:

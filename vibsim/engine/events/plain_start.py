@@ -30,6 +30,7 @@ class PlainStart:
         )
         self.stops = [(*ends(stop), stop.sense, stop.gap) for stop in scene.stops]
         self.frictions = [(*ends(friction), friction.belt) for friction in scene.frictions]
+        self._modes: dict[tuple[int, ...], Status] = {}
 
     def status(self, state: State) -> Status | None:
         """The mode of `state`, or None where a sign is not plain."""
@@ -48,4 +49,8 @@ class PlainStart:
             if abs(rate) <= NEAR * (abs(one) + abs(other) + abs(belt)):
                 return None
             frictions.append(FORWARD if rate > 0 else BACKWARD)
-        return Status(tuple(stops), tuple(frictions), ())
+        key = *stops, *frictions
+        status = self._modes.get(key)
+        if status is None:
+            status = self._modes[key] = Status(tuple(stops), tuple(frictions), ())
+        return status

@@ -34,8 +34,9 @@ def differences(one: Scene, other: Scene) -> Numbers | None:
     if settings(one) != settings(other) or one.stop_on_violation != other.stop_on_violation:
         return None
     numbers: Numbers = {}
+    mine, theirs = vars(one), vars(other)
     for name in PARTS:
-        here, there = getattr(one, name), getattr(other, name)
+        here, there = mine[name], theirs[name]
         if here is not there and not _alike(here, there, (name,), numbers):
             return None
     return numbers
@@ -72,7 +73,9 @@ def _alike(one: Any, other: Any, place: Place, numbers: Numbers) -> bool:
     mine, theirs = vars(one), vars(other)
     for name in _names(one.__class__):
         here, there = mine[name], theirs[name]
-        if here is not there and not _alike(here, there, (*place, name), numbers):
+        if here is there or (here == there != 0 and isinstance(here, float)):
+            continue
+        if not _alike(here, there, (*place, name), numbers):
             return False
     return True
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from array import array
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
+from itertools import islice
 from typing import TYPE_CHECKING
 
 from vibsim.engine.flows.modal import Pitch, pitch
@@ -49,36 +50,44 @@ def pack_scene(scene: Scene, harmonics: Sequence[Pitch]) -> Packed:
     """The scene as bytes of ints and of doubles. harmonics: distinct pitches, as `ClosedForm.harmonics`."""
     motor = scene.motor
     parts = len(scene.stops) + len(scene.frictions) + len(scene.clearances)
-    pack = Packer()
-    ints, doubles = pack.ints, pack.doubles
-
-    def put(term: Harmonic) -> None:
-        ints.append(harmonics.index(pitch(term)) if term.amplitude != 0 else -1)
-        doubles.extend(harmonic(term))
-
-    ints += (
+    of_pitch = iter(voices(scene, harmonics))
+    ints = [
         len(scene.bodies),
         parts,
         len(scene.clearances),
         len(harmonics),
         len(scene.forces),
         len(scene.base),
-    )
+    ]
     ints += (motor is not None, motor.on if motor else 0, rest_columns(scene))
     ints += (scene.stop_on_violation, scene.order)
-    doubles += (motor.m3, motor.e, motor.J, motor.M0, motor.Omega0) if motor else (0.0,) * 5
+    ints += islice(of_pitch, len(scene.base))
+    for force in scene.forces:
+        ints += (force.on, len(force.terms), *islice(of_pitch, len(force.terms)))
+    return array("i", ints).tobytes(), scene_doubles(scene, harmonics)
+
+
+def voices(scene: Scene, harmonics: Sequence[Pitch]) -> list[int]:
+    """The number of the pitch of each harmonic of the base, then of the forces; -1 for amplitudes of 0."""
+    terms = [*scene.base, *(term for force in scene.forces for term in force.terms)]
+    return [harmonics.index(pitch(term)) if term.amplitude != 0 else -1 for term in terms]
+
+
+def scene_doubles(scene: Scene, harmonics: Sequence[Pitch]) -> bytes:
+    """The doubles of `pack_scene`."""
+    motor = scene.motor
+    doubles = [motor.m3, motor.e, motor.J, motor.M0, motor.Omega0] if motor else [0.0] * 5
     doubles += (tolerance_exponent(scene.tol), scene.t_end, scene.every_num, scene.every_den)
     doubles += [body.m for body in scene.bodies]
     for one in harmonics:
         doubles += (1.0, *one)
     for term in scene.base:
-        put(term)
+        doubles += harmonic(term)
     for force in scene.forces:
-        ints += (force.on, len(force.terms))
         doubles.append(force.constant)
         for term in force.terms:
-            put(term)
-    return pack.packed
+            doubles += harmonic(term)
+    return array("d", doubles).tobytes()
 
 
 def rest_columns(scene: Scene) -> int:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from math import isfinite, nan
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +24,7 @@ from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.flows.modal import pitches
 from vibsim.engine.modes.likeness import Numbers, differences
 from vibsim.engine.modes.mode_table import ModeTable
-from vibsim.engine.modes.packing import Packed, pack_scene
+from vibsim.engine.modes.packing import scene_doubles, voices
 from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.state import State
 from vibsim.engine.tangent.tangent_space import length
@@ -76,7 +76,7 @@ class Carried:
     @cached_property
     def events(self) -> tuple[tuple[str, int], ...]:
         """(kind, part) of what happened on the way, in order."""
-        return tuple((EVENT_NAMES[kind], part) for kind, part in self.happened[:, :2].tolist())
+        return _named(self.happened[:, :2].tobytes())
 
     @property
     def times(self) -> np.ndarray:
@@ -102,11 +102,12 @@ class Carried:
 class _Shared:
     """A run on the C engine that carriers of several scenes use by turns, and the scene that it is on.
 
-    first : the scene that it begins with; packed : its numbers
+    first : the scene that it begins with; voices, doubles : of its harmonics, and its numbers
     """
 
     def __init__(self, first: Scene) -> None:
-        self.first, self.packed = first, pack_scene(first, pitches(first))
+        self.first, sounds = first, pitches(first)
+        self.voices, self.doubles = voices(first, sounds), scene_doubles(first, sounds)
         self.on: Scene | None = None
 
     @cached_property
@@ -132,7 +133,7 @@ class Carrier:
     def __init__(self, scene: Scene, engine: str = "auto") -> None:
         self.scene, self._origin = _free(scene), scene
         self.engine, self.size, self._shared = engine_name(engine), length(scene), _Shared(self.scene)
-        self._packed: Packed = self._shared.packed
+        self._doubles = self._shared.doubles
         self._numbers: Numbers = {}
         n = len(scene.bodies)
         rotor = (2 * n + 1, 2 * n + 2) if scene.motor is not None else ()
@@ -209,7 +210,7 @@ class Carrier:
         """The run on the C engine, on the numbers of this scene."""
         shared = self._shared
         if shared.on is not self.scene:
-            shared.run.retune(self.scene, self._packed, self._table)
+            shared.run.retune(self.scene, self._doubles, self._table)
         shared.on = self.scene
         return shared.run
 
@@ -224,13 +225,14 @@ class Carrier:
         shared = self._shared
         if self.engine != "c":
             return None
-        free = _free(scene)
-        numbers, packed = differences(shared.first, free), pack_scene(free, pitches(free))
-        if numbers is None or packed[0] != shared.packed[0]:
+        free, sounds = _free(scene), pitches(scene)
+        numbers = differences(shared.first, free)
+        if numbers is None or voices(free, sounds) != shared.voices:
             return None
         other = object.__new__(Carrier)
-        other.__dict__ |= {name: getattr(self, name) for name in ("engine", "size", "_shared", "_order")}
-        other.scene, other._origin, other._packed, other._numbers = free, scene, packed, numbers
+        other.engine, other.size, other._shared, other._order = self.engine, self.size, shared, self._order
+        other.scene, other._origin, other._numbers = free, scene, numbers
+        other._doubles = scene_doubles(free, sounds)
         return other
 
     def _by_python(self, components: list[float], end: float, vectors: np.ndarray) -> Carried:
@@ -296,6 +298,13 @@ class Carrier:
         )
 
 
+@lru_cache(maxsize=1024)
+def _named(happened: bytes) -> tuple[tuple[str, int], ...]:
+    """(kind, part) of events by two signed bytes each: branches meet few orders of them."""
+    numbers = np.frombuffer(happened, dtype="i1").reshape(-1, 2)
+    return tuple((EVENT_NAMES[kind], part) for kind, part in numbers.tolist())
+
+
 def _finite(values: np.ndarray) -> bool:
     """Whether all values are finite: their sum says it at once, but for an overflow."""
     return isfinite(values.sum()) or bool(np.isfinite(values).all())
@@ -304,8 +313,8 @@ def _finite(values: np.ndarray) -> bool:
 def _free(scene: Scene) -> Scene:
     """The scene without samples and what only its own start and end have a say in."""
     return scene.but(
-        stops=_not_at_start(scene.stops),
-        clearances=_not_at_start(scene.clearances),
+        stops=scene.stops and _not_at_start(scene.stops),
+        clearances=scene.clearances and _not_at_start(scene.clearances),
         stop_on_violation=False,
         every_num=10**9,
         every_den=1,

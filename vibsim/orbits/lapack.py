@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import prod, sqrt
+from math import isfinite, prod, sqrt
 
 import numpy as np
 from scipy.linalg import lapack
@@ -24,3 +24,15 @@ def determinant(matrix: np.ndarray) -> float:
     factors, pivots, _ = lapack.dgetrf(matrix)
     swaps = sum(place != row for row, place in enumerate(pivots.tolist()))
     return prod(factors.diagonal().tolist()) * (-1.0) ** swaps
+
+
+def eigenvalues(matrix: np.ndarray) -> list[complex]:
+    """Of a square matrix, with exact conjugates; the bits of `numpy.linalg.eigvals`. Raises LinAlgError where
+    the iteration does not converge, or the matrix is not finite.
+    """
+    if not (isfinite(np.vdot(matrix, matrix)) or np.isfinite(matrix).all()):
+        raise np.linalg.LinAlgError("the matrix is not finite")
+    real, imaginary, _, _, failed = lapack.dgeev(matrix, 0, 0)
+    if failed:
+        raise np.linalg.LinAlgError("eigenvalues did not converge")
+    return list(map(complex, real.tolist(), imaginary.tolist()))
