@@ -14,6 +14,7 @@ from vibsim.branches.arclength import ContinuationError
 from vibsim.branches.energy import ENERGY, Conserved, what_is_not_conservative, without_still_sources
 from vibsim.branches.family import Family, FamilyPoint
 from vibsim.branches.plan import BranchError, BranchPlan
+from vibsim.branches.reciprocal import Reciprocal, restricted
 from vibsim.branches.span import read_energy_span
 from vibsim.cases import Case
 from vibsim.engine.errors import EngineError
@@ -78,6 +79,30 @@ class EnergyPoint(FamilyPoint):
     def _momentum(self) -> float:
         """A momentum to measure by [N s]."""
         return self.lap * float(self.family.conserved.m.sum())
+
+    @once
+    def reciprocal(self) -> Reciprocal:
+        """The multipliers that come in pairs."""
+        of, weights = self.family.conserved, self.end.coordinates.weights
+        rows = np.vstack([of.gradient(self.end.X), of.kept_rows]) / weights
+        return Reciprocal(restricted(self.matrix * self.end.coordinates.ratios, rows))
+
+    @once
+    def multipliers(self) -> np.ndarray:
+        """Floquet multipliers, the largest first; those of what is kept are 1."""
+        kept = len(self.matrix) - len(self.reciprocal.inner)
+        every = [*self.reciprocal.multipliers, *[1.0 + 0j] * kept]
+        return np.array(sorted(every, key=lambda mu: (-abs(mu), mu.real, mu.imag)), dtype=complex)
+
+    @property
+    def fold(self) -> float:
+        """det(P' - I) of the multipliers in pairs."""
+        return self.reciprocal.fold
+
+    @property
+    def doubling(self) -> float:
+        """det(P' + I) of the multipliers in pairs, but for its sign."""
+        return self.reciprocal.doubling
 
     @once
     def slope(self) -> np.ndarray:

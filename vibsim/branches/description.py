@@ -24,7 +24,7 @@ def branch_lines(branch: Branch) -> list[tuple[str, str]]:
         ("ends", _ends(branch)),
     ]
     if branch.key == ENERGY:
-        return [*lines, ("frequency", frequencies(branch))]
+        lines.append(("frequency", frequencies(branch)))
     unresolved = [one for one in branch.specials if one.kind == UNRESOLVED]
     where = ", ".join(f"{one.parameter:.8g}" for one in unresolved)
     held = "holds everywhere" if not unresolved else f"does not hold at {where} {branch.unit}".rstrip()

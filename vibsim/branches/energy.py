@@ -42,11 +42,12 @@ class Conserved:
     def __init__(self, scene: Scene, at: Any):
         self.scene, self.at, self.m = scene, at, masses(scene)
         self.n = len(scene.bodies)
-        sets = body_sets(scene, [*scene.links, *scene.stops])
-        free = [one for one in sets if not one.held and len(one.bodies) > 1]
-        self.rows = np.zeros((len(free), 2 * self.n))
-        for row, one in zip(self.rows, free, strict=True):
+        sets = [one for one in body_sets(scene, [*scene.links, *scene.stops]) if not one.held]
+        rows = np.zeros((len(sets), 2 * self.n))
+        for row, one in zip(rows, sets, strict=True):
             row[[self.n + body for body in one.bodies]] = self.m[list(one.bodies)]
+        self.rows = rows[[len(one.bodies) > 1 for one in sets]]
+        self._kept = rows
 
     def energy(self, X: np.ndarray) -> float:
         """Kinetic energy, that of springs and of elastic stops in contact, potential of constant forces."""
@@ -79,6 +80,11 @@ class Conserved:
     def momentum_rows(self) -> np.ndarray:
         """Derivative of the momenta by the unknowns."""
         return np.asarray(self.rows @ self.at.put)
+
+    @property
+    def kept_rows(self) -> np.ndarray:
+        """The same with those of bodies that nothing joins to another, whose velocity is kept."""
+        return np.asarray(self._kept @ self.at.put)
 
     def _apart(self, x: np.ndarray, part: Any) -> float:
         return float(sum(sign * x[end] for end, sign in ((part.P, 1), (part.Q, -1)) if end >= 0))

@@ -19,6 +19,7 @@ from vibsim.cases import Case
 from vibsim.engine.errors import EngineError
 from vibsim.once import once
 from vibsim.orbits import OrbitError, ReturnMap
+from vibsim.orbits.lapack import determinant
 from vibsim.orbits.multipliers import multipliers_of
 from vibsim.orbits.word import cyclic
 from vibsim.physics.parts import Scene
@@ -147,6 +148,16 @@ class FamilyPoint:
     def multipliers(self) -> np.ndarray:
         """Floquet multipliers, the largest first."""
         return np.asarray(multipliers_of(self.end))
+
+    @once
+    def fold(self) -> float:
+        """det(P' - I), which is zero with a multiplier 1."""
+        return determinant(self.matrix - self.end.coordinates.one)
+
+    @once
+    def doubling(self) -> float:
+        """det(P' + I), which is zero with a multiplier -1."""
+        return determinant(self.matrix + self.end.coordinates.one)
 
     @once
     def word(self) -> tuple[Any, ...]:

@@ -5,11 +5,13 @@ at a fold, a branch point or a doubling, by two at a Neimark-Sacker point, by an
 order of events makes the derivative of the map jump. A stretch that shows more than one event, or does not
 satisfy the check, is halved until each part has one event at most. At an event that was located the other
 multipliers must be on the side of the circle that they are on at both ends of its stretch: of a
-Neimark-Sacker point a hair before a fold the ends alone say nothing. Multipliers of conservative orbits lie
-on the circle: only changes of the order of events are told of these.
+Neimark-Sacker point a hair before a fold the ends alone say nothing. Multipliers of conservative orbits come
+as mu and 1 / mu (`vibsim.branches.reciprocal`): where a pair passes 1 or -1 one of them leaves the circle,
+where two pairs meet on it two do.
 """
 
 from collections.abc import Callable, Iterator
+from itertools import combinations
 
 import numpy as np
 
@@ -42,7 +44,7 @@ Test = Callable[[Node], float]
 def inspect(family: Family, one: Node, other: Node) -> Iterator[Special]:
     """The special points between two nodes, in their order."""
     detected = detect(one, other)
-    if not detected and (one.index == other.index or family.conservative):
+    if not detected and one.index == other.index:
         return
     middle = None if len(detected) == 1 else _middle(family, one, other)
     if middle is None:
@@ -84,21 +86,26 @@ def _with_sides(family: Family, special: Special, one: Node, other: Node) -> Ite
 
 def detect(one: Node, other: Node) -> list[str]:
     """Kinds of what must have happened between two nodes; a change of the order of events is called so."""
-    if one.point.family.conservative:
-        return [CHANGE] if one.word != other.word else []
-    kinds = []
-    if not (one.in_family or other.in_family):
+    kinds, conservative = [], one.point.family.conservative
+    if conservative or not (one.in_family or other.in_family):
         if one.ahead * other.ahead < 0:
             kinds.append(FOLD)
         elif one.fold * other.fold < 0:
             kinds.append(BRANCHING)
     if one.doubling * other.doubling < 0:
         kinds.append(DOUBLING)
-    if not kinds and one.pairs_outside != other.pairs_outside and one.index != other.index:
+    if not kinds and one.index != other.index and _left_the_circle(one, other, conservative):
         kinds.append(TORUS)
     if one.word != other.word:
         kinds.append(CHANGE)
     return kinds
+
+
+def _left_the_circle(one: Node, other: Node, conservative: bool) -> bool:
+    """Whether a pair of multipliers, or two that met, crossed the circle elsewhere than at 1 and -1."""
+    if conservative:
+        return one.collision * other.collision < 0
+    return one.pairs_outside != other.pairs_outside
 
 
 def _located(family: Family, detected: list[str], one: Node, other: Node) -> Special | None:
@@ -124,6 +131,8 @@ def test_of(kind: str, one: Node, other: Node) -> Test:
         return lambda node: node.doubling
     if kind in (FOLD, BRANCHING):
         return (lambda node: node.fold) if one.fold * other.fold < 0 else (lambda node: node.ahead)
+    if one.point.family.conservative:
+        return lambda node: node.collision
     outside = one if one.pairs_outside > other.pairs_outside else other
     pair = min((mu for mu in outside.pairs if abs(mu) > 1), key=lambda mu: abs(abs(mu) - 1))
     return lambda node: node.torus(pair)
@@ -163,6 +172,8 @@ def bracketed(family: Family, low: Node, high: Node, test: Test) -> tuple[Node, 
 def _index_explained(special: Special) -> bool:
     """Whether the other multipliers are at the event where they are at both ends of its stretch."""
     before, at, after = special.before, special.node, special.after
+    if at.point.family.conservative:
+        return _pairs_explained(special)
     distance = {
         FOLD: abs(at.multipliers - 1),
         BRANCHING: abs(at.multipliers - 1),
@@ -175,6 +186,21 @@ def _index_explained(special: Special) -> bool:
         return False
     rest = int(np.sum(np.abs(at.multipliers[order[count:]]) > 1))
     return sorted((before.index, after.index)) == [rest, rest + count]
+
+
+def _pairs_explained(special: Special) -> bool:
+    """The same of a conservative orbit: one pair at 1 or -1, or two that meet on the circle."""
+    traces, count = special.node.point.reciprocal.traces, 2 if special.kind == TORUS else 1
+    if special.kind == TORUS:
+        pairs = combinations(range(len(traces)), 2)
+        at = min(pairs, key=lambda pair: abs(traces[pair[0]] - traces[pair[1]]))
+        near = abs(traces[at[0]] - traces[at[1]]) < NEAR and abs(traces[at[0]].real) < 2
+    else:
+        place = -2 if special.kind == DOUBLING else 2
+        at = (min(range(len(traces)), key=lambda i: abs(traces[i] - place)),)
+        near = abs(traces[at[0]] - place) < NEAR
+    rest = sum(tau.imag != 0 or abs(tau.real) > 2 for i, tau in enumerate(traces) if i not in at)
+    return near and sorted((special.before.index, special.after.index)) == [rest, rest + count]
 
 
 def _change(family: Family, one: Node, other: Node, first: bool = False) -> Special | None:

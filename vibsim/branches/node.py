@@ -8,7 +8,6 @@ import numpy as np
 from vibsim.branches.arclength import correct, kernel, length_of, tangent
 from vibsim.branches.family import Family, FamilyPoint
 from vibsim.once import once
-from vibsim.orbits.lapack import determinant
 from vibsim.orbits.multipliers import ON_CIRCLE
 
 STEADY = 4.0  # times that the share of the parameter in the tangent may change where Newton holds it
@@ -72,6 +71,8 @@ class Node:
     @once
     def index(self) -> int:
         """Number of multipliers outside the unit circle; those of a family are on it but for rounding."""
+        if self.point.family.conservative:
+            return int(self.point.reciprocal.outside)
         return sum(abs(mu) > 1 for mu in self.own_multipliers)
 
     @once
@@ -90,15 +91,15 @@ class Node:
         """dp/ds, scaled: 0 at a fold."""
         return float(self.tangent[-1])
 
-    @once
+    @property
     def fold(self) -> float:
-        """det(P' - I), which is zero with a multiplier 1."""
-        return determinant(self.point.matrix - self.point.end.coordinates.one)
+        """det(P' - I), which is zero with a multiplier 1; without those that what is kept makes 1."""
+        return self.point.fold
 
-    @once
+    @property
     def doubling(self) -> float:
         """det(P' + I), which is zero with a multiplier -1."""
-        return determinant(self.point.matrix + self.point.end.coordinates.one)
+        return self.point.doubling
 
     @once
     def pairs(self) -> list[complex]:
@@ -118,6 +119,11 @@ class Node:
         products = [(abs(mu - near), abs(mu) ** 2) for mu in self.pairs]
         products += [(abs((a + b) / 2 - near.real) + abs(near.imag), a * b) for a, b in combinations(real, 2)]
         return min(products)[1] - 1.0
+
+    @property
+    def collision(self) -> float:
+        """Of a conservative orbit: zero where two pairs of multipliers meet."""
+        return float(self.point.reciprocal.collision)
 
     @property
     def in_family(self) -> bool:

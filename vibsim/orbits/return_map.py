@@ -22,7 +22,7 @@ from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.section import section_of
 from vibsim.orbits.start import placed
 from vibsim.orbits.turning import MANY, returns, slowest_period
-from vibsim.orbits.word import Word, word_of
+from vibsim.orbits.word import Word, in_order, word_of
 from vibsim.physics.parts import Scene
 
 TRIES = 20  # of the time of return
@@ -106,7 +106,10 @@ class Return:
     @once
     def events(self) -> Word:
         """(kind, part) of what happened, in the order from the section."""
-        return word_of(self.carried.events)
+        events, scene = self.carried.events, self.coordinates.scene
+        if len(scene.stops) > 1 or len(scene.frictions) > 1:
+            return word_of(in_order(events, self.carried.times.tolist(), self.T))
+        return word_of(events)
 
     @property
     def drift(self) -> dict[str, float]:

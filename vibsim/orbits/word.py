@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 
 from vibsim.physics.parts import Scene
@@ -23,12 +23,28 @@ LETTERS = {
     "rest_begin": "h",
     "rest_end": "o",
 }
+TOGETHER = 1e-12  # of the period, between events of one kind at different parts
 OF_FRICTION = ("reversal", "stick_begin", "stick_end")
 
 
 def word_of(events: Iterable[tuple[str, int]]) -> Word:
     """The events that make an orbit's word: all but those that exert no force (limits that are watched)."""
     return tuple((kind, part) for kind, part in events if kind in LETTERS)
+
+
+def in_order(
+    events: Sequence[tuple[str, int]], times: Sequence[float], period: float
+) -> list[tuple[str, int]]:
+    """Events with those of one kind that come together, as where bodies move alike, in the order of their
+    parts: rounding would else say which is first.
+    """
+    ordered, begin = list(events), 0
+    for i in range(1, len(ordered) + 1):
+        together = i < len(ordered) and times[i] - times[i - 1] <= TOGETHER * period
+        if not (together and ordered[i][0] == ordered[begin][0]):
+            ordered[begin:i] = sorted(ordered[begin:i])
+            begin = i
+    return ordered
 
 
 @lru_cache(maxsize=4096)

@@ -1,0 +1,105 @@
+"""Where orbits of a backbone curve lose their stability, against Hill's equation with two values."""
+
+from math import acos, cos, pi, sin, sqrt
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+from scipy.optimize import brentq
+
+from vibsim.branches import continue_branch
+from vibsim.branches.reciprocal import Reciprocal, restricted
+from vibsim.cases import load_case
+
+TWINS = """
+name: twins
+bodies: {{a: 1 kg, b: 1 kg}}
+links:
+  left: {{between: [a, ground], k: 1 N/m}}
+  right: {{between: [b, ground], k: 1 N/m}}
+  tie: {{between: [a, b], k: {tie} N/m}}
+stops:
+  one: {{between: [a, ground], gap: 1 m, acts: compression, law: elastic, k: 8 N/m}}
+  other: {{between: [b, ground], gap: 1 m, acts: compression, law: elastic, k: 8 N/m}}
+initial: {{a: {{x: -{x} m}}, b: {{x: -{x} m}}}}
+run: {{t_end: 60 s, every: 0.5 s}}
+"""
+
+
+def twins(tmp_path, tie, energy):
+    """Both bodies swing alike: k = 1 N/m in front of their stops at 1 m, 9 N/m beyond; E = a^2."""
+    path = tmp_path / "twins.yaml"
+    path.write_text(TWINS.format(tie=tie, x=sqrt(energy)))
+    return load_case(str(path))
+
+
+def trace(energy, tie):
+    """mu + 1/mu of their difference u: u'' + (1 + 2 tie) u = 0, with 8 more in contact (Meissner 1918)."""
+    a, one, other = sqrt(energy), sqrt(1 + 2 * tie), sqrt(9 + 2 * tie)
+    if a <= 1:
+        return 2 * cos(2 * pi * one)
+    apart, joined = 2 * acos(-1 / a), 2 * acos(1 / 9 / sqrt(1 / 81 + (a * a - 1) / 9)) / 3
+    free, held = one * apart, other * joined
+    return 2 * cos(free) * cos(held) - (one / other + other / one) * sin(free) * sin(held)
+
+
+@pytest.mark.parametrize(
+    ("tie", "kind", "tau", "brackets", "span"),
+    [
+        (0.75, "doubling", -2, ((4.0, 4.4), (5.6, 6.0)), "3.6:6.4 J"),
+        (1.2, "branch point", 2, ((1.01, 1.05), (1.15, 1.25)), "0.9:1.3 J"),
+    ],
+)
+def test_two_bodies_that_swing_alike(tmp_path, tie, kind, tau, brackets, span):
+    branch = continue_branch(twins(tmp_path, tie, sum(brackets[1]) / 2 + 0.05), energy=span)
+    traces = branch["multipliers"].sum(axis=1).real - 1  # of a pair, beside the 1 of the energy
+    np.testing.assert_allclose(traces, [trace(E, tie) for E in branch["parameter"]], atol=1e-10)
+    exact = [brentq(lambda E: trace(E, tie) - tau, *bracket, xtol=1e-15, rtol=1e-15) for bracket in brackets]
+    told = [one for one in branch.specials if one.kind == kind]
+    assert [one.parameter for one in told] == pytest.approx(exact, rel=1e-11)
+    assert [one.jump for one in told] == [1, -1]
+    between = (branch["parameter"] > exact[0]) & (branch["parameter"] < exact[1])
+    assert between.any() and (branch["index"] == between).all() and (branch["stable"] == ~between).all()
+    others = [one.parameter for one in branch.specials if one.kind != kind]
+    assert others == pytest.approx([1.0] * len(others), rel=1e-5)  # both graze their stops at once
+    assert branch.ends == ("end of the range", "end of the range")
+
+
+def hamiltonian(detuning):
+    """The map over unit time of two oscillators, the second with negative energy, coupled by 0.1."""
+    energy = np.diag([1.0, -1.0 - detuning, 1.0, -1.0 - detuning])
+    energy[0, 1] = energy[1, 0] = 0.1
+    return expm(np.block([[np.zeros((2, 2)), np.eye(2)], [-np.eye(2), np.zeros((2, 2))]]) @ energy)
+
+
+@pytest.mark.parametrize("detuning", [-0.4, -0.2, -0.05, 0.0, 0.05, 0.2, 0.4])
+def test_four_multipliers_leave_the_circle_where_two_pairs_meet(detuning):
+    """Krein: pairs of opposite signature; near resonance they are a quadruple."""
+    matrix = hamiltonian(detuning)
+    pairs, exact = Reciprocal(matrix), np.linalg.eigvals(matrix)
+    outside = int((abs(exact) > 1 + 1e-6).sum())
+    assert pairs.outside == outside == (2 if abs(detuning) < 0.1 else 0)
+    assert (pairs.collision < 0) == (outside == 2)
+    told = np.array(pairs.multipliers)
+    assert all(abs(told - mu).min() < 1e-12 for mu in exact)
+    assert pairs.fold == pytest.approx(np.linalg.det(np.eye(4) - matrix), rel=1e-10)
+    assert pairs.doubling == pytest.approx(np.linalg.det(np.eye(4) + matrix), rel=1e-10)
+
+
+def test_what_is_kept_is_taken_out():
+    """A map with left eigenvectors of 1 has the other multipliers on what is orthogonal to them."""
+    rng = np.random.default_rng(5)
+    basis = rng.normal(size=(6, 6))
+    blocks = np.eye(6)
+    blocks[2:, 2:] = hamiltonian(0.4)
+    blocks[2:, :2] = rng.normal(size=(4, 2))
+    matrix = np.linalg.inv(basis) @ blocks @ basis
+    inner = restricted(matrix, basis[:2])
+    exact = np.linalg.eigvals(hamiltonian(0.4))
+    assert all(abs(np.linalg.eigvals(inner) - mu).min() < 1e-12 for mu in exact)
+
+
+def test_bodies_that_move_alike_have_one_order_of_events(tmp_path):
+    """Which of two blows at one instant comes first is not told by rounding: no change of order is listed."""
+    branch = continue_branch(twins(tmp_path, 0.3, 5.0), energy="4.5:6 J")
+    assert set(branch["word"]) == {"b1 b2 e1 e2"} and branch.specials == []
