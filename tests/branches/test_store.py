@@ -46,6 +46,18 @@ def same(one, other):
     assert one.plan.settings == other.plan.settings and one.case.sha256 == other.case.sha256
 
 
+def test_a_branch_is_saved_as_it_would_have_been_written(whole, tmp_path):
+    """And is gone on with where it was not followed to its ends."""
+    branch, _ = whole
+    saved = branch.save(tmp_path / "saved.h5")
+    same(read_branch(saved), branch)
+    with pytest.raises(ResultFileError, match="exists"):
+        branch.save(saved)
+    part = continue_branch(captured_at_575(), KEYS["II"], SPAN, max_points=6)
+    part.save(saved, force=True)
+    same(continue_branch(captured_at_575(), KEYS["II"], SPAN, out=saved), branch)
+
+
 def test_it_reads_back_to_the_bit(whole):
     branch, path = whole
     same(read_branch(path), branch)

@@ -94,12 +94,12 @@ class EnergyPoint(FamilyPoint):
         every = [*self.reciprocal.multipliers, *[1.0 + 0j] * kept]
         return np.array(sorted(every, key=lambda mu: (-abs(mu), mu.real, mu.imag)), dtype=complex)
 
-    @property
+    @once
     def fold(self) -> float:
         """det(P' - I) of the multipliers in pairs."""
         return self.reciprocal.fold
 
-    @property
+    @once
     def doubling(self) -> float:
         """det(P' + I) of the multipliers in pairs, but for its sign."""
         return self.reciprocal.doubling

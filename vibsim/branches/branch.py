@@ -4,6 +4,8 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property, partial
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -237,6 +239,21 @@ class Branch(Along, Labelled):
                 )
             )
         return specials
+
+    def save(self, path: str | PathLike[str], force: bool = False) -> Path:
+        """Write the branch to an HDF5 file, which every command takes; its absolute path.
+
+        force : replace what is there. Raises ResultFileError where it cannot be written.
+
+        `continue_branch(..., out=path)` goes on with it where it was not followed to its ends.
+        """
+        from vibsim.branches.store.branch_file import origin, write_branch
+        from vibsim.files.output_file import check_output
+
+        target = check_output(Path(path), force)
+        attrs = self.attrs or origin(self.plan)
+        write_branch(target, self, attrs, self.closed or all(self.ends))
+        return target
 
     def special(self, label: str) -> SpecialPoint:
         """The special point of a label. Raises KeyError with the labels that there are."""

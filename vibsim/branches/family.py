@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.branches.arclength import ContinuationError
+from vibsim.branches.reciprocal import Reciprocal
 from vibsim.branches.scene_path import ScenePath
 from vibsim.cases import Case
 from vibsim.engine.errors import EngineError
@@ -148,6 +149,11 @@ class FamilyPoint:
     def multipliers(self) -> np.ndarray:
         """Floquet multipliers, the largest first."""
         return np.asarray(multipliers_of(self.end))
+
+    @once
+    def reciprocal(self) -> Reciprocal:
+        """The multipliers that come in pairs; of conservative families only."""
+        raise NotImplementedError
 
     @once
     def fold(self) -> float:

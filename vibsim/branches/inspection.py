@@ -191,6 +191,7 @@ def _index_explained(special: Special) -> bool:
 def _pairs_explained(special: Special) -> bool:
     """The same of a conservative orbit: one pair at 1 or -1, or two that meet on the circle."""
     traces, count = special.node.point.reciprocal.traces, 2 if special.kind == TORUS else 1
+    at: tuple[int, ...]
     if special.kind == TORUS:
         pairs = combinations(range(len(traces)), 2)
         at = min(pairs, key=lambda pair: abs(traces[pair[0]] - traces[pair[1]]))

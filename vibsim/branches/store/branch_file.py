@@ -35,7 +35,7 @@ KIND_NAMES = {code: kind for kind, code in KINDS.items()}
 EVENTS = {letter: kind for kind, letter in LETTERS.items()}
 
 
-def origin(plan: BranchPlan, engine: str) -> dict[str, Any]:
+def origin(plan: BranchPlan, engine: str = "auto") -> dict[str, Any]:
     """Attributes that are known before the first point."""
     return {
         **provenance("branch", plan.case, f"Periodic orbits of {plan.case.name} over {plan.keys[0]}"),
