@@ -18,6 +18,7 @@ from vibsim.cases import load_case
 from vibsim.orbits.seeking import orbit
 from vibsim.plots.branches.curves import pieces, ranges
 from vibsim.plots.branches.motor_lines import torque_of
+from vibsim.plots.branches.multipliers import magnitudes_along
 from vibsim.plots.branches.values import amplitude_of, mean_speed_of, parameter_of
 
 SHORT = Pace(first=0.006, most=0.006)
@@ -64,6 +65,22 @@ def test_a_curve_lies_where_short_steps_lead(made):
     assert len(branch) < 0.4 * len(fine)
     assert farthest(np.concatenate(curve) / size, places(fine) / size) < 1.5 * FINE
     assert farthest(places(branch) / size, places(fine) / size) > 4 * FINE
+    nearer_than_their_polygon(branch, fine)
+
+
+def nearer_than_their_polygon(branch, fine):
+    """Magnitudes of multipliers, which are the more sensitive the steeper they go."""
+    line, (points, places) = magnitudes_along(branch), (magnitudes_at(one) for one in (branch, fine))
+    size = np.array([np.ptp(places[:, 0]), np.ptp(places[:, 1:])])
+    for k in range(1, places.shape[1]):
+        drawn_line, polygon, exact = (one[:, [0, k]] / size for one in (line, points, places))
+        assert farthest(drawn_line, exact) < 0.5 * farthest(polygon, exact)
+
+
+def magnitudes_at(branch):
+    """The parameter and magnitudes at the points alone."""
+    parameter = parameter_of(branch)
+    return np.array([(parameter(p.orbit), *np.abs(p.orbit.multipliers)) for p in branch.points])
 
 
 def test_a_locus_is_drawn_where_its_points_are_found():

@@ -61,15 +61,6 @@ def ranges(places: Sequence[tuple[float, ...]]) -> np.ndarray:
     return np.where(spans > 0, spans, 1.0)
 
 
-def orbits_along(branch: Any) -> list[Any]:
-    """Every orbit of a branch, those at its special points between the others."""
-    orbits = [branch.points[0].orbit]
-    for i in range(len(branch) - 1):
-        orbits += [special.orbit for special in branch.specials if special.between == (i, i + 1)]
-        orbits.append(branch.points[i + 1].orbit)
-    return orbits
-
-
 def draw_branch(
     axes: Axes,
     branch: Any,

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vibsim.plots.branches.curves import orbits_along
+from vibsim.branches.arclength import ContinuationError
+from vibsim.branches.course import drawn, stretches
+from vibsim.branches.records import OrbitRecord
 from vibsim.plots.branches.values import parameter_label, parameter_of
 from vibsim.plots.page.sheet import legend_above, letter_panels, sheet
 from vibsim.plots.style import BLUE, GREY, VERMILLION
@@ -33,10 +36,8 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
 
 
 def _magnitudes(axes: Axes, subject: Subject) -> None:
-    branch = subject.result
-    orbits = orbits_along(branch)
-    x = np.array([parameter_of(branch)(orbit) for orbit in orbits])
-    sizes = np.abs([orbit.multipliers for orbit in orbits])
+    line = magnitudes_along(subject.result)
+    x, sizes = line[:, 0], line[:, 1:]
     for k in range(sizes.shape[1]):
         outside = sizes[:, k] > 1
         axes.plot(x, sizes[:, k], color=BLUE, linewidth=0.8, gid="magnitude", zorder=2)
@@ -44,6 +45,32 @@ def _magnitudes(axes: Axes, subject: Subject) -> None:
     axes.axhline(1, color=GREY, linewidth=0.5, zorder=1)
     axes.set_ylabel(r"Magnitude $|\mu|$ of the multipliers")
     axes.margins(x=0.02)
+
+
+def magnitudes_along(branch: Any) -> np.ndarray:
+    """The parameter and the magnitudes of the multipliers, the largest first (n, 1 + m), smooth along a
+    branch: between its orbits those of the map at what the cubic through them tells.
+    """
+    family, parameter = branch.plan.family(), parameter_of(branch)
+
+    def value(orbit: Any) -> tuple[float, ...]:
+        return parameter(orbit), *np.abs(multipliers_at(family, orbit)).tolist()
+
+    places = np.array([value(point.orbit) for point in branch.points])
+    width, height = np.ptp(places[:, 0]) or 1.0, np.ptp(places[:, 1:]) or 1.0
+    sizes = np.array([width, *[height] * (places.shape[1] - 1)])
+    parts = [drawn(each.at, (each.one, each.other), value, sizes) for each in stretches(branch)]
+    return np.concatenate([places[:1], *(part[1:] for part in parts)])
+
+
+def multipliers_at(family: Any, orbit: Any) -> Any:
+    """Those of an orbit of a branch, or of what lies between two; the map decides where it is not told."""
+    if isinstance(orbit, OrbitRecord):
+        return orbit.multipliers
+    try:
+        return family(family.unknowns(np.array(orbit.state), orbit.period, orbit.parameter)).multipliers
+    except ContinuationError:  # a gap in the line
+        return np.full(family.map(orbit.parameter).coordinates.count, np.nan)
 
 
 def _plane(axes: Axes, subject: Subject) -> None:
