@@ -196,3 +196,23 @@ def test_friction_on_a_body_that_rests_on_the_one_that_hops_ends_the_chatter_too
     ends = [table["t"][table["kind"] == EVENT_KINDS["chatter"]][-1] for table in (fast.events, exact)]
     left_out = fast.totals["chatter_time"]
     assert abs(ends[0] + left_out - ends[1]) < left_out / 10
+
+
+def test_friction_alone_ends_a_chatter_on_a_stop_that_loses_nothing():
+    """Each hop rises against push and friction, returns against what friction leaves of the push, and is
+    shorter by the root of their ratio: only stops with e < 1 were ended, and the run crept on in hops that
+    rounding held at 1e-9 m/s, 1e-7 s of motion a second.
+    """
+    stops = (RigidStop("wall", 0, GROUND, 0.01, COMPRESSION, 1.0),)
+    rubbing, push = Friction("f", 0, GROUND, 0.5, 0.5, 0.0), Force("F", 0, 1.5, ())
+    body = Body("a", 1.0, 0.0, 0.0)
+    scene = Scene((body,), (), stops, (rubbing,), (push,), t_end=1.0, every_num=1, every_den=50)
+    fast, slow = run(scene, "c", most=1000), run(scene, "python", most=1000)
+    assert differences(fast, slow) == []
+    assert fast.totals["chatters"] == 1 and fast.totals["uncertified"] == 0
+    end = fast.events["t"][fast.events["kind"] == EVENT_KINDS["chatter"]][-1]
+    share = np.sqrt((1.5 - 0.5) / (1.5 + 0.5))  # of the speed that a hop of 1 kg keeps
+    speed = np.sqrt(2 * 0.01 * (1.5 - 0.5))
+    exact = speed + speed * (1 / 2 + share) / (1 - share)  # the fall at 1 m/s^2, then hops against 2 and back
+    assert abs(end + fast.totals["chatter_time"] - exact) < fast.totals["chatter_time"] / 10
+    assert fast.totals["chatter_time"] < 1e-6 and fast.events["kind"][-1] == EVENT_KINDS["end"]

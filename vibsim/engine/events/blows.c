@@ -264,7 +264,7 @@ static int departs(Run *r, const Event *event, const Blow *done)
     double speed = -done->after, e = done->stop->e, drive = drive_at_next(r, r->modes[done->target], event->key);
     if (!isfinite(drive) || !(2 * speed > CLEAR * (drive * (fmax(NEXT, (1 - e) * LAST) * unit_of(r)))))
         return 0;
-    if (drive <= 0 || e == 1 || !rubs(r, done))
+    if (drive <= 0 || !rubs(r, done))
         return 1;
     return speed * (2 * speed / drive) / 4 > CLEAR * (r->blows.lowest * EPS * size_of(r, done->stop, done->X));
 }

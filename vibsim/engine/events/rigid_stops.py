@@ -12,7 +12,7 @@ below LAST of them. Where the approach itself was as slow as that there was no i
 
 Resolution of length: where a friction turns round at the top of a hop, the motion starts anew from rounded
 displacements, and the return is lost in that where the height w^2 / (2 a) is. So the sequence ends below
-LOWEST of their rounding. With the acceleration b of the return it would have lasted for another
+LOWEST of their rounding, at e = 1 too. With the acceleration b of the return it would have lasted for another
 w (1 / a + 1 / sqrt(a b)) / (1 - e sqrt(b / a)), some 1e-7 s, which is told.
 """
 
@@ -404,9 +404,10 @@ class RigidStops(Generic[N]):
             after = 2 * speed / drive
             last = after if c.e == 1 else after / (1 - c.e)
             soon = after <= NEXT * unit or (c.e < 1 and after <= (1 - c.e) * (LAST * unit))
-            rubbing = [] if soon or c.e == 1 else self._rubbing(state, status, c, speed)
+            rubbing = [] if soon else self._rubbing(state, status, c, speed)
             if rubbing and self._is_low(state, c.stop, speed * after / 4):
-                soon, last = True, self._lasting(state, status, c, rubbing, speed, drive)
+                lasting = self._lasting(state, status, c, rubbing, speed, drive)
+                soon, last = lasting is not None, last if lasting is None else lasting
             if soon:
                 self.cut_off.add(state.t, last, speed, speed * after / 8)
                 touch.rates[c.stop], touch.ended[c.stop] = self.kit.number(0), drive
@@ -466,14 +467,14 @@ class RigidStops(Generic[N]):
 
     def _lasting(
         self, state: State[N], status: Status, c: Contact[N], rubbing: Sequence[int], speed: N, drive: N
-    ) -> N:
+    ) -> N | None:
         """How long a sequence of impacts would go on whose hops rise against `drive` and return with the
-        frictions `rubbing` turned round [s].
+        frictions `rubbing` turned round [s]; None where these take nothing of them and e = 1 does not either.
         """
         turned = status.with_frictions({i: -status.frictions[i] for i in rubbing})
         back = self._drive(state, turned, c.stop)
         if not 0 < back < drive:
-            return 2 * speed / drive / (1 - c.e)
+            return None if c.e == 1 else 2 * speed / drive / (1 - c.e)
         share = self.kit.sqrt(back / drive)
         return speed / drive * (1 + 1 / share) / (1 - c.e * share)
 
