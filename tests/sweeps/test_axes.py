@@ -8,6 +8,7 @@ import pytest
 import vibsim
 from tests.sweeps.made import OMEGA0, short_case, short_plan
 from vibsim.cases import CaseError, RangeError, UnknownKeyError
+from vibsim.sweeps.description import sweep_lines
 from vibsim.sweeps.plan.axis import read_axis
 from vibsim.sweeps.plan.discard import parse_discard
 from vibsim.sweeps.plan.sweep_plan import PlanError
@@ -98,3 +99,24 @@ def test_the_python_call():
     assert np.isfinite(found["amplitude_x1"]).all()
     with pytest.raises(KeyError, match="no speed; this sweep has omega0, c, mean_speed"):
         found["speed"]
+
+
+def test_a_sweep_over_the_length_of_runs_says_how_long_they_are():
+    """It told that of the case, which no point had."""
+    result = vibsim.sweep(short_case(), {"run.t_end": "1:2/2 s"}, discard="50 %", section=1, jobs=1)
+    lines = dict(sweep_lines(result))
+    assert lines["run"] == "1, 2 s, 2 values, transient of 50 % left out of the statistics"
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"discard": 0.5}, "discard must be a text with its unit, such as '100 s' or '50 %', got 0.5"),
+        ({"every": 0.001}, "every must be a text with its unit, such as '5 ms', got 0.001"),
+        ({"ensemble": 2, "spread": {"x1": 0.001}}, "spread of x1 must be a text .*, got 0.001"),
+    ],
+)
+def test_what_needs_a_unit_is_no_bare_number(settings, message):
+    """They ended in an AttributeError."""
+    with pytest.raises(TypeError, match=message):
+        vibsim.sweep(short_case(), {"c": "0.001, 0.1"}, **settings)

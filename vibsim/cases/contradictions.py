@@ -70,7 +70,7 @@ def _output_interval(flat: Flat) -> Iterator[Contradiction]:
     held = max(Fraction(every.numerator), span * every.denominator) < LARGEST_WHOLE
     if not held and span / every <= MOST_SAMPLES:
         every_text = f"as p/q seconds, {flat['run.every']} has too many digits"
-        what = f"{every_text}: p, and q times run.t_end, must be below 2^53"
+        what = f"{every_text}: p, and q times run.t_end, must be below 2^53; a fraction such as 1/60 s may do"
         yield ("run.every", "run.t_end"), what
     elif span / every > MOST_SAMPLES:
         count = f"{float(span / every):.3g}"

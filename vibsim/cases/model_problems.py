@@ -106,6 +106,9 @@ def _no_mapping(location: tuple[Any, ...], value: object, form: Form) -> str:
     keys = _listed(section.model_fields) if section else "names"
     if location[-1] == "terms":
         return f"must be a list of harmonics, such as [{{A: 10 N, omega: 25 Hz}}]; got {shown(value)}"
+    if len(location) == 2 and location[0] == "initial" and "initial" in form.named:
+        starts = "{x: ..., v: ...} of a body, or {phi: ..., phidot: ...} of motor"
+        return f"must be the start of one part, such as initial.NAME: {starts}; got {shown(value)}"
     if location[-1] in named:
         keys = NAMED_SECTIONS.get(location[-1], "parts by name, each a mapping of its keys")
     part = len(location) == 2 and location[0] in form.named

@@ -9,7 +9,7 @@ from vibsim.cases.plain_text import one_line
 from vibsim.cases.quantities import decimal_text
 from vibsim.sweeps.plan.axis import Axis
 from vibsim.sweeps.plan.members import Members
-from vibsim.sweeps.plan.sweep_plan import DIRECTION_NAMES
+from vibsim.sweeps.plan.sweep_plan import DIRECTION_NAMES, Plan
 from vibsim.sweeps.sweep_result import SweepResult, open_sweep
 
 Lines = list[tuple[str, str]]
@@ -29,9 +29,7 @@ def sweep_lines(result: SweepResult) -> Lines:
     lines += [(axis.name, axis_text(axis)) for axis in plan.axes]
     lines.append(("points", points_text(attrs)))
     lines.append(("start", start_text(result)))
-    lines.append(
-        ("run", f"{plan.case.quantity('run.t_end')}, transient of {plan.discard} left out of the statistics")
-    )
+    lines.append(("run", f"{_ends(plan)}, transient of {plan.discard} left out of the statistics"))
     if plan.compute:
         lines.append(("computed", ", ".join(plan.compute)))
     lines.append(("section", f"the last {plan.section} stroboscopic points of each"))
@@ -40,6 +38,14 @@ def sweep_lines(result: SweepResult) -> Lines:
     if len(failures) > 5:
         lines.append(("failed", f"and {len(failures) - 5} more"))
     return lines
+
+
+def _ends(plan: Plan) -> str:
+    """How long the runs are: 300 s, or the values of an axis."""
+    for axis in plan.axes:
+        if isinstance(axis, Axis) and "run.t_end" in (axis.key, *axis.also):
+            return axis_text(axis)
+    return str(plan.case.quantity("run.t_end"))
 
 
 def facts(result: SweepResult) -> dict[str, Any]:

@@ -128,13 +128,20 @@ def make_plan(
             axes=every_axis,
             directions=read_directions(direction, every_axis[0], carry_state),
             carry=carry_state,
-            discard=parse_discard(discard),
+            discard=parse_discard(_text("discard", discard, "'100 s' or '50 %'")),
             section=section,
-            every=None if every is None else _interval(every),
+            every=None if every is None else _interval(_text("every", every, "'5 ms'")),
             compute=read_computations(compute, quantities_of(case)),
         )
     except ValueError as error:
         raise error if isinstance(error, PlanError) else PlanError(str(error)) from None
+
+
+def _text(name: str, value: object, example: str) -> str:
+    """An argument that is read as on the command line. Raises TypeError for a number, which says no unit."""
+    if not isinstance(value, str):
+        raise TypeError(f"{name} must be a text with its unit, such as {example}, got {value!r}")
+    return value
 
 
 def read_ensemble(case: Case, count: int, seed: int, spread: Mapping[str, str]) -> tuple[Members, ...]:
@@ -143,6 +150,8 @@ def read_ensemble(case: Case, count: int, seed: int, spread: Mapping[str, str]) 
         if spread:
             raise PlanError("a spread needs an ensemble: say how many members it has")
         return ()
+    for key, how in spread.items():
+        _text(f"spread of {key}", how, "'5 mm' or '0:360 deg'")
     try:
         return (read_members(case, count, seed, spread),)
     except ValueError as error:
