@@ -5,10 +5,13 @@ import math
 import numpy as np
 import pytest
 
+import vibsim
 from tests.plots.artists import lines, points
 from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.parts import columns_of
 from vibsim.plots.errors import PlotError
 from vibsim.plots.motion import samples, trace
+from vibsim.plots.motion.dense import dense
 from vibsim.plots.registry import kind_named
 from vibsim.plots.runs.impact_velocity import _bins
 from vibsim.plots.view import View
@@ -291,3 +294,20 @@ def test_equal_impacts_have_a_bar_that_can_be_seen():
     assert _bins(np.array([0.0, 1.0])) == (40, (0.0, 1.0))
     count, (low, high) = _bins(np.array([0.95, 1.0]))
     assert count == 4 and (low, high) == (0.95, 1.0)
+
+
+def test_long_portraits_keep_the_blows(monkeypatch):
+    """Where a span needed too many instants it was joined through samples: no blow came to the stop."""
+    run = vibsim.simulate("gallery/impact-oscillator", overrides={"run.t_end": "60 s", "run.every": "0.5 s"})
+    body = run.case.scene().bodies[0].name
+    x, v = columns_of(body)
+    monkeypatch.setattr("vibsim.plots.motion.dense.AT_MOST", 300)
+    drawn = dense(run, (x, v), (0.0, 60.0))
+    blows = run.events["kind"] == EVENT_KINDS["impact"]
+    assert blows.sum() > 10 and len(drawn["time"]) < 300 + 121 + 2 * len(run.events["t"])
+    path = set(zip(drawn["time"].tolist(), drawn[v].tolist(), strict=True))
+    for side in (v, f"before_{v}"):
+        struck = zip(run.events["t"][blows].tolist(), run.events[side][blows].tolist(), strict=True)
+        assert set(struck) <= path
+    steps = np.diff(np.unique(drawn["time"]))
+    assert steps.max() < 0.3  # of samples 0.5 s apart, were there nothing between them

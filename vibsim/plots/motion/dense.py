@@ -21,14 +21,14 @@ def dense(
     """Columns `time` and `names` within the span, the events, and instants between them.
 
     Every sample and every event within the span is among the rows, as stored, and before an event at which
-    velocities jump the state in front of it; the instants between are evaluated by the engine. A span too
-    long for that comes back as samples alone.
+    velocities jump the state in front of it; the instants between are evaluated by the engine, further
+    apart where the span is too long for all of them. A span with too many events comes back as samples alone.
     """
     names = tuple(name for name in names if name != "time")
     stored = samples(result, ("time", *names), span)
-    between = _instants_between(stored["time"], span, step or _fine_step(result.case.scene()))
-    if between is None:
+    if len(events_within(result, ("t",), span)["t"]) > AT_MOST:
         return stored
+    between = _instants_between(stored["time"], span, step or _fine_step(result.case.scene()))
     between = between[between <= result.t_reached]  # of a run that was killed, samples may reach further
     before, after = _event_rows(result, names, span)
     # a sample at the instant of an event is the state after it
@@ -72,14 +72,14 @@ def _fine_step(scene: Any) -> float | None:
     return None if period is None else period / PER_PERIOD
 
 
-def _instants_between(time: np.ndarray, span: Span, step: float | None) -> np.ndarray | None:
-    """Equally spaced instants between the samples [s]; None when there would be too many."""
+def _instants_between(time: np.ndarray, span: Span, step: float | None) -> np.ndarray:
+    """Equally spaced instants between the samples [s], at most about AT_MOST."""
     knots = np.unique(np.concatenate([[span[0]], time, [span[1]]]))
     if step is None:
         return np.empty(0)
     pieces = np.maximum(np.ceil(np.diff(knots) / step), 1)
     if pieces.sum() > AT_MOST:
-        return None
+        pieces = np.maximum(np.floor(pieces * (AT_MOST / pieces.sum())), 1)
     parts = [
         np.linspace(a, b, int(n) + 1)[1:-1] for a, b, n in zip(knots[:-1], knots[1:], pieces, strict=True)
     ]
