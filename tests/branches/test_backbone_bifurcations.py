@@ -7,6 +7,7 @@ import pytest
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
+import vibsim
 from vibsim.branches import continue_branch
 from vibsim.branches.reciprocal import Reciprocal, restricted
 from vibsim.cases import load_case
@@ -103,3 +104,78 @@ def test_bodies_that_move_alike_have_one_order_of_events(tmp_path):
     """Which of two blows at one instant comes first is not told by rounding: no change of order is listed."""
     branch = continue_branch(twins(tmp_path, 0.3, 5.0), energy="4.5:6 J")
     assert set(branch["word"]) == {"b1 b2 e1 e2"} and branch.specials == []
+
+
+CHAIN = """
+name: chain
+bodies: {a: 1 kg, b: 1.09 kg, c: 1.28 kg}
+links:
+  held: {between: [a, ground], k: 1 N/m}
+  one: {between: [a, b], k: 1.58 N/m}
+  two: {between: [b, c], k: 1.97 N/m}
+stops: {wall: {between: [c, ground], gap: 1 m, acts: compression, law: elastic, k: 9.38 N/m}}
+initial: {a: {x: -0.1 m}}
+run: {t_end: 40 s, every: 0.5 s}
+"""
+MASSES = np.array([1, 1.09, 1.28])
+STIFFNESS = np.array([[2.58, -1.58, 0], [-1.58, 3.55, -1.97], [0, -1.97, 1.97]])
+
+
+def flow(joined):
+    """The matrix of the chain's motion (x, v), and what the stop at 1 m adds."""
+    matrix, constant = np.zeros((7, 7)), 9.38 / 1.28 if joined else 0.0
+    matrix[:3, 3:6] = np.eye(3)
+    matrix[3:6, :3] = -STIFFNESS / MASSES[:, None]
+    matrix[5, 2] -= constant
+    matrix[5, 6] = constant
+    return matrix
+
+
+def swing(state, period):
+    """Where a swing through the stop leads, and its derivative by the start: matrix exponentials, the contact
+    between by its ends (an elastic stop leaves disturbances as they are).
+    """
+    free, held = flow(False), flow(True)
+    start = np.array([*state, 1.0])
+
+    def gap(matrix, begin, t):
+        return (expm(matrix * t) @ begin)[2] - 1
+
+    times = np.linspace(0, period, 200)
+    first = next(i for i, t in enumerate(times) if gap(free, start, t) > 0)
+    begins = brentq(lambda t: gap(free, start, t), times[first - 1], times[first], xtol=1e-15)
+    struck = expm(free * begins) @ start
+    last = next(t for t in times[1:] if gap(held, struck, t) < 0)
+    lasts = brentq(lambda t: gap(held, struck, t), last - times[1], last, xtol=1e-15)
+    whole = expm(free * (period - begins - lasts)) @ expm(held * lasts) @ expm(free * begins)
+    return (whole @ start)[:6], whole[:6, :6]
+
+
+def discriminant(matrix):
+    """Of the two traces beside the multipliers 1, 1 of time and energy: negative for a quadruple."""
+    quartic, _ = np.polydiv(np.poly(matrix), [1.0, -2.0, 1.0])
+    return (quartic[1] + quartic[3]) ** 2 / 4 - 4 * (quartic[2] - 2)
+
+
+def test_four_multipliers_of_a_chain_leave_the_circle(tmp_path):
+    """Where vibsim says Neimark-Sacker, matrix exponentials have two equal traces; between, a quadruple."""
+    (tmp_path / "chain.yaml").write_text(CHAIN)
+    case = load_case(str(tmp_path / "chain.yaml"))
+    _, shapes = np.linalg.eigh(STIFFNESS / np.sqrt(np.outer(MASSES, MASSES)))
+    mode = shapes[:, 0] / np.sqrt(MASSES)
+    mode *= -0.95 / mode[2]
+    names = [f"{quantity}_{body}" for quantity in "xv" for body in "abc"]
+    orbit = vibsim.orbit(case, start=dict(zip(names, [*mode, 0.0, 0.0, 0.0], strict=True)))
+    branch = continue_branch(orbit, energy="0.12:0.53 J", max_points=120)
+    points = [one for one in branch.specials if one.kind == "neimark-sacker"]
+    assert [one.jump for one in points] == [2, -2]
+    for one in points:
+        state = dict(zip(branch.names, one.orbit.state, strict=True)) | {"v_a": 0.0}
+        end, matrix = swing([state[name] for name in names], one.period)
+        np.testing.assert_allclose(end, [state[name] for name in names], atol=1e-11)
+        assert discriminant(matrix) == pytest.approx(0, abs=1e-8)
+    for i in np.flatnonzero(branch["word"] == "be"):
+        state = {name: branch[name][i] for name in branch.names} | {"v_a": 0.0}
+        _, matrix = swing([state[name] for name in names], branch["period"][i])
+        assert branch["index"][i] == (2 if discriminant(matrix) < 0 else 0)
+    assert set(branch["index"]) == {0, 2}
