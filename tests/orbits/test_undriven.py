@@ -12,6 +12,7 @@ from tests.command_line.made import call
 from tests.engine.test_closed_cases import scene
 from vibsim.cases import load_case
 from vibsim.orbits import ReturnMap, find_orbit
+from vibsim.orbits.errors import NotConverged
 from vibsim.orbits.orbit_digits import refine
 from vibsim.physics.parts import COMPRESSION, GROUND, Body, Friction, Link, Stop
 
@@ -156,3 +157,32 @@ def test_the_command(tmp_path):
     assert "orbits of 1 swing over friction.belt.belt" in told and "holds everywhere" in told
     assert call("plot", branch, "-o", tmp_path / "branch.png").exit_code == 0
     assert call("run", path, "--t-end", "30s", "-o", tmp_path / "on.h5").exit_code == 0
+
+
+TRIPLE = """
+name: triple
+bodies: {a: 1 kg, b: 0.63 kg, c: 0.86 kg}
+links:
+  held: {between: [a, ground], k: 1 N/m}
+  one: {between: [a, b], k: 2.5 N/m}
+  two: {between: [b, c], k: 1.96 N/m}
+initial: {a: {x: 0.1 m}}
+run: {t_end: 40 s, every: 0.5 s}
+"""
+
+
+def test_a_search_that_comes_to_rest_says_no_more_than_that(tmp_path):
+    """From beside a mode Newton's method may shrink to the rest, whose rates no derivative is divided by."""
+    (tmp_path / "triple.yaml").write_text(TRIPLE)
+    case = vibsim.load_case(str(tmp_path / "triple.yaml"))
+    stiffness = np.array([[3.5, -2.5, 0], [-2.5, 4.46, -1.96], [0, -1.96, 1.96]])
+    masses = np.array([1, 0.63, 0.86])
+    _, shapes = np.linalg.eigh(stiffness / np.sqrt(np.outer(masses, masses)))
+    mode = shapes[:, 1] / np.sqrt(masses)
+    mode *= -0.945 / mode[2]
+    with pytest.raises(NotConverged, match="no orbit of 1 period near"):
+        vibsim.orbit(
+            case,
+            start={f"x_{name}": x for name, x in zip("abc", mode, strict=True)}
+            | {f"v_{name}": 0.0 for name in "abc"},
+        )

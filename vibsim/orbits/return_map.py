@@ -26,6 +26,7 @@ from vibsim.orbits.word import Word, in_order, word_of
 from vibsim.physics.parts import Scene
 
 TRIES = 20  # of the time of return
+STILL = 1e-150  # rate of a pinned component (SI) that no disturbance can be divided by
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ class Return:
         """Whether the pinned component does not move at the end, as a body that sticks to a belt: no time
         of return follows from a disturbance.
         """
-        return self.tilt is not None and self.tilt[1] == 0.0
+        return self.tilt is not None and abs(self.tilt[1]) < STILL
 
     @once
     def derivative(self) -> np.ndarray:
