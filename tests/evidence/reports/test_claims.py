@@ -175,6 +175,8 @@ def test_both_readings_of_100_seconds_are_judged():
     assert is_brief_hold(late) and is_held_for_100(late) and not is_released_at_100(late)
     assert not is_brief_hold({**LATE, "since": 10.0, "until": 40.0})
     assert not is_brief_hold(CAPTURED)
+    # the speed may still be changing at the end
+    assert is_brief_hold({**LATE, "verdict": "undecided"})
 
 
 def test_missing_regimes_are_placed():

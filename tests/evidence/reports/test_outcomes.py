@@ -1,11 +1,15 @@
 """Many short looks at runs: the same verdicts as a run of its own, in order, and stoppable."""
 
 import threading
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
 from vibsim.analysis import judge_capture
+from vibsim.analysis.capture import Capture
+from vibsim.analysis.holds import Hold
+from vibsim.analysis.span import Span
 from vibsim.cases import load_case
 from vibsim.engine.errors import REASONS, EngineError
 from vibsim.evidence.reports import outcomes
@@ -22,6 +26,18 @@ def test_an_outcome_is_the_verdict_on_the_run():
     assert found["verdict"] == fine.verdict == "captured"
     assert found["speed_hz"] == pytest.approx(fine.speed_hz, rel=2e-3)
     assert 3.95 < found["speed_hz"] < 4.15
+
+
+def test_a_hold_counts_whether_or_not_the_speed_settles_behind_it(monkeypatch):
+    """A motor that is held until 60 s and still hunts at 300 s has been let go."""
+    result = simulate(load_case("II-A", {"run.t_end": "20 s"}), trust=False)
+    holds = tuple(Hold(20.0, 20.0 + 10 * delay, 3.7, 40.0, 0.4, delay, False) for delay in (3.0, 4.0))
+    capture = Capture("undecided", "the speed is still changing", Span(0.0, 20.0), 6.5, 6.1, holds=holds)
+    monkeypatch.setattr(outcomes, "judge_capture", lambda result: capture)
+    told = outcomes.outcome_of(result)
+    assert (told["verdict"], told["since"], told["until"], told["speed_hz"]) == ("undecided", 20.0, 60.0, 3.7)
+    monkeypatch.setattr(outcomes, "judge_capture", lambda result: replace(capture, verdict="not met"))
+    assert outcomes.outcome_of(result)["since"] is None
 
 
 def test_outcomes_come_in_order():

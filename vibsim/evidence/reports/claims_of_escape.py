@@ -106,7 +106,8 @@ def is_held_for_100(capture: Numbers) -> bool:
 
 
 def _let_go(capture: Numbers) -> bool:
-    return capture.get("verdict") in ("escaped", "passed") and capture.get("until") is not None
+    """Whether a hold has ended; that the speed is still changing at the end does not undo it."""
+    return capture.get("until") is not None
 
 
 def _final_speeds(numbers: Numbers, name: str) -> list[float]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, wait
+from dataclasses import replace
 from functools import partial
 from threading import Thread
 from typing import TYPE_CHECKING, Any
@@ -75,8 +76,15 @@ def outcome(case: Case) -> Numbers:
 
 
 def outcome_of(result: Result) -> Numbers:
-    """Capture verdict with its hold and the final speed [Hz], drift rate [m/s], and peak of x2."""
+    """Capture verdict with its hold and the final speed [Hz], drift rate [m/s], and peak of x2.
+
+    A motor that was let go was so whether or not its speed has settled by the end: where that leaves the
+    verdict undecided, the longest hold is told all the same.
+    """
     capture, drift = judge_capture(result), measure_drift(result)
+    if capture.verdict == "undecided" and capture.since is None and capture.holds:
+        hold = max(capture.holds, key=lambda one: one.delay)
+        capture = replace(capture, since=hold.begin, until=hold.end, speed_hz=hold.speed_hz)
     outcome: dict[str, Any] = {
         "verdict": capture.verdict,
         "since": capture.since,
