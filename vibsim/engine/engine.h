@@ -56,6 +56,11 @@ typedef struct {
     int kind, m, other;
 } Single;
 
+/* place X + speed V + rest, see reaches.py. */
+typedef struct {
+    double place, speed, rest;
+} Reach;
+
 /* One group's share in the first derivative of a sliding velocity: factor (sum of terms + constants) / mass. */
 typedef struct {
     double mass, factor;
@@ -119,9 +124,19 @@ typedef struct {
     int column, sign;
 } Fixed;
 
+/* load, drives: magnitudes of the terms that the load, and by drive sine and cosine, of a coordinate are sums of; reaches: of
+ * itself, its rate and its acceleration.
+ */
+typedef struct {
+    double load, *drives;
+    Reach reaches[3];
+} Terms;
+
 typedef struct {
     double window, pace;
     Coordinate *coordinates;
+    Terms *terms; /* by coordinate */
+    Reach *reaches; /* by event function */
     Source *sources;
     Shift *shifts;
     Place *places, *pairs;
@@ -189,19 +204,31 @@ typedef struct {
     int order, rates, stride, *loaded, loaded_count;
 } Taylor;
 
+/* Of an event function: the rest of a known zero, and its reach. */
+typedef struct {
+    double residue, reach;
+} Blur;
+
 typedef struct {
     double t, reach, window, stall, settled;
-    double (*watched)[5], *residues; /* by event: time, value, slope, curvature, bound of a gap function; rest of a known zero */
-    int *events, event_count, leading;
+    double (*watched)[5]; /* by event: time, value, slope, curvature, bound of a gap function */
+    Blur *blurs; /* by event */
+    int *events, event_count, leading, measured; /* measured: whether the close scales of coordinates are those of here */
 } Search;
 
 typedef struct {
     double load_sine, load_cosine, hc, hs, dc, ds;
 } Response;
 
+/* What the rounding of a coordinate, its rate and its acceleration is proportional to, see rounding.c. */
+enum { PLAIN, CLOSE, MEASURES };
+typedef struct {
+    double q, u, a;
+} Scale;
+
 /* A coordinate in the present segment: its derivatives, start, and the terms that make it at the point evaluated last. */
 typedef struct {
-    double jet[JET + 1], q0, u0, load, stiff, impulse, steady, scale_q, scale_u;
+    double jet[JET + 1], q0, u0, load, stiff, impulse, steady;
     Response *responses; /* by drive */
 } Motion;
 
@@ -219,6 +246,7 @@ typedef struct {
     double *x0, *v0, *rest, base[JET + 1]; /* rest: of each body, what does not move in this segment */
     double tau, counted; /* the time that all this is of; that of the last evaluation, by itself or among many */
     Search search;
+    Scale *scales[MEASURES]; /* by coordinate */
 } ClosedForm;
 
 /* A stop whose stored energy is lost where it lets go though pressed. */
@@ -368,9 +396,16 @@ void keep_freed_memory(void);
 /* closed_form.c */
 void closed_form_enter(Run *r, const State *state);
 void closed_form_evaluate(Run *r, double tau);
-void closed_form_measure(Run *r);
 void closed_form_jets(Run *r, int n);
 void closed_form_state_after(Run *r, double tau, State *out);
+
+/* rounding.c */
+void measure_start(Run *r);
+void measure_plainly(Run *r);
+void measure_closely(Run *r);
+
+/* reaches.c */
+void reaches_set(Mode *m);
 
 /* closed_form_times.c */
 void closed_form_many(Run *r, const double *tau, int count);

@@ -177,7 +177,7 @@ double bound_of_sum(const Run *r, int first, int count, int n, double reach)
     return total;
 }
 
-static double difference_scale(const Run *r, int pair, int order)
+static double difference_scale(const Run *r, int pair, int order, int measure)
 {
     const ClosedForm *f = &r->closed_form;
     const Modal *modal = r->mode->modal;
@@ -186,8 +186,8 @@ static double difference_scale(const Run *r, int pair, int order)
     int i;
     for (i = 0; i < p->shares; i++) {
         const Share *share = &modal->shares[p->first_share + i];
-        const Motion *y = &f->motions[share->m];
-        double part = fabs(share->share) * (order == 0 ? y->scale_q : y->scale_u);
+        const Scale *y = &f->scales[measure][share->m];
+        double part = fabs(share->share) * (order == 0 ? y->q : y->u);
         total = i == 0 ? part : total + part;
     }
     if (order == 0)
@@ -196,17 +196,30 @@ static double difference_scale(const Run *r, int pair, int order)
     return p->base ? total + harmonics_bound(r->base, r->base_count, order) : total;
 }
 
-static double term_scale(const Run *r, const Term *t)
+static double acceleration_scale(const Run *r, const Term *t, int measure)
+{
+    const Modal *modal = r->mode->modal;
+    const Place *place = &modal->places[t->P];
+    double total = place->base ? harmonics_bound(r->base, r->base_count, 2) : 0.0;
+    int i;
+    for (i = 0; i < place->shares; i++) {
+        const Share *share = &modal->shares[place->first_share + i];
+        total = total + fabs(share->share) * r->closed_form.scales[measure][share->m].a;
+    }
+    return total;
+}
+
+static double term_scale(const Run *r, const Term *t, int measure)
 {
     switch (t->kind) {
     case DIFFERENCE:
-        return difference_scale(r, t->pair, 0);
+        return difference_scale(r, t->pair, 0, measure);
     case RATE:
-        return difference_scale(r, t->pair, 1);
+        return difference_scale(r, t->pair, 1, measure);
     case COUPLING: {
         const Coupling *c = &r->mode->couplings[t->P];
-        double force = c->k * difference_scale(r, c->pair, 0);
-        return force + c->c * difference_scale(r, c->pair, 1) + fabs(c->offset);
+        double force = c->k * difference_scale(r, c->pair, 0, measure);
+        return force + c->c * difference_scale(r, c->pair, 1, measure) + fabs(c->offset);
     }
     case LOAD: {
         double total = load_bound(r, t->P, 0);
@@ -217,17 +230,19 @@ static double term_scale(const Run *r, const Term *t)
         return total;
     }
     default:
-        return term_bound(r, t, 0, r->mode->modal->window);
+        if (measure == PLAIN)
+            return term_bound(r, t, 0, r->mode->modal->window);
+        return acceleration_scale(r, t, measure);
     }
 }
 
-double scale_of_sum(const Run *r, int first, int count)
+double scale_of_sum(const Run *r, int first, int count, int measure)
 {
     const Term *terms = r->mode->terms + first;
     double total = 0.0;
     int i;
     for (i = 0; i < count; i++) {
-        double part = fabs(terms[i].coefficient) * term_scale(r, &terms[i]);
+        double part = fabs(terms[i].coefficient) * term_scale(r, &terms[i], measure);
         total = i == 0 ? part : total + part;
     }
     return total;

@@ -9,7 +9,7 @@
 /* event_functions.c; of `count` terms from number `first` */
 double sum_of_terms(const Run *r, int first, int count, int n);
 double bound_of_sum(const Run *r, int first, int count, int n, double reach);
-double scale_of_sum(const Run *r, int first, int count);
+double scale_of_sum(const Run *r, int first, int count, int measure);
 
 static inline double single_difference(const Run *r, const Single *s, int n)
 {
@@ -96,26 +96,33 @@ static inline double event_bound(const Run *r, const Event *e, int n, double rea
     return total;
 }
 
-static inline double single_scale(const Run *r, const Single *s, int order)
+static inline double single_scale(const Run *r, const Single *s, int order, int measure)
 {
-    const Motion *y = &r->closed_form.motions[s->m], *other = &r->closed_form.motions[s->other < 0 ? s->m : s->other];
-    double size = fabs(s->share) * (order ? y->scale_u : y->scale_q);
-    return s->other < 0 ? size : size + fabs(s->other_share) * (order ? other->scale_u : other->scale_q);
+    const Scale *y = &r->closed_form.scales[measure][s->m];
+    const Scale *other = s->other < 0 ? y : &r->closed_form.scales[measure][s->other];
+    double size = fabs(s->share) * (order ? y->u : y->q);
+    return s->other < 0 ? size : size + fabs(s->other_share) * (order ? other->u : other->q);
 }
 
-/* What the rounding of an event function is proportional to. */
-static inline double event_noise(const Run *r, const Event *e)
+/* What the rounding of an event function is in units of its scale. */
+static inline double rounding_unit(const Run *r)
+{
+    return EPS * (16 + r->mode->modal->pace * r->closed_form.tau);
+}
+
+/* What the rounding of an event function is proportional to, by a measure of that of coordinates. */
+static inline double event_scale(const Run *r, const Event *e, int measure)
 {
     const Single *s = &e->single;
-    double unit = EPS * (16 + r->mode->modal->pace * r->closed_form.tau), size;
+    double size;
     if (e->terms == 0)
-        return unit * e->size;
+        return e->size;
     if (s->kind == NOTHING)
-        return unit * (scale_of_sum(r, e->first, e->terms) + e->size);
-    size = single_scale(r, s, s->kind == RATE);
+        return scale_of_sum(r, e->first, e->terms, measure) + e->size;
+    size = single_scale(r, s, s->kind == RATE, measure);
     if (s->kind == COUPLING)
-        size = s->k * size + s->c * single_scale(r, s, 1) + fabs(s->offset);
-    return unit * (fabs(s->coefficient) * size + e->size);
+        size = s->k * size + s->c * single_scale(r, s, 1, measure) + fabs(s->offset);
+    return fabs(s->coefficient) * size + e->size;
 }
 
 #endif

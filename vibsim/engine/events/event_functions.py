@@ -11,6 +11,7 @@ from vibsim.physics.parts import Harmonic
 
 if TYPE_CHECKING:
     from vibsim.engine.flows.closed_form import ClosedForm
+    from vibsim.engine.flows.rounding import Scales
 
 
 class EventFunctions(Generic[N]):
@@ -152,35 +153,45 @@ class EventFunctions(Generic[N]):
                 size = energy
         return size + constants.forced[n] * (reach * reach)
 
-    def noise(self, event: Event[N]) -> N:
-        """Rounding bound of an event function."""
-        flow = self.flow
-        unit = self.kit.eps * (16 + flow.modal.pace * flow.tau)
+    @property
+    def unit(self) -> N:
+        """What the rounding of an event function is in units of its scale."""
+        return self.kit.eps * (16 + self.flow.modal.pace * self.flow.tau)
+
+    def scale(self, event: Event[N], scales: Scales[N]) -> N:
+        """What the rounding of an event function is proportional to, by what that of coordinates is."""
         total = None
         for term in event.terms:
-            part = abs(term.coefficient) * self._scale(term)
+            part = abs(term.coefficient) * self._scale(term, scales)
             total = part if total is None else total + part
-        return unit * (event.size if total is None else total + event.size)
+        return event.size if total is None else total + event.size
 
-    def _scale(self, term: Term[N]) -> N:
+    def _scale(self, term: Term[N], scales: Scales[N]) -> N:
         flow = self.flow
         if term.kind == DIFFERENCE:
-            return self._scale_of_difference(term.P, term.Q, flow.scale_q, True)
+            return self._scale_of_difference(term.P, term.Q, scales.q, True)
         if term.kind == RATE:
-            return self._scale_of_difference(term.P, term.Q, flow.scale_u, False)
+            return self._scale_of_difference(term.P, term.Q, scales.u, False)
         if term.kind == COUPLING:
-            one = flow.rows.couplings[term.P]
-            force = one.k * self._scale_of_difference(one.P, one.Q, flow.scale_q, True)
-            return (
-                force + one.c * self._scale_of_difference(one.P, one.Q, flow.scale_u, False) + abs(one.offset)
-            )
+            one = self.flow.rows.couplings[term.P]
+            force = one.k * self._scale_of_difference(one.P, one.Q, scales.q, True)
+            return force + one.c * self._scale_of_difference(one.P, one.Q, scales.u, False) + abs(one.offset)
         if term.kind == LOAD:
             forces = [force for force in flow.scene.forces if force.on == term.P]
             total = self._bound_of_harmonics([t for force in forces for t in force.terms], 0)
             for load in forces:
                 total = total + abs(load.constant)
             return total
-        return self._bound_of_term(term, 0, flow.modal.window)
+        return self._scale_of_acceleration(term, scales.a)
+
+    def _scale_of_acceleration(self, term: Term[N], scales: Sequence[N] | None) -> N:
+        if scales is None:
+            return self._bound_of_term(term, 0, self.flow.modal.window)
+        place = self.flow.modal.places[term.P]
+        total = self._bound_of_harmonics(self.flow.scene.base, 2) if place.base else self.kit.number(0)
+        for m, share in place.shape.items():
+            total = total + abs(share) * scales[m]
+        return total
 
     def _scale_of_difference(self, P: int, Q: int, scales: Sequence[N], places: bool) -> N:
         pair = self.flow.modal.pairs[P, Q]

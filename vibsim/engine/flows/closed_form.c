@@ -161,35 +161,6 @@ void closed_form_evaluate(Run *r, double tau)
         evaluate_coordinate(&modal->coordinates[m], &f->motions[m], tau, f->sine, f->cosine);
 }
 
-/* Magnitudes of the terms of coordinates and rates: what their rounding is proportional to. */
-void closed_form_measure(Run *r)
-{
-    ClosedForm *f = &r->closed_form;
-    const Modal *modal = r->mode->modal;
-    const double tau = f->tau;
-    int m, i;
-    for (m = 0; m < modal->count; m++) {
-        const Coordinate *c = &modal->coordinates[m];
-        Motion *y = &f->motions[m];
-        double q0 = fabs(y->q0), u0 = fabs(y->u0), load = y->load, q, u;
-        if (c->is_free) {
-            q = q0 + fabs(y->u0 * tau) + fabs(load * (tau * tau / 2));
-            u = u0 + fabs(load * tau);
-        } else {
-            q = q0 + fabs(y->u0 * y->impulse) + fabs(load * y->steady);
-            u = u0 + fabs(y->q0 * y->stiff) + fabs(load * y->impulse);
-        }
-        for (i = 0; i < c->drive_count; i++) {
-            const Response *response = &y->responses[i];
-            double size = c->drives[i].size;
-            q = q + size * (fabs(response->hc) + fabs(response->hs));
-            u = u + size * (fabs(response->dc) + fabs(response->ds));
-        }
-        y->scale_q = q;
-        y->scale_u = u;
-    }
-}
-
 /* Adds a harmonic load to the orders of d from 2. */
 static void drive_jet(const ClosedForm *f, const Drive *drive, double *d, int count)
 {

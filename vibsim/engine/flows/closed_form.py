@@ -13,9 +13,10 @@ from vibsim.engine.events.certificate import Certificate
 from vibsim.engine.flows.closed_form_search import ClosedFormSearch
 from vibsim.engine.flows.modal import Coordinate, Modal, Source, modal_of, pitch, pitches, sounding
 from vibsim.engine.flows.motion import Advance
+from vibsim.engine.flows.reaches import EventReaches, Reach, reaches_of
 from vibsim.engine.flows.responses import UNHURRIED, Oscillator, Responses, free_harmonic_response
 from vibsim.engine.ledgers.meters import Meters, Node
-from vibsim.engine.modes.rows import Event, Known, ModeRows
+from vibsim.engine.modes.rows import Event, EventKey, Known, ModeRows
 from vibsim.engine.state import State
 from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Force, Harmonic, Scene
@@ -45,11 +46,13 @@ class ModalMotion(Modal[N]):
     constants : of each coordinate
     window : length [s] of a stretch on which bounds of the motion are tight
     pace : the largest of the coordinates' rates [rad/s]
+    reaches : of event functions
     """
 
     constants: list[Constants[N]]
     window: N
     pace: N
+    reaches: dict[EventKey, Reach[N]]
 
 
 def total_of(kit: Kit[N], values: Iterable[N]) -> N:
@@ -88,17 +91,19 @@ class ClosedForm(Generic[N]):
         """Whether the mode has a closed form; prepares it where it has."""
         if not rows.modal_sought:
             modal = modal_of(self.scene, self.kit, rows, self.harmonics)
-            rows.modal = None if modal is None else self._prepare(modal)
+            rows.modal = None if modal is None else self._prepare(modal, rows)
             rows.modal_sought = True
         return rows.modal is not None
 
-    def _prepare(self, modal: Modal[N]) -> ModalMotion[N]:
+    def _prepare(self, modal: Modal[N], rows: ModeRows[N]) -> ModalMotion[N]:
         constants = [Constants(self.kit, c, self.rates) for c in modal.coordinates]
         windows = [o.window for c in constants if not c.coordinate.free for o in c.oscillators]
         windows += [self.kit.number(3) / 2 / rate for rate in self.rates]
         window = min(windows, default=self.kit.number(UNHURRIED))
         pace = max((c.oscillators[0].w0 for c in constants), default=self.kit.number(0))
-        return ModalMotion(modal.coordinates, modal.places, modal.pairs, constants, window, pace)
+        of = EventReaches(self.kit, rows, modal, [reaches_of(self.kit, one) for one in constants])
+        reaches = {event.key: of.of(event) for event in rows.events}
+        return ModalMotion(modal.coordinates, modal.places, modal.pairs, constants, window, pace, reaches)
 
     def enter(self, state: State[N], rows: ModeRows[N], known: Known) -> None:
         """Anchor the flow at `state` in the mode of `rows`; known: {event key: order of its zero here}."""
@@ -233,27 +238,6 @@ class ClosedForm(Generic[N]):
             q = q + (self.load_sine[m][i] * hc + self.load_cosine[m][i] * hs)
             u = u + (self.load_sine[m][i] * dc + self.load_cosine[m][i] * ds)
         self.q[m], self.u[m] = q, u
-
-    def measure(self) -> None:
-        """Magnitudes of the terms of coordinates and rates at the point evaluated last: what their rounding
-        is proportional to.
-        """
-        self.scale_q: list[N] = []
-        self.scale_u: list[N] = []
-        for m, constants in enumerate(self.modal.constants):
-            q0, u0, load, tau = abs(self.q0[m]), abs(self.u0[m]), self.load[m], self.tau
-            if constants.coordinate.free:
-                q, u = q0 + abs(u0 * tau) + abs(load * (tau * tau / 2)), u0 + abs(load * tau)
-            else:
-                q = q0 + abs(self.u0[m] * self.impulse[m]) + abs(load * self.steady[m])
-                u = u0 + abs(self.q0[m] * self.stiff[m]) + abs(load * self.impulse[m])
-            for i, h in enumerate(constants.driven):
-                hc, hs, dc, ds = self.responses[m][i]
-                size = abs(constants.coordinate.sines[h]) + abs(constants.coordinate.cosines[h])
-                q = q + size * (abs(hc) + abs(hs))
-                u = u + size * (abs(dc) + abs(ds))
-            self.scale_q.append(q)
-            self.scale_u.append(u)
 
     def longest_piece(self, tau: N) -> N:
         """Longest stretch [s] from tau after the anchor that one quadrature rule integrates to round-off.

@@ -6,6 +6,7 @@
 
 #define STEPS_PER_CALL 4096
 #define POLISHING 10
+#define NEAR 128
 #define NARROWER 16
 
 void closed_form_open(Run *r)
@@ -38,6 +39,22 @@ static void adapt_reach(Search *s, double step)
     s->reach = needed < s->window ? needed : s->window;
 }
 
+static __attribute__((noinline)) double close_noise(Run *r, const Event *e)
+{
+    Search *s = &r->closed_form.search;
+    if (!s->measured)
+        measure_closely(r);
+    s->measured = 1;
+    return rounding_unit(r) * event_scale(r, e, CLOSE);
+}
+
+/* Rounding bound of the value of an event function. */
+static inline double noise_of(Run *r, const Event *e, double value, double reach, double unit)
+{
+    double noise = unit * event_scale(r, e, PLAIN);
+    return value <= NEAR * (noise + unit * reach) ? close_noise(r, e) : noise;
+}
+
 static void certify_crossing(Run *r, double slope, double bound, double noise)
 {
     if (!crosses(slope, bound, noise))
@@ -56,7 +73,7 @@ static void certify_order(Run *r, int first, const int *events, int count, doubl
     for (i = 0; i < count; i++) {
         const Event *e = &r->mode->events[events[i]];
         double other = event_derivative(r, e, 0), fall = event_derivative(r, e, 1);
-        double blur = event_noise(r, e) + s->residues[events[i]];
+        double blur = close_noise(r, e) + s->blurs[events[i]].residue;
         int same = events[i] == first || (other == value && fall == slope);
         if (!same && may_vanish_by(other, fall, blur, latest))
             doubt(&r->certificate, r->t0);
@@ -72,7 +89,7 @@ static void certify_leading_order(Run *r, int first, double value, double slope,
     s->event_count = 0;
     for (i = 0; i < m->event_count; i++)
         if (r->known[m->events[i].key] == 0) {
-            s->residues[i] = 0.0;
+            s->blurs[i].residue = 0.0;
             s->events[s->event_count++] = i;
         }
     certify_order(r, first, s->events, s->event_count, value, slope, noise);
@@ -82,26 +99,38 @@ static int lead(Run *r)
 {
     Search *s = &r->closed_form.search;
     const Mode *m = r->mode;
-    double step = s->window;
+    double step = s->window, X = 0.0, V = 0.0;
     int taken = 2, i;
     s->leading = 0;
-    closed_form_measure(r);
+    s->measured = 0;
+    measure_start(r);
     for (i = 0; i < m->event_count; i++)
         taken = r->known[m->events[i].key] + 2 > taken ? r->known[m->events[i].key] + 2 : taken;
     closed_form_jets(r, taken);
+    for (i = 0; i < r->bodies; i++) {
+        X = X + fabs(r->closed_form.x0[i]);
+        V = V + fabs(r->closed_form.v0[i]);
+    }
+    if (r->base_count > 0) {
+        X = X + fabs(r->closed_form.x0[r->bodies + 1]);
+        V = V + fabs(r->closed_form.v0[r->bodies + 1]);
+    }
     s->event_count = 0;
     for (i = 0; i < m->event_count; i++) {
         const Event *e = &m->events[i];
+        const Reach *reach = &m->modal->reaches[i];
         int known = r->known[e->key], order = known;
-        double first, bound, ahead;
-        while (order < JET_ORDER - 2 && event_derivative(r, e, order) == 0)
+        double first = event_derivative(r, e, order), bound, ahead;
+        while (order < JET_ORDER - 2 && first == 0) {
             if (++order + 2 > taken)
                 closed_form_jets(r, taken = JET_ORDER);
-        s->residues[i] = known > 0 ? fabs(event_derivative(r, e, 0)) : 0.0;
+            first = event_derivative(r, e, order);
+        }
+        s->blurs[i].residue = known > 0 ? fabs(event_derivative(r, e, 0)) : 0.0;
+        s->blurs[i].reach = reach->place * X + reach->speed * V + reach->rest;
         if (order >= JET_ORDER - 3) /* more zeros than the motion has modes: it rests at zero */
             continue;
         s->events[s->event_count++] = i;
-        first = event_derivative(r, e, order);
         if (e->kind == STRIKE && order > known && first < 0) /* closes from exactly zero */
             return i;
         bound = event_bound(r, e, order + 2, s->window);
@@ -110,7 +139,7 @@ static int lead(Run *r)
             return i;
         }
         if (order == 0) {
-            double noise = event_noise(r, e), slope = event_derivative(r, e, 1);
+            double noise = noise_of(r, e, first, s->blurs[i].reach, rounding_unit(r)), slope = event_derivative(r, e, 1);
             if (first <= noise && slope <= 0) {
                 certify_crossing(r, slope, bound, noise);
                 certify_leading_order(r, i, first, slope, noise);
@@ -234,17 +263,20 @@ static void polish(Run *r, const Event *e)
 static int step_ahead(Run *r)
 {
     Search *s = &r->closed_form.search;
-    double step = s->reach, rival = step, near = 0, before, course[4] = {0, 0, 0, 0};
+    double step = s->reach, rival = step, near = 0, before, unit, course[3] = {0, 0, 0};
     int nearest = NOTHING, alone = 0, i;
     r->steps += 1;
     closed_form_evaluate(r, s->t - r->t0);
-    closed_form_measure(r);
+    s->measured = 0;
+    measure_plainly(r);
+    unit = rounding_unit(r);
     closed_form_jets(r, 2);
     for (i = 0; i < s->event_count; i++) {
         int which = s->events[i];
         const Event *e = &r->mode->events[which];
+        const Blur *blur = &s->blurs[which];
         double value = event_derivative(r, e, 0), slope = event_derivative(r, e, 1), ahead;
-        double noise = event_noise(r, e) + s->residues[which], bound = event_bound(r, e, 2, s->reach);
+        double noise = noise_of(r, e, value, blur->reach, unit) + blur->residue, bound = event_bound(r, e, 2, s->reach);
         if (value < -noise || (value <= noise && slope <= 0)) {
             certify_crossing(r, slope, bound, noise);
             certify_order(r, which, s->events, s->event_count, value, slope, noise);
@@ -263,7 +295,6 @@ static int step_ahead(Run *r)
             course[0] = value;
             course[1] = slope;
             course[2] = bound;
-            course[3] = noise;
         } else if (ahead < rival) {
             rival = ahead;
         }
@@ -284,8 +315,9 @@ static int step_ahead(Run *r)
         s->t = before + (nextafter(before, INFINITY) - before) * s->stall;
         s->stall = s->stall * 2;
     } else {
-        certify_crossing(r, course[1], course[2], course[3]);
-        certify_order(r, nearest, s->events, s->event_count, course[0], course[1], course[3]);
+        double noise = close_noise(r, &r->mode->events[nearest]) + s->blurs[nearest].residue;
+        certify_crossing(r, course[1], course[2], noise);
+        certify_order(r, nearest, s->events, s->event_count, course[0], course[1], noise);
     }
     return nearest;
 }

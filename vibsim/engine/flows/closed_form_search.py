@@ -10,6 +10,7 @@ from vibsim.engine.events.event_functions import EventFunctions, reaches
 from vibsim.engine.events.first_root import deflated_step, leading_order, safe_step
 from vibsim.engine.events.turning_point import extreme_of_slope, turning_point
 from vibsim.engine.flows.motion import Advance
+from vibsim.engine.flows.rounding import Scales, close_scales, plain_scales
 from vibsim.engine.modes.rows import STRIKE, Event, EventKey, Known
 from vibsim.physics.numbers import N, abs
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 JET_ORDER = 9  # derivatives taken at the start of a segment: enough for a zero of order 6
 STEPS_PER_CALL = 4096
 POLISHING = 10  # Halley's iteration triples the right digits
+NEAR = 128  # roundings: nearer to zero than that they are measured closely
 NARROWER = 16  # steps shorter than this part of the reach of the bounds shorten it to that; others widen it
 
 
@@ -43,6 +45,7 @@ class ClosedFormSearch(Generic[N]):
         self.residues: dict[
             EventKey, N
         ] = {}  # what is left of a known zero by the rounding of the segment before
+        self.close: Scales[N] | None = None  # at the point evaluated last, where anything asked for it
 
     def advance(self, limit: N) -> Advance[N]:
         """March to the first event or to `limit`; returns (time, event or None)."""
@@ -66,9 +69,10 @@ class ClosedFormSearch(Generic[N]):
     def _lead(self) -> Event[N] | None:
         """The first stretch of a segment, known zeros divided out, from the derivatives at its start."""
         self.leading = False
-        self.flow.measure()
+        plain = plain_scales(self.flow)
         step, of = self.window, self.functions_of
         of.here(JET_ORDER + (1 if self.more > 1 else 0))
+        self._set_reaches()
         for event in self.events:
             known = self.known.get(event.key, 0)
             derivatives = [of.derivative(event, n) for n in range(JET_ORDER - 2)]
@@ -84,7 +88,7 @@ class ClosedFormSearch(Generic[N]):
                 self.certificate.doubt(self.t0)
                 return event
             if order == 0:
-                noise = of.noise(event)
+                noise = self._noise(event, lead, plain)
                 if lead <= noise and derivatives[1] <= 0:
                     self._certify_crossing(derivatives[1], bound, noise)
                     others = [other for other in self.events if self.known.get(other.key, 0) == 0]
@@ -105,6 +109,13 @@ class ClosedFormSearch(Generic[N]):
         self._move(step)
         return None
 
+    def _set_reaches(self) -> None:
+        X = V = self.kit.number(0)
+        for place, speed in zip(self.flow.x0, self.flow.v0, strict=True):
+            X, V = X + abs(place), V + abs(speed)
+        reaches = [(event.key, self.flow.modal.reaches[event.key]) for event in self.events]
+        self.cancelling = {key: reach.place * X + reach.speed * V + reach.rest for key, reach in reaches}
+
     def _here(self) -> None:
         self.functions_of.here(3 + max(self.more, 1))
 
@@ -112,13 +123,13 @@ class ClosedFormSearch(Generic[N]):
         """One certified step; returns the event whose function reached zero here, or None."""
         self.steps += 1
         self.flow.evaluate(self.t - self.t0)
-        self.flow.measure()
-        of, step = self.functions_of, self.reach
+        of, step, plain = self.functions_of, self.reach, plain_scales(self.flow)
+        self.close = None
         rival, nearest, alone = step, None, False
         self._here()
         for event in self.events:
             value, slope = of.derivative(event, 0), of.derivative(event, 1)
-            noise = of.noise(event) + self.residues[event.key]
+            noise = self._noise(event, value, plain) + self.residues[event.key]
             bound = of.bound(event, 2, self.reach)
             if value < -noise or (value <= noise and slope <= 0):
                 self._certify_crossing(slope, bound, noise)
@@ -132,7 +143,7 @@ class ClosedFormSearch(Generic[N]):
                 step, rival, nearest = ahead, step, (event if slope < 0 else None)
                 near = -2 * value / slope if slope < 0 else step
                 alone = slope < 0 and 4 * near * bound < -slope
-                course = value, slope, bound, noise
+                course = value, slope, bound
             elif ahead < rival:
                 rival = ahead
         if nearest is not None and alone and near <= rival:
@@ -147,10 +158,28 @@ class ClosedFormSearch(Generic[N]):
         if nearest is None:
             self._creep(before)
         else:
-            value, slope, bound, noise = course
+            value, slope, bound = course
+            noise = self._close_noise(nearest) + self.residues[nearest.key]
             self._certify_crossing(slope, bound, noise)
             self._certify_order(nearest, self.events, value, slope, noise)
         return nearest
+
+    def _noise(self, event: Event[N], value: N, plain: Scales[N]) -> N:
+        """Rounding bound of the value of an event function, by the plain measure where it is far from zero.
+
+        There a step that keeps the value above the plain bound can bring it below the close one at its very
+        end only, and only where it still falls there: so the next step sees it.
+        """
+        of = self.functions_of
+        noise = of.unit * of.scale(event, plain)
+        near = value <= NEAR * (noise + of.unit * self.cancelling[event.key])
+        return self._close_noise(event) if near else noise
+
+    def _close_noise(self, event: Event[N]) -> N:
+        """Rounding bound of an event function by the close measure."""
+        if self.close is None:
+            self.close = close_scales(self.flow)
+        return self.functions_of.unit * self.functions_of.scale(event, self.close)
 
     def _creep(self, before: N) -> None:
         """Leave a point where the certified step is shorter than the time grid's."""
@@ -176,7 +205,7 @@ class ClosedFormSearch(Generic[N]):
         of, latest = self.functions_of, latest_zero(self.kit, value, slope, noise, self.t)
         for event in events:
             other, fall = of.derivative(event, 0), of.derivative(event, 1)
-            blur = of.noise(event) + self.residues.get(event.key, self.kit.number(0))
+            blur = self._close_noise(event) + self.residues.get(event.key, self.kit.number(0))
             same = event is first or (other == value and fall == slope)
             if not same and may_vanish_by(other, fall, blur, latest):
                 self.certificate.doubt(self.t0)

@@ -16,6 +16,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Generic
 
+from vibsim.engine.flows.magnitudes import magnitudes, size_of
 from vibsim.engine.flows.matrices import Matrix, cholesky, inverse_triangular, jacobi, product, transposed
 from vibsim.engine.modes.ties import Edge
 from vibsim.physics.numbers import Kit, N
@@ -37,6 +38,7 @@ class Coordinate(Generic[N]):
     """One modal coordinate.
 
     a, b : of q'' + 2 a q' + b q = load + sum_h (sine_h sin + cosine_h cos)(omega_h t + phase_h)
+    load_size, sizes : magnitudes of the terms that `load`, and by h sine and cosine, are sums of
     sources : [(column of differences or None, weight)]: q at the start is the weighted sum of these
     shifts : [(weight, coupling)]: loads that the place of bodies within their groups adds
     """
@@ -44,8 +46,10 @@ class Coordinate(Generic[N]):
     a: N
     b: N
     load: N
+    load_size: N
     sines: list[N]
     cosines: list[N]
+    sizes: list[N]
     sources: list[Source[N]]
     shifts: list[Shift[N]] = field(default_factory=list)
     free: bool = False  # neither spring nor damper
@@ -160,7 +164,8 @@ class _Builder(Generic[N]):
     def _coasting(self, c: int, base: int | None) -> Coordinate[N]:
         """A column that moves with a belt at constant speed, measured from the base where that carries it."""
         none = [self.zero] * len(self.harmonics)
-        return Coordinate(self.zero, self.zero, self.zero, none, none, [((c, base), 1)], free=True)
+        zero = self.zero
+        return Coordinate(zero, zero, zero, zero, none, none, none, [((c, base), 1)], free=True)
 
     def _follower(self, c: int) -> Place[N]:
         """A body within a group that moves: where its leader is, and the distance at the start."""
@@ -299,8 +304,10 @@ class _Builder(Generic[N]):
             sources: list[Source[N]] = [
                 (edges[e], backward[m][e]) for e in range(size) if backward[m][e] != 0
             ]
-            load, sines, cosines = self._loads(backward[m], edges, B, couplings, stretches, reference)
-            coordinate = Coordinate(damping[m], rates[m], load, sines, cosines, sources)
+            parts = edges, B, couplings, stretches, reference
+            load, sines, cosines = self._loads(backward[m], *parts)
+            load_size, *sizes = _sizes(*self._loads(magnitudes(backward[m]), *parts))
+            coordinate = Coordinate(damping[m], rates[m], load, load_size, sines, cosines, sizes, sources)
             coordinate.shifts = self._shifts(backward[m], B, couplings, stretches, reference)
             coordinate.free = coordinate.a == 0 and coordinate.b == 0
             self.coordinates.append(coordinate)
@@ -444,8 +451,18 @@ class _Builder(Generic[N]):
 
     def _centre(self, leaders: list[int]) -> int:
         """The coordinate of a centre of mass; its number."""
-        total = self._total(leaders)
-        load, sines = self.zero, [self.zero] * len(self.harmonics)
+        total, none = self._total(leaders), [self.zero] * len(self.harmonics)
+        load, sines = self._central_loads(leaders, total, self.zero)
+        load_size, *sizes = _sizes(*self._central_loads(leaders, total, *magnitudes([self.zero])), none)
+        sources: list[Source[N]] = [((c, None), self.rows.own_mass(c) / total) for c in leaders]
+        self.coordinates.append(
+            Coordinate(self.zero, self.zero, load, load_size, sines, none, sizes, sources, free=True)
+        )
+        return len(self.coordinates) - 1
+
+    def _central_loads(self, leaders: list[int], total: N, zero: N) -> tuple[N, list[N]]:
+        """load and sines of a centre of mass, sums that begin at `zero`."""
+        load, sines = zero, [zero] * len(self.harmonics)
         for force in self.scene.forces:
             if self.leader[force.on] in leaders:
                 load = load + force.constant
@@ -455,12 +472,7 @@ class _Builder(Generic[N]):
         for column, value in self.rows.constants:
             if self.leader[column] in leaders:
                 load = load + value
-        sources: list[Source[N]] = [((c, None), self.rows.own_mass(c) / total) for c in leaders]
-        none = [self.zero] * len(self.harmonics)
-        self.coordinates.append(
-            Coordinate(self.zero, self.zero, load / total, sines, none, sources, free=True)
-        )
-        return len(self.coordinates) - 1
+        return load / total, sines
 
     def _diagonal(
         self, B: Matrix[N], couplings: list[Coupling[N]], stretches: list[list[int]]
@@ -491,6 +503,11 @@ class _Builder(Generic[N]):
         pairs = {(t.P, t.Q) for event in self.rows.events for t in event.terms if t.kind in (0, 1)}
         pairs |= {(q.P, q.Q) for q in self.rows.couplings}
         return {pair: difference(places[pair[0]], places[pair[1]]) for pair in pairs}
+
+
+def _sizes(load: N, sines: list[N], cosines: list[N]) -> list[N]:
+    """Of loads taken on magnitudes: those of the load and of each harmonic."""
+    return [size_of(load), *(size_of(s) + size_of(c) for s, c in zip(sines, cosines, strict=True))]
 
 
 def difference(one: Place[N], other: Place[N]) -> Difference[N]:

@@ -92,9 +92,7 @@ class Oscillator(Generic[N]):
 
         From H' = S + i omega H, but for a fast load, where that difference would cancel.
         """
-        square, detuning = t * t, self.wd - self.omega
-        resonant = self.oscillates and (self.a * self.a + detuning * detuning) * square < RESONANT
-        if self.beating * (square * square) >= QUARTER * QUARTER and not resonant:
+        if self.is_quotient(t * t):
             nr = cosine - release
             ni = sine - self.omega * impulse
             vr = self.b * impulse - self.omega * sine
@@ -107,6 +105,12 @@ class Oscillator(Generic[N]):
             )
         hc, hs = self._confluent(t, cosine, sine) if self.wd * t >= 0.5 else self.series_response(t)
         return hc, hs, impulse - self.omega * hs, self.omega * hc
+
+    def is_quotient(self, square: N) -> bool:
+        """Whether H is a quotient at the time t whose square is given; it is at all later times too."""
+        detuning = self.wd - self.omega
+        resonant = self.oscillates and (self.a * self.a + detuning * detuning) * square < RESONANT
+        return self.beating * (square * square) >= QUARTER * QUARTER and not resonant
 
     def series_response(self, t: N) -> tuple[N, N]:
         """Re H, Im H [s^2] by power series, for spreads |r t|, |omega t| below 2."""

@@ -37,10 +37,13 @@ static int room_for_flows(Run *r)
     c->responses = room(coordinates * harmonics, sizeof(Response));
     c->sin0 = room(harmonics * 6, sizeof(double));
     c->x0 = room(3 * columns, sizeof(double));
+    c->scales[0] = room(MEASURES * coordinates, sizeof(Scale));
     c->times.cosine = room(2 * (harmonics + coordinates), sizeof *c->times.cosine);
     if (!f->table || !f->loaded_on || !f->load || !r->force || !r->state.x || !c->motions || !c->responses || !c->sin0 || !c->x0 ||
-        !c->times.cosine)
+        !c->scales[0] || !c->times.cosine)
         return 0;
+    for (i = 1; i < MEASURES; i++)
+        c->scales[i] = c->scales[0] + i * coordinates;
     f->values = f->table + SERIES * row;
     r->state.v = r->state.x + n;
     r->next.x = r->state.x + 2 * n;
@@ -246,13 +249,15 @@ int scene_retune(Run *r, Reader *in)
     for (i = 0; i < r->mode_count; i++) {
         Mode *m = r->modes[i];
         m->carried = r->has_motor ? m->group_mass[m->leader[r->motor_on]] : 0.0;
-        if (m->modal)
+        if (m->modal) {
             tune_modal(r, m->modal);
+            reaches_set(m);
+        }
     }
     return read_through(in);
 }
 
-static int read_coordinate(Reader *in, const Run *r, Coordinate *c, int sources, int shifts)
+static int read_coordinate(Reader *in, const Run *r, Coordinate *c, Terms *terms, int sources, int shifts)
 {
     int h;
     c->is_free = read_index(in, 0, 1);
@@ -263,19 +268,24 @@ static int read_coordinate(Reader *in, const Run *r, Coordinate *c, int sources,
     c->a = read_double(in);
     c->b = read_double(in);
     c->load = read_double(in);
+    terms->load = read_double(in);
     c->drives = room((size_t)r->harmonic_count, sizeof(Drive));
-    if (!c->drives)
+    terms->drives = room((size_t)r->harmonic_count, sizeof(double));
+    if (!c->drives || !terms->drives)
         return 0;
     for (h = 0; h < r->harmonic_count; h++)
         c->drives[h].sine = read_double(in);
     for (h = 0; h < r->harmonic_count; h++)
         c->drives[h].cosine = read_double(in);
+    for (h = 0; h < r->harmonic_count; h++)
+        terms->drives[h] = read_double(in);
     for (h = 0; h < r->harmonic_count; h++) {
         Drive *drive = &c->drives[c->drive_count];
         if (c->drives[h].sine == 0 && c->drives[h].cosine == 0)
             continue;
         drive->sine = c->drives[h].sine;
         drive->cosine = c->drives[h].cosine;
+        terms->drives[c->drive_count] = terms->drives[h];
         drive->harmonic = h;
         drive->size = fabs(drive->sine) + fabs(drive->cosine);
         c->drive_count++;
@@ -283,7 +293,7 @@ static int read_coordinate(Reader *in, const Run *r, Coordinate *c, int sources,
     return 1;
 }
 
-static Modal *modal_read(const Run *r, Reader *in, int pairs)
+static Modal *modal_read(const Run *r, Reader *in, int pairs, int events)
 {
     Modal *m;
     int sources, shifts, shares, fixed, i;
@@ -301,7 +311,9 @@ static Modal *modal_read(const Run *r, Reader *in, int pairs)
     m->places = room((size_t)(r->columns + pairs), sizeof(Place));
     m->shares = room((size_t)shares, sizeof(Share));
     m->fixed = room((size_t)fixed, sizeof(Fixed));
-    if (!m->coordinates || !m->sources || !m->shifts || !m->places || !m->shares || !m->fixed)
+    m->terms = room((size_t)count, sizeof(Terms));
+    m->reaches = room((size_t)events, sizeof(Reach));
+    if (!m->coordinates || !m->terms || !m->reaches || !m->sources || !m->shifts || !m->places || !m->shares || !m->fixed)
         return m;
     m->pairs = m->places + r->columns;
     for (i = 0; i < sources; i++) {
@@ -325,7 +337,7 @@ static Modal *modal_read(const Run *r, Reader *in, int pairs)
     for (i = 0; i < r->columns + pairs; i++)
         read_place(in, &m->places[i], shares, fixed, m->shares);
     for (i = 0; i < count; i++)
-        if (!read_coordinate(in, r, &m->coordinates[i], sources, shifts)) {
+        if (!read_coordinate(in, r, &m->coordinates[i], &m->terms[i], sources, shifts)) {
             in->short_of = 1;
             return m;
         }
@@ -412,6 +424,7 @@ static void prepare_events(Mode *m)
         m->modal->coordinates[i].depth = RATE_ALONE;
     for (i = 0; i < m->event_count; i++)
         function_prepare(m, &m->events[i]);
+    reaches_set(m);
 }
 
 /* The shape of the recurrences that suits a mode: at most one coupling, of body 0 and one other column. */
@@ -570,7 +583,7 @@ Mode *mode_read(Run *r, Reader *in)
         e->rule = ASK;
     }
     if (!in->short_of && read_index(in, 0, 1)) {
-        m->modal = modal_read(r, in, pairs);
+        m->modal = modal_read(r, in, pairs, m->event_count);
         if (!m->modal)
             in->short_of = 1;
         if (!in->short_of)
@@ -585,9 +598,13 @@ void mode_free(Mode *m)
     if (!m)
         return;
     if (m->modal) {
-        for (i = 0; m->modal->coordinates && i < m->modal->count; i++) 
+        for (i = 0; m->modal->coordinates && i < m->modal->count; i++)
             free(m->modal->coordinates[i].drives);
+        for (i = 0; m->modal->terms && i < m->modal->count; i++)
+            free(m->modal->terms[i].drives);
         free(m->modal->coordinates);
+        free(m->modal->terms);
+        free(m->modal->reaches);
         free(m->modal->sources);
         free(m->modal->shifts);
         free(m->modal->places);
@@ -631,7 +648,7 @@ int mode_add(Run *r, Mode *m)
     r->key_count = keys;
     if (m->event_count > events) {
         if (!grown((void **)&s->watched, (size_t)events, (size_t)m->event_count, sizeof *s->watched) ||
-            !grown((void **)&s->residues, (size_t)events, (size_t)m->event_count, sizeof(double)) ||
+            !grown((void **)&s->blurs, (size_t)events, (size_t)m->event_count, sizeof(Blur)) ||
             !grown((void **)&s->events, (size_t)events, (size_t)m->event_count, sizeof(int)))
             return -1;
         r->event_room = m->event_count;
@@ -697,8 +714,9 @@ void run_free(Run *r)
     free(r->closed_form.responses);
     free(r->closed_form.sin0);
     free(r->closed_form.x0);
+    free(r->closed_form.scales[0]);
     free(r->closed_form.times.cosine);
     free(r->closed_form.search.watched);
-    free(r->closed_form.search.residues);
+    free(r->closed_form.search.blurs);
     free(r->closed_form.search.events);
 }

@@ -197,7 +197,8 @@ def pack_modal(pack: Packer, modal: ModalMotion) -> None:
     for coordinate, (first, count, first_shift, shift_count) in zip(modal.coordinates, spans, strict=True):
         pack.put(
             (coordinate.free, first, count, first_shift, shift_count),
-            (coordinate.a, coordinate.b, coordinate.load),
+            (coordinate.a, coordinate.b, coordinate.load, coordinate.load_size),
         )
         pack.put((), coordinate.sines)
         pack.put((), coordinate.cosines)
+        pack.put((), coordinate.sizes)
