@@ -38,7 +38,7 @@ def test_two_events_at_once_are_in_doubt(engine, method):
     result = run(scene(**TWO_AT_ONCE, method=method), engine)
     happened = pairwise(zip(result.kinds, result.times, strict=True))
     assert [{a, b} for (a, s), (b, t) in happened if t - s < 1e-14] == [{"stick_end", "contact_begin"}]
-    assert result.totals["uncertified"] == 1
+    assert result.totals["uncertified"] in (1, 2)  # the stretch before both, and that between them
 
 
 @everywhere
