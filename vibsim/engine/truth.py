@@ -18,7 +18,7 @@ from vibsim.engine.errors import EngineError
 from vibsim.engine.state import State
 from vibsim.engine.trajectory import Block, PythonTrajectory
 from vibsim.physics.exact_decimals import text_width
-from vibsim.physics.number_kits import DigitsKit, number_kit
+from vibsim.physics.number_kits import DigitsKit, number_kit, one_precision
 from vibsim.physics.numbers import Number
 from vibsim.physics.parts import Scene
 
@@ -45,20 +45,24 @@ class TruthTrajectory(PythonTrajectory[Number]):
 
     def blocks(self) -> Iterator[TruthBlock]:
         """Yield `TruthBlock`s until the run ends; raises EngineError when it fails."""
-        while True:
-            self.kit.activate()
-            try:
-                self.driver.run(PIECES, SAMPLES, SECONDS)
-            except EngineError as error:
-                raise EngineError(error.reason, self._rounded(error.state)) from error
-            samples, events, section, _ = self.driver.take()
-            block = self._block(samples, events, section, ())
-            names = state_columns(self.scene)
-            at = self._texts(names, [self._row(state)[1:] for state, _ in samples])
-            after = self._texts(("t", *names), [self._row(one[2]) for one in events])
-            yield TruthBlock(**vars(block), sample_digits=at, event_digits=after)
-            if self.driver.finished:
-                return
+        finished = False
+        while not finished:
+            with one_precision:
+                block, finished = self._next_block(), self.driver.finished
+            yield block
+
+    def _next_block(self) -> TruthBlock:
+        self.kit.activate()
+        try:
+            self.driver.run(PIECES, SAMPLES, SECONDS)
+        except EngineError as error:
+            raise EngineError(error.reason, self._rounded(error.state)) from error
+        samples, events, section, _ = self.driver.take()
+        block = self._block(samples, events, section, ())
+        names = state_columns(self.scene)
+        at = self._texts(names, [self._row(state)[1:] for state, _ in samples])
+        after = self._texts(("t", *names), [self._row(one[2]) for one in events])
+        return TruthBlock(**vars(block), sample_digits=at, event_digits=after)
 
     def _rounded(self, state: State[Number]) -> State:
         values = self.kit.rounded([state.t, *state.x, *state.v, state.phase, state.turns, state.w])
@@ -87,9 +91,10 @@ def open_truth(
     Returns an object as `open_trajectory` does; its blocks are `TruthBlock`s, without section. Raises
     ValueError for other digits, MultiprecisionMissing where neither python-flint nor mpmath is installed.
     """
-    kit = number_kit(digits)
-    scene = exact_scene(kit.number, kit.pi)
-    return TruthTrajectory(bare(scene, kit), kit, ledger=ledger, momentum=momentum)
+    with one_precision:
+        kit = number_kit(digits)
+        scene = exact_scene(kit.number, kit.pi)
+        return TruthTrajectory(bare(scene, kit), kit, ledger=ledger, momentum=momentum)
 
 
 def bare(part: Any, kit: DigitsKit[Number]) -> Any:

@@ -20,7 +20,7 @@ from vibsim.orbits.small_matrices import characteristic_polynomial, refined_root
 from vibsim.orbits.word import Word, spelled, word_of
 from vibsim.physics.exact_decimals import decimal_text
 from vibsim.physics.modes import EVENT_NAMES, IMPACTS
-from vibsim.physics.number_kits import DigitsKit, number_kit
+from vibsim.physics.number_kits import DigitsKit, number_kit, one_precision
 from vibsim.physics.numbers import Number
 from vibsim.physics.working_precision import MOST_DIGITS
 
@@ -73,6 +73,11 @@ def refine(orbit: Orbit, digits: int) -> OrbitDigits:
     """The orbit to so many digits. Raises OrbitError where Newton's method does not get there, or takes
     another order of events, and MultiprecisionMissing where no library is installed.
     """
+    with one_precision:
+        return _refined(orbit, digits)
+
+
+def _refined(orbit: Orbit, digits: int) -> OrbitDigits:
     kit = number_kit(min(digits + GUARD, MOST_DIGITS))
     exact = _ExactMap(orbit, kit)
     X, T = [kit.number(x) for x in orbit.X.tolist()], exact.start_time(orbit)

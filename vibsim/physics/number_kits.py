@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from importlib.util import find_spec
+from threading import RLock
 from typing import Protocol
 
 from vibsim.lazy_names import named
@@ -14,6 +15,9 @@ KITS = {
     "mpmath": "vibsim.physics.big_floats:BigFloats",
 }
 MISSING = "digits beyond double precision need python-flint (or mpmath): pip install 'vibsim[reference]'"
+
+
+one_precision = RLock()  # held while a kit is at work: libraries have one working precision in a process
 
 
 class DigitsKit(Kit[N], Protocol[N]):

@@ -16,7 +16,7 @@ from vibsim.evidence.verification.kicks import KickedFlow, kicked_scene
 from vibsim.evidence.verification.million_seconds import PERIOD, SETTLED
 from vibsim.evidence.verification.paper_cases import judged_case
 from vibsim.physics.modes import EVENT_NAMES
-from vibsim.physics.number_kits import DigitsKit, number_kit
+from vibsim.physics.number_kits import DigitsKit, number_kit, one_precision
 from vibsim.physics.numbers import Number
 
 INSTANTS = 10  # at which states are kept, besides the start
@@ -57,6 +57,11 @@ def plan(name: str) -> Plan:
 
 def run_digits(how: Plan, flow: str, digits: int, seed: int | None = None) -> Run:
     """A run of many digits, kicked where a seed is given."""
+    with one_precision:
+        return _run_digits(how, flow, digits, seed)
+
+
+def _run_digits(how: Plan, flow: str, digits: int, seed: int | None) -> Run:
     kit: Any = number_kit(digits)
     kit.activate()
     doubles = how.case.two_blocks()
