@@ -44,61 +44,67 @@ def test_short_keys_mean_what_the_case_has():
     assert load_case("II-B", {"m3": "1 kg"}).number("excitation.m3") == 1.0
     assert load_case("I-A-eq211", {"m3": "1 kg"}).number("excitation.A.m3") == 1.0
     [line] = problems_of({"m3": "1 kg"}, "I-A")
-    assert line == "--set m3: is short for several keys: excitation.m3, excitation.A.m3"
+    assert line == "overrides m3: is short for several keys: excitation.m3, excitation.A.m3"
 
 
 @pytest.mark.parametrize(
     ("overrides", "lines"),
     [
-        ({"excitation.Omega0": "-5.5 Hz"}, ["--set excitation.Omega0: must be > 0, got -5.5 Hz"]),
-        ({"Omega0": 6.5}, ["--set excitation.Omega0: needs a unit (Hz, rpm, rev/s, deg/s, rad/s), got 6.5"]),
-        ({"c": float("nan")}, ["--set coupling.c: must be finite, got nan"]),
-        ({"c": None}, ["--set coupling.c: must be a damping in N s/m, N s/mm, kN s/m or kg/s, got None"]),
-        ({"c": ""}, ["--set coupling.c: must be a damping in N s/m, N s/mm, kN s/m or kg/s, got nothing"]),
+        ({"excitation.Omega0": "-5.5 Hz"}, ["overrides excitation.Omega0: must be > 0, got -5.5 Hz"]),
+        (
+            {"Omega0": 6.5},
+            ["overrides excitation.Omega0: needs a unit (Hz, rpm, rev/s, deg/s, rad/s), got 6.5"],
+        ),
+        ({"c": float("nan")}, ["overrides coupling.c: must be finite, got nan"]),
+        ({"c": None}, ["overrides coupling.c: must be a damping in N s/m, N s/mm, kN s/m or kg/s, got None"]),
+        (
+            {"c": ""},
+            ["overrides coupling.c: must be a damping in N s/m, N s/mm, kN s/m or kg/s, got nothing"],
+        ),
         (
             {"excitation.Omgea0": "1 Hz"},
-            ["--set excitation.Omgea0: unknown key (did you mean excitation.Omega0?); "
+            ["overrides excitation.Omgea0: unknown key (did you mean excitation.Omega0?); "
              "a key is written like excitation.Omega0 or run.t_end"],
         ),
         (
             {"omega0": "1 Hz"},
-            ["--set omega0: unknown key (did you mean excitation.Omega0?); "
+            ["overrides omega0: unknown key (did you mean excitation.Omega0?); "
              "a key is written like excitation.Omega0 or run.t_end"],
         ),
         (
             {"friction.nu": "1"},
-            ["--set friction.nu: unknown key (did you mean friction.mu?); "
+            ["overrides friction.nu: unknown key (did you mean friction.mu?); "
              "a key is written like excitation.Omega0 or run.t_end"],
         ),
-        ({"stop": "off"}, ["--set stop: must be a mapping of k2, G, acts, or none; got off"]),
-        ({"extends": "I-A"}, ["--set extends: works in a case file only"]),
+        ({"stop": "off"}, ["overrides stop: must be a mapping of k2, G, acts, or none; got off"]),
+        ({"extends": "I-A"}, ["overrides extends: works in a case file only"]),
         (
             {"m2": "fixed"},
-            ["--set blocks.m2: block 2 is fixed, so nothing slides; friction must be left out or none"],
+            ["overrides blocks.m2: block 2 is fixed, so nothing slides; friction must be left out or none"],
         ),
         (
             {"run.method": "closed_form"},
-            ["--set run.method: a motor has no closed form; with one, run.method must be auto or taylor, "
+            ["overrides run.method: a motor has no closed form; with one, run.method must be auto or taylor, "
              "got closed_form"],
         ),
         (
             {"every": "1e-9 s"},
-            ["--set run.every: 300 s every 1e-9 s makes 3e+11 samples; at most 1e10 are allowed"],
+            ["overrides run.every: 300 s every 1e-9 s makes 3e+11 samples; at most 1e10 are allowed"],
         ),
         (
             {"kind": "none", "phi": "1 rad"},
-            ["--set initial.phi: there is no motor, so initial.phi must be left out, got 1 rad"],
+            ["overrides initial.phi: there is no motor, so initial.phi must be left out, got 1 rad"],
         ),
         (
             {"title": "a\0b", "c": "\udcff"},
             [
-                "--set title: holds \\x00, which no file can",
-                "--set coupling.c: holds \\udcff, which no file can",
+                "overrides title: holds \\x00, which no file can",
+                "overrides coupling.c: holds \\udcff, which no file can",
             ],
         ),
         (
             {"m1": "0 kg", "m2": "0 kg"},
-            ["--set blocks.m1: must be > 0, got 0 kg", "--set blocks.m2: must be > 0, got 0 kg"],
+            ["overrides blocks.m1: must be > 0, got 0 kg", "overrides blocks.m2: must be > 0, got 0 kg"],
         ),
     ],
 )  # fmt: skip
@@ -119,8 +125,8 @@ def test_problems_of_file_and_overrides_come_together(tmp_path):
         load_case(path, {"c": "-1", "nothing": "1"})
     assert [(problem.file, problem.key) for problem in caught.value.problems] == [
         (str(path), "blocks.m1"),
-        ("--set", "nothing"),
-        ("--set", "coupling.c"),
+        ("overrides", "nothing"),
+        ("overrides", "coupling.c"),
     ]
 
 
@@ -173,12 +179,12 @@ def test_number_and_numeric_keys():
 
 
 def test_an_empty_name_is_no_name():
-    with pytest.raises(CaseError, match=r"--set name: may hold letters, digits"):
+    with pytest.raises(CaseError, match=r"overrides name: may hold letters, digits"):
         load_case("II-B", {"name": ""})
 
 
 def test_a_very_long_run_is_told_by_its_samples():
     with pytest.raises(
-        CaseError, match=r"--set run.t_end: 1e15 s every 5 ms makes 2e\+17 samples; at most 1e10"
+        CaseError, match=r"overrides run.t_end: 1e15 s every 5 ms makes 2e\+17 samples; at most 1e10"
     ):
         load_case("II-B", {"run.t_end": "1e15s"})

@@ -227,5 +227,5 @@ def test_wishes_that_cannot_be_used_are_refused(wishes, message):
 
 
 def test_ends_of_a_range_must_suit_the_case():
-    with pytest.raises(CaseError, match=r"--free excitation\.J: must be an inertia"):
+    with pytest.raises(CaseError, match=r"free excitation\.J: must be an inertia"):
         fit("II-B", {"J": "1:2 kg"}, ["captured"])

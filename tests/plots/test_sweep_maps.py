@@ -102,7 +102,7 @@ def test_maps_say_what_to_sweep_with(grid, tmp_path):
     line = open_subject(str(tmp_path / "line.h5"))
     with pytest.raises(PlotError, match=r"needs verdicts on capture \(sweep with --compute capture\)"):
         choose(["capture"], [line])
-    with pytest.raises(PlotError, match=r"it needs two ranges without .* \(sweep with --param KEY=RANGE\)"):
+    with pytest.raises(PlotError, match=r"it needs two ranges without .* \(sweep with axes=\{KEY: RANGE\}\)"):
         choose(["regime"], [line])
     sweep(case, {"Omega0": "3, 4 Hz"}, out=tmp_path / "captured.h5", compute=["capture"])
     with pytest.raises(PlotError, match="it needs two ranges, or an ensemble of at most two start values"):

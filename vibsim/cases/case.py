@@ -183,7 +183,7 @@ class Case:
     def with_values(self, changes: Mapping[str, object]) -> "Case":
         """This case with some values replaced, e.g. {"excitation.Omega0": "6.5 Hz"}.
 
-        Raises CaseError (file "--set") for unknown keys and for values that are not allowed.
+        Raises CaseError (file "overrides") for unknown keys and for values that are not allowed.
         """
         tree = Tree(dict(self._nested), Place(self.source))
         apply_overrides(tree, changes)
@@ -196,6 +196,11 @@ class Case:
         frequency = f" at {self.frequency()}" if self.frequency() else ""
         source = f"source {self.source_kind}{frequency}"
         return f"<Case {self.name}: {bodies}{stops}, {source}, {self.quantity('run.t_end')}>"
+
+    def _repr_html_(self) -> str:
+        from vibsim.cases.notebook import html_of_case
+
+        return html_of_case(self)
 
     def resolved_json(self) -> str:
         """The case as canonical JSON text: defaults filled in; from_resolved_json() reads it back exactly."""

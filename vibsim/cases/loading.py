@@ -18,7 +18,7 @@ def load_case(source: Case | str | PathLike[str], overrides: Mapping[str, object
     ----------
     source : path of a YAML file, name of a shipped case, "-" for standard input, or a Case
     overrides : dotted (or unambiguous short) key -> text or number, e.g. {"excitation.Omega0": "6.5 Hz"};
-        checked as if the file said so, with "--set" as the file
+        checked as if the file said so, with "overrides" as the file
 
     Raises CaseError with every problem found, TypeError for what is neither.
 

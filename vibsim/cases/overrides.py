@@ -10,7 +10,7 @@ from vibsim.cases.keys import UnknownKeyError, full_key, keys_of
 from vibsim.cases.plain_text import unstorable
 from vibsim.cases.yaml_nodes import Place
 
-FILE = "--set"
+FILE = "overrides"
 PLACED = ("between", "on")  # an override that gives one of these makes a new part
 
 

@@ -13,7 +13,7 @@ class Problem:
 
     Attributes
     ----------
-    file : path as the user gave it, "--set" for an override, or the name asked for
+    file : path as the user gave it, "overrides" for one of them, or the name asked for
     line, column : counted from 1; None where there is no place (an override, a missing file)
     key : dotted key such as "excitation.Omega0"; empty where the problem belongs to no key
     message : what is wrong, what was found and what is allowed

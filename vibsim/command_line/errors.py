@@ -102,16 +102,20 @@ def code_for(error: Exception) -> int | None:
 def report(error: Exception, code: int, as_json: bool) -> int:
     """Tell an error of the user's: the lines of a CaseError as they are, others after `Error:`."""
     from vibsim.cases import CaseError
+    from vibsim.command_line.text.in_shell import problem_in_shell
 
     if not isinstance(error, CaseError):
         return told(f"Error: {error}", code, as_json)
-    return told(str(error), code, as_json, problems=[vars(problem) for problem in error.problems])
+    problems = [problem_in_shell(problem) for problem in error.problems]
+    return told("\n".join(map(str, problems)), code, as_json, problems=[vars(one) for one in problems])
 
 
 def told(text: str, code: int, as_json: bool, **more: Any) -> int:
     """Print an error on stderr, and as JSON on stdout where that is asked for; returns its exit code."""
     from vibsim.command_line.terminal.printing import print_json, say
+    from vibsim.command_line.text.in_shell import in_shell
 
+    text = in_shell(text)
     say(text, err=True)
     if as_json:
         message = text.removeprefix("Error: ")

@@ -62,7 +62,7 @@ class Journal:
                 self.damaged += header is None
             elif header is not None and header != {"fingerprint": fingerprint}:
                 held = f"points of another {self._what} are waiting in it"
-                raise ResultFileError(f"{self.path}: {held}; --force drops them")
+                raise ResultFileError(f"{self.path}: {held}; force=True drops them")
             elif (record := _record(line, fingerprint)) is None:
                 self.damaged += 1
             else:

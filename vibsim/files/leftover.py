@@ -24,7 +24,7 @@ def check_leftover(path: str | Path, force: bool = False) -> None:
     reached = 0.0 if force else held_until(partial)
     if reached > 0.0:
         what = f"holds a run that did not come to its end, until {reached:g} s"
-        raise ResultFileError(f"{path}.partial: {what}; kept (--force replaces it)")
+        raise ResultFileError(f"{path}.partial: {what}; kept (force=True replaces it)")
 
 
 @ended_at_once()

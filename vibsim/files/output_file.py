@@ -41,7 +41,7 @@ def _check_existing(path: str | Path, target: Path, force: bool) -> None:
     if not target.is_file():
         raise ResultFileError(f"{path}: cannot write: is not a regular file")
     if not force:
-        raise ResultFileError(f"{path}: exists; kept (--force replaces it)")
+        raise ResultFileError(f"{path}: exists; kept (force=True replaces it)")
 
 
 def publish(partial: Path, target: Path, force: bool = False) -> None:
@@ -49,7 +49,7 @@ def publish(partial: Path, target: Path, force: bool = False) -> None:
     try:
         _fsync(partial)
         if target.exists() and not force:
-            raise ResultFileError(f"{target}: appeared meanwhile; kept (--force replaces it)")
+            raise ResultFileError(f"{target}: appeared meanwhile; kept (force=True replaces it)")
         os.replace(partial, target)
         if os.name == "posix":
             _fsync(target.parent)

@@ -103,7 +103,7 @@ def read_free(cases: list[Case], key: str, text: str, leave: float | None = None
     if amount.count(":") != 1:
         raise FitError(f"{key}={text}: a range is FROM:TO with a unit at the end, such as J=0.5:20 g m^2")
     try:
-        axes = [read_axis(case, key, amount.replace(":", ",", 1), option="--free") for case in cases]
+        axes = [read_axis(case, key, amount.replace(":", ",", 1), argument="free") for case in cases]
     except UnknownKeyError as error:
         raise FitError(f"free {key}: {error}") from None
     except ValueError as error:

@@ -121,7 +121,7 @@ class FitPlan:
         if not self.statements:
             raise FitError(
                 "say what the runs should do: give at least one statement, such as 'captured until the end'; "
-                "vibsim fit --list shows all (--want '...' in the shell)"
+                "vibsim fit --list shows all"
             )
         names = [case.name for case in self.cases]
         if len(set(names)) < len(names):

@@ -70,7 +70,7 @@ class FileRunStore(RunStore):
             if attrs["fit_sha256"] != plan.fingerprint:
                 others = " and ".join(_differences(plan, there.cases, attrs["fit_settings_json"]))
                 raise ResultFileError(
-                    f"{self._shown}: holds another fit, of other {others}; kept (--force replaces it)"
+                    f"{self._shown}: holds another fit, of other {others}; kept (force=True replaces it)"
                 )
             super().add(points)
             self.attrs = {"date_created": attrs["date_created"]}

@@ -158,5 +158,5 @@ def _nowhere(failure: OrbitError | EngineError, distances: list[float] | None) -
     n = int(np.argmin(distances)) + 1
     return OrbitError(
         f"the run does not come near itself: nearest after {n} periods, to {min(distances):.2g} of its "
-        "spread; look for orbits that it leaves with --search, or give --period"
+        "spread; look for orbits that it leaves (search_orbits), or give period=N"
     )

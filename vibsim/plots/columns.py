@@ -93,7 +93,7 @@ def _table(subject: Subject, names: tuple[str, str]) -> tuple[Tidy, list[str]]:
 def _arrays(subject: Subject, names: tuple[str, str]) -> Arrays:
     result = subject.result
     if not isinstance(result, Labelled):
-        raise PlotError(f"{subject.path} has no columns to draw: --x and --y are for results")
+        raise PlotError(f"{subject.path} has no columns to draw: x and y are for results")
     of_events = [name.startswith(EVENTS) for name in names]
     if any(of_events) and subject.reads != "trajectory":
         raise PlotError(f"{subject.path} has no events")

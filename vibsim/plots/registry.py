@@ -196,29 +196,29 @@ NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
         lambda subject: _is_along_speed(subject),
     ),
     "continued Omega0": (
-        "orbits continued over Omega0 (vibsim continue --omega0)",
+        'orbits continued over Omega0 (continue_branch(orbit, "Omega0", "FROM:TO"))',
         lambda subject: subject.result.key in ("excitation.Omega0", "motor.Omega0"),
     ),
     "map": (
-        "two ranges without an ensemble (sweep with --param KEY=RANGE)",
+        "two ranges without an ensemble (sweep with axes={KEY: RANGE})",
         lambda subject: _is_map(subject),
     ),
     "map or starts": (
-        "two ranges, or an ensemble of at most two start values (sweep with --param KEY=RANGE, --ensemble N)",
+        "two ranges, or an ensemble of at most two start values (sweep with axes={KEY: RANGE}, ensemble=N)",
         lambda subject: _is_map(subject) or _has_starts(subject),
     ),
     "exponents": (
-        "Lyapunov exponents (sweep with --compute lyapunov)",
+        "Lyapunov exponents (sweep with compute='lyapunov')",
         lambda subject: _has(subject, "lyapunov") or _has(subject, "lyapunov_spectrum"),
     ),
-    "power": ("powers (sweep with --compute power)", lambda subject: _has(subject, "power_source")),
-    "regime": ("regimes (sweep with --compute regime)", lambda subject: _has(subject, "regime")),
+    "power": ("powers (sweep with compute='power')", lambda subject: _has(subject, "power_source")),
+    "regime": ("regimes (sweep with compute='regime')", lambda subject: _has(subject, "regime")),
     "end states": (
-        "end states (sweep with --compute end-state)",
+        "end states (sweep with compute='end-state')",
         lambda subject: _has(subject, "end_state"),
     ),
     "capture": (
-        "verdicts on capture (sweep with --compute capture)",
+        "verdicts on capture (sweep with compute='capture')",
         lambda subject: _has(subject, "capture"),
     ),
     "free parameters": ("free parameters", lambda subject: bool(subject.result.plan.free)),

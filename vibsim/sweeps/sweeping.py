@@ -85,7 +85,7 @@ def sweep(
     case = load_case(case, overrides)
     plan = make_plan(
         case,
-        [(key, *range_and_unit(key, values), key) for key, values in (axes or {}).items()],
+        [(key, *range_and_unit(key, values), "axes") for key, values in (axes or {}).items()],
         direction,
         carry_state,
         discard,
@@ -114,8 +114,8 @@ def make_plan(
 ) -> Plan:
     """The plan of `sweep`, everything checked.
 
-    axes : key, range and, as `read_axis` takes them, the unit of a range without one and the option that
-        messages name
+    axes : key, range and, as `read_axis` takes them, the unit of a range without one and the argument
+        or option that messages name
     """
     if section < 0:
         raise PlanError(f"the number of stroboscopic points must not be negative, got {section}")

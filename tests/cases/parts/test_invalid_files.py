@@ -25,43 +25,43 @@ def test_each_invalid_file_expects_something():
 @pytest.mark.parametrize(
     ("overrides", "lines"),
     [
-        ({"stops.anvil.k": "0 N/m"}, ["--set stops.anvil.k: must be > 0, got 0 N/m"]),
+        ({"stops.anvil.k": "0 N/m"}, ["overrides stops.anvil.k: must be > 0, got 0 N/m"]),
         (
             {"stops.anvli.k": "1 N/m"},
-            ["--set stops.anvli.k: unknown key (did you mean stops.anvil.k?); "
+            ["overrides stops.anvli.k: unknown key (did you mean stops.anvil.k?); "
              "a key is written like stops.wall.k or run.t_end"],
         ),
         (
             {"anvil.kk": "1 N/m"},
-            ["--set anvil.kk: unknown key (did you mean stops.anvil.k?); "
+            ["overrides anvil.kk: unknown key (did you mean stops.anvil.k?); "
              "a key is written like stops.wall.k or run.t_end"],
         ),
         (
             {"excitation.omega": "1 Hz"},
-            ["--set excitation.omega: unknown key (did you mean forces.drive.omega?); "
+            ["overrides excitation.omega: unknown key (did you mean forces.drive.omega?); "
              "a key is written like stops.wall.k or run.t_end"],
         ),
         (
             {"forces.chord.terms.3.A": "1 N"},
-            ["--set forces.chord.terms.3.A: unknown key (did you mean forces.chord.terms.2.A?); "
+            ["overrides forces.chord.terms.3.A: unknown key (did you mean forces.chord.terms.2.A?); "
              "a key is written like stops.wall.k or run.t_end"],
         ),
         (
             {"mu": "0.3"},
-            ["--set mu: is short for several keys: friction.guide.mu, friction.weight.mu, "
+            ["overrides mu: is short for several keys: friction.guide.mu, friction.weight.mu, "
              "friction.moon.plus.mu, friction.moon.minus.mu, friction.smooth.mu"],
         ),
         (
             {"links.spring.between": "[ram, tol]"},
-            ["--set links.spring.between: no body tol (did you mean tool?); "
+            ["overrides links.spring.between: no body tol (did you mean tool?); "
              "allowed: ram, tool, ground, base"],
         ),
-        ({"stops.anvil": "off"}, ["--set stops.anvil: must be a mapping of between, gap, acts, law, k, c, "
-                                  "release, e, or none; got off"]),
-        ({"stops.anvil.e": "0.5"}, ["--set stops.anvil.e: belongs to law: rigid; "
+        ({"stops.anvil": "off"}, ["overrides stops.anvil: must be a mapping of between, gap, acts, law, "
+                                  "k, c, release, e, or none; got off"]),
+        ({"stops.anvil.e": "0.5"}, ["overrides stops.anvil.e: belongs to law: rigid; "
                                     "this stop has law: elastic"]),
-        ({"run.method": "closed_form"}, ["--set run.method: a motor has no closed form; with one, run.method "
-                                         "must be auto or taylor, got closed_form"]),
+        ({"run.method": "closed_form"}, ["overrides run.method: a motor has no closed form; with one, "
+                                         "run.method must be auto or taylor, got closed_form"]),
     ],
 )  # fmt: skip
 def test_problems_of_overrides(overrides, lines):

@@ -93,7 +93,7 @@ class BranchFileStore(BranchStore):
             named = [name for name in ours if ours[name] != theirs[name]]
             named += ["case"] if there.case.sha256 != self.plan.case.sha256 else []
             raise ResultFileError(
-                f"{self._shown}: holds another branch; kept (--force replaces it). It differs in "
+                f"{self._shown}: holds another branch; kept (force=True replaces it). It differs in "
                 + ", ".join(named)
             )
 

@@ -131,7 +131,7 @@ class LocusStore:
         if self.path.exists():
             there = read_locus(shown)
             if there.plan.fingerprint != self.plan.fingerprint:
-                raise ResultFileError(f"{shown}: holds another locus; kept (--force replaces it)")
+                raise ResultFileError(f"{shown}: holds another locus; kept (force=True replaces it)")
             self.points = sorted(there.points, key=lambda point: (-point.way, point.number))
             self.attrs["date_created"] = there.attrs["date_created"]
             self._on_file = (len(self.points), bool(there.attrs["complete"]))

@@ -117,7 +117,7 @@ class Axis:
         return f"{self.name} {span} {self.unit}".strip()
 
 
-def read_axis(case: "Case", key: str, text: str, bare_unit: str = "", option: str = "--param") -> Axis:
+def read_axis(case: "Case", key: str, text: str, bare_unit: str = "", argument: str = "axes") -> Axis:
     """The axis that `key` and the range `text` describe, every value tried in the case.
 
     Parameters
@@ -125,7 +125,7 @@ def read_axis(case: "Case", key: str, text: str, bare_unit: str = "", option: st
     key : dotted or unambiguous short key of a number of the case; KEY=KEY for several of the same values
     text : a range, see `vibsim.cases.ranges`
     bare_unit : unit of a range that has none; by default SI, and an angular rate must have one
-    option : where the user wrote it, for messages
+    argument : of Python in which the user wrote it, for messages
 
     Raises UnknownKeyError, RangeError, and CaseError where the case does not allow a value.
     """
@@ -136,7 +136,7 @@ def read_axis(case: "Case", key: str, text: str, bare_unit: str = "", option: st
         if low == high:
             raise RangeError(f"{text} has the value {decimal_text(low)} twice")
     axis = Axis(full, values[0].unit, tuple(exact), tuple(also))
-    _check(case, axis, option)
+    _check(case, axis, argument)
     return axis
 
 
@@ -206,8 +206,8 @@ def _in_one_unit(values: list[RangeValue]) -> list[RangeValue]:
     ]
 
 
-def _check(case: "Case", axis: Axis, option: str) -> None:
-    """Try the values, of a long axis some and both ends; a CaseError names the option instead of --set.
+def _check(case: "Case", axis: Axis, argument: str) -> None:
+    """Try the values, of a long axis some and both ends; a CaseError names the argument instead of overrides.
 
     What a case allows is a span of numbers, so that the ends tell; a point that it does not allow all the
     same fails alone.
@@ -216,4 +216,4 @@ def _check(case: "Case", axis: Axis, option: str) -> None:
         try:
             case.with_values(axis.changes(position))
         except CaseError as error:
-            raise CaseError(replace(problem, file=option) for problem in error.problems) from None
+            raise CaseError(replace(problem, file=argument) for problem in error.problems) from None

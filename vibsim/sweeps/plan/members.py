@@ -110,7 +110,7 @@ def read_members(case: "Case", count: int, seed: int, spreads: Mapping[str, str]
     if not spreads and angle is not None:
         spreads = {angle: FULL_TURN}
     if not spreads:
-        raise SpreadError("say what varies over the ensemble, such as --spread x1=1mm")
+        raise SpreadError('say what varies over the ensemble, such as spread={"x1": "1 mm"}')
     read = tuple(read_spread(case, key, text) for key, text in spreads.items())
     keys = [spread.key for spread in read]
     if len(set(keys)) < len(keys):

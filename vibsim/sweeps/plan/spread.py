@@ -103,7 +103,7 @@ def read_spread(case: "Case", key: str, text: str) -> Spread:
     amount = text.strip().removeprefix(NORMAL if normal else "")
     if ":" in amount and not normal:
         try:
-            ends = read_axis(case, key, amount.replace(":", ",", 1), option="--spread")
+            ends = read_axis(case, key, amount.replace(":", ",", 1), argument="spread")
             low, high = ends.values
         except ValueError as error:
             raise SpreadError(f"{full}={text}: {error}; write FROM:TO, such as 0:360 deg") from None
@@ -111,7 +111,7 @@ def read_spread(case: "Case", key: str, text: str) -> Spread:
     spread = _about(full, usual, NORMAL if normal else UNIFORM, _width(full, amount, text))
     tried = [spread.centre + side * spread.width for side in ((0,) if normal else (-1, 1))]
     values = ",".join(f"{decimal_text(value)} {spread.unit}" for value in tried)
-    read_axis(case, key, values, option="--spread")
+    read_axis(case, key, values, argument="spread")
     return spread
 
 

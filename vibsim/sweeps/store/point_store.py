@@ -95,7 +95,8 @@ class FileStore(Store):
         if differences:
             listed = "\n  ".join(differences)
             raise ResultFileError(
-                f"{self._shown}: holds another sweep; kept (--force replaces it). It differs in\n  {listed}"
+                f"{self._shown}: holds another sweep; kept (force=True replaces it)."
+                f" It differs in\n  {listed}"
             )
 
     def __enter__(self) -> "FileStore":

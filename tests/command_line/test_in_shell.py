@@ -1,0 +1,70 @@
+"""Errors name arguments of Python to those who call Python, and options to those who call a command."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import vibsim
+from tests.command_line.made import call
+
+PACKAGE = Path(vibsim.__file__).parent
+COMMANDS = {
+    PACKAGE / "plots" / "picture.py",
+    PACKAGE / "plots" / "animation" / "channels.py",
+}  # of commands alone
+
+
+def raised_texts():
+    """(file, text) of each literal inside a `raise` of the library."""
+    for path in sorted(PACKAGE.rglob("*.py")):
+        if path.relative_to(PACKAGE).parts[0] in ("command_line", "evidence") or path in COMMANDS:
+            continue
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.Raise):
+                for part in ast.walk(node):
+                    if isinstance(part, ast.Constant) and isinstance(part.value, str):
+                        yield path, part.value
+
+
+def test_no_error_of_the_library_speaks_of_options():
+    texts = list(raised_texts())
+    assert len(texts) > 300
+    assert [
+        (str(path), text) for path, text in texts if " --" in f" {text.replace('vibsim fit --list', '')}"
+    ] == []
+
+
+def test_a_file_in_the_way(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    case = vibsim.load_case("I-A", {"run.t_end": "0.1 s"})
+    result = vibsim.simulate(case)
+    result.save("I-A.h5")
+    with pytest.raises(vibsim.ResultFileError, match=r"^I-A.h5: exists; kept \(force=True replaces it\)$"):
+        result.save("I-A.h5")
+    done = call("run", "I-A", "--t-end", "0.1s")
+    assert (done.exit_code, done.stderr) == (6, "Error: I-A.h5: exists; kept (--force replaces it)\n")
+
+
+def test_a_value_that_is_not_allowed():
+    with pytest.raises(vibsim.CaseError, match=r"^overrides friction\.mu: must be >= 0, got -1$"):
+        vibsim.load_case("II-B", {"mu": -1})
+    assert call("run", "II-B", "-s", "mu=-1").stderr == "--set friction.mu: must be >= 0, got -1\n"
+
+
+def test_a_range_that_is_not_allowed():
+    with pytest.raises(vibsim.CaseError, match=r"^axes coupling\.c: must be >= 0, got -1"):
+        vibsim.sweep("II-B", {"c": "-1,1 N s/m"})
+    assert call("sweep", "II-B", "--param", "c=-1,1 N s/m").stderr.startswith(
+        "--param coupling.c: must be >= 0"
+    )
+
+
+def test_a_picture_that_needs_another_sweep(tmp_path):
+    sweep = vibsim.sweep(
+        "II-B", {"Omega0": "5,6 Hz"}, jobs=1, overrides={"run.t_end": "1 s"}, out=tmp_path / "s.h5"
+    )
+    with pytest.raises(Exception, match=r"it needs regimes \(sweep with compute='regime'\)"):
+        sweep.plot(kind="regime")
+    done = call("plot", str(tmp_path / "s.h5"), "--kind", "regime")
+    assert "(sweep with --compute regime)" in done.stderr
