@@ -100,16 +100,16 @@ def test_maps_say_what_to_sweep_with(grid, tmp_path):
     case = load_case("II-B", {"run.t_end": "2 s"})
     sweep(case, {"Omega0": "3, 4 Hz"}, out=tmp_path / "line.h5", compute=["regime"])
     line = open_subject(str(tmp_path / "line.h5"))
-    with pytest.raises(PlotError, match=r"needs verdicts on capture \(sweep with --compute capture\)"):
+    with pytest.raises(PlotError, match=r"needs verdicts on capture \(sweep with compute='capture'\)"):
         choose(["capture"], [line])
     with pytest.raises(PlotError, match=r"it needs two ranges without .* \(sweep with axes=\{KEY: RANGE\}\)"):
         choose(["regime"], [line])
     sweep(case, {"Omega0": "3, 4 Hz"}, out=tmp_path / "captured.h5", compute=["capture"])
     with pytest.raises(PlotError, match="it needs two ranges, or an ensemble of at most two start values"):
         choose(["capture"], [open_subject(str(tmp_path / "captured.h5"))])
-    with pytest.raises(PlotError, match=r"it needs powers \(sweep with --compute power\)"):
+    with pytest.raises(PlotError, match=r"it needs powers \(sweep with compute='power'\)"):
         choose(["power"], [open_subject(grid)])
-    with pytest.raises(PlotError, match=r"Lyapunov exponents \(sweep with --compute lyapunov\)"):
+    with pytest.raises(PlotError, match=r"Lyapunov exponents \(sweep with compute='lyapunov'\)"):
         choose(["lyapunov"], [open_subject(grid)])
 
 

@@ -41,7 +41,7 @@ def test_axes_of_any_number(key, text, unit, values):
     [
         ("Omega", "3:4:1 Hz", UnknownKeyError, "did you mean"),
         ("run.method", "1,2", UnknownKeyError, "is no number"),
-        ("Omega0", "3:4:1", CaseError, "--param excitation.Omega0: needs a unit"),
+        ("Omega0", "3:4:1", CaseError, "axes excitation.Omega0: needs a unit"),
         ("c", "-1:1:1", CaseError, "must be >= 0, got -1"),
         ("c", "1,1.0", RangeError, "has the value 1 twice"),
         ("Omega0", "3 Hz, 20 rad/s", RangeError, "do not go together"),

@@ -100,7 +100,7 @@ def test_the_motor_turns_by_default_and_other_sources_must_say():
         ("x1", "normal -1 mm", SpreadError, "wider than 0"),
         ("x1", "gaussian 1 mm", SpreadError, "a spread is WIDTH, FROM:TO or normal"),
         ("x1", "1 mm:1 mm", SpreadError, "write FROM:TO"),
-        ("m1", "1 kg", CaseError, "--spread blocks.m1: must be > 0"),
+        ("m1", "1 kg", CaseError, "spread blocks.m1: must be > 0"),
         ("Omega0", "1 rad/s", SpreadError, "turns and radians"),
     ],
 )

@@ -38,7 +38,12 @@ SPAN = Pair("KEY=FROM:TO, such as c=0.01:0.1", some_text, several=True)
     help="Points, on both sides together. [default: 5000; 2000 of a locus]",
 )  # fmt: skip
 @set_option
-@click.option("--engine", type=OneOf(["auto", "c", "python"]), default="auto", help="Who computes it.")
+@click.option(
+    "--engine",
+    type=OneOf(["auto", "c", "python"]),
+    default="auto",
+    help="Engine that computes; results are the same.",
+)
 @click.option("-o", "--output", type=FILE, metavar="FILE", help="Output file. [default: CASE-KEY-branch.h5]")
 @click.option("--force", is_flag=True, help="Replace an output file that holds something else.")
 @click.pass_context

@@ -75,13 +75,18 @@ FREE = Pair("KEY=FROM:TO, such as J=0.5:20g.m^2", some_text)
 )  # fmt: skip
 @click.option(
     "--seed", type=click.IntRange(min=0), default=0, metavar="S", show_default=True,
-    help="Of everything that is drawn.",
+    help="Seed of all random draws.",
 )  # fmt: skip
 @click.option("--list", "list_words", is_flag=True, help="List what a statement can be about, and stop.")
 @set_option
 @click.option("--t-end", metavar="TIME", help="End of every run, such as 100s.")
 @click.option("--every", metavar="TIME", help="Sampling of the runs; as the cases say unless given.")
-@click.option("--engine", type=OneOf(["auto", "c", "python"]), default="auto", help="Who computes it.")
+@click.option(
+    "--engine",
+    type=OneOf(["auto", "c", "python"]),
+    default="auto",
+    help="Engine that computes; results are the same.",
+)
 @click.option(
     "-j", "--jobs", type=click.IntRange(min=1), metavar="N", help="Runs at a time. [default: all cores]"
 )

@@ -30,7 +30,7 @@ ENGINES = ["auto", "c", "python"]
 @click.option("--every", metavar="TIME", help="Time between samples, such as 5ms.")
 @click.option("--method", type=OneOf(METHODS), help="How the motion between events is computed.")
 @click.option(
-    "--engine", type=OneOf(ENGINES), default="auto", help="Who computes it; the results are the same."
+    "--engine", type=OneOf(ENGINES), default="auto", help="Engine that computes; results are the same."
 )
 @click.option(
     "--plot", "picture", type=FILE, metavar="FILE", help="Draw the run too: a .png, .pdf or .svg file."

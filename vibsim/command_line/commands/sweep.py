@@ -55,7 +55,7 @@ DEFAULT_CASE = "II-B"
 )  # fmt: skip
 @click.option(
     "--seed", type=click.IntRange(min=0), metavar="S",
-    help="Of the members' draws; member 7 of a seed is the same in an ensemble of any size. [default: 0]",
+    help="Seed of the members' draws; member 7 is the same in an ensemble of any size. [default: 0]",
 )  # fmt: skip
 @click.option(
     "--spread", "spreads", metavar="KEY=HOW", multiple=True, callback=once_each,
@@ -92,7 +92,12 @@ DEFAULT_CASE = "II-B"
     "--every", metavar="TIME", help="Sampling behind verdicts on the regime. [default: what the motion needs]"
 )
 @click.option("--method", type=OneOf(["auto", "closed_form", "taylor"]), help="How the motion is computed.")
-@click.option("--engine", type=OneOf(["auto", "c", "python"]), default="auto", help="Who computes it.")
+@click.option(
+    "--engine",
+    type=OneOf(["auto", "c", "python"]),
+    default="auto",
+    help="Engine that computes; results are the same.",
+)
 @click.option(
     "-j", "--jobs", type=click.IntRange(min=1), metavar="N", help="Points at a time. [default: all cores]"
 )

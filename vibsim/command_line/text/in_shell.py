@@ -17,7 +17,8 @@ PLACES = {
 }  # of values of a case
 PHRASES = (
     (r"\bforce=True (?=replaces|drops)", "--force "),
-    (r"\(sweep with axes=\{KEY: RANGE\}(?:, ensemble=N)?\)", "(sweep with --param KEY=RANGE)"),
+    (r"\(sweep with axes=\{KEY: RANGE\}\)", "(sweep with --param KEY=RANGE)"),
+    (r"\(sweep with axes=\{KEY: RANGE\}, ensemble=N\)", "(sweep with --param KEY=RANGE, --ensemble N)"),
     (r"\(sweep with compute='([a-z-]+)'\)", r"(sweep with --compute \1)"),
     (r'\(continue_branch\(orbit, "Omega0", "FROM:TO"\)\)', "(vibsim continue --omega0)"),
     (r"\(search_orbits\), or give period=N$", "(--search), or give --period"),
