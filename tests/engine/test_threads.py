@@ -10,11 +10,14 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from threading import Barrier, Thread
+from time import sleep
 
 import pytest
 
 import vibsim
+from vibsim.engine.ledgers.meters import MeterMaker
 from vibsim.engine.modes import mode_table
+from vibsim.engine.modes.status import CONTACT, OPEN, Status
 from vibsim.engine.truth import open_truth
 from vibsim.physics.working_precision import GUARD_BITS
 
@@ -78,6 +81,21 @@ def test_one_case_many_times_at_once(name):
     """All share one table of modes, and fill it together."""
     work = [run_of(name)] * THREADS
     assert at_once(work) == in_turn(work)
+
+
+def test_meters_of_two_modes_at_once(monkeypatch):
+    """The maker of meters works on one mode at a time."""
+    scene = vibsim.load_case("II-B").scene()
+    modes = [Status((stop,), (1,), ()) for stop in (OPEN, CONTACT)]
+
+    def packed(table):
+        with ThreadPoolExecutor(2) as pool:
+            return list(pool.map(lambda status: table.packed_meters(status, False), modes))
+
+    alone = [mode_table.ModeTable(scene).packed_meters(status, False) for status in modes]
+    sources = MeterMaker._sources
+    monkeypatch.setattr(MeterMaker, "_sources", lambda self: (sleep(0.05), sources(self)))
+    assert packed(mode_table.ModeTable(scene)) == alone
 
 
 def test_different_cases_at_once():

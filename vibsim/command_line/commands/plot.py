@@ -12,6 +12,7 @@ from vibsim.command_line.options.examples import examples
 from vibsim.command_line.options.parameters import FiniteRange, OneOf
 from vibsim.command_line.options.settings import Settings
 from vibsim.command_line.terminal.printing import print_json, say
+from vibsim.command_line.text.in_shell import in_shell
 from vibsim.plots.errors import PlotError
 from vibsim.plots.registry import KINDS, NEEDS, fitting
 from vibsim.plots.view import WIDTHS_CM, Span, View, parse_size, parse_span
@@ -151,7 +152,7 @@ def _list(settings: Settings, files: tuple[str, ...]) -> None:
     longest = max((len(kind.name) for kind in kinds), default=0)
     for kind in kinds:
         needs = f" (needs {', '.join(NEEDS[need][0] for need in kind.needs)})" if kind.needs else ""
-        say(f"{kind.name:{longest}}  {kind.summary}{needs}")
+        say(in_shell(f"{kind.name:{longest}}  {kind.summary}{needs}"))
 
 
 def _report(settings: Settings, written: list[str]) -> None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import pickle
 from collections import OrderedDict
 from collections.abc import Callable
-from threading import Lock
+from threading import Lock, RLock
 from typing import TYPE_CHECKING
 
 from vibsim.engine.flows.modal import pitch, pitches
@@ -45,7 +45,9 @@ class ModeTable:
         self._makers: dict[bool, MeterMaker] = {}
         self._rules: dict[tuple[Status, int], Rule | None] = {}
         self._recipes: dict[tuple[tuple[Place, ...], Status], Recipe | None] = {}
-        self._lock = Lock()  # keys are numbered one mode after the other
+        self._lock = (
+            RLock()
+        )  # one thread at a time makes rows, keys, meters and rules
 
     def packed(self, status: Status, flow: Callable[[], Flow]) -> Packed:
         """The rows of a mode as bytes of ints and of doubles; flow: tells whether it has a closed form."""
@@ -69,8 +71,9 @@ class ModeTable:
     def recipe(self, places: tuple[Place, ...], status: Status) -> Recipe | None:
         """How the packed numbers of a mode follow from those of the scene in `places`."""
         key = places, status
-        if key not in self._recipes:
-            self._recipes[key] = recipe_of(self.scene, places, status, self.keys)
+        with self._lock:
+            if key not in self._recipes:
+                self._recipes[key] = recipe_of(self.scene, places, status, self.keys)
         return self._recipes[key]
 
     def statuses(self, most: int) -> list[Status]:
@@ -84,16 +87,18 @@ class ModeTable:
 
     def meter_maker(self, momentum: bool) -> MeterMaker:
         """What makes the meters of the ledgers; momentum: whether of both of them."""
-        if momentum not in self._makers:
-            self._makers[momentum] = MeterMaker(self.scene, Doubles, self.maker, momentum)
+        with self._lock:
+            if momentum not in self._makers:
+                self._makers[momentum] = MeterMaker(self.scene, Doubles, self.maker, momentum)
         return self._makers[momentum]
 
     def packed_meters(self, status: Status, momentum: bool) -> Packed:
         """The meters of a mode as bytes of ints and of doubles."""
-        if (status, momentum) not in self._meters:
-            rows = self.maker.rows(status)
-            meters = self.meter_maker(momentum).meters(rows)
-            self._meters[status, momentum] = pack_meters(meters, terms_of(rows))
+        with self._lock:
+            if (status, momentum) not in self._meters:
+                rows = self.maker.rows(status)
+                meters = self.meter_maker(momentum).meters(rows)
+                self._meters[status, momentum] = pack_meters(meters, terms_of(rows))
         return self._meters[status, momentum]
 
     def rule(
@@ -101,8 +106,9 @@ class ModeTable:
     ) -> Rule | None:
         """What follows event `number` of a mode, made by `make(rows, event)` when it is first asked for."""
         key = rows.status, number
-        if key not in self._rules:
-            self._rules[key] = make(rows, rows.events[number])
+        with self._lock:
+            if key not in self._rules:
+                self._rules[key] = make(rows, rows.events[number])
         return self._rules[key]
 
 

@@ -188,7 +188,7 @@ class RowMaker(Generic[N]):
     def rows(self, status: Status) -> ModeRows[N]:
         """The rows of the mode `status`."""
         if status not in self.by_status:
-            self.by_status[status] = self._make(status)
+            self.by_status.setdefault(status, self._make(status))
         return self.by_status[status]
 
     def stuck(self, status: Status) -> list[Tie]:
