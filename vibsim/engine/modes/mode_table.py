@@ -45,9 +45,7 @@ class ModeTable:
         self._makers: dict[bool, MeterMaker] = {}
         self._rules: dict[tuple[Status, int], Rule | None] = {}
         self._recipes: dict[tuple[tuple[Place, ...], Status], Recipe | None] = {}
-        self._lock = (
-            RLock()
-        )  # one thread at a time makes rows, keys, meters and rules
+        self._lock = RLock()  # one thread at a time makes rows, keys, meters and rules
 
     def packed(self, status: Status, flow: Callable[[], Flow]) -> Packed:
         """The rows of a mode as bytes of ints and of doubles; flow: tells whether it has a closed form."""
