@@ -216,3 +216,20 @@ def test_friction_alone_ends_a_chatter_on_a_stop_that_loses_nothing():
     exact = speed + speed * (1 / 2 + share) / (1 - share)  # the fall at 1 m/s^2, then hops against 2 and back
     assert abs(end + fast.totals["chatter_time"] - exact) < fast.totals["chatter_time"] / 10
     assert fast.totals["chatter_time"] < 1e-6 and fast.events["kind"][-1] == EVENT_KINDS["end"]
+
+
+@pytest.mark.parametrize("e", [0.5, 0.8])
+def test_a_chatter_ends_that_begins_with_the_run_on_a_moving_base(e):
+    """Near t = 0 a unit of time is some 1e-21 s, but the velocity of the base is known to the rounding of its
+    angle only: 5e-15 m/s, in which hops of 4e-18 s went on for ever. The base falls from its top, which
+    closes the stop with A omega^2 to the order of (omega t)^2 = 2e-7.
+    """
+    omega, top, leap = 2 * np.pi * 7.3, 0.5, 1e-3
+    base = (Harmonic(top, omega, 7.3, 0.0, np.pi / 2),)
+    ball, stop = Body("ball", 0.01, top, -leap), RigidStop("table", 0, BASE, 0.0, COMPRESSION, e)
+    scene = Scene((ball,), (), (stop,), base=base, t_end=1.0, every_num=1, every_den=50)
+    fast, slow = run(scene, "c", most=1000), run(scene, "python", most=1000)
+    assert differences(fast, slow) == []
+    assert fast.totals["uncertified"] == 0 and fast.totals["chatters"] >= 1
+    end = fast.events["t"][fast.events["kind"] == EVENT_KINDS["chatter"]][0]
+    assert end == pytest.approx(2 * leap / (top * omega**2) / (1 - e), rel=1e-6)

@@ -258,11 +258,28 @@ static int rubs(const Run *r, const Blow *done)
     return 0;
 }
 
+/* What rounding leaves open of times at a stop that `drive` closes. */
+static double resolution(const Run *r, const RigidStop *s, double drive)
+{
+    double unit = unit_of(r), blur = 0.0;
+    int i;
+    if (s->P != r->columns - 1 && s->Q != r->columns - 1)
+        return unit;
+    for (i = 0; i < r->base_count; i++) {
+        const Harmonic *term = &r->base[i];
+        double angle = turn_angle(term->cycles, term->cycles_lo, r->next.t) + term->phase;
+        blur = blur + fabs(term->amplitude * term->omega * (EPS * angle));
+    }
+    return blur > unit * drive ? blur / drive : unit;
+}
+
 /* Whether the next blow on the stop comes late enough not to be the end of an infinite sequence. */
 static int departs(Run *r, const Event *event, const Blow *done)
 {
     double speed = -done->after, e = done->stop->e, drive = drive_at_next(r, r->modes[done->target], event->key);
-    if (!isfinite(drive) || !(2 * speed > CLEAR * (drive * (fmax(NEXT, (1 - e) * LAST) * unit_of(r)))))
+    if (!isfinite(drive))
+        return 0;
+    if (!(2 * speed > CLEAR * (drive * (fmax(NEXT, (1 - e) * LAST) * resolution(r, done->stop, drive)))))
         return 0;
     if (drive <= 0 || !rubs(r, done))
         return 1;

@@ -8,7 +8,9 @@ of such a sequence and comes to rest.
 Resolution of time: behind a blow with the speed w, against the acceleration a that drives the ends together,
 the next blow comes after 2 w / a and the last one after 2 w / (a (1 - e)), as long as a stays what it is. The
 former cannot be told from now below NEXT units in the last place of t, the latter is not worth waiting for
-below LAST of them. Where the approach itself was as slow as that there was no impact, but a touch that stays.
+below LAST of them; against the base, a unit is no less than the time in which a takes up what the rounding of
+its angles leaves open of its velocity. Where the approach itself was as slow as that there was no impact, but
+a touch that stays.
 
 Resolution of length: where a friction turns round at the top of a hop, the motion starts anew from rounded
 displacements, and the return is lost in that where the height w^2 / (2 a) is. So the sequence ends below
@@ -229,6 +231,17 @@ class RigidStops(Generic[N]):
         """One unit in the last place of a time [s]."""
         return self.kit.next_after(t, inf) - t
 
+    def _resolution(self, t: N, contact: Contact[N], drive: N) -> N:
+        """What rounding leaves open of times [s] at a stop that `drive` [m/s^2] closes."""
+        kit, unit = self.kit, self._unit_of(t)
+        if self.maker.n + 1 not in (contact.P, contact.Q):
+            return unit
+        blur = kit.number(0)
+        for term in self.scene.base:
+            angle = kit.turn_angle(term.cycles, term.cycles_lo, t) + term.phase
+            blur = blur + abs(term.amplitude * term.omega * (kit.eps * angle))
+        return blur / drive if blur > unit * drive else unit
+
     # -- blows
 
     def _strike(self, state: State[N], touch: Touch[N]) -> None:
@@ -393,7 +406,7 @@ class RigidStops(Generic[N]):
         """Bring open stops to rest that would be struck again within the resolution of time; whether there
         are any.
         """
-        unit, chatter = self._unit_of(state.t), False
+        chatter = False
         for c in touch.contacts:
             speed = -touch.rates[c.stop]
             if status.stops[c.stop] != OPEN or speed == 0:
@@ -401,7 +414,7 @@ class RigidStops(Generic[N]):
             drive = self._drive(state, status, c.stop)
             if drive <= 0:
                 continue
-            after = 2 * speed / drive
+            unit, after = self._resolution(state.t, c, drive), 2 * speed / drive
             last = after if c.e == 1 else after / (1 - c.e)
             soon = after <= NEXT * unit or (c.e < 1 and after <= (1 - c.e) * (LAST * unit))
             rubbing = [] if soon else self._rubbing(state, status, c, speed)
@@ -530,12 +543,13 @@ class RigidStops(Generic[N]):
         A sequence may end at a stop that was not struck last: at e = 0 two stops that tear each other open
         are struck in turn.
         """
-        unit = self._unit_of(state.t)
         happened: Happened = []
         ended = set(touch.ended)
         for j in sorted({one.stop for one in touch.passed}):
             approach = touch.before[j]
-            slow = j in touch.ended and 2 * approach <= NEXT * unit * touch.ended[j]
+            drive = touch.ended.get(j)
+            unit = self._resolution(state.t, self._contact(j), drive) if drive else 0
+            slow = drive is not None and 2 * approach <= NEXT * unit * drive
             if approach <= 0:
                 happened.append(("transmitted", j))
                 continue
