@@ -1,10 +1,12 @@
 """Until when a run is right: its error at every sample, and the trust horizon."""
 
+import time
 from collections import deque
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from functools import partial
 from math import inf
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
@@ -19,19 +21,23 @@ if TYPE_CHECKING:
     from vibsim.cases import Case
 
 COLUMN = "error_estimate"
-HELD = 4  # blocks of samples that wait for a third run before the run itself does
+HELD = 4  # blocks of samples that wait to be judged before the run itself does
+GRACE = 1.0  # seconds in which a run that is stopped waits for what judges it
 Rows = Mapping[str, np.ndarray]
 Tag = TypeVar("Tag")  # whatever goes with a block
 
 
-class Unjudged(NamedTuple, Generic[Tag]):
-    """A block of samples with what it is judged by: displacements of the run and its companion [m]."""
+@dataclass
+class Unjudged(Generic[Tag]):
+    """A block of samples that waits to be judged, with the displacements of the companion [m] once known.
+
+    left_out, tag : as of `Trust.judged`
+    """
 
     samples: Rows
-    ours: np.ndarray
-    theirs: np.ndarray
     left_out: np.ndarray | float
     tag: Tag
+    theirs: np.ndarray | None = None
 
 
 class NoTrust(Generic[Tag]):
@@ -94,33 +100,39 @@ class Trust(NoTrust[Tag]):
         self, samples: Rows, left_out: np.ndarray | float, tag: Tag, go_on: GoOn
     ) -> Iterator[tuple[Rows, Tag]]:
         """Take the next block of samples, and yield those that are judged by now, with the column
-        `error_estimate` [m]: none where a third run is waited for.
+        `error_estimate` [m]: none where the companion or a third run is waited for.
 
         left_out : distance [m] at each sample that the run has left out of infinite sequences of impacts, as
         its companion has; tag : what goes with the block; `go_on` as in `Companion.take`
         """
-        ours = np.stack([samples[name] for name in self._names])
-        theirs = self._companion.take(ours.shape[1], go_on)
-        self._held.append(Unjudged(samples, ours, theirs, left_out, tag))
-        if not self._third.is_awaited or len(self._held) > HELD:
-            yield from self._released(go_on, len(self._held) > HELD)
+        self._held.append(Unjudged(samples, left_out, tag))
+        yield from self._released(go_on, HELD)
 
     def rest(self, go_on: GoOn) -> Iterator[tuple[Rows, Tag]]:
-        """Yield the blocks that wait, judged. Where `go_on` says no, nothing is known from where a third run
-        was asked that has not ended.
+        """Yield the blocks that wait, judged. A second after `go_on` says no, nothing is known of where the
+        companion has not been, or from where a third run was asked that has not ended.
         """
-        yield from self._released(go_on, waits=True)
+        until = time.monotonic() + GRACE
+        yield from self._released(lambda: go_on() or time.monotonic() < until, 0)
 
-    def _released(self, go_on: GoOn, waits: bool) -> Iterator[tuple[Rows, Tag]]:
-        third = partial(self._by_a_third_run, go_on, waits)
+    def _released(self, go_on: GoOn, most: int) -> Iterator[tuple[Rows, Tag]]:
+        """Judge blocks, and wait for what that takes as long as more than `most` are held."""
         while self._held:
-            samples, ours, theirs, left_out, tag = self._held[0]
+            block, waits = self._held[0], len(self._held) > most
+            ours = np.stack([block.samples[name] for name in self._names])
+            if block.theirs is None and (waits or self._companion.has(ours.shape[1])):
+                block.theirs = self._companion.take(ours.shape[1], go_on)
+            if block.theirs is None or (self._third.is_awaited and not waits):
+                return
+            third = partial(self._by_a_third_run, go_on, waits)
             try:
-                estimates = self._estimate.update(samples["time"], ours, theirs, left_out, third)
+                estimates = self._estimate.update(
+                    block.samples["time"], ours, block.theirs, block.left_out, third
+                )
             except NotYet:
                 return
             self._held.popleft()
-            yield {**samples, COLUMN: estimates}, tag
+            yield {**block.samples, COLUMN: estimates}, block.tag
 
     def _by_a_third_run(self, go_on: GoOn, waits: bool, count: int, last: int, until: float) -> np.ndarray:
         """`trust_share.Third`, to be waited for or not."""

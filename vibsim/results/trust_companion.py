@@ -152,6 +152,18 @@ class Companion(Beside):
         self._ended = False
         self._waiting: deque[np.ndarray] = deque()
 
+    def has(self, count: int) -> bool:
+        """Whether the next `count` samples, or all that there are, can be taken without waiting."""
+        while not self._ended and not self._queue.empty() and self._at_hand < count:
+            piece = self._arrived(lambda: True)
+            if piece is not None:
+                self._waiting.append(piece)
+        return self._ended or self._at_hand >= count
+
+    @property
+    def _at_hand(self) -> int:
+        return sum(piece.shape[1] for piece in self._waiting)
+
     def take(self, count: int, go_on: GoOn = lambda: True) -> np.ndarray:
         """Displacements [m] at the next `count` samples, shape (blocks that move, count).
 
@@ -178,8 +190,10 @@ class Companion(Beside):
 
     def _next(self, go_on: GoOn) -> np.ndarray | None:
         """The next samples; None after the last, or when not to go on."""
-        if self._waiting:
-            return self._waiting.popleft()
+        return self._waiting.popleft() if self._waiting else self._arrived(go_on)
+
+    def _arrived(self, go_on: GoOn) -> np.ndarray | None:
+        """The next samples of those that have not been looked at; None as in `_next`."""
         piece = None if self._ended else self._awaited(go_on)
         if isinstance(piece, BaseException):
             raise piece
