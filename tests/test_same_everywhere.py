@@ -35,6 +35,7 @@ WHOLE_NUMBERS = {  # sums and products of whole numbers are exact in any order
 }
 ROOTS = {  # steps to a fixed point, and eigenvalues there: right to rounding, whose bits may differ
     "orbits/coordinates.py": {"@"},
+    "orbits/lapack.py": {"vdot"},
     "orbits/multipliers.py": {"vdot", "log"},
     "orbits/orbit_digits.py": {"log10"},
     "orbits/newton.py": {"@", "solve", "lstsq"},
