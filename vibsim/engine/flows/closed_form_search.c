@@ -55,9 +55,10 @@ static inline double noise_of(Run *r, const Event *e, double value, double reach
     return value <= NEAR * (noise + unit * reach) ? close_noise(r, e) : noise;
 }
 
-static void certify_crossing(Run *r, double slope, double bound, double noise)
+/* Doubt that a function taken for zero at `value` falls below zero: it may be higher by `noise`. */
+static void certify_crossing(Run *r, double value, double slope, double bound, double noise)
 {
-    if (!crosses(slope, bound, noise))
+    if (!crosses(slope, bound, value > 0 ? noise + value : noise))
         doubt(&r->certificate, r->t0);
 }
 
@@ -141,7 +142,7 @@ static int lead(Run *r)
         if (order == 0) {
             double noise = noise_of(r, e, first, s->blurs[i].reach, rounding_unit(r)), slope = event_derivative(r, e, 1);
             if (first <= noise && slope <= 0) {
-                certify_crossing(r, slope, bound, noise);
+                certify_crossing(r, first, slope, bound, noise);
                 certify_leading_order(r, i, first, slope, noise);
                 return i;
             }
@@ -278,7 +279,7 @@ static int step_ahead(Run *r)
         double value = event_derivative(r, e, 0), slope = event_derivative(r, e, 1), ahead;
         double noise = noise_of(r, e, value, blur->reach, unit) + blur->residue, bound = event_bound(r, e, 2, s->reach);
         if (value < -noise || (value <= noise && slope <= 0)) {
-            certify_crossing(r, slope, bound, noise);
+            certify_crossing(r, value, slope, bound, noise);
             certify_order(r, which, s->events, s->event_count, value, slope, noise);
             return which;
         }
@@ -316,7 +317,7 @@ static int step_ahead(Run *r)
         s->stall = s->stall * 2;
     } else {
         double noise = close_noise(r, &r->mode->events[nearest]) + s->blurs[nearest].residue;
-        certify_crossing(r, course[1], course[2], noise);
+        certify_crossing(r, course[0], course[1], course[2], noise);
         certify_order(r, nearest, s->events, s->event_count, course[0], course[1], noise);
     }
     return nearest;

@@ -90,7 +90,7 @@ class ClosedFormSearch(Generic[N]):
             if order == 0:
                 noise = self._noise(event, lead, plain)
                 if lead <= noise and derivatives[1] <= 0:
-                    self._certify_crossing(derivatives[1], bound, noise)
+                    self._certify_crossing(lead, derivatives[1], bound, noise)
                     others = [other for other in self.events if self.known.get(other.key, 0) == 0]
                     self._certify_order(event, others, lead, derivatives[1], noise)
                     return event
@@ -132,7 +132,7 @@ class ClosedFormSearch(Generic[N]):
             noise = self._noise(event, value, plain) + self.residues[event.key]
             bound = of.bound(event, 2, self.reach)
             if value < -noise or (value <= noise and slope <= 0):
-                self._certify_crossing(slope, bound, noise)
+                self._certify_crossing(value, slope, bound, noise)
                 self._certify_order(event, self.events, value, slope, noise)
                 return event
             if event.turns:
@@ -160,7 +160,7 @@ class ClosedFormSearch(Generic[N]):
         else:
             value, slope, bound = course
             noise = self._close_noise(nearest) + self.residues[nearest.key]
-            self._certify_crossing(slope, bound, noise)
+            self._certify_crossing(value, slope, bound, noise)
             self._certify_order(nearest, self.events, value, slope, noise)
         return nearest
 
@@ -192,8 +192,9 @@ class ClosedFormSearch(Generic[N]):
         needed = NARROWER * step
         self.reach = needed if needed < self.window else self.window
 
-    def _certify_crossing(self, slope: N, bound: N, noise: N) -> None:
-        if not crosses(slope, bound, noise):
+    def _certify_crossing(self, value: N, slope: N, bound: N, noise: N) -> None:
+        """Doubt that a function taken for zero at `value` falls below zero: it may be higher by `noise`."""
+        if not crosses(slope, bound, noise + value if value > 0 else noise):
             self.certificate.doubt(self.t0)
 
     def _certify_order(self, first: Event[N], events: list[Event[N]], value: N, slope: N, noise: N) -> None:
