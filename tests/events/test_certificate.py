@@ -111,7 +111,7 @@ def test_a_crossing_taken_for_one_above_zero_is_judged_by_all_that_it_may_miss(e
     omega = 12.24744871391589
     source = {**harmonic(1.0, 0.0, 1.0), "omega": omega, "cycles": omega / (2 * math.pi)}
     blocks = {"m1": 1.0, "m2": 2.0, "k1": 0.0, "c": 0.0, "k2": 400.0, "G": 0.0, "stop_sign": -1, "N": 1.0}
-    start = {"x2": 0.01, "rest_distance": 0.0, "t_end": 1.632993161855452}
+    start = {"x2": 0.01, "rest_distance": None, "t_end": 1.632993161855452}
     result = run(scene(source, **blocks, **start, method="closed_form"), engine)
     assert result.totals["uncertified"] > 0
 

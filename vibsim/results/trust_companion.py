@@ -101,7 +101,7 @@ class Beside:
     """
 
     def __init__(self, scene: Scene, engine: str):
-        self._trajectory = open_trajectory(scene, engine, lowest=HIGHER * LOWEST)
+        self._scene, self._engine = scene, engine
         self._names = tables_of(scene).displacements
         self._closed = False
         self.t_reached = 0.0  # [s]; infinite once it has ended
@@ -121,7 +121,8 @@ class Beside:
 
         error: BaseException | None = None
         try:
-            for block in self._trajectory.blocks():
+            trajectory = open_trajectory(self._scene, self._engine, lowest=HIGHER * LOWEST)
+            for block in trajectory.blocks():
                 self._hand_on(np.stack([block.samples[name] for name in self._names]))
                 if self._closed:
                     return
