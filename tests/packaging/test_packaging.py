@@ -75,3 +75,11 @@ def test_the_engine_declares_that_it_needs_no_gil():
     assert "PyUnstable_Module_SetGIL(made, Py_MOD_GIL_NOT_USED)" in source
     methods = re.findall(r"\(PyCFunction\)(\w+)", source)
     assert methods and all(name.endswith("_alone") for name in methods)  # each call holds its Run
+
+
+def test_words_of_one_compiler_stand_where_others_have_theirs():
+    """An `__attribute__` outside these headers, which ask for the compiler, ends the build on Windows."""
+    folder = ROOT / "vibsim" / "engine"
+    sources = [*folder.rglob("*.c"), *folder.rglob("*.h")]
+    users = {path.name for path in sources if "__attribute__" in path.read_text(encoding="utf-8")}
+    assert users == {"inlining.h", "pair.h", "wide.h"}

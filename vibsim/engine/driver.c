@@ -252,15 +252,21 @@ static double flow_derivative(Run *r, const Mode *m, const Event *e, int order)
     return series[order];
 }
 
+static const Event *event_of_key(const Mode *m, int key)
+{
+    const Event *e = m->events, *end = e + m->event_count;
+    while (e < end && e->key != key)
+        e++;
+    return e < end ? e : NULL;
+}
+
 /* Acceleration that drives the ends of a rigid stop together at r->next in mode m, from its event function `key`. */
 double drive_at_next(Run *r, const Mode *m, int key)
 {
     const Mode *before = r->mode;
-    const Event *e = m->events, *end = e + m->event_count;
+    const Event *e = event_of_key(m, key);
     double series[SERIES], steps = r->steps, evaluations = r->evaluations, drive;
-    while (e < end && e->key != key)
-        e++;
-    if (e == end)
+    if (e == NULL)
         return NAN;
     r->mode = m;
     enter_flow(r, &r->next);
@@ -337,13 +343,10 @@ static int stands(Run *r, const Mode *m, int hold)
 /* Whether what slips in mode m by the event function `key` goes on doing so, while every tie of it holds. */
 static int slips(Run *r, const Mode *m, int key)
 {
-    int i;
+    const Event *e = event_of_key(m, key);
     if (m->untied) /* then Python does not look either */
         return 1;
-    for (i = 0; i < m->event_count; i++)
-        if (m->events[i].key == key)
-            return stands(r, m, NOTHING) > 0 && flow_derivative(r, m, &m->events[i], 1) > 0;
-    return 0;
+    return e != NULL && stands(r, m, NOTHING) > 0 && flow_derivative(r, m, e, 1) > 0;
 }
 
 /* Give the bodies of the group that `column` is in their common velocity; momentum is kept where they move freely. */
@@ -445,20 +448,16 @@ static int take_by_rule(Run *r, Buffers *b)
     return 0;
 }
 
-static void sample_one(Run *r, double t, double *row, long room)
-{
-    flow_state(r, t, &r->scratch);
-    write_state(r, row, room, &r->scratch);
-}
-
 /* The first sample may be where the closed form was evaluated last. */
 static void sample_closed_form(Run *r, const double *times, const double *tau, int count, double *row, long room)
 {
     const int here = tau[0] == r->closed_form.tau, n = r->bodies;
     double X[TIMES_AT_ONCE], V[TIMES_AT_ONCE];
     int i, c;
-    if (here)
-        sample_one(r, times[0], row, room);
+    if (here) {
+        flow_state(r, times[0], &r->scratch);
+        write_state(r, row, room, &r->scratch);
+    }
     if (count == here)
         return;
     closed_form_many(r, tau + here, count - here);

@@ -81,8 +81,9 @@ class Touch(Generic[N]):
     rates : behind the last one, exactly 0 where the law or rounding says so; blows : by blow, the stops that
     passed an impulse, and these; moved : columns whose velocities they changed
     catches : by group of ends that come to rest on each other
-    ended : by stop, the accelerations that ended infinite sequences of impacts; faded : stops at which one
-    ended without a blow; hop : the stop whose last blow was where the stretch began that ends here
+    ended : by stop where an infinite sequence of impacts ended, the speed that rounding of the time hides;
+    faded : stops at which one ended without a blow; hop : the stop whose last blow was where the stretch
+    began that ends here
     together : whether rounding might decide if another stop, of one of its bodies, is struck before this one
     """
 
@@ -167,7 +168,7 @@ class RigidStops(Generic[N]):
         for j in {i, *opened, *(j for one in touch.passed for j in self._twins(touch, one.stop))}:
             if settled.stops[j] == OPEN:
                 known[STRIKE, j] = 2 if touch.rates[j] == 0 else 1
-        return settled, [*self._happened(state, touch), *lifts, *changes], known
+        return settled, [*self._happened(touch), *lifts, *changes], known
 
     def at_start(self, state: State[N], met: Container[int]) -> tuple[dict[int, int], list[int]]:
         """Of the stops `met` at the start: ({stop: order of the zero of its depth}, those that neither close
@@ -423,7 +424,7 @@ class RigidStops(Generic[N]):
                 soon, last = lasting is not None, last if lasting is None else lasting
             if soon:
                 self.cut_off.add(state.t, last, speed, speed * after / 8)
-                touch.rates[c.stop], touch.ended[c.stop] = self.kit.number(0), drive
+                touch.rates[c.stop], touch.ended[c.stop] = self.kit.number(0), unit * drive
                 chatter = True
         return chatter
 
@@ -537,7 +538,7 @@ class RigidStops(Generic[N]):
 
     # -- what is told
 
-    def _happened(self, state: State[N], touch: Touch[N]) -> Happened:
+    def _happened(self, touch: Touch[N]) -> Happened:
         """Impacts, blows passed on and ends of infinite sequences, by stop.
 
         A sequence may end at a stop that was not struck last: at e = 0 two stops that tear each other open
@@ -547,9 +548,7 @@ class RigidStops(Generic[N]):
         ended = set(touch.ended)
         for j in sorted({one.stop for one in touch.passed}):
             approach = touch.before[j]
-            drive = touch.ended.get(j)
-            unit = self._resolution(state.t, self._contact(j), drive) if drive else 0
-            slow = drive is not None and 2 * approach <= NEXT * unit * drive
+            slow = j in touch.ended and 2 * approach <= NEXT * touch.ended[j]
             if approach <= 0:
                 happened.append(("transmitted", j))
                 continue

@@ -2,6 +2,7 @@
 #include "certificate.h"
 #include "event_functions.h"
 #include "first_root.h"
+#include "inlining.h"
 #include "turning_point.h"
 
 #define STEPS_PER_CALL 4096
@@ -39,7 +40,7 @@ static void adapt_reach(Search *s, double step)
     s->reach = needed < s->window ? needed : s->window;
 }
 
-static __attribute__((noinline)) double close_noise(Run *r, const Event *e)
+APART double close_noise(Run *r, const Event *e)
 {
     Search *s = &r->closed_form.search;
     if (!s->measured)

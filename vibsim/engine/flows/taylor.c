@@ -2,11 +2,11 @@
 #include "certificate.h"
 #include "engine.h"
 #include "friction_laws.h"
+#include "inlining.h"
 #include "numbers.h"
 #include "pair.h"
 
 #define LEADING 4
-#define INLINE static inline __attribute__((always_inline))
 
 void taylor_set(Run *r)
 {

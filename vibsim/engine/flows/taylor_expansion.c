@@ -5,11 +5,11 @@
  */
 #include "engine.h"
 #include "friction_laws.h"
+#include "inlining.h"
 #include "numbers.h"
 #include "pair.h"
 
-#define INLINE static inline __attribute__((always_inline))
-#define SHAPE __attribute__((noinline)) static void /* one function each: inlined into one they lose a quarter */
+#define SHAPE APART void /* one function each: inlined into one they lose a quarter */
 
 typedef struct {
     double *sine, *cosine, *w_back, *a1_back; /* w_back[p - n] = w[n], a1_back[p - n] = a1[n] */

@@ -2,11 +2,11 @@
 #include <stddef.h>
 
 #include "friction_laws.h"
+#include "inlining.h"
 #include "tangent.h"
 
 #define REACH 1.25
-#define INLINE static inline __attribute__((always_inline))
-#define SHAPE __attribute__((noinline)) static void /* one function each, as in taylor_expansion.c */
+#define SHAPE APART void /* one function each, as in taylor_expansion.c */
 
 typedef double Lane[2]; /* one number of two disturbances */
 
