@@ -1,7 +1,7 @@
 """A run of the engine, recorded block by block into memory or a file."""
 
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -15,12 +15,12 @@ from vibsim.results.columns import Tables, tables_of
 from vibsim.results.exponent_attributes import exponent_attributes
 from vibsim.results.provenance import origin, outcome
 from vibsim.results.rest_distance import Distances
-from vibsim.results.trust import NoTrust, Trust
+from vibsim.results.trust import NoTrust, Rows, Trust
+from vibsim.results.trust_companion import GoOn
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
 
-Rows = Mapping[str, np.ndarray]
 Watch = Callable[[float], bool]  # given how far the run is worked out [s]; False stops it there
 
 
@@ -69,7 +69,7 @@ class Recording:
                 raise
             self._hand_on(sink, self._trust.rest(go_on))
 
-    def _run(self, sink: Sink, go_on: Callable[[], bool]) -> None:
+    def _run(self, sink: Sink, go_on: GoOn) -> None:
         for block in self.trajectory.blocks():
             times = block.samples["time"][-1:].tolist()
             self._known_to = max(float(block.t_reached), *times, self._known_to)

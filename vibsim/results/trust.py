@@ -119,16 +119,15 @@ class Trust(NoTrust[Tag]):
         """Judge blocks, and wait for what that takes as long as more than `most` are held."""
         while self._held:
             block, waits = self._held[0], len(self._held) > most
-            ours = np.stack([block.samples[name] for name in self._names])
-            if block.theirs is None and (waits or self._companion.has(ours.shape[1])):
-                block.theirs = self._companion.take(ours.shape[1], go_on)
+            times = block.samples["time"]
+            if block.theirs is None and (waits or self._companion.has(len(times))):
+                block.theirs = self._companion.take(len(times), go_on)
             if block.theirs is None or (self._third.is_awaited and not waits):
                 return
+            ours = np.stack([block.samples[name] for name in self._names])
             third = partial(self._by_a_third_run, go_on, waits)
             try:
-                estimates = self._estimate.update(
-                    block.samples["time"], ours, block.theirs, block.left_out, third
-                )
+                estimates = self._estimate.update(times, ours, block.theirs, block.left_out, third)
             except NotYet:
                 return
             self._held.popleft()

@@ -13,10 +13,11 @@ from vibsim.engine.truth import open_truth
 from vibsim.results.columns import tables_of
 from vibsim.results.digits import Digits
 from vibsim.results.provenance import origin, outcome
-from vibsim.results.recording import MemorySink, Rows, Sink, Watch
+from vibsim.results.recording import MemorySink, Sink, Watch
 from vibsim.results.rest_distance import Distances
 from vibsim.results.result import Result
 from vibsim.results.right_digits import DigitsPlan, EndState, end_of
+from vibsim.results.trust import Rows
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
