@@ -125,6 +125,13 @@ def test_a_run_goes_on_while_a_third_run_is_waited_for(monkeypatch):
     assert all(waiting[name].tobytes() == going_on[name].tobytes() for name in waiting)
 
 
+def test_a_run_tells_how_far_it_is_before_its_companion_has_begun(monkeypatch, tmp_path):
+    monkeypatch.setattr(trust.Trust, "t_reached", 0.0)
+    told = []
+    simulate_to_file(short_case("II-B", "119 s"), tmp_path / "a.h5", watch=lambda t: told.append(t) is None)
+    assert told and 0 < told[0] <= told[-1] < 119
+
+
 def test_a_run_that_is_stopped_before_a_third_run_has_ended_is_not_trusted_beyond(monkeypatch, tmp_path):
     monkeypatch.setattr(LastSamples, "told", lambda *_: None)
     monkeypatch.setattr(trust, "GRACE", 0.05)

@@ -98,10 +98,12 @@ class Recording:
 
     @property
     def progress(self) -> float:
-        """How far the run is worked out [s]: half is the motion, half what goes with it, such as the energy
-        ledger, which a long stretch without events gets after its samples; and no further than the companion.
+        """How far the run is worked out [s]: a third is the motion, a third what goes with it, such as the
+        energy ledger, which a long stretch without events gets after its samples, and a third the companion,
+        which may be a few blocks behind.
         """
-        return min((self._known_to + self._worked_to) / 2, self._trust.t_reached)
+        known = self._known_to
+        return known - ((known - self._worked_to) + max(known - self._trust.t_reached, 0.0)) / 3
 
     def end(self) -> dict[str, Any]:
         """Attributes of what came of the run so far."""
