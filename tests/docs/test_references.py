@@ -43,6 +43,14 @@ def texts():
     )
 
 
+def test_the_repository_holds_texts_and_pictures():
+    """What a compiler leaves behind, whole or empty, is no part of it."""
+    contents = {name: (ROOT / name).read_bytes() for name in tracked() if (ROOT / name).is_file()}
+    empty = {name for name, content in contents.items() if not content}
+    assert {name for name in empty if not name.endswith(("__init__.py", "py.typed"))} == set()
+    assert {name for name, content in contents.items() if b"\0" in content and name[-4:] != ".png"} == set()
+
+
 def cited(text):
     """Paths that a text names as files of this repository."""
     for path in PATH.findall(text):
