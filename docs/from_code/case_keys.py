@@ -7,7 +7,7 @@ from from_code.markdown import code, plain, table
 from vibsim.cases.forms import LONG, SHORT, Form
 from vibsim.cases.keys import holds_names, measured_in, section_models
 from vibsim.cases.measured import Measured
-from vibsim.cases.schema import Section
+from vibsim.cases.sections import Section
 from vibsim.cases.units import FACTORS, FACTORS_IN_TURNS, unit_names
 
 HEAD = """# Case keys
@@ -42,8 +42,8 @@ def _section(form: Form, model: type[Section], path: str, tag: str = "") -> Iter
     if path:
         yield f"### {code(path)}{f' (kind {tag[1:-1]})' if tag not in ('', '(rule)') else ''}\n"
         yield _description(model) + "\n"
-    yield table(COLUMNS, [_row(name, field) for name, field in model.model_fields.items()])
-    for name, field in model.model_fields.items():
+    yield table(COLUMNS, [_row(name, field) for name, field in model.keys.items()])
+    for name, field in model.keys.items():
         for inner_tag, section in section_models(field.annotation):
             inner = f"{path}.{name}".lstrip(".") + (".NAME" if holds_names(field.annotation) else "")
             yield from _section(form, section, inner, inner_tag)

@@ -15,7 +15,7 @@ from pathlib import Path
 PARTS = ("processes", "engine_time", "mode_rows", "against_heyoka", "against_scipy", "sweep_time")
 LONG = ("memory",)
 OPTIONS = ("--long", "--no-history")
-PEERS = ("vibsim", "numpy", "scipy", "h5py", "pydantic", "heyoka")
+PEERS = ("vibsim", "numpy", "scipy", "h5py", "heyoka")
 
 
 def installed(package):

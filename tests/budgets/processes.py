@@ -10,7 +10,7 @@ from tests.budgets.row import Row, stopwatch
 
 VIBSIM = Path(sys.executable).with_name("vibsim")
 CASES = Path(__file__).resolve().parents[2] / "cases"
-IMPORTS = [sys.executable, "-c", "import numpy, h5py, click, yaml, pydantic"]
+IMPORTS = [sys.executable, "-c", "import numpy, h5py, click, yaml"]
 PAIRS = 11
 # an installed vibsim has its bytecode, as numpy and the others have theirs
 ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}

@@ -11,7 +11,7 @@ from vibsim.cases.case import Case
 from vibsim.cases.keys import holds_names, section_models
 from vibsim.cases.parts.text import HEAD, flow, scalar
 from vibsim.cases.resolved import nested_values
-from vibsim.cases.schema import Section
+from vibsim.cases.sections import Section
 
 COLUMN = 34  # where comments begin
 LONGEST = 96  # characters of a comment
@@ -36,7 +36,7 @@ def _head(case: Case, name: str) -> Iterator[str]:
 
 def _sections(case: Case) -> Iterator[str]:
     values, model = nested_values(case.model), case.model
-    for section, field in type(model).model_fields.items():
+    for section, field in type(model).keys.items():
         if section in (*HEAD, "extends"):
             continue
         yield ""
@@ -69,7 +69,7 @@ def _keys(
 
     say : whether to tell what the keys mean; suggest : whether to name those that it has not, with an example
     """
-    for key, field in model.model_fields.items():
+    for key, field in model.keys.items():
         if key in values:
             yield _line(indent, f"{key}: {flow(values[key], key)}", field.description if say else "")
         elif suggest and field.examples:

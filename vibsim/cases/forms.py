@@ -34,7 +34,7 @@ class Form:
 
     @property
     def model(self) -> type[CaseHead]:
-        """The pydantic model; that of the long form is built when the first case of parts is read."""
+        """The outermost section; that of the long form is imported when the first case of parts is read."""
         if self is SHORT:
             return CaseFile
         from vibsim.cases.parts.schema import PartsFile

@@ -3,10 +3,10 @@
 from typing import Any
 
 from vibsim.cases.forms import LONG, SHORT, SWITCHED_OFF, Form
+from vibsim.cases.kinds import Json
+from vibsim.cases.sections import REFERENCE
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
-NULL = {"type": "null"}
-REFERENCE = "#/$defs/"
 PART = "Part"  # ending of the sections of a file that extends another: nothing in them is required
 
 
@@ -16,8 +16,9 @@ def case_schema() -> dict[str, Any]:
     A case with bodies has the long form, any other the short one. A file that extends another may leave out
     any key; one that does not needs the required ones.
     """
-    short, long = (_form_schema(form) for form in (SHORT, LONG))
-    sections = short.pop("$defs") | long.pop("$defs")
+    sections: dict[str, Json] = {}
+    short, long = (_form_schema(form, sections) for form in (SHORT, LONG))
+    sections = {name: _lists_of_terms(sections[name]) for name in sorted(sections)}
     return {
         "$schema": DIALECT,
         "title": "vibsim case",
@@ -29,32 +30,15 @@ def case_schema() -> dict[str, Any]:
     }
 
 
-def _form_schema(form: Form) -> dict[str, Any]:
-    """JSON Schema of one form of case."""
-    whole = _lists_of_terms(_without_nulls(_without_titles(form.model.model_json_schema())))
+def _form_schema(form: Form, sections: dict[str, Json]) -> Json:
+    """JSON Schema of one form of case; those of the sections in it are put into `sections`."""
+    whole = form.model.json_schema(sections)
     properties = whole["properties"]
-    properties["extends"] = {"type": "string", "description": form.model.model_fields["extends"].description}
     for name in form.named:
-        properties[name].pop("default", None)
         properties[name]["additionalProperties"] = _switchable(properties[name]["additionalProperties"])
     for name in form.switchable:
         properties[name] = _switchable(properties[name])
     return whole
-
-
-def _without_nulls(schema: Any) -> Any:
-    """Drop the null that pydantic allows for a key that may be left out: in a file that is an error."""
-    if isinstance(schema, list):
-        return [*map(_without_nulls, schema)]
-    if not isinstance(schema, dict):
-        return schema
-    schema = {key: _without_nulls(value) for key, value in schema.items()}
-    choices = schema.get("anyOf")
-    if isinstance(choices, list) and NULL in choices:
-        del schema["anyOf"], schema["default"]
-        choices = [choice for choice in choices if choice != NULL]
-        schema |= choices[0] if len(choices) == 1 else {"anyOf": choices}
-    return schema
 
 
 def _lists_of_terms(schema: Any) -> Any:
@@ -78,16 +62,7 @@ def _switchable(section: dict[str, Any]) -> dict[str, Any]:
     if choices is None:
         names = ("$ref", "type", "additionalProperties")
         choices = [{name: section.pop(name) for name in names if name in section}]
-    section.pop("default", None)
     return {"anyOf": [*choices, {"const": SWITCHED_OFF}]} | section
-
-
-def _without_titles(schema: Any) -> Any:
-    """Drop the titles that pydantic makes up from the names of keys and sections."""
-    if isinstance(schema, dict):
-        untitled = (key for key, value in schema.items() if key != "title" or isinstance(value, dict))
-        return {key: _without_titles(schema[key]) for key in untitled}
-    return [*map(_without_titles, schema)] if isinstance(schema, list) else schema
 
 
 def _part(schema: Any) -> Any:

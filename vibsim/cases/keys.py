@@ -4,11 +4,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Annotated, Any, get_args, get_origin
 
-from pydantic import Tag
-
 from vibsim.cases.forms import LONG, NAME, SHORT, Form
+from vibsim.cases.kinds import Tag
 from vibsim.cases.measured import Measured
-from vibsim.cases.schema import Section
+from vibsim.cases.sections import Key, Section
 from vibsim.cases.spelling import did_you_mean, nearest
 
 
@@ -20,7 +19,7 @@ class UnknownKeyError(KeyError):
 
 
 def is_tag(part: object) -> bool:
-    """True for the part of a pydantic location that names a variant, such as "(motor)"."""
+    """True for the part of a location that names a variant, such as "(motor)"."""
     return str(part).startswith("(")
 
 
@@ -42,14 +41,14 @@ def holds_names(annotation: Any) -> bool:
 
 
 def section_at(location: tuple[Any, ...], form: Form = SHORT) -> type[Section] | None:
-    """The section at a pydantic location such as ("excitation", "(motor)"); None for a single value."""
+    """The section at a location such as ("excitation", "(motor)"); None for a single value."""
     models: dict[str, type[Section]] = {"": form.model}
     parts = iter(location)
     for part in parts:
         if is_tag(part):
             models = {"": models[part]} if part in models else {}
             continue
-        fields = models[""].model_fields if "" in models else {}
+        fields = models[""].keys if "" in models else {}
         models = dict(section_models(fields[part].annotation)) if part in fields else {}
         if part in fields and holds_names(fields[part].annotation) and next(parts, None) is None:
             return None
@@ -57,7 +56,7 @@ def section_at(location: tuple[Any, ...], form: Form = SHORT) -> type[Section] |
 
 
 def _leaves(model: type[Section], prefix: str) -> Iterator[tuple[str, Measured | None]]:
-    for name, field in model.model_fields.items():
+    for name, field in model.keys.items():
         key = f"{prefix}{name}.{NAME}" if holds_names(field.annotation) else f"{prefix}{name}"
         inner = list(section_models(field.annotation))
         for _, section in inner:
@@ -67,12 +66,9 @@ def _leaves(model: type[Section], prefix: str) -> Iterator[tuple[str, Measured |
             yield key, measured
 
 
-def measured_in(field: Any) -> Measured | None:
-    """The Measured annotation of a field, or of one of the variants of its value."""
-    for item in field.metadata:
-        if isinstance(item, Measured):
-            return item
-    return _measured_inside(field.annotation)
+def measured_in(key: Key) -> Measured | None:
+    """The Measured annotation of a key, or of one of the variants of its value."""
+    return _measured_inside(key.annotation)
 
 
 def _measured_inside(annotation: Any) -> Measured | None:
@@ -108,9 +104,9 @@ def sections_with(name: str, form: Form = SHORT) -> tuple[str, ...]:
 
 
 def _sections_with(name: str, model: type[Section], path: str, kind: str) -> Iterator[str]:
-    if path and name in model.model_fields:
+    if path and name in model.keys:
         yield path[1:] + kind
-    for key, field in model.model_fields.items():
+    for key, field in model.keys.items():
         inner = f"{path}.{key}.NAME" if holds_names(field.annotation) else f"{path}.{key}"
         for tag, section in section_models(field.annotation):
             variant = kind if tag in ("", "(rule)") else f" (kind {tag[1:-1]})"

@@ -1,13 +1,11 @@
-"""What one value of a case must be: its dimension and its range, as an annotation for pydantic."""
+"""What one value of a case must be: its dimension and its range, as a note in the annotation of a key."""
 
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import PydanticCustomError, core_schema
-
+from vibsim.cases.kinds import kind_of_value
 from vibsim.cases.problems import shown
 from vibsim.cases.quantities import NUMBER, Quantity, QuantityError, parse_quantity
 from vibsim.cases.units import si_unit, unit_names
@@ -41,7 +39,7 @@ class Measured:
         if isinstance(value, Quantity):
             return value
         if isinstance(value, bool) or not isinstance(value, str | int | float):
-            raise QuantityError(f"must be a single value, got {_kind_of(value)}")
+            raise QuantityError(f"must be a single value, got {kind_of_value(value)}")
         text = str(value)
         if self.word is not None and text.strip() == self.word:
             return self.word
@@ -64,22 +62,7 @@ class Measured:
             return f"<= {self.most}"
         return None
 
-    def _validate(self, value: object) -> Quantity | str:
-        try:
-            return self.read(value)
-        except QuantityError as error:
-            raise PydanticCustomError("quantity", "{what}", {"what": str(error)}) from None
-
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler
-    ) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(
-            self._validate, serialization=core_schema.to_string_ser_schema()
-        )
-
-    def __get_pydantic_json_schema__(
-        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def json_schema(self) -> dict[str, Any]:
         """A number in SI units with its bounds, a text with a unit, or the word."""
         units = unit_names(self.dimension)
         tail = r"\s*[^\s0-9].*" if self.dimension == "angular rate" else ".*" if units else r"\s*"
@@ -100,7 +83,3 @@ class Measured:
         bounds = {"exclusiveMinimum": self.above, "minimum": self.least, "maximum": self.most}
         keywords: dict[str, Any] = {name: float(bound) for name, bound in bounds.items() if bound is not None}
         return keywords | ({"not": {"const": 0}} if self.nonzero else {})
-
-
-def _kind_of(value: object) -> str:
-    return "a mapping" if isinstance(value, dict) else shown(value)

@@ -7,7 +7,8 @@ from typing import Any
 
 from vibsim.cases.problems import CaseError, Problem
 from vibsim.cases.quantities import Quantity
-from vibsim.cases.schema import CaseFile, CaseHead, Motor, Section
+from vibsim.cases.schema import CaseFile, CaseHead, Motor
+from vibsim.cases.sections import Section
 
 RESOLVED_FORMAT = 1  # of the JSON text
 NOT_PHYSICS = ("name", "title", "run.trust_tolerance")

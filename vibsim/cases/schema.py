@@ -1,18 +1,17 @@
-"""The schema of a case file: sections, keys, units, ranges and defaults, as pydantic models.
+"""The schema of a case file: sections, keys, units, ranges and defaults, as classes that read them.
 
 `vibsim schema` prints it as JSON Schema. What concerns several keys at once stands in contradictions.py.
 """
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
-from pydantic_core import PydanticCustomError
-
+from vibsim.cases.kinds import ChosenBy, Tag, Text, WholeNumber
 from vibsim.cases.measured import Measured
-from vibsim.cases.problems import shown
 from vibsim.cases.quantities import Quantity
+from vibsim.cases.sections import Section, key
 
 NAME_PATTERN = r"[A-Za-z0-9][A-Za-z0-9._+ -]*"
+NAMES = "may hold letters, digits, spaces and . _ + -, and begins with a letter or digit"
 
 Mass = Annotated[Quantity, Measured("mass", above="0")]
 MassOrFixed = Annotated[Quantity | str, Measured("mass", above="0", word="fixed")]
@@ -27,38 +26,15 @@ Eccentricity = Annotated[Quantity, Measured("length", nonzero=True)]
 
 
 def optional(default: str, description: str, *examples: str) -> Any:
-    """A field with a default, written and checked as in a file; the default is an example too."""
-    return Field(default=default, description=description, examples=[*examples] or [default])
-
-
-def whole_number(value: object) -> int:
-    """A whole number from its text; 20.0, 2e1 and 1_0 are none."""
-    text = str(value).strip()
-    if not (text.isascii() and text.isdigit() and len(text) < 10):
-        raise PydanticCustomError(
-            "whole_number", "{what}", {"what": f"must be a whole number, got {shown(value)}"}
-        )
-    return int(text)
-
-
-class Section(BaseModel):
-    """Base of all sections: unknown keys are errors, and a section does not change once it is read."""
-
-    model_config = ConfigDict(
-        extra="forbid",
-        frozen=True,
-        validate_default=True,
-        arbitrary_types_allowed=True,
-        defer_build=True,  # only CaseFile is built, with all sections in it
-    )
-    later: ClassVar[dict[str, str]] = {}  # keys that are planned: what to say of them
+    """A key with a default, written and checked as in a file; the default is an example too."""
+    return key(description, default, [*examples] or [default])
 
 
 class Blocks(Section):
     """The two blocks."""
 
-    m1: Mass = Field(description="mass of block 1, the excited one", examples=["0.297 kg"])
-    m2: MassOrFixed = Field(
+    m1: Mass = key(description="mass of block 1, the excited one", examples=["0.297 kg"])
+    m2: MassOrFixed = key(
         description="mass of block 2, which rubs on the surface; fixed: a wall", examples=["2.94 kg", "fixed"]
     )
 
@@ -66,7 +42,7 @@ class Blocks(Section):
 class Coupling(Section):
     """Spring and damper between the blocks, Eqs. (2.4) and (2.6)."""
 
-    k1: Annotated[Quantity, Measured("stiffness", least="0")] = Field(
+    k1: Annotated[Quantity, Measured("stiffness", least="0")] = key(
         description="stiffness of the coupling spring", examples=["200 N/m"]
     )
     c: Annotated[Quantity, Measured("damping", least="0")] = optional(
@@ -77,11 +53,11 @@ class Coupling(Section):
 class Stop(Section):
     """The impact spring, Eq. (2.5); it acts only while the blocks are in contact."""
 
-    k2: Annotated[Quantity, Measured("stiffness", above="0")] = Field(
+    k2: Annotated[Quantity, Measured("stiffness", above="0")] = key(
         description="stiffness of the impact spring", examples=["12400 N/m"]
     )
-    G: Length = Field(description="gap; negative: the stop is preloaded", examples=["1 mm"])
-    acts: Literal["extension", "compression"] = Field(
+    G: Length = key(description="gap; negative: the stop is preloaded", examples=["1 mm"])
+    acts: Literal["extension", "compression"] = key(
         default="extension",
         description="extension: contact while x2 - x1 >= G (the paper); compression: while x1 - x2 >= G",
     )
@@ -90,7 +66,7 @@ class Stop(Section):
 class Friction(Section):
     """Coulomb friction between block 2 and the surface, Eq. (2.7)."""
 
-    mu: Annotated[Quantity, Measured("number", least="0")] = Field(
+    mu: Annotated[Quantity, Measured("number", least="0")] = key(
         description="friction coefficient; 0: no friction", examples=["0.001"]
     )
     g: Annotated[Quantity, Measured("acceleration", above="0")] = optional("9.81 m/s^2", "gravity")
@@ -99,9 +75,9 @@ class Friction(Section):
 class AmplitudeRule(Section):
     """The amplitude that an unbalanced mass of the same speed would give, Eq. (2.11)."""
 
-    rule: Literal["m3 e omega^2"] = Field(description="A = m3 e omega^2; follows omega when that is swept")
-    m3: Mass = Field(description="unbalanced mass", examples=["0.03 kg"])
-    e: Eccentricity = Field(description="eccentricity", examples=["0.11 m"])
+    rule: Literal["m3 e omega^2"] = key(description="A = m3 e omega^2; follows omega when that is swept")
+    m3: Mass = key(description="unbalanced mass", examples=["0.03 kg"])
+    e: Eccentricity = key(description="eccentricity", examples=["0.11 m"])
 
 
 def _amplitude_tag(amplitude: object) -> str:
@@ -113,7 +89,7 @@ Amplitude = Annotated[
     | Annotated[
         Quantity, Measured("force", alternative="{rule: m3 e omega^2, m3: ..., e: ...}"), Tag("(value)")
     ],
-    Discriminator(_amplitude_tag),
+    ChosenBy(_amplitude_tag),
 ]
 
 
@@ -121,10 +97,8 @@ class Harmonic(Section):
     """Ideal source: the force A sin(omega t) + F0 on block 1, Eqs. (2.1) to (2.3)."""
 
     kind: Literal["harmonic"]
-    A: Amplitude = Field(description="amplitude of the force", examples=["0.0725 N"])
-    omega: PositiveRate = Field(
-        description="excitation frequency", examples=["3.5 Hz", "22 rad/s", "210 rpm"]
-    )
+    A: Amplitude = key(description="amplitude of the force", examples=["0.0725 N"])
+    omega: PositiveRate = key(description="excitation frequency", examples=["3.5 Hz", "22 rad/s", "210 rpm"])
     F0: Force = optional("0 N", "constant part of the force")
 
 
@@ -132,15 +106,15 @@ class Motor(Section):
     """Non-ideal source: unbalanced rotor on block 1, motor of limited power, Eqs. (2.8) to (2.10)."""
 
     kind: Literal["motor"]
-    m3: Mass = Field(description="unbalanced mass", examples=["0.03 kg"])
-    e: Eccentricity = Field(description="eccentricity; negative: mirrored", examples=["0.11 m"])
-    J: Annotated[Quantity, Measured("inertia", least="0")] = Field(
+    m3: Mass = key(description="unbalanced mass", examples=["0.03 kg"])
+    e: Eccentricity = key(description="eccentricity; negative: mirrored", examples=["0.11 m"])
+    J: Annotated[Quantity, Measured("inertia", least="0")] = key(
         description="moment of inertia of the rotor without m3", examples=["0.001 kg m^2"]
     )
-    M0: Annotated[Quantity, Measured("torque", least="0")] = Field(
+    M0: Annotated[Quantity, Measured("torque", least="0")] = key(
         description="torque of the motor at standstill", examples=["0.005 N m"]
     )
-    Omega0: PositiveRate = Field(
+    Omega0: PositiveRate = key(
         description="speed at which the torque vanishes", examples=["5.5 Hz", "330 rpm"]
     )
 
@@ -160,7 +134,7 @@ Excitation = Annotated[
     Annotated[Motor, Tag("(motor)")]
     | Annotated[Harmonic, Tag("(harmonic)")]
     | Annotated[NoExcitation, Tag("(none)")],
-    Discriminator(_excitation_tag),
+    ChosenBy(_excitation_tag),
 ]
 
 
@@ -178,12 +152,10 @@ class Initial(Section):
 class RestDistance(Section):
     """Distance of the blocks at rest; the model stops being valid when x1 - x2 exceeds it."""
 
-    value: Annotated[Quantity, Measured("length", above="0")] = Field(
+    value: Annotated[Quantity, Measured("length", above="0")] = key(
         description="distance of the blocks at rest", examples=["80 mm"]
     )
-    on_violation: Literal["warn", "stop"] = Field(
-        default="warn", description="count and warn, or end the run"
-    )
+    on_violation: Literal["warn", "stop"] = key(default="warn", description="count and warn, or end the run")
 
 
 class Run(Section):
@@ -191,14 +163,12 @@ class Run(Section):
 
     t_end: Duration = optional("300 s", "end of the run")
     every: Duration = optional("5 ms", "output interval; never changes the trajectory", "5 ms", "1/60 s")
-    method: Literal["auto", "closed_form", "taylor"] = Field(
+    method: Literal["auto", "closed_form", "taylor"] = key(
         default="auto",
         description="auto: the closed form in modes that have one (none with a motor or falling friction), "
         "else Taylor series; closed_form: the same, but refused with a motor; taylor: series in every mode",
     )
-    order: Annotated[int, BeforeValidator(whole_number)] = Field(
-        default=20, ge=4, le=40, description="order of the Taylor series"
-    )
+    order: Annotated[int, WholeNumber(4, 40)] = key(default=20, description="order of the Taylor series")
     tol: Annotated[Quantity, Measured("number", least="1e-30", most="1e-3")] = optional(
         "1.1102230246251565e-16",
         "relative tolerance of the Taylor series; 2^-53 by default, and less helps only beyond doubles",
@@ -211,27 +181,23 @@ class Run(Section):
 class CaseHead(Section):
     """What every case file has: what it extends, its name and its title."""
 
-    extends: str | None = Field(
+    extends: str | None = key(
         default=None, description="another case file, or a shipped case, that this one starts from"
     )
-    name: str = Field(
-        default="case", max_length=80, pattern=f"^{NAME_PATTERN}$", description="default: the file's name"
+    name: Annotated[str, Text(80, NAME_PATTERN, NAMES)] = key(
+        default="case", description="default: the file's name"
     )
-    title: str = Field(default="", max_length=300, description="one line on what the case shows")
+    title: Annotated[str, Text(300)] = key(default="", description="one line on what the case shows")
 
 
 class CaseFile(CaseHead):
     """A vibro-impact system of the paper's two blocks and one run of it: the short form of a case."""
 
-    model_config = ConfigDict(title="vibsim case", defer_build=False)
-
     blocks: Blocks
     coupling: Coupling
-    stop: Stop | None = Field(default=None, description="left out or none: no stop")
-    friction: Friction | None = Field(default=None, description="left out or none: no friction")
-    excitation: Excitation = Field(
-        default_factory=NoExcitation, description="left out or none: no excitation"
-    )
-    initial: Initial = Field(default_factory=Initial, description="left out: at rest")
-    rest_distance: RestDistance | None = Field(default=None, description="left out or none: not watched")
-    run: Run = Field(default_factory=Run, description="left out: 300 s, every 5 ms")
+    stop: Stop | None = key(default=None, description="left out or none: no stop")
+    friction: Friction | None = key(default=None, description="left out or none: no friction")
+    excitation: Excitation = key(default={"kind": "none"}, description="left out or none: no excitation")
+    initial: Initial = key(default={}, description="left out: at rest")
+    rest_distance: RestDistance | None = key(default=None, description="left out or none: not watched")
+    run: Run = key(default={}, description="left out: 300 s, every 5 ms")

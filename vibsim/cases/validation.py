@@ -3,12 +3,11 @@
 from collections.abc import Iterator
 from typing import Any
 
-from pydantic import ValidationError
-
 from vibsim.cases.contradictions import contradictions
 from vibsim.cases.file_tree import Tree
 from vibsim.cases.forms import LONG, Form, form_of, mixed_problems, of_one_form
 from vibsim.cases.keys import all_keys
+from vibsim.cases.kinds import Fault
 from vibsim.cases.model_problems import model_problems
 from vibsim.cases.problems import CaseError, Problem
 from vibsim.cases.quantities import QuantityError
@@ -33,13 +32,14 @@ def validated(tree: Tree) -> CaseHead:
 
 def _checked(values: dict[str, Any], tree: Tree, form: Form) -> tuple[CaseHead | None, list[Problem]]:
     """The model where every value is right by itself, and all problems, also those between keys."""
-    model, problems = None, []
-    try:
-        model = form.model.model_validate(values)
-        flat = every_value(model)
-    except ValidationError as error:
-        problems = model_problems(error, tree, form)
+    problems: list[Problem] = []
+    faults: list[Fault] = []
+    model = form.model.read(values, (), faults)
+    if model is None or faults:
+        model, problems = None, model_problems(faults, tree, form)
         flat = dict(_readable(values, "", form))
+    else:
+        flat = every_value(model)
     for keys, message in contradictions(flat):
         key = min(keys, key=lambda key: _layer(tree, tree.key_place(key)))
         place = tree.key_place(key) if key in form.switchable else tree.place(key)

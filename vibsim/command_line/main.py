@@ -45,9 +45,9 @@ COMPLETION = (
     "(zsh_source for zsh, fish_source for fish)."
 )
 
-# What libraries start unless told otherwise: numpy threads for large matrices, which vibsim lacks; they
-# spin while they wait (30 ms of a core). pydantic a search of all installed packages for its plugins.
-NOT_NEEDED = {"OPENBLAS_NUM_THREADS": "1", "PYDANTIC_DISABLE_PLUGINS": "__all__"}
+# What numpy starts unless told otherwise: threads for large matrices, which vibsim lacks; they spin while
+# they wait (30 ms of a core).
+NOT_NEEDED = {"OPENBLAS_NUM_THREADS": "1"}
 
 
 class LazyGroup(click.Group):

@@ -3,9 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import PydanticCustomError, core_schema
-
+from vibsim.cases.kinds import Single
 from vibsim.cases.problems import shown
 
 GROUND, BASE = "ground", "base"
@@ -36,28 +34,27 @@ class Ends:
             return None
         return Ends(names[0].strip(), names[1].strip())
 
-    @classmethod
-    def __get_pydantic_core_schema__(
-        cls, source: Any, handler: GetCoreSchemaHandler
-    ) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(_ends)
+    @staticmethod
+    def as_kind() -> Single:
+        return Single(_TwoEnds())
 
-    @classmethod
-    def __get_pydantic_json_schema__(
-        cls, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+
+class _TwoEnds:
+    """What a key that holds two ends takes."""
+
+    def read(self, value: object) -> Ends:
+        ends = Ends.read(value)
+        if ends is None:
+            value_text = _shown_list(value) if isinstance(value, dict) else shown(value)
+            raise ValueError(
+                f"must be two ends such as [ram, ground]: bodies, ground or base; got {value_text}"
+            )
+        return ends
+
+    def json_schema(self) -> dict[str, Any]:
         """A list of two names."""
         name = {"type": ["string", "integer"]}  # a body may be called 1
         return {"type": "array", "items": name, "minItems": 2, "maxItems": 2}
-
-
-def _ends(value: object) -> Ends:
-    ends = Ends.read(value)
-    if ends is None:
-        value_text = _shown_list(value) if isinstance(value, dict) else shown(value)
-        what = f"must be two ends such as [ram, ground]: bodies, ground or base; got {value_text}"
-        raise PydanticCustomError("ends", "{what}", {"what": what})
-    return ends
 
 
 def _shown_list(value: dict[str, object]) -> str:
