@@ -19,6 +19,7 @@ from vibsim.orbits.lapack import solved_by_pivots
 ITERATIONS = 8  # of Newton's method: more mean that the step was too long
 CLOSE = 1e-13  # scaled length of a Newton step behind which rounding begins
 ROUGH = 1e-8  # of the last Newton step, where rounding keeps it from growing shorter
+SLOW = 0.125  # of the last Newton step: a longer one is rounding, or the derivative by the parameter is rough
 KERNEL = 1e-9  # singular values below this share of the largest are zero
 BY_SLOPE = 1e-6  # the same where the derivative by the parameter, a difference quotient, has a say
 
@@ -43,6 +44,10 @@ class Point(Protocol):
 
     def moved(self, step: np.ndarray, slope: np.ndarray | None = None) -> np.ndarray:
         """z after a Newton step."""
+
+    @property
+    def narrow_slope(self) -> np.ndarray | None:
+        """A derivative by the parameter for where `slope` is too rough; None where no better one is known."""
 
 
 class ContinuationError(Exception):
@@ -124,7 +129,7 @@ def correct(
 
     Raises ContinuationError where Newton's method does not come to an end.
     """
-    z, last = start, np.inf
+    z, last, narrow = start, np.inf, False
     rounding = CLOSE * max(1.0, length_of(z))
     for iteration in range(ITERATIONS + 1):
         point = evaluate(z)
@@ -133,8 +138,16 @@ def correct(
         else:
             step = _step(point, slope, across, z - start, families)
         length = length_of(step)
-        if (length <= rounding or (last <= ROUGH and length >= last / 2)) and point.settled:
+        if length <= rounding and point.settled:
             return Corrected(point, iteration)
+        if last <= ROUGH and length >= last * SLOW and point.settled:
+            finer = None if across is None or narrow else point.narrow_slope
+            if across is not None and finer is not None:
+                slope, step = finer, _step(point, finer, across, z - start, families)
+                length = length_of(step)
+            elif length >= last / 2:
+                return Corrected(point, iteration)
+            narrow = True
         if not length <= limit:
             raise ContinuationError("Newton's method left for elsewhere")
         z, last = point.moved(step, slope), length

@@ -130,6 +130,11 @@ class EnergyPoint(FamilyPoint):
         return np.asarray(self.z + step)
 
     @property
+    def narrow_slope(self) -> np.ndarray:
+        """The same: it is exact."""
+        return self.slope
+
+    @property
     def settled(self) -> bool:
         """A motion without friction forgets nothing."""
         return True

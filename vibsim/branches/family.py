@@ -26,6 +26,7 @@ from vibsim.orbits.word import cyclic
 from vibsim.physics.parts import Scene
 
 SHIFT = 2.0**-23  # of the parameter, scaled: rounding over it is as small as what it leaves out, 1e-7
+NARROW = 2.0**-29  # the same where rounding may have a say
 STEEP = 256.0  # scaled derivative by the parameter, above which SHIFT is too wide for it
 MAPS = 4  # return maps that are kept
 
@@ -191,6 +192,13 @@ class FamilyPoint:
         steepness = float(abs(slope).max())
         # near a grazing touch of a rigid stop it is as steep as it is bent
         return slope if steepness <= STEEP else self._quotient(SHIFT / steepness)
+
+    @property
+    def narrow_slope(self) -> np.ndarray:
+        """The same by a narrow quotient, for where the motion changes within the width of the other, as where
+        a grazing and a doubling lie side by side: rounding makes it right to 1e-7.
+        """
+        return self._quotient(NARROW)
 
     def _quotient(self, shift: float) -> np.ndarray:
         """Difference quotient of the residual by the scaled parameter, on the side with the order of events

@@ -6,13 +6,15 @@ leaves a doubling it turns round there: the orbits on the other side are the sam
 
 import numpy as np
 
-from vibsim.branches.arclength import ContinuationError
+from vibsim.branches.arclength import ContinuationError, length_of
 from vibsim.branches.family import Family
 from vibsim.branches.node import Node, between
+from vibsim.orbits.word import Word
 
 FINE = 2.0**-6  # share of a step at which its search ends: nearer, orbits are no longer told apart
 HALVINGS = 40
 JOINS = "joins"
+CLOSES = 1e-10  # scaled: an orbit that comes that near to itself before its time is one of fewer periods
 
 
 def joining(family: Family, one: Node, other: Node) -> tuple[Node, str] | None:
@@ -22,8 +24,28 @@ def joining(family: Family, one: Node, other: Node) -> tuple[Node, str] | None:
     for shorter in (d for d in range(1, family.n) if family.n % d == 0):
         if shift(family, one, shorter) @ shift(family, other, shorter) < 0:
             node = _last_before(family, one, other, shorter)
-            return node, f"{JOINS} the orbits of {shorter} period{'s' * (shorter > 1)}"
+            return node, _words(shorter)
     return None
+
+
+def _words(periods: int) -> str:
+    return f"{JOINS} the orbits of {periods} period{'s' * (periods > 1)}"
+
+
+def repetition(family: Family, node: Node) -> str | None:
+    """A word on it where the orbit at a node is one of fewer periods gone through again, else None.
+
+    Newton's method may go over to such orbits from a branch that comes near them: where it joins them they
+    are on both sides of it, and no test value changes its sign.
+    """
+    shorter = (d for d in range(1, family.n) if family.n % d == 0 and _repeats(node.word, family.n // d))
+    again = (d for d in shorter if length_of(shift(family, node, d)) <= CLOSES)
+    return next((_words(periods) for periods in again), None)
+
+
+def _repeats(word: Word, times: int) -> bool:
+    """Whether a word is one so many times."""
+    return len(word) % times == 0 and word == word[: len(word) // times] * times
 
 
 def shift(family: Family, node: Node, periods: int) -> np.ndarray:

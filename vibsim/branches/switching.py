@@ -17,6 +17,7 @@ from vibsim.branches.joining import shift
 from vibsim.branches.node import Node, node_at
 from vibsim.branches.plan import BranchError, BranchPlan
 from vibsim.branches.special import BRANCHING, DOUBLING
+from vibsim.orbits.word import cyclic
 
 FIRST, TRIES = 2.0**-8, 8  # scaled distance of the first orbit from the special point, halved so often
 
@@ -52,7 +53,7 @@ def switched(branch: Branch, label: str, span: tuple[float, float] | None = None
 def _first(family: Family, special: SpecialPoint, z: np.ndarray) -> Node:
     """An orbit beside the special point z on the branch that leaves it. Raises BranchError."""
     direction = _direction(family, special, z)
-    size = FIRST
+    size, other = FIRST, None
     for _ in range(TRIES):
         try:
             node = node_at(family, z + size * direction, direction, None, 8 * size)
@@ -60,9 +61,21 @@ def _first(family: Family, special: SpecialPoint, z: np.ndarray) -> Node:
             size /= 2
             continue
         if np.linalg.norm(node.z - z) > size / 2 and _is_new(family, special, node, size):
-            return node
+            if _begins_there(special, node):
+                return node
+            other = other or node
         size /= 2
-    raise BranchError(f"no orbit was found on the branch that leaves {special.label}")
+    if other is None:
+        raise BranchError(f"no orbit was found on the branch that leaves {special.label}")
+    return other
+
+
+def _begins_there(special: SpecialPoint, node: Node) -> bool:
+    """Whether an orbit has the order of events with which the branch leaves: one with another lies beyond a
+    change of order, and may be on the far side of a fold, or of another branch.
+    """
+    times = 2 if special.kind == DOUBLING else 1
+    return node.word in [cyclic(word * times) for word in (special.before, special.after)]
 
 
 def _is_new(family: Family, special: SpecialPoint, node: Node, size: float) -> bool:

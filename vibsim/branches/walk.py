@@ -10,8 +10,8 @@ import numpy as np
 from vibsim.branches.arclength import ContinuationError, length_of
 from vibsim.branches.family import Family
 from vibsim.branches.grazing_end import grazing_end
-from vibsim.branches.inspection import detect, inspect
-from vibsim.branches.joining import JOINS, joining
+from vibsim.branches.inspection import NEAR, detect, inspect
+from vibsim.branches.joining import JOINS, joining, repetition
 from vibsim.branches.moved_section import beyond_the_impact, from_section
 from vibsim.branches.node import Node, ahead_of, between, goes_on, node_at
 from vibsim.branches.sliding_corner import sliding_corner
@@ -90,7 +90,7 @@ class Walk:
                 yield self._around(*corner)
                 continue
             if ended.startswith(JOINS):  # the doubling there, which is told by the other branch
-                specials = tuple(each for each in specials if each.kind not in (FOLD, BRANCHING))
+                specials = tuple(each for each in specials if not is_joint(each))
             self.go_on(self.node, node, following, self.count + 1)
             graze = grazing_end(self.family, node) if ended == GRAZED else None
             yield Step(node, specials if graze is None else (*specials, graze), following, ended)
@@ -126,7 +126,7 @@ class Walk:
         """Why there is no next node."""
         if from_section(self.node) < AT_SECTION:
             return BLOCKED
-        return f"stuck: {error}"
+        return str(error) if str(error).startswith(JOINS) else f"stuck: {error}"
 
     def _next(self) -> tuple[Node, float]:
         """The next node, and the length of the step behind it. Raises ContinuationError."""
@@ -136,9 +136,12 @@ class Walk:
                 node = ahead_of(self.family, self.before, self.node, length, self.bend)
                 turned = turn(self.node.tangent, node.tangent)
                 chord = node.z - self.node.z
-                if turned <= SHARP and self.node.tangent @ chord > 0.9 * length_of(chord):
-                    return node, self.pace.following(length, turned, node.iterations, length_of(node.z))
                 reason = "the branch turns too sharply"
+                if turned <= SHARP and self.node.tangent @ chord > 0.9 * length_of(chord):
+                    again = repetition(self.family, node)
+                    if again is None:
+                        return node, self.pace.following(length, turned, node.iterations, length_of(node.z))
+                    reason = again
             except ContinuationError as error:
                 reason = str(error)
             length /= 2
@@ -222,6 +225,16 @@ class Walk:
             X = landed(once, X).image
             starts.append(np.array([*(X / self.family.scale[: len(X)]), *z[len(X) :]]))
         return starts
+
+
+def is_joint(special: Special) -> bool:
+    """Whether a special point in front of the place where a branch joins one of fewer periods is that place:
+    a fold or branch point there, or a multiplier of 1 and a turn of the parameter that do not agree.
+    """
+    if special.kind == UNRESOLVED:
+        at_one = bool(abs(special.node.multipliers - 1).min(initial=1.0) < NEAR)
+        return at_one and special.before.word == special.after.word
+    return special.kind in (FOLD, BRANCHING)
 
 
 def landed(return_map: Any, X: np.ndarray) -> Any:
