@@ -2,12 +2,14 @@
 
 from dataclasses import dataclass, fields, replace
 
+from tests.engine.test_truth import exact_parts
 from vibsim.engine.driver import Driver
 from vibsim.engine.state import State
 from vibsim.engine.truth import bare
 from vibsim.physics.modes import EVENT_NAMES
 from vibsim.physics.number_kits import number_kit
 from vibsim.physics.numbers import Doubles
+from vibsim.physics.parts import Scene
 
 DIGITS = 40
 WHOLE = ("stop_sign", "order", "every_num", "every_den")  # whole numbers stay what they are
@@ -30,7 +32,7 @@ def stretches(scene):
 
     A stretch is what one step of the flow proves: a segment in closed form, a Taylor step.
     """
-    driver = Driver(scene.as_parts(), Doubles)
+    driver = Driver(scene if isinstance(scene, Scene) else scene.as_parts(), Doubles)
     found = []
     while not driver.finished:
         state, status, recorded = driver.state.copy(), driver.status, len(driver.events)
@@ -44,16 +46,23 @@ def stretches(scene):
 
 
 class ExactFlow:
-    """The flow of `scene` in 40 digits, its doubles taken as exact."""
+    """The flow of `scene`, two blocks or made of parts, in 40 digits, its doubles taken as exact."""
 
     def __init__(self, scene):
         self.kit = number_kit(DIGITS)
+        scene = replace(scene, every_num=10**9, every_den=1)
+        if isinstance(scene, Scene):
+            self.scene = bare(exact_parts(scene)(self.kit.number, self.kit.pi), self.kit)
+        else:
+            self.scene = bare(self._exact_blocks(scene).as_parts(), self.kit)
+
+    def _exact_blocks(self, scene):
         names = [field.name for field in fields(scene) if field.name not in WHOLE]
         values = {name: getattr(scene, name) for name in names}
         exact = {name: self.kit.number(value) for name, value in values.items() if isinstance(value, float)}
         if scene.source == "harmonic":
             exact["omega"] = self.kit.two_pi * (exact["cycles"] + exact["cycles_lo"])
-        self.scene = bare(replace(scene, **exact, every_num=10**9, every_den=1).as_parts(), self.kit)
+        return replace(scene, **exact)
 
     def first_event(self, stretch, end):
         """(kind, time [s]) of the first event behind the start of `stretch`, ("", end) without one."""

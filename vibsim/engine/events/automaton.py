@@ -17,6 +17,7 @@ from vibsim.engine.events.parting import let_go, meets
 from vibsim.engine.events.rigid_stops import Happened, RigidStops, Taken, Touch
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.flows.harmonics import value_and_rate
+from vibsim.engine.flows.taylor_rounding import TaylorRounding
 from vibsim.engine.modes.rows import (
     CLEARANCE,
     COUPLING,
@@ -95,7 +96,7 @@ class Automaton(Generic[N]):
             if not met[i] and self._blurred(g, stop, state, stop.sense * stop.gap):
                 self._doubt(state)
             if met[i] and i in self.elastic and i not in self.maker.guarded:
-                sense, order = self._leading(state, status.with_stop(i, OPEN), (GAP, i))
+                sense, order = self._departure(state, status.with_stop(i, OPEN), (GAP, i))
                 status = status.with_stop(i, CONTACT if sense < 0 else OPEN)
                 known[GAP, i] = order
         for i, over in enumerate(slacks):
@@ -103,7 +104,7 @@ class Automaton(Generic[N]):
             if not at and self._blurred(over, scene.clearances[i], state, -scene.clearances[i].distance):
                 self._doubt(state)
             if at:
-                sense, order = self._leading(state, status.with_clearance(i, KEPT), (CLEARANCE, i))
+                sense, order = self._departure(state, status.with_clearance(i, KEPT), (CLEARANCE, i))
                 status = status.with_clearance(i, VIOLATED if sense < 0 else KEPT)
                 known[CLEARANCE, i] = order
         return status, known
@@ -192,13 +193,28 @@ class Automaton(Generic[N]):
         where all are. That of order 1 is one of velocities where differences alone make the function, and no
         rounding of a flow is in it.
         """
-        rows = self._enter(state, status)
-        event = self._event(rows, key)
+        values = self._derivatives(state, self._event(self._enter(state, status), key))
+        order = leading(values, first)
+        return sign(values[order]), order
+
+    def _departure(self, state: State[N], status: Status, key: EventKey, first: int = 1) -> tuple[int, int]:
+        """As `_leading`, of a function that begins at zero: in doubt where rounding could have it leave to
+        the other side, or later than it does.
+        """
+        event = self._event(self._enter(state, status), key)
+        values = self._derivatives(state, event)
+        order = leading(values, first)
+        rounding = TaylorRounding(self.flow, JET + 1).derivatives(event, order)
+        if any(0 < lost >= abs(value) for value, lost in zip(values[first:], rounding[first:], strict=False)):
+            self._doubt(state)
+        return sign(values[order]), order
+
+    def _derivatives(self, state: State[N], event: Event[N]) -> list[N]:
+        """Derivatives of an event function of the mode entered last at `state`."""
         values = self.flow.derivatives(event, JET)
         if all(term.kind == DIFFERENCE for term in event.terms):
             values[1] = self._direct_rate(state, event)
-        order = next((n for n in range(first, JET) if values[n] != 0), JET)
-        return sign(values[order]), order
+        return values
 
     # -- events
 
@@ -377,7 +393,7 @@ class Automaton(Generic[N]):
         for i in stops:
             stop = self.elastic[i]
             if self._met(stop, self._depth(stop, state), state, stop.gap):
-                closes = self._leading_sign(state, after.with_stop(i, OPEN), (GAP, i), order) < 0
+                closes = self._departure(state, after.with_stop(i, OPEN), (GAP, i), order)[0] < 0
                 after = after.with_stop(i, CONTACT if closes else OPEN)
                 known |= {(GAP, i): order, (PUSH, i): order - 1}
                 if status.stops[i] != after.stops[i]:
@@ -385,7 +401,7 @@ class Automaton(Generic[N]):
         for i in clearances:
             one = self.scene.clearances[i]
             if self._met(one, self._excess(one, state), state, one.distance):
-                closes = self._leading_sign(state, after.with_clearance(i, KEPT), (CLEARANCE, i), order) < 0
+                closes = self._departure(state, after.with_clearance(i, KEPT), (CLEARANCE, i), order)[0] < 0
                 after = after.with_clearance(i, VIOLATED if closes else KEPT)
                 known[CLEARANCE, i] = order
                 if status.clearances[i] != after.clearances[i]:
@@ -538,6 +554,11 @@ def _difference_error(a: N, b: N, difference: N) -> N:
     """What rounding took from a - b (Knuth's two-sum)."""
     back = a - difference
     return (a - (difference + back)) + (back - b)
+
+
+def leading(values: Sequence[N], first: int) -> int:
+    """Order of the first derivative, from order `first`, that is not zero; JET where all are."""
+    return next((n for n in range(first, JET) if values[n] != 0), JET)
 
 
 def sign(value: N) -> int:

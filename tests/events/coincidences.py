@@ -1,0 +1,98 @@
+"""Scenes whose numbers are so special that motions begin balanced, in truth or but for rounding, meet a limit
+as they turn round, or come to two limits at once. Draws at random hardly ever do.
+"""
+
+import math
+
+from tests.scenes import NO_SOURCE, scene
+from vibsim.physics.parts import (
+    BASE,
+    COMPRESSION,
+    EXTENSION,
+    GROUND,
+    Body,
+    Force,
+    Friction,
+    Harmonic,
+    Link,
+    RigidStop,
+    Scene,
+    Stop,
+)
+
+TURN = 2 * math.pi
+QUARTERS = (0.0, 0.0, math.pi / 2, -math.pi / 2)  # phases
+
+
+def two_blocks(draw):
+    """A scene of the paper's machine; draw: a random.Random."""
+    pick = draw.choice
+    m1 = pick([1.0, 0.5, 0.7])
+    m2 = pick([None, m1, m1, 2 * m1, 0.3])
+    k1 = pick([100.0, 64.0, 87.3, 0.0])
+    k2 = pick([k1 or 50.0, 400.0, 3000.0])
+    F0, A = pick([0.0, 1.0, -1.0, 2.5]), pick([0.0, 1.0, 1.0, -1.0])
+    mobility = 1 / m1 + (1 / m2 if m2 else 0)
+    omega = math.sqrt((k1 or k2) * mobility) * pick([1.0, 1.0, 0.5, 2.0])
+    source = {"A": A, "F0": F0, "omega": omega, "cycles": omega / TURN, "cycles_lo": 0.0}
+    blocks = {
+        **{
+            "m1": m1,
+            "m2": m2,
+            "k1": k1,
+            "k2": k2,
+            "c": pick([0.0, 0.0, 2 * math.sqrt((k1 or k2) / mobility)]),
+        },
+        **{"G": pick([0.0, 0.0, 0.01, abs(F0) / k1 if k1 else 0.01]), "stop_sign": pick([1, -1])},
+        "N": pick([None, abs(F0) or 1.0, abs(F0) + abs(A) or 1.0, abs(A) or 1.0]) if m2 else None,
+    }
+    start = {
+        "x1": pick([0.0, 0.01, -0.01, -blocks["G"] * blocks["stop_sign"]]),
+        "v1": pick([0.0, 0.0, 0.1, -0.1]),
+        "x2": None,
+        "v2": None,
+    }
+    if m2:
+        start |= {"x2": pick([0.0, 0.0, 0.01]), "v2": pick([0.0, 0.0, 0.1, -0.1])}
+    run = {"t_end": 20 / max(omega, 1), "every_num": 1, "every_den": 50}
+    method = pick(["closed_form", "taylor"])
+    return scene({**NO_SOURCE, "source": "harmonic", **source}, **blocks, **start, **run, method=method)
+
+
+def machine(draw):
+    """One or two bodies on ground or base, with an elastic or a rigid stop, a friction and a force."""
+    pick = draw.choice
+    m = pick([1.0, 0.5, 0.7])
+    k, x = pick([100.0, 64.0, 87.3, 0.0]), pick([0.0, 0.0, 0.01, -0.01])
+    bodies = [Body("a", m, x, pick([0.0, 0.0, 0.1, -0.1]))]
+    if pick([True, False]):
+        bodies.append(Body("b", pick([m, 2 * m, 0.3]), pick([0.0, 0.01]), pick([0.0, 0.0, 0.1])))
+    last = len(bodies) - 1
+    omega = math.sqrt((k or 64.0) / m) * pick([1.0, 0.5, 2.0])
+    shaken = pick([0.0, 0.01, 0.01, abs(x) or 0.02])
+    base = (harmonic(shaken, omega, pick(QUARTERS)),) if shaken else ()
+    frame = BASE if base else GROUND
+    F0, A = pick([0.0, k * x, -k * x, 1.0, -1.0]), pick([0.0, 0.0, 1.0, k * shaken])
+    links = [Link("spring", 0, pick([frame, GROUND]), k, 0.0)] if k else []
+    if last:
+        links.append(Link("tie", last, 0, pick([k or 50.0, 87.3]), 0.0))
+    gap = pick([0.0, 0.0, abs(x), 0.01])
+    ends = (last, pick([frame, GROUND]) if last == 0 or pick([True, False]) else 0)
+    sense = pick([EXTENSION, COMPRESSION])
+    if pick([True, False]):
+        stop = Stop("stop", *ends, gap, sense, pick([k or 50.0, 3000.0]), 0.0)
+    else:
+        stop = RigidStop("stop", *ends, gap, sense, pick([1.0, 0.5]), False)
+    limit = pick([abs(F0) or 1.0, abs(A) or 1.0, m * shaken * omega**2 or 1.0])
+    belt = pick([0.0, 0.0, 0.1])
+    frictions = (Friction("f", last, pick([frame, GROUND]), limit, limit, belt),) if pick([1, 0, 0]) else ()
+    forces = (Force("drive", 0, F0, (harmonic(A, omega, pick(QUARTERS)),)),)
+    return Scene(
+        tuple(bodies), tuple(links), (stop,), frictions, forces, base,
+        t_end=20 / max(omega, 1.0), every_num=1, every_den=50, method=pick(["auto", "taylor"]),
+    )  # fmt: skip
+
+
+def harmonic(amplitude, omega, phase):
+    """amplitude sin(omega t + phase), omega a double that 2 pi times its cycles is near."""
+    return Harmonic(amplitude, omega, omega / TURN, 0.0, phase)
