@@ -1,7 +1,6 @@
 """The span of a run that a verdict rests on, and until when the run is right."""
 
-from dataclasses import dataclass
-
+from vibsim.records import dataclass
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from vibsim.plots.errors import PlotError
+from vibsim.records import dataclass
 
 Span = tuple[float, float]
 

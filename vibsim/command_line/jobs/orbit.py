@@ -1,7 +1,6 @@
 """What `vibsim orbit` does: read, find, refine, store, print."""
 
 from contextlib import closing, suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +23,7 @@ from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.orbit_file import save_orbit
 from vibsim.orbits.searching import search_attempts
 from vibsim.orbits.seeking import orbit
+from vibsim.records import dataclass
 from vibsim.results import Result, is_result_file, kind_of
 
 

@@ -3,7 +3,8 @@ scene.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+
+from vibsim.records import dataclass
 
 OPEN, CONTACT, LIFTED = 0, 1, 2  # a stop; LIFTED: depth above zero, but the damper would have to pull
 RESTING = 3  # a rigid stop; the others of these are open

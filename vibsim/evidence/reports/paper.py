@@ -10,7 +10,6 @@ DIR/numbers.json               what was measured
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
 
@@ -38,6 +37,7 @@ from vibsim.evidence.reports.text_page import render_text
 from vibsim.files.output_file import output_file, reason
 from vibsim.plots import style
 from vibsim.plots.subject import Subject
+from vibsim.records import dataclass
 from vibsim.results import Result, ResultFileError
 
 

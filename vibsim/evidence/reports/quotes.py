@@ -6,7 +6,7 @@ fingerprint in tests/evidence/reports/test_quotes.py up to date.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from vibsim.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -17,6 +16,7 @@ from vibsim.plots.page.sheet import note, sheet
 from vibsim.plots.style import BLUE
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
+from vibsim.records import dataclass
 
 MOST = 40  # spectra
 HEIGHT = 6.0  # of the largest line, in distances between spectra
