@@ -10,7 +10,7 @@ import pytest
 import vibsim
 
 PACKAGE = Path(vibsim.__file__).parent
-GROUND = ["lazy_names", "once", "records", "physics", "engine"]
+GROUND = ["lazy_names", "once", "physics", "engine"]
 # each may import those before it, and the ground floor
 MIDDLE = ["cases", "files", "labelled", "results", "orbits", "branches", "analysis"]
 MIDDLE += [f"sweeps.{room}" for room in ("statistics", "computations", "plan", "points", "store", "schedule")]

@@ -1,6 +1,7 @@
 """Everything that a run tells, judged at once."""
 
 from collections.abc import Collection, Iterator
+from dataclasses import dataclass
 from os import PathLike
 from typing import TYPE_CHECKING, Any, TypeVar, Union
 
@@ -12,7 +13,6 @@ from vibsim.analysis.regime.largest_exponent import largest_exponent
 from vibsim.analysis.regime.verdict import Regime, judge_regime
 from vibsim.analysis.span import Span, later_part, span_of
 from vibsim.labelled.shown import Shown
-from vibsim.records import dataclass
 from vibsim.results.any_run import as_result
 from vibsim.results.result import Result
 from vibsim.results.windows import Window

@@ -6,6 +6,7 @@ scatter tells how well it is known. What correlation is left between neighbours 
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from math import pi, sqrt
 from typing import Any
@@ -15,7 +16,6 @@ import numpy as np
 from vibsim.physics.body_sets import drifting_sets, pairs_of
 from vibsim.physics.parts import columns_of
 from vibsim.physics.sums import dot, mean
-from vibsim.records import dataclass
 from vibsim.results.closing_velocity import IMPACT_CODES
 from vibsim.results.relative_motion import RelativeMotion
 from vibsim.results.result import Result

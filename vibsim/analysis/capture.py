@@ -12,7 +12,7 @@ below the no-load speed, or NEAR a resonance. A motor that has settled above a r
 strong vibration, is neither.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,7 +23,6 @@ from vibsim.analysis.resonances import Resonance, resonances
 from vibsim.analysis.span import Span, span_of
 from vibsim.analysis.verdicts import CaptureVerdict, name_verdict
 from vibsim.physics.parts import Scene
-from vibsim.records import dataclass
 from vibsim.results.closing_velocity import IMPACT_CODES
 from vibsim.results.result import Result
 from vibsim.results.windows import Window

@@ -10,7 +10,7 @@ Chaotic runs part, however well they are computed: their statistics are what can
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import hypot, inf
 from typing import Any
 
@@ -19,7 +19,6 @@ import numpy as np
 from vibsim.analysis.block_averages import Average, averages, block_values, blocks_of, unit_of
 from vibsim.analysis.verdicts import ComparisonVerdict, name_verdict
 from vibsim.physics.rates import source_period
-from vibsim.records import dataclass
 from vibsim.results.cadence import instants_per_sample, sampled_finer
 from vibsim.results.columns import tables_of
 from vibsim.results.result import Result

@@ -7,7 +7,7 @@ is one below it from a drift; so a line is a vibration of which the span holds f
 a lone line is far better known than that.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil, pi
 
@@ -22,7 +22,6 @@ from vibsim.physics.parts import Scene
 from vibsim.physics.rates import natural_rates
 from vibsim.physics.sines import sine_cosine
 from vibsim.physics.sums import dot, mean
-from vibsim.records import dataclass
 from vibsim.results.columns import tables_of
 from vibsim.results.relative_motion import RelativeMotion
 from vibsim.results.result import Result

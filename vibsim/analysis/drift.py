@@ -7,6 +7,7 @@ drift rate, their scatter tells how well it is known, and correlation between th
 chaotic motion makes it wander.
 """
 
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -20,7 +21,6 @@ from vibsim.physics.parts import Scene, columns_of
 from vibsim.physics.rates import is_driven, source_period
 from vibsim.physics.sines import sine_cosine
 from vibsim.physics.sums import mean
-from vibsim.records import dataclass
 from vibsim.results.columns import tables_of
 from vibsim.results.result import Result
 from vibsim.results.windows import Window

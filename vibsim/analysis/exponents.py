@@ -10,6 +10,7 @@ ones approach 0 like log(t) / t.
 """
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from math import hypot, isfinite, nan
 from os import PathLike
 from typing import TYPE_CHECKING
@@ -20,7 +21,6 @@ from vibsim.analysis.regime.largest_exponent import exponent_of
 from vibsim.engine.tangent.lyapunov import LyapunovExponents, lyapunov_exponents
 from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.labelled.shown import Shown
-from vibsim.records import dataclass
 from vibsim.results.result import Result
 
 if TYPE_CHECKING:

@@ -6,6 +6,7 @@ the vibration takes up the share 1 - 1/n of the torque.
 """
 
 from collections import deque
+from dataclasses import dataclass
 from math import inf
 
 import numpy as np
@@ -14,7 +15,6 @@ from vibsim.analysis.cycles import TURN
 from vibsim.physics import elementary
 from vibsim.physics.parts import Motor
 from vibsim.physics.sums import mean
-from vibsim.records import dataclass
 
 TURNS = 12  # to average over: a multiple of the periods 1, 2, 3, 4 and 6 that the motion may have
 BAND = 0.03  # half width of the band, relative; beside a resonance the mean speed beats by about 2 %

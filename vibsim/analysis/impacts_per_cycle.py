@@ -1,7 +1,7 @@
 """What happens in each cycle of the source: impacts, sticks, and the word that the events spell."""
 
 from collections import Counter
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -14,7 +14,6 @@ from vibsim.analysis.verdicts import ImpactsVerdict, name_verdict
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene
 from vibsim.physics.sums import mean
-from vibsim.records import dataclass
 from vibsim.results.closing_velocity import closing_velocities
 from vibsim.results.columns import part_names
 from vibsim.results.result import Result

@@ -1,10 +1,10 @@
 """Frequencies at which a motor of limited power may be captured."""
 
+from dataclasses import dataclass
 from math import pi
 
 from vibsim.physics.parts import Scene
 from vibsim.physics.rates import bilinear_frequencies, natural_rates
-from vibsim.records import dataclass
 
 
 @dataclass(frozen=True)

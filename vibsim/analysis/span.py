@@ -1,6 +1,7 @@
 """The span of a run that a verdict rests on, and until when the run is right."""
 
-from vibsim.records import dataclass
+from dataclasses import dataclass
+
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
 

@@ -8,13 +8,13 @@ shortest one.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from math import isfinite, sqrt
 from typing import Any, Protocol
 
 import numpy as np
 
 from vibsim.orbits.lapack import solved_by_pivots
-from vibsim.records import dataclass
 
 ITERATIONS = 8  # of Newton's method: more mean that the step was too long
 CLOSE = 1e-13  # scaled length of a Newton step behind which rounding begins

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache, cached_property, partial
 from os import PathLike
 from pathlib import Path
@@ -20,7 +21,6 @@ from vibsim.files.declarations import Column, Dataset
 from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.labelled import Labelled, few
 from vibsim.orbits.word import Word
-from vibsim.records import dataclass
 
 # told of every point beside what its file holds
 STABILITY = (

@@ -7,13 +7,12 @@ place of the point behind instead. It is a line where the state on the section j
 """
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-
-from vibsim.records import dataclass
 
 ALONG = 0.9  # cosine of the angle between a step and the tangents at its ends; else these are not its own
 TESTED = 0.4  # share at which a stretch is compared with its chord: an S crosses it in the middle

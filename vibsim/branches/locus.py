@@ -7,6 +7,7 @@ down and moves no solution.
 
 from collections import OrderedDict
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -20,7 +21,6 @@ from vibsim.branches.special import DOUBLING, FOLD, GRAZING, STICKING, TORUS
 from vibsim.branches.step_size import SHARP, Pace, turn
 from vibsim.branches.touching import TouchFamily, Window, window_of
 from vibsim.cases import Case, CaseError
-from vibsim.records import dataclass
 
 DIFFERENCE = 2.0**-20  # of a scaled unknown: rounding over it and what it leaves out are about 1e-8
 ASIDE = 2.0**-12  # scaled: beside a kink, far beyond what difference quotients reach

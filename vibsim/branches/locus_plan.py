@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -16,7 +17,6 @@ from vibsim.branches.plan import BranchError, BranchPlan, must_matter, value_in
 from vibsim.branches.special import GRAZING, STICKING, TORUS
 from vibsim.branches.touching import CONTACTS
 from vibsim.orbits.word import changes
-from vibsim.records import dataclass
 
 FIRST_STEP = 0.1  # scaled, that the first correction may have
 

@@ -1,6 +1,7 @@
 """A locus: a bifurcation along two parameters, arrays by name."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -11,7 +12,6 @@ from vibsim.branches.locus import WATCHED, LocusStep, PlanePoint, walk
 from vibsim.branches.locus_plan import LocusPlan
 from vibsim.branches.node import Node
 from vibsim.branches.records import OrbitRecord, orbit_record
-from vibsim.records import dataclass
 
 MOST_POINTS = 2000
 WAYS = (1, -1)

@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -13,7 +14,6 @@ from vibsim.branches.family import Family
 from vibsim.branches.node import Node, node_at
 from vibsim.branches.step_size import Pace
 from vibsim.cases import Case
-from vibsim.records import dataclass
 
 PACE = Pace()
 FIRST_STEP = 0.1  # scaled, that the first correction of the start may have

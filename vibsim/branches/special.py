@@ -1,8 +1,9 @@
 """What happens on a branch between two of its points, and how it is called."""
 
+from dataclasses import dataclass
+
 from vibsim.branches.node import Node
 from vibsim.orbits.word import Word, changes
-from vibsim.records import dataclass
 
 FOLD, DOUBLING, TORUS, BRANCHING = "fold", "doubling", "neimark-sacker", "branch point"
 GRAZING, STICKING, TURNING, ORDER, CORNER = "grazing", "sticking", "turn", "order", "corner"

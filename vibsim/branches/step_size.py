@@ -1,10 +1,9 @@
 """How long the next step along a branch is: by the angle that the tangent turned, and by Newton's count."""
 
+from dataclasses import dataclass
 from math import asin, sqrt
 
 import numpy as np
-
-from vibsim.records import dataclass
 
 TURN = 0.15  # angle between two tangents that is aimed at [rad]
 SHARP = 0.35  # beyond it a step is taken again, shorter

@@ -6,7 +6,7 @@ touch without that stop, and how far from the stop it turns there, below zero in
 both are those of the motion.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import floor, log2
 from typing import Any
@@ -23,7 +23,6 @@ from vibsim.orbits.return_map import Return
 from vibsim.orbits.start import placed
 from vibsim.physics.modes import EVENT_KINDS, RIGID_KINDS
 from vibsim.physics.parts import BASE, Scene
-from vibsim.records import dataclass
 
 SAMPLES = 4096  # of a period, among which the touch is looked for
 SAME = 1e-4  # share of the period within which events of the stop belong to the touch

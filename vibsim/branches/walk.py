@@ -1,6 +1,7 @@
 """A walk along a branch in one direction: from point to point, with the special points between them."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -16,7 +17,6 @@ from vibsim.branches.node import Node, ahead_of, between, goes_on, node_at
 from vibsim.branches.sliding_corner import sliding_corner
 from vibsim.branches.special import BRANCHING, CORNER, FOLD, UNRESOLVED, Special
 from vibsim.branches.step_size import SHARP, Pace, turn
-from vibsim.records import dataclass
 
 BEHIND = 4  # steps before a branch can have come back to its start
 INFINITE = 200.0  # multiplier of orbits that all but graze a rigid stop, where it goes like 1 / impact speed

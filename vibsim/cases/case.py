@@ -1,6 +1,7 @@
 """A case: one system and one run of it, validated and exact."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -21,7 +22,6 @@ from vibsim.cases.validation import validated
 from vibsim.cases.yaml_nodes import Place
 from vibsim.physics.parts import Scene
 from vibsim.physics.two_blocks import TwoBlocks
-from vibsim.records import dataclass
 
 
 @dataclass(frozen=True)

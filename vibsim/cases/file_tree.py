@@ -1,13 +1,12 @@
 """Case files to one plain tree of texts: `extends` followed, child over parent, every place kept."""
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 from vibsim.cases.alternatives import superseded
 from vibsim.cases.problems import CaseError, Problem, shown
 from vibsim.cases.sources import SourceText, find_source
 from vibsim.cases.yaml_nodes import Broken, Mapping, Node, Place, Text, read_yaml
-from vibsim.records import dataclass
 
 LONGEST_CHAIN = 8  # files that extend one another
 OWN_KEYS = ("name", "title", "extends")  # not inherited: they speak of one file

@@ -1,13 +1,13 @@
 """The two forms of a case: the short one of the paper's two blocks, and the long one of named parts."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from vibsim.cases.problems import Problem
 from vibsim.cases.schema import CaseFile, CaseHead
 from vibsim.cases.spelling import did_you_mean
 from vibsim.cases.yaml_nodes import Place
-from vibsim.records import dataclass
 
 SWITCHED_OFF = "none"
 NAME = "*"  # stands for the name of a body or part in the keys of the long form

@@ -6,12 +6,12 @@ str, Ends, a section, a section or None, dict[str, Link].
 
 import re
 from collections.abc import Callable
+from dataclasses import dataclass
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, NamedTuple, Protocol, Union, get_args, get_origin
 
 from vibsim.cases.problems import shown
 from vibsim.cases.spelling import did_you_mean
-from vibsim.records import dataclass
 
 Json = dict[str, Any]
 Location = tuple[str, ...]  # keys, and variants such as "(motor)"

@@ -1,5 +1,6 @@
 """What one value of a case must be: its dimension and its range, as a note in the annotation of a key."""
 
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any
@@ -8,7 +9,6 @@ from vibsim.cases.kinds import kind_of_value
 from vibsim.cases.problems import shown
 from vibsim.cases.quantities import NUMBER, Quantity, QuantityError, parse_quantity
 from vibsim.cases.units import si_unit, unit_names
-from vibsim.records import dataclass
 
 _exact = lru_cache(maxsize=64)(Fraction)  # of the few texts that bounds are written as
 

@@ -1,10 +1,10 @@
 """What is wrong with a case: one problem per line, all problems at once."""
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any
 
 from vibsim.cases.plain_text import one_line, plain_text
-from vibsim.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ its own ("1 mm, 2 mm").
 
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 
@@ -17,7 +18,6 @@ from vibsim.cases.problems import shown
 from vibsim.cases.quantities import NUMBER, QuantityError, decimal_text, exact_number
 from vibsim.cases.spelling import nearest
 from vibsim.cases.units import UNITS, find_unit
-from vibsim.records import dataclass
 
 MOST_VALUES = 1_000_000
 _PART = rf"\s*(?P<number>{NUMBER})(?P<over>/\d+)?(?P<unit>.*?)(?P<behind>\s*/\s*\d+)?\s*"

@@ -2,13 +2,13 @@
 
 import re
 import sys
+from dataclasses import dataclass
 from importlib import resources
 from os.path import exists, isdir, isfile, normpath
 from pathlib import Path
 
 from vibsim.cases.problems import CaseError, Problem
 from vibsim.cases.spelling import did_you_mean
-from vibsim.records import dataclass
 
 LARGEST_FILE = 1_000_000  # bytes
 HDF5_SIGNATURE = b"\x89HDF"

@@ -5,10 +5,9 @@ of radians, so that 5.5 Hz stays 11/2 turns per second and pi enters in one roun
 """
 
 import re
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-
-from vibsim.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ lists other than those of LISTS) is reported and left out.
 """
 
 from collections.abc import Iterator
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import NoReturn
 
 import yaml
@@ -26,7 +26,6 @@ from yaml.events import (
 from vibsim.cases.plain_text import unstorable
 from vibsim.cases.problems import Problem, shown
 from vibsim.cases.spelling import did_you_mean
-from vibsim.records import dataclass
 
 DEEPEST = 8  # nesting; a case needs 5
 MOST_VALUES = 10_000  # a case needs about 40, a chain of a hundred bodies 2,000

@@ -1,10 +1,10 @@
 """The state of a scene: bodies and rotor at one instant."""
 
+from dataclasses import dataclass
 from typing import Generic
 
 from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import Scene
-from vibsim.records import dataclass
 
 
 @dataclass

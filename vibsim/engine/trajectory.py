@@ -8,6 +8,7 @@ trajectory.totals
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from math import inf, nan
 from typing import TYPE_CHECKING, Any, Generic, TypedDict
 
@@ -36,7 +37,6 @@ from vibsim.engine.totals import ledger_totals, rigid_totals, totals_of
 from vibsim.physics.modes import EVENT_KINDS, RIGID_KINDS
 from vibsim.physics.numbers import Doubles, Kit, N
 from vibsim.physics.parts import BASE, GROUND, Scene
-from vibsim.records import dataclass
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack

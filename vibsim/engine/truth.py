@@ -7,7 +7,7 @@ Sampled states and events come twice: as doubles, like those of any run, and as 
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -21,7 +21,6 @@ from vibsim.physics.exact_decimals import text_width
 from vibsim.physics.number_kits import DigitsKit, number_kit, one_precision
 from vibsim.physics.numbers import Number
 from vibsim.physics.parts import Scene
-from vibsim.records import dataclass
 
 SAMPLES, PIECES, SECONDS = 512, 8, 0.1  # a stretch of 60 digits takes some ten milliseconds
 

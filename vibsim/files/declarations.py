@@ -1,13 +1,11 @@
 """What an HDF5 file holds, as data: columns, datasets and attributes. Files are written and checked by it."""
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from math import inf
 from typing import Any
 
 import numpy as np
-
-from vibsim.records import dataclass
 
 
 @dataclass(frozen=True)

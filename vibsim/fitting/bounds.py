@@ -1,8 +1,7 @@
 """The range that a quantity should be in, and how far it is from it."""
 
+from dataclasses import dataclass
 from math import inf, isfinite, isnan
-
-from vibsim.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,13 @@ c=linear 0.001:0.05     in equal steps;  c=log 1e-3:2e-3  by ratio
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from vibsim.cases.keys import UnknownKeyError
 from vibsim.cases.units import UNITS
 from vibsim.fitting.errors import FitError
 from vibsim.physics.elementary import exp, log, log10
-from vibsim.records import dataclass
 from vibsim.sweeps.plan.axis import read_axis, scale_name
 
 if TYPE_CHECKING:

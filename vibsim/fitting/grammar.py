@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import inf, pi
 from typing import TYPE_CHECKING
 
@@ -21,7 +22,6 @@ from vibsim.fitting.bounds import Bounds
 from vibsim.fitting.errors import FitError
 from vibsim.fitting.observables import OBSERVABLES, Observable, missing_of
 from vibsim.fitting.statement import MOST, Asked, Statement
-from vibsim.records import dataclass
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

@@ -7,6 +7,7 @@ leaving the printed values costs.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from statistics import median
 
 import numpy as np
@@ -16,7 +17,6 @@ from vibsim.fitting.plan import FitPlan
 from vibsim.fitting.reading import Candidate
 from vibsim.fitting.statement import Statement
 from vibsim.physics.sums import dot, mean, total
-from vibsim.records import dataclass
 from vibsim.sweeps.ensemble import share as share_of
 from vibsim.sweeps.points.point import Point
 

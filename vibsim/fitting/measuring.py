@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from vibsim.cases import CaseError
 from vibsim.engine.errors import EngineError
 from vibsim.fitting.statement import Asked
-from vibsim.records import dataclass
 from vibsim.results.recording import MemorySink, Recording
 from vibsim.results.result import Result
 from vibsim.sweeps.points.point import Point, described_bug

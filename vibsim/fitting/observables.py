@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +14,6 @@ from vibsim.analysis.holds import BAND, LEAST_TURNS, TURNS
 from vibsim.engine.section import has_section
 from vibsim.fitting import measures as by
 from vibsim.fitting.measures import NONE, Measure
-from vibsim.records import dataclass
 from vibsim.sweeps.computations.capture_verdict import VERDICTS as CAPTURES
 from vibsim.sweeps.computations.regime_label import VERDICTS as REGIMES
 

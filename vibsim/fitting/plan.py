@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +16,6 @@ from vibsim.fitting.free_parameter import FreeParameter
 from vibsim.fitting.measuring import Task, Work
 from vibsim.fitting.reading import PRINTED, Candidate
 from vibsim.fitting.statement import Asked, Statement
-from vibsim.records import dataclass
 from vibsim.sweeps.plan.members import Members
 
 if TYPE_CHECKING:

@@ -5,6 +5,7 @@ It is judged beside what a search finds.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from vibsim.cases.keys import UnknownKeyError
@@ -13,7 +14,6 @@ from vibsim.cases.quantities import Quantity
 from vibsim.fitting.errors import FitError
 from vibsim.fitting.free_parameter import LEAVE, FreeParameter
 from vibsim.physics.elementary import log10
-from vibsim.records import dataclass
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

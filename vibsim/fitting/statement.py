@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from vibsim.fitting.bounds import Bounds
 from vibsim.fitting.observables import OBSERVABLES, Observable
-from vibsim.records import dataclass
 from vibsim.results.windows import Window
 
 MOST = 0.8  # share of the starts from which a statement should hold, unless it says otherwise

@@ -1,14 +1,13 @@
 """Arrays with names, units and dimensions, as they stand in a result file."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from vibsim.files.declarations import Column, Dataset
-from vibsim.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """Arrays over several dimensions as a tidy table: one row per point, coordinates in columns."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cached_property
 from math import prod
 
@@ -9,7 +10,6 @@ import numpy as np
 from vibsim.files.declarations import Column
 from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.words import words_of
-from vibsim.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ sticks there to the bit.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import isfinite, isnan
 
 import numpy as np
@@ -14,7 +15,6 @@ import numpy as np
 from vibsim.engine.errors import EngineError
 from vibsim.orbits.errors import NotConverged, OrbitError
 from vibsim.orbits.return_map import Return, ReturnMap
-from vibsim.records import dataclass
 
 STEPS, HALVINGS = 40, 12
 EPS = 2.0**-53

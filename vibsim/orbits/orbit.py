@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -16,7 +16,6 @@ from vibsim.orbits.measures import energy_of, points_of
 from vibsim.orbits.multipliers import exponents_of, multipliers_of, sides_of_circle
 from vibsim.orbits.sliding import sliding_margin
 from vibsim.orbits.word import Word, cyclic, spelled
-from vibsim.records import dataclass
 
 if TYPE_CHECKING:
     from vibsim.cases.case import Case

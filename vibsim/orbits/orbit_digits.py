@@ -6,7 +6,7 @@ the same digits, so the multipliers are as right as the orbit, but for their con
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import log10
 from typing import Any
 
@@ -23,7 +23,6 @@ from vibsim.physics.modes import EVENT_NAMES, IMPACTS
 from vibsim.physics.number_kits import DigitsKit, number_kit, one_precision
 from vibsim.physics.numbers import Number
 from vibsim.physics.working_precision import MOST_DIGITS
-from vibsim.records import dataclass
 
 GUARD = 15  # digits beyond those asked for: what components much smaller than the largest need
 PIECES = 4096

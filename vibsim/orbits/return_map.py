@@ -10,6 +10,7 @@ which has lost the multiplier 1 that a shift along the orbit brings.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import inf, isfinite
 
 import numpy as np
@@ -23,7 +24,6 @@ from vibsim.orbits.start import placed
 from vibsim.orbits.turning import MANY, returns, slowest_period
 from vibsim.orbits.word import Word, in_order, word_of
 from vibsim.physics.parts import Scene
-from vibsim.records import dataclass
 
 TRIES = 20  # of the time of return
 STILL = 1e-150  # rate of a pinned component (SI) that no disturbance can be divided by

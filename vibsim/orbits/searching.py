@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +17,6 @@ from vibsim.orbits.return_map import ReturnMap
 from vibsim.orbits.settling import course_of, likely_periods
 from vibsim.orbits.start import placed
 from vibsim.physics.parts import Scene
-from vibsim.records import dataclass
 
 if TYPE_CHECKING:
     from vibsim.cases.case import Case

@@ -7,12 +7,12 @@ body that springs bring back is 0, at its least or its greatest displacement, wh
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import pi
 
 from vibsim.orbits.errors import NoSection
 from vibsim.physics.parts import Link, Scene, Stop, columns_of
 from vibsim.physics.period import Period, common_period
-from vibsim.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ chattering oscillator they are right to 1e-13 by its force and mass, to 1e-9 by 
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from os import PathLike
 from typing import TYPE_CHECKING
 
@@ -19,7 +20,6 @@ from vibsim.orbits.coordinates import component_names
 from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.parameter_slopes import NotFollowed, parameter_slopes
 from vibsim.orbits.scene_slopes import sloped_scene
-from vibsim.records import dataclass
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +16,6 @@ from vibsim.orbits.turning import returns, slowest_period
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene
 from vibsim.physics.rates import source_period
-from vibsim.records import dataclass
 
 if TYPE_CHECKING:
     from vibsim.results.result import Result

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from vibsim.orbits.multipliers import ON_CIRCLE
-from vibsim.records import dataclass
 
 if TYPE_CHECKING:
     from vibsim.orbits.orbit import Orbit

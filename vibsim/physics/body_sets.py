@@ -5,10 +5,10 @@ place; any other may drift. Coordinates of a motion without its drift are those 
 """
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any
 
 from vibsim.physics.parts import GROUND, Scene
-from vibsim.records import dataclass
 
 
 @dataclass(frozen=True)

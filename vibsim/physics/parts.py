@@ -6,13 +6,12 @@ the relative displacement is x_P - x_Q and the relative velocity v_P - v_Q. Numb
 engines; runs of many digits put other number types in.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import ceil
 from typing import Any, Generic
 
 from vibsim.physics.numbers import N
 from vibsim.physics.sampling import Sampled
-from vibsim.records import dataclass
 
 GROUND, BASE = -1, -2
 EXTENSION, COMPRESSION = 1, -1  # sense of a stop: it acts where x_Q - x_P, or x_P - x_Q, exceeds its gap

@@ -1,5 +1,6 @@
 """The period of what drives a scene from outside: of all its harmonics together, where there is one."""
 
+from dataclasses import dataclass
 from fractions import Fraction
 from math import lcm
 from typing import Any, overload
@@ -7,7 +8,6 @@ from typing import Any, overload
 import numpy as np
 
 from vibsim.physics.parts import Scene
-from vibsim.records import dataclass
 
 MOST = 1000  # largest denominator of a ratio of frequencies that counts as exact
 EXACT = Fraction(1, 2**100)  # relative: a frequency is a double-double of 107 bits

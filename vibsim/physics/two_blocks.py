@@ -4,6 +4,7 @@ Parts missing from the scene are None and add no terms. The fields are floats; r
 precision put other number types in. The engines read `as_parts()`.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
 from vibsim.physics.parts import (
@@ -21,7 +22,6 @@ from vibsim.physics.parts import (
     Stop,
 )
 from vibsim.physics.sampling import Sampled
-from vibsim.records import dataclass
 
 Number = Any  # float, flint.arb or mpmath.mpf: the engines are duck-typed
 

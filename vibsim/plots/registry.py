@@ -8,12 +8,12 @@ read this table.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from vibsim.cases.spelling import nearest
 from vibsim.lazy_names import named
 from vibsim.plots.errors import PlotError
-from vibsim.records import dataclass
 
 if TYPE_CHECKING:
     from vibsim.plots.subject import Subject

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vibsim.plots.errors import PlotError
 from vibsim.plots.page.user_text import as_text
-from vibsim.records import dataclass
 
 if TYPE_CHECKING:
     from vibsim.physics.parts import Scene

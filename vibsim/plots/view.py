@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from vibsim.plots.errors import PlotError
-from vibsim.records import dataclass
 
 Span = tuple[float, float]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
@@ -20,7 +21,6 @@ from vibsim.plots.page.user_text import as_text
 from vibsim.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, PINK, SKY, VERMILLION, points
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
-from vibsim.records import dataclass
 
 HEIGHT_CM = 8.5
 LEADS = 2  # peers that an arrow says the distance of

@@ -1,14 +1,13 @@
 """The columns of a trajectory: what each is called, its unit and its meaning, the same in every file."""
 
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from vibsim.engine.columns import before_columns, flags_of_parts, part_columns
 from vibsim.files.declarations import Column
 from vibsim.physics.modes import EVENT_KINDS, RIGID_KINDS
 from vibsim.physics.parts import Scene, columns_of
-from vibsim.records import dataclass
 
 TIMES = {
     "time": Column("s", "time"),

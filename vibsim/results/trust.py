@@ -3,6 +3,7 @@
 import time
 from collections import deque
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from functools import partial
 from math import inf
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -10,7 +11,6 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import numpy as np
 
 from vibsim.physics.parts import Scene
-from vibsim.records import dataclass
 from vibsim.results.columns import tables_of
 from vibsim.results.trust_companion import Companion, GoOn, companion_scene, described
 from vibsim.results.trust_estimate import ErrorEstimate

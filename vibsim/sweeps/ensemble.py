@@ -1,9 +1,10 @@
 """What the members of an ensemble have in common: means and quantiles, and probabilities with intervals."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from vibsim.physics.sums import total
-from vibsim.records import dataclass
 
 CONFIDENT = 1.959963984540054  # standard deviations either side that hold 95 % of a normal distribution
 

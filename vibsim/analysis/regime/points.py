@@ -11,6 +11,7 @@ is evidence against evidence, and so is another where it does. What is judged is
 is told apart only where it hides how points follow.
 """
 
+from dataclasses import dataclass
 from math import isnan
 
 import numpy as np
@@ -26,7 +27,6 @@ from vibsim.analysis.regime.recurrence import (
 )
 from vibsim.analysis.regime.zero_one_test import zero_one
 from vibsim.analysis.verdicts import RegimeVerdict, name_verdict
-from vibsim.records import dataclass
 
 REGULAR, CHAOTIC = 0.1, 0.9  # |K| of the 0-1 test below, K above
 FEWEST = 200  # points that the 0-1 test needs: with fewer, K of a regular motion strays up to 0.5

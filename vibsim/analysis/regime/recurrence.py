@@ -1,10 +1,9 @@
 """Does a section repeat itself after k points, since when, and is it still on its way there?"""
 
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-
-from vibsim.records import dataclass
 
 TOLERANCE = 1e-3  # of the vibration, within which points are the same
 EXACT = 1e-8  # closer than this, no trend can be asked of rounding errors

@@ -9,7 +9,7 @@ vibration. What moves less than the share LEAST of the largest vibration is meas
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -21,7 +21,6 @@ from vibsim.physics.body_sets import body_sets, joined_pairs
 from vibsim.physics.parts import Scene, columns_of
 from vibsim.physics.sines import sine_cosine
 from vibsim.physics.sums import mean
-from vibsim.records import dataclass
 from vibsim.results.relative_motion import RelativeMotion
 from vibsim.results.restart import states_at
 from vibsim.results.result import Result

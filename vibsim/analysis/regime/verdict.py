@@ -1,7 +1,7 @@
 """The regime of a run: periodic, quasi-periodic, chaotic, or something less settled, and what says so."""
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from math import isfinite
 
 import numpy as np
@@ -17,7 +17,6 @@ from vibsim.engine.columns import state_columns
 from vibsim.engine.section import has_section
 from vibsim.orbits.multipliers import exponents_of
 from vibsim.physics.rates import is_driven
-from vibsim.records import dataclass
 from vibsim.results.result import Result
 from vibsim.results.windows import Window, pieces, rows_within
 

@@ -1,11 +1,11 @@
 """A case of parts as far as it can be read: what the rules look at before all of it is known to be right."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from vibsim.cases.parts.ends import Ends
 from vibsim.cases.quantities import Quantity
-from vibsim.records import dataclass
 
 JOINING = ("links", "stops", "friction", "clearances")  # sections of parts with two ends
 PARTS = ("links", "stops", "friction", "forces", "clearances")

@@ -1,10 +1,10 @@
 """The two ends of a part, as written: `between: [ram, ground]`."""
 
+from dataclasses import dataclass
 from typing import Any
 
 from vibsim.cases.kinds import Single
 from vibsim.cases.problems import shown
-from vibsim.records import dataclass
 
 GROUND, BASE = "ground", "base"
 NO_BODIES = (GROUND, BASE)  # ends that are no bodies

@@ -1,12 +1,12 @@
 """Laws of dry friction as a case writes them: the coefficients of each law, and the forces that they make."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 from vibsim.cases.parts.draft import Draft, Finding
 from vibsim.physics.friction_laws import EXPONENTIAL, HYPERBOLIC
-from vibsim.records import dataclass
 
 COULOMB = "coulomb"
 SIDES = ("plus", "minus")  # of v_rel: keys that hold the coefficients of one direction each

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,6 @@ from vibsim.command_line.terminal.printing import print_json, say
 from vibsim.command_line.terminal.progress import PATIENCE, Progress
 from vibsim.command_line.text.quantities import size
 from vibsim.files.signals import interrupted_with
-from vibsim.records import dataclass
 
 Watch = Callable[..., bool]  # told the number of points; whether to go on
 

@@ -1,6 +1,7 @@
 """What `vibsim orbit` does: read, find, refine, store, print."""
 
 from contextlib import closing, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,6 @@ from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.orbit_file import save_orbit
 from vibsim.orbits.searching import search_attempts
 from vibsim.orbits.seeking import orbit
-from vibsim.records import dataclass
 from vibsim.results import Result, is_result_file, kind_of
 
 

@@ -2,7 +2,7 @@
 
 import json
 import os
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,6 @@ from vibsim.command_line.text.summary import case_lines, heading, print_lines
 from vibsim.files.errors import ResultFileError
 from vibsim.files.output_file import check_output
 from vibsim.opening import open_result
-from vibsim.records import dataclass
 from vibsim.results import is_result_file, kind_of
 
 if TYPE_CHECKING:

@@ -1,12 +1,12 @@
 """The options that every command has: -v, -q, --json, --color. They may stand before or after its name."""
 
 import os
+from dataclasses import dataclass
 from typing import Any
 
 import click
 
 from vibsim.command_line.options.parameters import OneOf
-from vibsim.records import dataclass
 
 
 @dataclass

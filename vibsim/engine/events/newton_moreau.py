@@ -11,11 +11,11 @@ elastic stops have finite forces and give no impulse.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Generic
 
 from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Motor, Scene
-from vibsim.records import dataclass
 
 ROUNDING = 8  # roundings of a sum of a few products, in units of eps
 NEAR = 64  # units in the last place of the time or of displacements, below which zeros may be one or none

@@ -21,7 +21,7 @@ w (1 / a + 1 / sqrt(a b)) / (1 - e sqrt(b / a)), some 1e-7 s, which is told.
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from math import inf
 from typing import TYPE_CHECKING, Generic
 
@@ -44,7 +44,6 @@ from vibsim.engine.modes.ties import Edge, Groups, Tie
 from vibsim.engine.state import State
 from vibsim.physics.numbers import N, abs
 from vibsim.physics.parts import AT_FORCE, RigidStop
-from vibsim.records import dataclass
 
 if TYPE_CHECKING:
     from vibsim.engine.events.automaton import Automaton

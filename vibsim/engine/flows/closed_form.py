@@ -6,6 +6,7 @@ between them.
 """
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Generic
 
 from vibsim.engine.events.certificate import Certificate
@@ -19,7 +20,6 @@ from vibsim.engine.modes.rows import Event, EventKey, Known, ModeRows
 from vibsim.engine.state import State
 from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Force, Harmonic, Scene
-from vibsim.records import dataclass
 
 JET_ORDER = 9  # derivatives taken at the start of a segment: enough for a zero of order 6
 

@@ -13,7 +13,7 @@ series.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Generic
 
 from vibsim.engine.flows.magnitudes import magnitudes, size_of
@@ -21,7 +21,6 @@ from vibsim.engine.flows.matrices import Matrix, cholesky, inverse_triangular, j
 from vibsim.engine.modes.ties import Edge
 from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import Harmonic, Scene
-from vibsim.records import dataclass
 
 if TYPE_CHECKING:
     from vibsim.engine.modes.rows import Coupling, ModeRows

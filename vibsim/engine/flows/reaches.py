@@ -8,13 +8,13 @@ is a sum over what the segment starts from, of which each mode knows the weights
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Generic
 
 from vibsim.engine.flows.modal import Modal
 from vibsim.engine.flows.responses import UNHURRIED, Oscillator
 from vibsim.engine.modes.rows import ACCELERATION, COUPLING, DIFFERENCE, RATE, Event, ModeRows, Term
 from vibsim.physics.numbers import Kit, N, abs
-from vibsim.records import dataclass
 
 if TYPE_CHECKING:
     from vibsim.engine.flows.closed_form import Constants

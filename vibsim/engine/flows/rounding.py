@@ -11,11 +11,11 @@ Steps far from every zero need no more than the plain one; `reaches.py` tells ho
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Generic
 
 from vibsim.engine.flows.responses import QUARTER, Oscillator, Responses
 from vibsim.physics.numbers import N, abs
-from vibsim.records import dataclass
 
 if TYPE_CHECKING:
     from vibsim.engine.flows.closed_form import ClosedForm

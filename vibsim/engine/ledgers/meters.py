@@ -14,7 +14,7 @@ A meter adds factor times an integral over each stretch of the mode to one entry
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Generic
 
 from vibsim.engine.modes.rows import COUPLING, FALL, HOLD, Event, Falling, ModeRows, RowMaker, Term, Terms
@@ -22,7 +22,6 @@ from vibsim.engine.modes.status import CONTACT, STICK, Status
 from vibsim.engine.modes.ties import Edge, Groups, Tie, beyond
 from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import AT_FORCE, Friction, Scene
-from vibsim.records import dataclass
 
 SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB = range(7)
 NOTHING = -1

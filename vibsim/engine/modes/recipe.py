@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from vibsim.engine.flows.modal import modal_of, pitches
@@ -17,7 +18,6 @@ from vibsim.engine.modes.rows import EventKey, RowMaker
 from vibsim.engine.modes.status import Status
 from vibsim.physics.parts import Scene
 from vibsim.physics.recorded_numbers import NotRecorded, Record, Recorded, RecordedNumbers
-from vibsim.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ Columns are the bodies in order, then ground and base.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Generic, Protocol
 
 from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Status
@@ -34,7 +34,6 @@ from vibsim.physics.parts import (
     Scene,
     Stop,
 )
-from vibsim.records import dataclass
 
 if TYPE_CHECKING:
     from vibsim.engine.flows.closed_form import ModalMotion

@@ -1,8 +1,9 @@
 """What C is told of an event beforehand: the mode behind it, where that is simple."""
 
+from dataclasses import dataclass
+
 from vibsim.engine.modes.rows import EventKey
 from vibsim.engine.modes.status import Status
-from vibsim.records import dataclass
 
 ASK, CROSS, STAND, STRUCK, BEAR = range(5)  # kinds of rules, as in driver.c; ASK: Python decides
 

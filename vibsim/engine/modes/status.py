@@ -3,8 +3,7 @@ scene.
 """
 
 from collections.abc import Mapping
-
-from vibsim.records import dataclass
+from dataclasses import dataclass
 
 OPEN, CONTACT, LIFTED = 0, 1, 2  # a stop; LIFTED: depth above zero, but the damper would have to pull
 RESTING = 3  # a rigid stop; the others of these are open

@@ -9,11 +9,11 @@ all ties across it slip or open.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import combinations
 from typing import Generic
 
 from vibsim.physics.numbers import N
-from vibsim.records import dataclass
 
 Edge = tuple[int, int]  # columns of P and Q
 Tie = tuple[int, int, int]  # number, columns of P and Q

@@ -18,6 +18,7 @@ part: their rates are 0, disturbed or not. S is unbounded as the approach become
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Generic
 
 from vibsim.engine.events.newton_moreau import Contact, Impulse, coupling, masses, solved
@@ -28,7 +29,6 @@ from vibsim.engine.modes.status import OPEN, RESTING
 from vibsim.engine.state import State
 from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import Scene
-from vibsim.records import dataclass
 
 Blow = Sequence[tuple[Contact[N], Impulse[N]]]  # the stops that passed an impulse, and these
 

@@ -5,7 +5,7 @@ found.exponents, found.growth, found.rank_losses
 """
 
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from math import nan
 from typing import Any
 
@@ -14,7 +14,6 @@ import numpy as np
 from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import Scene
-from vibsim.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ rigid stop, or strikes several at one instant, has no such derivative: that is t
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 from math import isfinite, nan
 from typing import TYPE_CHECKING, Any
@@ -31,7 +31,6 @@ from vibsim.engine.tangent.tangent_space import length
 from vibsim.physics.modes import EVENT_NAMES
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
-from vibsim.records import dataclass
 
 if TYPE_CHECKING:
     from vibsim.engine.c_engine import CRun

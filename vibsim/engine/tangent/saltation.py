@@ -19,6 +19,7 @@ on without a jump, so f+ - f- consists of accelerations; for impacts see `impact
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Generic, Protocol
 
 from vibsim.engine.events.certificate import Certificate
@@ -33,7 +34,6 @@ from vibsim.engine.tangent.impact_saltation import Undefined, impact_saltation
 from vibsim.engine.tangent.tangent_taylor import TaylorTangent
 from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import Friction, Scene, Stop
-from vibsim.records import dataclass
 
 Forces = list[tuple[int, int, N | int]]  # of parts between P and Q: on P, the opposite on Q [N]
 Accelerations = tuple[list[N], N]  # of bodies [m/s^2] and rotor [rad/s^2]

@@ -7,13 +7,13 @@ of the shortest period of the motion, beyond which the blocks are doing somethin
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from decimal import Decimal
 
 import numpy as np
 
 from vibsim.evidence.verification.event_matching import Event, match_events, reach
 from vibsim.physics.modes import EVENT_KINDS, EVENT_NAMES
-from vibsim.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ A new peer is one entry here and one module in `vibsim.evidence.peers`. Nothing 
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
 
@@ -13,7 +14,6 @@ from vibsim.evidence.benchmark.errors import BenchError
 from vibsim.evidence.peers.tolerances import SHARE, TIGHTEST
 from vibsim.lazy_names import named
 from vibsim.physics.parts import Scene
-from vibsim.records import dataclass
 
 Setting = tuple[str, Mapping[str, Any]]  # as shown, as given to the peer
 

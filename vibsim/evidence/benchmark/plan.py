@@ -1,6 +1,7 @@
 """What a bench is to do: which case over which span, compared when, by whom, for how long at most."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil
 
@@ -11,7 +12,6 @@ from vibsim.cases.quantities import decimal_text
 from vibsim.cases.resolved import fingerprint
 from vibsim.evidence.benchmark.errors import BenchError
 from vibsim.evidence.benchmark.families import Family, families_named
-from vibsim.records import dataclass
 
 LONGEST = Fraction(
     100

@@ -1,12 +1,11 @@
 """One row of a bench: a method at a setting, what it took and how right it was."""
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from math import nan
 
 import numpy as np
 
 from vibsim.evidence.benchmark.event_counts import EventCount
-from vibsim.records import dataclass
 
 DONE, SLOWER, FAILED = 1, 2, 3
 STATUS_FLAGS = {"done": DONE, "slower": SLOWER, "failed": FAILED}

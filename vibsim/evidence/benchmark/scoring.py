@@ -1,7 +1,7 @@
 """An attempt judged by the truth: its error at every instant, until when it is faithful, its events."""
 
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from math import inf, nan, pi
 
 import numpy as np
@@ -11,7 +11,6 @@ from vibsim.evidence.benchmark.truth import Truth
 from vibsim.evidence.peers.attempt import Attempt
 from vibsim.physics.parts import Scene, columns_of
 from vibsim.physics.rates import natural_rates, source_rates
-from vibsim.records import dataclass
 
 FAITHFUL = 1e-3  # m: largest error of the displacements of a faithful run, a gap of the paper
 SMALL = 0.05  # of the largest displacement, where that is smaller

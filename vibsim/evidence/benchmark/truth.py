@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from math import ceil
 from typing import Any
 
@@ -10,7 +11,6 @@ import numpy as np
 from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.error_growth import error_growth
 from vibsim.evidence.benchmark.plan import Plan
-from vibsim.records import dataclass
 from vibsim.results.right_digits import DigitsPlan
 from vibsim.results.truth import TruthMemory, TruthRecording
 

@@ -1,5 +1,6 @@
 """What a bench says: who is fastest, who most accurate, and what the peers take beside vibsim."""
 
+from dataclasses import dataclass
 from math import isfinite
 
 import numpy as np
@@ -8,7 +9,6 @@ from vibsim.evidence.benchmark.bench_result import BenchResult
 from vibsim.evidence.benchmark.families import family_of
 from vibsim.evidence.benchmark.row import DONE, Row
 from vibsim.physics.modes import EVENT_KINDS, IMPACTS
-from vibsim.records import dataclass
 
 FLOOR = 2.0**-60  # m: smaller errors are rounding of the truth, 1e-18 m beside displacements of centimetres
 

@@ -1,9 +1,10 @@
 """What a peer's run comes to."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from vibsim.physics.parts import Scene
-from vibsim.records import dataclass
 
 
 @dataclass

@@ -1,6 +1,7 @@
 """What happens at a rigid stop that is struck: blows until none closes, then rest or a hop."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import inf
 
 from vibsim.evidence.peers.blow import blow
@@ -8,7 +9,6 @@ from vibsim.evidence.peers.consistent_states import States
 from vibsim.evidence.peers.instant import Instant
 from vibsim.evidence.peers.switches import BACKWARD, FORWARD, OPEN, REST, STICK
 from vibsim.physics.parts import Friction, RigidStop
-from vibsim.records import dataclass
 
 ZERO = 1e-13  # of the fastest approach: at rest but for rounding
 MOST_BLOWS = 100  # at one instant

@@ -1,9 +1,9 @@
 """The parts of a scene that have states: stops and frictions, and which states each of them has."""
 
+from dataclasses import dataclass
 from typing import Any
 
 from vibsim.physics.parts import AT_FORCE, Friction, RigidStop, Scene
-from vibsim.records import dataclass
 
 FREE, CONTACT, LIFTED = "free", "contact", "lifted"  # of an elastic stop; lifted: deep, its damper would pull
 OPEN, REST = "open", "rest"  # of a rigid stop

@@ -9,12 +9,12 @@ solved for at once; no body is merged with another.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from vibsim.evidence.peers.switches import Switch
 from vibsim.physics.parts import BASE, Scene
-from vibsim.records import dataclass
 
 DEPENDENT = 1e-10  # of the largest singular value, below which rows of ties are dependent
 

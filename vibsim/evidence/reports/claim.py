@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from vibsim.evidence.reports.quotes import Quote
-from vibsim.records import dataclass
 
 HOLDS, ONLY_IF, FAILS, OPEN = "holds", "holds only if", "does not hold", "undecided"
 VERDICTS = (HOLDS, ONLY_IF, FAILS, OPEN)

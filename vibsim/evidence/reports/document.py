@@ -5,12 +5,11 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from vibsim.evidence.reports.claim import Claim, Finding
 from vibsim.evidence.reports.quotes import Quote
-from vibsim.records import dataclass
 
 
 @dataclass(frozen=True)

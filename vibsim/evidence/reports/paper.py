@@ -10,6 +10,7 @@ DIR/numbers.json               what was measured
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
 
@@ -37,7 +38,6 @@ from vibsim.evidence.reports.text_page import render_text
 from vibsim.files.output_file import output_file, reason
 from vibsim.plots import style
 from vibsim.plots.subject import Subject
-from vibsim.records import dataclass
 from vibsim.results import Result, ResultFileError
 
 

@@ -7,6 +7,7 @@ second time, from the readings of the parameters under which the paper's account
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 from matplotlib.figure import Figure
 
@@ -21,7 +22,6 @@ from vibsim.evidence.reports.layouts import (
 from vibsim.plots.page.sheet import sheet
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
-from vibsim.records import dataclass
 
 LETTERS = "ABC"
 HERTZ = {"A": "3.5", "B": "5.5", "C": "6.5"}

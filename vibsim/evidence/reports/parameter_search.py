@@ -7,6 +7,7 @@ e contradicts it. The others leave J, c, M0 and mu; `vibsim fit` found that M0 a
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from vibsim.evidence.reports.measurements import Numbers
@@ -16,7 +17,6 @@ from vibsim.evidence.reports.without_stop import NO_STOP
 from vibsim.fitting.description import facts
 from vibsim.fitting.fitting import make_plan, run_fit
 from vibsim.fitting.plan import Search
-from vibsim.records import dataclass
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

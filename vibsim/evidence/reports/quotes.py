@@ -6,7 +6,7 @@ fingerprint in tests/evidence/reports/test_quotes.py up to date.
 
 from __future__ import annotations
 
-from vibsim.records import dataclass
+from dataclasses import dataclass
 
 
 @dataclass(frozen=True)

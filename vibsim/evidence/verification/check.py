@@ -1,9 +1,9 @@
 """A check: a named piece of the verification that computes its rows afresh."""
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 from vibsim.evidence.verification.row import Row
-from vibsim.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Runs of many digits for the stored truths, kicked or not."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from random import Random
 from typing import Any
@@ -18,7 +18,6 @@ from vibsim.evidence.verification.paper_cases import judged_case
 from vibsim.physics.modes import EVENT_NAMES
 from vibsim.physics.number_kits import DigitsKit, number_kit, one_precision
 from vibsim.physics.numbers import Number
-from vibsim.records import dataclass
 
 INSTANTS = 10  # at which states are kept, besides the start
 

@@ -1,10 +1,9 @@
 """Which events of a run are those of the truth, which are missed and which are spurious."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from decimal import Decimal
 from math import inf
-
-from vibsim.records import dataclass
 
 Event = tuple[str, Decimal]  # kind, time [s]
 Window = tuple[Decimal, Decimal]

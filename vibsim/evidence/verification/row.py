@@ -1,9 +1,8 @@
 """One row of the verification: a number as expected and as obtained, its error and the bound of it."""
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from math import inf
-
-from vibsim.records import dataclass
 
 
 @dataclass(frozen=True)

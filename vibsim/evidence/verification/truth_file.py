@@ -5,13 +5,13 @@ fingerprint of its case: a case that has changed since has no truth.
 """
 
 import json
+from dataclasses import dataclass
 from decimal import Decimal
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from vibsim.evidence.verification.event_matching import Event, Window
-from vibsim.records import dataclass
 
 
 class TruthError(Exception):

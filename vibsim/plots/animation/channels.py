@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from vibsim.engine.columns import part_columns
@@ -19,7 +21,6 @@ from vibsim.plots.motion.impacts import PUSHING, impact_events
 from vibsim.plots.motion.spans import period_of
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span
-from vibsim.records import dataclass
 from vibsim.results.relative_motion import base_motion
 
 FLASH = 0.15  # seconds of the film that an impact is seen

@@ -9,14 +9,12 @@ coefficients. Films and pages draw from the same list.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from matplotlib.colors import to_hex
 from matplotlib.patches import Circle, FancyBboxPatch, Rectangle
-
-from vibsim.records import dataclass
 
 ROUND = np.linspace(0, 2 * np.pi, 25)  # corners of a circle
 

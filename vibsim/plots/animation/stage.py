@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from vibsim.plots.machine.elements import BASE, FIXED, Element
 from vibsim.plots.machine.layout import LANE_CM, Layout, layout
-from vibsim.records import dataclass
 
 TRAVEL_CM = 1.8  # that the widest relative motion, or gap, takes
 NOSE_CM = 0.35  # from the end of a stop's left body to its bumper

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,7 +20,6 @@ from vibsim.plots.errors import PlotError
 from vibsim.plots.motion.samples import window_of
 from vibsim.plots.subject import open_subject
 from vibsim.plots.view import Span
-from vibsim.records import dataclass
 
 if TYPE_CHECKING:
     from vibsim.plots.animation.film import Film

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
@@ -13,7 +14,6 @@ from matplotlib.lines import Line2D
 from vibsim.branches.course import drawn, stretches
 from vibsim.branches.energy import ENERGY
 from vibsim.plots.style import BLACK
-from vibsim.records import dataclass
 
 WIDTH, DASHES = 1.0, (0, (3, 1.5))
 LINE = 0.9  # width of the strokes of marks without an area, and at others 0.2 less [pt]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,6 @@ from vibsim.plots.branches.motor_lines import LoadCurve, MotorLine, crossings
 from vibsim.plots.branches.values import parameter_of
 from vibsim.plots.motion.natural_frequencies import motor_of
 from vibsim.plots.style import VERMILLION, points
-from vibsim.records import dataclass
 
 NEAR = 0.01  # of the parameter's range: how far the branch may go on unstable before it turns back
 FAR = 0.05  # of the speeds drawn: a leap that can be seen

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -15,7 +16,6 @@ from vibsim.plots.branches.values import Value, mean_speed_of, parameter_of
 from vibsim.plots.motion.natural_frequencies import motor_of
 from vibsim.plots.page.quantities import Scale
 from vibsim.plots.style import GREY, points
-from vibsim.records import dataclass
 
 FONT_SIZE = 6.5
 PLACES = 120  # on a line that are tried for its name

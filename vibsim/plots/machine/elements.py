@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
-
-from vibsim.records import dataclass
 
 GROUND, BASE = "ground", "base"
 FIXED = (GROUND, BASE)

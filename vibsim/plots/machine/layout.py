@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 from vibsim.plots.machine.elements import (
@@ -15,7 +15,6 @@ from vibsim.plots.machine.elements import (
     motor_label,
     source_labels,
 )
-from vibsim.records import dataclass
 
 LANE_CM = 1.15  # height that an element takes, with its labels
 LEAST_HEIGHT_CM = 1.3

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 from vibsim.physics import rates
 from vibsim.physics.parts import GROUND, Motor, Scene
 from vibsim.physics.two_blocks import is_papers
-from vibsim.records import dataclass
 
 MOST = 6  # natural frequencies that are named
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,6 @@ from vibsim.plots.errors import PlotError
 from vibsim.plots.motion.relative_motion import difference, stop_label, stop_position, stops_between
 from vibsim.plots.motion.trace import Plane
 from vibsim.plots.subject import Subject
-from vibsim.records import dataclass
 from vibsim.results.closing_velocity import IMPACT_CODES
 from vibsim.results.relative_motion import RelativeMotion
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from vibsim.analysis.dominant_frequencies import displacement, fastest, motions_of, spectrum_of, without_line
@@ -9,7 +11,6 @@ from vibsim.plots.errors import PlotError
 from vibsim.plots.motion.samples import rows
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span
-from vibsim.records import dataclass
 
 FEWEST = 64  # samples of a piece
 OVERLAP = 0.75  # of a piece with the next

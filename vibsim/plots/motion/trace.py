@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,6 @@ from vibsim.plots.page.quantities import Scale
 from vibsim.plots.page.sheet import above_wider
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span
-from vibsim.records import dataclass
 
 Block = Mapping[str, np.ndarray]
 Plane = Callable[[Block], tuple[np.ndarray, np.ndarray]]

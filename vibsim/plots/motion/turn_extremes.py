@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,6 @@ from vibsim.plots.motion.samples import blocks
 from vibsim.plots.motion.spans import PERIODS_AT_MOST
 from vibsim.plots.motion.turns import turn_times
 from vibsim.plots.view import Span
-from vibsim.records import dataclass
 
 PER_TURN = 16  # instants evaluated in a turn where the samples are too few
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
@@ -12,7 +12,6 @@ from matplotlib.axes import Axes
 from matplotlib.transforms import Bbox
 
 from vibsim.plots.style import points
-from vibsim.records import dataclass
 
 FONT_SIZE = 6.5
 APART = 4.0  # pt between a point and its curve's name

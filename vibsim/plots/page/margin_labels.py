@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from vibsim.plots.style import GREY, points
-from vibsim.records import dataclass
 
 LINE_HEIGHT = 1.25  # of a label, in font sizes
 FONT_SIZE = 6.5

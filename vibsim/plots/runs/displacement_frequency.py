@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,6 @@ from vibsim.plots.runs.phase import moving
 from vibsim.plots.style import BLUE, overlay
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span, View
-from vibsim.records import dataclass
 
 LOOPS_UP_TO = 40  # turns that are seen as loops; of more, the extremes of each
 HERTZ = Scale(1.0, "Hz")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,6 @@ from vibsim.plots.page.sheet import legend_above, letter_panels, note, sheet, ti
 from vibsim.plots.style import BLUE, GREY, overlay
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span, View
-from vibsim.records import dataclass
 from vibsim.results.closing_velocity import closing_velocities
 
 BINS = 40

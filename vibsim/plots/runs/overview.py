@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -22,7 +22,6 @@ from vibsim.plots.runs.velocity import VELOCITY
 from vibsim.plots.style import points
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
-from vibsim.records import dataclass
 
 PANEL_CM = 5.2
 BESIDE_CM = 10.5  # width of a machine up to which the portrait has room beside it

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,6 @@ from vibsim.plots.runs.drift import drift_rate
 from vibsim.plots.style import BLUE, overlay
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span, View
-from vibsim.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -27,7 +28,6 @@ from vibsim.plots.page.sheet import (
 from vibsim.plots.style import GREY, SHADE, THIN, nested, overlay
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span, View
-from vibsim.records import dataclass
 
 SINGLE_MARKS = 120  # impacts in a detail up to which each gets its own mark on the curves
 

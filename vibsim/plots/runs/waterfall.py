@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -16,7 +17,6 @@ from vibsim.plots.page.sheet import note, sheet
 from vibsim.plots.style import BLUE
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
-from vibsim.records import dataclass
 
 MOST = 40  # spectra
 HEIGHT = 6.0  # of the largest line, in distances between spectra

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import groupby, product
 from typing import Any
 
@@ -21,7 +21,6 @@ from vibsim.plots.style import BLUE, VERMILLION, overlay
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweeps.axes import along, label_of, numbers, positions, shown, value_texts
 from vibsim.plots.view import View
-from vibsim.records import dataclass
 from vibsim.sweeps.ensemble import quantile, summary
 
 TUNING = {  # what natural frequencies depend on, in either form of a case

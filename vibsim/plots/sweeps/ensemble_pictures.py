@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from matplotlib.figure import Figure
 
@@ -10,7 +11,6 @@ from vibsim.plots.subject import Subject
 from vibsim.plots.sweeps.map_sheet import map_sheet
 from vibsim.plots.sweeps.plane import plane_of
 from vibsim.plots.view import View
-from vibsim.records import dataclass
 
 Picture = Callable[[Subject, View], Figure]
 

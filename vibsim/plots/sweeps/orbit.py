@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -20,7 +20,6 @@ from vibsim.plots.sweeps.curves import Curve, alone, curves, limit
 from vibsim.plots.sweeps.lyapunov import exponent_label, exponent_note, exponent_panel, has_exponents
 from vibsim.plots.sweeps.panels import CurvePanels, curve_panels, label_outer
 from vibsim.plots.view import View
-from vibsim.records import dataclass
 
 VECTOR_UP_TO = 20_000  # points: more are pixels in a PDF or SVG
 PANEL_CM, LONE_CM, PANEL_WIDTH_CM = 3.5, 4.2, 5.4

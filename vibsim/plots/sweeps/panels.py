@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,6 @@ from vibsim.plots.page.sheet import letter_panels, sheet
 from vibsim.plots.style import points
 from vibsim.plots.sweeps.curves import Curve, families
 from vibsim.plots.view import View
-from vibsim.records import dataclass
 
 PANEL_WIDTH_CM = 7.0  # at least
 PAGE_CM = 23.0  # what a journal leaves of a page for a picture

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,6 @@ from matplotlib.axes import Axes
 
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweeps.axes import along, ascending, label_of, numbers
-from vibsim.records import dataclass
 from vibsim.sweeps.statistics.columns import FAILED, MISSING
 
 

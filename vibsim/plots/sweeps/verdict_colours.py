@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,7 +15,6 @@ from vibsim.plots.page.sheet import legend_below
 from vibsim.plots.sweeps.axes import shown
 from vibsim.plots.sweeps.plane import Plane
 from vibsim.plots.view import View
-from vibsim.records import dataclass
 
 FEW = 400  # points that a panel holds at full size
 

@@ -4,13 +4,13 @@ Each computation is made for one run, is shown its blocks from the transient's e
 """
 
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 from vibsim.cases.spelling import did_you_mean
 from vibsim.engine.tangent.tangent_space import dimension as exponents
 from vibsim.engine.trajectory import Block
 from vibsim.physics.parts import Scene
-from vibsim.records import dataclass
 from vibsim.sweeps.computations import (
     capture_verdict,
     certificate,

@@ -1,7 +1,8 @@
 """What a computation of one run is made for."""
 
+from dataclasses import dataclass
+
 from vibsim.physics.parts import Scene
-from vibsim.records import dataclass
 from vibsim.sweeps.statistics.quantities import Quantities
 
 

@@ -1,7 +1,7 @@
 """One axis of a sweep: a key of the case and the exact values it takes, in the order they are written."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -14,7 +14,6 @@ from vibsim.cases.problems import CaseError
 from vibsim.cases.quantities import decimal_text, exact_number
 from vibsim.cases.ranges import RangeError, RangeValue, parse_range
 from vibsim.cases.units import UNITS, find_unit, si_unit
-from vibsim.records import dataclass
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

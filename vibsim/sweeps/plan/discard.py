@@ -1,9 +1,9 @@
 """How much of a point's run is left out of its statistics: the transient."""
 
+from dataclasses import dataclass
 from fractions import Fraction
 
 from vibsim.cases.quantities import QuantityError, decimal_text, parse_quantity
-from vibsim.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,12 @@
 """The axis of an ensemble: members that begin differently, each drawn from the seed and its own number."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.records import dataclass
 from vibsim.sweeps.plan.axis import Axis
 from vibsim.sweeps.plan.spread import Spread, SpreadError, read_spread
 

@@ -5,11 +5,11 @@ It is small plain data, sent along with every batch of points; the axes, which m
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from vibsim.records import dataclass
 from vibsim.sweeps.plan.discard import Discard
 from vibsim.sweeps.statistics.quantities import Quantities, quantities_of
 

@@ -6,6 +6,7 @@ v1=normal 2 mm/s    normal about the case's value, with that standard deviation
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
@@ -15,7 +16,6 @@ import numpy as np
 from vibsim.cases.keys import UnknownKeyError, measured_at
 from vibsim.cases.quantities import Quantity, QuantityError, decimal_text, exact_number, parse_quantity
 from vibsim.cases.units import UNITS
-from vibsim.records import dataclass
 from vibsim.sweeps.plan.axis import read_axis, scale_name
 
 if TYPE_CHECKING:

@@ -6,6 +6,7 @@
 import hashlib
 import json
 from collections.abc import Iterator
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import product
@@ -13,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 
 from vibsim.cases.quantities import Quantity
 from vibsim.files.declarations import Column
-from vibsim.records import dataclass
 from vibsim.sweeps.computations.registry import COMPUTATIONS, length_of
 from vibsim.sweeps.plan.axis import Axis
 from vibsim.sweeps.plan.discard import HALF, Discard

@@ -5,8 +5,8 @@ pieces have nothing to do with each other.
 """
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
-from vibsim.records import dataclass
 from vibsim.sweeps.plan.recipe import Recipe, Start
 from vibsim.sweeps.plan.sweep_plan import Index
 from vibsim.sweeps.points.point import Point, compute_point

@@ -3,7 +3,7 @@
 import time
 import traceback
 from collections.abc import Callable, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,6 @@ from vibsim.engine.section import has_section
 from vibsim.engine.trajectory import Block
 from vibsim.physics.parts import Scene
 from vibsim.physics.rates import source_rates
-from vibsim.records import dataclass
 from vibsim.sweeps.computations.registry import COMPUTATIONS, Computation
 from vibsim.sweeps.computations.task import Task
 from vibsim.sweeps.plan.recipe import Recipe, Start

@@ -5,12 +5,12 @@ blocks: x1, x2, and `relative` for x1 - x2, or for x1 where block 2 is fixed.
 """
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from vibsim.engine.columns import state_columns
 from vibsim.physics.parts import GROUND, Link, RigidStop, Scene, Stop, columns_of
 from vibsim.physics.rates import is_driven
-from vibsim.records import dataclass
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
