@@ -83,11 +83,11 @@ def test_sticks_of_a_motion_that_is_not_symmetric(coulomb):
 
 
 def test_what_of_a_stick_is_followed():
-    """A reversal of one friction that becomes a stick, or the other way; no touch, no two at once."""
+    """A reversal of one friction that becomes a stick, or the other way, one or more at once; no touch."""
     r, s, u = (("reversal", 0), ("stick_begin", 0), ("stick_end", 0))
     other = ("reversal", 1)
-    assert held((r, other), (other, s, u)) == held((s, u), (r,)) == 0
-    assert held((), (s, u)) is held((r, r), (s, u, s, u)) is held((other,), (s, u)) is None
+    assert held((r, other), (other, s, u)) == held((s, u), (r,)) == held((r, r), (s, u, s, u)) == 0
+    assert held((), (s, u)) is held((r, r), (s, u)) is held((other,), (s, u)) is None
 
 
 def test_a_stick_that_is_born_from_a_touch_is_refused_in_words(branch, monkeypatch):
@@ -99,9 +99,9 @@ def test_a_stick_that_is_born_from_a_touch_is_refused_in_words(branch, monkeypat
 
 
 def test_a_motion_that_begins_to_stick_on_both_sides_at_once_is_followed_fast(monkeypatch):
-    """Its own mirror image sticks at both reversals at one frequency: two changes that no halving parts.
+    """Its own mirror image sticks at both reversals at one frequency: one change, that no halving parts.
 
-    Each is bisected once, from a step's length to 4e-15, in some 45 motions and as many Newton steps.
+    It is located in some ten motions.
     """
     counts, call = [0], Family.__call__
 
@@ -114,6 +114,7 @@ def test_a_motion_that_begins_to_stick_on_both_sides_at_once_is_followed_fast(mo
     )
     monkeypatch.setattr(Family, "__call__", counted)
     branch = continue_branch(start, "drive.omega", "0.74:0.77 rad/s")
-    assert [one.kind for one in branch.specials] == ["sticking", "sticking"]
-    one, other = (one.parameter for one in branch.specials)
-    assert abs(one - other) < 1e-12 and counts[0] < 400
+    (special,) = branch.specials
+    words = [branch.spelled(word) for word in (special.before, special.after)]
+    assert special.kind == "sticking" and words == ["susu", "rr"]
+    assert counts[0] < 60

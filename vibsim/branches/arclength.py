@@ -21,6 +21,7 @@ CLOSE = 1e-13  # scaled length of a Newton step behind which rounding begins
 ROUGH = 1e-8  # of the last Newton step, where rounding keeps it from growing shorter
 SLOW = 0.125  # of the last Newton step: a longer one is rounding, or the derivative by the parameter is rough
 KERNEL = 1e-9  # singular values below this share of the largest are zero
+TOLD, SHARE = 1e-6, 1e-3  # change of the parameter, scaled, and share of it in a step, that tell a derivative
 BY_SLOPE = 1e-6  # the same where the derivative by the parameter, a difference quotient, has a say
 
 
@@ -29,11 +30,14 @@ class Point(Protocol):
 
     z : unknowns, scaled (n + 1); residual : of the equations, scaled (n)
     settled : whether no further step is needed for what must be exact
+    first_slope : derivative by the parameter that Newton's method begins with; None where each point has its
+        own without further ado
     """
 
     z: np.ndarray
     residual: np.ndarray
     settled: bool
+    first_slope: np.ndarray | None
 
     @property
     def linear(self) -> np.ndarray:
@@ -58,11 +62,13 @@ class ContinuationError(Exception):
 class Corrected:
     """A point on the curve.
 
-    iterations : Newton steps that it took
+    iterations : Newton steps that it took; slope : the derivative by the parameter that they came to, where
+        they did not ask for it
     """
 
     point: Any
     iterations: int
+    slope: np.ndarray | None = None
 
 
 def length_of(vector: np.ndarray) -> float:
@@ -124,34 +130,50 @@ def correct(
     where the parameter is that of `start`.
 
     evaluate : the `Point` at z; limit : no Newton step may be longer
-    slope : derivative by the parameter from nearby, which spares its own at every step
+    slope : derivative by the parameter from nearby, else that of the first point; from one step to the next
+        it is corrected by what the residual has told (`_secant`), which spares one at every step
     families : whether solutions nearby have more dimensions than one: then the shortest step is taken
 
     Raises ContinuationError where Newton's method does not come to an end.
     """
-    z, last, narrow = start, np.inf, False
+    z, last, before, narrow = start, np.inf, None, False
     rounding = CLOSE * max(1.0, length_of(z))
     for iteration in range(ITERATIONS + 1):
         point = evaluate(z)
         if across is None:
             step = _held_step(point, families)
         else:
+            if slope is None:
+                slope = point.first_slope
+            elif before is not None:
+                slope = _secant(before, point, slope)
             step = _step(point, slope, across, z - start, families)
         length = length_of(step)
         if length <= rounding and point.settled:
-            return Corrected(point, iteration)
+            return Corrected(point, iteration, slope)
         if last <= ROUGH and length >= last * SLOW and point.settled:
             finer = None if across is None or narrow else point.narrow_slope
             if across is not None and finer is not None:
                 slope, step = finer, _step(point, finer, across, z - start, families)
                 length = length_of(step)
             elif length >= last / 2:
-                return Corrected(point, iteration)
+                return Corrected(point, iteration, slope)
             narrow = True
         if not length <= limit:
             raise ContinuationError("Newton's method left for elsewhere")
-        z, last = point.moved(step, slope), length
+        z, last, before = point.moved(step, slope), length, point
     raise ContinuationError(f"Newton's method took more than {ITERATIONS} steps")
+
+
+def _secant(one: Any, other: Any, slope: np.ndarray) -> np.ndarray:
+    """The derivative by the parameter between two points, from what the residual has changed beyond the
+    exact derivatives by the other unknowns; `slope` where the parameter has hardly changed.
+    """
+    change = other.z - one.z
+    if not abs(change[-1]) > max(TOLD, SHARE * length_of(change)):
+        return slope
+    linear = (one.linear + other.linear) @ change[:-1] / 2
+    return np.asarray((other.residual - one.residual - linear) / change[-1])
 
 
 def _held_step(point: Any, families: bool) -> np.ndarray:

@@ -66,6 +66,7 @@ class EnergyPoint(FamilyPoint):
     """A motion over one return, as a point of a backbone curve."""
 
     family: EnergyFamily
+    first_slope = None  # each point has its own
 
     @once
     def residual(self) -> np.ndarray:

@@ -186,6 +186,16 @@ class FamilyPoint:
         return closing
 
     @once
+    def about(self) -> np.ndarray:
+        """About the same as `slope`: what Newton's method took for it, or itself."""
+        return self.slope
+
+    @property
+    def first_slope(self) -> np.ndarray | None:
+        """The derivative by the parameter that Newton's method begins with here."""
+        return self.slope
+
+    @once
     def slope(self) -> np.ndarray:
         """Derivative of the residual by the scaled parameter (n)."""
         slope = self._quotient(SHIFT)

@@ -17,17 +17,19 @@ from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
 
 STOPPED = ("reversal", "stick_begin")  # events at which a sliding velocity is zero
-STICK, BACK = Counter(stick_begin=1, stick_end=1), Counter(reversal=1)  # what happens there
+STICK = Counter(stick_begin=1, stick_end=1)  # what happens there instead of a reversal
 
 
 def held(before: Word, after: Word) -> int | None:
-    """Number of the friction of which a reversal becomes a stick, or a stick a reversal, from one word to
-    another; None where another thing happens.
+    """Number of the friction of which a reversal becomes a stick, or a stick a reversal, between two words,
+    one or several at once, as of a motion that is its own mirror image; None where another thing happens.
     """
     gone, come = changes(before, after)
     frictions = {part for _, part in gone + come}
-    alone = len(frictions) == 1 and [kinds_of(gone), kinds_of(come)] in ([STICK, BACK], [BACK, STICK])
-    return frictions.pop() if alone else None
+    sides = [kinds_of(gone), kinds_of(come)]
+    count = (sides[0] + sides[1])["reversal"]
+    stick, back = Counter(dict.fromkeys(STICK, count)), Counter(reversal=count)
+    return frictions.pop() if len(frictions) == 1 and sides in ([stick, back], [back, stick]) else None
 
 
 def kinds_of(events: Counter[tuple[str, int]]) -> Counter[str]:

@@ -11,14 +11,16 @@ where two pairs meet on it two do.
 """
 
 from collections.abc import Callable, Iterator
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 
-from vibsim.branches.arclength import ContinuationError
+from vibsim.branches.arclength import ContinuationError, length_of
 from vibsim.branches.family import Family
 from vibsim.branches.node import Node, between
+from vibsim.branches.order_change import SHORT, change_between
 from vibsim.branches.special import (
+    BIFURCATIONS,
     BRANCHING,
     CORNER,
     DOUBLING,
@@ -28,11 +30,12 @@ from vibsim.branches.special import (
     Special,
     kind_of_change,
 )
+from vibsim.branches.way import Way, regula_falsi
 
-SHORT = 1e-9  # scaled length of a stretch that is not halved any more to part its events
 LONGEST_PART = 0.9  # of a stretch that is halved
-NARROW = 4e-15  # scaled length of a bracket that a change of the order of events is located in
-TRIES = 100  # evaluations while locating
+TRIES = 100  # nodes while locating
+FINE = 1e-13  # length, over that of the unknowns, of the last step of a location
+AT_ONCE = 1e-12  # distance, over the size of the unknowns, of changes of order that are one
 NEAR = 1e-3  # how far a located multiplier may be from where it crosses the circle [-]
 
 CHANGE = "change of order"
@@ -48,11 +51,11 @@ def inspect(family: Family, one: Node, other: Node) -> Iterator[Special]:
         return
     middle = None if len(detected) == 1 else _middle(family, one, other)
     if middle is None:
-        special = _located(family, detected, one, other)
-        if special is not None:
-            yield from _with_sides(family, special, one, other)
+        located = _located(family, detected, one, other)
+        if isinstance(located, Special):
+            yield from _with_sides(family, located, one, other)
             return
-        middle = _middle(family, one, other)
+        middle = located or _middle(family, one, other)
     if middle is None:
         yield from _unparted(family, detected, one, other)
         return
@@ -61,17 +64,15 @@ def inspect(family: Family, one: Node, other: Node) -> Iterator[Special]:
 
 
 def _unparted(family: Family, detected: list[str], one: Node, other: Node) -> Iterator[Special]:
-    """What lies between two nodes that are too near to be parted: changes of order one by one, as where a
-    motion that is its own mirror image changes on both sides at once.
-    """
+    """What lies between two nodes that are too near to be parted: changes of order one by one."""
     try:
         special = _change(family, one, other, first=True) if CHANGE in detected else None
     except ContinuationError:
         special = None
-    if special is None:
-        yield Special(UNRESOLVED, other, one, other)
-    else:
+    if isinstance(special, Special):
         yield from _with_sides(family, special, one, other)
+    else:
+        yield Special(UNRESOLVED, other, one, other)
 
 
 def _with_sides(family: Family, special: Special, one: Node, other: Node) -> Iterator[Special]:
@@ -80,8 +81,40 @@ def _with_sides(family: Family, special: Special, one: Node, other: Node) -> Ite
         yield special
         return
     yield from inspect(family, one, special.before)
-    yield special
-    yield from inspect(family, special.after, other)
+    near = None if special.after.word == other.word else _just_behind(family, special.after, other)
+    ends = (special.after, other) if near is None else (special.after, near, other)
+    behind = [each for pair in pairwise(ends) for each in inspect(family, *pair)]
+    if behind and _at_once(special, behind[0]):
+        yield _change_of(special.before, behind.pop(0).after)
+    else:
+        yield special
+    yield from behind
+
+
+def _at_once(one: Special, other: Special) -> bool:
+    """Whether two changes of order are one: Newton's method cannot part them, as of a motion that is its own
+    mirror image and changes on both sides.
+    """
+    size = max(1.0, length_of(other.node.z))
+    return other.kind not in BIFURCATIONS and length_of(other.node.z - one.node.z) <= AT_ONCE * size
+
+
+def _change_of(before: Node, after: Node) -> Special:
+    """The change of the order of events between two neighbours."""
+    kind = CORNER if before.ahead * after.ahead < 0 else kind_of_change(before.word, after.word)
+    return Special(kind, after, before, after)
+
+
+def _just_behind(family: Family, one: Node, other: Node) -> Node | None:
+    """A node so near behind another that only changes that come together lie between; None where there is
+    none, or a third order of events follows.
+    """
+    length = length_of(other.z - one.z)
+    try:
+        near = between(family, one, other, SHORT / length) if length > SHORT else None
+    except ContinuationError:
+        return None
+    return near if near is not None and near.word == other.word else None
 
 
 def detect(one: Node, other: Node) -> list[str]:
@@ -108,17 +141,18 @@ def _left_the_circle(one: Node, other: Node, conservative: bool) -> bool:
     return one.pairs_outside != other.pairs_outside
 
 
-def _located(family: Family, detected: list[str], one: Node, other: Node) -> Special | None:
+def _located(family: Family, detected: list[str], one: Node, other: Node) -> Special | Node | None:
     """The one event of a stretch, or of several that are too near to be parted the change of order.
 
-    None where it was not what it seemed, or more happens.
+    None where it was not what it seemed, or more happens; a node with a third order of events where there is
+    one between.
     """
     try:
         if CHANGE in detected:
             return _change(family, one, other)
         if len(detected) != 1:
             return None
-        _, node = bracketed(family, one, other, test_of(detected[0], one, other))
+        _, node = regula_falsi(Way(family, one, other), test_of(detected[0], one, other), TRIES, FINE)
     except ContinuationError:
         return None
     special = Special(detected[0], node, one, other)
@@ -136,37 +170,6 @@ def test_of(kind: str, one: Node, other: Node) -> Test:
     outside = one if one.pairs_outside > other.pairs_outside else other
     pair = min((mu for mu in outside.pairs if abs(mu) > 1), key=lambda mu: abs(abs(mu) - 1))
     return lambda node: node.torus(pair)
-
-
-def bracketed(family: Family, low: Node, high: Node, test: Test) -> tuple[Node, Node]:
-    """Neighbours on both sides of a zero of `test`, the second the better.
-
-    By regula falsi after Anderson and Bjorck (BIT 13, 1973). Raises ContinuationError.
-    """
-    a, b = test(low), test(high)
-    left, right = 0.0, 1.0
-    ends = low, high
-    if not a * b < 0:
-        raise ContinuationError("the test does not change its sign")
-    f_left, f_right = a, b
-    for _ in range(TRIES):
-        share = right - f_right * (right - left) / (f_right - f_left)
-        if not min(left, right) < share < max(left, right):
-            break
-        node = between(family, *ends, share)
-        value = test(node)
-        if value == 0:
-            return node, node
-        if value * f_right < 0:
-            left, f_left, low = right, f_right, high
-        else:
-            shrink = 1 - value / f_right
-            f_left *= shrink if shrink > 0 else 0.5
-        moved = abs(share - right)
-        right, f_right, high = share, value, node
-        if moved * np.linalg.norm(ends[1].z - ends[0].z) < 1e-14:
-            break
-    return low, high
 
 
 def _index_explained(special: Special) -> bool:
@@ -204,25 +207,12 @@ def _pairs_explained(special: Special) -> bool:
     return near and sorted((special.before.index, special.after.index)) == [rest, rest + count]
 
 
-def _change(family: Family, one: Node, other: Node, first: bool = False) -> Special | None:
-    """A change of the order of events by bisection; None where there is a third order between that can be
-    parted from the others, unless the first change is asked for.
-    """
-    low, high = one, other
-    for _ in range(TRIES):
-        if np.linalg.norm(high.z - low.z) <= NARROW:
-            break
-        middle = between(family, low, high, 0.5)
-        if middle.word == low.word:
-            low, stuck = middle, np.array_equal(middle.z, low.z)
-        elif first or middle.word == high.word or _inseparable(low, high):
-            high, stuck = middle, np.array_equal(middle.z, high.z)
-        else:
-            return None
-        if stuck:
-            break
-    kind = CORNER if low.ahead * high.ahead < 0 else kind_of_change(low.word, high.word)
-    return Special(kind, high, low, high)
+def _change(family: Family, one: Node, other: Node, first: bool = False) -> Special | Node:
+    """A change of the order of events, as of `change_between`."""
+    neighbours = change_between(family, one, other, first)
+    if isinstance(neighbours, Node):
+        return neighbours
+    return _change_of(*neighbours)
 
 
 def _inseparable(one: Node, other: Node) -> bool:

@@ -113,6 +113,7 @@ class PlanePoint:
     """A motion over one return, as a point of a locus; see `vibsim.branches.arclength.Point`."""
 
     settled = True
+    first_slope: np.ndarray | None = None  # each point has its own
     narrow_slope: np.ndarray | None = None
 
     def __init__(self, plane: Plane, z: np.ndarray, point: FamilyPoint):

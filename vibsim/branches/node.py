@@ -1,5 +1,6 @@
 """A point of a branch: an orbit, the tangent of the branch there, and its test values."""
 
+from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
@@ -11,7 +12,7 @@ from vibsim.once import once
 from vibsim.orbits.multipliers import ON_CIRCLE
 
 STEADY = 4.0  # times that the share of the parameter in the tangent may change where Newton holds it
-CLOSE = 1e-3  # scaled distance of a node whose derivative by the parameter is good enough for Newton's steps
+CLOSE = 1e-3  # scaled distance of a node whose derivative by the parameter Newton's method may begin with
 STEEP = 1e-3  # share of the parameter in the tangent, below which it is not held
 STRAIGHT = 0.9  # cosine of the angle between a step and the tangent behind it
 LONGEST = 2.0  # steps, as long as the last one, that the cubic through two nodes is taken ahead
@@ -45,6 +46,11 @@ class Node:
     def kernel(self) -> np.ndarray:
         """Orthonormal vectors that the curves through the point span, one per row."""
         return kernel(self.point.jacobian())
+
+    @property
+    def has_tangent(self) -> bool:
+        """Whether the tangent has been worked out."""
+        return "tangent" in self.__dict__
 
     @property
     def heading(self) -> np.ndarray:
@@ -142,10 +148,12 @@ def node_at(
     """The node on the hyperplane through `start` across a unit vector, or at the parameter of `start` without
     one; its tangent goes on from that of `near`. Raises ContinuationError.
     """
-    close = across is not None and near is not None and limit <= CLOSE and near.families == 0
-    slope = near.point.slope if near is not None and close else None
     families = near is not None and near.in_family
+    close = across is not None and near is not None and limit <= CLOSE and not families
+    slope = near.point.about if near is not None and close else None
     corrected = correct(family, start, across, limit, slope, families)
+    if corrected.slope is not None:
+        corrected.point.about = corrected.slope
     heading = np.eye(len(start))[-1] if near is None else near.heading
     return Node(corrected.point, heading, corrected.iterations)
 
@@ -180,22 +188,61 @@ def goes_on(before: Node, node: Node) -> bool:
     return bool(node.tangent @ chord > STRAIGHT * length_of(chord))
 
 
+@dataclass(frozen=True)
+class Chord:
+    """The chord between two nodes, and on what the nodes between them are looked for.
+
+    begin : its beginning; vector, length : scaled
+    across : unit vector along it, where nodes lie on hyperplanes across it; None where the parameter changes
+        steadily and is that of their share
+    """
+
+    begin: np.ndarray
+    vector: np.ndarray
+    length: float
+    across: np.ndarray | None
+
+    @property
+    def limit(self) -> float:
+        """Of a step of Newton's method."""
+        return max(self.length, LEAST_LIMIT)
+
+    def placed(self, start: np.ndarray, share: float) -> np.ndarray:
+        """A start of Newton's method, moved to where the nodes of a share are looked for."""
+        place = self.begin + share * self.vector
+        if self.across is None:
+            start[-1] = place[-1]
+            return start
+        return np.asarray(start + self.across * (self.across @ (place - start)))
+
+    def pace(self, tangent: np.ndarray) -> np.ndarray:
+        """dz / d share where the branch has a tangent."""
+        if self.across is None:
+            return np.asarray(tangent * (self.vector[-1] / tangent[-1]))
+        return np.asarray(tangent * (self.length / (self.across @ tangent)))
+
+
+def chord_of(one: Node, other: Node) -> Chord:
+    """The chord from one node to another."""
+    vector = other.z - one.z
+    length = length_of(vector)
+    paces = np.array([vector[-1] / length, one.heading[-1], other.heading[-1]])
+    steady = abs(paces.sum()) == abs(paces).sum() and abs(paces).max() < STEADY * abs(paces).min()
+    return Chord(one.z, vector, length, None if steady else vector / length)
+
+
 def between(family: Family, one: Node, other: Node, share: float) -> Node:
     """The node at a share of the way from one to another: of the parameter where it changes steadily, else on
     the hyperplane across their chord.
     """
-    chord = other.z - one.z
-    length = length_of(chord)
-    near = one if share < 0.5 else other
-    start = _hermite(one, other, share, length)
-    limit = max(length, LEAST_LIMIT)
-    paces = np.array([chord[-1] / length, one.heading[-1], other.heading[-1]])
-    if abs(paces.sum()) == abs(paces).sum() and abs(paces).max() < STEADY * abs(paces).min():
-        start[-1] = one.z[-1] + share * chord[-1]
-        return node_at(family, start, None, near, limit)
-    across = chord / length
-    start = start + across * (across @ (one.z + share * chord - start))
-    return node_at(family, start, across, near, limit)
+    chord = chord_of(one, other)
+    start = start_between(one, other, share, chord)
+    return node_at(family, start, chord.across, one if share < 0.5 else other, chord.limit)
+
+
+def start_between(one: Node, other: Node, share: float, chord: Chord) -> np.ndarray:
+    """About where the node at a share of a chord is: on the cubic with the tangents at both ends."""
+    return chord.placed(_hermite(one, other, share, chord.length), share)
 
 
 def _hermite(one: Node, other: Node, share: float, length: float) -> np.ndarray:
