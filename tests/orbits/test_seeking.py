@@ -10,7 +10,7 @@ from vibsim.files.errors import ResultFileError
 from vibsim.orbits.errors import NoSection, OrbitError
 from vibsim.orbits.orbit_file import save_orbit
 from vibsim.orbits.searching import same, search_attempts, search_orbits
-from vibsim.orbits.seeking import orbit
+from vibsim.orbits.seeking import orbit, time_of_returns
 from vibsim.orbits.settling import likely_periods
 from vibsim.orbits.word import cyclic
 from vibsim.results import simulate
@@ -101,6 +101,13 @@ def test_likely_periods():
     points = np.stack([np.cos(2 * np.pi * n / 3) + 0.3 * 0.95**n, np.sin(2 * np.pi * n / 3)], axis=1)
     numbers, distances = likely_periods(points)
     assert numbers[0] == 3 and distances[2] < 1e-2 < distances[0]
+
+
+def test_more_periods_than_points_are_looked_at():
+    """Of a motor only the last points on the section are there to tell how long so many turns take."""
+    times = np.array([1.0, 2.0, 4.0, 5.0])
+    assert [time_of_returns(times, n) for n in (1, 2, 3)] == [1.0, 3.0, 4.0]
+    assert time_of_returns(times, 4) == pytest.approx(16 / 3)
 
 
 def test_what_has_no_orbit():

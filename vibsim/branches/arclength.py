@@ -58,6 +58,10 @@ class ContinuationError(Exception):
     """A point that was not found; the message says why."""
 
 
+class NoCase(ContinuationError):
+    """A value of the parameter that the case does not allow."""
+
+
 @dataclass(frozen=True)
 class Corrected:
     """A point on the curve.

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.arclength import ContinuationError
+from vibsim.branches.arclength import ContinuationError, NoCase
 from vibsim.branches.reciprocal import Reciprocal
 from vibsim.branches.scene_path import ScenePath
 from vibsim.cases import Case
@@ -56,7 +56,7 @@ class Family:
     def map(self, parameter: float) -> ReturnMap:
         """The return map at a value of the parameter.
 
-        Raises ContinuationError where the case does not allow it.
+        Raises NoCase where the case does not allow it.
         """
         if parameter in self._maps:
             self._maps.move_to_end(parameter)
@@ -64,7 +64,7 @@ class Family:
         try:
             self._maps[parameter] = self._new_map(self.path.scene(parameter))
         except ValueError as error:
-            raise ContinuationError(str(error)) from error
+            raise NoCase(str(error)) from error
         if len(self._maps) > MAPS:
             self._maps.popitem(last=False)
         return self._maps[parameter]
@@ -212,11 +212,17 @@ class FamilyPoint:
 
     def _quotient(self, shift: float) -> np.ndarray:
         """Difference quotient of the residual by the scaled parameter, on the side with the order of events
-        of this motion where one side has another.
+        of this motion where one side has another, and on the side that the case allows.
         """
-        ahead, slope = self._one_sided(shift)
+        try:
+            ahead, slope = self._one_sided(shift)
+        except NoCase:
+            return self._one_sided(-shift)[1]
         if ahead.events != self.end.events and cyclic(ahead.events) != self.word:
-            behind, other = self._one_sided(-shift)
+            try:
+                behind, other = self._one_sided(-shift)
+            except NoCase:
+                return slope
             if cyclic(behind.events) == self.word:
                 return other
         return slope

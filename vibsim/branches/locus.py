@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.arclength import ContinuationError, correct, kernel, tangent
+from vibsim.branches.arclength import ContinuationError, NoCase, correct, kernel, tangent
 from vibsim.branches.family import SHIFT, Family, FamilyPoint
 from vibsim.branches.holding import critical_share, excess_at
-from vibsim.branches.node import Node
+from vibsim.branches.node import LEAST_LIMIT, Node
 from vibsim.branches.special import DOUBLING, FOLD, GRAZING, STICKING, TORUS
 from vibsim.branches.step_size import SHARP, Pace, turn
 from vibsim.branches.touching import TouchFamily, Window, window_of
@@ -26,6 +26,7 @@ DIFFERENCE = 2.0**-20  # of a scaled unknown: rounding over it and what it leave
 ASIDE = 2.0**-12  # scaled: beside a kink, far beyond what difference quotients reach
 FAMILIES = 4  # values of the second parameter that are kept
 LOCUS_PACE = Pace(first=0.01, least=1e-7, most=0.05)
+END = "end of the range"
 KINDS = (FOLD, DOUBLING, TORUS, GRAZING, STICKING)
 WATCHED = (GRAZING, STICKING)  # changes of order, where multipliers are on no circle
 
@@ -57,12 +58,12 @@ class Plane:
         self._past: dict[float, TouchFamily] = {}
 
     def family_at(self, second: float) -> Family:
-        """The orbits over the first parameter at a value of the second. Raises ContinuationError."""
+        """The orbits over the first parameter at a value of the second. Raises NoCase."""
         if second not in self._families:
             try:
                 case = self.case_at(second)
             except CaseError as error:
-                raise ContinuationError(str(error)) from error
+                raise NoCase(str(error)) from error
             self._families[second] = self.family.over(case)
             if len(self._families) > FAMILIES:
                 self._families.popitem(last=False)
@@ -132,10 +133,18 @@ class PlanePoint:
     @cached_property
     def _gradient(self) -> np.ndarray:
         """Derivative of the test by the unknowns."""
-        here = self.plane.test(self.point)
-        shifts = DIFFERENCE * np.eye(len(self.z))
-        beside = [self.plane(self.z + shift).point for shift in shifts]
-        return np.array([(self.plane.test(point) - here) / DIFFERENCE for point in beside])
+        here, gradient = self.plane.test(self.point), np.empty(len(self.z))
+        for i, shift in enumerate(DIFFERENCE * np.eye(len(self.z))):
+            beside, width = self._beside(shift, DIFFERENCE)
+            gradient[i] = (self.plane.test(beside) - here) / width
+        return gradient
+
+    def _beside(self, shift: np.ndarray, width: float) -> tuple[FamilyPoint, float]:
+        """The motion at shifted unknowns, and the width; on the other side where the case has none here."""
+        try:
+            return self.plane(self.z + shift).point, width
+        except NoCase:
+            return self.plane(self.z - shift).point, -width
 
     @cached_property
     def _size(self) -> float:
@@ -159,7 +168,8 @@ class PlanePoint:
     def _jacobian(self) -> np.ndarray:
         shift = np.zeros(len(self.z))
         shift[-1] = SHIFT
-        by_second = (self.plane(self.z + shift).point.residual - self.point.residual) / SHIFT
+        beside, width = self._beside(shift, SHIFT)
+        by_second = (beside.residual - self.point.residual) / width
         upper = np.column_stack([self.point.jacobian(), by_second])
         return np.vstack([upper, self._gradient / self._size])
 
@@ -223,6 +233,10 @@ def walk(
         try:
             point, ahead, turned = _next(plane, here, direction, step)
         except _Short as error:
+            last = _onto_bound(plane, here, direction, step, spans[1]) if error.no_case else None
+            if last is not None:
+                yield LocusStep(last, direction, step, END)
+                return
             if step / 2 < LOCUS_PACE.least:
                 yield LocusStep(here, direction, step, str(error))
                 return
@@ -239,7 +253,11 @@ def walk(
 
 
 class _Short(Exception):
-    """A step that must be shorter."""
+    """A step that must be shorter; no_case: because the case does not allow a value that it leads to."""
+
+    def __init__(self, reason: str, no_case: bool = False):
+        super().__init__(reason)
+        self.no_case = no_case
 
 
 def _next(
@@ -250,7 +268,7 @@ def _next(
         point = correct(plane, here.z + step * direction, direction, 2 * step).point
         ahead = tangent(point.jacobian(), direction)
     except ContinuationError as error:
-        raise _Short(str(error)) from error
+        raise _Short(str(error), isinstance(error, NoCase)) from error
     turned = turn(direction, ahead)
     if turned > SHARP:
         raise _Short("the locus turns too sharply")
@@ -291,7 +309,31 @@ def _at_bound(plane: Plane, here: PlanePoint, point: PlanePoint, span: tuple[flo
         return point
 
 
+def _onto_bound(
+    plane: Plane, here: PlanePoint, direction: np.ndarray, step: float, span: tuple[float, float]
+) -> PlanePoint | None:
+    """The point at the end of the range of the second parameter, where the case allows nothing beyond it.
+
+    None where that is more than two steps away, or Newton's method fails.
+    """
+    if not direction[-1]:
+        return None
+    bound = (max(span) if direction[-1] > 0 else min(span)) / plane.scale[-1]
+    away = float(bound - here.z[-1]) / float(direction[-1])
+    if away <= LOCUS_PACE.least * 1e-6:
+        return here
+    if away > 2 * step:
+        return None
+    start = here.z + away * direction
+    for start[-1] in (bound, np.nextafter(bound, here.z[-1])):  # one may be beyond by rounding
+        try:
+            return correct(plane, start, np.eye(len(start))[-1], max(4 * away, LEAST_LIMIT)).point
+        except ContinuationError:
+            continue
+    return None
+
+
 def _ended(point: PlanePoint, spans: Sequence[tuple[float, float]]) -> str:
     values: list[Any] = [point.point.parameter, point.second]
     outside = any(not min(span) <= value <= max(span) for value, span in zip(values, spans, strict=True))
-    return "end of the range" if outside else ""
+    return END if outside else ""

@@ -45,7 +45,8 @@ def trace(
         keeper.add(point_record(start, 1, 0, plan.pace.first), [])
     for way in plan.ways:
         done = [point for point in keeper.points if point.way == way or point.number == 0]
-        if done[-1].ended or any(point.ended == CLOSED for point in keeper.points):
+        own = [point for point in done if point.way == way]  # the start is of the way forwards
+        if (own and own[-1].ended) or any(point.ended == CLOSED for point in keeper.points):
             continue
         share = most if way == plan.ways[-1] else (most + 1) // 2
         walk = _walk(plan, family, _turned(start, way), done, way)

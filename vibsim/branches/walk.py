@@ -7,17 +7,19 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.arclength import ContinuationError, length_of
+from vibsim.branches.arclength import ContinuationError, NoCase, length_of
 from vibsim.branches.family import Family
 from vibsim.branches.grazing_end import grazing_end
 from vibsim.branches.inspection import NEAR, detect, inspect
 from vibsim.branches.joining import JOINS, joining, repetition
 from vibsim.branches.moved_section import beyond_the_impact, from_section
-from vibsim.branches.node import Node, ahead_of, between, goes_on, node_at
+from vibsim.branches.node import LEAST_LIMIT, Node, ahead_of, between, goes_on, node_at, predicted
 from vibsim.branches.sliding_corner import sliding_corner
 from vibsim.branches.special import BRANCHING, CORNER, FOLD, UNRESOLVED, Special
 from vibsim.branches.step_size import SHARP, Pace, turn
+from vibsim.orbits.newton import EPS
 
+END = "end of the range"
 BEHIND = 4  # steps before a branch can have come back to its start
 INFINITE = 200.0  # multiplier of orbits that all but graze a rigid stop, where it goes like 1 / impact speed
 GRAZED = "a multiplier grows without bound: a rigid stop is grazed near by"
@@ -126,7 +128,7 @@ class Walk:
         """Why there is no next node."""
         if from_section(self.node) < AT_SECTION:
             return BLOCKED
-        return str(error) if str(error).startswith(JOINS) else f"stuck: {error}"
+        return str(error) if str(error).startswith((JOINS, END)) else f"stuck: {error}"
 
     def _next(self) -> tuple[Node, float]:
         """The next node, and the length of the step behind it. Raises ContinuationError."""
@@ -142,11 +144,42 @@ class Walk:
                     if again is None:
                         return node, self.pace.following(length, turned, node.iterations, length_of(node.z))
                     reason = again
+            except NoCase as error:
+                onto_bound = self._onto_bound(length)
+                if onto_bound is not None:
+                    return onto_bound, length
+                reason = str(error)
             except ContinuationError as error:
                 reason = str(error)
             length /= 2
             if length < self.pace.least:
                 return self._past_kink(reason)
+
+    def _onto_bound(self, length: float) -> Node | None:
+        """The node at the end of the range, where the case allows nothing beyond it; None where that is more
+        than two steps away, or Newton's method fails. Raises ContinuationError where the walk is there.
+        """
+        if self._is_at_bound(self.node):
+            raise ContinuationError(END)
+        bound = self._bound_ahead(self.node) / self.family.scale[-1]
+        away = float(bound - self.node.z[-1]) / self.node.ahead
+        if not away <= 2 * length:
+            return None
+        start = predicted(self.before, self.node, away)
+        for start[-1] in (bound, np.nextafter(bound, self.node.z[-1])):  # one may be beyond by rounding
+            try:
+                return node_at(self.family, start, None, self.node, max(4 * away, LEAST_LIMIT))
+            except ContinuationError:
+                continue
+        return None
+
+    def _bound_ahead(self, node: Node) -> float:
+        """The end of the range that a walk from a node comes to unless it turns back."""
+        return max(self.span) if node.ahead > 0 else min(self.span)
+
+    def _is_at_bound(self, node: Node) -> bool:
+        """Whether a walk from a node leaves the range at once."""
+        return abs(node.parameter - self._bound_ahead(node)) <= 4 * EPS * float(self.family.scale[-1])
 
     def _past_kink(self, reason: str) -> tuple[Node, float]:
         """The next node where the branch has a kink, and the length of the step behind it.
@@ -180,7 +213,9 @@ class Walk:
             return node, GRAZED
         low, high = sorted(self.span)
         bound = low if node.parameter < low else high if node.parameter > high else None
-        return (node, "") if bound is None else (self._at_bound(node, bound), "end of the range")
+        if bound is not None:
+            return self._at_bound(node, bound), END
+        return node, END if self._is_at_bound(node) else ""
 
     def _at_bound(self, node: Node, bound: float) -> Node:
         """The node at the end of the range, between the last one and one beyond."""

@@ -137,7 +137,7 @@ def _nearest(
     X, elsewhere, failures = course.points[-1], None, []
     for n in numbers:
         over = return_map.of(n)
-        T = None if over.section.timed else float(course.times[-1] - course.times[-1 - n])
+        T = None if over.section.timed else time_of_returns(course.times, n)
         try:
             solution = solve(over, X, T)
         except (NotConverged, EngineError) as error:
@@ -150,6 +150,13 @@ def _nearest(
     if elsewhere is not None:
         return elsewhere
     raise _nowhere(failures[0], distances)
+
+
+def time_of_returns(times: np.ndarray, n: int) -> float:
+    """About how long n returns take [s]: the last ones, or the mean of all where there are not so many."""
+    if n < len(times):
+        return float(times[-1] - times[-1 - n])
+    return n * float(times[-1] - times[0]) / (len(times) - 1)
 
 
 def _nowhere(failure: OrbitError | EngineError, distances: list[float] | None) -> OrbitError | EngineError:
