@@ -184,8 +184,9 @@ class Walk:
     def _past_kink(self, reason: str) -> tuple[Node, float]:
         """The next node where the branch has a kink, and the length of the step behind it.
 
-        The state on the section has one where an event crosses the section; the orbits go on as before.
-        Raises ContinuationError where nothing is near, or the branch turns back.
+        The state on the section has one where an event crosses the section; the branch itself has one where
+        a sliding velocity comes to touch zero, and a stick is born. Raises ContinuationError where nothing is
+        near, or the branch turns back.
         """
         for length in KINKS:
             try:
@@ -195,7 +196,7 @@ class Walk:
             except ContinuationError:
                 continue
             near = np.linalg.norm(node.z - self.node.z) < 8 * length
-            if near and node.word == self.node.word and self.node.ahead * node.ahead > 0:
+            if near and self.node.ahead * node.ahead > 0 and repetition(self.family, node) is None:
                 return node, self.pace.first * KINKS[-1]
         raise ContinuationError(reason)
 
