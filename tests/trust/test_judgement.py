@@ -19,6 +19,7 @@ pytest.importorskip("flint")
 PAPER = {"I-A": 300, "I-B": 300, "I-C": 300, "I-A-eq211": 100, "I-B-eq211": 100, "I-C-eq211": 100}
 PAPER |= {"II-A": 70, "II-B": 90, "II-C": 70}  # [s]
 QUICK = [*map(driven_hard, (17, 18, 19, 20)), *map(mixed, (2, 8, 36, 51))]
+CANCELLING = 249  # what its data do to the motion cancels in the companion
 QUICK_PARTS = [*map(scene_of_parts, (3, 48, 163, 192))]
 
 
@@ -36,7 +37,7 @@ def check(found):
         shares = f"{one.samples:5} samples, {one.within:.3f} within, {one.too_low:.3f} too low"
         print(f"{one.name:16} {shares}; {horizons}")
     within = [one.within for one in found]
-    mean, luck = np.mean(within), np.std(within) / np.sqrt(len(within))
+    mean, luck = np.mean(within), np.std(within, ddof=1) / np.sqrt(len(within))
     latest = max(one.latest for one in found)
     print(f"{len(found)} runs: {mean:.3f} within, by luck {luck:.3f}, latest horizon {latest:.3f}")
     assert mean + 2 * luck >= 0.9
@@ -61,7 +62,7 @@ def test_a_few_scenes_of_parts():
 @pytest.mark.timeout(7200)
 def test_two_hundred_scenes_of_parts():
     """No horizon for tolerances from 1e-10 to 1e-4 m is late by more than 10 %."""
-    cases = list(map(scene_of_parts, range(1, 201)))
+    cases = list(map(scene_of_parts, [*range(1, 201), CANCELLING]))
     with ProcessPoolExecutor(os.cpu_count()) as pool:
         found = list(pool.map(judged, cases))
     assert sum(len(one.horizons) for one in found) > 200

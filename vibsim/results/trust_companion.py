@@ -53,7 +53,7 @@ def companion_scene(case: "Case", scene: Scene) -> Scene:
         order=order,
         tol=TOLERANCE,
         clearances=(),
-        **{name: moved(getattr(scene, name), getattr(exact, name)) for name in PARTS},
+        **{name: with_numbers(getattr(scene, name), getattr(exact, name), towards) for name in PARTS},
     )
 
 
@@ -78,18 +78,22 @@ def described(companion: Scene) -> str:
     return f"difference from a second run by {stepping}, its data one ulp towards their decimal values"
 
 
-def moved(value: Any, exact: Any) -> Any:
-    """A number, part or tuple of these: its numbers that are not exact, each one ulp towards its exact value.
+def with_numbers(value: Any, other: Any, change: Callable[[float, Any], float]) -> Any:
+    """A number, part or tuple of these, its numbers changed, each by what stands at its place in `other`.
 
     The turns of a harmonic stay: they are carried as two doubles, and right to 32 digits.
     """
     if isinstance(value, tuple):
-        return tuple(moved(one, other) for one, other in zip(value, exact, strict=True))
+        return tuple(with_numbers(one, another, change) for one, another in zip(value, other, strict=True))
     if is_dataclass(value):
         names = [each.name for each in fields(value) if each.name not in TURNS]
-        return replace(value, **{name: moved(getattr(value, name), getattr(exact, name)) for name in names})  # type: ignore[type-var]
-    if not isinstance(value, float):
-        return value
+        pairs = {name: (getattr(value, name), getattr(other, name)) for name in names}
+        return replace(value, **{name: with_numbers(*pair, change) for name, pair in pairs.items()})  # type: ignore[type-var]
+    return change(value, other) if isinstance(value, float) else value
+
+
+def towards(value: float, exact: Fraction) -> float:
+    """A double one ulp towards its exact value; itself where it is exact."""
     error = Fraction(exact) - Fraction(value)
     return nextafter(value, inf if error > 0 else -inf) if error else value
 

@@ -1,20 +1,52 @@
 """The third run, which is asked once: for the end of what it has to show (see `trust_share`)."""
 
 from dataclasses import replace
-from math import inf
+from math import inf, nextafter
 
 import numpy as np
 
 from vibsim.physics.parts import Scene
-from vibsim.results.trust_companion import OTHER_ORDER, PATIENCE, USUAL_ORDER, Beside, GoOn
+from vibsim.results.trust_companion import (
+    OTHER_ORDER,
+    PARTS,
+    PATIENCE,
+    USUAL_ORDER,
+    Beside,
+    GoOn,
+    with_numbers,
+)
 
 ORDERS = (22, OTHER_ORDER, USUAL_ORDER)
 
 
 def third_scene(companion: Scene, scene: Scene) -> Scene:
-    """The scene of a third run, whose steps are those of neither a run of `scene` nor its companion."""
+    """The scene of a third run, whose steps are those of neither a run of `scene` nor its companion.
+
+    Of its data that the companion has on one side of those of `scene`, half lie on the other: where what two
+    of them do to the motion cancels in the companion, it adds up here.
+    """
     order = next(order for order in ORDERS if order not in (scene.order, companion.order))
-    return replace(companion, method="taylor", order=order)
+    sides = Sides()
+    data = {name: with_numbers(getattr(scene, name), getattr(companion, name), sides.of) for name in PARTS}
+    return replace(companion, method="taylor", order=order, **data)
+
+
+class Sides:
+    """On which sides the data of a third run lie: + - - + - + + - ..., so that no two sums of them cancel
+    because of a period (the sequence of Thue and Morse).
+    """
+
+    def __init__(self) -> None:
+        self._count = 0
+
+    def of(self, ours: float, theirs: float) -> float:
+        """The next double: that of the companion, or as far to the other side of ours."""
+        if ours == theirs:
+            return ours
+        self._count += 1
+        if (self._count - 1).bit_count() % 2 == 0:
+            return theirs
+        return nextafter(ours, inf if theirs < ours else -inf)
 
 
 class LastSamples(Beside):
@@ -51,7 +83,7 @@ class ThirdRun:
     """A third run beside a run of `scene` and its companion, set off when it is asked for the first time."""
 
     def __init__(self, companion: Scene, scene: Scene, engine: str):
-        self._scene, self._engine = third_scene(companion, scene), engine
+        self._companion, self._scene, self._engine = companion, scene, engine
         self._run: LastSamples | None = None
 
     @property
@@ -62,7 +94,8 @@ class ThirdRun:
     def displacements(self, go_on: GoOn, count: int, last: int, until: float) -> np.ndarray | None:
         """What `LastSamples` of a run up to `until` [s] tells; None where it goes on when `go_on` says no."""
         if self._run is None:
-            self._run = LastSamples(replace(self._scene, t_end=until), self._engine, count, last)
+            third = replace(third_scene(self._companion, self._scene), t_end=until)
+            self._run = LastSamples(third, self._engine, count, last)
             self._run.start()
         while (told := self._run.told(PATIENCE if go_on() else 0.0)) is None and go_on():
             pass
