@@ -1,14 +1,18 @@
 """Motions that begin in balance: certified only where no rounding decides which way they leave a limit."""
 
+import math
 import random
 
 import pytest
 
-from tests.events.coincidences import two_blocks
+from tests.events.coincidences import harmonic as shaking
+from tests.events.coincidences import machine, two_blocks
 from tests.events.test_certificate import assert_none_missed
 from tests.scenes import harmonic, scene
 from tests.trajectories import ENGINES, run
 from vibsim.engine.errors import EngineError
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.physics.parts import BASE, EXTENSION, GROUND, Body, Force, Friction, Link, RigidStop, Scene
 
 
 def balanced(method, F0=-1.0, x1=-0.01, **changes):
@@ -51,6 +55,44 @@ def test_a_plain_start_on_the_stop_is_certified(engine, method, x1, F0, A):
     assert result.totals["uncertified"] == 0
 
 
+def in_doubt(engine, body, t_end=0.01, **parts):
+    """Whether a short run of one body has doubts."""
+    scene = Scene((body,), t_end=t_end, every_num=1, every_den=10, **parts)
+    trajectory = open_trajectory(scene, engine)
+    for _ in trajectory.blocks():
+        pass
+    return trajectory.totals["uncertified"] > 0
+
+
+SPRING = (Link("spring", 0, GROUND, 100.0, 0.0),)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(("F0", "doubted"), [(1.0, True), (0.9, False), (1.1, False)])
+def test_rest_on_a_rigid_stop_that_only_rounding_relieves_is_in_doubt(engine, F0, doubted):
+    """The spring presses by 1 N, the force pulls by as much, in doubles."""
+    stops = (RigidStop("floor", 0, GROUND, -0.01, EXTENSION, 0.5, True),)
+    push = (Force("push", 0, F0, ()),)
+    assert in_doubt(engine, Body("a", 1.0, 0.01, 0.0), links=SPRING, stops=stops, forces=push) == doubted
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(("limit", "doubted"), [(0.3 * 0.1 * 7.0**2, True), (1.5, False), (1.4, False)])
+def test_whether_inertia_tears_a_body_off_the_base_is_in_doubt_where_rounding_decides(engine, limit, doubted):
+    """The base turns round at the start, where its acceleration is the largest."""
+    base, rub = (shaking(0.1, 7.0, math.pi / 2),), (Friction("f", 0, BASE, limit, limit, 0.0),)
+    assert in_doubt(engine, Body("a", 0.3, 0.1, 0.0), frictions=rub, base=base) == doubted
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(("excess", "doubted"), [(2.0**-52, True), (1e-9, False), (0.0, False)])
+def test_sliding_on_the_base_that_only_rounding_tells_is_in_doubt(engine, excess, doubted):
+    """A start with the velocity of the base moves with it; one unit in the last place more may do so."""
+    body = Body("a", 0.3, 0.0, 0.1 * 7.0 * (1 + excess))
+    rub = (Friction("f", 0, BASE, 5.0, 5.0, 0.0),)
+    assert in_doubt(engine, body, frictions=rub, base=(shaking(0.1, 7.0, 0.0),)) == doubted
+
+
 def judge(make, seeds):
     """Hold scenes to the exact flow; those that double precision cannot go on with say so."""
     for seed in seeds:
@@ -68,3 +110,13 @@ def test_coincidences_of_two_blocks():
 @pytest.mark.timeout(3600)
 def test_many_coincidences_of_two_blocks():
     judge(two_blocks, range(4000))
+
+
+def test_coincidences_of_parts():
+    judge(machine, range(308, 322))
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+def test_many_coincidences_of_parts():
+    judge(machine, range(1500))

@@ -1,8 +1,9 @@
 """A stretch of a run, held against the exact flow from its start: what a certificate is judged by."""
 
 from dataclasses import dataclass, fields, replace
+from math import pi
 
-from tests.engine.test_truth import exact_parts
+from tests.engine.test_truth import exact_parts, sine, touches, touching
 from vibsim.engine.driver import Driver
 from vibsim.engine.state import State
 from vibsim.engine.truth import bare
@@ -12,6 +13,7 @@ from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
 
 DIGITS = 40
+QUARTER_TURN = pi / 2  # rad, as a double
 WHOLE = ("stop_sign", "order", "every_num", "every_den")  # whole numbers stay what they are
 
 
@@ -52,7 +54,9 @@ class ExactFlow:
         self.kit = number_kit(DIGITS)
         scene = replace(scene, every_num=10**9, every_den=1)
         if isinstance(scene, Scene):
-            self.scene = bare(exact_parts(scene)(self.kit.number, self.kit.pi), self.kit)
+            self.scene = bare(
+                at_quarters(exact_parts(scene)(self.kit.number, self.kit.pi), self.kit.pi), self.kit
+            )
         else:
             self.scene = bare(self._exact_blocks(scene).as_parts(), self.kit)
 
@@ -79,3 +83,21 @@ class ExactFlow:
         number = self.kit.number
         x, v = [number(value) for value in state.x], [number(value) for value in state.v]
         return State(number(state.t), x, v, number(state.phase), number(state.turns), number(state.w))
+
+
+def at_quarters(scene, pi):
+    """An exact scene, whose phases that are quarter turns in doubles are quarter turns."""
+
+    def turned(terms):
+        return tuple(
+            replace(one, phase=pi / 2 if one.phase > 0 else -pi / 2)
+            if abs(one.phase) == QUARTER_TURN
+            else one
+            for one in terms
+        )
+
+    base, forces = turned(scene.base), tuple(replace(one, terms=turned(one.terms)) for one in scene.forces)
+    X = sum((one.amplitude * sine(one.phase) for one in base), 0 * pi)
+    places = [*(body.x for body in scene.bodies), X, 0 * pi]  # BASE is -2, GROUND -1
+    stops = tuple(touching(stop, places) if touches(stop) else stop for stop in scene.stops)
+    return replace(scene, base=base, forces=forces, stops=stops)

@@ -15,6 +15,7 @@
 
 #define EVENTS_AT_ONE_INSTANT 64
 #define TOUCHING 64 /* roundings: beyond those within which Python says that ends just touch */
+#define NEAR_LIMIT 0x1p-40 /* of all forces of a mode: nearer to its limit than that Python measures the force of a tie closely */
 
 static void enter_flow(Run *r, const State *state)
 {
@@ -288,48 +289,72 @@ static double column_value(const Run *r, const double *values, int c, double bas
     return c < r->bodies ? values[c] : c > r->bodies ? base : 0.0;
 }
 
-/* Value of a HOLD function of mode m at r->next from its couplings, and the size of these; X, V: of the base. Returns 0 where
- * it has other terms.
- */
-static int direct_hold(const Run *r, const Mode *m, const Event *e, double X, double V, double *value, double *size)
+/* Value of a HOLD function of mode m at r->next from its couplings; X, V: of the base. Returns 0 where it has other terms. */
+static int direct_hold(const Run *r, const Mode *m, const Event *e, double X, double V, double *value)
 {
     double total = 0.0;
-    int direct = 1, i;
-    *size = 0.0;
+    int i;
     for (i = 0; i < e->terms; i++) {
         const Term *t = &m->terms[e->first + i];
         const Coupling *c = &m->couplings[t->P];
         double y, u, part;
-        if (t->kind != COUPLING) {
-            direct = 0;
-            continue;
-        }
+        if (t->kind != COUPLING)
+            return 0;
         y = column_value(r, r->next.x, c->P, X) - column_value(r, r->next.x, c->Q, X);
         u = column_value(r, r->next.v, c->P, V) - column_value(r, r->next.v, c->Q, V);
         part = t->coefficient * (c->k * y + c->c * u + c->offset);
         total = i == 0 ? part : total + part;
-        *size = *size + fabs(t->coefficient) * (c->k * fabs(y) + c->c * fabs(u) + fabs(c->offset));
     }
     *value = total + e->constant;
-    return direct;
+    return 1;
+}
+
+/* Sum of the magnitudes of all forces of mode m at r->next (see automaton.py); X, V: of the base. */
+static double forces_of(const Run *r, const Mode *m, double X, double V)
+{
+    double total = 0.0, inertia = 0.0;
+    int i, j;
+    for (i = 0; i < m->coupling_count; i++) {
+        const Coupling *c = &m->couplings[i];
+        double places = fabs(column_value(r, r->next.x, c->P, X)) + fabs(column_value(r, r->next.x, c->Q, X));
+        double speeds = fabs(column_value(r, r->next.v, c->P, V)) + fabs(column_value(r, r->next.v, c->Q, V));
+        total += c->k * places + fabs(c->offset) + c->c * speeds;
+    }
+    for (i = 0; i < r->force_count; i++) {
+        total += fabs(r->forces[i].constant);
+        for (j = 0; j < r->forces[i].count; j++)
+            total += fabs(r->forces[i].terms[j].amplitude);
+    }
+    for (i = 0; i < m->constant_count; i++)
+        total += fabs(m->constants[i]);
+    for (i = 0; i < m->fall_count; i++)
+        total += fabs(m->falls[i].on_P);
+    for (i = 0; i < r->bodies; i++)
+        inertia += r->masses[i];
+    for (i = 0; i < r->base_count; i++)
+        total += inertia * fabs(r->base[i].amplitude * r->base[i].omega * r->base[i].omega);
+    if (r->has_motor)
+        total += r->m3 * r->e * r->next.w * r->next.w + r->M0 * (1 + fabs(r->next.w) / r->Omega0) / r->e;
+    return total;
 }
 
 /* 1: every tie of mode m holds; -1: the tie `hold` alone gives way; 0: not clear. */
 static int stands(Run *r, const Mode *m, int hold)
 {
-    double X = 0.0, V = 0.0;
+    double X = 0.0, V = 0.0, forces;
     int i, answer = 1;
     if (r->base_count > 0 && r->next.t == 0) /* where it turns round, Python knows better than its cosine */
         return 0;
     if (r->base_count > 0)
         base_motion_at(r, r->next.t, &X, &V);
+    forces = forces_of(r, m, X, V);
     for (i = 0; i < m->event_count; i++) {
-        double value, size;
+        double value;
         if (m->events[i].kind != HOLD)
             continue;
-        if (!direct_hold(r, m, &m->events[i], X, V, &value, &size))
+        if (!direct_hold(r, m, &m->events[i], X, V, &value))
             value = flow_derivative(r, m, &m->events[i], 0);
-        if (fabs(value) < 4 * EPS * size || value == 0 || value != value)
+        if (!(fabs(value) > 2 * NEAR_LIMIT * (forces + m->events[i].size))) /* Python looks closely at half of that */
             return 0;
         if (value < 0) {
             if (i != hold)
@@ -344,9 +369,16 @@ static int stands(Run *r, const Mode *m, int hold)
 static int slips(Run *r, const Mode *m, int key)
 {
     const Event *e = event_of_key(m, key);
+    double X = 0.0, V = 0.0, lightest = INFINITY;
+    int c;
     if (m->untied) /* then Python does not look either */
         return 1;
-    return e != NULL && stands(r, m, NOTHING) > 0 && flow_derivative(r, m, e, 1) > 0;
+    if (e == NULL || stands(r, m, NOTHING) <= 0)
+        return 0;
+    base_motion_at(r, r->next.t, &X, &V);
+    for (c = 0; c < r->bodies; c++)
+        lightest = r->masses[c] < lightest ? r->masses[c] : lightest;
+    return flow_derivative(r, m, e, 1) > NEAR_LIMIT * forces_of(r, m, X, V) / lightest;
 }
 
 /* Give the bodies of the group that `column` is in their common velocity; momentum is kept where they move freely. */

@@ -16,7 +16,7 @@ from typing import Generic
 from vibsim.engine.events.parting import let_go, meets
 from vibsim.engine.events.rigid_stops import Happened, RigidStops, Taken, Touch
 from vibsim.engine.flows.flow import Flow
-from vibsim.engine.flows.harmonics import value_and_rate
+from vibsim.engine.flows.harmonics import TURN_ROUNDING, series_rounding, value_and_rate
 from vibsim.engine.flows.taylor_rounding import TaylorRounding
 from vibsim.engine.modes.rows import (
     CLEARANCE,
@@ -48,10 +48,12 @@ from vibsim.engine.modes.status import (
 )
 from vibsim.engine.state import State
 from vibsim.physics.numbers import Kit, N, abs
-from vibsim.physics.parts import AT_FORCE, Clearance, Friction, RigidStop, Scene, Stop
+from vibsim.physics.parts import AT_FORCE, Clearance, Friction, Motor, RigidStop, Scene, Stop
 
 JET = 7  # order of the highest derivative consulted where lower ones vanish
-TURN_ROUNDING = 4  # in units of eps: of a phase, which is at most pi, and of its cosine
+NEAR = (
+    2.0**-40
+)  # of all forces of a mode: nearer to its limit than that the force of a tie is measured closely
 
 
 class Automaton(Generic[N]):
@@ -81,6 +83,8 @@ class Automaton(Generic[N]):
         slacks = [self._excess(c, state) for c in scene.clearances]
         clearances = tuple(VIOLATED if over > 0 else KEPT for over in slacks)
         rates = [self._slip(f, state) for f in scene.frictions]
+        if any(self._turned_by_base(f, rate, state) for f, rate in zip(scene.frictions, rates, strict=True)):
+            self._doubt(state)
         frictions = tuple(sign(rate) for rate in rates)
         status = self._pressing(state, Status(stops, frictions, clearances), met)
         known: Known = {}
@@ -93,7 +97,7 @@ class Automaton(Generic[N]):
             known |= {(SLIDE, i): 1 for i in standing if i < len(frictions) and status.frictions[i] != STICK}
         known |= {(STRIKE, i): order for i, order in touching.items() if status.stops[i] == OPEN}
         for i, (g, stop) in enumerate(zip(depths, scene.stops, strict=True)):
-            if not met[i] and self._blurred(g, stop, state, stop.sense * stop.gap):
+            if self._blurred(g, stop, state, stop.sense * stop.gap, met[i]):
                 self._doubt(state)
             if met[i] and i in self.elastic and i not in self.maker.guarded:
                 sense, order = self._departure(state, status.with_stop(i, OPEN), (GAP, i))
@@ -101,7 +105,7 @@ class Automaton(Generic[N]):
                 known[GAP, i] = order
         for i, over in enumerate(slacks):
             at = self._met(scene.clearances[i], over, state, scene.clearances[i].distance)
-            if not at and self._blurred(over, scene.clearances[i], state, -scene.clearances[i].distance):
+            if self._blurred(over, scene.clearances[i], state, -scene.clearances[i].distance, at):
                 self._doubt(state)
             if at:
                 sense, order = self._departure(state, status.with_clearance(i, KEPT), (CLEARANCE, i))
@@ -126,7 +130,13 @@ class Automaton(Generic[N]):
     def _pulls(self, state: State[N], status: Status, i: int) -> bool:
         """Whether the damper of stop `i`, in contact, would have to pull."""
         stop = self.elastic[i]
-        return stop.c != 0 and stop.release == AT_FORCE and self._value(state, status, (PUSH, i)) < 0
+        if stop.c == 0 or stop.release != AT_FORCE:
+            return False
+        event = self._event(self._enter(state, status), (PUSH, i))
+        values = self.flow.derivatives(event, JET)
+        if self._open(state, event, values, 0):
+            self._doubt(state)
+        return values[0] < 0
 
     def _ends(self, part: Joined, state: State[N], of: str) -> tuple[N, N]:
         values = (*(state.x if of == "x" else state.v), self.kit.number(0), self._base(state, of))
@@ -138,9 +148,26 @@ class Automaton(Generic[N]):
         value, rate = value_and_rate(self.kit, self.scene.base, state.t)
         if of == "x":
             return value
+        return self.kit.number(0) if self._base_turns(state, rate) else rate
+
+    def _base_turns(self, state: State[N], rate: N) -> bool:
+        """Whether the velocity `rate` of the base is what is left of none at the start."""
         fastest = sum((abs(one.amplitude * one.omega) for one in self.scene.base), self.kit.number(0))
-        turns = state.t == 0 and abs(rate) <= TURN_ROUNDING * self.kit.eps * fastest
-        return self.kit.number(0) if turns else rate
+        return state.t == 0 and abs(rate) <= TURN_ROUNDING * self.kit.eps * fastest
+
+    def _base_rounding(self, columns: tuple[int, int], state: State[N]) -> tuple[N, N]:
+        """What rounding of the base leaves open of a difference of two columns and of its rate."""
+        zero, base = self.kit.number(0), self.scene.base
+        if not base or self.maker.n + 1 not in columns:
+            return zero, zero
+        place, rate = series_rounding(self.kit, base, state.t, 2)
+        return place, zero if self._base_turns(state, value_and_rate(self.kit, base, state.t)[1]) else rate
+
+    def _turned_by_base(self, part: Joined, rate: N, state: State[N]) -> bool:
+        """Whether the rounding of the base's velocity could turn the sign of a relative one. What is zero in
+        doubles moves with the base.
+        """
+        return 0 < abs(rate) <= self._base_rounding(self.maker.ends(part), state)[1]
 
     def _depth(self, stop: Stop[N] | RigidStop[N], state: State[N]) -> N:
         xP, xQ = self._ends(stop, state, "x")
@@ -160,12 +187,27 @@ class Automaton(Generic[N]):
         """Whether the ends of a part just touch, see `meets`."""
         return meets(self.kit, part, value, self._ends(part, state, "x"), distance)
 
-    def _blurred(self, value: N, part: Joined, state: State[N], distance: N) -> bool:
-        """Whether the rounding of x_P - x_Q and of its sum with `distance` could turn the sign of `value`."""
-        xP, xQ = self._ends(part, state, "x")
-        y = xP - xQ
-        lost = abs(_difference_error(xP, xQ, y)) + abs(_difference_error(y, -distance, y + distance))
-        return lost > 0 and abs(value) <= lost
+    def _blurred(
+        self,
+        value: N,
+        part: Stop[N] | RigidStop[N] | Clearance[N],
+        state: State[N],
+        distance: N,
+        met: bool,
+    ) -> bool:
+        """Whether the rounding of the base, of x_P - x_Q and of its sum with `distance` could turn the sign
+        of `value`; of the base alone where the ends are met, of nothing where exact numbers say so.
+        """
+        if met and part.at_start:
+            return False
+        lost = self._base_rounding(self.maker.ends(part), state)[0]
+        if not met:
+            xP, xQ = self._ends(part, state, "x")
+            y = xP - xQ
+            lost = (
+                lost + abs(_difference_error(xP, xQ, y)) + abs(_difference_error(y, -distance, y + distance))
+            )
+        return 0 < lost >= abs(value)
 
     def _doubt(self, state: State[N]) -> None:
         self.flow.certificate.doubt(state.t)
@@ -179,10 +221,6 @@ class Automaton(Generic[N]):
 
     def _event(self, rows: ModeRows[N], key: EventKey) -> Event[N]:
         return next(event for event in rows.events if event.key == key)
-
-    def _value(self, state: State[N], status: Status, key: EventKey) -> N:
-        rows = self._enter(state, status)
-        return self.flow.derivatives(self._event(rows, key), 0)[0]
 
     def _leading_sign(self, state: State[N], status: Status, key: EventKey, first: int = 1) -> int:
         """Sign of the first derivative, from order `first`, that is not zero."""
@@ -204,10 +242,25 @@ class Automaton(Generic[N]):
         event = self._event(self._enter(state, status), key)
         values = self._derivatives(state, event)
         order = leading(values, first)
-        rounding = TaylorRounding(self.flow, JET + 1).derivatives(event, order)
-        if any(0 < lost >= abs(value) for value, lost in zip(values[first:], rounding[first:], strict=False)):
+        if self._open(state, event, values, first):
             self._doubt(state)
         return sign(values[order]), order
+
+    def _open(self, state: State[N], event: Event[N], values: Sequence[N], first: int) -> bool:
+        """Whether rounding leaves the first of the derivatives `values`, from order `first`, that is not zero
+        open, or one before it. That of order 1 of displacements is one of velocities.
+        """
+        order = leading(values, first)
+        bounds = TaylorRounding(self.flow, JET + 1, state.t == 0).derivatives(event, order)
+        if order > 0 and all(term.kind == DIFFERENCE for term in event.terms):
+            bounds[1] = self.kit.number(0)
+            for term in event.terms:
+                bounds[1] = (
+                    bounds[1] + abs(term.coefficient) * self._base_rounding((term.P, term.Q), state)[1]
+                )
+        return any(
+            0 < lost >= abs(value) for value, lost in zip(values[first:], bounds[first:], strict=False)
+        )
 
     def _derivatives(self, state: State[N], event: Event[N]) -> list[N]:
         """Derivatives of an event function of the mode entered last at `state`."""
@@ -488,28 +541,46 @@ class Automaton(Generic[N]):
         """The HOLD event furthest below zero behind the instant, or None."""
         worst: Event[N] | None = None
         depth: N | None = None
+        forces = self._forces(rows)
         for event in rows.events:
             if event.kind == HOLD:
                 values = self._hold_values(state, rows, event)
-                if abs(values[0]) < 4 * self.kit.eps * self._size(state, rows, event):
+                if abs(values[0]) <= NEAR * (forces + event.size) and self._open(state, event, values, 0):
                     self._doubt(state)
                 if first_sign(values) < 0 and (depth is None or values[0] < depth):
                     worst, depth = event, values[0]
         return worst
 
-    def _size(self, state: State[N], rows: ModeRows[N], event: Event[N]) -> N:
-        """Sum of the magnitudes of the terms of the force in a HOLD event: what its rounding is
-        proportional to.
+    def _forces(self, rows: ModeRows[N]) -> N:
+        """Sum of the magnitudes of all forces in the mode entered last [N], of couplings by what each of
+        their ends has: what the rounding of any force is below some hundred eps of.
         """
-        size = zero = self.kit.number(0)
-        x, v = (*state.x, zero, self._base(state, "x")), (*state.v, zero, self._base(state, "v"))
-        for term in event.terms:
-            if term.kind == COUPLING:
-                one = rows.couplings[term.P]
-                P, Q = one.P, one.Q
-                part = one.k * abs(x[P] - x[Q]) + one.c * abs(v[P] - v[Q]) + abs(one.offset)
-                size = size + abs(term.coefficient) * part
-        return size
+        flow, scene = self.flow, self.scene
+        total = inertia = self.kit.number(0)
+        for one in rows.couplings:
+            places = abs(flow.x[one.P][0]) + abs(flow.x[one.Q][0])
+            total = total + one.k * places + abs(one.offset)
+            total = total + one.c * (abs(flow.v[one.P][0]) + abs(flow.v[one.Q][0]))
+        for force in scene.forces:
+            total = total + abs(force.constant)
+        for term in (term for force in scene.forces for term in force.terms):
+            total = total + abs(term.amplitude)
+        for _, value in rows.constants:
+            total = total + abs(value)
+        for fall in rows.falls:
+            total = total + abs(fall.on_P)
+        for body in scene.bodies:
+            inertia = inertia + body.m
+        for term in scene.base:
+            total = total + inertia * abs(term.amplitude * term.omega * term.omega)
+        return total if scene.motor is None else total + self._motor_forces(scene.motor)
+
+    def _motor_forces(self, motor: Motor[N]) -> N:
+        """The same of a motor: of its unbalance, and of its torque at the radius of that."""
+        rotor = self.flow.rotor
+        assert rotor is not None  # there is a motor
+        w = abs(rotor.w[0])
+        return motor.m3 * motor.e * (w * w) + motor.M0 * (1 + w / motor.Omega0) / motor.e
 
     def _slips_as_said(self, state: State[N], status: Status, slipping: Sequence[int]) -> bool:
         """Whether the ties that let go do so in the direction of their status, and stops part."""
@@ -518,7 +589,11 @@ class Automaton(Generic[N]):
         rows, count = self._enter(state, status), len(status.frictions)
         for k in slipping:
             key, order = ((SLIDE, k), 1) if k < count else ((STRIKE, k - count), 2)
-            if first_sign(self.flow.derivatives(self._event(rows, key), JET)[order:]) < 0:
+            event = self._event(rows, key)
+            values = self.flow.derivatives(event, JET)
+            if self._open(state, event, values, order):
+                self._doubt(state)
+            if first_sign(values[order:]) < 0:
                 return False
         return True
 

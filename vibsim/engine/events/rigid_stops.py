@@ -179,6 +179,8 @@ class RigidStops(Generic[N]):
         for j, _ in self.scene.rigid_stops:
             if j in met:
                 rate = rate_of(self.kit, self._contact(j), self._velocities(state))
+                if self.automaton._turned_by_base(self.stops[j], rate, state):
+                    self.automaton._doubt(state)
                 if rate == 0:
                     standing.append(j)
                 if rate <= 0:

@@ -2,8 +2,11 @@
 
 from collections.abc import Iterable
 
-from vibsim.physics.numbers import Kit, N
+from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Harmonic
+
+ROUNDING = 16  # of a product of an amplitude, powers of a rate and a sine, in units of eps
+TURN_ROUNDING = 4  # in units of eps: of a phase, which is at most pi, and of its cosine
 
 
 def sine_and_cosine(kit: Kit[N], term: Harmonic[N], t: N) -> tuple[N, N]:
@@ -25,3 +28,21 @@ def value_and_rate(kit: Kit[N], terms: Iterable[Harmonic[N]], t: N) -> tuple[N, 
         value = value + term.amplitude * sine
         rate = rate + term.amplitude * term.omega * cosine
     return value, rate
+
+
+def series_rounding(kit: Kit[N], terms: Iterable[Harmonic[N]], t: N, count: int) -> list[N]:
+    """Rounding bounds of the first coefficients in tau of the sum of harmonics at t + tau.
+
+    A sine is as wrong as its angle times its cosine; at a quarter turn, where motions start, it is 0 or 1.
+    """
+    bounds = [kit.number(0)] * count
+    for term in terms:
+        turns = [abs(turn) for turn in quarter_turns(*sine_and_cosine(kit, term, t))]
+        angle = abs(kit.turn_angle(term.cycles, term.cycles_lo, t)) + abs(term.phase)
+        size = ROUNDING * kit.eps * abs(term.amplitude)
+        for n in range(count):
+            turn, other = turns[n % 4], turns[(n + 1) % 4]
+            if n > 0 or turn != 1 or other > TURN_ROUNDING * kit.eps:
+                bounds[n] = bounds[n] + size * (turn + angle * other)
+            size = size * term.omega / (n + 1)
+    return bounds

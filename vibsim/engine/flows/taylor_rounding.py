@@ -1,4 +1,4 @@
-"""Rounding bounds of the Taylor coefficients at a state, which is taken as exact.
+"""Rounding bounds of the Taylor coefficients at a state, which is exact, or rounded itself.
 
 A derivative whose terms cancel is what their rounding left of it: on its sign nothing may rest. So the
 recurrences of the `Taylor` flow are gone through once more, and each operation adds the rounding of its
@@ -8,10 +8,10 @@ is zero.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Generic
 
-from vibsim.engine.flows.harmonics import quarter_turns, sine_and_cosine
+from vibsim.engine.flows.harmonics import ROUNDING, series_rounding
 from vibsim.engine.flows.taylor import Taylor
 from vibsim.engine.modes.rows import (
     ACCELERATION,
@@ -26,16 +26,16 @@ from vibsim.engine.modes.rows import (
     Term,
 )
 from vibsim.physics.numbers import N, abs
-from vibsim.physics.parts import Harmonic
 
-ROUNDING = 16  # of a product, whose factors may be rounded sums and quotients themselves, in units of eps
 ROTATION = 64  # of a coefficient of what a rotor does, some ten products of series one behind the other
 
 
 class TaylorRounding(Generic[N]):
-    """Bounds for all columns up to order `highest`, of what `flow` has expanded last."""
+    """Bounds for all columns up to order `highest`, of what `flow` has expanded last; exact: whether its
+    state is a start, and not what a motion led to.
+    """
 
-    def __init__(self, flow: Taylor[N], highest: int) -> None:
+    def __init__(self, flow: Taylor[N], highest: int, exact: bool) -> None:
         self.flow, self.kit, self.rows = flow, flow.kit, flow.rows
         zero, columns = flow.kit.number(0), range(flow.n + 2)
         self.once, self.product = flow.kit.eps, ROUNDING * flow.kit.eps
@@ -45,41 +45,31 @@ class TaylorRounding(Generic[N]):
         self.arguments: list[list[N]] = [[] for _ in self.rows.falls]
         self.falls: list[list[N]] = [[] for _ in self.rows.falls]
         self.load = [[zero] * highest for _ in columns]
-        self._start(highest)
+        self._start(highest, exact)
         for n in range(highest):
             self._advance(n)
 
-    def _start(self, highest: int) -> None:
+    def _start(self, highest: int, exact: bool) -> None:
         """Base and loads, of all orders."""
-        flow, base = self.flow, self.flow.n + 1
-        self.x[base] = self._of_harmonics(flow.scene.base, highest + 1)
-        self.v[base] = [
-            (n + 1) * e for n, e in enumerate(self._of_harmonics(flow.scene.base, highest + 2)[1:])
-        ]
+        flow, base, t = self.flow, self.flow.n + 1, self.flow.t0
+        moved = series_rounding(self.kit, flow.scene.base, t, highest + 2)
+        self.x[base], self.v[base] = moved[:-1], [(n + 1) * e for n, e in enumerate(moved[1:])]
         for c in range(flow.n):
+            if not exact:
+                self.x[c][0], self.v[c][0] = (
+                    self.product * abs(flow.x[c][0]),
+                    self.product * abs(flow.v[c][0]),
+                )
             if self.rows.leader[c] == base:
                 self.v[c] = list(self.v[base])
         for force in flow.scene.forces:
-            errors = self._of_harmonics(force.terms, highest)
+            errors = series_rounding(self.kit, force.terms, t, highest)
             total = self.flow.load[force.on]
             assert total is not None  # there is this force
             self.load[force.on] = [
                 old + e + self.once * abs(value)
                 for old, e, value in zip(self.load[force.on], errors, total, strict=False)
             ]
-
-    def _of_harmonics(self, terms: Iterable[Harmonic[N]], count: int) -> list[N]:
-        """Of a series of harmonics; that of its angle is told by the other of sine and cosine."""
-        kit, t = self.kit, self.flow.t0
-        errors = [kit.number(0)] * count
-        for term in terms:
-            turns = quarter_turns(*sine_and_cosine(kit, term, t))
-            angle = abs(kit.turn_angle(term.cycles, term.cycles_lo, t)) + abs(term.phase)
-            size = self.product * abs(term.amplitude)
-            for n in range(count):
-                errors[n] = errors[n] + size * (abs(turns[n % 4]) + angle * abs(turns[(n + 1) % 4]))
-                size = size * term.omega / (n + 1)
-        return errors
 
     def _advance(self, n: int) -> None:
         """Coefficients n + 1 from those of order n."""
