@@ -3,7 +3,6 @@
 import re
 import sys
 from dataclasses import dataclass
-from importlib import resources
 from os.path import exists, isdir, isfile, normpath
 from pathlib import Path
 
@@ -12,7 +11,8 @@ from vibsim.cases.spelling import did_you_mean
 
 LARGEST_FILE = 1_000_000  # bytes
 HDF5_SIGNATURE = b"\x89HDF"
-_CONTROL = re.compile("[^\t\n\r -~\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # what YAML forbids
+ASCII_TEXT = re.compile("[\t\n\r -~]*")
+CONTROL = "[^\t\n\r -~\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"  # what YAML forbids
 SUFFIXES = (".yaml", ".yml")
 RESULTS = (".h5", ".hdf5", ".partial")
 HARD, GALLERY = "hard/", "gallery/"  # folders of shipped cases, and how their names begin
@@ -40,6 +40,8 @@ class SourceText:
 
 def shipped_folder() -> Path:
     """The folder of the shipped cases, installed or in a checkout."""
+    from importlib import resources
+
     try:
         return Path(str(resources.files("vibsim.shipped_cases").joinpath("II-B.yaml"))).parent
     except ModuleNotFoundError:
@@ -145,7 +147,7 @@ def decoded(raw: bytes, name: str) -> str:
     except UnicodeDecodeError as error:
         what = f"is not UTF-8 text (byte 0x{raw[error.start]:02x}); save the file as UTF-8"
         raise CaseError([_at(name, raw[: error.start].decode("utf-8", "replace"), what)]) from None
-    control = _CONTROL.search(text)
+    control = None if ASCII_TEXT.fullmatch(text) else re.search(CONTROL, text)
     if control:
         what = f"holds the control character 0x{ord(control[0]):02x}; is it a binary file?"
         raise CaseError([_at(name, text[: control.start()], what)])

@@ -1,7 +1,5 @@
 """HDF5 files that vibsim wrote, opened for reading; whatever else is there is refused in one line."""
 
-import os
-import stat
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,8 +14,7 @@ from vibsim.files.declarations import Attribute, Dataset
 from vibsim.files.errors import ResultFileError
 from vibsim.files.output_file import reason
 from vibsim.files.provenance import FORMAT
-
-SIGNATURE = b"\x89HDF\r\n\x1a\n"
+from vibsim.files.signature import check_signature
 
 
 def open_hdf5(path: Path) -> h5py.File:
@@ -79,21 +76,6 @@ def _check_format(path: Path, file: h5py.File) -> None:
         version = file.attrs.get("vibsim_version", "a newer version")
         newer = f"has format {int(written)}, written by vibsim {version}"
         raise ResultFileError(f"{path}: {newer}; this is vibsim {__version__}, which reads up to {FORMAT}")
-
-
-def check_signature(path: Path) -> None:
-    """Raise ResultFileError unless `path` is a readable file that begins as an HDF5 file does."""
-    try:
-        if not stat.S_ISREG(mode := os.stat(path).st_mode) and not stat.S_ISDIR(mode):
-            raise ResultFileError(f"{path}: is not a regular file")
-        with open(path, "rb") as file:
-            start = file.read(len(SIGNATURE))
-    except (OSError, ValueError) as error:
-        raise ResultFileError(f"{path}: {reason(error)}") from error
-    if not start:
-        raise ResultFileError(f"{path}: is empty")
-    if start != SIGNATURE:
-        raise ResultFileError(f"{path}: is not an HDF5 file")
 
 
 @contextmanager

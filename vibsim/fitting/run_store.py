@@ -53,7 +53,7 @@ class FileRunStore(RunStore):
         self.path = check_output(path, force=True)
         check_leftover(path, force)
         self._shown = path
-        self._on_file = (0, False)  # runs, and whether the search had come to its end
+        self._on_file = (-1, False)  # runs, and whether the search had come to its end; no file yet
         self._journal = Journal(self.path, "fit")
         try:
             if force:

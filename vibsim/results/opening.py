@@ -29,7 +29,7 @@ def is_result_file(path: str | Path) -> bool:
     One that must not be read is judged by its name, and whoever opens it says so.
     """
     from vibsim.cases.sources import called_as_result
-    from vibsim.files.reading import check_signature
+    from vibsim.files.signature import check_signature
 
     try:
         check_signature(Path(path))

@@ -2,14 +2,16 @@
 
 import time
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from vibsim.engine.choice import flow_of
 from vibsim.engine.errors import EngineError
-from vibsim.engine.trajectory import Block, open_trajectory
+from vibsim.engine.trajectory import Block, Trajectory, open_trajectory
 from vibsim.files.declarations import Column
+from vibsim.results.blocks_ahead import BlocksAhead
 from vibsim.results.cadence import Thinning, instants_per_sample, sampled_finer
 from vibsim.results.columns import Tables, tables_of
 from vibsim.results.exponent_attributes import exponent_attributes
@@ -33,6 +35,7 @@ class Sink(Protocol):
 class Recording:
     """One run of a case: `start` has the attributes known before it, `into` runs it, `end` has the rest.
 
+    The engine runs in a thread of its own, from `set_off` on where something is to be done before `into`.
     With `trust`, a second run beside it tells until when it is right. tangent : number of Lyapunov exponents
     that it takes along, and the time [s] from which they count.
     """
@@ -47,6 +50,7 @@ class Recording:
         self._thinning = Thinning(instants)
         count, begin = tangent
         self.trajectory = open_trajectory(judged, engine, ledger=True, tangent=count, tangent_from=begin)
+        self._ahead = BlocksAhead(self.trajectory, partial(left_out, self.trajectory))
         method, engine = flow_of(self.scene), self.trajectory.engine
         self.start = origin(case, self.scene, engine, method)
         self.t_reached = self._known_to = self._worked_to = 0.0
@@ -55,30 +59,51 @@ class Recording:
         self._trust: NoTrust[tuple[Rows, float]] = Trust(case, judged, engine) if trust else NoTrust()
         self.tables = tables_of(self.scene).judged(self._trust.columns)
 
+    def set_off(self) -> None:
+        """Let the engine begin; to be followed by `into` or `close`."""
+        self._ahead.start()
+        self._trust.start()
+
+    def close(self) -> None:
+        """Let go of the engine, where it is."""
+        self._ahead.close()
+        self._trust.close()
+
     def into(self, sink: Sink, watch: Watch | None = None) -> None:
         """Run to the end, or until `watch` says stop; raises EngineError when the run fails."""
 
         def go_on() -> bool:
             return watch is None or watch(self.progress)
 
-        with self._trust:
+        self.set_off()
+        try:
             try:
                 self._run(sink, go_on)
             except EngineError:
                 self._hand_on(sink, self._trust.rest(go_on))
                 raise
             self._hand_on(sink, self._trust.rest(go_on))
+        finally:
+            self.close()
 
     def _run(self, sink: Sink, go_on: GoOn) -> None:
-        for block in self.trajectory.blocks():
+        """Hand on what the engine tells; where `go_on` says no, what it has computed by then."""
+        going = True
+
+        def goes_on() -> bool:
+            nonlocal going
+            going = going and go_on()
+            return going
+
+        for block, missing in self._ahead.blocks(goes_on):
             times = block.samples["time"][-1:].tolist()
             self._known_to = max(float(block.t_reached), *times, self._known_to)
             self._worked_to = getattr(block, "worked_to", self._known_to)
-            left_out, tag = self._left_out(block), (block.events, self._known_to)
-            self._hand_on(sink, self._trust.judged(block.samples, left_out, tag, go_on))
-            if not go_on():
-                return
-        self.complete = True
+            tag = block.events, self._known_to
+            self._hand_on(sink, self._trust.judged(block.samples, missing, tag, go_on, going))
+            if not goes_on():
+                self._ahead.stop()
+        self.complete = going
 
     def _hand_on(self, sink: Sink, judged: Iterable[tuple[Rows, tuple[Rows, float]]]) -> None:
         """Give the sink blocks of samples, each with its events and the time [s] that is known then."""
@@ -87,14 +112,6 @@ class Recording:
             sink.append(samples, events)
             self._distances.update(samples, events)
             self.t_reached = known_to
-
-    def _left_out(self, block: Block) -> np.ndarray | float:
-        """Distance that completed chatter has left out at the samples of a block [m], wherever that ends."""
-        ends = self.trajectory.left_out if self.scene.rigid_stops else []
-        if not ends:
-            return 0.0
-        times, distances = np.array([(-np.inf, 0.0), *ends]).T
-        return distances[np.searchsorted(times, block.samples["time"], side="right") - 1]
 
     @property
     def progress(self) -> float:
@@ -111,6 +128,15 @@ class Recording:
         totals = self.trajectory.totals
         known = outcome(totals, self.t_reached, self._distances.attrs, wall_time, self.complete)
         return {**known, **exponent_attributes(totals), **self._trust.attrs(self.t_reached)}
+
+
+def left_out(trajectory: Trajectory[float], block: Block) -> np.ndarray | float:
+    """Distance that completed chatter has left out at the samples of a block [m], wherever that ends."""
+    ends = trajectory.left_out if trajectory.scene.rigid_stops else []
+    if not ends:
+        return 0.0
+    times, distances = np.array([(-np.inf, 0.0), *ends]).T
+    return distances[np.searchsorted(times, block.samples["time"], side="right") - 1]
 
 
 class MemorySink:

@@ -1,6 +1,7 @@
 """Run a case, into memory or straight into a file."""
 
 from collections.abc import Mapping
+from contextlib import closing
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -78,16 +79,18 @@ def simulate_to_file(
         from vibsim.results.truth import truth_to_file
 
         return truth_to_file(case, path, digits, engine, force, watch)
-    from vibsim.results.trajectory_file import TrajectoryFile
-    from vibsim.results.trajectory_writer import TrajectoryWriter
-
     recording = Recording(case, engine, trust, tangent)
-    writer = TrajectoryWriter(path, recording.tables, recording.start, force)
-    try:
-        recording.into(writer, watch)
-    except BaseException:
-        writer.keep(recording.end())
-        raise
+    with closing(recording):
+        recording.set_off()  # HDF5 is loaded while the engine runs
+        from vibsim.results.trajectory_file import TrajectoryFile
+        from vibsim.results.trajectory_writer import TrajectoryWriter
+
+        writer = TrajectoryWriter(path, recording.tables, recording.start, force)
+        try:
+            recording.into(writer, watch)
+        except BaseException:
+            writer.keep(recording.end())
+            raise
     end = recording.end()
     target = writer.finish(end)
     file = TrajectoryFile(target, recording.tables)

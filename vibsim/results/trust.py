@@ -46,14 +46,14 @@ class NoTrust(Generic[Tag]):
     columns: tuple[str, ...] = ()
     t_reached = inf  # of what judges [s]
 
-    def __enter__(self) -> "NoTrust[Tag]":
-        return self
+    def start(self) -> None:
+        """Nothing runs beside."""
 
-    def __exit__(self, *failure: object) -> None:
-        pass
+    def close(self) -> None:
+        """Nothing runs beside."""
 
     def judged(
-        self, samples: Rows, left_out: np.ndarray | float, tag: Tag, go_on: GoOn
+        self, samples: Rows, left_out: np.ndarray | float, tag: Tag, go_on: GoOn, waits: bool = True
     ) -> Iterator[tuple[Rows, Tag]]:
         """The samples as they are."""
         yield samples, tag
@@ -70,7 +70,7 @@ class NoTrust(Generic[Tag]):
 class Trust(NoTrust[Tag]):
     """Judges a run of `case` while it is computed, by a companion on the same engine.
 
-    case, scene : what is run. To be entered for as long as the run goes.
+    case, scene : what is run. To be started, and closed at the end.
     """
 
     columns = (COLUMN,)
@@ -83,11 +83,12 @@ class Trust(NoTrust[Tag]):
         self._names = tables_of(scene).displacements
         self._held: deque[Unjudged[Tag]] = deque()
 
-    def __enter__(self) -> "Trust[Tag]":
+    def start(self) -> None:
+        """Let the companion begin, where that has not been done."""
         self._companion.start()
-        return self
 
-    def __exit__(self, *failure: object) -> None:
+    def close(self) -> None:
+        """End where it is what runs beside."""
         self._companion.close()
         self._third.close()
 
@@ -97,16 +98,17 @@ class Trust(NoTrust[Tag]):
         return self._companion.t_reached
 
     def judged(
-        self, samples: Rows, left_out: np.ndarray | float, tag: Tag, go_on: GoOn
+        self, samples: Rows, left_out: np.ndarray | float, tag: Tag, go_on: GoOn, waits: bool = True
     ) -> Iterator[tuple[Rows, Tag]]:
         """Take the next block of samples, and yield those that are judged by now, with the column
         `error_estimate` [m]: none where the companion or a third run is waited for.
 
         left_out : distance [m] at each sample that the run has left out of infinite sequences of impacts, as
-        its companion has; tag : what goes with the block; `go_on` as in `Companion.take`
+        its companion has; tag : what goes with the block; `go_on` as in `Companion.take`; waits : whether to
+        wait where many blocks are held
         """
         self._held.append(Unjudged(samples, left_out, tag))
-        yield from self._released(go_on, HELD)
+        yield from self._released(go_on, HELD if waits else inf)
 
     def rest(self, go_on: GoOn) -> Iterator[tuple[Rows, Tag]]:
         """Yield the blocks that wait, judged. A second after `go_on` says no, nothing is known of where the
@@ -115,7 +117,7 @@ class Trust(NoTrust[Tag]):
         until = time.monotonic() + GRACE
         yield from self._released(lambda: go_on() or time.monotonic() < until, 0)
 
-    def _released(self, go_on: GoOn, most: int) -> Iterator[tuple[Rows, Tag]]:
+    def _released(self, go_on: GoOn, most: float) -> Iterator[tuple[Rows, Tag]]:
         """Judge blocks, and wait for what that takes as long as more than `most` are held."""
         while self._held:
             block, waits = self._held[0], len(self._held) > most

@@ -112,13 +112,15 @@ class Beside:
         self._thread = threading.Thread(target=self._run, name="vibsim companion", daemon=True)
 
     def start(self) -> None:
-        """Set off."""
-        self._thread.start()
+        """Set off, where that has not been done."""
+        if self._thread.ident is None:
+            self._thread.start()
 
     def close(self) -> None:
         """End it where it is."""
         self._closed = True
-        self._thread.join()
+        if self._thread.ident is not None:
+            self._thread.join()
 
     def _run(self) -> None:
         from vibsim.engine.errors import EngineError
