@@ -17,6 +17,7 @@ import numpy as np
 
 from vibsim.branches.arclength import ContinuationError, length_of
 from vibsim.branches.family import Family
+from vibsim.branches.grazing_end import grazing_end
 from vibsim.branches.node import Node, between
 from vibsim.branches.order_change import SHORT, change_between
 from vibsim.branches.special import (
@@ -25,12 +26,14 @@ from vibsim.branches.special import (
     CORNER,
     DOUBLING,
     FOLD,
+    GRAZING,
     TORUS,
     UNRESOLVED,
     Special,
     kind_of_change,
 )
 from vibsim.branches.way import Way, regula_falsi
+from vibsim.orbits.word import changes
 
 LONGEST_PART = 0.9  # of a stretch that is halved
 TRIES = 100  # nodes while locating
@@ -72,7 +75,27 @@ def _unparted(family: Family, detected: list[str], one: Node, other: Node) -> It
     if isinstance(special, Special):
         yield from _with_sides(family, special, one, other)
     else:
-        yield Special(UNRESOLVED, other, one, other)
+        yield _graze_between(family, one, other) or Special(UNRESOLVED, other, one, other)
+
+
+def _graze_between(family: Family, one: Node, other: Node) -> Special | None:
+    """The graze of a rigid stop between two nodes whose words differ by its blow; None where there is none.
+
+    A multiplier is infinite there on one side, so that no bracket of orbits closes in on it.
+    """
+    gone, come = changes(one.word, other.word)
+    if [kind for kind, _ in (gone + come).elements()] != ["impact"]:
+        return None
+    chord = other.z - one.z
+    for node in (one, other):
+        graze = grazing_end(family, node)
+        if graze is None:
+            continue
+        away = graze.node.z - one.z
+        share = float(away @ chord / (chord @ chord))
+        if 0 <= share <= 1 and length_of(away - share * chord) <= length_of(chord):
+            return Special(GRAZING, graze.node, one, other)
+    return None
 
 
 def _with_sides(family: Family, special: Special, one: Node, other: Node) -> Iterator[Special]:
