@@ -13,8 +13,8 @@ from math import isfinite
 
 from vibsim.branches.family import Family
 from vibsim.branches.node import Node
-from vibsim.branches.touching import gap_of
 from vibsim.branches.way import Way
+from vibsim.orbits.gaps import gap_of
 from vibsim.orbits.word import LETTERS, Word
 
 NARROW = 4e-14  # length, over that of the unknowns, of the last bracket: Newton's method leaves as much open

@@ -17,7 +17,7 @@ from vibsim.branches.family import Family
 from vibsim.branches.holding import STICK, kinds_of
 from vibsim.branches.node import Node, node_at
 from vibsim.branches.special import CORNER, Special
-from vibsim.branches.touching import apart, motion_of_base
+from vibsim.orbits.gaps import apart, motion_of_base
 from vibsim.orbits.word import Word, changes
 
 BACK = (1e-4, 1e-3, 1e-2)  # scaled: how far back in the parameter orbits of the other kind are looked for

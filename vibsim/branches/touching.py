@@ -19,10 +19,11 @@ from vibsim.engine.modes.status import OPEN
 from vibsim.engine.tangent.monodromy import Carried, Carrier
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.orbits import OrbitError, ReturnMap
+from vibsim.orbits.gaps import gap_of
 from vibsim.orbits.return_map import Return
 from vibsim.orbits.start import placed
 from vibsim.physics.modes import EVENT_KINDS, RIGID_KINDS
-from vibsim.physics.parts import BASE, Scene
+from vibsim.physics.parts import Scene
 
 SAMPLES = 4096  # of a period, among which the touch is looked for
 SAME = 1e-4  # share of the period within which events of the stop belong to the touch
@@ -113,36 +114,6 @@ class TouchFamily(Family):
 
     def _new_map(self, scene: Scene) -> ReturnMap:
         return MapPastTouch(scene, self.n, self.engine, self.window)
-
-
-def gap_of(
-    scene: Any, number: int, t: Any, state: np.ndarray, rates: np.ndarray | None = None
-) -> tuple[Any, Any, Any]:
-    """Gap of a stop [m], its rate and acceleration at states (N, ...), with their rates of change."""
-    stop, n = scene.stops[number], len(scene.bodies)
-    base = motion_of_base(scene, t)
-    values = state, state[n:], None if rates is None else rates[n:]
-    gap, rate, bend = (
-        0.0 if of is None else stop.sense * apart(stop, of, base[order]) for order, of in enumerate(values)
-    )
-    return stop.gap + gap, rate, bend
-
-
-def apart(part: Any, values: Any, of_base: Any) -> Any:
-    """P - Q of the ends of a part: `values` by body, that of the base, and 0 of the ground."""
-    P, Q = (values[end] if end >= 0 else of_base if end == BASE else 0.0 for end in (part.P, part.Q))
-    return P - Q
-
-
-def motion_of_base(scene: Any, t: Any) -> list[Any]:
-    """Displacement, velocity and acceleration of the base at the times t."""
-    return [
-        sum(
-            (term.amplitude * term.omega**k * np.sin(term.omega * t + term.phase + k * np.pi / 2))
-            for term in scene.base
-        )
-        for k in range(3)
-    ]
 
 
 def later(scene: Any, t: float) -> Any:

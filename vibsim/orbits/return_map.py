@@ -19,6 +19,7 @@ from vibsim.engine.tangent.monodromy import Carried, Carrier
 from vibsim.once import once
 from vibsim.orbits.coordinates import Coordinates
 from vibsim.orbits.errors import OrbitError
+from vibsim.orbits.gaps import at_once
 from vibsim.orbits.section import section_of
 from vibsim.orbits.start import placed
 from vibsim.orbits.turning import MANY, returns, slowest_period
@@ -109,8 +110,13 @@ class Return:
         """(kind, part) of what happened, in the order from the section."""
         events, scene = self.carried.events, self.coordinates.scene
         if len(scene.stops) > 1 or len(scene.frictions) > 1:
-            return word_of(in_order(events, self.carried.times.tolist(), self.T))
+            return word_of(in_order(events, self.carried.times.tolist(), self.T, self._at_once))
         return word_of(events)
+
+    def _at_once(self, i: int) -> bool:
+        """Whether event i is due with the one before it but for rounding."""
+        (kind, part), carried = self.carried.events[i], self.carried
+        return at_once(self.coordinates.scene, kind, part, float(carried.times[i - 1]), carried.states[i - 1])
 
     @property
     def drift(self) -> dict[str, float]:

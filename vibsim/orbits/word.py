@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 
 from vibsim.physics.parts import Scene
@@ -24,6 +24,7 @@ LETTERS = {
     "rest_end": "o",
 }
 TOGETHER = 1e-12  # of the period, between events of one kind at different parts
+NEAR = 1e-3  # the same of events that may come together although slowness keeps their times apart
 OF_FRICTION = ("reversal", "stick_begin", "stick_end")
 
 
@@ -33,15 +34,24 @@ def word_of(events: Iterable[tuple[str, int]]) -> Word:
 
 
 def in_order(
-    events: Sequence[tuple[str, int]], times: Sequence[float], period: float
+    events: Sequence[tuple[str, int]],
+    times: Sequence[float],
+    period: float,
+    at_once: Callable[[int], bool],
 ) -> list[tuple[str, int]]:
     """Events with those of one kind that come together, as where bodies move alike, in the order of their
     parts: rounding would else say which is first.
+
+    at_once : whether an event of the same kind as the one before it, at another part, is due with that; it is
+        asked where their times are not the same but near
     """
     ordered, begin = list(events), 0
     for i in range(1, len(ordered) + 1):
-        together = i < len(ordered) and times[i] - times[i - 1] <= TOGETHER * period
-        if not (together and ordered[i][0] == ordered[begin][0]):
+        together = i < len(events) and events[i][0] == events[i - 1][0]
+        if together:
+            apart = (times[i] - times[i - 1]) / period
+            together = apart <= TOGETHER or (apart <= NEAR and events[i] != events[i - 1] and at_once(i))
+        if not together:
             ordered[begin:i] = sorted(ordered[begin:i])
             begin = i
     return ordered
