@@ -7,9 +7,11 @@ from vibsim.branches import BranchError, continue_branch
 from vibsim.branches.family import Family
 from vibsim.branches.holding import held
 from vibsim.branches.locus_plan import locus_plan
+from vibsim.branches.locus_result import Locus
 from vibsim.branches.span import read_span
 from vibsim.branches.store.locus_file import LocusStore, read_locus
 from vibsim.cases import load_case
+from vibsim.files.errors import ResultFileError
 from vibsim.orbits.seeking import orbit
 from vibsim.plots.registry import kind_named
 from vibsim.plots.subject import Subject
@@ -63,6 +65,12 @@ def test_sticks_over_two_parameters(branch, tmp_path):
     assert locus.kind == "sticking" and np.ptp(locus["second"]) > 0.04
     np.testing.assert_allclose(locus["parameter"], without_stops(locus["second"]), rtol=1e-12)
     assert read_locus(tmp_path / "locus.h5").points == locus.points
+    of_its_own = Locus(locus.plan, locus.points)  # as of a locus that no file holds
+    assert read_locus(of_its_own.save(tmp_path / "saved.h5")).points == locus.points
+    with pytest.raises(ResultFileError, match="exists"):
+        locus.save(tmp_path / "saved.h5")
+    whole = locus_of(branch, "drive.omega", "0.55:0.9 rad/s", 12, tmp_path / "saved.h5")
+    assert len(whole) == 12 and [p for p in whole.points if p in locus.points] == locus.points
     figure = kind_named("locus").draw([Subject("l.h5", "l", "locus", locus.case, locus)], View())
     (legend,) = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["sticks that come or go"]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import vibsim
+from tests.branches.made import CAPTURED, branch_of
 from tests.command_line.made import call
 from tests.plots.browser import Browser, program
 from vibsim.plots.live.run_page import thinned
@@ -35,6 +36,8 @@ def folder(runs, tmp_path_factory):
     vibsim.sweep("II-B", axes, section=3, jobs=1, out=folder / "sweep.h5", overrides=overrides)
     done = call("plot", str(folder / "sweep.h5"), "-o", str(folder / "sweep.html"))
     assert (done.exit_code, done.stdout) == (0, f"{folder / 'sweep.html'}\n")
+    saved = branch_of(CAPTURED, "4.8:5.9 Hz").save(folder / "branch.h5")
+    assert call("plot", str(saved), "-o", str(folder / "branch.html")).exit_code == 0
     return folder
 
 
@@ -108,6 +111,29 @@ def test_what_a_page_does_not_take(folder, words, message, tmp_path):
     assert done.exit_code == 2 and "II-B is a case" in done.stderr
 
 
+def test_a_page_of_a_branch_has_its_curve(folder):
+    """Orbits between its points, which close as well as the line is drawn; it ends at special points."""
+    data, branch = data_of(folder / "branch.html"), vibsim.open_result(folder / "branch.h5")
+    columns = {
+        name: numbers(one["data"], "f8").reshape(-1, one["width"])
+        for name, one in data["lines"]["columns"].items()
+    }
+    assert [bool(stable) for *_, stable in data["lines"]["pieces"]] == [True, False]
+    assert len(columns["parameter"]) > 1.5 * len(branch)
+    fold, torus = branch.special("F1"), branch.special("NS1")
+    assert columns["parameter"].max() == fold.parameter
+    (_, end, _), (begin, _, _) = data["lines"]["pieces"]
+    assert columns["parameter"][end - 1, 0] == columns["parameter"][begin, 0] == torus.parameter
+    family = branch.plan.family()
+    for row in range(2, len(columns["parameter"]), 5):
+        parameter, period = columns["parameter"][row, 0], columns["period"][row, 0]
+        residual = family(family.unknowns(columns["state"][row], period, parameter)).residual
+        assert np.abs(residual).max() < 1e-3  # a line of 1e-4 of the picture, times what the map makes of it
+    jumps = np.abs(np.diff(columns["multiplier_re"], axis=0)).max()
+    assert jumps < 0.25 < np.ptp(columns["multiplier_re"])  # each multiplier goes its own way
+    assert data["marks"]["texts"]["label"] == [one.label for one in branch.specials]
+
+
 needs_browser = pytest.mark.skipif(program() is None, reason="no Chromium on this machine")
 
 
@@ -170,7 +196,7 @@ def test_between_rows_a_page_shows_the_motion(browser, folder, runs):
 
 @needs_browser
 @pytest.mark.parametrize("width", [pytest.param(1200, marks=pytest.mark.slow), 400])
-@pytest.mark.parametrize("name", ["run", "rigid", "sweep"])
+@pytest.mark.parametrize("name", ["run", "rigid", "sweep", "branch"])
 def test_both_widths_and_both_themes(browser, folder, name, width):
     browser.open(folder / f"{name}.html", width)
     browser.settle()
@@ -204,4 +230,39 @@ def test_a_point_tells_its_numbers_and_its_command(browser, folder):
     assert told == pytest.approx(result["mean_speed"].ravel()[5], rel=1e-6)
     browser.value("(() => {const s = document.querySelectorAll('select')[1]; s.value = 'section_speed'; "
                   "s.dispatchEvent(new Event('change'))})()")  # fmt: skip
+    assert browser.said == []
+
+
+@needs_browser
+def test_a_branch_is_a_line_with_marks(browser, folder):
+    """Solid and dashed between points that are far apart; a special point tells itself."""
+    browser.open(folder / "branch.html")
+    browser.settle()
+    lit = """(() => {
+        const axes = panels[0], canvas = axes.canvas, ratio = canvas.width / axes.width;
+        const pixels = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+        const xs = curve.columns.parameter.values, ys = curve.columns.period.values;
+        return curve.pieces.map(([begin, end, stable]) => {
+            let seen = 0, asked = 0;
+            for (let row = begin; row + 1 < end; row++) for (let share = 0; share < 1; share += 0.025) {
+                const x = Math.round(ratio * axes.px(xs[row] + (xs[row + 1] - xs[row]) * share));
+                const y = Math.round(ratio * axes.py(ys[row] + (ys[row + 1] - ys[row]) * share));
+                const at = 4 * (y * canvas.width + x);
+                asked += 1; seen += pixels[at + 3] > 0 && pixels[at + 2] > pixels[at] + 20;
+            }
+            return [stable, seen / asked];
+        });
+    })()"""
+    shares = dict(browser.value(lit))
+    assert shares[1] > 0.8 > shares[0] > 0.2, shares
+    row = browser.value("marks.texts.label.indexOf('F1')")
+    left, top, _, _ = browser.box("canvas")
+    dx = browser.value(f"panels[0].px(marks.columns.parameter.values[{row}])")
+    dy = browser.value(f"panels[0].py(marks.columns.period.values[{row}])")
+    browser.mouse("Moved", left + dx + 1, top + dy)
+    fold = vibsim.open_result(folder / "branch.h5").special("F1")
+    told = readout(browser)
+    assert "label\tF1" in told and "kind\tfold" in told
+    assert float(re.search(r"parameter\s+(\S+)", told)[1]) == pytest.approx(fold.parameter, rel=1e-11)
+    assert "stable, unstable, fold" in browser.value("document.querySelector('canvas.signs').ariaLabel")
     assert browser.said == []

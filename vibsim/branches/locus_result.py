@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -62,6 +64,20 @@ class Locus(Along):
     def ends(self) -> tuple[str, str]:
         """Why it ends, at its first and its last point; empty where it was not followed further."""
         return (self.points[0].ended, self.points[-1].ended) if self.points else ("", "")
+
+    def save(self, path: str | PathLike[str], force: bool = False) -> Path:
+        """Write the locus to an HDF5 file, which every command takes; its absolute path.
+
+        force : replace what is there. Raises ResultFileError where it cannot be written.
+
+        `vibsim continue BRANCH --locus LABEL ... -o path` goes on with it where it did not come to its ends.
+        """
+        from vibsim.branches.store.locus_file import origin, write_locus
+        from vibsim.files.output_file import check_output
+
+        target = check_output(Path(path), force)
+        write_locus(target, self, self.attrs or origin(self.plan), all(self.ends))
+        return target
 
     @cached_property
     def _arrays(self) -> dict[str, np.ndarray]:

@@ -33,6 +33,17 @@ from vibsim.orbits.word import spelled
 KIND = "locus"
 
 
+def origin(plan: LocusPlan, engine: str = "auto") -> dict[str, Any]:
+    """Attributes that are known before the first point."""
+    title = f"{plan.kind} {plan.label} of {plan.branch.case.name} over {plan.keys[0]}"
+    return {
+        **provenance(KIND, plan.branch.case, title),
+        "locus_settings_json": json.dumps(plan.settings),
+        "locus_sha256": plan.fingerprint,
+        "engine": engine_name(engine),
+    }
+
+
 def write_locus(path: Path, locus: Locus, attrs: dict[str, Any], complete: bool) -> None:
     """Write a locus to `path`, replacing what is there in one instant. Raises ResultFileError."""
     points, scene = locus.points, locus.case.scene()
@@ -104,13 +115,7 @@ class LocusStore:
     ):
         self.plan, self.engine, self.points = plan, engine, list[LocusRecord]()
         self.notes: list[str] = []
-        title = f"{plan.kind} {plan.label} of {plan.branch.case.name} over {plan.keys[0]}"
-        self.attrs = {
-            **provenance(KIND, plan.branch.case, title),
-            "locus_settings_json": json.dumps(plan.settings),
-            "locus_sha256": plan.fingerprint,
-            "engine": engine_name(engine),
-        }
+        self.attrs = origin(plan, engine)
         self.path = None if path is None else check_output(path, force=True)
         if path is not None:
             check_leftover(path, force)

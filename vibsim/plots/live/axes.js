@@ -108,6 +108,30 @@ class Axes {
   }
 }
 
+// a row of signs and what they mean, drawn again with the colours of the page
+function signs(parent, meaning) {
+  const canvas = element("canvas", undefined, parent);
+  canvas.setAttribute("role", "img"); canvas.className = "signs";
+  const draw = () => {
+    const ratio = window.devicePixelRatio || 1, width = parent.clientWidth, list = meaning(), g = canvas.getContext("2d");
+    g.font = "11px system-ui, sans-serif";
+    const places = [];
+    let x = 14, y = 9;
+    for (const [text] of list) {
+      const long = g.measureText(text).width + 42;
+      if (x + long > width && x > 14) { x = 14; y += 17; }
+      places.push([x, y]); x += long;
+    }
+    canvas.width = Math.round(width * ratio); canvas.height = Math.round((y + 9) * ratio); canvas.style.height = (y + 9) + "px";
+    g.setTransform(ratio, 0, 0, ratio, 0, 0);
+    g.font = "11px system-ui, sans-serif"; g.textBaseline = "middle";
+    list.forEach(([text, shade, sign], i) => { const [x, y] = places[i]; sign(g, x, y); g.fillStyle = shade; g.fillText(text, x + 12, y); });
+    canvas.setAttribute("aria-label", list.map(([text]) => text).join(", "));
+  };
+  new ResizeObserver(draw).observe(parent);
+  new MutationObserver(draw).observe(root, { attributes: true });
+}
+
 // zoom with the wheel, pan by dragging, all again by a double click; the same for every canvas of a page
 function listen(axes, view, hover) {
   const canvas = axes.canvas;

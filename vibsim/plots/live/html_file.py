@@ -33,11 +33,11 @@ def write_page(subjects: Sequence[Subject], out: str, force: bool = False) -> li
     if subject.reads == "trajectory":
         from vibsim.plots.live.run_page import KEYS, run_data
 
-        text = page(subject, "run.js", KEYS, run_data(subject))
+        text = page(subject, ("run.js",), KEYS, run_data(subject))
     elif isinstance(subject.result, Labelled):
         from vibsim.plots.live.points_page import KEYS, points_data
 
-        text = page(subject, "points.js", KEYS, points_data(subject))
+        text = page(subject, ("lines.js", "points.js"), KEYS, points_data(subject))
     else:
         shown = f"{subject.path} is a {subject.reads}"
         raise PlotError(f"{out}: a page shows a run or a table of points, and {shown}")
@@ -46,17 +46,17 @@ def write_page(subjects: Sequence[Subject], out: str, force: bool = False) -> li
     return [out]
 
 
-def page(subject: Subject, script: str, keys: str, data: dict[str, Any]) -> str:
-    """The HTML text."""
+def page(subject: Subject, scripts: Sequence[str], keys: str, data: dict[str, Any]) -> str:
+    """The HTML text; scripts: behind the one that every page has."""
     case = subject.case
     title = one_line(f"{case.name}: {case.title}" if case.title else case.name)
     about = "; ".join(f"{label} {text}" for label, text in subject.result.lines() if label in ABOUT)
-    scripts = (ROOM / "axes.js", ROOM / script)
+    scripts = ("axes.js", *scripts)
     return Template((ROOM / "page.html").read_text(encoding="utf-8")).substitute(
         title=escape(title),
         about=escape(one_line(f"{subject.result.heading()}; {about}" if about else subject.result.heading())),
         style=(ROOM / "page.css").read_text(encoding="utf-8"),
-        script="\n".join(path.read_text(encoding="utf-8") for path in scripts),
+        script="\n".join((ROOM / name).read_text(encoding="utf-8") for name in scripts),
         keys=escape(keys),
         data=script_text(data),
     )

@@ -20,6 +20,7 @@ const x = picker("x", DATA.x, single);
 const y = [picker("above", DATA.y[0], Object.keys(columns)), picker("below", DATA.y[1], Object.keys(columns))];
 const by = picker("colour", DATA.colour, ["", ...single]);
 const panels = [0, 1].map((i) => new Axes(left, 270, i ? " " : "", "", i ? "lower panel" : "upper panel"));
+if (curve) signs(left, meaning);
 
 function bounds(values) {
   let low = Infinity, high = -Infinity;
@@ -55,10 +56,12 @@ function redraw() {
     let low = Infinity, high = -Infinity;
     for (let row = 0; row < DATA.count; row++) {
       if (xs.values[row] < view.range[0] || xs.values[row] > view.range[1]) continue;
-      for (let m = 0; m < width; m++) { const value = ys.values[row * width + m]; if (value < low) low = value; if (value > high) high = value; }
+      for (let m = 0; m < width; m++) { const value = ys.values[row * width + m]; if (value < low) low = value; if (value > high && value < Infinity) high = value; }
     }
-    axes.fit(low, high);
-    const g = axes.begin(), size = width > 1 ? 1.2 : DATA.count > 2000 ? 1.6 : 2.6;
+    const [least, greatest] = reachOf(x.value, y[k].value, view.range);
+    axes.fit(Math.min(low, least), Math.max(high, greatest));
+    const g = axes.begin(), size = curve || width > 1 ? 1.2 : DATA.count > 2000 ? 1.6 : 2.6;
+    drawCurve(axes, x.value, y[k].value);
     for (let row = 0; row < DATA.count; row++) {
       const px = axes.px(xs.values[row]);
       if (px < axes.left - 4 || px > axes.width) continue;
@@ -68,9 +71,12 @@ function redraw() {
         if (value === value) { g.beginPath(); g.arc(px, axes.py(value), size, 0, 7); g.fill(); }
       }
     }
-    if (chosen >= 0) {
+    drawMarks(axes, x.value, y[k].value);
+    const at = chosen < DATA.count ? [xs.values, ys.values, width] : pairOf(marks.columns, x.value, y[k].value);
+    const row = chosen < DATA.count ? chosen : chosen - DATA.count;
+    if (chosen >= 0 && at) {
       g.strokeStyle = colour("mark"); g.lineWidth = 2;
-      for (let m = 0; m < width; m++) { g.beginPath(); g.arc(axes.px(xs.values[chosen]), axes.py(ys.values[chosen * width + m]), 6, 0, 7); g.stroke(); }
+      for (let m = 0; m < width; m++) { g.beginPath(); g.arc(axes.px(at[0][row]), axes.py(at[1][row * width + m]), 8, 0, 7); g.stroke(); }
     }
     axes.end();
     if (k === 0) axes.names(legend());
@@ -78,9 +84,11 @@ function redraw() {
   main.dataset.from = view.range[0]; main.dataset.to = view.range[1]; main.dataset.chosen = chosen;
 }
 
+// a point by its row; a special point by its row behind those
 function choose(row) {
   chosen = row;
   const rows = [];
+  if (row >= DATA.count) return chooseMark(row - DATA.count);
   for (const column of Object.values(columns)) {
     if (column.width > 1) continue;
     const value = column.values[row];
@@ -88,6 +96,16 @@ function choose(row) {
   }
   for (const [name, texts] of Object.entries(DATA.texts)) if (texts[row]) rows.push([name, texts[row]]);
   tell(rows, DATA.commands ? DATA.commands[row] : "");
+  redraw();
+}
+
+function chooseMark(row) {
+  const rows = Object.entries(marks.texts).filter(([, texts]) => texts[row]).map(([name, texts]) => [name, texts[row]]);
+  for (const [name, column] of Object.entries(marks.columns)) {
+    const value = column.values[row], unit = columns[name].unit ? " " + columns[name].unit : "";
+    if (column.width === 1 && Number.isFinite(value)) rows.push([name, (name === "parameter" ? Number(value.toPrecision(12)) : shortNumber(value)) + unit]);
+  }
+  tell(rows, "");
   redraw();
 }
 
@@ -99,12 +117,18 @@ function hover(axes, k) {
       const dx = axes.px(xs.values[row]) - px, dy = axes.py(ys.values[row * width + m]) - py, distance = dx * dx + dy * dy;
       if (distance < least) { least = distance; best = row; }
     }
+    const pair = marks && pairOf(marks.columns, x.value, y[k].value);
+    for (let row = 0; pair && row < marks.count; row++) for (let m = 0; m < pair[2]; m++) {
+      const dx = axes.px(pair[0][row]) - px, dy = axes.py(pair[1][row * pair[2] + m]) - py, distance = dx * dx + dy * dy;
+      if (distance <= Math.max(least, 36)) { least = distance; best = DATA.count + row; }
+    }
     if (best >= 0 && best !== chosen) choose(best);
   };
 }
 
 function fullRange() {
-  const [low, high] = bounds([...columns[x.value].values].filter(Number.isFinite));
+  const every = [columns, curve && curve.columns, marks && marks.columns].filter((one) => one && one[x.value]);
+  const [low, high] = bounds(every.flatMap((one) => [...one[x.value].values]).filter(Number.isFinite));
   const margin = (high - low) * 0.03 || Math.abs(high) * 0.1 || 1;
   return low <= high ? [low - margin, high + margin] : [0, 1];
 }
@@ -112,7 +136,7 @@ function fullRange() {
 function reset() { const full = fullRange(); view.full = full; view.least = (full[1] - full[0]) * 1e-6; view.all(); }
 
 // the next point in the order of the table
-function step(way) { choose(chosen < 0 ? 0 : Math.min(Math.max(chosen + way, 0), DATA.count - 1)); }
+function step(way) { choose(chosen < 0 || chosen >= DATA.count ? 0 : Math.min(Math.max(chosen + way, 0), DATA.count - 1)); }
 
 const view = new View([0, 1], 1e-6, redraw);
 buttons([["everything", "all points (0)", () => view.all()], ["+", "closer (+)", () => view.zoom(0.5)], ["−", "further (-)", () => view.zoom(2)]]);

@@ -49,7 +49,17 @@ def points_data(subject: Subject) -> dict[str, Any]:
         "texts": texts,
         "commands": commands(subject),
         **_first(subject, table, numbers),
+        **_lines(subject),
     }
+
+
+def _lines(subject: Subject) -> dict[str, Any]:
+    """The curve that the points of a branch lie on."""
+    if subject.reads != "branch":
+        return {}
+    from vibsim.plots.live.lines import lines_data
+
+    return lines_data(subject.result)
 
 
 def _columns(table: Tidy) -> list[dict[str, Any]]:
