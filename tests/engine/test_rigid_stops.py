@@ -14,13 +14,14 @@ from tests.engine.runs import outcome, run
 from vibsim.engine.columns import state_columns
 from vibsim.engine.modes.status import RESTING
 from vibsim.engine.tangent.error_growth import _kick
-from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.modes import EVENT_KINDS, EVENT_NAMES
 from vibsim.physics.parts import (
     BASE,
     COMPRESSION,
     EXTENSION,
     GROUND,
     Body,
+    Clearance,
     Force,
     Friction,
     Harmonic,
@@ -488,3 +489,31 @@ def test_a_body_that_stands_at_one_stop_and_is_struck_through_another_does_not_p
     links = (Link("l0", 2, 0, 22.354231116646613, 0.0),)
     scene = Scene(bodies, links, stops, t_end=0.07957747154594767, every_num=1, every_den=40)
     assert run(scene).samples["x_b2"].max() < 1e-16
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("engine", ["c", "python"])
+@pytest.mark.parametrize("away", [0.0, 0.125])
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_blow_closes_what_just_touched(engine, method, away, side):
+    """c strikes b, which touches a spring at a: both go on with half of what b gets and swing about it until
+    they part. Where the blow was at the start, b went through the spring.
+    """
+    speed, rate = 0.75, sqrt(2 * 40.0)
+    bodies = [Body("a", 1.0, 0.0, 0.0), Body("b", 1.0, 0.0, 0.0), Body("c", 1.0, side * away, -side * 1.0)]
+    stops = (Stop("ab", 1, 0, 0.0, side, 40.0, 0.0), RigidStop("bc", 2, 1, 0.0, side, 0.5))
+    limit = Clearance("limit", *((GROUND, 1) if side > 0 else (1, GROUND)), 0.0)
+    result = run(
+        scene(bodies, method, stops=stops, clearances=(limit,), t_end=away + 0.5, every_den=32), engine
+    )
+    told = [EVENT_NAMES[kind] for kind in result.events["kind"].tolist()]
+    assert told == ["start", "impact", "contact_begin", "violation_begin", "contact_end", "end"]
+    assert times(result, "contact_begin") == pytest.approx([away], abs=1e-15)
+    assert times(result, "contact_end") == pytest.approx([away + pi / rate], rel=1e-13)
+    t = np.clip(result.samples["time"] - away, 0, pi / rate)
+    late = np.maximum(result.samples["time"] - away - pi / rate, 0)
+    b = -side * (speed / 2 * t + speed / 2 / rate * np.sin(rate * t))
+    a = -side * (speed / 2 * t - speed / 2 / rate * np.sin(rate * t) + speed * late)
+    np.testing.assert_allclose(result.samples["x_b"], b, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(result.samples["x_a"], a, rtol=0, atol=1e-14)
+    assert result.totals["uncertified"] == 0 if away == 0 else result.totals["uncertified"] <= 2

@@ -437,29 +437,49 @@ class Automaton(Generic[N]):
     def _parted(
         self, state: State[N], status: Status, after: Status, order: int, known: Known
     ) -> tuple[Status, Happened]:
-        """The status behind the release of ties, with the elastic stops and clearances that the tied ends
-        just touched as the motion takes them; what happened. Their functions have a zero of some order there,
-        which goes into `known`.
+        """As `touching`, behind the release of ties, for the parts that the tied ends just touched."""
+        stops, clearances = let_go(self.maker, status, after)
+        stops = [i for i in stops if self.meets_stop(i, state)]
+        clearances = [i for i in clearances if self.meets_clearance(i, state)]
+        return self.touching(state, status, after, (stops, clearances), order, known)
+
+    def touching(
+        self,
+        state: State[N],
+        status: Status,
+        after: Status,
+        parts: tuple[Sequence[int], Sequence[int]],
+        order: int,
+        known: Known,
+    ) -> tuple[Status, Happened]:
+        """The status `after` an event, with those of some elastic stops and clearances, `parts`, whose ends
+        just touch as the motion takes them; what happened to them since `status`. Their functions have a zero
+        of some order there, which goes into `known`.
         """
         happened: Happened = []
-        stops, clearances = let_go(self.maker, status, after)
-        for i in stops:
-            stop = self.elastic[i]
-            if self._met(stop, self._depth(stop, state), state, stop.gap):
-                closes = self._departure(state, after.with_stop(i, OPEN), (GAP, i), order)[0] < 0
-                after = after.with_stop(i, CONTACT if closes else OPEN)
-                known |= {(GAP, i): order, (PUSH, i): order - 1}
-                if status.stops[i] != after.stops[i]:
-                    happened.append(("contact_begin" if closes else "contact_end", i))
-        for i in clearances:
-            one = self.scene.clearances[i]
-            if self._met(one, self._excess(one, state), state, one.distance):
-                closes = self._departure(state, after.with_clearance(i, KEPT), (CLEARANCE, i), order)[0] < 0
-                after = after.with_clearance(i, VIOLATED if closes else KEPT)
-                known[CLEARANCE, i] = order
-                if status.clearances[i] != after.clearances[i]:
-                    happened.append(("violation_begin" if closes else "violation_end", i))
+        for i in parts[0]:
+            closes = self._departure(state, after.with_stop(i, OPEN), (GAP, i), order)[0] < 0
+            after = after.with_stop(i, CONTACT if closes else OPEN)
+            known |= {(GAP, i): order, (PUSH, i): order - 1}
+            if status.stops[i] != after.stops[i]:
+                happened.append(("contact_begin" if closes else "contact_end", i))
+        for i in parts[1]:
+            closes = self._departure(state, after.with_clearance(i, KEPT), (CLEARANCE, i), order)[0] < 0
+            after = after.with_clearance(i, VIOLATED if closes else KEPT)
+            known[CLEARANCE, i] = order
+            if status.clearances[i] != after.clearances[i]:
+                happened.append(("violation_begin" if closes else "violation_end", i))
         return after, happened
+
+    def meets_stop(self, i: int, state: State[N]) -> bool:
+        """Whether the ends of elastic stop `i` just touch."""
+        stop = self.elastic[i]
+        return self._met(stop, self._depth(stop, state), state, stop.gap)
+
+    def meets_clearance(self, i: int, state: State[N]) -> bool:
+        """Whether the ends of clearance `i` are just at its limit."""
+        one = self.scene.clearances[i]
+        return self._met(one, self._excess(one, state), state, one.distance)
 
     def _settle_behind(self, state: State[N], status: Status, after: Status) -> Status:
         """The mode behind a release at which a friction force drops: the jump of the accelerations may tear

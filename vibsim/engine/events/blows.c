@@ -1,7 +1,7 @@
 /* A blow on one rigid stop alone; twin of that case of vibsim/engine/events/rigid_stops.py and newton_moreau.py.
  *
  * Frictions of the bodies that it moves slip behind it as the velocities say; what sticks elsewhere, rests or is pressed and
- * may let go has no rule. Whatever is not clear is left to Python: another rigid stop near, an approach, a departure or a
+ * may let go has no rule. Whatever is not clear is left to Python: another stop that touches, an approach, a departure or a
  * sliding velocity that rounding or the resolution of time could tell otherwise, a mode that has not been met.
  */
 #include <stdlib.h>
@@ -17,14 +17,15 @@
 #define TURNING 4 /* times the speed of a hop: what slips faster does not turn round in it */
 #define CLEAR 2   /* times the bounds of a hop: as `drive` is not that of Python to the bit */
 
-static int room_for_blows(Run *r, int stops, int frictions)
+static int room_for_blows(Run *r, int stops, int frictions, int bounds)
 {
     Blows *b = &r->blows;
     blows_free(b);
     b->stops = calloc((size_t)stops + 1, sizeof(RigidStop));
     b->frictions = calloc((size_t)frictions + 1, sizeof(Rubbing));
+    b->bounds = calloc((size_t)bounds + 1, sizeof(Bound));
     b->codes = calloc((size_t)(r->parts + 2 * (frictions + 1)), sizeof(int));
-    if (!b->stops || !b->frictions || !b->codes)
+    if (!b->stops || !b->frictions || !b->bounds || !b->codes)
         return 0;
     b->kinds = b->codes + r->parts;
     b->parts = b->kinds + frictions + 1;
@@ -35,8 +36,9 @@ static int room_for_blows(Run *r, int stops, int frictions)
 int blows_read(Run *r, Reader *in)
 {
     Blows *b = &r->blows;
-    int stops = read_index(in, 0, r->parts), frictions = read_index(in, 0, r->parts - r->clearances - stops), i;
-    if (in->short_of || !room_for_blows(r, stops, frictions))
+    int stops = read_index(in, 0, r->parts), frictions = read_index(in, 0, r->parts - r->clearances - stops);
+    int bounds = read_index(in, 0, r->parts - stops - frictions), i;
+    if (in->short_of || !room_for_blows(r, stops, frictions, bounds))
         return 0;
     b->lowest = read_double(in);
     for (i = 0; i < stops; i++) {
@@ -56,8 +58,15 @@ int blows_read(Run *r, Reader *in)
         b->frictions[i].Q = read_index(in, 0, r->columns - 1);
         b->frictions[i].belt = read_double(in);
     }
+    for (i = 0; i < bounds; i++) {
+        b->bounds[i].P = read_index(in, 0, r->columns - 1);
+        b->bounds[i].Q = read_index(in, 0, r->columns - 1);
+        b->bounds[i].sense = read_index(in, -1, 1);
+        b->bounds[i].gap = read_double(in);
+    }
     b->stop_count = stops;
     b->friction_count = frictions;
+    b->bound_count = bounds;
     return read_through(in);
 }
 
@@ -65,6 +74,7 @@ void blows_free(Blows *b)
 {
     free(b->stops);
     free(b->frictions);
+    free(b->bounds);
     free(b->codes);
     memset(b, 0, sizeof *b);
 }
@@ -135,7 +145,15 @@ static void seat(Run *r, const RigidStop *s, double X)
         r->next.x[s->Q] = r->next.x[s->Q] + -(Q * distance);
 }
 
-/* Whether no other rigid stop takes part in a blow. */
+/* Whether the ends of an elastic stop or a clearance may just touch where a blow moves one of them. */
+static int borders(const Run *r, const Bound *b, const RigidStop *struck, double X)
+{
+    double P = column(r, r->next.x, b->P, X), Q = column(r, r->next.x, b->Q, X);
+    int moved = b->P == struck->P || b->P == struck->Q || b->Q == struck->P || b->Q == struck->Q;
+    return moved && fabs(b->sense * (P - Q) + b->gap) <= NEAR * EPS * (fabs(P) + fabs(Q) + fabs(b->gap));
+}
+
+/* Whether no other stop takes part in a blow. */
 static int alone(const Run *r, const Blow *done)
 {
     const Blows *b = &r->blows;
@@ -143,6 +161,9 @@ static int alone(const Run *r, const Blow *done)
     int i;
     for (i = 0; i < b->stop_count; i++)
         if (&b->stops[i] != done->stop && !stands_off(r, &b->stops[i], done->stop, done->X, done->V, unit))
+            return 0;
+    for (i = 0; i < b->bound_count; i++)
+        if (borders(r, &b->bounds[i], done->stop, done->X))
             return 0;
     return 1;
 }

@@ -150,7 +150,8 @@ class RigidStops(Generic[N]):
         touch.hop = i if hop else None
         self._doubt_order(state, status, touch, i)
         self._strike(state, touch)
-        after, lifts = self._lifted(state, self._turned(state, status, touch), touch)
+        bounds = self._bounds(state, touch)
+        after, lifts = self._lifted(state, self._turned(state, status, touch), touch, bounds[0])
         settled = self._settled(state, after, touch)
         while self._ends(state, settled, touch):
             settled = self._settled(state, after, touch)
@@ -164,11 +165,12 @@ class RigidStops(Generic[N]):
         self.touch = touch
         known = self._forgotten(touch, after)
         changes = self.automaton._changes(status, settled, known)
+        settled, begun = self.automaton.touching(state, status, settled, bounds, 1, known)
         opened = {j for j in touch.rates if status.stops[j] == RESTING}
         for j in {i, *opened, *(j for one in touch.passed for j in self._twins(touch, one.stop))}:
             if settled.stops[j] == OPEN:
                 known[STRIKE, j] = 2 if touch.rates[j] == 0 else 1
-        return settled, [*self._happened(touch), *lifts, *changes], known
+        return settled, [*self._happened(touch), *lifts, *changes, *begun], known
 
     def at_start(self, state: State[N], met: Container[int]) -> tuple[dict[int, int], list[int]]:
         """Of the stops `met` at the start: ({stop: order of the zero of its depth}, those that neither close
@@ -334,13 +336,41 @@ class RigidStops(Generic[N]):
                 turned[i] = STICK if abs(slip) <= noise else FORWARD if slip > 0 else BACKWARD
         return status.with_frictions(turned)
 
-    def _lifted(self, state: State[N], status: Status, touch: Touch[N]) -> tuple[Status, Happened]:
-        """The status with the damped stops that let go at zero force as the velocities say; what happened."""
+    def _bounds(self, state: State[N], touch: Touch[N]) -> tuple[list[int], list[int]]:
+        """The elastic stops and the clearances whose ends just touch and are moved by blows: in doubt behind
+        the start, where rounding may have brought them there.
+        """
+        auto = self.automaton
+        stops = [
+            i
+            for i, stop in self.scene.elastic_stops
+            if i not in self.maker.guarded
+            and touch.moved & set(self.maker.ends(stop))
+            and auto.meets_stop(i, state)
+        ]
+        clearances = [
+            i
+            for i, one in enumerate(self.scene.clearances)
+            if touch.moved & set(self.maker.ends(one)) and auto.meets_clearance(i, state)
+        ]
+        if (stops or clearances) and state.t != 0:
+            auto._doubt(state)
+        return stops, clearances
+
+    def _lifted(
+        self, state: State[N], status: Status, touch: Touch[N], bounds: Container[int]
+    ) -> tuple[Status, Happened]:
+        """The status with the damped stops that let go at zero force as the velocities say, and the elastic
+        stops `bounds`, whose ends just touch, in contact where they close; what happened to the former.
+        """
         auto = self.automaton
         happened: Happened = []
         for i, stop in self.scene.elastic_stops:
             pressed = stop.release == AT_FORCE and stop.c != 0 and status.stops[i] != OPEN
-            if pressed and touch.moved & set(self.maker.ends(stop)):
+            if i in bounds:
+                vP, vQ = auto._ends(stop, state, "v")
+                status = status.with_stop(i, CONTACT if -(stop.sense * (vP - vQ)) > 0 else OPEN)
+            elif pressed and touch.moved & set(self.maker.ends(stop)):
                 (vP, vQ), depth = auto._ends(stop, state, "v"), auto._depth(stop, state)
                 pushes = stop.k * depth - stop.c * (stop.sense * (vP - vQ)) >= 0
                 after = CONTACT if pushes else LIFTED

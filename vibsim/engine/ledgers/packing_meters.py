@@ -25,12 +25,15 @@ def pack_ledger(
 def pack_blows(
     scene: Scene, names: Sequence[Entry], ends: Callable[[Joined], Edge], lowest: int
 ) -> tuple[bytes, bytes]:
-    """The rigid stops, with the entries `names` of the ledgers that a blow on them adds to, and the frictions
-    that it may turn. lowest: height of the last hops, as of `RigidStops`
+    """The rigid stops, with the entries `names` of the ledgers that a blow on them adds to, the frictions
+    that it may turn, and the elastic stops and clearances that it may close or open. lowest: height of the
+    last hops, as of `RigidStops`
     """
     pack = Packer()
     entry = {name: number for number, name in enumerate(names)}
-    pack.put((len(scene.rigid_stops), len(scene.frictions)), (lowest,))
+    bounds = [(*ends(stop), stop.sense, stop.gap) for _, stop in scene.elastic_stops]
+    bounds += [(*ends(one), -1, one.distance) for one in scene.clearances]
+    pack.put((len(scene.rigid_stops), len(scene.frictions), len(bounds)), (lowest,))
     for j, stop in scene.rigid_stops:
         place = {GROUND: "ground", BASE: "base"}.get(min(stop.P, stop.Q), "")
         work = entry.get(("work", "base", ""), -1) if place == "base" else -1
@@ -38,6 +41,8 @@ def pack_blows(
         pack.put((j, *ends(stop), stop.sense, *entries), (stop.gap, stop.e))
     for friction in scene.frictions:
         pack.put(ends(friction), (friction.belt,))
+    for P, Q, sense, gap in bounds:
+        pack.put((P, Q, sense), (gap,))
     return pack.packed
 
 
