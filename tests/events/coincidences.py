@@ -65,9 +65,9 @@ def machine(draw):
     pick = draw.choice
     m = pick([1.0, 0.5, 0.7])
     k, x = pick([100.0, 64.0, 87.3, 0.0]), pick([0.0, 0.0, 0.01, -0.01])
-    bodies = [Body("a", m, x, pick([0.0, 0.0, 0.1, -0.1]))]
+    bodies = [Body("a", m, x, pick([0.0, 0.0, 0.11, -0.11]))]
     if pick([True, False]):
-        bodies.append(Body("b", pick([m, 2 * m, 0.3]), pick([0.0, 0.01]), pick([0.0, 0.0, 0.1])))
+        bodies.append(Body("b", pick([m, 2 * m, 0.3]), pick([0.0, 0.01]), pick([0.0, 0.0, 0.11])))
     last = len(bodies) - 1
     omega = math.sqrt((k or 64.0) / m) * pick([1.0, 0.5, 2.0])
     shaken = pick([0.0, 0.01, 0.01, abs(x) or 0.02])

@@ -10,7 +10,6 @@ from tests.events.coincidences import machine, two_blocks
 from tests.events.test_certificate import assert_none_missed
 from tests.scenes import harmonic, scene
 from tests.trajectories import ENGINES, run
-from vibsim.engine.errors import EngineError
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import BASE, EXTENSION, GROUND, Body, Force, Friction, Link, RigidStop, Scene
 
@@ -94,12 +93,22 @@ def test_sliding_on_the_base_that_only_rounding_tells_is_in_doubt(engine, excess
 
 
 def judge(make, seeds):
-    """Hold scenes to the exact flow; those that double precision cannot go on with say so."""
+    """Hold scenes to the exact flow."""
     for seed in seeds:
-        try:
-            assert_none_missed(make(random.Random(seed)))
-        except EngineError as error:
-            assert error.reason == "crowded", (seed, error)
+        assert_none_missed(make(random.Random(seed)))
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_stop_met_where_the_friction_gives_way_does_not_stand_still(engine):
+    """Spring and limit are 1 N at the gap: block 2 is let go within 2e-16 s of the contact. What begins to
+    slip there was taken to stick again, 64 times.
+    """
+    blocks = {"m1": 0.7, "m2": 0.7, "k1": 100.0, "c": 0.0, "k2": 100.0, "G": 0.01, "stop_sign": -1, "N": 1.0}
+    start = {"x1": -0.01, "v2": 0.1, "t_end": 2.3664319132398464, "every_den": 50}
+    omega = 8.451542547285166
+    source = {**harmonic(1.0, 0.0, 1.0), "omega": omega, "cycles": omega / (2 * math.pi)}
+    result = run(scene(source, **blocks, **start, method="closed_form"), engine)
+    assert result.times[-1] > 1.1
 
 
 def test_coincidences_of_two_blocks():

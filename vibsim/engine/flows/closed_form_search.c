@@ -280,6 +280,8 @@ static int step_ahead(Run *r)
         double value = event_derivative(r, e, 0), slope = event_derivative(r, e, 1), ahead;
         double noise = noise_of(r, e, value, blur->reach, unit) + blur->residue, bound = event_bound(r, e, 2, s->reach);
         if (value < -noise || (value <= noise && slope <= 0)) {
+            if (s->t == r->t0 && r->known[e->key] > 0) /* the zero of before */
+                continue;
             certify_crossing(r, value, slope, bound, noise);
             certify_order(r, which, s->events, s->event_count, value, slope, noise);
             return which;

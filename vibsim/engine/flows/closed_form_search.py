@@ -132,6 +132,8 @@ class ClosedFormSearch(Generic[N]):
             noise = self._noise(event, value, plain) + self.residues[event.key]
             bound = of.bound(event, 2, self.reach)
             if value < -noise or (value <= noise and slope <= 0):
+                if self.t == self.t0 and self.known.get(event.key, 0) > 0:  # the zero of before
+                    continue
                 self._certify_crossing(value, slope, bound, noise)
                 self._certify_order(event, self.events, value, slope, noise)
                 return event
