@@ -6,7 +6,6 @@ str, Ends, a section, a section or None, dict[str, Link].
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, NamedTuple, Protocol, Union, get_args, get_origin
 
@@ -62,8 +61,7 @@ class Kind(Protocol):
         ...
 
 
-@dataclass(frozen=True, slots=True)
-class Words:
+class Words(NamedTuple):
     """One of a few words."""
 
     allowed: tuple[str, ...]
@@ -80,8 +78,7 @@ class Words:
         return words | {"type": "string"}
 
 
-@dataclass(frozen=True, slots=True)
-class Text:
+class Text(NamedTuple):
     """A text of bounded length.
 
     Attributes
@@ -110,8 +107,7 @@ class Text:
         return {"type": "string"} | {name: bound for name, bound in bounds.items() if bound is not None}
 
 
-@dataclass(frozen=True, slots=True)
-class WholeNumber:
+class WholeNumber(NamedTuple):
     """A whole number from `least` to `most`, from its text; 20.0, 2e1 and 1_0 are none."""
 
     least: int
@@ -131,8 +127,7 @@ class WholeNumber:
         return {"type": "integer", "minimum": self.least, "maximum": self.most}
 
 
-@dataclass(frozen=True, slots=True)
-class Single:
+class Single(NamedTuple):
     """A single value."""
 
     of: Value
@@ -148,8 +143,7 @@ class Single:
         return self.of.json_schema()
 
 
-@dataclass(frozen=True, slots=True)
-class Optional:
+class Optional(NamedTuple):
     """What may be left out; None stands for that in files that vibsim wrote, and nothing does in a case."""
 
     of: Kind
@@ -161,8 +155,7 @@ class Optional:
         return self.of.json(sections)
 
 
-@dataclass(frozen=True, slots=True)
-class Named:
+class Named(NamedTuple):
     """Parts by name, or terms by number."""
 
     of: Kind
@@ -177,8 +170,7 @@ class Named:
         return {"type": "object", "additionalProperties": self.of.json(sections)}
 
 
-@dataclass(frozen=True, slots=True)
-class Variants:
+class Variants(NamedTuple):
     """One of several kinds, by a tag."""
 
     tag_of: Callable[[object], str]

@@ -1,6 +1,5 @@
 """The resolved form of a case: its values with the defaults filled in, and their canonical JSON text."""
 
-import hashlib
 import json
 from collections.abc import Iterator
 from typing import Any
@@ -61,6 +60,8 @@ def fingerprint(flat: dict[str, Any]) -> str:
 
     Name, title and trust tolerance do not count: they leave the motion as it is.
     """
+    import hashlib  # loads OpenSSL, 2 ms, which a run does while the engine runs already
+
     exact = {key: _exact_text(value) for key, value in flat.items() if key not in NOT_PHYSICS}
     return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
 

@@ -4,7 +4,6 @@ from collections.abc import Iterable
 from typing import Any
 
 from vibsim.labelled.arrays import Arrays
-from vibsim.labelled.html import html_of
 from vibsim.labelled.shown import Shown
 from vibsim.lazy_names import FRONT, named
 
@@ -78,4 +77,6 @@ class Labelled(Shown):
         return named(FRONT["plot"])(self, kind, **how)
 
     def _repr_html_(self) -> str:
+        from vibsim.labelled.html import html_of
+
         return html_of(f"{type(self).__name__} {self.heading()}", self.lines(), self.arrays())

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterable
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -51,13 +51,18 @@ class Recording:
         count, begin = tangent
         self.trajectory = open_trajectory(judged, engine, ledger=True, tangent=count, tangent_from=begin)
         self._ahead = BlocksAhead(self.trajectory, partial(left_out, self.trajectory))
-        method, engine = flow_of(self.scene), self.trajectory.engine
-        self.start = origin(case, self.scene, engine, method)
+        engine = self.trajectory.engine
+        self._origin = partial(origin, case, self.scene, engine, flow_of(self.scene))
         self.t_reached = self._known_to = self._worked_to = 0.0
         self.complete = False
         self._distances = Distances(case, self.scene)
         self._trust: NoTrust[tuple[Rows, float]] = Trust(case, judged, engine) if trust else NoTrust()
         self.tables = tables_of(self.scene).judged(self._trust.columns)
+
+    @cached_property
+    def start(self) -> dict[str, Any]:
+        """Attributes known before the run."""
+        return self._origin()
 
     def set_off(self) -> None:
         """Let the engine begin; to be followed by `into` or `close`."""
