@@ -8,7 +8,8 @@ import pytest
 
 import vibsim
 from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
-from vibsim.analysis import judge_capture, judge_regime
+from vibsim.analysis import capture, judge_capture, judge_regime
+from vibsim.analysis.streaming import StreamedVerdicts
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.opening import open_result
 from vibsim.physics.modes import EVENT_KINDS
@@ -66,8 +67,8 @@ def test_capture_is_shown_every_turn_and_impact_once(monkeypatch, changes, disca
         told.append((turns, impacts))
         return real(turns, impacts, *rest)
 
-    real = capture_verdict.capture_of_turns
-    monkeypatch.setattr(capture_verdict, "capture_of_turns", judge)
+    real = capture.capture_of_turns
+    monkeypatch.setattr(capture, "capture_of_turns", judge)
     case = short_case("II-B", t_end="30 s", **changes)
     swept(case, "capture", discard=discard)
     blocks = list(open_trajectory(case.scene(), section=True).blocks())
@@ -108,8 +109,8 @@ def test_an_exponent_decides_where_the_section_does_not(monkeypatch):
         told.append(exponent)
         return real(self, exponent)
 
-    real = regime_label.StreamedVerdicts.regime
-    monkeypatch.setattr(regime_label.StreamedVerdicts, "regime", judge)
+    real = StreamedVerdicts.regime
+    monkeypatch.setattr(StreamedVerdicts, "regime", judge)
     case = short_case("II-B", t_end="60 s")
     result = swept(case, "regime", "lyapunov")
     swept(case, "regime")

@@ -1,7 +1,5 @@
 """What is shown of an object that is looked at: a heading and a few telling lines, in notebooks too."""
 
-from vibsim.labelled.html import html_of
-
 LABEL_WIDTH = 16
 
 
@@ -21,4 +19,6 @@ class Shown:
         return "\n".join([f"<{type(self).__name__} {self.heading()}>", *lines])
 
     def _repr_html_(self) -> str:
+        from vibsim.labelled.html import html_of
+
         return html_of(f"{type(self).__name__} {self.heading()}", self.lines())

@@ -1,7 +1,6 @@
 """The events of a run as a table: when, of which kind, of which part, and the state then."""
 
 from collections.abc import Callable, Iterator, Mapping
-from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -85,6 +84,8 @@ class Events(Labelled, Mapping[str, np.ndarray]):
         return ", ".join(f"{count} {word}" for word, count in counts if count)
 
     def _repr_html_(self) -> str:
+        from html import escape
+
         rows = slice(0, SHOWN)
         columns = self._columns()
         shown = {
@@ -100,5 +101,7 @@ class Events(Labelled, Mapping[str, np.ndarray]):
 
 
 def _row(values: tuple[Any, ...]) -> str:
+    from html import escape
+
     texts = (f"{value:.6g}" if isinstance(value, float) else str(value) for value in values)
     return "<tr>" + "".join(f"<td>{escape(text)}</td>" for text in texts) + "</tr>"

@@ -2,12 +2,10 @@
 
 import math
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.analysis.capture import Capture, capture_of_turns
-from vibsim.analysis.span import Span
 from vibsim.engine.trajectory import Block
 from vibsim.files.declarations import Column
 from vibsim.physics.modes import EVENT_KINDS, IMPACTS
@@ -15,6 +13,9 @@ from vibsim.sweeps.computations.task import Task
 from vibsim.sweeps.statistics.columns import Columns
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
 from vibsim.sweeps.statistics.quantities import Quantities
+
+if TYPE_CHECKING:
+    from vibsim.analysis.capture import Capture
 
 TITLE = "verdict on capture, with times"
 VERDICTS = {"undecided": 0, "not met": 1, "passed": 2, "escaped": 3, "captured": 4}
@@ -54,6 +55,9 @@ class CaptureVerdict:
         self, window: tuple[float, float], run: MeasuredRun, measured: dict[str, Any]
     ) -> dict[str, float]:
         """The verdict and its times; NaN where there is none."""
+        from vibsim.analysis.capture import capture_of_turns
+        from vibsim.analysis.span import Span
+
         resumed = run.rows[-1]["t"] if run.rows else 0.0
         turns, impacts = (self._joined(table, resumed) for table in ("section", "events"))
         return _numbers(capture_of_turns(turns, impacts, self._scene, Span(0.0, run.t_reached)))
@@ -72,7 +76,7 @@ def _thinned(block: Block) -> Block:
     return replace(block, samples={}, events=events, section=section)
 
 
-def _numbers(capture: Capture) -> dict[str, float]:
+def _numbers(capture: "Capture") -> dict[str, float]:
     """The verdict as numbers by column."""
     last = max((passage.time for passage in capture.passages), default=math.nan)
     numbers = {

@@ -4,8 +4,6 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.analysis.exponents import judged
-from vibsim.engine.tangent.lyapunov import lyapunov_exponents
 from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.engine.trajectory import Block
 from vibsim.files.declarations import Column
@@ -52,6 +50,9 @@ class Lyapunov:
         self, window: tuple[float, float], run: MeasuredRun, measured: dict[str, Any]
     ) -> dict[str, Any]:
         """The exponents and how well they are known."""
+        from vibsim.analysis.exponents import judged
+        from vibsim.engine.tangent.lyapunov import lyapunov_exponents
+
         count = dimension(self._scene) if self._everything else 1
         computed = lyapunov_exponents(self._scene, count, self._begin, run.engine, run.ask)
         known = judged(computed, self._scene.tol)

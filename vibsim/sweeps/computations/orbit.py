@@ -4,12 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.analysis.streaming import StreamedVerdicts
 from vibsim.engine.trajectory import Block
 from vibsim.files.declarations import Column
-from vibsim.orbits.coordinates import unknown_count
-from vibsim.orbits.errors import OrbitError
-from vibsim.orbits.section import section_of
 from vibsim.physics.parts import Scene
 from vibsim.sweeps.computations.task import Task
 from vibsim.sweeps.statistics.columns import Columns
@@ -34,6 +30,10 @@ def columns(of: Quantities) -> Columns:
 
 def multipliers(scene: Scene) -> int:
     """How many multipliers the orbits of a scene have; 0 without a section."""
+    from vibsim.orbits.coordinates import unknown_count
+    from vibsim.orbits.errors import OrbitError
+    from vibsim.orbits.section import section_of
+
     try:
         return 0 if section_of(scene).turning else unknown_count(scene)
     except OrbitError:
@@ -44,6 +44,8 @@ class Orbit:
     """Orbit of one run, by the same verdict as its regime."""
 
     def __init__(self, task: Task):
+        from vibsim.analysis.streaming import StreamedVerdicts
+
         self._scene = task.scene
         self._verdicts = StreamedVerdicts(task.scene, task.begin)
 

@@ -1,10 +1,8 @@
 """What kind of motion it is after the transient: the verdict of `vibsim.analysis` on its section."""
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from vibsim.analysis.regime.points import Exponent
-from vibsim.analysis.streaming import StreamedVerdicts
 from vibsim.engine.trajectory import Block
 from vibsim.files.declarations import Column
 from vibsim.sweeps.computations.lyapunov import HALF_WIDTH, LARGEST
@@ -12,6 +10,9 @@ from vibsim.sweeps.computations.task import Task
 from vibsim.sweeps.statistics.columns import Columns
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
 from vibsim.sweeps.statistics.quantities import Quantities
+
+if TYPE_CHECKING:
+    from vibsim.analysis.regime.points import Exponent
 
 TITLE = "kind of motion (periodic, quasi-periodic, chaotic)"
 VERDICTS = {"undecided": 0, "periodic": 1, "transient": 2, "quasi-periodic": 3, "chaotic": 4}
@@ -33,6 +34,8 @@ class RegimeLabel:
     """Kind of motion of one run."""
 
     def __init__(self, task: Task):
+        from vibsim.analysis.streaming import StreamedVerdicts
+
         self._verdicts = StreamedVerdicts(task.scene, task.begin)
 
     def update(self, block: Block) -> None:
@@ -49,6 +52,8 @@ class RegimeLabel:
         return {"regime": float(VERDICTS[judged.verdict]), **known}
 
 
-def _exponent(measured: dict[str, Any]) -> Exponent | None:
+def _exponent(measured: dict[str, Any]) -> "Exponent | None":
+    from vibsim.analysis.regime.points import Exponent
+
     value, half_width = (measured.get(name, math.nan) for name in (LARGEST, HALF_WIDTH))
     return Exponent(value, half_width) if math.isfinite(value) and math.isfinite(half_width) else None

@@ -118,11 +118,11 @@ def fitting(names: Iterable[str], of: Quantities) -> tuple[str, ...]:
 
 def length_of(dimension: str, scene: Scene, section: int) -> int:
     """Length of a further dimension; sections have as many points as the sweep says."""
-    lengths = {
-        "section": section,
-        "contact": section,
-        "quantile": len(impact_velocity.QUANTILES),
-        "exponent": exponents(scene),
-        "multiplier": orbit.multipliers(scene),
+    lengths: dict[str, Callable[[], int]] = {
+        "section": lambda: section,
+        "contact": lambda: section,
+        "quantile": lambda: len(impact_velocity.QUANTILES),
+        "exponent": lambda: exponents(scene),
+        "multiplier": lambda: orbit.multipliers(scene),
     }
-    return lengths[dimension]
+    return lengths[dimension]()

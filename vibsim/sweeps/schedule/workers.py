@@ -3,12 +3,11 @@
 `vibsim.sweeps.schedule.cluster` has workers of the same kind on other machines.
 """
 
-import multiprocessing
 import os
 import signal
 import threading
 from collections.abc import Callable
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from functools import partial
 from types import TracebackType
 from typing import Any, Protocol
@@ -73,6 +72,9 @@ class LocalWorkers:
             self._pool = ThreadPoolExecutor(jobs)
             self._compute = partial(compute, go_on=self._going_on)
         else:
+            import multiprocessing
+            from concurrent.futures import ProcessPoolExecutor
+
             spawning = multiprocessing.get_context("spawn")
             self._stop = spawning.Event()
             self._pool = ProcessPoolExecutor(
