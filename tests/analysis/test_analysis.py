@@ -59,12 +59,25 @@ def test_the_transient_is_left_out_of_the_window(window, discard, steady):
     assert found.capture.span.window == judged
 
 
+def test_spans_are_read_as_on_the_command_line():
+    run = short_run("II-B", "20 s")
+    assert analyse(run, "5:15", "40 %", "drift").steady.window == (9.0, 15.0)
+    assert analyse(run, discard="4 s", what="drift").steady.window == (4.0, 20.0)
+    assert analyse(run, "5:", what="drift").steady.window == (5.0, 20.0)
+
+
 def test_what_cannot_be_judged_is_said():
     run = short_run("II-B", "20 s")
     with pytest.raises(ValueError, match="lies outside the run, 0 to 20 s"):
         analyse(run, (30.0, 40.0))
     with pytest.raises(ValueError, match="leaves nothing of 0 to 20 s"):
         analyse(run, discard=20.0)
+    with pytest.raises(ValueError, match="discard: 'soon' is no time and no fraction"):
+        analyse(run, discard="soon")
+    with pytest.raises(TypeError, match="discard must be a time in s, or a text such as '100 s'"):
+        analyse(run, discard=[5.0])
+    with pytest.raises(ValueError, match="'5' is not a span: write FIRST:LAST"):
+        analyse(run, window="5")
     with pytest.raises(ValueError, match="'drifts' is not one of capture, drift"):
         analyse(run, what=["drifts"])
 

@@ -122,3 +122,10 @@ def test_what_a_case_has_not_got():
         vibsim.lyapunov(case(), 4)
     with pytest.raises(ValueError, match="a transient of 120 s leaves nothing of 120 s"):
         vibsim.lyapunov(case(), discard=120.0)
+    with pytest.raises(TypeError, match="discard must be a time in s, or a text such as '100 s'"):
+        vibsim.lyapunov(case(), discard=[120.0])
+
+
+def test_a_transient_may_be_a_text():
+    timed, shared, plain = (vibsim.lyapunov(case(), 1, each) for each in ("30 s", "25 %", 30))
+    assert timed.exponents == shared.exponents == plain.exponents

@@ -9,6 +9,9 @@ from hypothesis import strategies as st
 
 from vibsim.cases import RangeError, load_case, parse_range
 
+HOW = "write FROM:TO:STEP, FROM:TO/COUNT, 'log FROM:TO/COUNT' or A,B,C, with a unit at the end"
+BY_RATIO = "a range by ratio is 'log FROM:TO/COUNT', such as 'log 1:1000/31 N/m'"
+
 
 def texts(text, **options):
     return [value.text for value in parse_range(text, **options)]
@@ -48,6 +51,10 @@ def test_the_sweep_of_the_paper_has_81_exact_values():
         ("1 mm, 2 mm", ["1 mm", "2 mm"]),
         ("1, 2 mm", ["1 mm", "2 mm"]),
         ("1 mm, 2 cm", ["1 mm", "2 cm"]),
+        ("log 1:1000/4 N/m", ["1 N/m", "10 N/m", "100 N/m", "1000 N/m"]),
+        ("log 1000:1/4", ["1000", "100", "10", "1"]),
+        ("log 1:2/3", ["1", "1.4142135623731", "2"]),  # 1.41421356237310 to 15 digits
+        (" log  0.1mm:10/5 ", ["0.1 mm", "0.316227766016838 mm", "1 mm", "3.16227766016838 mm", "10 mm"]),
         ("1,2 N*s/m", ["1 N s/m", "2 N s/m"]),
     ],
 )
@@ -73,16 +80,16 @@ def test_one_unit_may_stand_anywhere_in_a_range():
     ("text", "message"),
     [
         ("", "the range is empty"),
-        ("a:b:c", "a:b:c is no range; write FROM:TO:STEP, FROM:TO/COUNT or A,B,C, with a unit at the end"),
+        ("a:b:c", f"a:b:c is no range; {HOW}"),
         (
             "1:2:3:4",
-            "1:2:3:4 is no range; write FROM:TO:STEP, FROM:TO/COUNT or A,B,C, with a unit at the end",
+            f"1:2:3:4 is no range; {HOW}",
         ),
         ("1:2", "1:2 has no step; write it as FROM:TO:STEP or FROM:TO/COUNT"),
         ("1, 2/0", "division by zero in 1, 2/0"),
         (
             "1/2:2:1",
-            "1/2:2:1 is no range; write FROM:TO:STEP, FROM:TO/COUNT or A,B,C, with a unit at the end",
+            f"1/2:2:1 is no range; {HOW}",
         ),
         ("1:2:0", "1:2:0: the step must not be 0"),
         ("1:2:-0.1", "1:2:-0.1: the step leads away from 2; leave its sign out"),
@@ -97,7 +104,17 @@ def test_one_unit_may_stand_anywhere_in_a_range():
         ("1 mm:2 cm:1 mm", "1 mm:2 cm:1 mm: write one unit, at the end, such as 3:7:0.05 Hz"),
         ("1 mm, 2", "1 mm, 2: write one unit for all values, or one behind each"),
         ("1 mm, 2, 3 cm", "1 mm, 2, 3 cm: write one unit for all values, or one behind each"),
-        ("nan", "nan is no range; write FROM:TO:STEP, FROM:TO/COUNT or A,B,C, with a unit at the end"),
+        ("log 1:2", f"log 1:2: {BY_RATIO}"),
+        ("log 1:2:0.1", f"log 1:2:0.1: {BY_RATIO}"),
+        ("log 1,2", f"log 1,2: {BY_RATIO}"),
+        ("log", f"log: {BY_RATIO}"),
+        ("log1:2/3", f"log1:2/3 is no range; {HOW}"),
+        ("log 0:1/3", "log 0:1/3: both ends of a range by ratio must be above 0"),
+        ("log 1:-1/3", "log 1:-1/3: both ends of a range by ratio must be above 0"),
+        ("log 1:2/1", "log 1:2/1: at least 2 values are needed, got 1"),
+        ("log 1:2/2000000", "log 1:2/2000000 has 2e+06 values; at most 1,000,000 are allowed"),
+        ("log 1 mm:2 cm/3", "log 1 mm:2 cm/3: write one unit, at the end, such as 3:7:0.05 Hz"),
+        ("nan", f"nan is no range; {HOW}"),
     ],
 )
 def test_what_is_wrong(text, message):
@@ -124,6 +141,16 @@ def test_steps_are_exact_and_stay_inside(a, b, h):
 def test_spaced_values_include_both_ends(a, b, n):
     values = [value.value for value in parse_range(f"{a}:{b}/{n}")]
     assert (len(values), values[0], values[-1]) == (n, a, b)
+
+
+@given(st.integers(1, 10**6), st.integers(1, 10**6), st.integers(2, 60))
+def test_values_by_ratio_are_powers_of_one_number(a, b, n):
+    """The i-th to the power n - 1 is a^(n-1-i) b^i, within n - 1 times the half digit of its rounding."""
+    values = [value.value for value in parse_range(f"log {a}:{b}/{n}")]
+    assert (len(values), values[0], values[-1]) == (n, a, b)
+    for i, value in enumerate(values):
+        exact = Fraction(a) ** (n - 1 - i) * Fraction(b) ** i
+        assert abs(value ** (n - 1) / exact - 1) <= (n - 1) * Fraction(501, 10**17)
 
 
 def test_texts_of_a_range_go_into_a_case():

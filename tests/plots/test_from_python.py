@@ -1,5 +1,9 @@
 """Pictures drawn from Python: into given axes, in any style."""
 
+import os
+import subprocess
+import sys
+
 import matplotlib
 import numpy as np
 import pytest
@@ -26,6 +30,25 @@ def pyplot():
 def drawn(axes, gid):
     """Data of the lines that bear a name."""
     return [line.get_xydata() for line in axes.lines if line.get_gid() == gid]
+
+
+def test_a_first_picture_leaves_a_notebook_as_it_is():
+    """Their backend turns matplotlib interactive when pyplot is imported, by the first picture here."""
+    lines = [
+        "import matplotlib, sys, vibsim",
+        "class Interactive:",
+        "    def find_spec(self, name, path=None, target=None):",
+        "        if name == 'matplotlib.pyplot':",
+        "            matplotlib.rcParams['interactive'] = True",
+        "sys.meta_path.insert(0, Interactive())",
+        "vibsim.plot('II-B', 'stiffness')",
+        "assert 'matplotlib.pyplot' in sys.modules",
+        "assert matplotlib.is_interactive()",
+    ]
+    done = subprocess.run(
+        [sys.executable, "-c", "\n".join(lines)], env={**os.environ, "MPLBACKEND": "agg"}, capture_output=True
+    )
+    assert done.returncode == 0, done.stderr.decode()
 
 
 def test_given_axes_are_drawn_into_and_returned(runs, pyplot):

@@ -140,3 +140,22 @@ def test_up_and_down_have_a_map_each(tmp_path):
     up, down = draw("regime", str(tmp_path / "both.h5")).axes
     assert (up.get_title(loc="left"), down.get_title(loc="left")) == ("up", "down")
     assert set(mesh(up, "regime").get_array().ravel()) != set(mesh(down, "regime").get_array().ravel())
+
+
+def test_values_by_ratio_have_cells_by_ratio(tmp_path):
+    """Edges lie at the geometric means, on a logarithmic axis; the axis in equal steps stays as it is."""
+    path, case = tmp_path / "ratios.h5", load_case("II-B", {"run.t_end": "1 s"})
+    sweep(case, {"k2": "log 1:100/3 kN/m", "Omega0": "3, 4 Hz"}, out=path, compute=["capture"], jobs=1)
+    (panel, *_) = draw("capture", str(path)).axes
+    assert (panel.get_xscale(), panel.get_yscale()) == ("linear", "log")
+    edges = np.exp((np.arange(4) - 0.5) * np.log(10.0))
+    np.testing.assert_allclose(panel.collections[0].get_coordinates()[:, 0, 1], edges, rtol=1e-12)
+
+
+def test_curves_over_values_by_ratio_have_a_logarithmic_axis(tmp_path):
+    for name, text, scale in (("ratio", "log 1:100/3 kN/m", "log"), ("steps", "1:100/3 kN/m", "linear")):
+        path = tmp_path / f"{name}.h5"
+        sweep(load_case("II-B", {"run.t_end": "1 s"}), {"k2": text}, out=path, jobs=1)
+        (panel, *_) = draw("amplitude", str(path)).axes
+        low, high = panel.get_xlim()
+        assert panel.get_xscale() == scale and low < 1 and high > 100

@@ -7,10 +7,10 @@ import pytest
 
 import vibsim
 from tests.sweeps.made import OMEGA0, short_case, short_plan
+from vibsim.analysis.discard import parse_discard
 from vibsim.cases import CaseError, RangeError, UnknownKeyError
-from vibsim.sweeps.description import sweep_lines
+from vibsim.sweeps.description import axis_text, sweep_lines
 from vibsim.sweeps.plan.axis import read_axis
-from vibsim.sweeps.plan.discard import parse_discard
 from vibsim.sweeps.plan.sweep_plan import PlanError
 
 
@@ -27,6 +27,7 @@ def test_the_81_values():
         ("c", "0.01:0.05/9", "N s/m", [0.01, 0.015, 0.02, 0.025, 0.03, 0.035, 0.04, 0.045, 0.05]),
         ("stop.G", "2, 0.5, 1 mm", "mm", [2.0, 0.5, 1.0]),
         ("G", "1 mm, 0.2 cm", "cm", [0.1, 0.2]),
+        ("k2", "log 1:1000/4 kN/m", "kN/m", [1.0, 10.0, 100.0, 1000.0]),
         ("Omega0", "240:300:30 rpm", "rpm", [240.0, 270.0, 300.0]),
         ("initial.phi", "0:90:45 deg", "deg", [0.0, 45.0, 90.0]),
     ],
@@ -34,6 +35,23 @@ def test_the_81_values():
 def test_axes_of_any_number(key, text, unit, values):
     axis = read_axis(short_case(), key, text)
     assert axis.unit == unit and axis.numbers().tolist() == values
+
+
+@pytest.mark.parametrize(
+    ("text", "by_ratio"),
+    [
+        ("log 1e3:1e6/31 N/m", True),
+        ("log 5000:4000/100 N/m", True),
+        ("1, 2, 4, 8 N/m", True),
+        ("1000:5000/3 N/m", False),
+        ("1, 2, 4, 9 N/m", False),
+        ("1, 10 N/m", False),
+    ],
+)
+def test_values_spaced_by_ratio(text, by_ratio):
+    axis = read_axis(short_case(), "k2", text)
+    assert axis.by_ratio == by_ratio
+    assert ("by ratio" in axis_text(axis)) == by_ratio
 
 
 @pytest.mark.parametrize(

@@ -9,13 +9,13 @@ import pytest
 from tests.scenes import fixed_block, harmonic, motor, paper
 from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
 from tests.trajectories import opened
+from vibsim.analysis.discard import parse_discard
 from vibsim.cases.loading import load_case_text
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.opening import open_result
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.sweeps.computations.impact_velocity import QUANTILES
 from vibsim.sweeps.computations.registry import COMPUTATIONS, read_computations
-from vibsim.sweeps.plan.discard import parse_discard
 from vibsim.sweeps.plan.recipe import Recipe
 from vibsim.sweeps.plan.sweep_plan import PlanError
 from vibsim.sweeps.points.point import measure

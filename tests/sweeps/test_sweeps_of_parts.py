@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from tests.sweeps.made import assert_same_points, complete, in_memory, short_plan
+from vibsim.analysis.discard import parse_discard
 from vibsim.cases import load_case
 from vibsim.cases.loading import load_case_text
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.opening import open_result
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.sweeps.plan.discard import parse_discard
 from vibsim.sweeps.plan.recipe import Recipe
 from vibsim.sweeps.plan.sweep_plan import PlanError
 from vibsim.sweeps.points.point import measure

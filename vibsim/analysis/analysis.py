@@ -15,7 +15,7 @@ from vibsim.analysis.span import Span, later_part, span_of
 from vibsim.labelled.shown import Shown
 from vibsim.results.any_run import as_result
 from vibsim.results.result import Result
-from vibsim.results.windows import Window
+from vibsim.results.windows import Window, read_window
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -81,8 +81,8 @@ def _verdict_lines(what: str, verdicts: Any) -> Iterator[tuple[str, str]]:
 
 def analyse(
     result: "Result | Case | str | PathLike[str]",
-    window: Window | None = None,
-    discard: float | None = None,
+    window: Window | str | None = None,
+    discard: float | str | None = None,
     what: Collection[str] | str = WHAT,
     exponent: bool = True,
 ) -> Analysis:
@@ -91,9 +91,9 @@ def analyse(
     Parameters
     ----------
     result : a Result, its file, or a case (a Case, its file or its shipped name), which is run first
-    window : span to look at [s]; None: all of the run
-    discard : transient at its begin that only the verdict on capture takes in [s]; None: half the run without
-        a window, nothing with one
+    window : span to look at [s], (100, 110) or "100:110"; None: all of the run
+    discard : transient at its begin that only the verdict on capture takes in, a time [s] or a text such as
+        "100 s" or "50 %"; None: half the run without a window, nothing with one
     what : names out of WHAT, or one of them
     exponent : whether the largest Lyapunov exponent helps to judge a regime that is not periodic; costs one
         more run
@@ -109,7 +109,7 @@ def analyse(
     unknown = [name for name in what if name not in WHAT]
     if unknown:
         raise ValueError(f"{unknown[0]!r} is not one of {', '.join(WHAT)}")
-    result = as_result(result)
+    result, window = as_result(result), None if window is None else read_window(window)
     span, steady = span_of(result, window), later_part(result, window, discard)
     scene = result.case.scene()
     verdicts: dict[str, Any] = {}

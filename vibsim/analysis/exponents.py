@@ -1,7 +1,7 @@
 """Lyapunov exponents of a case: how well they are known, and what speaks against them.
 
-    found = vibsim.lyapunov(vibsim.load_case("II-B"))
-    found.exponents, found.half_widths, found.warnings
+    spectrum = vibsim.lyapunov(vibsim.load_case("II-B"))
+    spectrum.exponents, spectrum.half_widths, spectrum.warnings
 
 A positive one means chaos. Two exponents that are 0 by construction are left out: that of a shift of both
 blocks, and with an ideal source that of time. A motor has no explicit time: one of its exponents is 0 too,
@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibsim.analysis.discard import transient
 from vibsim.analysis.regime.largest_exponent import exponent_of
 from vibsim.engine.tangent.lyapunov import LyapunovExponents, lyapunov_exponents
 from vibsim.engine.tangent.tangent_space import dimension
@@ -83,14 +84,15 @@ class Lyapunov(Shown):
 def lyapunov(
     case: "Case | str | PathLike[str]",
     count: int | None = None,
-    discard: float | None = None,
+    discard: float | str | None = None,
     engine: str = "auto",
     overrides: Mapping[str, object] | None = None,
 ) -> Lyapunov:
     """The largest `count` Lyapunov exponents of a case, by default all of them.
 
     case, overrides : as of `load_case`
-    discard : time [s] that is left out at the start, for the motion to settle; None: half of the run
+    discard : time [s] that is left out at the start, for the motion to settle, or a text such as "100 s" or
+        "50 %"; None: half of the run
 
     Raises ValueError for more exponents than the case has and for a transient that leaves nothing,
     EngineError (in `vibsim.engine.errors`) when the run fails.
@@ -107,9 +109,10 @@ def lyapunov(
     scene = load_case(case, overrides).scene()
     if count is not None and not 1 <= count <= dimension(scene):
         raise ValueError(f"count must be 1 to {dimension(scene)} for this case, got {count}")
-    if discard is not None and not 0 <= discard < scene.t_end:
-        raise ValueError(f"a transient of {discard:g} s leaves nothing of {scene.t_end:g} s")
-    return judged(lyapunov_exponents(scene, count, discard, engine), scene.tol)
+    begin = transient(discard, scene.t_end)
+    if not 0 <= begin < scene.t_end:
+        raise ValueError(f"a transient of {begin:g} s leaves nothing of {scene.t_end:g} s")
+    return judged(lyapunov_exponents(scene, count, begin, engine), scene.tol)
 
 
 def stored_exponents(result: Result) -> Lyapunov | None:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from vibsim.analysis.discard import transient
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
 
@@ -50,16 +51,17 @@ def steady_span(result: Result, window: Window | None = None) -> Span:
     return span_of(result, window or (TRANSIENT * result.t_reached, result.t_reached))
 
 
-def later_part(result: Result, window: Window | None, discard: float | None) -> Window:
-    """The window [s] without its first `discard` seconds.
+def later_part(result: Result, window: Window | None, discard: float | str | None) -> Window:
+    """The window [s] without its transient, see `transient`.
 
     discard : None: nothing where a window is given, else half the run
 
     Raises ValueError where nothing is left, and for a window outside the run.
     """
     whole = span_of(result, window)
-    if discard is None:
-        discard = 0.0 if window else TRANSIENT * whole.length
-    if not 0 <= discard < whole.length:
-        raise ValueError(f"a transient of {discard:g} s leaves nothing of {whole.begin:g} to {whole.end:g} s")
-    return whole.begin + discard, whole.end
+    left_out = 0.0 if window and discard is None else transient(discard, whole.length)
+    if not 0 <= left_out < whole.length:
+        raise ValueError(
+            f"a transient of {left_out:g} s leaves nothing of {whole.begin:g} to {whole.end:g} s"
+        )
+    return whole.begin + left_out, whole.end

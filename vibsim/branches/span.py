@@ -8,7 +8,7 @@ from vibsim.branches.scene_path import ScenePath
 from vibsim.cases import Case, UnknownKeyError
 from vibsim.cases.keys import measured_at
 from vibsim.cases.problems import shown
-from vibsim.cases.ranges import parse_range
+from vibsim.cases.ranges import parse_range, without_log
 from vibsim.cases.units import UNITS, si_unit
 
 FACTORS = {"": 1.0, "J": 1.0, "mJ": 1e-3, "uJ": 1e-6, "kJ": 1e3}
@@ -26,7 +26,7 @@ def read_span(case: Case, key: str, text: str) -> tuple[tuple[str, ...], str, tu
     keys = tuple(number_key(case, each.strip()) for each in key.split("="))
     dimension = _dimension(keys[0])
     try:
-        if text.count(":") != 1:
+        if text.count(":") != 1 or without_log(text) is not None:
             raise ValueError(text)
         low, high = parse_range(f"{text}/2", _bare_unit(dimension))
     except ValueError as error:

@@ -2,6 +2,7 @@
 
     a:b:h    from a to b in steps of h, both ends included where a step meets them; falling, h needs no sign
     a:b/n    n values, evenly spaced, both ends included
+    log a:b/n    n values, evenly spaced by ratio, both ends included
     a,b,c    a list
 
 One unit, wherever it stands, holds for all values ("3:7:0.05 Hz", "0:2mm/20"), or each value of a list has
@@ -11,7 +12,7 @@ its own ("1 mm, 2 mm").
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from decimal import Decimal
+from decimal import Context, Decimal
 from fractions import Fraction
 
 from vibsim.cases.problems import shown
@@ -20,6 +21,10 @@ from vibsim.cases.spelling import nearest
 from vibsim.cases.units import UNITS, find_unit
 
 MOST_VALUES = 1_000_000
+# Values between the ends of a range by ratio are rounded to so many significant digits: few enough to be
+# written down, and as many as a double keeps. A million products of 40 digits are right to 34.
+RATIO_DIGITS = Context(prec=15)
+RATIO_PRODUCTS = Context(prec=40)
 _PART = rf"\s*(?P<number>{NUMBER})(?P<over>/\d+)?(?P<unit>.*?)(?P<behind>\s*/\s*\d+)?\s*"
 
 
@@ -48,11 +53,14 @@ def parse_range(text: str, bare_unit: str = "") -> list[RangeValue]:
 
     Parameters
     ----------
-    text : "a:b:h", "a:b/n" or "a,b,c", with or without units
+    text : "a:b:h", "a:b/n", "log a:b/n" or "a,b,c", with or without units
     bare_unit : unit of a range that has none, such as "Hz"
 
     Raises RangeError: not a range, step 0 or in the wrong direction, mixed units, more than 1,000,000 values.
     """
+    amount = without_log(text)
+    if amount is not None:
+        return _by_ratio(amount, bare_unit, text)
     pieces = text.split(":")
     if len(pieces) > 3:
         raise _not_a_range(text)
@@ -69,6 +77,40 @@ def parse_range(text: str, bare_unit: str = "") -> list[RangeValue]:
     if parts[1].over is None:
         raise RangeError(f"{shown(text)} has no step; write it as FROM:TO:STEP or FROM:TO/COUNT")
     return [_value(number, unit) for number in _spaced(start, end, parts[1].over, text)]
+
+
+def without_log(text: str) -> str | None:
+    """What stands behind the word log of a range by ratio; None for any other text."""
+    word, *rest = text.split(maxsplit=1) or [""]
+    return (rest or [""])[0] if word == "log" else None
+
+
+def _by_ratio(amount: str, bare_unit: str, text: str) -> list[RangeValue]:
+    """The values of a:b/n, evenly spaced by ratio."""
+    pieces = amount.split(":")
+    if len(pieces) != 2:
+        raise _not_by_ratio(text)
+    low, high = parts = [_part(piece, text) for piece in pieces]
+    if low.over is not None or high.over is None:
+        raise _not_by_ratio(text)
+    if not (low.number > 0 and high.number > 0):
+        raise RangeError(f"{shown(text)}: both ends of a range by ratio must be above 0")
+    unit = _common_unit([part.unit for part in parts], text) or bare_unit
+    return [_value(number, unit) for number in _rising(low.number, high.number, high.over, text)]
+
+
+def _rising(start: Fraction, end: Fraction, count: int, text: str) -> Iterator[Fraction]:
+    """start (end / start)^(i / (count - 1)): the ends exact, what lies between rounded to RATIO_DIGITS."""
+    _count(count, text)
+    exact = RATIO_PRODUCTS
+    first = exact.divide(Decimal(start.numerator), Decimal(start.denominator))
+    last = exact.divide(Decimal(end.numerator), Decimal(end.denominator))
+    growth = exact.exp(exact.divide(exact.ln(exact.divide(last, first)), Decimal(count - 1)))
+    yield start
+    for _ in range(count - 2):
+        first = exact.multiply(first, growth)
+        yield Fraction(RATIO_DIGITS.plus(first))
+    yield end
 
 
 @dataclass(frozen=True)
@@ -137,10 +179,14 @@ def _stepped(start: Fraction, end: Fraction, step: Fraction, text: str) -> Itera
 
 
 def _spaced(start: Fraction, end: Fraction, count: int, text: str) -> Iterator[Fraction]:
+    _count(count, text)
+    return (start + (end - start) * Fraction(i, count - 1) for i in range(count))
+
+
+def _count(count: int, text: str) -> None:
     if count < 2:
         raise RangeError(f"{shown(text)}: at least 2 values are needed, got {count}")
     _limit(count, text)
-    return (start + (end - start) * Fraction(i, count - 1) for i in range(count))
 
 
 def _limit(count: int, text: str) -> None:
@@ -155,5 +201,10 @@ def _value(number: Fraction, unit: str) -> RangeValue:
 
 def _not_a_range(text: str) -> RangeError:
     return RangeError(
-        f"{shown(text)} is no range; write FROM:TO:STEP, FROM:TO/COUNT or A,B,C, with a unit at the end"
+        f"{shown(text)} is no range; write FROM:TO:STEP, FROM:TO/COUNT, 'log FROM:TO/COUNT' or A,B,C, "
+        "with a unit at the end"
     )
+
+
+def _not_by_ratio(text: str) -> RangeError:
+    return RangeError(f"{shown(text)}: a range by ratio is 'log FROM:TO/COUNT', such as 'log 1:1000/31 N/m'")

@@ -54,9 +54,9 @@ def plot(
     >>> vibsim.plot(result, x="x1", y="v1", ax=right, style=False).get_ylabel()
     'v1 (m s-1)'
     """
-    subjects = _subjects(result)
+    subjects, canvas = _subjects(result), _canvas(ax)
     with styles.applied(style, font_size):
-        view = View(_span(window), _span(detail), width, size, x, y, _canvas(ax))
+        view = View(_span(window), _span(detail), width, size, x, y, canvas)
         kinds = chosen_kinds(subjects, None if kind is None else [kind], view)
         if len(kinds) > 1:
             kinds = kinds[:1]
@@ -69,18 +69,7 @@ def plot(
 
 def _span(span: Any) -> Span | None:
     """A span of the user's. Raises PlotError for what is none."""
-    if span is None:
-        return None
-    if isinstance(span, str):
-        return parse_span(span)
-    try:
-        first, last = (float(instant) for instant in span)
-    except (TypeError, ValueError):
-        words = 'a span is (first, last) in seconds, or a text such as "100:110"'
-        raise PlotError(f"{words}, got {span!r:.60}") from None
-    if not first < last:
-        raise PlotError(f"the span {first:g}:{last:g} is empty: its first instant must come before its last")
-    return first, last
+    return None if span is None else parse_span(span)
 
 
 def _subjects(result: Any) -> list[Subject]:
@@ -95,7 +84,11 @@ def _subjects(result: Any) -> list[Subject]:
 
 
 def _canvas(ax: Any) -> Any:
-    """What makes the figure."""
+    """What makes the figure.
+
+    To be called outside the style: pyplot, when it is first imported, notes in matplotlib's settings that a
+    notebook shows every figure, and leaving the style would take that back.
+    """
     from matplotlib.axes import Axes
 
     if ax is None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from vibsim.plots.errors import PlotError
+from vibsim.results.windows import read_window
 
 Span = tuple[float, float]
 
@@ -62,15 +63,9 @@ def parse_size(text: str) -> tuple[float, float]:
     return size
 
 
-def parse_span(text: str) -> Span:
-    """`100:110`, `:20` or `100:` as (first, last) [s]; an open end is infinite. Raises PlotError."""
-    first, colon, last = text.partition(":")
+def parse_span(text: object) -> Span:
+    """`100:110`, `:20`, `100:` or (100, 110) as (first, last) [s], an open end infinite. Raises PlotError."""
     try:
-        span = (float(first) if first.strip() else -math.inf, float(last) if last.strip() else math.inf)
-    except ValueError:
-        span = (math.nan, math.nan)
-    if not colon or math.isnan(span[0]) or math.isnan(span[1]):
-        raise PlotError(f"{text!r} is not a span: write FIRST:LAST in seconds, such as 100:110")
-    if not span[0] < span[1]:
-        raise PlotError(f"the span {text} is empty: its first instant must come before its last")
-    return span
+        return read_window(text)
+    except ValueError as error:
+        raise PlotError(str(error)) from None

@@ -65,6 +65,11 @@ def axis_text(axis: Axis | Members) -> str:
     if len(values) > 2 and len(steps) == 1:
         span = f"{decimal_text(values[0])} to {decimal_text(values[-1])} {axis.unit}".strip()
         return f"{span} in steps of {decimal_text(abs(steps.pop()))}, {count}"
+    if axis.by_ratio:
+        return (
+            f"{decimal_text(values[0])} to {decimal_text(values[-1])} {axis.unit}".strip()
+            + f" by ratio, {count}"
+        )
     shown = [decimal_text(value) for value in values]
     listed = shown if len(shown) <= 6 else [*shown[:3], "...", shown[-1]]
     return f"{', '.join(listed)} {axis.unit}".strip() + f", {count}"

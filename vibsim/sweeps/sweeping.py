@@ -6,12 +6,12 @@ from fractions import Fraction
 from os import PathLike
 from pathlib import Path
 
+from vibsim.analysis.discard import parse_discard
 from vibsim.cases import Case
 from vibsim.cases.loading import load_case
 from vibsim.cases.quantities import parse_quantity
 from vibsim.sweeps.computations.registry import read_computations
 from vibsim.sweeps.plan.axis import Axis, range_and_unit, read_axis
-from vibsim.sweeps.plan.discard import parse_discard
 from vibsim.sweeps.plan.members import Members, read_members
 from vibsim.sweeps.plan.sweep_plan import Plan, PlanError, read_directions
 from vibsim.sweeps.schedule.runner import Watch, run
@@ -51,7 +51,7 @@ def sweep(
     case : a Case, the path of a case file or the name of a shipped case
     axes : key -> range, e.g. {"excitation.Omega0": "3:7:0.05 Hz", "c": "0.01:0.05/9"}, or values, e.g.
         {"c": [0.01, "0.02 N s/m"]}, or values and their unit, e.g. {"Omega0": (np.linspace(3, 7, 81), "Hz")};
-        one or more make a grid
+        "log 100:1e5/31 N/m" is spaced by ratio; one or more make a grid
     direction : "up", "down" or "both" along the first axis; by default in the order in which its values are
         written: "7:3:1 Hz" runs down, and "4, 3, 5 Hz" in this order
     carry_state : start each point from the end of the one before along the first axis; "both" goes there and
@@ -83,6 +83,8 @@ def sweep(
     ([5.0, 5.5, 6.0], (3, 1))
     """
     case = load_case(case, overrides)
+    if not isinstance(axes, Mapping | None):
+        raise TypeError(f"axes must be a dict such as {{'Omega0': '3:7:0.05 Hz'}}, got {axes!r:.60}")
     plan = make_plan(
         case,
         [(key, *range_and_unit(key, values), "axes") for key, values in (axes or {}).items()],

@@ -28,12 +28,14 @@ DEFAULT_CASE = "II-B"
         "vibsim sweep II-B --omega0 3:7:0.05 --direction both --carry-state -o hysteresis.h5",
         "vibsim sweep I-B --omega 3:7:0.1 --discard 100s",
         "vibsim sweep II-B --omega0 3:7:0.1 --param c=0.01:0.05/9",
+        "vibsim sweep II-B --param k2='log 1e3:1e6/31 N/m'    # ten to a decade",
         "vibsim sweep drifting-capsule --param stops.anvil.k=1:10/10kN/m",
         "vibsim sweep II-B --omega0 3:7:0.1 --ensemble 20 --spread phi=0:360deg --spread x1=1mm",
         "vibsim sweep II-B --omega0 3:7:0.1 --compute power,capture,regime",
         "vibsim sweep II-B --omega0 3:7:0.001 --scheduler tcp://10.0.0.1:8786",
         "vibsim plot II-B-omega0.h5",
-        before="Ranges: FROM:TO:STEP (both ends included), FROM:TO/COUNT, or A,B,C; with a unit at the end. "
+        before="Ranges: FROM:TO:STEP (both ends included), FROM:TO/COUNT, 'log FROM:TO/COUNT' (spaced by "
+        "ratio), or A,B,C; with a unit at the end. "
         "Their order counts: 7:3:0.05 runs down. "
         "An interrupted sweep goes on when the same command is given again.",
     ),

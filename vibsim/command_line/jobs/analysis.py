@@ -46,7 +46,7 @@ def judge_all(
 
 
 def _transient(text: str | None) -> Any:
-    from vibsim.sweeps.plan.discard import parse_discard
+    from vibsim.analysis.discard import parse_discard
 
     try:
         return None if text is None else parse_discard(text)

@@ -111,8 +111,8 @@ def with_exponents(
 
 
 def _tangent(case: "Case", count: int | str, discard: str | None) -> tuple[int, float]:
+    from vibsim.analysis.discard import HALF, parse_discard
     from vibsim.engine.tangent.tangent_space import dimension
-    from vibsim.sweeps.plan.discard import HALF, parse_discard
 
     scene = case.scene()
     if count != "all" and int(count) > dimension(scene):

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from vibsim.cases.forms import LONG
 from vibsim.cases.units import UNITS
@@ -16,6 +17,7 @@ from vibsim.plots.page.quantities import rounded
 from vibsim.plots.page.user_text import as_text
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span, View
+from vibsim.sweeps.plan.axis import Axis
 
 MOTOR_SPEEDS = ("excitation.Omega0", "motor.Omega0")
 NO_LOAD = r"No-load speed $\Omega_0/2\pi$ (Hz)"
@@ -150,9 +152,26 @@ def numbers(axis: Any) -> np.ndarray:
     return values * float(unit.factor) / (1.0 if unit.per_turn else 2 * math.pi)
 
 
+def draws_by_ratio(axis: Any) -> bool:
+    """Whether an axis is drawn on a logarithmic scale: its values are spaced by ratio."""
+    return isinstance(axis, Axis) and axis.by_ratio
+
+
 def ascending(axis: Any) -> np.ndarray:
     """Positions of the values of an axis from the least to the greatest, however they are written."""
     return np.argsort(axis.numbers(), kind="stable")
+
+
+def show_span(axes: Axes, span: Span, room: float, by_ratio: bool, view: View) -> None:
+    """Show a span of the axis along, and this share of it on either side, or what the view's window shows."""
+    low, high = span
+    if by_ratio:
+        axes.set_xscale("log")
+        beyond = (high / low) ** room
+        axes.set_xlim(*shown(low / beyond, high * beyond, view))
+        return
+    margin = room * (high - low) if high > low else 0.05 * abs(high) or 1.0
+    axes.set_xlim(*shown(low - margin, high + margin, view))
 
 
 def shown(low: float, high: float, view: View) -> Span:

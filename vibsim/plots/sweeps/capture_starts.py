@@ -10,7 +10,7 @@ from vibsim.plots.motion.frequency_marks import mark_frequencies
 from vibsim.plots.page.sheet import note, sheet
 from vibsim.plots.style import BLUE, VERMILLION
 from vibsim.plots.subject import Subject
-from vibsim.plots.sweeps.axes import ascending, is_speed, label_of, numbers, shown
+from vibsim.plots.sweeps.axes import ascending, draws_by_ratio, is_speed, label_of, numbers, show_span
 from vibsim.plots.sweeps.capture_map import SHADES
 from vibsim.plots.sweeps.curves import DIRECTION_NAMES, frequencies
 from vibsim.plots.sweeps.plane import missing_note
@@ -40,7 +40,7 @@ def draw_probability(subject: Subject, view: View) -> Figure:
         name = DIRECTION_NAMES[direction] if len(directions) > 1 else ""
         axes.plot(x, estimate, color=colour, marker="o", markersize=2, label=name, gid="probability")
     axes.set_ylim(-0.03, 1.03)
-    axes.set_xlim(*shown(x[0], x[-1], view))
+    show_span(axes, (x[0], x[-1]), 0.0, draws_by_ratio(axis), view)
     axes.set_xlabel(label_of(axis))
     axes.set_ylabel("Probability of capture")
     _say(axes, f"{len(result.members)} starts each; band: 95 %", subject)

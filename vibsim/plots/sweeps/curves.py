@@ -11,7 +11,7 @@ import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.colors import ListedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 
 from vibsim.cases.forms import LONG
@@ -19,7 +19,15 @@ from vibsim.plots.motion.natural_frequencies import Frequency, fractions, natura
 from vibsim.plots.page.sheet import legend_below
 from vibsim.plots.style import BLUE, VERMILLION, overlay
 from vibsim.plots.subject import Subject
-from vibsim.plots.sweeps.axes import along, label_of, numbers, positions, shown, value_texts
+from vibsim.plots.sweeps.axes import (
+    along,
+    draws_by_ratio,
+    label_of,
+    numbers,
+    positions,
+    show_span,
+    value_texts,
+)
 from vibsim.plots.view import View
 from vibsim.sweeps.ensemble import quantile, summary
 
@@ -30,6 +38,7 @@ TUNING = {  # what natural frequencies depend on, in either form of a case
 COLOURS = 7  # curves told apart by the colours of the style; more take those of a colour map
 BRIGHTEST = 0.9  # part of the colour map in use: its end is too pale for lines
 BANDS = ((0.05, 0.95), (0.25, 0.75))  # quantiles of the members of an ensemble
+ROOM = 0.02  # share of the span that is left on either side of it
 UP, DOWN = 1, -1
 DIRECTION_NAMES = {UP: "up", DOWN: "down"}
 
@@ -156,6 +165,8 @@ def _tones(subjects: Sequence[Subject], count: int) -> np.ndarray:
     """Places of `count` curves in the colour map, 0 to 1: by the value that tells them apart, or in turn."""
     axis = _toned_axis(subjects)
     values = np.arange(count, dtype=float) if axis is None else numbers(axis)
+    if axis is not None and draws_by_ratio(axis):
+        values = np.log(values)
     return (values - values.min()) / (np.ptp(values) or 1.0)
 
 
@@ -214,7 +225,8 @@ def name_curves(figure: Figure, panels: Sequence[Axes], drawn: Sequence[Curve], 
     axis, count = _toned_axis(subjects), len({curve.family for curve in drawn})
     if axis is not None and count > COLOURS:
         shades = matplotlib.colormaps["viridis"](np.linspace(0, BRIGHTEST, 256))
-        norm = Normalize(float(numbers(axis).min()), float(numbers(axis).max()))
+        scale = LogNorm if draws_by_ratio(axis) else Normalize
+        norm = scale(float(numbers(axis).min()), float(numbers(axis).max()))
         bar = ScalarMappable(norm, ListedColormap(shades))
         figure.colorbar(
             bar, ax=list(panels), location="bottom", label=label_of(axis), aspect=40, pad=0.02, shrink=0.8
@@ -249,5 +261,5 @@ def ensemble_note(drawn: Sequence[Curve]) -> str:
 def limit(axes: Axes, drawn: Sequence[Curve], view: View) -> None:
     """The span of the parameter: the view's window in its unit, or everything."""
     low, high = min(curve.x.min() for curve in drawn), max(curve.x.max() for curve in drawn)
-    margin = 0.02 * (high - low) or 0.05 * abs(high) or 1.0
-    axes.set_xlim(*shown(low - margin, high + margin, view))
+    axes_drawn = [curve.subject.result.axes[along(curve.subject.result)] for curve in drawn]
+    show_span(axes, (low, high), ROOM, all(map(draws_by_ratio, axes_drawn)), view)

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from vibsim.plots.page.sheet import note, sheet
 from vibsim.plots.style import BLUE, VERMILLION, YELLOW
 from vibsim.plots.subject import Subject
-from vibsim.plots.sweeps.axes import along, ascending, label_of, numbers, shown
+from vibsim.plots.sweeps.axes import along, ascending, draws_by_ratio, label_of, numbers, show_span
 from vibsim.plots.sweeps.ensemble_pictures import Pictures, share_map
 from vibsim.plots.sweeps.map_sheet import map_sheet
 from vibsim.plots.sweeps.plane import missing_note, plane_of
@@ -61,8 +61,7 @@ def _draw_shares(subject: Subject, view: View) -> Figure:
             _draw_share(axes, axis, share, shade)
     axes.set_ylim(-0.03, 1.03)
     x = numbers(axis)[ascending(axis)]
-    room = EDGE * (x[-1] - x[0])
-    axes.set_xlim(*shown(x[0] - room, x[-1] + room, view))
+    show_span(axes, (x[0], x[-1]), EDGE, draws_by_ratio(axis), view)
     axes.set_xlabel(label_of(axis))
     axes.set_ylabel("Share of the starts")
     axes.legend(loc="best")

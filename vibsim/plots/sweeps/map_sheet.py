@@ -26,6 +26,7 @@ def map_sheet(plane: Plane, each: int, view: View) -> tuple[Figure, np.ndarray]:
     figure = sheet(view, min(PANEL_CM, (PAGE_CM - NAMES_CM) / rows) * rows + NAMES_CM)
     grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
     x, y = plane.edges()
+    grid[0, 0].set(xscale=plane.scales[0], yscale=plane.scales[1])
     grid[0, 0].set(xlim=shown(x[0], x[-1], view), ylim=(y[0], y[-1]))
     finish(grid, count, *plane.labels())
     panels = grid.ravel()[:count]

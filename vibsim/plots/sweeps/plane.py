@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from vibsim.plots.subject import Subject
-from vibsim.plots.sweeps.axes import along, ascending, label_of, numbers
+from vibsim.plots.sweeps.axes import along, ascending, draws_by_ratio, label_of, numbers
 from vibsim.sweeps.statistics.columns import FAILED, MISSING
 
 
@@ -47,7 +47,15 @@ class Plane:
 
     def edges(self) -> tuple[np.ndarray, np.ndarray]:
         """Edges of the cells across (n_across + 1) and up (n_up + 1)."""
-        across, up = (_edges(np.sort(numbers(self.subject.result.axes[i]))) for i in (self.across, self.up))
+        across, up = (cell_edges(self.subject.result.axes[i]) for i in (self.across, self.up))
+        return across, up
+
+    @property
+    def scales(self) -> tuple[str, str]:
+        """Scales of matplotlib across and up: log where the values are spaced by ratio."""
+        across, up = (
+            "log" if draws_by_ratio(self.subject.result.axes[i]) else "linear" for i in (self.across, self.up)
+        )
         return across, up
 
     def labels(self) -> tuple[str, str]:
@@ -72,11 +80,17 @@ def missing_note(subject: Subject) -> str:
     return ", ".join(f"{count} {words}" for words, count in counts.items() if count)
 
 
-def _edges(centres: np.ndarray) -> np.ndarray:
+def cell_edges(axis: Any) -> np.ndarray:
+    """Edges (n + 1) of cells about the values of an axis; by ratio where its values are."""
+    centres = np.sort(numbers(axis))
+    return np.exp(_edges(np.log(centres), below_zero=True)) if draws_by_ratio(axis) else _edges(centres)
+
+
+def _edges(centres: np.ndarray, below_zero: bool = False) -> np.ndarray:
     """Edges (n + 1) of cells about ascending points (n): half way between, and as far beyond the ends.
 
-    Cells of what is nowhere negative begin at 0 at the least: no damping below none.
+    Cells of what is nowhere negative begin at 0 at the least, no damping below none, unless `below_zero`.
     """
     middle = (centres[:-1] + centres[1:]) / 2
     first, last = 2 * centres[0] - middle[0], 2 * centres[-1] - middle[-1]
-    return np.concatenate([[max(first, 0.0) if centres[0] >= 0 else first], middle, [last]])
+    return np.concatenate([[first if below_zero or centres[0] < 0 else max(first, 0.0)], middle, [last]])

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 MOST_TRIED = 1000  # values of an axis; trying one takes 0.1 ms
 MOST_LISTED = 1000  # values written out in an attribute of the file; even steps are told in short
+ROUNDED = 2.1e-14  # relative difference of two ratios of values that are rounded to 15 digits (5e-15 each)
 SCALE_NAMES = {
     "excitation.Omega0": "omega0",
     "motor.Omega0": "omega0",
@@ -66,6 +67,15 @@ class Axis:
         if all(low < high for low, high in pairwise(self.values)):
             return 1
         return -1 if all(high > low for high, low in pairwise(self.values)) else 0
+
+    @property
+    def by_ratio(self) -> bool:
+        """Whether the values, three or more above 0, are evenly spaced by ratio, as of log FROM:TO/COUNT."""
+        if len(self) < 3 or min(self.values) <= 0:
+            return False
+        ratios = [float(after / before) for before, after in pairwise(self.values)]
+        even = len({after - before for before, after in pairwise(self.values)}) == 1
+        return not even and max(ratios) - min(ratios) <= ROUNDED * max(ratios)
 
     @property
     def keys(self) -> tuple[str, ...]:

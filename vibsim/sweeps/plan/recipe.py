@@ -10,7 +10,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from vibsim.sweeps.plan.discard import Discard
+from vibsim.analysis.discard import Discard
 from vibsim.sweeps.statistics.quantities import Quantities, quantities_of
 
 if TYPE_CHECKING:

@@ -12,11 +12,11 @@ from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
+from vibsim.analysis.discard import HALF, Discard
 from vibsim.cases.quantities import Quantity
 from vibsim.files.declarations import Column
 from vibsim.sweeps.computations.registry import COMPUTATIONS, length_of
 from vibsim.sweeps.plan.axis import Axis
-from vibsim.sweeps.plan.discard import HALF, Discard
 from vibsim.sweeps.plan.members import Members
 from vibsim.sweeps.plan.recipe import Recipe, Start
 from vibsim.sweeps.statistics.columns import always, distinct

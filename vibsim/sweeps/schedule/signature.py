@@ -8,10 +8,10 @@ import json
 from functools import cache
 
 from vibsim import __version__
+from vibsim.analysis.discard import HALF
 from vibsim.cases import load_case
 from vibsim.engine.choice import engine_name
 from vibsim.sweeps.computations.registry import fitting
-from vibsim.sweeps.plan.discard import HALF
 from vibsim.sweeps.plan.recipe import Recipe
 from vibsim.sweeps.plan.sweep_plan import STATISTICS
 from vibsim.sweeps.points.point import compute_point

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
+from vibsim.analysis.discard import parse_discard
 from vibsim.cases.keys import measured_at
 from vibsim.cases.quantities import parse_quantity
 from vibsim.files.checking import check_datasets, damaged
 from vibsim.files.reading import opened, read_attributes
 from vibsim.files.signals import ended_at_once
 from vibsim.files.stored_case import stored_case, understood
-from vibsim.sweeps.plan.discard import parse_discard
 from vibsim.sweeps.plan.members import axis_from_plain
 from vibsim.sweeps.plan.sweep_plan import DIRECTION_FLAGS, Plan
 from vibsim.sweeps.store.sweep_file import KIND

@@ -1,7 +1,8 @@
-"""How much of a point's run is left out of its statistics: the transient."""
+"""How much of a run is left out at its start, where its steady motion is judged: the transient."""
 
 from dataclasses import dataclass
 from fractions import Fraction
+from numbers import Real
 
 from vibsim.cases.quantities import QuantityError, decimal_text, parse_quantity
 
@@ -22,6 +23,27 @@ class Discard:
 
 
 HALF = Discard(Fraction(1, 2), True)
+
+
+def transient(discard: object, length: float) -> float:
+    """Time [s] that is left out at the start of a span of `length` [s].
+
+    discard : a time [s], or a text such as "100 s", "0.5" (of the span) or "50 %"; None: half of the span
+
+    Raises ValueError for a text that is neither, TypeError for anything else.
+    """
+    if isinstance(discard, str):
+        try:
+            return parse_discard(discard).time(length)
+        except ValueError as error:
+            raise ValueError(f"discard: {error}") from None
+    if isinstance(discard, Real) and not isinstance(discard, bool):
+        return float(discard)
+    if discard is not None:
+        raise TypeError(
+            f"discard must be a time in s, or a text such as '100 s' or '50 %', got {discard!r:.60}"
+        )
+    return HALF.time(length)
 
 
 def parse_discard(text: str) -> Discard:
