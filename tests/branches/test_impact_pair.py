@@ -59,3 +59,20 @@ def test_beyond_it_one_flight_is_longer(broken):
     carried = family(np.array(last.unknowns)).end.carried
     blows = [t for (kind, _), t in zip(carried.events, carried.times, strict=True) if kind == "impact"]
     assert len(blows) == 2 and abs(blows[1] - blows[0] - TAU) > 0.1 * TAU
+
+
+def test_seen_from_a_prong_it_is_a_branch_point():
+    """The branch of unequal flights turns round there, among its own mirror images, with a multiplier that
+    touches 1: that was listed as a fold and a branch point side by side.
+    """
+    orbit = vibsim.orbit("gallery/impact-pair", {"base.a": "7.6 mm", "initial.ball.v": "0.25 m/s"})
+    branch = vibsim.continue_branch(orbit, "base.a", "7:8 mm")
+    (special,) = branch.specials
+    assert special.kind == "branch point" and special.jump == 0
+    assert special.parameter == pytest.approx(BROKEN, rel=1e-11)
+    assert dict(branch.lines())["index check"] == "holds everywhere"
+    assert dict(branch.lines())["ends"] == "end of the range"
+    np.testing.assert_allclose(branch["parameter"][[0, -1]], 8.0, rtol=1e-14)
+    back = vibsim.continue_branch(branch, switch=special.label)
+    sums = np.sum(back["multipliers"], axis=1).real
+    np.testing.assert_allclose(sums, [half_period(a) ** 2 - 2 * E**2 for a in back["parameter"]], atol=1e-9)

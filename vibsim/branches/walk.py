@@ -14,6 +14,7 @@ from vibsim.branches.inspection import NEAR, detect, inspect
 from vibsim.branches.joining import JOINS, joining, repetition
 from vibsim.branches.moved_section import beyond_the_impact, from_section
 from vibsim.branches.node import LEAST_LIMIT, Node, ahead_of, between, goes_on, node_at, predicted
+from vibsim.branches.pitchfork import with_pitchfork
 from vibsim.branches.sliding_corner import sliding_corner
 from vibsim.branches.special import BRANCHING, CORNER, FOLD, UNRESOLVED, Special
 from vibsim.branches.step_size import SHARP, Pace, turn
@@ -85,7 +86,7 @@ class Walk:
                 return
             if corner is None:
                 node, ended = self._ended(node)
-                specials = tuple(inspect(self.family, self.node, node))
+                specials = with_pitchfork(self.family, self.node, node, inspect(self.family, self.node, node))
                 at_corner = next((each.before for each in specials if each.kind == CORNER), None)
                 corner = None if at_corner is None else self._corner(at_corner)
             if corner is not None:
