@@ -19,6 +19,7 @@ from tests.engine.test_tangent_jacobian import assert_derivative
 from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.engine.tangent.tangent_space import dimension
+from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import (
     BASE,
     COMPRESSION,
@@ -310,11 +311,14 @@ def test_engines_agree_on_what_they_carry(of, method):
 
 
 def assert_bundles_agree(of):
-    """Bits of both engines, and the volume."""
+    """Bits of both engines, and the volume: not where hops fade away, whose S is as large as one over their
+    speed, so that rounding takes what is left of a volume.
+    """
     if ends(of):
         one, other = (run(of, engine, tangent=dimension(of)) for engine in ENGINES)
         assert differences(one, other) == []
-        residual = one.totals["volume_residual"]
+        fades = EVENT_KINDS["chatter"] in one.events["kind"]
+        residual = np.nan if fades else one.totals["volume_residual"]
         assert np.isnan(residual) or abs(residual) < PER_PIECE * (one.totals["tangent_pieces"] + 1)
 
 
