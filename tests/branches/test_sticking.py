@@ -126,3 +126,13 @@ def test_a_motion_that_begins_to_stick_on_both_sides_at_once_is_followed_fast(mo
     words = [branch.spelled(word) for word in (special.before, special.after)]
     assert special.kind == "sticking" and words == ["susu", "rr"]
     assert counts[0] < 60
+
+
+def test_orbits_at_rest_are_followed_in_long_steps():
+    """Below A = mu N = 1 N the block rests anywhere in a range: a family, in which no cubic through orbits
+    tells the next. Steps shrank to 1e-8 again and again, 800 in place of a few.
+    """
+    branch = continue_branch("gallery/friction-oscillator", "drive.A", "0.9:1.6 N")
+    resting = branch["word"] == ""
+    assert branch["parameter"].min() == pytest.approx(0.9) and 2 <= resting.sum() < 20
+    assert np.abs(branch["parameter"][resting]).max() <= 1.0

@@ -5,6 +5,7 @@ import weakref
 from dataclasses import replace
 from math import sqrt
 
+import numpy as np
 import pytest
 
 from vibsim.cases import load_case
@@ -93,8 +94,32 @@ def test_what_decides_on_the_form_of_modes():
     assert differences(of, with_links(of, 2.0)) == {("links", 0, "c"): 2.0 * of.links[0].c}
     assert differences(of, replace(of, t_end=1.0)) == {}
     assert differences(of, with_links(of, 0.0)) is None
-    belted = replace(of, frictions=tuple(replace(one, belt=0.1) for one in of.frictions))
-    assert (
-        differences(belted, replace(of, frictions=tuple(replace(one, belt=0.2) for one in of.frictions)))
-        is None
-    )
+    assert differences(belted(of, 0.1), belted(of, 0.2)) == {("frictions", 0, "belt"): 0.2}
+    assert differences(belted(of, 0.1), belted(of, -0.1)) is None
+    several = load_case(
+        "gallery/stack-of-blocks"
+    ).scene()
+    assert len(several.frictions) > 1 and differences(belted(several, 0.1), belted(several, 0.2)) is None
+
+
+def belted(scene, speed):
+    """The scene with frictions on belts of a speed [m/s]."""
+    return replace(scene, frictions=tuple(replace(one, belt=speed) for one in scene.frictions))
+
+
+@pytest.mark.parametrize("name", ["gallery/belt-oscillator", "gallery/block-on-belt"])
+def test_scenes_over_the_speed_of_a_belt_share_one_run(name):
+    """Through sticks and slips, with the bits of runs of their own."""
+    of = load_case(name).scene()
+    speed = of.frictions[0].belt
+    shared = Carrier(of, "c")
+    for factor in (0.8, 1.3, 0.5):
+        other = belted(of, factor * speed)
+        for v in (0.0, 0.9 * factor * speed, factor * speed):
+            taking_turns, alone = (
+                carrier.carry([0.1, v], 20.0) for carrier in (shared.of(other), Carrier(other, "c"))
+            )
+            assert np.array_equal(taking_turns.state, alone.state)
+            assert np.array_equal(taking_turns.table, alone.table)
+            assert np.array_equal(taking_turns.vectors, alone.vectors)
+    assert len(alone.table) > 0

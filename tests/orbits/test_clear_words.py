@@ -1,11 +1,17 @@
 """What has no orbit, or one without a derivative, is told in clear words."""
 
+import re
+
+import numpy as np
 import pytest
 
 from tests.command_line.made import call
-from vibsim.cases import load_case
-from vibsim.orbits import find_orbit
-from vibsim.orbits.errors import NotConverged
+from vibsim.branches import BranchError, continue_branch
+from vibsim.cases import UnknownKeyError, load_case
+from vibsim.orbits import ReturnMap, find_orbit
+from vibsim.orbits.errors import NotConverged, OrbitError
+from vibsim.orbits.growing import growing
+from vibsim.orbits.seeking import orbit
 
 DRIVEN = """
 name: driven
@@ -107,3 +113,73 @@ def test_a_motion_that_never_turns_back(tmp_path):
     )
     done = call("orbit", tmp_path / "string.yaml")
     assert done.exit_code == 4 and "top does not turn round on the run: it comes to rest, " in done.stderr
+
+
+BESIDE_A_WALL = """
+name: beside-a-wall
+bodies: {hammer: 100 g, capsule: 500 g}
+links:
+  spring: {between: [hammer, capsule], k: 100 N/m, c: 0.1 N s/m}
+stops:
+  anvil: {between: [hammer, capsule], gap: 2 mm, acts: compression, k: 5 kN/m}
+  wall: {between: [capsule, ground], gap: 5 mm, acts: extension, k: 5 kN/m}
+friction:
+  floor: {between: [capsule, ground], N: 5.886 N, mu: 0.1}
+forces:
+  push: {on: hammer, A: 0.5 N, omega: 5 Hz}
+  reaction: {on: capsule, A: 0.5 N, omega: 5 Hz, phase: 180 deg}
+run: {t_end: 20 s, every: 1 ms}
+"""
+
+
+def test_a_body_that_drifts_away_from_what_could_hold_it(tmp_path):
+    """A stop makes its place one that matters; without it there is an orbit up to the drift told."""
+    (tmp_path / "beside-a-wall.yaml").write_text(BESIDE_A_WALL)
+    with pytest.raises(OrbitError) as told:
+        orbit(tmp_path / "beside-a-wall.yaml")
+    drift = float(re.search(r"in each period it changes x_capsule by (\S+) m;", str(told.value))[1])
+    assert "it drifts away from the stop wall; leave it out" in str(told.value)
+    free = orbit(tmp_path / "beside-a-wall.yaml", {"wall": "none"})
+    assert free.drift["capsule"] == pytest.approx(drift, rel=1e-3)
+
+
+def test_a_body_that_is_blown_away_speeds_up():
+    """1 kg under a mean force of -2 N gains -1 m/s in each half second."""
+    with pytest.raises(OrbitError, match="in each period it changes v_mass by -1 m/s; nothing keeps it from"):
+        orbit("gallery/drifting-oscillator", {"drive.F0": "-2 N"})
+
+
+def test_what_settles_grows_not():
+    """A slow spiral, and a chaotic course, whose ends lie apart."""
+    return_map = ReturnMap(load_case("II-B").scene(), 1)
+    rng, periods = np.random.default_rng(3), np.arange(256)[:, None]
+    at, m = return_map.coordinates, return_map.coordinates.count
+    assert growing(np.exp(-0.01 * periods) * np.ones(m), at) is None
+    assert growing(rng.normal(size=(256, m)).cumsum(axis=0), at) is None
+    assert "it changes" in growing(1.0 + 1e-3 * periods * np.ones(m), at)
+
+
+def test_what_nothing_feeds_comes_to_rest():
+    done = call("orbit", "gallery/two-balls-and-a-spring")
+    assert done.exit_code == 4 and "nothing feeds this scene, which comes to rest in the end" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("key", "span", "message"),
+    [
+        ("excitation.Omega0", "7:8 Hz", "the orbit is at excitation.Omega0 = 5.5 Hz, outside the range 7:8"),
+        ("excitation.Omega0", "5:5 Hz", "the range 5:5 is empty"),
+        ("run.t_end", "1:50 s", "no orbit depends on run.t_end"),
+        ("mu", "-1:1", "friction.mu must be >= 0, got -1"),
+        ("excitation.omega", "1:5 Hz", "excitation.omega is no number of case II-B"),
+    ],
+)
+def test_what_cannot_be_followed_is_told_before_an_orbit_is_looked_for(key, span, message, monkeypatch):
+    def looked_for(*_, **__):
+        raise AssertionError("an orbit is looked for")
+
+    monkeypatch.setattr("vibsim.orbits.seeking.orbit", looked_for)
+    with pytest.raises((BranchError, UnknownKeyError), match=re.escape(message)):
+        continue_branch("II-B", key, span)
+    done = call("continue", "II-B", "--param", f"{key}={span}")
+    assert done.exit_code == 2 and message in done.stderr

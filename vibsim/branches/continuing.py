@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from vibsim.branches.branch import Branch
-from vibsim.branches.plan import BranchError, plan_from
+from vibsim.branches.plan import BranchError, parameter_within, plan_from
 from vibsim.branches.span import read_span
 from vibsim.branches.store.branch_file import read_branch
 from vibsim.branches.store.branch_store import BranchFileStore, BranchStore
@@ -58,8 +58,10 @@ def continue_branch(
 
         plan = energy_plan(orbit, energy, engine)
     else:
-        orbit = orbit_from(orbit, engine)
-        plan = plan_from(orbit, *read_span(orbit.case, key, _as_text(span)))
+        case, source = case_of(orbit)
+        asked = read_span(case, key, _as_text(span))
+        parameter_within(case, *asked)
+        plan = plan_from(orbit_from(source, engine), *asked)
     store = BranchStore(plan, engine) if out is None else BranchFileStore(plan, Path(out), engine, force)
     for note in store.notes:
         warnings.warn(note, stacklevel=2)
@@ -77,6 +79,20 @@ def _as_text(span: str | Span) -> str:
         words = 'a range is a text such as "3:9 Hz", (3, 9) or ((3, 9), "Hz")'
         raise BranchError(f"{words}, got {span!r:.60}") from None
     return f"{low}:{high} {unit}".strip()
+
+
+def case_of(source: Any) -> tuple[Any, Any]:
+    """The case of an orbit, or of what one is looked for from, and that: read, where it was the name of it.
+
+    Raises OrbitError, CaseError, ResultFileError.
+    """
+    from vibsim.orbits.orbit import Orbit
+    from vibsim.orbits.seeking import opened
+
+    if isinstance(source, Orbit) and source.case is not None:
+        return source.case, source
+    case, result = opened(source, None)
+    return case, case if result is None else result
 
 
 def orbit_from(source: Any, engine: str = "auto") -> Any:

@@ -171,9 +171,10 @@ def ahead_of(family: Family, before: "Node | None", node: Node, step: float, ben
 
 def predicted(before: "Node | None", node: Node, step: float) -> np.ndarray:
     """Scaled unknowns one step ahead of a node: on the cubic through it and the one before, where both have
-    the same order of events, else along its tangent.
+    the same order of events, else along its tangent; so in a family, whose every orbit near is a solution and
+    holds no cubic to a course.
     """
-    if before is not None and before.word == node.word:
+    if before is not None and before.word == node.word and not node.in_family:
         length = length_of(node.z - before.z)
         if step <= LONGEST * length and goes_on(before, node):
             return _hermite(before, node, 1 + step / length, length)

@@ -124,9 +124,19 @@ def plan_from(orbit: Any, keys: Sequence[str], unit: str, span: tuple[float, flo
     Raises BranchError where no orbit depends on the key, the range is empty or the orbit is not within it.
     """
     case = orbit.case
+    parameter = parameter_within(case, keys, unit, span)
+    end = orbit.end
+    travel = end.coordinates.travel(end.carried) or end.coordinates.size(end.X) or 1.0
+    start = tuple(float(value) for value in orbit.X), orbit.period, parameter, travel
+    return BranchPlan(case, tuple(keys), unit, (min(span), max(span)), orbit.n, *start)
+
+
+def parameter_within(case: Case, keys: Sequence[str], unit: str, span: tuple[float, float]) -> float:
+    """The parameter of the orbits of a case [unit], from which they can be followed over a range: what can be
+    said before an orbit is looked for. Raises BranchError as `plan_from`.
+    """
     must_matter(case, keys)
-    quantity = case.quantity(keys[0])
-    parameter = value_in(quantity, unit)
+    parameter = value_in(case.quantity(keys[0]), unit)
     low, high = sorted(span)
     if not low < high:
         raise BranchError(f"the range {span[0]:g}:{span[1]:g} is empty")
@@ -135,10 +145,7 @@ def plan_from(orbit: Any, keys: Sequence[str], unit: str, span: tuple[float, flo
             f"the orbit is at {keys[0]} = {parameter:g} {unit}".rstrip()
             + f", outside the range {low:g}:{high:g}; begin from an orbit within it"
         )
-    end = orbit.end
-    travel = end.coordinates.travel(end.carried) or end.coordinates.size(end.X) or 1.0
-    start = tuple(float(value) for value in orbit.X), orbit.period, parameter, travel
-    return BranchPlan(case, tuple(keys), unit, (low, high), orbit.n, *start)
+    return parameter
 
 
 def must_matter(case: Case, keys: Sequence[str]) -> None:

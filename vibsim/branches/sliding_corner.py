@@ -7,6 +7,8 @@ across. It goes on among the orbits of the other kind, back in the parameter: a 
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -17,13 +19,17 @@ from vibsim.branches.family import Family
 from vibsim.branches.holding import STICK, kinds_of
 from vibsim.branches.node import Node, node_at
 from vibsim.branches.special import CORNER, Special
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.orbits import ReturnMap
 from vibsim.orbits.gaps import apart, motion_of_base
+from vibsim.orbits.start import placed
 from vibsim.orbits.word import Word, changes
 
 BACK = (1e-4, 1e-3, 1e-2)  # scaled: how far back in the parameter orbits of the other kind are looked for
 ASIDE = (0.25, 1.0, 4.0, 16.0)  # times that: how far a state is moved to be of the other kind
 NEAR = 200.0  # times that: how far such an orbit may be
 SAMPLES = 256  # of a period, among which the touch is looked for
+FIRST = 1e-9  # of it: a motion takes some time
 SHARE = 0.1  # of the slip that is left, at the next orbit on the way to the touch
 TOUCHED = 1e-12  # of the first slip that is left: the touch
 TRIES = 40
@@ -119,22 +125,35 @@ def _touch(family: Family, node: Node, friction: int, distance: float) -> Node:
 
 def least_slip(family: Family, node: Node, friction: int) -> float:
     """The least speed of slip at a turn of it on an orbit [m/s]. Raises ContinuationError without any."""
-    of = family.map(node.parameter)
-    start = of.coordinates.lifted(node.point.end.X)
+    of, period = family.map(node.parameter), node.point.period
+    start, part = of.coordinates.lifted(node.point.end.X), of.scene.frictions[friction]
+    times, slips = _sampled_slip(of, node, part)
+    sizes = abs(slips)
+    inner = (sizes[1:-1] <= sizes[:-2]) & (sizes[1:-1] <= sizes[2:])
+    turns = 1 + np.flatnonzero(inner & (slips[:-2] * slips[2:] > 0))
 
-    def slip(t: float) -> tuple[float, float]:
-        there = of.carrier.carry(start, t, [])
-        return _slip_of(of.scene, of.scene.frictions[friction], t, there)
+    def rate(t: float) -> float:
+        return _slip_of(of.scene, part, t, of.carrier.carry(start, t, []))[1]
 
-    times = np.linspace(0, node.point.period, SAMPLES + 1)[1:]
-    values = np.array([slip(t) for t in times])
-    towards = np.sign(values[:, 0]) * values[:, 1]
-    turns = np.flatnonzero((towards[:-1] < 0) & (towards[1:] > 0) & (values[:-1, 0] * values[1:, 0] > 0))
-    if not len(turns):
-        raise ContinuationError("no sliding velocity turns before zero")
-    at = min(turns, key=lambda i: abs(values[i, 0]))
-    turn = brentq(lambda t: slip(t)[1], times[at], times[at + 1], xtol=1e-14 * times[-1])
-    return abs(slip(turn)[0])
+    for at in sorted(turns, key=lambda i: sizes[i]):
+        begin, end = max(times[at - 1], FIRST * period), times[at + 1]
+        if rate(begin) * rate(end) < 0:
+            turn = brentq(rate, begin, end, xtol=1e-14 * period)
+            return abs(_slip_of(of.scene, part, turn, of.carrier.carry(start, turn, []))[0])
+    raise ContinuationError("no sliding velocity turns before zero")
+
+
+def _sampled_slip(of: ReturnMap, node: Node, part: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Times [s] of a period, and the sliding velocity of a friction at them."""
+    at = of.coordinates
+    scene = placed(of.scene, at.state(node.point.end.X), node.point.period)
+    step = Fraction(node.point.period / SAMPLES).limit_denominator(10**9)
+    sampled = replace(scene, every_num=step.numerator, every_den=step.denominator)
+    blocks = [block.samples for block in open_trajectory(sampled, of.carrier.engine).blocks()]
+    n = len(scene.bodies)
+    names = ("time", *at.columns[n : 2 * n])
+    times, *v = (np.concatenate([block[name] for block in blocks]) for name in names)
+    return times, apart(part, v, motion_of_base(scene, times)[1]) - part.belt
 
 
 def _slip_of(scene: Any, friction: Any, t: float, there: Any) -> tuple[float, float]:

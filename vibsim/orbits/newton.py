@@ -78,7 +78,7 @@ def _first(return_map: ReturnMap, X: np.ndarray, T: float | None) -> Return:
     if end.stands_still:
         raise NotConverged(
             "the start of Newton's method does not come back to the section: what should turn round there "
-            f"stands still after {end.T:.6g} s; start from a run that has settled more",
+            f"stands still after {end.T:.6g} s; {_remedy(end)}",
             np.inf,
         )
     if not _has_derivative(end):
@@ -89,6 +89,13 @@ def _first(return_map: ReturnMap, X: np.ndarray, T: float | None) -> Return:
             end.residual,
         )
     return end
+
+
+def _remedy(end: Return) -> str:
+    """What to do where a motion has come to rest."""
+    if any(friction.belt for friction in end.coordinates.scene.frictions):
+        return "start from a run that has settled more"
+    return "nothing feeds this scene, which comes to rest in the end; drive it, or take its losses out"
 
 
 def _has_derivative(end: Return) -> bool:

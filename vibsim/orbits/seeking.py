@@ -12,6 +12,7 @@ import numpy as np
 from vibsim.engine.errors import EngineError
 from vibsim.orbits.errors import NotConverged, OrbitError
 from vibsim.orbits.finding import least, unknowns
+from vibsim.orbits.growing import growing
 from vibsim.orbits.newton import solve
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.return_map import ReturnMap
@@ -149,7 +150,8 @@ def _nearest(
         elsewhere = elsewhere or orbit_there
     if elsewhere is not None:
         return elsewhere
-    raise _nowhere(failures[0], distances)
+    words = growing(course.points, return_map.coordinates, numbers[0])
+    raise _nowhere(failures[0], distances) if words is None else OrbitError(words)
 
 
 def time_of_returns(times: np.ndarray, n: int) -> float:

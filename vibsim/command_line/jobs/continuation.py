@@ -8,7 +8,7 @@ import click
 from vibsim.branches.branch import Branch
 from vibsim.branches.continuing import complete, orbit_from
 from vibsim.branches.description import branch_lines, facts, special_table
-from vibsim.branches.plan import BranchError, BranchPlan, plan_from
+from vibsim.branches.plan import BranchError, BranchPlan, parameter_within, plan_from
 from vibsim.branches.span import read_span
 from vibsim.branches.store.branch_store import BranchFileStore
 from vibsim.branches.switching import switched
@@ -53,6 +53,7 @@ def read_plan(
         option, (key, text) = "--param", param
     try:
         keys, unit, span = read_span(case, key, text)
+        parameter_within(case, keys, unit, span)
         plan = plan_from(_orbit(source, case, changes, engine), keys, unit, span)
     except (BranchError, UnknownKeyError) as error:
         raise click.UsageError(f"{option}: {error}") from None

@@ -24,7 +24,7 @@ FREE = {  # what no row holds
     Clearance: ("at_start",),
     Harmonic: ("omega", "cycles", "cycles_lo", "phase"),
 }
-STEADY = ("belt",)  # what decides with which others a friction stands
+STEADY = ("belt",)  # what decides with which others a friction stands, where there are several
 
 
 def differences(one: Scene, other: Scene) -> Numbers | None:
@@ -39,6 +39,8 @@ def differences(one: Scene, other: Scene) -> Numbers | None:
         here, there = mine[name], theirs[name]
         if here is not there and not _alike(here, there, (name,), numbers):
             return None
+    if len(one.frictions) > 1 and any(place[-1] in STEADY for place in numbers):
+        return None
     return numbers
 
 
@@ -57,7 +59,7 @@ def _alike(one: Any, other: Any, place: Place, numbers: Numbers) -> bool:
         if same_bits(one, other):
             return True
         numbers[place] = other
-        return (one > 0) == (other > 0) and (one < 0) == (other < 0) and place[-1] not in STEADY
+        return (one > 0) == (other > 0) and (one < 0) == (other < 0)
     if isinstance(one, tuple):
         if len(one) != len(other):
             return False
