@@ -36,7 +36,7 @@ from vibsim.engine.tangent.tangent_totals import tangent_totals
 from vibsim.engine.totals import ledger_totals, rigid_totals, totals_of
 from vibsim.physics.modes import EVENT_KINDS, RIGID_KINDS
 from vibsim.physics.numbers import Doubles, Kit, N
-from vibsim.physics.parts import BASE, GROUND, Scene
+from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -140,11 +140,10 @@ def open_trajectory(
 
 def extremes_of(scene: Scene, ends: Sequence[Edge], since: float) -> tuple[list[Edge], list[Gap], float]:
     """What `Extremes` is told: columns of the pairs, the stops whose gap is told by one of them, the time."""
-    columns = {GROUND: len(scene.bodies), BASE: len(scene.bodies) + 1}
-    pairs = [(columns.get(P, P), columns.get(Q, Q)) for P, Q in ends]
+    pairs = [(scene.column(P), scene.column(Q)) for P, Q in ends]
     gaps: list[Gap] = []
     for i, stop in enumerate(scene.stops):
-        P, Q = columns.get(stop.P, stop.P), columns.get(stop.Q, stop.Q)
+        P, Q = scene.column(stop.P), scene.column(stop.Q)
         if (P, Q) in pairs:
             gaps.append((i, pairs.index((P, Q)), stop.sense, stop.gap))
         elif (Q, P) in pairs:

@@ -41,7 +41,7 @@ NOT_FOLLOWED = ("transmitted", "chatter", "rest_begin", "rest_end")
 
 
 class NotFollowed(Exception):
-    """An event whose derivative by the numbers is not known in closed form."""
+    """An event, or a mode, whose derivative by the numbers is not known in closed form."""
 
 
 def parameter_slopes(started: Any, sloped: Any, count: int) -> np.ndarray:
@@ -49,7 +49,8 @@ def parameter_slopes(started: Any, sloped: Any, count: int) -> np.ndarray:
 
     started : the scene in doubles, from its start to its end; sloped : the same with derivatives
 
-    Raises NotFollowed for several rigid stops at one instant, rest on a rigid stop and blows on what sticks;
+    Raises NotFollowed for several rigid stops at one instant, rest on a rigid stop, blows on what sticks, and
+    what holds on ground and base at once while the derivative is by an amplitude of 0;
     OrbitError at a tangency; EngineError where the run fails.
     """
     driver = Driver(started, Doubles)
@@ -72,7 +73,8 @@ class _Followed:
 
     def __init__(self, scene: Any, started: Any, count: int):
         self.scene, self.count, self.kit = scene, count, SlopedNumbers
-        self.maker = RowMaker(scene, SlopedNumbers)
+        varied = any(isinstance(term.amplitude, Sloped) for term in scene.base)
+        self.maker = RowMaker(scene, SlopedNumbers, started.base_moves or varied)
         damping = [
             part.c / started.bodies[end].m
             for part in (*started.links, *started.stops)
@@ -85,8 +87,11 @@ class _Followed:
 
     def flow(self, state: Any, status: Any) -> Any:
         """The Taylor flow at a state in a mode."""
+        rows, ground = self.maker.rows(status), self.maker.n
+        if rows.leader[ground + 1] == ground:
+            raise NotFollowed("bodies that hold on to the ground and to a base that is about to move")
         flow: Any = Taylor(self.scene, self.kit, Certificate(self.kit))
-        flow.enter(state, self.maker.rows(status), {})
+        flow.enter(state, rows, {})
         return flow
 
     def carried(self, state: Any, status: Any, end: float) -> Any:

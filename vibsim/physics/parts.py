@@ -246,6 +246,17 @@ class Scene(Sampled[N], Generic[N]):
         """The harmonics of all forces, then those of the base."""
         return [term for force in self.forces for term in force.terms] + list(self.base)
 
+    @property
+    def base_moves(self) -> bool:
+        """Whether the base moves: where all its amplitudes are 0 it is one with the ground."""
+        return any(term.amplitude != 0 for term in self.base)
+
+    def column(self, end: int) -> int:
+        """Column of an end of a part: bodies in their order, then ground, then the base where it moves."""
+        if end >= 0:
+            return end
+        return len(self.bodies) + (end == BASE and self.base_moves)
+
     def but(self, **parts: Any) -> "Scene[N]":
         """The same with other parts or settings, as `dataclasses.replace`: in a third of its time."""
         other = object.__new__(type(self))

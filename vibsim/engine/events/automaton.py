@@ -404,13 +404,7 @@ class Automaton(Generic[N]):
         standing = {*more, *status.tied}
         while True:
             tied = status.with_ties(dict.fromkeys(standing, STICK))
-            leader, drift = self.maker.ties(tied)
-            resting = {
-                k
-                for k, friction in enumerate(self.scene.frictions)
-                for P, Q in [self.maker.ends(friction)]
-                if k not in standing and leader[P] == leader[Q] and drift[P] - drift[Q] == friction.belt
-            }
+            resting = self.maker.resting(tied) - standing
             if not resting:
                 return sorted(standing)
             standing |= resting

@@ -36,7 +36,7 @@ from vibsim.engine.modes.status import CONTACT, Status
 from vibsim.engine.state import State
 from vibsim.physics.gauss_nodes import NODES, WEIGHTS
 from vibsim.physics.numbers import Kit, N
-from vibsim.physics.parts import GROUND, Scene, Stop
+from vibsim.physics.parts import Scene, Stop
 
 
 class Ledger(Generic[N]):
@@ -136,7 +136,8 @@ def struck_entries(scene: Scene[N], names: Sequence[Entry], touch: Touch[N], V: 
         added.append((names.index(("loss", "stops", stop.name)), one.impulse * (one.before + one.after) / 2))
         for end, other, sign in ((stop.P, stop.Q, stop.sense), (stop.Q, stop.P, -stop.sense)):
             if end >= 0 > other:
-                impulse, place = sign * one.impulse, "ground" if other == GROUND else "base"
+                impulse = sign * one.impulse
+                place = "base" if scene.column(other) > len(scene.bodies) else "ground"
                 if place == "base":
                     added.append((names.index(("work", "base", "")), V * impulse))
                 if ("impulse", place, "") in names:

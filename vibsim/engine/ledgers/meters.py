@@ -106,7 +106,7 @@ def entries_of(scene: Scene[N], momentum: bool = False) -> list[Entry]:
     if momentum:
         names += [("impulse", "forces", force.name) for force in scene.forces]
         names += [("impulse", "ground", "")]
-        names += [("impulse", "base", "")] if scene.base else []
+        names += [("impulse", "base", "")] if scene.base_moves else []
         names += [("impulse", "friction", name) for name in belts]
     return names
 

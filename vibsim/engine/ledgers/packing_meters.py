@@ -6,7 +6,7 @@ from vibsim.engine.ledgers.meters import Entry, Jump, Meters
 from vibsim.engine.modes.packing import Packer
 from vibsim.engine.modes.rows import Joined, ModeRows
 from vibsim.engine.modes.ties import Edge
-from vibsim.physics.parts import BASE, GROUND, Scene
+from vibsim.physics.parts import Scene
 
 
 def pack_ledger(
@@ -35,7 +35,8 @@ def pack_blows(
     bounds += [(*ends(one), -1, one.distance) for one in scene.clearances]
     pack.put((len(scene.rigid_stops), len(scene.frictions), len(bounds)), (lowest,))
     for j, stop in scene.rigid_stops:
-        place = {GROUND: "ground", BASE: "base"}.get(min(stop.P, stop.Q), "")
+        ground = len(scene.bodies)
+        place = {ground: "ground", ground + 1: "base"}.get(max(ends(stop)), "")
         work = entry.get(("work", "base", ""), -1) if place == "base" else -1
         entries = entry.get(("loss", "stops", stop.name), -1), work, entry.get(("impulse", place, ""), -1)
         pack.put((j, *ends(stop), stop.sense, *entries), (stop.gap, stop.e))

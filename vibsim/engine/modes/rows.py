@@ -10,7 +10,8 @@
     rates,
                  couplings, loads and accelerations
 
-Columns are the bodies in order, then ground and base.
+Columns are the bodies in order, then ground and base. A base that rests is one with the ground, so that what
+bodies hold on both is decided at once.
 """
 
 from __future__ import annotations
@@ -154,11 +155,16 @@ class ModeRows(Generic[N]):
 
 
 class RowMaker(Generic[N]):
-    """Makes the rows of the modes of a scene, each once."""
+    """Makes the rows of the modes of a scene, each once.
 
-    def __init__(self, scene: Scene[N], kit: Kit[N]) -> None:
+    base_moves : whether the base has a column of its own; None where its amplitudes tell
+    """
+
+    def __init__(self, scene: Scene[N], kit: Kit[N], base_moves: bool | None = None) -> None:
         self.scene, self.kit = scene, kit
         self.n = len(scene.bodies)
+        moves = scene.base_moves if base_moves is None else base_moves
+        self.columns = {GROUND: self.n, BASE: self.n + moves}
         self.zero = kit.number(0)
         self.by_status: dict[Status, ModeRows[N]] = {}
         self.guarded = self._guarded()
@@ -169,7 +175,8 @@ class RowMaker(Generic[N]):
         """
 
         def way(stop: Stop[N] | RigidStop[N]) -> tuple[int, int, int]:
-            return (stop.P, stop.Q, stop.sense) if stop.P < stop.Q else (stop.Q, stop.P, -stop.sense)
+            P, Q = self.ends(stop)
+            return (P, Q, stop.sense) if P < Q else (Q, P, -stop.sense)
 
         rigid = [(way(stop), stop.gap) for _, stop in self.scene.rigid_stops]
         return {
@@ -180,7 +187,7 @@ class RowMaker(Generic[N]):
 
     def column(self, end: int) -> int:
         """Column of an end of a part."""
-        return {GROUND: self.n, BASE: self.n + 1}.get(end, end)
+        return self.columns.get(end, end)
 
     def ends(self, part: Joined) -> Edge:
         return self.column(part.P), self.column(part.Q)
@@ -221,6 +228,24 @@ class RowMaker(Generic[N]):
         stuck = self.stuck(status)
         groups = Groups(self.n, stuck)
         return groups.leader, self._drifts(groups, stuck)
+
+    def resting(self, status: Status) -> set[int]:
+        """The frictions whose ends the ties of a mode keep from sliding. Speeds of belts are added along the
+        ties, so those that differ by no more than the rounding of these sums are equal: 0.1 + 0.2 and 0.3.
+        """
+        leader, drift = self.ties(status)
+        belts = self.zero
+        for k in status.tied:
+            belts = belts + abs(self.belt(k))
+        lost = (len(status.tied) + 2) * self.kit.eps  # of each belt, and of each sum
+        resting = set()
+        for k, friction in enumerate(self.scene.frictions):
+            P, Q = self.ends(friction)
+            if leader[P] == leader[Q]:
+                over = abs(drift[P] - drift[Q] - friction.belt)
+                if over <= lost * (belts + abs(friction.belt)):
+                    resting.add(k)
+        return resting
 
     def _make(self, status: Status) -> ModeRows[N]:
         scene, stuck = self.scene, self.stuck(status)

@@ -57,11 +57,11 @@ def natural_rate(scene: Scene[N], kit: Kit[N]) -> N:
     """Rate [rad/s] that compares displacements with velocities: that of the two ends of a link on its spring,
     the largest of them; of a stop where no link has a spring, 1 without either.
     """
-    elastic = [stop for _, stop in scene.elastic_stops]
+    elastic, moves = [stop for _, stop in scene.elastic_stops], scene.base_moves
     for parts in (scene.links, elastic):
         springs: dict[frozenset[int], N] = {}
         for part in parts:
-            ends = frozenset((part.P, part.Q))
+            ends = frozenset(GROUND if end == BASE and not moves else end for end in (part.P, part.Q))
             springs[ends] = springs[ends] + part.k if ends in springs else part.k
         squares: list[N] = [k * mobility(scene, ends) for ends, k in springs.items() if k > 0]
         if squares:
@@ -119,9 +119,8 @@ class TangentSpace(Generic[N]):
 def seats_of(scene: Scene[N], status: Status) -> Groups:
     """Groups of columns that rigid stops at rest join."""
     n = len(scene.bodies)
-    columns = {GROUND: n, BASE: n + 1}
     stops = [stop for stop, now in zip(scene.stops, status.stops, strict=True) if now == RESTING]
-    return Groups(n, [(0, columns.get(stop.P, stop.P), columns.get(stop.Q, stop.Q)) for stop in stops])
+    return Groups(n, [(0, scene.column(stop.P), scene.column(stop.Q)) for stop in stops])
 
 
 def seated(scene: Scene[N], kit: Kit[N], status: Status, vector: Sequence[N]) -> list[N]:
