@@ -11,8 +11,8 @@ REASONS = {
         "make stops softer or friction smaller, or change the start values slightly",
     ),
     "crushed": (
-        "a body is caught between rigid stops whose ends close on each other",
-        "make one of them elastic, or leave the bodies more room",
+        "bodies are caught between rigid stops whose ends close on each other",
+        "make one of them elastic, or leave the bodies more room (a wider gap, a smaller motion of the base)",
     ),
     "diverged": (
         "the state is no longer finite",
@@ -28,11 +28,12 @@ MOST_NUMBERS = 4  # of displacements and of velocities, told in the sentence
 
 class EngineError(Exception):
     """A run that failed inside an engine: `reason` and the `state` reached; cause, time, state and remedy in
-    one line.
+    one line. parts: names of those that take part in it, if they are known.
     """
 
-    def __init__(self, reason: str, state: State[Any]) -> None:
+    def __init__(self, reason: str, state: State[Any], parts: str = "") -> None:
         cause, remedy = REASONS[reason]
+        cause += f": {parts}" if parts else ""
         self.reason, self.state = reason, state
         values = f"x = {_listed(state.x)} m, v = {_listed(state.v)} m/s"
         super().__init__(f"t = {state.t!s} s: {cause} ({values}); {remedy}")

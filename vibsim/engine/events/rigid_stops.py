@@ -250,7 +250,10 @@ class RigidStops(Generic[N]):
     # -- blows
 
     def _strike(self, state: State[N], touch: Touch[N]) -> None:
-        """Blows as long as a stop closes; the last of too many are plastic."""
+        """Blows as long as a stop closes; the last of too many are plastic. So are those behind one that
+        cannot obey its law though the bodies can stand: without room between two stops blows follow each
+        other at one instant until nothing is left of the speed.
+        """
         v, w = self._velocities(state), state.w
         bodies, contacts = masses(self.scene, self.kit, state.phase), touch.contacts
         size = size_of(contacts, v)
@@ -258,12 +261,14 @@ class RigidStops(Generic[N]):
             if not any(rate > 0 for rate in touch.rates.values()):
                 break
             if count == MOST_BLOWS:
-                self.automaton._doubt(state)
-                contacts = [Contact(c.stop, c.P, c.Q, c.sense, self.kit.number(0)) for c in contacts]
-            struck, w, passed = blow(self.kit, bodies, contacts, v, w)
+                contacts = self._plastic(state, contacts)
+            struck, turned, passed = blow(self.kit, bodies, contacts, v, w)
             if unmet(self.kit, contacts, v, struck):
-                raise EngineError("crushed", state)
-            v, w = self.kit.all_exact(struck), self.kit.exact(w)  # radii would grow from blow to blow
+                contacts = self._plastic(state, contacts)
+                struck, turned, passed = blow(self.kit, bodies, contacts, v, w)
+                if unmet(self.kit, contacts, v, struck):
+                    raise EngineError("crushed", state, self._names(c.stop for c in contacts))
+            v, w = self.kit.all_exact(struck), self.kit.exact(turned)  # radii would grow from blow to blow
             touch.rates = {c.stop: rate_of(self.kit, c, v, size) for c in contacts}
             telling = [one for one in passed if count == 0 or touch.rates[one.stop] != 0]
             for one in telling:
@@ -274,6 +279,14 @@ class RigidStops(Generic[N]):
         touch.moved = {column for pair in ends for column in pair if column < self.maker.n}
         state.v[:] = [self.kit.exact(value) for value in v[: self.maker.n]]
         state.w = self.kit.exact(w)
+
+    def _plastic(self, state: State[N], contacts: Sequence[Contact[N]]) -> list[Contact[N]]:
+        """The stops with e = 0, which is a doubt."""
+        self.automaton._doubt(state)
+        return [Contact(c.stop, c.P, c.Q, c.sense, self.kit.number(0)) for c in contacts]
+
+    def _names(self, stops: Iterable[int]) -> str:
+        return ", ".join(sorted(self.stops[j].name for j in stops))
 
     def _twins(self, touch: Touch[N], i: int) -> list[int]:
         """The stops that touch between the ends of stop `i` and on its side, itself first: their depths are
@@ -391,7 +404,8 @@ class RigidStops(Generic[N]):
         standing = self.automaton.standing(status)
         settled = self.automaton._settle(state, status, standing) if standing else status
         if RESTING in settled.stops and not self.automaton._possible(self.maker.rows(settled)):
-            raise EngineError("crushed", state)
+            resting = (j for j in self.stops if settled.stops[j] == RESTING)
+            raise EngineError("crushed", state, self._names(resting))
         return settled
 
     def _join(self, state: State[N], stops: Sequence[int]) -> list[Catch[N]]:
