@@ -103,10 +103,16 @@ def test_files_that_do_not_exist(tmp_path, monkeypatch):
     assert line.startswith("trial: is no shipped case; for the file write ./trial; shipped are I-A, ")
     [line] = problems_of("IIB")
     assert line.startswith("IIB: is no shipped case (did you mean II-B?); shipped are")
-    (tmp_path / "run.h5").write_text("")
+    (tmp_path / "run.h5").write_bytes(b"\x89HDF\r\n\x1a\n")
     assert problems_of("run.h5") == [
         "run.h5: is a result and no case file; vibsim info --case prints its case"
     ]
+    (tmp_path / "text.h5").write_text("name: trial")
+    (tmp_path / "folder.h5").mkdir()
+    assert problems_of("text.h5") == [
+        "text.h5: is not an HDF5 file, as its name says; a case file ends in .yaml"
+    ]
+    assert problems_of("folder.h5") == ["folder.h5: is a folder, not a case file"]
     assert problems_of("nope.h5") == ["nope.h5: no such file"]
     assert problems_of("nul\0.yaml")
     assert problems_of("")

@@ -104,10 +104,25 @@ def called_as_result(source: str) -> bool:
     return source.lower().endswith(RESULTS)
 
 
+def _no_case_but(source: str) -> str:
+    """What a source with the name of a result file is instead of a case."""
+    if isdir(source):
+        return "is a folder, not a case file"
+    if not isfile(source):
+        return "no such file"
+    try:
+        with open(source, "rb") as file:
+            is_result = file.read(len(HDF5_SIGNATURE)) == HDF5_SIGNATURE
+    except OSError:
+        is_result = True
+    if not is_result:
+        return "is not an HDF5 file, as its name says; a case file ends in .yaml"
+    return "is a result and no case file; vibsim info --case prints its case"
+
+
 def _no_such_case(source: str) -> str:
     if called_as_result(source):
-        remedy = "is a result and no case file; vibsim info --case prints its case"
-        return remedy if isfile(source) else "no such file"
+        return _no_case_but(source)
     names = shipped_case_names()
     hint = did_you_mean(source, names)
     if isfile(source):  # False too for what no file can be called
