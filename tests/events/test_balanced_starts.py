@@ -11,7 +11,19 @@ from tests.events.test_certificate import assert_none_missed
 from tests.scenes import harmonic, scene
 from tests.trajectories import ENGINES, run
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.parts import BASE, EXTENSION, GROUND, Body, Force, Friction, Link, RigidStop, Scene
+from vibsim.physics.modes import EVENT_NAMES
+from vibsim.physics.parts import (
+    BASE,
+    COMPRESSION,
+    EXTENSION,
+    GROUND,
+    Body,
+    Force,
+    Friction,
+    Link,
+    RigidStop,
+    Scene,
+)
 
 
 def balanced(method, F0=-1.0, x1=-0.01, **changes):
@@ -109,6 +121,31 @@ def test_a_stop_met_where_the_friction_gives_way_does_not_stand_still(engine):
     source = {**harmonic(1.0, 0.0, 1.0), "omega": omega, "cycles": omega / (2 * math.pi)}
     result = run(scene(source, **blocks, **start, method="closed_form"), engine)
     assert result.times[-1] > 1.1
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_rest_that_is_relieved_as_the_friction_turns_round_ends_there(engine):
+    """Where the base turns round the force of the stop falls to zero and comes there with no slope but for
+    rounding: it was taken to rise again, 64 times.
+    """
+    k, x = 87.3, 0.01
+    omega = math.sqrt(k)
+    stop = RigidStop("stop", 0, GROUND, x, COMPRESSION, 0.0, True)
+    scene = Scene(
+        (Body("a", 1.0, x, 0.0),),
+        (Link("spring", 0, BASE, k, 0.0),),
+        (stop,),
+        (Friction("f", 0, BASE, k * x, k * x, 0.0),),
+        (Force("push", 0, k * x, ()),),
+        (shaking(x, omega / 2, 0.0),),
+        t_end=0.5,
+        every_num=1,
+        every_den=50,
+        method="taylor",
+    )
+    trajectory = open_trajectory(scene, engine)
+    kinds = [kind for block in trajectory.blocks() for kind in block.events["kind"].tolist()]
+    assert "rest_end" in [EVENT_NAMES[kind] for kind in kinds]
 
 
 def test_coincidences_of_two_blocks():

@@ -437,7 +437,8 @@ static int take_by_rule(Run *r, Buffers *b)
         r->behind[k] = -1;
     if (e->rule == CROSS || e->rule == BEAR) {
         double rate = e->kind == HOLD || e->kind == PUSH ? flow_derivative(r, r->mode, e, 1) : direct_rate(r, e);
-        if (rate == 0 || rate != rate || (e->kind == HOLD && touches(r)))
+        int again = r->known[e->key] > 0 && r->pending_tau == 0;
+        if (rate == 0 || rate != rate || again || (e->kind == HOLD && touches(r)))
             return 0;
         if (rate > 0) {
             r->behind[e->key] = 1;

@@ -202,7 +202,9 @@ class Driver(Generic[N]):
     def _switch(self, state: State[N], event: Event[N]) -> None:
         """Take the event: new mode, record, new segment."""
         before, before_velocities = self.status, (list(state.v), state.w)
-        status, happened, known = self.automaton.take(state, self.status, event, self.flow.order_of(event))
+        again = event.kind == STRIKE or state.t == self.flow.t0
+        order = self.flow.order_of(event) if again else 0
+        status, happened, known = self.automaton.take(state, self.status, event, order)
         if self.tangent:
             rows = self.maker.rows(before), self.maker.rows(status)
             self.tangent.cross(event, state, *rows, self.automaton.touch(event))

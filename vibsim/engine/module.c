@@ -417,7 +417,8 @@ static PyObject *advance(RunObject *self, PyObject *none)
 /* Order of the zero of the pending event's function that the stretch began with. */
 static int pending_order(const Run *r)
 {
-    return r->pending_event == NOTHING ? 0 : r->known[r->mode->events[r->pending_event].key];
+    const Event *e = r->pending_event == NOTHING ? NULL : &r->mode->events[r->pending_event];
+    return e == NULL || (e->kind != STRIKE && r->pending_tau != 0) ? 0 : r->known[e->key];
 }
 
 static PyObject *pending(RunObject *self, PyObject *none)

@@ -274,31 +274,33 @@ class Automaton(Generic[N]):
     def take(self, state: State[N], status: Status, event: Event[N], order: int = 0) -> Taken:
         """What the zero of `event` at `state` leads to: (status, [(kind name, part)], known zeros).
 
-        order : of the zero of the same function that the stretch began with, 0 for none
+        order : of the zero of the same function that the stretch began with, 0 for none; of a rigid stop, or
+            where the stretch ends in the instant in which it began
 
         Moves the velocities of bodies that stick onto each other. At a reversal it keeps the residue of the
         time grid: the friction force turns dt too late, where cutting the residue would take momentum.
         """
         if event.kind == GAP:
-            return self._contact_switch(state, status, event)
+            return self._contact_switch(state, status, event, order)
         if event.kind == STRIKE:
             return self.rigid.meet(state, status, event.part, hop=order == 1)
         if event.kind == PUSH:
-            return self._push_switch(state, status, event)
+            return self._push_switch(state, status, event, order)
         if event.kind == CLEARANCE:
-            return self._clearance_switch(state, status, event)
+            return self._clearance_switch(state, status, event, order)
         if event.kind == SLIDE:
             return self._sliding_ends(state, status, event)
-        return self._hold_ends(state, status, event)
+        return self._hold_ends(state, status, event, order)
 
     def touch(self, event: Event[N]) -> Touch[N] | None:
         """The `Touch` of rigid stops that `event`, taken just now, was; None of other events."""
         return self.rigid.touch if event.kind == STRIKE else None
 
-    def _contact_switch(self, state: State[N], status: Status, event: Event[N]) -> Taken:
+    def _contact_switch(self, state: State[N], status: Status, event: Event[N], order: int) -> Taken:
         i = event.part
         stop, before = self.elastic[i], status.stops[i]
-        deeper = -event.direction * self._crossing(state, status, event.key)  # sign of the depth behind here
+        crossing = self._crossing(state, status, event.key, order)
+        deeper = -event.direction * crossing  # sign of the depth behind here
         after = before if deeper == 0 else CONTACT if deeper > 0 else OPEN
         if before == LIFTED:
             after = OPEN if deeper < 0 else LIFTED
@@ -333,14 +335,18 @@ class Automaton(Generic[N]):
                 happened.append(("rest_begin", i))
         return happened
 
-    def _crossing(self, state: State[N], status: Status, key: EventKey) -> int:
-        """+1 where the event function goes on falling through its zero, -1 where it turns back."""
+    def _crossing(self, state: State[N], status: Status, key: EventKey, order: int) -> int:
+        """+1 where the event function goes on falling through its zero, -1 where it turns back.
+
+        order : of a zero here from which it was taken to rise, and fell back within the grid of time: its
+            derivatives up to that order are rounding
+        """
         event = self._event(self.maker.rows(status), key)
         if all(term.kind == DIFFERENCE for term in event.terms):
             rate = self._direct_rate(state, event)
             if rate != 0:
                 return -sign(rate)
-        return -self._leading_sign(state, status, key)
+        return -self._leading_sign(state, status, key, order + 1)
 
     def _direct_rate(self, state: State[N], event: Event[N]) -> N:
         """Rate of a function made of differences, from the velocities: no rounding of a flow in it."""
@@ -371,17 +377,17 @@ class Automaton(Generic[N]):
         assert total is not None
         return total + event.constant
 
-    def _push_switch(self, state: State[N], status: Status, event: Event[N]) -> Taken:
+    def _push_switch(self, state: State[N], status: Status, event: Event[N], order: int) -> Taken:
         i, before = event.part, status.stops[event.part]
-        if self._crossing(state, status, event.key) <= 0:
+        if self._crossing(state, status, event.key, order) <= 0:
             return status, [], {event.key: 1}
         after = LIFTED if before == CONTACT else CONTACT
         kind = "contact_end" if after == LIFTED else "contact_begin"
         return status.with_stop(i, after), [(kind, i)], {event.key: 1}
 
-    def _clearance_switch(self, state: State[N], status: Status, event: Event[N]) -> Taken:
+    def _clearance_switch(self, state: State[N], status: Status, event: Event[N], order: int) -> Taken:
         i, before = event.part, status.clearances[event.part]
-        turning = self._crossing(state, status, event.key)
+        turning = self._crossing(state, status, event.key, order)
         after = before if turning <= 0 else 1 - before
         happened = [] if after == before else [("violation_begin" if after else "violation_end", i)]
         return status.with_clearance(i, after), happened, {event.key: 1}
@@ -409,10 +415,10 @@ class Automaton(Generic[N]):
                 return sorted(standing)
             standing |= resting
 
-    def _hold_ends(self, state: State[N], status: Status, event: Event[N]) -> Taken:
+    def _hold_ends(self, state: State[N], status: Status, event: Event[N], order: int) -> Taken:
         rows = self.maker.rows(status)
         cut = rows.cuts[event.part]
-        if self._crossing(state, status, event.key) <= 0:
+        if self._crossing(state, status, event.key, order) <= 0:
             return status, [], {event.key: 1}
         slips = {i: orientation * event.direction for i, orientation in cut.ties}
         count = len(status.frictions)
@@ -424,8 +430,9 @@ class Automaton(Generic[N]):
             happened = self._changes(status, after, known)
         else:
             happened = [("stick_end", i) if i < count else ("rest_end", i - count) for i in slips]
-            known = {(SLIDE, i) if i < count else (STRIKE, i - count): 2 if i < count else 3 for i in slips}
-        after, parted = self._parted(state, status, after, 2 if drops else 3, known)
+            known = {(SLIDE, i): 2 + order for i in slips if i < count}
+            known |= {(STRIKE, i - count): 3 + order for i in slips if i >= count}
+        after, parted = self._parted(state, status, after, 2 if drops else 3 + order, known)
         return after, happened + parted, known
 
     def _parted(
