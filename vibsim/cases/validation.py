@@ -8,7 +8,6 @@ from vibsim.cases.file_tree import Tree
 from vibsim.cases.forms import LONG, Form, form_of, mixed_problems, of_one_form
 from vibsim.cases.keys import all_keys
 from vibsim.cases.kinds import Fault
-from vibsim.cases.model_problems import model_problems
 from vibsim.cases.problems import CaseError, Problem
 from vibsim.cases.quantities import QuantityError
 from vibsim.cases.resolved import every_value
@@ -36,6 +35,8 @@ def _checked(values: dict[str, Any], tree: Tree, form: Form) -> tuple[CaseHead |
     faults: list[Fault] = []
     model = form.model.read(values, (), faults)
     if model is None or faults:
+        from vibsim.cases.model_problems import model_problems
+
         model, problems = None, model_problems(faults, tree, form)
         flat = dict(_readable(values, "", form))
     else:
