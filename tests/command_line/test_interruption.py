@@ -16,6 +16,8 @@ from tests.command_line.made import SLOW_SOURCE
 from vibsim.command_line.terminal.interruption import Interruption
 from vibsim.command_line.terminal.slow_run import SlowRun
 from vibsim.files.signals import Terminated
+from vibsim.physics.parts import COMPRESSION, GROUND, Body, Link, Scene, Stop
+from vibsim.physics.rates import fastest_damping
 
 ENDLESS = [sys.executable, "-m", "vibsim", "run", "II-B", "--t-end", "1000000s"]
 
@@ -130,10 +132,10 @@ def test_a_slow_run_is_told_with_its_rate_and_an_estimate(tmp_path):
     )
 
 
-def noted(marks, t_end, capsys):
+def noted(marks, t_end, capsys, **options):
     """What is said of a run worked out to t [s] at so many seconds on the clock: marks (clock, t)."""
     clock = iter([0.0, *(seconds for seconds, _ in marks)])
-    slow = SlowRun("case", t_end, clock=lambda: next(clock))
+    slow = SlowRun("case", t_end, clock=lambda: next(clock), **options)
     for _, t in marks:
         slow.note(t)
     return capsys.readouterr().err
@@ -148,6 +150,23 @@ def test_what_is_said_of_a_slow_run(capsys):
     assert noted([(2.0, 3e4), (3.5, 6e4)], 1e9, capsys) == ""  # as fast as its span suggests
     # first it stands, then it is fast
     assert noted([(2.0, 500.0), (3.5, 505.0)], 1e9, capsys).startswith("case: slow: 3.3 s of")
+
+
+def test_slow_run_tells_of_a_stiff_damper(capsys):
+    stiff = noted([(2.0, 0.01)], 10.0, capsys, damping=("joint", 2e8))
+    assert (
+        "; the damper of joint (c / m = 2e+08 1/s) asks for steps of some 4e-08 s: with a smaller c" in stiff
+    )
+    assert "damper" not in noted([(2.0, 0.01)], 10.0, capsys, damping=("joint", 2e4))
+
+
+def test_fastest_damper_is_that_of_the_lightest_ends():
+    bodies = Body("a", 1.0, 0.0, 0.0), Body("b", 3.0, 0.0, 0.0)
+    links = Link("held", 0, GROUND, 0.0, 4.0), Link("joint", 0, 1, 0.0, 6.0)
+    assert fastest_damping(Scene(bodies, links)) == ("joint", 8.0)
+    stop = Stop("wall", 1, GROUND, 0.0, COMPRESSION, 1.0, 30.0, "gap")
+    assert fastest_damping(Scene(bodies, links, (stop,))) == ("wall", 10.0)
+    assert fastest_damping(Scene(bodies)) == ("", 0.0)
 
 
 def test_work_that_does_not_ask_is_interrupted_after_a_while(monkeypatch):

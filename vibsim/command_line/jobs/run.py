@@ -15,6 +15,7 @@ from vibsim.command_line.text.summary import heading, print_lines, result_lines,
 from vibsim.engine.errors import EngineError
 from vibsim.files.leftover import held_until, partial_path
 from vibsim.files.signals import interrupted_with
+from vibsim.physics.rates import fastest_damping
 from vibsim.results import Result, simulate_to_file
 
 
@@ -50,9 +51,10 @@ def _run_one(
     digits: int | str | None,
 ) -> None:
     began = time.perf_counter()
-    t_end = job.case.scene().t_end
+    scene = job.case.scene()
+    t_end = scene.t_end
     progress = Progress(not settings.quiet, PATIENCE)
-    slow = SlowRun(job.case.name, t_end, shown=not settings.quiet)
+    slow = SlowRun(job.case.name, t_end, shown=not settings.quiet, damping=fastest_damping(scene))
 
     def watch(t: float) -> bool:
         progress.show(job.case.name, t, t_end)

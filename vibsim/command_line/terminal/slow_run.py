@@ -8,16 +8,25 @@ from vibsim.command_line.terminal.printing import say
 
 PATIENCE = 1.0  # seconds on the clock over which the rate is taken
 SLOW = 100.0  # seconds of the motion in one on the clock; the cases of the paper take 10,000
+STIFF = 1e6  # of the rate of a damper times the span: the tenth of it in steps, of 1 us each, is not felt
 LONG = 60.0  # seconds; a run that ends sooner needs no word
 UNITS = (("years", 31_557_600.0), ("days", 86_400.0), ("hours", 3600.0), ("minutes", 60.0))
 
 
 class SlowRun:
-    """Tells once, on stderr, that the run `label` to `t_end` [s] is slow."""
+    """Tells once, on stderr, that the run `label` to `t_end` [s] is slow, and of the fastest damper of its
+    scene, (name, rate [1/s]), where that asks for the many steps.
+    """
 
     def __init__(
-        self, label: str, t_end: float, shown: bool = True, clock: Callable[[], float] = time.monotonic
+        self,
+        label: str,
+        t_end: float,
+        shown: bool = True,
+        clock: Callable[[], float] = time.monotonic,
+        damping: tuple[str, float] = ("", 0.0),
     ):
+        self._damping = damping
         self._label, self._t_end, self._shown, self._clock = label, t_end, shown, clock
         self._since, self._t = clock(), 0.0
 
@@ -31,7 +40,16 @@ class SlowRun:
         self._since, self._t = now, t
         if 0 <= rate < SLOW and left > LONG:
             self._shown = False
-            say(f"{self._label}: {_told(t, rate, left)}", err=True)
+            say(f"{self._label}: {_told(t, rate, left)}{self._reason()}", err=True)
+
+    def _reason(self) -> str:
+        name, rate = self._damping
+        if rate * self._t_end < STIFF:
+            return ""
+        return (
+            f"; the damper of {name} (c / m = {rate:.2g} 1/s) asks for steps of some {9 / rate:.1g} s: with a"
+            " smaller c, or one body in place of the two that it holds together, the run is fast"
+        )
 
 
 def _told(t: float, rate: float, left: float) -> str:
