@@ -96,9 +96,7 @@ def test_what_decides_on_the_form_of_modes():
     assert differences(of, with_links(of, 0.0)) is None
     assert differences(belted(of, 0.1), belted(of, 0.2)) == {("frictions", 0, "belt"): 0.2}
     assert differences(belted(of, 0.1), belted(of, -0.1)) is None
-    several = load_case(
-        "gallery/stack-of-blocks"
-    ).scene()
+    several = load_case("gallery/stack-of-blocks").scene()
     assert len(several.frictions) > 1 and differences(belted(several, 0.1), belted(several, 0.2)) is None
 
 

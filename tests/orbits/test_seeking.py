@@ -115,9 +115,24 @@ def test_what_has_no_orbit():
         orbit("gallery/bouncing-ball")
     with pytest.raises(NoSection, match="nothing drives the scene"):
         orbit("gallery/three-balls")
-    with pytest.raises(OrbitError, match="one period or more"):
+    with pytest.raises(OrbitError, match="period must be a whole number"):
         orbit("I-C", start={"x1": 0, "x2": 0, "v1": 0, "v2": 0}, period=-1)
     with pytest.raises(OrbitError, match="missing v2"):
         orbit("I-C", start={"x1": 0, "x2": 0, "v1": 0})
     with pytest.raises(OrbitError, match="no stored orbit"):
         orbit("I-C", start=simulate(load_case("I-C", {"run.t_end": "1 s"})))
+
+
+@pytest.mark.parametrize("value", [0, -1, 1.5, "2", True])
+def test_counts_are_whole_numbers(value):
+    with pytest.raises(OrbitError, match="period must be a whole number, one or more"):
+        orbit("I-C", period=value)
+    with pytest.raises(OrbitError, match="count must be a whole number, one or more"):
+        search_orbits("I-C", value)
+    with pytest.raises(OrbitError, match="max_points must be a whole number, 2 or more"):
+        vibsim.continue_branch("I-C", "A", "0.1:0.2 N", max_points=value)
+
+
+def test_what_is_no_start():
+    with pytest.raises(OrbitError, match="a start is an orbit, or a state by name"):
+        orbit("I-C", start=3)

@@ -12,6 +12,7 @@ from vibsim.branches.store.branch_file import read_branch
 from vibsim.branches.store.branch_store import BranchFileStore, BranchStore
 from vibsim.branches.switching import switched
 from vibsim.branches.tracing import MOST_POINTS, Watch, trace
+from vibsim.orbits.errors import check_count
 
 Span = tuple[float, float] | tuple[tuple[float, float], str]
 
@@ -51,6 +52,7 @@ def continue_branch(
     >>> len(branch["period"]) <= 6
     True
     """
+    check_count("max_points", max_points, 2)
     if switch is not None:
         plan = switched(orbit if isinstance(orbit, Branch) else read_branch(orbit), switch)
     elif energy is not None:

@@ -23,3 +23,10 @@ class NotConverged(OrbitError):
     def __init__(self, message: str, residual: float) -> None:
         super().__init__(message)
         self.residual = residual
+
+
+def check_count(name: str, value: object, least: int = 1) -> None:
+    """Raise OrbitError unless an argument is a whole number, no less than `least`."""
+    if isinstance(value, bool) or not hasattr(value, "__index__") or int(value.__index__()) < least:
+        words = "one" if least == 1 else str(least)
+        raise OrbitError(f"{name} must be a whole number, {words} or more, got {value!r}")

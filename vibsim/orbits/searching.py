@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.engine.errors import EngineError
-from vibsim.orbits.errors import OrbitError
+from vibsim.orbits.errors import OrbitError, check_count
 from vibsim.orbits.finding import least
 from vibsim.orbits.newton import solve
 from vibsim.orbits.orbit import Orbit
@@ -134,5 +134,8 @@ def search_orbits(
     """
     from vibsim.cases.loading import load_case
 
+    check_count("count", count)
+    if period is not None:
+        check_count("period", period)
     attempts = search_attempts(load_case(source, overrides), count, seed, period, engine)
     return [one for attempt in attempts for one in attempt.orbits]

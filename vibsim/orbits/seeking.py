@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.engine.errors import EngineError
-from vibsim.orbits.errors import NotConverged, OrbitError
+from vibsim.orbits.errors import NotConverged, OrbitError, check_count
 from vibsim.orbits.finding import least, unknowns
 from vibsim.orbits.growing import growing
 from vibsim.orbits.newton import solve
@@ -54,6 +54,8 @@ def orbit(
     >>> orbit.n, bool(orbit.stable)
     (1, True)
     """
+    if period is not None:
+        check_count("period", period)
     case, result = opened(source, overrides)
     begin = start if start is not None else (result if _is_orbit(result) else None)
     if begin is not None:
@@ -93,6 +95,8 @@ def start_of(start: Any) -> tuple[dict[str, float], int, float | None]:
         return start.state, start.n, start.period
     if isinstance(start, dict):
         return start, 1, None
+    if not hasattr(start, "attrs"):
+        raise OrbitError(f"a start is an orbit, or a state by name of the column, got {start!r:.60}")
     if not _is_orbit(start):
         raise OrbitError("the start is a run and no stored orbit; take the run itself as the source")
     state = {name: float(start.events[name][0]) for name in start.events if name not in ("t", "kind", "part")}
