@@ -19,9 +19,9 @@ import sys, time
 {preparation}
 for line in sys.stdin:
     what = line.strip()
-    began = time.thread_time()
+    began = time.perf_counter()
     {work}
-    print(time.thread_time() - began, flush=True)
+    print(time.perf_counter() - began, flush=True)
 """
 ENGINE = {
     "pinned": """
@@ -58,7 +58,7 @@ def folder(which: str) -> Path:
 
 
 class Timed:
-    """A process of one build that does `work` when asked; `of(name)` is its processor time [s]."""
+    """A process of one build that does `work` when asked; `of(name)` is the time that takes [s]."""
 
     def __init__(self, which: str, preparation: str, work: str, cases: tuple[str, ...]):
         program = SERVER.format(preparation=f"CASES = {cases!r}\n{preparation}", work=work)
@@ -73,7 +73,7 @@ class Timed:
             self.of(name)
 
     def of(self, name: str) -> float:
-        """Processor time [s] of the main thread for one piece of work."""
+        """Time [s] for one piece of work, by the clock on the wall: all threads of a run count."""
         assert self._process.stdin and self._process.stdout
         self._process.stdin.write(f"{name}\n")
         self._process.stdin.flush()
