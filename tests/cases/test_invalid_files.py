@@ -103,6 +103,9 @@ def test_files_that_do_not_exist(tmp_path, monkeypatch):
     assert line.startswith("trial: is no shipped case; for the file write ./trial; shipped are I-A, ")
     [line] = problems_of("IIB")
     assert line.startswith("IIB: is no shipped case (did you mean II-B?); shipped are")
+    (tmp_path / "mine.yaml").write_text("")
+    [line] = problems_of("mine")
+    assert line.startswith("mine: is no shipped case; did you mean the file mine.yaml?; shipped are I-A, ")
     (tmp_path / "run.h5").write_bytes(b"\x89HDF\r\n\x1a\n")
     assert problems_of("run.h5") == [
         "run.h5: is a result and no case file; vibsim info --case prints its case"

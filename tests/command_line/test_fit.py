@@ -59,6 +59,8 @@ def test_what_a_statement_can_be_about_is_listed():
         (["fit"], "give at least one CASE"),
         (["fit", "II-B", "--free", "J=1:2g.m^2"], "give at least one statement"),
         (["fit", "II-B", "--free", "J"], "is not KEY=FROM:TO, such as J=0.5:20g.m^2"),
+        (["fit", "II-B", "-s", "run.t_end=9s", "--t-end", "8s"], "--t-end and --set run.t_end say the same"),
+        (["fit", "II-B", "--spread", "x1=1mm", "--spread", "x1=2mm"], "x1 is given twice"),
         (["fit", "II-B", "--free", "Jay=1:2", "--want", "captured"], "free Jay: unknown key"),
         (["fit", "II-B", "--try", "Jay=1", "--want", "captured"], "Jay: unknown key"),
         (["fit", "II-B", "--free", "c=5:1", "--want", "captured"], "range from 5 to 1 is upside down"),

@@ -12,6 +12,7 @@ from vibsim.analysis.impacts_per_cycle import ImpactsPerCycle, count_impacts, co
 from vibsim.analysis.regime.largest_exponent import largest_exponent
 from vibsim.analysis.regime.verdict import Regime, judge_regime
 from vibsim.analysis.span import Span, later_part, span_of
+from vibsim.cases.arguments import texts
 from vibsim.labelled.shown import Shown
 from vibsim.results.any_run import as_result
 from vibsim.results.result import Result
@@ -105,7 +106,7 @@ def analyse(
     >>> print(verdicts.regime.verdict, verdicts.regime.period, verdicts.impacts.verdict)
     periodic 2 some cycles
     """
-    what = [what] if isinstance(what, str) else what
+    what = texts("what", what)
     unknown = [name for name in what if name not in WHAT]
     if unknown:
         raise ValueError(f"{unknown[0]!r} is not one of {', '.join(WHAT)}")

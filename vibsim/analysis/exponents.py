@@ -19,6 +19,7 @@ import numpy as np
 
 from vibsim.analysis.discard import transient
 from vibsim.analysis.regime.largest_exponent import exponent_of
+from vibsim.cases.arguments import whole_number
 from vibsim.engine.tangent.lyapunov import LyapunovExponents, lyapunov_exponents
 from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.labelled.shown import Shown
@@ -83,16 +84,15 @@ class Lyapunov(Shown):
 
 def lyapunov(
     case: "Case | str | PathLike[str]",
-    count: int | None = None,
+    count: int | str | None = None,
     discard: float | str | None = None,
     engine: str = "auto",
     overrides: Mapping[str, object] | None = None,
 ) -> Lyapunov:
-    """The largest `count` Lyapunov exponents of a case, by default all of them.
+    """The largest `count` Lyapunov exponents of a case, "all" or None: all of them.
 
     case, overrides : as of `load_case`
-    discard : time [s] that is left out at the start, for the motion to settle, or a text such as "100 s" or
-        "50 %"; None: half of the run
+    discard : time [s] left out at the start, for the motion to settle, or a text such as "50 %"; None: half
 
     Raises ValueError for more exponents than the case has and for a transient that leaves nothing,
     EngineError (in `vibsim.engine.errors`) when the run fails.
@@ -107,12 +107,13 @@ def lyapunov(
     from vibsim.cases.loading import load_case
 
     scene = load_case(case, overrides).scene()
-    if count is not None and not 1 <= count <= dimension(scene):
+    number = None if count is None or count == "all" else whole_number("count", count, 0)
+    if number is not None and not 1 <= number <= dimension(scene):
         raise ValueError(f"count must be 1 to {dimension(scene)} for this case, got {count}")
     begin = transient(discard, scene.t_end)
     if not 0 <= begin < scene.t_end:
         raise ValueError(f"a transient of {begin:g} s leaves nothing of {scene.t_end:g} s")
-    return judged(lyapunov_exponents(scene, count, begin, engine), scene.tol)
+    return judged(lyapunov_exponents(scene, number, begin, engine), scene.tol)
 
 
 def stored_exponents(result: Result) -> Lyapunov | None:

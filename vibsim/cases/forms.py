@@ -6,7 +6,7 @@ from typing import Any
 
 from vibsim.cases.problems import Problem
 from vibsim.cases.schema import CaseFile, CaseHead
-from vibsim.cases.spelling import did_you_mean
+from vibsim.cases.spelling import did_you_mean, nearest
 from vibsim.cases.yaml_nodes import Place
 
 SWITCHED_OFF = "none"
@@ -80,11 +80,19 @@ LONG = Form(
 )
 
 
+_OWN = (*SHORT.own, *LONG.own)
+_COMMON = {"extends", "name", "title", *(name for name in SHORT.sections if name in LONG.sections)}
+
+
 def form_of(values: Mapping[str, Any]) -> Form:
-    """The form of a case's sections: long with bodies, or where only the long form has what is there."""
+    """The form of a case's sections: long with bodies, or where only the long form has what is there.
+
+    Of sections that neither has, misspelt ones, the form is that of the nearest name.
+    """
     if "bodies" in values:
         return LONG
-    is_long = any(name in LONG.own for name in values) and not any(name in SHORT.own for name in values)
+    names = {name if name in _OWN else nearest(name, _OWN) for name in values if name not in _COMMON}
+    is_long = any(name in LONG.own for name in names) and not any(name in SHORT.own for name in names)
     return LONG if is_long else SHORT
 
 

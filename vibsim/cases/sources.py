@@ -127,6 +127,8 @@ def _no_such_case(source: str) -> str:
     hint = did_you_mean(source, names)
     if isfile(source):  # False too for what no file can be called
         hint = f"; for the file write ./{source}"
+    elif isfile(f"{source}.yaml"):
+        hint = f"; did you mean the file {source}.yaml?"
     return f"is no shipped case{hint}; shipped are {', '.join(names)}; a file name ends in .yaml"
 
 

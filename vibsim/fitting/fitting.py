@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 
 from vibsim.cases import Case
+from vibsim.cases.arguments import by_key, texts
 from vibsim.cases.loading import load_case
 from vibsim.fitting.errors import FitError, Interrupted
 from vibsim.fitting.evaluation import Evaluation, Watch
@@ -55,7 +56,8 @@ def fit(
     cases : one case or several, each a Case, the path of a case file or the name of a shipped case; a value
         that is changed is changed in all of them
     free : key -> range, e.g. {"J": "0.5:20 g m^2", "c": "log 0.001:0.05"}; none: only the readings are judged
-    statements : such as "captured until the end" or "II-C: settles between 6.1 and 6.3 Hz", see docs/fit.md
+    statements : one or several, such as "captured until the end" or "II-C: settles between 6.1 and 6.3 Hz",
+        see docs/fit.md
     readings : changes to judge beside what is found, e.g. "J=0.006 kg m^2, c=0.005 N s/m"
     leave : key -> price of leaving the printed value by a factor of 10; 0.1 by default
     ensemble : starts that are drawn, besides each case's own; 0: none
@@ -83,7 +85,13 @@ def fit(
     listed = [cases] if isinstance(cases, (Case, str, PathLike)) else list(cases)
     read = [load_case(case) for case in listed]
     settings = Search(method, candidates, seed, at_most, screen, confirm, fresh)
-    plan = make_plan(read, free or {}, statements, readings, leave or {}, ensemble, spread or {}, settings)
+    free, leave = by_key("free", free, "{'J': '0.5:20 g m^2'}"), by_key("leave", leave, "{'J': 0.05}")
+    spread = by_key("spread", spread, "{'x1': '1 mm'}")
+    statements, readings = texts("statements", statements), texts("readings", readings)
+    for key, text in free.items():
+        if not isinstance(text, str):
+            raise TypeError(f"free {key}: a range is a text such as '0.5:20 g m^2', got {text!r:.60}")
+    plan = make_plan(read, free, statements, readings, leave, ensemble, spread, settings)
     result, _ = run_fit(plan, out, jobs, engine, force)
     return result
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from math import inf
+from numbers import Real
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +12,7 @@ from vibsim.plots import style as styles
 from vibsim.plots.errors import PlotError
 from vibsim.plots.picture import chosen_kinds
 from vibsim.plots.subject import Subject, open_subject, subject_of, told_apart
-from vibsim.plots.view import Span, View, parse_span
+from vibsim.plots.view import WIDTHS_CM, Span, View, parse_span
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -54,6 +56,7 @@ def plot(
     >>> vibsim.plot(result, x="x1", y="v1", ax=right, style=False).get_ylabel()
     'v1 (m s-1)'
     """
+    _check(width, size, font_size)
     subjects, canvas = _subjects(result), _canvas(ax)
     with styles.applied(style, font_size):
         view = View(_span(window), _span(detail), width, size, x, y, canvas)
@@ -70,6 +73,21 @@ def plot(
 def _span(span: Any) -> Span | None:
     """A span of the user's. Raises PlotError for what is none."""
     return None if span is None else parse_span(span)
+
+
+def _check(width: Any, size: Any, font_size: Any) -> None:
+    """Raises PlotError for measures of a figure that are none."""
+    if width is not None and width not in WIDTHS_CM:
+        raise PlotError(f"width must be one of {', '.join(WIDTHS_CM)}, got {width!r:.60}")
+    lengths = [] if size is None else list(size) if isinstance(size, list | tuple) else [None]
+    if size is not None and (len(lengths) != 2 or not all(_is_positive(each) for each in lengths)):
+        raise PlotError(f"size must be (width, height) in cm, such as (12, 8), got {size!r:.60}")
+    if font_size is not None and not _is_positive(font_size):
+        raise PlotError(f"font_size must be a number of points, such as 8, got {font_size!r:.60}")
+
+
+def _is_positive(number: Any) -> bool:
+    return isinstance(number, Real) and not isinstance(number, bool) and 0 < float(number) < inf
 
 
 def _subjects(result: Any) -> list[Subject]:

@@ -152,9 +152,22 @@ def write_figure(figure: Figure, target: str, force: bool) -> None:
 
 def drawn(figure: Figure, suffix: str, dpi: float) -> bytes:
     """A figure as PNG, PDF or SVG, in memory: a disk that is full leaves matplotlib's files in disorder."""
+    if suffix == ".pdf":
+        return _pages([figure], dpi)
     picture = BytesIO()
     figure.savefig(picture, format=suffix[1:], dpi=dpi, metadata=METADATA[suffix])
     return picture.getvalue()
+
+
+def _pages(figures: Sequence[Figure], dpi: float) -> bytes:
+    """A PDF with a page for each figure."""
+    from vibsim.plots.page.pdf_pages import LeanPages
+
+    sheets = BytesIO()
+    with LeanPages(sheets, metadata=METADATA[".pdf"]) as pages:
+        for figure in figures:
+            pages.savefig(figure, dpi=dpi)
+    return sheets.getvalue()
 
 
 def _write_opaque(figure: Figure, target: Any) -> None:
@@ -171,16 +184,10 @@ def _write_opaque(figure: Figure, target: Any) -> None:
 
 
 def _write_pages(figures: Sequence[Figure], target: str, force: bool) -> None:
-    from matplotlib.backends.backend_pdf import PdfPages
-
     from vibsim.files.output_file import output_file
 
     with output_file(target, force) as partial:
-        sheets = BytesIO()
-        with PdfPages(sheets, metadata=METADATA[".pdf"]) as pages:
-            for figure in figures:
-                pages.savefig(figure, dpi=DPI[".pdf"])
-        partial.write_bytes(sheets.getvalue())
+        partial.write_bytes(_pages(figures, DPI[".pdf"]))
 
 
 # No dates: the same picture is the same file, so pictures can be compared byte by byte.

@@ -18,7 +18,10 @@ def states_at(
 
     Returns name -> array of the shape of `t`. Raises ValueError for times before 0 or after `t_reached`.
     """
-    times = np.asarray(t, dtype="f8")
+    try:
+        times = np.asarray(t, dtype="f8")
+    except (TypeError, ValueError):
+        raise TypeError(f"times must be numbers [s], got {t!r:.60}") from None
     flat = times.ravel()
     if not np.all((flat >= 0) & (flat <= t_reached)):
         raise ValueError(f"times must lie between 0 and {t_reached:g} s, the span of the run")

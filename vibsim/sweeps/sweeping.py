@@ -8,6 +8,7 @@ from pathlib import Path
 
 from vibsim.analysis.discard import parse_discard
 from vibsim.cases import Case
+from vibsim.cases.arguments import by_key, texts, whole_number
 from vibsim.cases.loading import load_case
 from vibsim.cases.quantities import parse_quantity
 from vibsim.sweeps.computations.registry import read_computations
@@ -83,19 +84,20 @@ def sweep(
     ([5.0, 5.5, 6.0], (3, 1))
     """
     case = load_case(case, overrides)
-    if not isinstance(axes, Mapping | None):
-        raise TypeError(f"axes must be a dict such as {{'Omega0': '3:7:0.05 Hz'}}, got {axes!r:.60}")
+    axes = by_key("axes", axes, "{'Omega0': '3:7:0.05 Hz'}")
+    ensemble, seed = whole_number("ensemble", ensemble, 0), whole_number("seed", seed, 0)
     plan = make_plan(
         case,
-        [(key, *range_and_unit(key, values), "axes") for key, values in (axes or {}).items()],
+        [(key, *range_and_unit(key, values), "axes") for key, values in axes.items()],
         direction,
         carry_state,
         discard,
-        section,
+        whole_number("section", section, 0),
         every,
-        compute,
-        read_ensemble(case, ensemble, seed, spread or {}),
+        texts("compute", compute),
+        read_ensemble(case, ensemble, seed, by_key("spread", spread, "{'x1': '1 mm'}")),
     )
+    jobs = None if jobs is None else whole_number("jobs", jobs, 1)
     with open_workers(plan, jobs, scheduler, engine) as workers:
         store = Store(plan, engine) if out is None else FileStore(plan, Path(out), engine, force)
         for note in store.notes:

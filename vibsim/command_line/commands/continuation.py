@@ -3,7 +3,12 @@
 import click
 
 from vibsim.command_line.options.examples import examples
-from vibsim.command_line.options.parameters import CASE, FILE, OneOf, Pair, set_option, some_text
+from vibsim.command_line.options.parameters import CASE, Pair, set_option, some_text
+from vibsim.command_line.options.shared_options import (
+    engine_option,
+    output_option,
+    stored_force_option,
+)
 
 SPAN = Pair("KEY=FROM:TO, such as c=0.01:0.1", some_text, several=True)
 
@@ -38,14 +43,9 @@ SPAN = Pair("KEY=FROM:TO, such as c=0.01:0.1", some_text, several=True)
     help="Points, on both sides together. [default: 5000; 2000 of a locus]",
 )  # fmt: skip
 @set_option
-@click.option(
-    "--engine",
-    type=OneOf(["auto", "c", "python"]),
-    default="auto",
-    help="Engine that computes; results are the same.",
-)
-@click.option("-o", "--output", type=FILE, metavar="FILE", help="Output file. [default: CASE-KEY-branch.h5]")
-@click.option("--force", is_flag=True, help="Replace an output file that holds something else.")
+@engine_option
+@output_option("CASE-KEY-branch.h5")
+@stored_force_option
 @click.pass_context
 def command(
     ctx: click.Context,

@@ -5,7 +5,15 @@ from typing import Any
 import click
 
 from vibsim.command_line.options.examples import examples
-from vibsim.command_line.options.parameters import CASE, FILE, KEY_SPREAD, OneOf, Pair, set_option, some_text
+from vibsim.command_line.options.parameters import CASE, OneOf, Pair, joined, set_option, some_text
+from vibsim.command_line.options.shared_options import (
+    engine_option,
+    every_end_option,
+    jobs_option,
+    output_option,
+    spread_option,
+    stored_force_option,
+)
 
 FREE = Pair("KEY=FROM:TO, such as J=0.5:20g.m^2", some_text)
 
@@ -44,11 +52,7 @@ FREE = Pair("KEY=FROM:TO, such as J=0.5:20g.m^2", some_text)
     "--ensemble", type=click.IntRange(min=0), default=8, metavar="N", show_default=True,
     help="Starts that are drawn, besides each case's own.",
 )  # fmt: skip
-@click.option(
-    "--spread", "spreads", metavar="KEY=HOW", multiple=True, type=KEY_SPREAD,
-    help="What varies over the starts: WIDTH, FROM:TO or 'normal DEVIATION'; repeatable. "
-    "[default: the motor's phi, over the full turn]",
-)  # fmt: skip
+@spread_option("the starts")
 @click.option(
     "--method", type=OneOf(["quasi-random", "evolution"]), default="quasi-random", show_default=True,
     help="Sobol points, or differential evolution.",
@@ -79,19 +83,12 @@ FREE = Pair("KEY=FROM:TO, such as J=0.5:20g.m^2", some_text)
 )  # fmt: skip
 @click.option("--list", "list_words", is_flag=True, help="List what a statement can be about, and stop.")
 @set_option
-@click.option("--t-end", metavar="TIME", help="End of every run, such as 100s.")
+@every_end_option
 @click.option("--every", metavar="TIME", help="Sampling of the runs; as the cases say unless given.")
-@click.option(
-    "--engine",
-    type=OneOf(["auto", "c", "python"]),
-    default="auto",
-    help="Engine that computes; results are the same.",
-)
-@click.option(
-    "-j", "--jobs", type=click.IntRange(min=1), metavar="N", help="Runs at a time. [default: all cores]"
-)
-@click.option("-o", "--output", type=FILE, metavar="FILE", help="Output file. [default: CASE-fit.h5]")
-@click.option("--force", is_flag=True, help="Replace an output file that holds something else.")
+@engine_option
+@jobs_option("Runs")
+@output_option("CASE-fit.h5")
+@stored_force_option
 @click.pass_context
 def command(
     ctx: click.Context,
@@ -124,7 +121,7 @@ def command(
         return words_listed(ctx.obj)
     check_engine(engine)
     run_settings = {"run.t_end": t_end, "run.every": every}
-    values = dict(changes) | {key: value for key, value in run_settings.items() if value is not None}
+    values = joined(changes, run_settings)
     plan = read_plan(sources, values, statements, free, prices, readings, ensemble, spreads, settings)
     name = "-".join(case.name for case in plan.cases)
     return run_job(plan, output or f"{name}-fit.h5", jobs, engine, force, ctx.obj)

@@ -5,15 +5,14 @@ from typing import Any
 import click
 
 from vibsim.command_line.options.examples import examples
-from vibsim.command_line.options.parameters import (
-    CASE,
-    FILE,
-    KEY_RANGE,
-    KEY_SPREAD,
-    OneOf,
-    joined,
-    once_each,
-    set_option,
+from vibsim.command_line.options.parameters import CASE, KEY_RANGE, OneOf, joined, set_option
+from vibsim.command_line.options.shared_options import (
+    engine_option,
+    every_end_option,
+    jobs_option,
+    output_option,
+    spread_option,
+    stored_force_option,
 )
 from vibsim.command_line.terminal.printing import say
 
@@ -59,12 +58,7 @@ DEFAULT_CASE = "II-B"
     "--seed", type=click.IntRange(min=0), metavar="S",
     help="Seed of the members' draws; member 7 is the same in an ensemble of any size. [default: 0]",
 )  # fmt: skip
-@click.option(
-    "--spread", "spreads", metavar="KEY=HOW", multiple=True, callback=once_each,
-    type=KEY_SPREAD,
-    help="What varies over the ensemble: WIDTH (uniform, either side of the case's value), FROM:TO, or "
-    "'normal DEVIATION'; repeatable. [default: the motor's phi, over the full turn]",
-)  # fmt: skip
+@spread_option("the ensemble")
 @click.option(
     "--direction", type=OneOf(["up", "down", "both"]),
     help="Along the first axis. [default: as its values are written]",
@@ -89,28 +83,21 @@ DEFAULT_CASE = "II-B"
 )  # fmt: skip
 @click.option("--list", "list_computations", is_flag=True, help="List what --compute takes, and stop.")
 @set_option
-@click.option("--t-end", metavar="TIME", help="End of every run, such as 100s.")
+@every_end_option
 @click.option(
     "--every", metavar="TIME", help="Sampling behind verdicts on the regime. [default: what the motion needs]"
 )
 @click.option("--method", type=OneOf(["auto", "closed_form", "taylor"]), help="How the motion is computed.")
-@click.option(
-    "--engine",
-    type=OneOf(["auto", "c", "python"]),
-    default="auto",
-    help="Engine that computes; results are the same.",
-)
-@click.option(
-    "-j", "--jobs", type=click.IntRange(min=1), metavar="N", help="Points at a time. [default: all cores]"
-)
+@engine_option
+@jobs_option("Points")
 @click.option(
     "--scheduler",
     metavar="ADDRESS",
     help="Compute on the workers of this dask scheduler, such as tcp://host:8786.",
 )
 @click.option("--shard", metavar="K/N", help="Only part K of N of the longest axis, into a file of its own.")
-@click.option("-o", "--output", type=FILE, metavar="FILE", help="Output file. [default: CASE-AXES.h5]")
-@click.option("--force", is_flag=True, help="Replace an output file that holds something else.")
+@output_option("CASE-AXES.h5")
+@stored_force_option
 @click.pass_context
 def command(
     ctx: click.Context,

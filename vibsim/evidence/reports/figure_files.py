@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 
@@ -132,7 +133,7 @@ def save(figure: Figure, stem: Path, formats: Sequence[str]) -> Path:
 def page_of(pictures: Sequence[Picture]) -> Figure:
     """A sheet with the pictures below their headings; A, B and C side by side."""
     by_key = {picture.path.stem: picture for picture in pictures}
-    images = {key: imread(picture.path) for key, picture in by_key.items()}
+    images = {key: _pixels(picture.path) for key, picture in by_key.items()}
     heights = [max(_height_cm(images[key]) for key in row if key) + HEADING_CM for row in PAGE_ROWS]
     columns, whole = max(map(len, PAGE_ROWS)), sum(heights)
     page = Figure(figsize=(columns * PAGE_CM * CM, whole * CM))
@@ -155,6 +156,11 @@ def _place(page: Figure, image: Any, heading: str, corner: tuple[float, float], 
     axes = page.add_axes((left, top - HEADING_CM / page_cm - height, width, height))
     axes.imshow(image, interpolation="none")
     axes.set_axis_off()
+
+
+def _pixels(path: Path) -> Any:
+    """Colours (height, width, 3) of an opaque PNG as bytes; matplotlib reads them as floats, with opacity."""
+    return np.rint(255 * imread(path)[..., :3]).astype(np.uint8)
 
 
 def _height_cm(image: Any) -> float:
