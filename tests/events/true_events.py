@@ -13,8 +13,19 @@ from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
 
 DIGITS = 40
+MOST_STEPS = 40_000  # of a run, which takes some hundred
 QUARTER_TURN = pi / 2  # rad, as a double
 WHOLE = ("stop_sign", "order", "every_num", "every_den")  # whole numbers stay what they are
+
+
+class Crawling(Exception):
+    """A scene that takes too long to be judged."""
+
+
+def crawl(driver):
+    """Give up where the search creeps along a limit."""
+    if driver.flow.steps > MOST_STEPS:
+        raise Crawling
 
 
 @dataclass(frozen=True)
@@ -41,6 +52,7 @@ def stretches(scene):
         known = driver.known if driver.known_since == state.t else {}
         while driver.state.t == state.t and len(driver.events) == recorded and not driver.finished:
             driver.run(1)
+            crawl(driver)
         kinds = [EVENT_NAMES[code] for code, *_ in driver.events[recorded:]]
         kinds = [kind for kind in kinds if kind != "end"]
         found.append(Stretch(state, status, known, driver.state.t, kinds[0] if kinds else "", not found))
@@ -74,7 +86,8 @@ class ExactFlow:
         resume = None if stretch.first else (self._state(stretch.state), stretch.status, stretch.known)
         driver = Driver(replace(self.scene, t_end=self.kit.number(end)), self.kit, resume)
         while len(driver.events) < 2:
-            driver.run(10)
+            driver.run(1)
+            crawl(driver)
         code, _, state, *_ = driver.events[1]
         kind = EVENT_NAMES[code]
         return "" if kind == "end" else kind, self.kit.rounded([state.t])[0]
