@@ -1,6 +1,8 @@
 """Errors name arguments of Python to those who call Python, and options to those who call a command."""
 
 import ast
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -68,3 +70,10 @@ def test_a_picture_that_needs_another_sweep(tmp_path):
         sweep.plot(kind="regime")
     done = call("plot", str(tmp_path / "s.h5"), "--kind", "regime")
     assert "(sweep with --compute regime)" in done.stderr
+
+
+def test_no_command_shows_the_help_alone():
+    done = subprocess.run([sys.executable, "-m", "vibsim"], capture_output=True, text=True)
+    assert done.returncode in (0, 2)  # click before 8.2 takes it for a question
+    text = done.stderr + done.stdout
+    assert text.startswith("Usage: vibsim") and text.count("Usage:") == 1 and "Error:" not in text

@@ -51,6 +51,8 @@ def exit_code_of(action: Callable[[], Any], as_json: bool = False) -> int:
         with broken_pipe_named():
             sys.stdout.flush()
     except click.ClickException as error:
+        if type(error).__name__ == "NoArgsIsHelpError":  # click 8.2 and later: its message is the help
+            return told(error.format_message(), error.exit_code, as_json)
         _say_usage(error)
         return told(f"Error: {_message(error)}", error.exit_code, as_json)
     except (click.Abort, KeyboardInterrupt):

@@ -14,7 +14,7 @@ def lines_of(result: "Result") -> list[tuple[str, str]]:
     attrs = result.attrs
     lines = [("title", one_line(result.case.title))] if result.case.title else []
     lines.append(("method", f"{attrs.get('method')} on the {attrs.get('engine')} engine"))
-    counted = [f"{attrs[f'{word}s']} {word}s" for word in ("impact", "stick") if f"{word}s" in attrs]
+    counted = [_counted(attrs[f"{word}s"], word) for word in ("impact", "stick") if f"{word}s" in attrs]
     if counted:
         lines.append(("motion", ", ".join(counted)))
     if result.trust_horizon is not None:
@@ -23,6 +23,10 @@ def lines_of(result: "Result") -> list[tuple[str, str]]:
         doubt = f"{attrs.get('uncertified')} stretches in doubt"
         lines.append(("certificate", "every event proved" if attrs["certified"] else doubt))
     return [*lines, ("columns", few(result.keys()))]
+
+
+def _counted(count: int, word: str) -> str:
+    return f"{count} {word}{'' if count == 1 else 's'}"
 
 
 def _trust(result: "Result") -> str:
