@@ -7,6 +7,7 @@ import vibsim
 from vibsim.branches.joining import shift
 from vibsim.branches.node import Node
 from vibsim.cases import load_case
+from vibsim.cases.loading import load_case_text
 from vibsim.orbits import find_orbit
 
 SPAN = "0.1172:0.1173 Hz"  # of the bilinear oscillator: graze, doubling and another graze within 5e-5 of it
@@ -55,3 +56,25 @@ def test_a_switch_goes_to_the_branch_that_leaves_there(once, twice):
     assert [special.label for special in left.specials] == ["GR1", "F1"]
     for label in ("GR1", "F1"):
         assert left.special(label).parameter == pytest.approx(twice.special(label).parameter, rel=1e-11)
+
+
+THREE = """
+bodies: {a: 1.578 kg, b: 0.9967 kg, d: 1.9 kg}
+links:
+  l0: {between: [a, ground], k: 156.5 N/m, c: 1.068 N s/m}
+  l1: {between: [b, a], k: 117.9 N/m, c: 1.176 N s/m}
+  l2: {between: [d, b], k: 81.6 N/m, c: 0.5218 N s/m}
+stops:
+  s0: {between: [a, b], gap: 0.1911 m, acts: compression, k: 1692 N/m, c: 2.417 N s/m, release: force}
+forces:
+  p: {on: b, A: 17.83 N, omega: 0.4378 Hz, phase: 140.4 deg}
+run: {t_end: 60 s, every: 20 ms}
+"""
+
+
+def test_the_last_orbit_is_not_one_of_those_that_are_joined():
+    """Newton's method went over to one of them in the search for the last."""
+    branch = vibsim.continue_branch(vibsim.orbit(load_case_text(THREE)), "stops.s0.gap", "0.0911:0.441 m")
+    assert branch.plan.family().n == 2
+    assert "joins the orbits of 1 period" in dict(branch.lines())["ends"]
+    assert min(apart(branch)) > 1e-8

@@ -57,7 +57,9 @@ def shift(family: Family, node: Node, periods: int) -> np.ndarray:
 
 
 def _last_before(family: Family, one: Node, other: Node, periods: int) -> Node:
-    """By halving the stretch, as far as Newton's method goes: at the place itself its matrix is singular."""
+    """By halving the stretch, as far as Newton's method goes: at the place itself its matrix is singular, and
+    near it Newton's method may find the orbit of fewer periods.
+    """
     low, high = 0.0, 1.0
     node, reference = one, shift(family, one, periods)
     for _ in range(HALVINGS):
@@ -69,7 +71,8 @@ def _last_before(family: Family, one: Node, other: Node, periods: int) -> Node:
         except ContinuationError:
             high = middle
             continue
-        if shift(family, tried, periods) @ reference < 0:
+        change = shift(family, tried, periods)
+        if change @ reference < 0 or length_of(change) <= CLOSES:
             high = middle
         else:
             low, node = middle, tried
