@@ -43,8 +43,18 @@ def as_rest(app, what, name, obj, options, lines):
             lines[i] = re.sub(r"`(\w+)`(?=\w)", r"``\1``\\ ", line).replace("|", r"\|")
 
 
+def end_lists(app, what, name, obj, options, lines):
+    """End lists of parameters before a paragraph that names none: napoleon waits for two blank lines."""
+    for i in range(len(lines) - 1, 0, -1):
+        heads_section = i + 1 < len(lines) and lines[i + 1].startswith("---")
+        begins = not lines[i - 1] and lines[i][:1].strip()
+        if begins and not heads_section and (" : " not in lines[i] or lines[i].startswith(">>>")):
+            lines.insert(i, "")
+
+
 def setup(app):
     """Write the generated pages when the build begins."""
     app.connect("builder-inited", lambda app: write_pages(Path(app.srcdir)))
     setup_mathml(app)
     app.connect("autodoc-process-docstring", as_rest)
+    app.connect("autodoc-process-docstring", end_lists, priority=400)  # before napoleon, which has 500
