@@ -2,13 +2,15 @@
 
 import math
 import random
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from tests.events.coincidences import harmonic as shaking
 from tests.events.coincidences import machine, two_blocks
 from tests.events.test_certificate import assert_none_missed
-from tests.events.true_events import Crawling
+from tests.events.true_events import MOST_STEPS, Crawling
 from tests.scenes import harmonic, scene
 from tests.trajectories import ENGINES, run
 from vibsim.engine.trajectory import open_trajectory
@@ -127,6 +129,22 @@ def test_a_stop_met_where_the_friction_gives_way_does_not_stand_still(engine):
     source = {**harmonic(1.0, 0.0, 1.0), "omega": omega, "cycles": omega / (2 * math.pi)}
     result = run(scene(source, **blocks, **start, method="closed_form"), engine)
     assert result.times[-1] > 1.1
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_motion_that_leaves_a_stop_as_the_fourth_power_of_time_goes_on(engine):
+    """Its distance is within rounding for 1e-5 s, where certified steps were of 1e-14 s: no run ended."""
+    scene = machine(random.Random(19))
+    closed, taylor = (open_trajectory(replace(scene, method=method), engine) for method in ("auto", "taylor"))
+    places = []
+    for trajectory in (closed, taylor):
+        blocks = []
+        for block in trajectory.blocks():
+            blocks.append(block.samples["x_a"])
+            assert trajectory.totals["steps"] < MOST_STEPS
+        places.append(np.concatenate(blocks))
+    np.testing.assert_allclose(*places, rtol=0, atol=1e-9)
+    assert closed.totals["uncertified"] > 0
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -262,11 +262,24 @@ static void polish(Run *r, const Event *e)
     }
 }
 
+/* Length of a step while a function rises within its rounding of zero: at least twice that of the one before. */
+static double leap(Run *r, double step, double free_step)
+{
+    Search *s = &r->closed_form.search;
+    double least = (nextafter(s->t, INFINITY) - s->t) * s->stall;
+    s->stall = s->stall * 2;
+    least = least < free_step ? least : free_step;
+    if (step >= least)
+        return step;
+    doubt(&r->certificate, r->t0);
+    return least;
+}
+
 static int step_ahead(Run *r)
 {
     Search *s = &r->closed_form.search;
-    double step = s->reach, rival = step, near = 0, before, unit, course[3] = {0, 0, 0};
-    int nearest = NOTHING, alone = 0, i;
+    double step = s->reach, rival = step, free_step = step, near = 0, before, unit, course[3] = {0, 0, 0};
+    int nearest = NOTHING, alone = 0, held = 0, i;
     r->steps += 1;
     closed_form_evaluate(r, s->t - r->t0);
     s->measured = 0;
@@ -277,7 +290,7 @@ static int step_ahead(Run *r)
         int which = s->events[i];
         const Event *e = &r->mode->events[which];
         const Blur *blur = &s->blurs[which];
-        double value = event_derivative(r, e, 0), slope = event_derivative(r, e, 1), ahead;
+        double value = event_derivative(r, e, 0), slope = event_derivative(r, e, 1), ahead, room;
         double noise = noise_of(r, e, value, blur->reach, unit) + blur->residue, bound = event_bound(r, e, 2, s->reach);
         if (value < -noise || (value <= noise && slope <= 0)) {
             if (s->t == r->t0 && r->known[e->key] > 0) /* the zero of before */
@@ -288,8 +301,12 @@ static int step_ahead(Run *r)
         }
         if (e->turns)
             watch_turn(r, which, value, slope, event_derivative(r, e, 2), bound);
-        ahead = value - noise;
-        ahead = safe_step(ahead > 0 ? ahead : 0.0, slope, bound);
+        room = value - noise;
+        ahead = safe_step(room > 0 ? room : 0.0, slope, bound);
+        if (room <= 0)
+            held = 1;
+        else if (ahead < free_step)
+            free_step = ahead;
         if (ahead < step) {
             rival = step;
             step = ahead;
@@ -307,11 +324,13 @@ static int step_ahead(Run *r)
         polish(r, &r->mode->events[nearest]);
         return nearest;
     }
+    if (held)
+        step = leap(r, step, free_step);
     adapt_reach(s, step);
     before = s->t;
     move(r, step);
     if (s->t > before) {
-        s->stall = 1.0;
+        s->stall = held ? s->stall : 1.0;
         return NOTHING;
     }
     if (nearest == NOTHING) {

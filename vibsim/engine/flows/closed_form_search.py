@@ -126,6 +126,7 @@ class ClosedFormSearch(Generic[N]):
         of, step, plain = self.functions_of, self.reach, plain_scales(self.flow)
         self.close = None
         rival, nearest, alone = step, None, False
+        held, free = False, step
         self._here()
         for event in self.events:
             value, slope = of.derivative(event, 0), of.derivative(event, 1)
@@ -141,6 +142,10 @@ class ClosedFormSearch(Generic[N]):
                 self._watch_turn(event, value, slope, of.derivative(event, 2), bound)
             room = value - noise
             ahead = safe_step(self.kit, room if room > 0 else self.kit.number(0), slope, bound)
+            if room <= 0:
+                held = True
+            elif ahead < free:
+                free = ahead
             if ahead < step:
                 step, rival, nearest = ahead, step, (event if slope < 0 else None)
                 near = -2 * value / slope if slope < 0 else step
@@ -151,11 +156,13 @@ class ClosedFormSearch(Generic[N]):
         if nearest is not None and alone and near <= rival:
             self._polish(nearest)
             return nearest
+        if held:
+            step = self._leap(step, free)
         self._adapt_reach(step)
         before = self.t
         self._move(step)
         if self.t > before:
-            self.stall = self.kit.number(1)
+            self.stall = self.stall if held else self.kit.number(1)
             return None
         if nearest is None:
             self._creep(before)
@@ -182,6 +189,19 @@ class ClosedFormSearch(Generic[N]):
         if self.close is None:
             self.close = close_scales(self.flow)
         return self.functions_of.unit * self.functions_of.scale(event, self.close)
+
+    def _leap(self, step: N, free: N) -> N:
+        """Length of a step while a function rises within its rounding of zero: one that leaves zero as slowly
+        as t^4 does so for long, and certified steps grow too little. So each is at least twice the one
+        before, as far as the others allow, `free`.
+        """
+        unit = self.kit.next_after(self.t, inf) - self.t
+        least, self.stall = unit * self.stall, self.stall * 2
+        least = least if least < free else free
+        if step >= least:
+            return step
+        self.certificate.doubt(self.t0)
+        return least
 
     def _creep(self, before: N) -> None:
         """Leave a point where the certified step is shorter than the time grid's."""
