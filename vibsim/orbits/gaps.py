@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.physics.parts import BASE, Scene
+from vibsim.physics.sines import sine_cosine
 
 ROUNDING = 2e-12  # of the size of a motion: what rounding and Newton's method leave of a gap that is zero
 OF_STOPS = ("contact_begin", "contact_end", "impact", "transmitted")
@@ -45,12 +46,12 @@ def apart(part: Any, values: Any, of_base: Any) -> Any:
     return P - Q
 
 
-def motion_of_base(scene: Any, t: Any) -> list[Any]:
+def motion_of_base(scene: Any, t: Any) -> tuple[Any, Any, Any]:
     """Displacement, velocity and acceleration of the base at the times t."""
-    return [
-        sum(
-            (term.amplitude * term.omega**k * np.sin(term.omega * t + term.phase + k * np.pi / 2))
-            for term in scene.base
-        )
-        for k in range(3)
-    ]
+    x = v = a = 0.0
+    for term in scene.base:
+        sine, cosine = sine_cosine(term.omega * t + term.phase)
+        x = x + term.amplitude * sine
+        v = v + term.amplitude * term.omega * cosine
+        a = a - term.amplitude * term.omega**2 * sine
+    return x, v, a

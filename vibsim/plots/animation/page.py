@@ -31,7 +31,7 @@ def write_moving_page(subject: Subject, window: Span, speed: float, out: str, fo
     step = min((shortest_period(subject.scene) or 1.0) / PER_PERIOD, 1 / 60)
     step = max(step, (window[1] - window[0]) / MOST)
     channels = channels_of(subject, window, step, speed)
-    text = page(subject, "animate.js", KEYS, moving_data(subject, channels, step, speed))
+    text = page(subject, ("animate.js",), KEYS, moving_data(subject, channels, step, speed))
     with output_file(out, force) as partial:
         partial.write_text(text, encoding="utf-8")
     return len(channels.times)

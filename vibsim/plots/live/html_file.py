@@ -46,7 +46,7 @@ def write_page(subjects: Sequence[Subject], out: str, force: bool = False) -> li
     return [out]
 
 
-def page(subject: Subject, scripts: Sequence[str], keys: str, data: dict[str, Any]) -> str:
+def page(subject: Subject, scripts: tuple[str, ...], keys: str, data: dict[str, Any]) -> str:
     """The HTML text; scripts: behind the one that every page has."""
     case = subject.case
     title = one_line(f"{case.name}: {case.title}" if case.title else case.name)
