@@ -234,6 +234,26 @@ def test_a_point_tells_its_numbers_and_its_command(browser, folder):
 
 
 @needs_browser
+def test_values_spaced_by_ratio_stand_evenly(browser, tmp_path):
+    axes = {"k2": "log 1e4:1e6/5 N/m", "Omega0": "5,6 Hz"}
+    vibsim.sweep("II-B", axes, section=3, jobs=1, out=tmp_path / "log.h5", overrides={"run.t_end": "3 s"})
+    assert call("plot", str(tmp_path / "log.h5"), "-o", str(tmp_path / "log.html")).exit_code == 0
+    names = [column["name"] for column in data_of(tmp_path / "log.html")["columns"] if column.get("log")]
+    assert names == ["k2"]
+    browser.open(tmp_path / "log.html")
+    browser.settle()
+    places = browser.value("[0, 2, 4, 6, 8].map((row) => panels[0].px(columns.k2.places[row]))")
+    assert np.diff(places) == pytest.approx([np.ptp(places) / 4] * 4, rel=1e-9)
+    ticks = browser.value("powersOf(...panels[0].x, 5).map(([, text]) => text)")
+    assert ticks == ["10000", "1e5", "1e6"]
+    left, top, _, _ = browser.box("canvas")
+    dy = browser.value("panels[0].py(columns[y[0].value].places[5])")
+    browser.mouse("Moved", left + places[2] + 1, top + dy + 1)
+    assert shown(browser)["chosen"] == "5" and "k2\t100000 N/m" in readout(browser)
+    assert browser.said == []
+
+
+@needs_browser
 def test_a_branch_is_a_line_with_marks(browser, folder):
     """Solid and dashed between points that are far apart; a special point tells itself."""
     browser.open(folder / "branch.html")

@@ -35,13 +35,26 @@ function ticksOf(low, high, most) {
   return ticks.map((value) => [value, Math.abs(value) >= 1e6 || (step < 1e-6) ? value.toPrecision(7) : value.toFixed(decimals)]);
 }
 
+// ticks of a logarithmic axis, in powers of ten, as [power, text]; as on a linear one where it is short
+function powersOf(low, high, most) {
+  const ticks = [];
+  for (let power = Math.floor(low); power <= high; power++) for (const digit of [1, 2, 5]) {
+    const at = power + Math.log10(digit);
+    if (at >= low - 1e-9 && at <= high + 1e-9) ticks.push([at, Math.abs(power) >= 5 ? digit + "e" + power : shortNumber(digit * Math.pow(10, power)), digit]);
+  }
+  if (ticks.length < 2) return ticksOf(Math.pow(10, low), Math.pow(10, high), most).map(([value, text]) => [Math.log10(value), text]);
+  if (ticks.length <= most) return ticks;
+  const stride = Math.ceil((high - low) / Math.max(most, 1));
+  return ticks.filter(([at, , digit]) => digit === 1 && Math.round(at) % stride === 0);
+}
+
 function shortNumber(value) {
   if (!Number.isFinite(value)) return "–";
   const size = Math.abs(value);
   return size !== 0 && (size < 1e-4 || size >= 1e6) ? value.toExponential(5) : String(Number(value.toPrecision(7)));
 }
 
-// A canvas with a frame, ticks and labels; x and y are its ranges in the units shown.
+// A canvas with a frame, ticks and labels; x and y are its ranges in the units shown, powers of ten on logarithmic axes.
 class Axes {
   constructor(parent, height, xLabel, yLabel, spoken) {
     this.canvas = element("canvas", undefined, parent);
@@ -49,7 +62,7 @@ class Axes {
     this.canvas.setAttribute("role", "img");
     this.canvas.setAttribute("aria-label", spoken);
     this.height = height; this.xLabel = xLabel; this.yLabel = yLabel;
-    this.x = [0, 1]; this.y = [0, 1];
+    this.x = [0, 1]; this.y = [0, 1]; this.xLog = this.yLog = false;
     this.left = 62; this.right = 10; this.top = 18; this.bottom = xLabel ? 34 : 18;
   }
   begin() {
@@ -74,13 +87,13 @@ class Axes {
   _grid(g) {
     g.fillStyle = colour("dim"); g.strokeStyle = colour("grid");
     g.textAlign = "center"; g.textBaseline = "top";
-    for (const [value, text] of ticksOf(this.x[0], this.x[1], this.inner / 90)) {
+    for (const [value, text] of (this.xLog ? powersOf : ticksOf)(this.x[0], this.x[1], this.inner / 90)) {
       const x = this.px(value);
       g.beginPath(); g.moveTo(x, this.top); g.lineTo(x, this.top + this.inside); g.stroke();
       if (this.bottom > 15) g.fillText(text, x, this.top + this.inside + 4);
     }
     g.textAlign = "right"; g.textBaseline = "middle";
-    for (const [value, text] of this.words || ticksOf(this.y[0], this.y[1], this.inside / 34)) {
+    for (const [value, text] of this.words || (this.yLog ? powersOf : ticksOf)(this.y[0], this.y[1], this.inside / 34)) {
       const y = this.py(value);
       g.beginPath(); g.moveTo(this.left, y); g.lineTo(this.left + this.inner, y); g.stroke();
       g.fillText(text, this.left - 5, y);

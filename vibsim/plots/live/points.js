@@ -2,7 +2,10 @@
 // The page of a table of points: two panels over one column, coloured by another; a point tells its numbers.
 
 const columns = {};
-for (const column of DATA.columns) columns[column.name] = { ...column, values: decoded(column.data, Float64Array) };
+for (const column of DATA.columns) {
+  const values = decoded(column.data, Float64Array);
+  columns[column.name] = { ...column, values, places: column.log ? values.map(Math.log10) : values }; // where it is drawn
+}
 const main = document.querySelector("main"), left = element("div", undefined, main), side = element("div", undefined, main);
 const nav = document.querySelector("nav");
 const label = (column) => column.name + (column.unit ? " (" + column.unit + ")" : "");
@@ -52,27 +55,28 @@ function redraw() {
   panels.forEach((axes, k) => {
     const ys = columns[y[k].value], width = ys.width;
     axes.x = view.range; axes.yLabel = label(ys); axes.xLabel = k ? label(xs) : "";
+    axes.xLog = Boolean(xs.log); axes.yLog = Boolean(ys.log);
     axes.words = ys.words && Object.entries(ys.words).map(([code, word]) => [Number(code), word]);
     let low = Infinity, high = -Infinity;
     for (let row = 0; row < DATA.count; row++) {
-      if (xs.values[row] < view.range[0] || xs.values[row] > view.range[1]) continue;
-      for (let m = 0; m < width; m++) { const value = ys.values[row * width + m]; if (value < low) low = value; if (value > high && value < Infinity) high = value; }
+      if (xs.places[row] < view.range[0] || xs.places[row] > view.range[1]) continue;
+      for (let m = 0; m < width; m++) { const value = ys.places[row * width + m]; if (value < low) low = value; if (value > high && value < Infinity) high = value; }
     }
     const [least, greatest] = reachOf(x.value, y[k].value, view.range);
     axes.fit(Math.min(low, least), Math.max(high, greatest));
     const g = axes.begin(), size = curve || width > 1 ? 1.2 : DATA.count > 2000 ? 1.6 : 2.6;
     drawCurve(axes, x.value, y[k].value);
     for (let row = 0; row < DATA.count; row++) {
-      const px = axes.px(xs.values[row]);
+      const px = axes.px(xs.places[row]);
       if (px < axes.left - 4 || px > axes.width) continue;
       g.fillStyle = shadeOf(row);
       for (let m = 0; m < width; m++) {
-        const value = ys.values[row * width + m];
+        const value = ys.places[row * width + m];
         if (value === value) { g.beginPath(); g.arc(px, axes.py(value), size, 0, 7); g.fill(); }
       }
     }
     drawMarks(axes, x.value, y[k].value);
-    const at = chosen < DATA.count ? [xs.values, ys.values, width] : pairOf(marks.columns, x.value, y[k].value);
+    const at = chosen < DATA.count ? [xs.places, ys.places, width] : pairOf(marks.columns, x.value, y[k].value);
     const row = chosen < DATA.count ? chosen : chosen - DATA.count;
     if (chosen >= 0 && at) {
       g.strokeStyle = colour("mark"); g.lineWidth = 2;
@@ -114,7 +118,7 @@ function hover(axes, k) {
     const xs = columns[x.value], ys = columns[y[k].value], width = ys.width;
     let best = -1, least = 900;
     for (let row = 0; row < DATA.count; row++) for (let m = 0; m < width; m++) {
-      const dx = axes.px(xs.values[row]) - px, dy = axes.py(ys.values[row * width + m]) - py, distance = dx * dx + dy * dy;
+      const dx = axes.px(xs.places[row]) - px, dy = axes.py(ys.places[row * width + m]) - py, distance = dx * dx + dy * dy;
       if (distance < least) { least = distance; best = row; }
     }
     const pair = marks && pairOf(marks.columns, x.value, y[k].value);
@@ -128,7 +132,8 @@ function hover(axes, k) {
 
 function fullRange() {
   const every = [columns, curve && curve.columns, marks && marks.columns].filter((one) => one && one[x.value]);
-  const [low, high] = bounds(every.flatMap((one) => [...one[x.value].values]).filter(Number.isFinite));
+  const places = (column) => [...(column.places || column.values)];
+  const [low, high] = bounds(every.flatMap((one) => places(one[x.value])).filter(Number.isFinite));
   const margin = (high - low) * 0.03 || Math.abs(high) * 0.1 || 1;
   return low <= high ? [low - margin, high + margin] : [0, 1];
 }

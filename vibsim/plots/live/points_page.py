@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from vibsim.plots.errors import PlotError
 from vibsim.plots.live.html_file import packed
 from vibsim.plots.registry import fitting
 from vibsim.plots.subject import Subject
+from vibsim.plots.sweeps.axes import draws_by_ratio
 
 KEYS = (
     "Point at a point to read its numbers and the command that runs it. Wheel: zoom; drag: move; "
@@ -34,7 +35,7 @@ def points_data(subject: Subject) -> dict[str, Any]:
     table = Tidy(arrays)
     if table.count > MOST_POINTS:
         raise PlotError(f"{subject.path}: {table.count} points are too many for a page, {MOST_POINTS} go")
-    columns = [*_columns(table), *_further(arrays, table)]
+    columns = [*_columns(table, _by_ratio(subject)), *_further(arrays, table)]
     numbers = [column["name"] for column in columns if column["name"] not in table.dims]
     if not numbers:
         raise PlotError(f"{subject.path}: no numbers to draw")
@@ -62,9 +63,15 @@ def _lines(subject: Subject) -> dict[str, Any]:
     return lines_data(subject.result)
 
 
-def _columns(table: Tidy) -> list[dict[str, Any]]:
+def _by_ratio(subject: Subject) -> set[str]:
+    """Names of the axes of a sweep that are drawn on a logarithmic scale."""
+    axes = subject.result.axes if subject.reads == "sweep" else ()
+    return {axis.name for axis in axes if draws_by_ratio(axis)}
+
+
+def _columns(table: Tidy, by_ratio: Collection[str]) -> list[dict[str, Any]]:
     return [
-        _column(name, column, table.values(name), 1)
+        _column(name, column, table.values(name), 1) | ({"log": True} if name in by_ratio else {})
         for name, column in table.columns.items()
         if column.dtype != "text"
     ]
