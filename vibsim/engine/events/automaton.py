@@ -51,9 +51,8 @@ from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import AT_FORCE, Clearance, Friction, Motor, RigidStop, Scene, Stop
 
 JET = 7  # order of the highest derivative consulted where lower ones vanish
-NEAR = (
-    2.0**-40
-)  # of all forces of a mode: nearer to its limit than that the force of a tie is measured closely
+# of all forces of a mode: nearer to its limit than that the force of a tie is measured closely
+NEAR = 2.0**-40
 
 
 class Automaton(Generic[N]):
@@ -223,21 +222,15 @@ class Automaton(Generic[N]):
         return next(event for event in rows.events if event.key == key)
 
     def _leading_sign(self, state: State[N], status: Status, key: EventKey, first: int = 1) -> int:
-        """Sign of the first derivative, from order `first`, that is not zero."""
-        return self._leading(state, status, key, first)[0]
-
-    def _leading(self, state: State[N], status: Status, key: EventKey, first: int = 1) -> tuple[int, int]:
-        """Sign and order of the first derivative, from order `first`, that is not zero; 0 and the last order
-        where all are. That of order 1 is one of velocities where differences alone make the function, and no
-        rounding of a flow is in it.
+        """Sign of the first derivative, from order `first`, that is not zero; 0 where all are. That of order
+        1 is one of velocities where differences alone make the function, and no rounding of a flow is in it.
         """
         values = self._derivatives(state, self._event(self._enter(state, status), key))
-        order = leading(values, first)
-        return sign(values[order]), order
+        return sign(values[leading(values, first)])
 
     def _departure(self, state: State[N], status: Status, key: EventKey, first: int = 1) -> tuple[int, int]:
-        """As `_leading`, of a function that begins at zero: in doubt where rounding could have it leave to
-        the other side, or later than it does.
+        """Sign as of `_leading_sign`, and order, of a function that begins at zero: in doubt where rounding
+        could have it leave to the other side, or later than it does.
         """
         event = self._event(self._enter(state, status), key)
         values = self._derivatives(state, event)
@@ -439,10 +432,8 @@ class Automaton(Generic[N]):
         self, state: State[N], status: Status, after: Status, order: int, known: Known
     ) -> tuple[Status, Happened]:
         """As `touching`, behind the release of ties, for the parts that the tied ends just touched."""
-        stops, clearances = let_go(self.maker, status, after)
-        stops = [i for i in stops if self.meets_stop(i, state)]
-        clearances = [i for i in clearances if self.meets_clearance(i, state)]
-        return self.touching(state, status, after, (stops, clearances), order, known)
+        parts = self.touched(state, *let_go(self.maker, status, after))
+        return self.touching(state, status, after, parts, order, known)
 
     def touching(
         self,
@@ -472,15 +463,16 @@ class Automaton(Generic[N]):
                 happened.append(("violation_begin" if closes else "violation_end", i))
         return after, happened
 
-    def meets_stop(self, i: int, state: State[N]) -> bool:
-        """Whether the ends of elastic stop `i` just touch."""
-        stop = self.elastic[i]
-        return self._met(stop, self._depth(stop, state), state, stop.gap)
-
-    def meets_clearance(self, i: int, state: State[N]) -> bool:
-        """Whether the ends of clearance `i` are just at its limit."""
-        one = self.scene.clearances[i]
-        return self._met(one, self._excess(one, state), state, one.distance)
+    def touched(
+        self, state: State[N], stops: Iterable[int], clearances: Iterable[int]
+    ) -> tuple[list[int], list[int]]:
+        """Those of some elastic stops and clearances whose ends just touch."""
+        near = [(i, self.elastic[i]) for i in stops]
+        limits = [(i, self.scene.clearances[i]) for i in clearances]
+        return (
+            [i for i, one in near if self._met(one, self._depth(one, state), state, one.gap)],
+            [i for i, one in limits if self._met(one, self._excess(one, state), state, one.distance)],
+        )
 
     def _settle_behind(self, state: State[N], status: Status, after: Status) -> Status:
         """The mode behind a release at which a friction force drops: the jump of the accelerations may tear

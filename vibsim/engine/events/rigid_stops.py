@@ -353,21 +353,14 @@ class RigidStops(Generic[N]):
         """The elastic stops and the clearances whose ends just touch and are moved by blows: in doubt behind
         the start, where rounding may have brought them there.
         """
-        auto = self.automaton
-        stops = [
-            i
-            for i, stop in self.scene.elastic_stops
-            if i not in self.maker.guarded
-            and touch.moved & set(self.maker.ends(stop))
-            and auto.meets_stop(i, state)
-        ]
-        clearances = [
-            i
-            for i, one in enumerate(self.scene.clearances)
-            if touch.moved & set(self.maker.ends(one)) and auto.meets_clearance(i, state)
-        ]
+        elastic = ((i, stop) for i, stop in self.scene.elastic_stops if i not in self.maker.guarded)
+        stops, clearances = self.automaton.touched(
+            state,
+            [i for i, stop in elastic if touch.moved & set(self.maker.ends(stop))],
+            [i for i, one in enumerate(self.scene.clearances) if touch.moved & set(self.maker.ends(one))],
+        )
         if (stops or clearances) and state.t != 0:
-            auto._doubt(state)
+            self.automaton._doubt(state)
         return stops, clearances
 
     def _lifted(
