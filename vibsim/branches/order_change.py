@@ -13,7 +13,7 @@ from math import isfinite
 
 from vibsim.branches.family import Family
 from vibsim.branches.node import Node
-from vibsim.branches.way import Way
+from vibsim.branches.way import Way, at_zero
 from vibsim.orbits.gaps import gap_of
 from vibsim.orbits.word import LETTERS, Word
 
@@ -56,27 +56,17 @@ def _zero(points: list[tuple[float, float]]) -> tuple[float, float]:
     """
     square = [(value * value, share) for value, share in points]
     if len(points) == 2:
-        line = _inverse(points)
+        line = at_zero(points)
         return abs(line - points[-1][1]), line
     points = min(points, square, key=_bent)
-    curve = _inverse(points)
-    return abs(curve - _inverse(points[1:])), curve
+    curve = at_zero(points)
+    return abs(curve - at_zero(points[1:])), curve
 
 
 def _bent(points: list[tuple[float, float]]) -> float:
     """How much the slope of three (value, share) changes, over its size."""
     one, other = ((b - a) / (t - s) for (a, s), (b, t) in pairwise(points))
     return abs(one - other) / (abs(one) + abs(other))
-
-
-def _inverse(points: list[tuple[float, float]]) -> float:
-    """The share at the value 0, by the polynomial for the share over the value (Neville)."""
-    shares = [share for _, share in points]
-    for order in range(1, len(points)):
-        for i in range(len(points) - order):
-            here, there = points[i][0], points[i + order][0]
-            shares[i] = (there * shares[i] - here * shares[i + 1]) / (there - here)
-    return shares[0]
 
 
 def shrinking(node: Node) -> Iterator[tuple[str, float]]:

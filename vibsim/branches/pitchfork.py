@@ -13,7 +13,7 @@ from vibsim.branches.arclength import ContinuationError, length_of
 from vibsim.branches.family import Family, FamilyPoint
 from vibsim.branches.node import Node
 from vibsim.branches.special import BRANCHING, CORNER, FOLD, UNRESOLVED, Special
-from vibsim.branches.way import Way, regula_falsi
+from vibsim.branches.way import Way, at_zero, regula_falsi
 
 TOUCHES = 1e-4  # distance from 1 of the multiplier where the parameter turns: the square of the way
 TRIES, FINE = 40, 1e-4  # evaluations while locating, and length of the last step
@@ -81,18 +81,8 @@ def _parameter(way: Way, turn: Node) -> float:
     values = []
     for side in (1, -1):
         nodes = [way.node(place + side * widest * share) for share in (1.0, 0.7, 0.5, 0.35)]
-        values.append(_at_zero([(node.fold, float(node.z[-1])) for node in nodes]))
+        values.append(at_zero([(node.fold, float(node.z[-1])) for node in nodes]))
     return sum(values) / 2
-
-
-def _at_zero(points: list[tuple[float, float]]) -> float:
-    """The value at 0 of the polynomial through (x, value), by Neville's scheme."""
-    values = [value for _, value in points]
-    for order in range(1, len(points)):
-        for i in range(len(points) - order):
-            here, there = points[i][0], points[i + order][0]
-            values[i] = (there * values[i] - here * values[i + 1]) / (there - here)
-    return values[0]
 
 
 def _settled(family: Family, near: np.ndarray, parameter: float) -> FamilyPoint:

@@ -115,3 +115,13 @@ def regula_falsi(way: Way, test: Any, tries: int, fine: float) -> tuple[Node, No
         if moved * way.length < fine * way.size:
             break
     return low, high
+
+
+def at_zero(points: list[tuple[float, float]]) -> float:
+    """The value at 0 of the polynomial through (x, value), by Neville's scheme."""
+    values = [value for _, value in points]
+    for order in range(1, len(points)):
+        for i in range(len(points) - order):
+            here, there = points[i][0], points[i + order][0]
+            values[i] = (there * values[i] - here * values[i + 1]) / (there - here)
+    return values[0]
