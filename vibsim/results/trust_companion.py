@@ -25,6 +25,7 @@ from vibsim.engine.choice import flow_of
 from vibsim.engine.events.rigid_stops import LOWEST
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import Scene
+from vibsim.results.blocks_ahead import PATIENCE
 from vibsim.results.columns import tables_of
 
 if TYPE_CHECKING:
@@ -34,7 +35,6 @@ PARTS = ("bodies", "links", "stops", "frictions", "forces", "base", "motor")
 TURNS = ("cycles", "cycles_lo")
 USUAL_ORDER, OTHER_ORDER = 20, 25  # of the Taylor flow; both cost the same
 TOLERANCE = 2.0**-53
-PATIENCE = 0.1  # seconds between two questions whether to wait on
 HIGHER = 16  # hops, at the end of sequences of impacts under friction: four times as fast
 BLOCKS_AHEAD = 8  # bounds the memory of a companion that is faster than the run
 GoOn = Callable[[], bool]
