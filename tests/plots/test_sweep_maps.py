@@ -51,6 +51,20 @@ def legend(figure):
     return [text.get_text() for text in figure.legends[0].get_texts()]
 
 
+@pytest.fixture
+def none_held(grid, tmp_path):
+    """The grid, where every motor passed."""
+    path = shutil.copy(grid, tmp_path / "none.h5")
+    with h5py.File(path, "r+") as file:
+        file["capture"][..., 0] = PASSED
+    return str(path)
+
+
+def test_a_map_without_capture_says_so(grid, none_held):
+    assert "no motor was captured" in [text.get_text() for text in draw("capture", none_held).axes[1].texts]
+    assert "no motor was captured" not in [text.get_text() for text in draw("capture", grid).axes[1].texts]
+
+
 @pytest.mark.parametrize("width", ["column", "page"])
 def test_verdicts_on_capture(grid, width):
     figure = draw("capture", grid, width)

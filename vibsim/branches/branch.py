@@ -33,8 +33,12 @@ STABILITY = (
 class SpecialPoint:
     """A special point of a branch.
 
-    label : such as PD1, numbered along the branch; kind : fold, doubling, neimark-sacker, grazing, ...
-    between : numbers of the points of the branch on both sides; before, after : words there, along the branch
+    Attributes
+    ----------
+    label : such as PD1, numbered along the branch
+    kind : fold, doubling, neimark-sacker, grazing, ...
+    between : numbers of the points of the branch on both sides
+    before, after : words there, along the branch
     jump : how many more multipliers are outside the unit circle behind it
     """
 
@@ -69,7 +73,10 @@ class SpecialPoint:
 class Branch(Along, Labelled):
     """A branch: `branch["period"]` and so on along it, `branch.specials` on it.
 
-    plan : what was continued; attrs : of its file
+    Attributes
+    ----------
+    plan : what was continued
+    attrs : of its file
 
     >>> import vibsim
     >>> branch = vibsim.continue_branch("gallery/friction-oscillator", "drive.omega", "0.88:0.92 rad/s")

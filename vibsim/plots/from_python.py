@@ -41,7 +41,8 @@ def plot(
     kind : as `vibsim plot --list` names them; None: what suits the result
     ax : axes to draw into, or as many as the picture has panels; None: a new figure of pyplot
     window, detail : spans to show and to enlarge: (first, last) [s], or "100:110"
-    width : "column" or "page"; size : width and height [cm] of a new figure
+    width : "column" or "page"
+    size : width and height [cm] of a new figure
     font_size : [pt]
     style : True: vibsim's; False: the settings of matplotlib in force; or a style sheet, laid over vibsim's
     x, y : names of two columns to draw against each other, in the place of a kind

@@ -125,6 +125,11 @@ def note(axes: Axes, text: str, above: int = 0) -> None:
     axes.set_title(text, loc="right", fontsize=points(7), color=GREY, pad=3 + above * points(NOTE_LINE_PT))
 
 
+def say_inside(axes: Axes, text: str) -> None:
+    """Say in the middle of axes why they are empty."""
+    axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center", color=GREY)
+
+
 def above_wider(values: np.ndarray) -> float:
     """A z-order that puts a narrow band of oscillation above a wider one, so that none hides another."""
     strokes = np.abs(np.diff(values))

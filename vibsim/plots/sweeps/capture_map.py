@@ -7,6 +7,7 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 
 from vibsim.plots.page.quantities import rounded
+from vibsim.plots.page.sheet import say_inside
 from vibsim.plots.style import BLUE, ORANGE, SKY, YELLOW
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweeps.map_sheet import map_sheet
@@ -37,7 +38,8 @@ def draw_map(subject: Subject, view: View) -> Figure:
         cells, edges = plane.grid(speeds, d), speed_classes(speeds[~np.isnan(speeds)])
         norm = BoundaryNorm(edges, 256)
         held = plane.lay(grid[2 * d + 1], cells, cmap="viridis", norm=norm, gid="capture_speed")
-        if np.isnan(speeds).all():
+        if np.isnan(cells).all():
+            say_inside(grid[2 * d + 1], "no motor was captured")
             continue
         bar = figure.colorbar(
             held, ax=grid[2 * d + 1], label="Mean speed while held (Hz)", pad=0.02, aspect=30, ticks=edges
