@@ -473,6 +473,40 @@ def test_chatter_under_friction_ends_and_tells_what_it_left_out(x, method):
     assert found.totals["uncertified"] == 0
 
 
+def carried(x, e, m, mu, F, method):
+    """A body of 1 kg that hops on the ground at x, with 1 m/s at first, and one of m rubbing on it (4 N, mu)
+    that a force F presses down.
+    """
+    return Scene(
+        (Body("a", 1.0, x, -1.0), Body("b", m, x, -1.0)),
+        stops=(RigidStop("floor", GROUND, 0, -x, COMPRESSION, e, True),),
+        frictions=(Friction("f", 0, 1, 4 * mu, 4 * mu, 0.0),),
+        forces=(Force("F", 1, -F, ()),),
+        t_end=10.0,
+        method=method,
+    )
+
+
+@pytest.mark.parametrize("method", ("auto", "taylor"))
+def test_hops_that_a_friction_stops_on_their_way_end_without_loss_in_the_stop(method):
+    """Two equal bodies rub with 2 N, 1 N presses down: the lower one hops against 2 m/s^2, both come to rest
+    on each other after 2 w / 3, at the height 2 w^2 / 9, and fall with w / 3 and 1/2 m/s^2: they strike at
+    w / sqrt 3, and the sequence ends after 1 + sqrt 3 of its first speed. With e = 1 it went on by rounding.
+    """
+    found = run(carried(1.0, 1.0, 1.0, 0.5, 1.0, method), "c", most=500)
+    left_out = found.totals["chatter_time"]
+    assert left_out < 1e-5
+    assert times(found, "rest_begin") + left_out == pytest.approx([1 + sqrt(3)], abs=0.02 * left_out)
+    assert (found.totals["uncertified"], found.totals["chatters"]) == (0, 1)
+
+
+@pytest.mark.parametrize(("e", "m", "F"), ((0.05, 0.01, 0.05), (0.2, 0.1, 1.0), (0.2, 0.01, 1.0)))
+def test_hops_in_which_a_light_body_is_caught_end_certified(e, m, F):
+    """It slips faster than four times the speed of the hop, and comes to rest on the other within it."""
+    found = run(carried(1.0, e, m, 0.5, F, "auto"), "c", most=500)
+    assert (found.totals["uncertified"], found.totals["chatters"]) == (0, 1)
+
+
 def test_a_body_that_stands_at_one_stop_and_is_struck_through_another_does_not_pass():
     """At t = 0 b2 stands at the wall, about to part from it, when b3 strikes it: both stops take part."""
     bodies = (

@@ -261,27 +261,27 @@ static const Event *event_of_key(const Mode *m, int key)
     return e < end ? e : NULL;
 }
 
-/* Acceleration that drives the ends of a rigid stop together at r->next in mode m, from its event function `key`. */
-double drive_at_next(Run *r, const Mode *m, int key)
+/* Derivative of order 1 or 2 of the event function `key` of mode m, at r->next; NAN where m has none. */
+double derivative_at_next(Run *r, const Mode *m, int key, int order)
 {
     const Mode *before = r->mode;
     const Event *e = event_of_key(m, key);
-    double series[SERIES], steps = r->steps, evaluations = r->evaluations, drive;
+    double series[SERIES], steps = r->steps, evaluations = r->evaluations, value;
     if (e == NULL)
         return NAN;
     r->mode = m;
     enter_flow(r, &r->next);
     if (r->closed) {
         closed_form_jets(r, 2);
-        drive = -event_derivative(r, e, 2);
+        value = event_derivative(r, e, order);
     } else {
         taylor_polynomial(r, e, series);
-        drive = -(2 * series[2]);
+        value = order * series[order];
     }
     r->mode = before;
     r->steps = steps;
     r->evaluations = evaluations;
-    return drive;
+    return value;
 }
 
 static double column_value(const Run *r, const double *values, int c, double base)

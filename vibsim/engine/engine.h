@@ -451,7 +451,7 @@ void base_motion_at(const Run *r, double t, double *X, double *V); /* accelerati
 int blow_take(Run *r, const Event *event, Blow *done);
 void blow_count(Run *r, const Blow *done);
 void blows_free(Blows *b);
-double drive_at_next(Run *r, const Mode *m, int key); /* driver.c */
+double derivative_at_next(Run *r, const Mode *m, int key, int order); /* driver.c */
 
 /* ledger.c; gather returns 0 when the work of one call is spent before the stretch is done */
 void ledger_open(Run *r);

@@ -267,13 +267,31 @@ static int turned(Run *r, Blow *done)
     return done->target != NOTHING;
 }
 
-/* Whether a friction that the blow moves slips so slowly that a hop of the speed behind it turns it round. */
-static int rubs(const Run *r, const Blow *done)
+/* Deceleration of a friction that slips in the mode behind the blow; 0 where it does not. */
+static double slowing(Run *r, const Blow *done, int friction)
+{
+    const Mode *m = r->modes[done->target];
+    int i;
+    for (i = 0; i < m->event_count; i++)
+        if (m->events[i].kind == SLIDE && m->events[i].part == friction)
+            return -derivative_at_next(r, m, m->events[i].key, 1);
+    return 0.0;
+}
+
+/*
+ * Whether a friction that the blow moves slips so slowly that a hop of the speed behind it turns it round, or comes to
+ * rest before the next blow, `after` [s].
+ */
+static int rubs(Run *r, const Blow *done, double after)
 {
     int i;
     for (i = 0; i < r->blows.friction_count; i++) {
         const Rubbing *f = &r->blows.frictions[i];
-        if (moves(r, done->stop, f) && fabs(slip_of(r, f, done->V)) <= TURNING * -done->after)
+        double slip;
+        if (!moves(r, done->stop, f))
+            continue;
+        slip = fabs(slip_of(r, f, done->V));
+        if (slip <= TURNING * -done->after || !(slip > CLEAR * (slowing(r, done, i) * after)))
             return 1;
     }
     return 0;
@@ -297,14 +315,14 @@ static double resolution(const Run *r, const RigidStop *s, double drive)
 /* Whether the next blow on the stop comes late enough not to be the end of an infinite sequence. */
 static int departs(Run *r, const Event *event, const Blow *done)
 {
-    double speed = -done->after, e = done->stop->e, drive = drive_at_next(r, r->modes[done->target], event->key);
+    double speed = -done->after, e = done->stop->e, drive = -derivative_at_next(r, r->modes[done->target], event->key, 2);
     if (!isfinite(drive))
         return 0;
     if (!(2 * speed > CLEAR * (drive * (fmax(NEXT, (1 - e) * LAST) * resolution(r, done->stop, drive)))))
         return 0;
-    if (drive <= 0 || !rubs(r, done))
+    if (drive <= 0 || speed * (2 * speed / drive) / 4 > CLEAR * (r->blows.lowest * EPS * size_of(r, done->stop, done->X)))
         return 1;
-    return speed * (2 * speed / drive) / 4 > CLEAR * (r->blows.lowest * EPS * size_of(r, done->stop, done->X));
+    return !rubs(r, done, 2 * speed / drive);
 }
 
 /* Zeros of sliding velocities that the blow has changed are none any more. */

@@ -15,7 +15,8 @@ a touch that stays.
 Resolution of length: where a friction turns round at the top of a hop, the motion starts anew from rounded
 displacements, and the return is lost in that where the height w^2 / (2 a) is. So the sequence ends below
 LOWEST of their rounding, at e = 1 too. With the acceleration b of the return it would have lasted for another
-w (1 / a + 1 / sqrt(a b)) / (1 - e sqrt(b / a)), some 1e-7 s, which is told.
+w (1 / a + 1 / sqrt(a b)) / (1 - e sqrt(b / a)), some 1e-7 s, which is told. A friction that holds from where
+it comes to rest, after s, takes from the hop as well: it returns from w s - a s^2 / 2 on at b.
 """
 
 from __future__ import annotations
@@ -457,8 +458,9 @@ class RigidStops(Generic[N]):
             unit, after = self._resolution(state.t, c, drive), 2 * speed / drive
             last = after if c.e == 1 else after / (1 - c.e)
             soon = after <= NEXT * unit or (c.e < 1 and after <= (1 - c.e) * (LAST * unit))
-            rubbing = [] if soon else self._rubbing(state, status, c, speed)
-            if rubbing and self._is_low(state, c.stop, speed * after / 4):
+            low = not soon and self._is_low(state, c.stop, speed * after / 4)
+            rubbing = self._rubbing(state, status, c, speed, after) if low else []
+            if rubbing:
                 lasting = self._lasting(state, status, c, rubbing, speed, drive)
                 soon, last = lasting is not None, last if lasting is None else lasting
             if soon:
@@ -499,9 +501,11 @@ class RigidStops(Generic[N]):
         after = 2 * speed / drive
         self.cut_off.add(t, after / (1 - e), speed, speed * after / 8)
 
-    def _rubbing(self, state: State[N], status: Status, contact: Contact[N], speed: N) -> list[int]:
+    def _rubbing(
+        self, state: State[N], status: Status, contact: Contact[N], speed: N, after: N
+    ) -> list[int]:
         """Frictions at an end of a stop, or at what moves with it, that slip so slowly that a hop which
-        begins with a speed [m/s] turns them round.
+        begins with a speed [m/s] turns them round, or come to rest before the next blow, `after` [s].
         """
         leader, n = self.maker.ties(status)[0], self.maker.n
         hopping = {leader[column] for column in (contact.P, contact.Q) if leader[column] < n}
@@ -511,7 +515,10 @@ class RigidStops(Generic[N]):
             for i, one in enumerate(self.scene.frictions)
             if status.frictions[i] != STICK
             and ends & set(self.maker.ends(one))
-            and abs(self.automaton._slip(one, state)) <= TURNING * speed
+            and (
+                abs(self.automaton._slip(one, state)) <= TURNING * speed
+                or 0 < self._halt(state, status, i) <= after
+            )
         ]
 
     def _is_low(self, state: State[N], j: int, height: N) -> bool:
@@ -522,14 +529,50 @@ class RigidStops(Generic[N]):
         self, state: State[N], status: Status, c: Contact[N], rubbing: Sequence[int], speed: N, drive: N
     ) -> N | None:
         """How long a sequence of impacts would go on whose hops rise against `drive` and return with the
-        frictions `rubbing` turned round [s]; None where these take nothing of them and e = 1 does not either.
+        frictions `rubbing` turned round, or holding where they do not turn [s]; None where these take nothing
+        of them and e = 1 does not either.
         """
         turned = status.with_frictions({i: -status.frictions[i] for i in rubbing})
         back = self._drive(state, turned, c.stop)
         if not 0 < back < drive:
-            return None if c.e == 1 else 2 * speed / drive / (1 - c.e)
+            lasting = self._lasting_held(state, status, c, rubbing, speed, drive)
+            return 2 * speed / drive / (1 - c.e) if lasting is None and c.e < 1 else lasting
         share = self.kit.sqrt(back / drive)
         return speed / drive * (1 + 1 / share) / (1 - c.e * share)
+
+    def _lasting_held(
+        self, state: State[N], status: Status, c: Contact[N], rubbing: Sequence[int], speed: N, drive: N
+    ) -> N | None:
+        """How long a sequence of impacts would go on whose hops return with the frictions `rubbing` holding
+        from where they come to rest [s]; None where they do not, or no such hop is lower than the one before.
+        """
+        back = self._drive_held(state, status, c, rubbing)
+        halts = [self._halt(state, status, i) for i in rubbing]
+        if not 0 < back < drive or not all(halt > 0 for halt in halts):
+            return None
+        halt = halts[0]
+        for other in halts[1:]:
+            halt = other if other > halt else halt
+        height, rate = (speed - drive * halt / 2) * halt, speed - drive * halt
+        if height <= 0:
+            return None
+        again = self.kit.sqrt(rate * rate + 2 * back * height)
+        share = c.e * again / speed
+        return (halt + (rate + again) / back) / (1 - share) if share < 1 else None
+
+    def _drive_held(self, state: State[N], status: Status, c: Contact[N], rubbing: Sequence[int]) -> N:
+        """As `_drive`, with the frictions `rubbing` holding; 0 where these hold the ends of the stop."""
+        held = status.with_frictions(dict.fromkeys(rubbing, STICK))
+        leader = self.maker.ties(held)[0]
+        if leader[c.P] == leader[c.Q] or not self.automaton._possible(self.maker.rows(held)):
+            return self.kit.number(0)
+        return self._drive(state, held, c.stop)
+
+    def _halt(self, state: State[N], status: Status, i: int) -> N:
+        """When a friction that slips comes to rest [s]; 0 where it gathers speed."""
+        rows = self.automaton._enter(state, status)
+        slip, rate = self.automaton.flow.derivatives(self.automaton._event(rows, (SLIDE, i)), 1)[:2]
+        return slip / -rate if rate < 0 else self.kit.number(0)
 
     def _drive(self, state: State[N], status: Status, j: int) -> N:
         """Acceleration that drives the ends of an open stop together [m/s^2]."""
