@@ -29,6 +29,7 @@ from vibsim.physics.parts import (
     Stop,
     columns_of,
 )
+from vibsim.results.simulation import simulate
 from vibsim.sweeps.plan.axis import read_axis
 
 VALID = Path(__file__).parent / "valid"
@@ -241,3 +242,37 @@ def test_static_of_1_is_no_static_friction():
         load_case("gallery/friction-oscillator", changes) for changes in ({}, {"floor.static": "1"})
     )
     assert told.scene() == plain.scene()
+
+
+def started(gap, ram, base=""):
+    """A ram at a rigid stop, by its gap, its displacement and a base at the other end."""
+    end = "base" if base else "ground"
+    stop = f"{{between: [{end}, ram], gap: {gap}, acts: compression, law: rigid, e: 0.5}}"
+    lines = ["bodies: {ram: 1 kg}", f"stops: {{stop: {stop}}}", f"initial: {{ram: {{x: {ram}}}}}", base]
+    return "\n".join(lines)
+
+
+@pytest.mark.parametrize(
+    ("gap", "ram", "base"),
+    (
+        ("-0.30000000000000004 m", "0.3 m", ""),  # 0.1 + 0.2
+        ("0 m", "0.0006427876096865393 m", "base: {a: 1 mm, omega: 1 Hz, phase: 40 deg}"),  # sin, in doubles
+        ("0 m", "0.0006427876096865384 m", "base: {a: 1 mm, omega: 1 Hz, phase: 40 deg}"),
+    ),
+)
+def test_what_rounding_of_doubles_leaves_inside_a_rigid_stop_touches_it(tmp_path, gap, ram, base):
+    path = tmp_path / "case.yaml"
+    path.write_text(started(gap, ram, base))
+    pushed = {"run.t_end": "0.1 s", "forces.push.on": "ram", "forces.push.F0": "-10 N"}
+    result = simulate(load_case(path, pushed))
+    assert result.attrs["rests"] + result.attrs["impacts"] > 0
+    path.write_text(started(gap, f"{float(ram.split()[0]) - 1e-9} m", base))
+    with pytest.raises(CaseError, match="inside this rigid stop"):
+        load_case(path)
+
+
+def test_a_scene_that_no_result_file_can_hold_is_told(tmp_path):
+    path = tmp_path / "case.yaml"
+    path.write_text("bodies: {" + ", ".join(f"b{i}: 1 kg" for i in range(2001)) + "}")
+    with pytest.raises(CaseError, match="make 4002 columns; a result file has room for 4000"):
+        load_case(path)

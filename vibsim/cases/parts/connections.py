@@ -10,7 +10,7 @@ from vibsim.cases.spelling import did_you_mean
 
 def ends_exist(draft: Draft) -> Iterator[Finding]:
     """Each end is a body, ground or base."""
-    allowed = [*draft.bodies, *NO_BODIES]
+    allowed = [*(name for name in draft.bodies if name not in NO_BODIES), *NO_BODIES]
     for key, ends in draft.ends() if draft.bodies else ():
         for position, end in enumerate((ends.P, ends.Q), start=1):
             if end not in allowed:

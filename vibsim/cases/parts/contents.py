@@ -9,10 +9,25 @@ from vibsim.cases.parts.ends import NO_BODIES, Ends
 from vibsim.cases.parts.friction_laws import COULOMB
 from vibsim.cases.quantities import LARGEST, SMALLEST, Quantity
 
+MOST_COLUMNS = 4000  # notes of 16 bytes each on the scale of a table, in an attribute of 64 kB
+
 
 def there_is_a_body(draft: Draft) -> Iterator[Finding]:
     if draft.values.get("bodies") == {}:
         yield Finding("bodies", "a scene needs at least one body, such as {ram: 2 kg}", of_the_name=True)
+
+
+def a_file_has_room(draft: Draft) -> Iterator[Finding]:
+    """A result file holds MOST_COLUMNS of a table: what HDF5 can note at one scale."""
+    bodies, parts = len(draft.bodies), sum(1 for _ in draft.parts("stops", "friction", "clearances"))
+    rigid = any(part.get("law") == "rigid" for _, part in draft.parts("stops"))
+    columns = (3 if rigid else 2) * bodies + parts
+    if columns > MOST_COLUMNS:
+        message = (
+            f"{bodies} bodies and their stops, frictions and clearances make {columns} columns; "
+            f"a result file has room for {MOST_COLUMNS}"
+        )
+        yield Finding("bodies", message, of_the_name=True)
 
 
 def links_do_something(draft: Draft) -> Iterator[Finding]:

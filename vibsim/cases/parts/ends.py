@@ -26,8 +26,14 @@ class Ends:
         if isinstance(value, Ends):
             return value
         if isinstance(value, str):
-            value = value.strip().removeprefix("[").removesuffix("]").split(",")
-        names = [*value.values()] if isinstance(value, dict) else value
+            text = value.strip()
+            listed = text.startswith("[") and text.endswith("]")
+            value = (text[1:-1] if listed else text).split(",")
+            if any(bracket in name for name in value for bracket in "[]"):
+                return None
+        if isinstance(value, dict):
+            value = [value.get("1"), value.get("2")] if len(value) == 2 else None
+        names = value
         if not isinstance(names, list | tuple) or len(names) != 2:
             return None
         if not all(isinstance(name, str) and name.strip() for name in names):
@@ -45,7 +51,7 @@ class _TwoEnds:
     def read(self, value: object) -> Ends:
         ends = Ends.read(value)
         if ends is None:
-            value_text = _shown_list(value) if isinstance(value, dict) else shown(value)
+            value_text = _shown_places(value) if isinstance(value, dict) else shown(value)
             raise ValueError(
                 f"must be two ends such as [ram, ground]: bodies, ground or base; got {value_text}"
             )
@@ -57,6 +63,11 @@ class _TwoEnds:
         return {"type": "array", "items": name, "minItems": 2, "maxItems": 2}
 
 
-def _shown_list(value: dict[str, object]) -> str:
-    """What stands in place of the two ends, with what has been reported already left out."""
-    return shown(f"[{', '.join(item if isinstance(item, str) else '...' for item in value.values())}]")
+def _shown_places(value: dict[str, object]) -> str:
+    """What stands in place of the two ends, a list or a mapping, with what has been reported already left
+    out.
+    """
+    items = {place: item if isinstance(item, str) else "..." for place, item in value.items()}
+    if all(place.isdecimal() for place in items):
+        return shown(f"[{', '.join(items.values())}]")
+    return shown(f"{{{', '.join(f'{place}: {item}' for place, item in items.items())}}}")

@@ -12,7 +12,8 @@ NEEDED = {"elastic": "k", "rigid": "e"}
 FOREIGN = {"elastic": ("e",), "rigid": ("k", "c", "release")}
 OTHER = {"elastic": "rigid", "rigid": "elastic"}
 EXAMPLES = {"k": "k: 1 MN/m", "e": "e: 0.8"}
-ROUNDING = 1e-12  # of the place of a base that is told by sines [-]
+OF_SINES = 1e-12  # rounding of the place of a base [-]
+OF_DOUBLES = 2.0**-52  # of places that are sums and differences of doubles: 0.1 + 0.2 and 0.3 touch [-]
 
 
 def stops_have_their_law(draft: Draft) -> Iterator[Finding]:
@@ -41,8 +42,8 @@ def starts_are_outside(draft: Draft) -> Iterator[Finding]:
             continue
         ahead: Any = places[0] - places[1]
         depth = (ahead if part["acts"] == "compression" else -ahead) - gap.value
-        blur = ROUNDING * (abs(ahead) + abs(gap.value)) if BASE in (ends.P, ends.Q) else 0
-        if depth > blur:
+        rounding = OF_SINES if BASE in (ends.P, ends.Q) else OF_DOUBLES
+        if depth > rounding * float(abs(places[0]) + abs(places[1]) + abs(gap.value)):
             message = (
                 f"{ends.P} and {ends.Q} start {float(depth):.6g} m inside this rigid stop; "
                 "give it a larger gap, or the bodies another initial.NAME.x"

@@ -11,6 +11,7 @@ from vibsim.cases.parts.connections import (
     states_exist,
 )
 from vibsim.cases.parts.contents import (
+    a_file_has_room,
     closed_form_is_there,
     friction_has_a_load,
     links_do_something,
@@ -25,6 +26,7 @@ from vibsim.cases.parts.names import names_are_different, names_are_names, names
 
 RULES: tuple[Callable[[Draft], Iterator[Finding]], ...] = (
     there_is_a_body,
+    a_file_has_room,
     names_are_names,
     names_are_different,
     names_are_no_columns,
