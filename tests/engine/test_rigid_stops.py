@@ -11,6 +11,7 @@ from hypothesis import given, settings
 
 from tests.engine.random_parts import rigid_scenes
 from tests.engine.runs import outcome, run
+from vibsim.cases import load_case
 from vibsim.engine.columns import state_columns
 from vibsim.engine.modes.status import RESTING
 from vibsim.engine.tangent.error_growth import _kick
@@ -31,6 +32,7 @@ from vibsim.physics.parts import (
     Scene,
     Stop,
 )
+from vibsim.results.simulation import simulate
 
 METHODS = ("auto", "taylor")
 GRAVITY = 9.81
@@ -471,6 +473,39 @@ def test_chatter_under_friction_ends_and_tells_what_it_left_out(x, method):
     assert times(found, "rest_begin") + left_out == pytest.approx([expected], abs=late + 16 * unit)
     assert 0 < left_out < 10 * sqrt(2 * 1024 * 2.0**-53 * 2 * x / a) + 16 * unit
     assert found.totals["uncertified"] == 0
+
+
+TWINS = """
+bodies: {b0: 0.4219724961127288 kg, b1: 2.0205722265529866 kg}
+links: {l0: {between: [b0, ground], k: 3.6852853323265524 N/m}}
+stops:
+  e0: {between: [b0, ground], gap: 0 m, acts: compression, k: 41.89811667208198 N/m,
+       c: 3.0324650071085157 N s/m, release: force}
+  r0: {between: [b0, b1], gap: 0.3840759458734341 m, acts: extension, law: rigid, e: 0.6857331400718227}
+  r1: {between: [b1, b0], gap: 0.3840759458734341 m, acts: compression, law: rigid, e: 1}
+forces:
+  F0: {on: b0, F0: 0.3192555741973109 N, terms: [
+    {A: 1.757050347108766 N, omega: 0.7522050619787632 rad/s, phase: 1.5564601660430661 rad},
+    {A: 0.746216967915518 N, omega: 3.466427862742015 rad/s, phase: 0.6990039361402913 rad}]}
+  F1: {on: b1, A: 1.6663167018169944 N, omega: 1.5828024589444487 rad/s, phase: 4.618052510749918 rad}
+initial: {b0: {x: -0.3632700009731692 m}, b1: {x: -0.0791940550997351 m, v: 0.48860002047161166 m/s}}
+run: {t_end: 2.5 s, every: 0.5 s}
+"""
+
+
+def test_a_stop_that_rounding_leaves_open_where_its_twin_is_struck_is_struck(tmp_path):
+    """Two stops with the same ends and gap: the law of impacts takes the larger e. The closed form tells the
+    first zero with a depth of 9e-15 m, and the other stop was taken to be open by as much.
+    """
+    path = tmp_path / "twins.yaml"
+    path.write_text(TWINS)
+    events = simulate(load_case(path), trust=False).events
+    struck = events["kind"] == EVENT_KINDS["impact"]
+    behind, before = (
+        events[f"{prefix}v_b1"][struck] - events[f"{prefix}v_b0"][struck] for prefix in ("", "before_")
+    )
+    assert struck.sum() == 1
+    assert behind == pytest.approx(-before, rel=1e-13)
 
 
 def carried(x, e, m, mu, F, method):

@@ -125,7 +125,7 @@ static int stands_off(
 {
     double size = fmax(size_of(r, s, X), size_of(r, struck, X));
     double rate = -(s->sense * (column(r, r->next.v, s->P, V) - column(r, r->next.v, s->Q, V)));
-    return -depth_of(r, s, X) > NEAR * (fabs(rate) * unit + EPS * size);
+    return -depth_of(r, s, X) > NEAR * (fabs(rate) * unit + EPS * size) + fabs(depth_of(r, struck, X));
 }
 
 /* Move the ends onto each other: what rounding left of the depth, shared as their masses say. */

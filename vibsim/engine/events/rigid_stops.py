@@ -206,10 +206,12 @@ class RigidStops(Generic[N]):
     def _touching(self, state: State[N], status: Status, i: int) -> Touch[N]:
         """The stops that rest, and those that meet stop `i` within the resolution of time and length.
 
-        A body that was seated at one stop has moved by the rounding of that one's displacements.
+        A body that was seated at one stop has moved by the rounding of that one's displacements. Stop `i` is
+        met at the zero of its depth: what the state has of it tells how far rounding is off for its ends.
         """
         v, kit = self._velocities(state), self.kit
         within = LAST * self._unit_of(state.t)
+        off = abs(self.automaton._depth(self.stops[i], state))
         contacts: list[Contact[N]] = []
         together = False
         for j, stop in self.scene.rigid_stops:
@@ -217,7 +219,10 @@ class RigidStops(Generic[N]):
             rate, size = rate_of(kit, contact, v), self._size(stop, state)
             if j != i and self._share(i, j):
                 size = max(size, self._size(self.stops[i], state))
-            if j == i or status.stops[j] == RESTING or room <= abs(rate) * within + ROUNDING * kit.eps * size:
+            near = abs(rate) * within + ROUNDING * kit.eps * size
+            if j != i and self._share(i, j):
+                near = near + off
+            if j == i or status.stops[j] == RESTING or room <= near:
                 contacts.append(contact)
             if j != i and status.stops[j] == OPEN and rate > 0 and self._share(i, j):
                 together |= room <= NEAR * (rate * self._unit_of(state.t) + kit.eps * size)
