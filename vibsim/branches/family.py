@@ -198,8 +198,9 @@ class FamilyPoint:
     @once
     def slope(self) -> np.ndarray:
         """Derivative of the residual by the scaled parameter (n)."""
-        slope = self._quotient(SHIFT)
-        steepness = float(abs(slope).max())
+        about = self.__dict__.get("about")  # tells how steep it is, where Newton's method came to one
+        slope = self._quotient(SHIFT) if about is None or steepness_of(about) <= STEEP else about
+        steepness = steepness_of(slope)
         # near a grazing touch of a rigid stop it is as steep as it is bent
         return slope if steepness <= STEEP else self._quotient(SHIFT / steepness)
 
@@ -305,3 +306,8 @@ class FamilyPoint:
                 slope = self.slope
             z[:count] += slope[:count] * step[-1]
         return z
+
+
+def steepness_of(slope: np.ndarray) -> float:
+    """The largest derivative by the scaled parameter."""
+    return float(abs(slope).max())
