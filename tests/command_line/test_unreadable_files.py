@@ -65,3 +65,17 @@ def test_a_style_sheet_that_must_not_be_read(folder):
     done = call("plot", "I-A", "--style", "a.mplstyle", "-o", "a.png")
     said = "a.mplstyle is no style sheet of matplotlib: Permission denied"
     assert (done.exit_code, done.stderr) == (2, f"Error: {said}\n")
+
+
+@pytest.mark.parametrize("words", [words for words in COMMANDS if " -o a.h5" not in words])
+def test_a_result_that_is_not_there(tmp_path, monkeypatch, words):
+    monkeypatch.chdir(tmp_path)
+    done = call(*words.split())
+    assert (done.exit_code, done.stderr) == (6, "Error: a.h5: No such file or directory\n")
+
+
+@pytest.mark.parametrize("words", ["run a.yaml", "sweep a.yaml --omega0 3,4", "orbit a.yaml", "plot a.yaml"])
+def test_a_case_that_is_not_there(tmp_path, monkeypatch, words):
+    monkeypatch.chdir(tmp_path)
+    done = call(*words.split())
+    assert (done.exit_code, done.stderr) == (3, "a.yaml: no such file\n")

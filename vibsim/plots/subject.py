@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from vibsim.physics.parts import Scene
     from vibsim.results.columns import Tables
 
-RESULT_SUFFIXES = (".h5", ".hdf5", ".partial")
-
 
 @dataclass(frozen=True)
 class Subject:
@@ -76,9 +74,9 @@ def open_subject(path: str) -> Subject:
     Raises ResultFileError or CaseError when it is none of these.
     """
     from vibsim.opening import open_result
-    from vibsim.results import is_result_file
+    from vibsim.results import names_a_result
 
-    if Path(path).suffix in RESULT_SUFFIXES or is_result_file(path):
+    if names_a_result(path):
         result = open_result(path)
         kind = str(result.attrs.get("vibsim_kind", "trajectory"))
         case = result.case

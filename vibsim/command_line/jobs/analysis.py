@@ -1,7 +1,6 @@
 """Judge the files and cases of `vibsim analyse` one by one."""
 
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 import click
@@ -13,10 +12,8 @@ from vibsim.command_line.terminal.printing import print_json, say
 from vibsim.command_line.text.analysis import analysis_lines
 from vibsim.command_line.text.summary import heading, print_lines
 from vibsim.opening import open_result
-from vibsim.results import Result, ResultFileError, is_result_file, kind_of, simulate
+from vibsim.results import Result, ResultFileError, kind_of, names_a_result, simulate
 from vibsim.results.windows import Window
-
-RESULT_SUFFIXES = (".h5", ".hdf5", ".partial")
 
 
 def judge_all(
@@ -61,8 +58,7 @@ def _length(result: Result, window: Window | None) -> float:
 
 def _opened(source: str, changes: dict[str, str]) -> Any:
     """The run in a file, or the case that is to be run."""
-    a_file = is_result_file(source) or Path(source).suffix in RESULT_SUFFIXES
-    if changes or source == "-" or not a_file:
+    if changes or not names_a_result(source):
         return read_case(source, changes)
     if kind_of(source) != "trajectory":
         raise ResultFileError(f"{source}: holds no single run; analyse takes runs and cases")

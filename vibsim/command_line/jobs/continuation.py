@@ -21,7 +21,7 @@ from vibsim.command_line.options.settings import Settings
 from vibsim.command_line.terminal.printing import say
 from vibsim.command_line.text.summary import print_lines
 from vibsim.opening import open_result
-from vibsim.results import is_result_file, kind_of, names_a_result
+from vibsim.results import kind_of, names_a_result
 from vibsim.sweeps.plan.axis import scale_name
 
 
@@ -70,7 +70,7 @@ def read_energy_plan(
     from vibsim.branches.backbone import energy_plan
 
     _check_kind(source)
-    is_file = not changes and source != "-" and is_result_file(source)
+    is_file = not changes and names_a_result(source)
     subject = open_result(source) if is_file else read_case(source, changes)
     try:
         plan = energy_plan(subject, text, engine)
@@ -81,7 +81,7 @@ def read_energy_plan(
 
 def _check_kind(source: str) -> None:
     """Usage error for a file that holds neither an orbit nor a run."""
-    kind = kind_of(source) if source != "-" and is_result_file(source) else "trajectory"
+    kind = kind_of(source) if names_a_result(source) else "trajectory"
     if kind == "branch":
         raise click.UsageError(f"{source} holds a branch; --switch PD1 or --locus NS1 go on from one")
     if kind != "trajectory":
@@ -105,7 +105,7 @@ def _switched(
 
 def _orbit(source: str, case: Case, changes: dict[str, str], engine: str) -> object:
     """The orbit in a file, or where the run of a case comes to."""
-    if changes or source == "-" or not is_result_file(source):
+    if changes or not names_a_result(source):
         return orbit_from(case, engine)
     return orbit_from(open_result(source), engine)
 

@@ -24,7 +24,7 @@ from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.orbit_file import save_orbit
 from vibsim.orbits.searching import search_attempts
 from vibsim.orbits.seeking import orbit
-from vibsim.results import Result, is_result_file, kind_of
+from vibsim.results import Result, kind_of, names_a_result
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Wish:
 
     def subject(self) -> "Case | Result":
         """The run in a file, or a case. Raises CaseError and ResultFileError."""
-        if self.source != "-" and is_result_file(self.source) and kind_of(self.source) == "trajectory":
+        if names_a_result(self.source) and kind_of(self.source) == "trajectory":
             return _run(self.source)
         return read_case(self.source, {})
 

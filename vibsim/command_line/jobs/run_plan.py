@@ -14,7 +14,7 @@ from vibsim.command_line.text.summary import case_lines, heading, print_lines
 from vibsim.files.errors import ResultFileError
 from vibsim.files.output_file import check_output
 from vibsim.opening import open_result
-from vibsim.results import is_result_file, kind_of
+from vibsim.results import kind_of, names_a_result
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -62,7 +62,7 @@ def read_case(source: str, changes: dict[str, str]) -> "Case":
     """A case from a YAML file, a shipped name, "-", or the file of a run, sweep or branch."""
     from vibsim.cases import load_case
 
-    if source == "-" or not is_result_file(source):
+    if not names_a_result(source):
         return load_case(source, changes)
     if kind_of(source) not in ("trajectory", "sweep", "branch"):
         raise ResultFileError(f"{source}: holds no run; give a case, or the file of a run, sweep or branch")

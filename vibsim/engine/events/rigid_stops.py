@@ -506,9 +506,7 @@ class RigidStops(Generic[N]):
         after = 2 * speed / drive
         self.cut_off.add(t, after / (1 - e), speed, speed * after / 8)
 
-    def _rubbing(
-        self, state: State[N], status: Status, contact: Contact[N], speed: N, after: N
-    ) -> list[int]:
+    def _rubbing(self, state: State[N], status: Status, contact: Contact[N], speed: N, after: N) -> list[int]:
         """Frictions at an end of a stop, or at what moves with it, that slip so slowly that a hop which
         begins with a speed [m/s] turns them round, or come to rest before the next blow, `after` [s].
         """
