@@ -24,9 +24,13 @@ DATA = "shipped_cases"  # a package without modules
 OF_ENGINE = {"choice", "columns", "driver", "errors", "state"}
 OF_ENGINE |= {"flows.flow", "tangent.error_growth", "tangent.tangent_space"}
 OF_ENGINE |= {"trajectory", "truth", "_engine"}  # the last by name, to ask whether it is there
-# rooms within the highest ones -> rooms beside them that they may not import: what serves all pictures and
-# all commands knows none of them
+# rooms within others -> rooms beside them that they may not import: what serves all pictures and all commands
+# knows none of them, and a run is recorded by way of what stands below
 WITHIN = {
+    "results.motion": {"trust", "stored", "recording", "many_digits"},
+    "results.trust": {"stored", "recording", "many_digits"},
+    "results.stored": {"recording", "many_digits"},
+    "results.recording": {"many_digits"},
     "plots.page": {"motion", "runs", "cases", "sweeps", "branches", "machine", "animation", "live"},
     "plots.motion": {"runs", "cases", "sweeps", "branches", "machine", "animation", "live"},
     "plots.machine": {"motion", "runs", "cases", "sweeps", "branches", "animation", "live"},

@@ -11,8 +11,8 @@ from vibsim.files.declarations import Attribute, Dataset
 from vibsim.fitting import fit_structure
 from vibsim.fitting.fitting import make_plan as make_fit_plan
 from vibsim.fitting.plan import Search
-from vibsim.results import orbit_structure, trajectory_structure
 from vibsim.results.columns import JUDGEMENTS, tables_of
+from vibsim.results.stored import orbit_structure, trajectory_structure
 from vibsim.sweeps.statistics.columns import DEFINITIONS
 from vibsim.sweeps.store import sweep_structure
 from vibsim.sweeps.sweeping import make_plan as make_sweep_plan

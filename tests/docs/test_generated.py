@@ -20,7 +20,7 @@ from vibsim.command_line.errors import EXIT_CODES
 from vibsim.command_line.main import COMMANDS
 from vibsim.evidence.benchmark import bench_structure
 from vibsim.fitting import fit_structure
-from vibsim.results import trajectory_structure
+from vibsim.results.stored import trajectory_structure
 from vibsim.sweeps.store import sweep_structure
 
 CASES = [name.partition("/")[2] for name in gallery_case_names()]

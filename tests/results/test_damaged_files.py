@@ -23,7 +23,7 @@ from vibsim.fitting import fit
 from vibsim.fitting.fit_structure import ATTRIBUTES as OF_FIT
 from vibsim.fitting.run_store import FileRunStore
 from vibsim.results import ResultFileError
-from vibsim.results.trajectory_structure import ATTRIBUTES as OF_TRAJECTORY
+from vibsim.results.stored.trajectory_structure import ATTRIBUTES as OF_TRAJECTORY
 from vibsim.sweeps import sweep
 from vibsim.sweeps.store.point_store import FileStore
 from vibsim.sweeps.store.sweep_structure import ATTRIBUTES as OF_SWEEP

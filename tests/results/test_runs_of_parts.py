@@ -11,8 +11,8 @@ from vibsim.cases.loading import load_case_text
 from vibsim.engine.errors import EngineError
 from vibsim.engine.state import State
 from vibsim.results import ResultFileError, simulate_to_file
-from vibsim.results.part_counts import part_counts
-from vibsim.results.trust_companion import companion_scene
+from vibsim.results.motion.part_counts import part_counts
+from vibsim.results.trust.companion import companion_scene
 
 # A ram on a shaken table that strikes a tool: two stops, friction on the base, a belt, a watched distance.
 HAMMER = """

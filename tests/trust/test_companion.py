@@ -11,9 +11,8 @@ from vibsim.cases import load_case
 from vibsim.engine.errors import EngineError
 from vibsim.engine.state import State
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.results import trust_companion
-from vibsim.results.trust_companion import Companion, companion_scene, described
-from vibsim.results.trust_third import third_scene
+from vibsim.results.trust.companion import BLOCKS_AHEAD, Companion, companion_scene, described
+from vibsim.results.trust.third_run import third_scene
 
 LONG = {"run.t_end": "100000 s"}
 # those of II-B that are no doubles
@@ -116,7 +115,7 @@ def test_a_companion_that_nobody_asks_waits_and_can_be_ended(companions):
     companion.take(10)
     assert companion._thread.is_alive()
     companion._thread.join(0.3)
-    assert companion._queue.qsize() <= trust_companion.BLOCKS_AHEAD
+    assert companion._queue.qsize() <= BLOCKS_AHEAD
     companion.close()
     assert not companion._thread.is_alive()
     assert "vibsim companion" not in [thread.name for thread in threading.enumerate()]
@@ -140,7 +139,7 @@ def failing(monkeypatch, companions):
     def start(scene, error):
         real = open_trajectory
         monkeypatch.setattr(
-            "vibsim.results.trust_companion.open_trajectory",
+            "vibsim.results.trust.companion.open_trajectory",
             lambda scene, engine, **wishes: Failing(real(scene), error),
         )
         return companions(scene)

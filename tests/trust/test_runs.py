@@ -12,9 +12,11 @@ import vibsim
 from tests.command_line.made import call
 from tests.results.made import short_case
 from vibsim.physics.rates import longest_period
-from vibsim.results import recording, simulate, simulate_to_file, trust
-from vibsim.results.cadence import Thinning, instants_per_sample, sampled_finer
-from vibsim.results.trust_third import LastSamples
+from vibsim.results import simulate, simulate_to_file
+from vibsim.results.recording import recording
+from vibsim.results.recording.cadence import Thinning, instants_per_sample, sampled_finer
+from vibsim.results.trust import trust
+from vibsim.results.trust.third_run import LastSamples
 from vibsim.sweeps import sweep
 
 
@@ -151,8 +153,8 @@ def test_sweeps_do_without(monkeypatch):
     def refuse(*_):
         raise AssertionError("a sweep pays for a second run")
 
-    monkeypatch.setattr("vibsim.results.trust.Trust.__init__", refuse)
-    monkeypatch.setattr("vibsim.results.trust_companion.Companion.__init__", refuse)
+    monkeypatch.setattr("vibsim.results.trust.trust.Trust.__init__", refuse)
+    monkeypatch.setattr("vibsim.results.trust.companion.Companion.__init__", refuse)
     done = sweep(short_case("II-B", "2 s"), {"excitation.Omega0": "3:4:0.5 Hz"}, jobs=1)
     assert done.complete
     with pytest.raises(AssertionError, match="pays"):

@@ -10,7 +10,7 @@ from vibsim.engine.tangent.error_growth import error_growth
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.engine.truth import open_truth
 from vibsim.physics import number_kits
-from vibsim.results.right_digits import agreement
+from vibsim.results.many_digits.right_digits import agreement
 
 
 @pytest.mark.parametrize("name", ["I-A", "I-C", "II-B"])

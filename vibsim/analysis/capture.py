@@ -23,7 +23,7 @@ from vibsim.analysis.resonances import Resonance, resonances
 from vibsim.analysis.span import Span, span_of
 from vibsim.analysis.verdicts import CaptureVerdict, name_verdict
 from vibsim.physics.parts import Scene
-from vibsim.results.closing_velocity import IMPACT_CODES
+from vibsim.results.motion.closing_velocity import IMPACT_CODES
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
 

@@ -19,8 +19,8 @@ import numpy as np
 from vibsim.analysis.block_averages import Average, averages, block_values, blocks_of, unit_of
 from vibsim.analysis.verdicts import ComparisonVerdict, name_verdict
 from vibsim.physics.rates import source_period
-from vibsim.results.cadence import instants_per_sample, sampled_finer
 from vibsim.results.columns import tables_of
+from vibsim.results.recording.cadence import instants_per_sample, sampled_finer
 from vibsim.results.result import Result
 from vibsim.results.windows import pieces
 

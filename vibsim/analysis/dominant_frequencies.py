@@ -23,7 +23,7 @@ from vibsim.physics.rates import natural_rates
 from vibsim.physics.sines import sine_cosine
 from vibsim.physics.sums import dot, mean
 from vibsim.results.columns import tables_of
-from vibsim.results.relative_motion import RelativeMotion
+from vibsim.results.motion.relative_motion import RelativeMotion
 from vibsim.results.result import Result
 from vibsim.results.windows import Window, rows_within
 

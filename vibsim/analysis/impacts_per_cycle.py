@@ -14,8 +14,8 @@ from vibsim.analysis.verdicts import ImpactsVerdict, name_verdict
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene
 from vibsim.physics.sums import mean
-from vibsim.results.closing_velocity import closing_velocities
 from vibsim.results.columns import part_names
+from vibsim.results.motion.closing_velocity import closing_velocities
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
 

@@ -9,7 +9,7 @@ from vibsim.analysis.regime.section import MOST, Coordinates
 from vibsim.analysis.span import Span
 from vibsim.engine.trajectory import Block
 from vibsim.physics.parts import Scene
-from vibsim.results.closing_velocity import IMPACT_CODES
+from vibsim.results.motion.closing_velocity import IMPACT_CODES
 
 
 class StreamedVerdicts:

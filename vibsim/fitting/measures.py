@@ -22,7 +22,7 @@ from vibsim.analysis.regime.verdict import judge_regime
 from vibsim.analysis.span import span_of, steady_span
 from vibsim.physics.parts import Scene
 from vibsim.physics.sums import mean
-from vibsim.results.closing_velocity import IMPACT_CODES
+from vibsim.results.motion.closing_velocity import IMPACT_CODES
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
 from vibsim.sweeps.computations.capture_verdict import VERDICTS as CAPTURES

@@ -7,11 +7,11 @@ import numpy as np
 
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.start import case_on_orbit
-from vibsim.results.orbit_structure import DATASETS, DIGITS, GROUP
-from vibsim.results.recording import Recording
+from vibsim.results.recording.recording import Recording
 from vibsim.results.result import Result
-from vibsim.results.trajectory_file import TrajectoryFile
-from vibsim.results.trajectory_writer import TrajectoryWriter
+from vibsim.results.stored.orbit_structure import DATASETS, DIGITS, GROUP
+from vibsim.results.stored.trajectory_file import TrajectoryFile
+from vibsim.results.stored.trajectory_writer import TrajectoryWriter
 
 if TYPE_CHECKING:
     from vibsim.orbits.orbit_digits import OrbitDigits

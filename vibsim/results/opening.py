@@ -41,7 +41,7 @@ def is_result_file(path: str | Path) -> bool:
 def open_trajectory_file(path: str | Path) -> Any:
     """The Result in a trajectory file; raises as `open_result`, and for no single run."""
     from vibsim.results.result import Result
-    from vibsim.results.trajectory_file import TrajectoryFile
+    from vibsim.results.stored.trajectory_file import TrajectoryFile
 
     if kind_of(path) != "trajectory":
         raise ResultFileError(f"{path}: holds no single run")

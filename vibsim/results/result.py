@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from vibsim.cases import Case
     from vibsim.results.columns import Tables
     from vibsim.results.digits import Digits
-    from vibsim.results.trajectory_writer import TrajectoryWriter
+    from vibsim.results.stored.trajectory_writer import TrajectoryWriter
 
 Table = Mapping[str, np.ndarray]
 
@@ -134,7 +134,7 @@ class Result(Labelled):
 
         Raises ResultFileError when the file exists and `force` is not given, or cannot be written.
         """
-        from vibsim.results.trajectory_writer import TrajectoryWriter
+        from vibsim.results.stored.trajectory_writer import TrajectoryWriter
 
         if self.digits is None:
             writer = TrajectoryWriter(path, self._tables(), {}, force)
@@ -150,7 +150,7 @@ class Result(Labelled):
 
     def _attach(self, writer: "TrajectoryWriter", orbit: Table) -> None:
         """Write what is known of a periodic orbit."""
-        from vibsim.results.orbit_structure import GROUP, orbit_datasets
+        from vibsim.results.stored.orbit_structure import GROUP, orbit_datasets
 
         writer.attach(orbit_datasets(orbit), {f"{GROUP}/{name}": orbit[name] for name in orbit})
 
@@ -163,7 +163,7 @@ class Result(Labelled):
 
     def _truth_writer(self, path: str | Path, digits: "Digits", force: bool) -> Any:
         """A writer that has the digits already."""
-        from vibsim.results.truth_writer import TruthWriter
+        from vibsim.results.many_digits.truth_writer import TruthWriter
 
         writer = TruthWriter(path, self._tables(), {}, self.attrs["digits"], force)
         writer.append_digits(digits.table, digits.event_table)

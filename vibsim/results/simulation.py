@@ -6,7 +6,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from vibsim.results.recording import MemorySink, Recording, Watch
+from vibsim.results.recording.recording import MemorySink, Recording, Watch
 from vibsim.results.result import Result
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def simulate(
 
     case = load_case(case, overrides)
     if digits is not None:
-        from vibsim.results.truth import truth
+        from vibsim.results.many_digits.truth import truth
 
         return truth(case, digits, engine)
     recording = Recording(case, engine, trust)
@@ -76,14 +76,14 @@ def simulate_to_file(
 
     case = load_case(case)
     if digits is not None:
-        from vibsim.results.truth import truth_to_file
+        from vibsim.results.many_digits.truth import truth_to_file
 
         return truth_to_file(case, path, digits, engine, force, watch)
     recording = Recording(case, engine, trust, tangent)
     with closing(recording):
         recording.set_off()  # HDF5 is loaded while the engine runs
-        from vibsim.results.trajectory_file import TrajectoryFile
-        from vibsim.results.trajectory_writer import TrajectoryWriter
+        from vibsim.results.stored.trajectory_file import TrajectoryFile
+        from vibsim.results.stored.trajectory_writer import TrajectoryWriter
 
         writer = TrajectoryWriter(path, recording.tables, recording.start, force)
         try:

@@ -8,7 +8,7 @@ import vibsim.engine.trajectory
 from vibsim.evidence.verification import runs, verify
 from vibsim.evidence.verification.catalogue import all_checks
 from vibsim.orbits import return_map
-from vibsim.results import recording
+from vibsim.results.recording import recording
 
 WRONG = 1 + 1e-13
 JUDGED = ("V1/I-", "V2/", "V3/", "V4/", "V5/", "hard/")

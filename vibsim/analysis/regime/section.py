@@ -21,7 +21,7 @@ from vibsim.physics.body_sets import body_sets, joined_pairs
 from vibsim.physics.parts import Scene, columns_of
 from vibsim.physics.sines import sine_cosine
 from vibsim.physics.sums import mean
-from vibsim.results.relative_motion import RelativeMotion
+from vibsim.results.motion.relative_motion import RelativeMotion
 from vibsim.results.restart import states_at
 from vibsim.results.result import Result
 from vibsim.results.windows import pieces, rows_within

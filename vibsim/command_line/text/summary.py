@@ -79,7 +79,7 @@ def counts_of(result: Result) -> dict[str, dict[str, int]]:
     """How often what happened to each part; nothing of the short form, which has one of each."""
     if not result.case.is_long:
         return {}
-    from vibsim.results.part_counts import part_counts
+    from vibsim.results.motion.part_counts import part_counts
 
     return part_counts(result, result.case.scene())
 

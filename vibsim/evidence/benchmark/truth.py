@@ -11,8 +11,8 @@ import numpy as np
 from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.error_growth import error_growth
 from vibsim.evidence.benchmark.plan import Plan
-from vibsim.results.right_digits import DigitsPlan
-from vibsim.results.truth import TruthMemory, TruthRecording
+from vibsim.results.many_digits.right_digits import DigitsPlan
+from vibsim.results.many_digits.truth import TruthMemory, TruthRecording
 
 RIGHT = 20  # digits at the end: the error of a double has 16, and two of it are to be told
 FEWEST = 30

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from vibsim import __version__
 from vibsim.results import ResultFileError, open_trajectory_file, simulate_to_file
-from vibsim.results.recording import Watch
+from vibsim.results.recording.recording import Watch
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

@@ -21,7 +21,7 @@ from vibsim.plots.motion.impacts import PUSHING, impact_events
 from vibsim.plots.motion.spans import period_of
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span
-from vibsim.results.relative_motion import base_motion
+from vibsim.results.motion.relative_motion import base_motion
 
 FLASH = 0.15  # seconds of the film that an impact is seen
 SMOOTHED = 4  # periods over which a drift is taken out

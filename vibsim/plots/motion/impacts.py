@@ -12,7 +12,7 @@ from vibsim.engine.modes.status import CONTACT, RESTING
 from vibsim.physics.parts import Scene, columns_of
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span
-from vibsim.results.closing_velocity import IMPACT_CODES
+from vibsim.results.motion.closing_velocity import IMPACT_CODES
 
 Events = dict[str, np.ndarray]
 PUSHING = (CONTACT, RESTING)  # a lifted stop exerts no force

@@ -13,8 +13,8 @@ from vibsim.plots.errors import PlotError
 from vibsim.plots.motion.relative_motion import difference, stop_label, stop_position, stops_between
 from vibsim.plots.motion.trace import Plane
 from vibsim.plots.subject import Subject
-from vibsim.results.closing_velocity import IMPACT_CODES
-from vibsim.results.relative_motion import RelativeMotion
+from vibsim.results.motion.closing_velocity import IMPACT_CODES
+from vibsim.results.motion.relative_motion import RelativeMotion
 
 
 @dataclass(frozen=True)

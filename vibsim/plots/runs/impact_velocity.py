@@ -22,7 +22,7 @@ from vibsim.plots.page.sheet import legend_above, letter_panels, note, sheet, ti
 from vibsim.plots.style import BLUE, GREY, overlay
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span, View
-from vibsim.results.closing_velocity import closing_velocities
+from vibsim.results.motion.closing_velocity import closing_velocities
 
 BINS = 40
 THINNEST = 0.012  # of the greatest velocity: a bar that can be seen

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from vibsim.physics.parts import BASE, GROUND, Scene, columns_of
-from vibsim.results.relative_motion import base_motion
+from vibsim.results.motion.relative_motion import base_motion
 from vibsim.sweeps.statistics.quantities import Motion
 
 States = Mapping[str, np.ndarray]  # time [s] and the states by name, each (n)

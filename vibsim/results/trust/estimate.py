@@ -23,7 +23,7 @@ import numpy as np
 
 from vibsim.physics.parts import Scene
 from vibsim.physics.rates import longest_period
-from vibsim.results.trust_share import Share, Third
+from vibsim.results.trust.share import Share, Third
 
 ULP = 2.0**-52
 DECADES = 4.0  # of growth for which the distance counts once more

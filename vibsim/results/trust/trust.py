@@ -12,10 +12,10 @@ import numpy as np
 
 from vibsim.physics.parts import Scene
 from vibsim.results.columns import tables_of
-from vibsim.results.trust_companion import Companion, GoOn, companion_scene, described
-from vibsim.results.trust_estimate import ErrorEstimate
-from vibsim.results.trust_share import NotYet
-from vibsim.results.trust_third import ThirdRun
+from vibsim.results.trust.companion import Companion, GoOn, companion_scene, described
+from vibsim.results.trust.estimate import ErrorEstimate
+from vibsim.results.trust.share import NotYet
+from vibsim.results.trust.third_run import ThirdRun
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

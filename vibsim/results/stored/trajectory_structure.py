@@ -15,7 +15,7 @@ from vibsim.files.declarations import (
 )
 from vibsim.files.provenance import PROVENANCE
 from vibsim.results.columns import TIMES, Tables
-from vibsim.results.orbit_structure import ATTRIBUTES as ORBIT_ATTRIBUTES
+from vibsim.results.stored.orbit_structure import ATTRIBUTES as ORBIT_ATTRIBUTES
 
 COUNTS = ("impacts", "sticks", "reversals", "steps", "evaluations")
 STRUCK = ("transmitted", "chatters", "rests")  # of scenes with rigid stops

@@ -23,7 +23,7 @@ from vibsim.engine.truth import open_truth
 from vibsim.physics.numbers import Number
 from vibsim.physics.parts import Scene
 from vibsim.physics.working_precision import FEWEST_DIGITS, MOST_DIGITS
-from vibsim.results.recording import Watch
+from vibsim.results.recording.recording import Watch
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

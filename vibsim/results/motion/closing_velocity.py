@@ -6,7 +6,7 @@ import numpy as np
 
 from vibsim.physics.modes import EVENT_KINDS, IMPACTS
 from vibsim.physics.parts import Scene
-from vibsim.results.relative_motion import RelativeMotion
+from vibsim.results.motion.relative_motion import RelativeMotion
 
 IMPACT_CODES = [EVENT_KINDS[kind] for kind in IMPACTS]
 

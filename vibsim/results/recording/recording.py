@@ -12,13 +12,13 @@ from vibsim.engine.errors import EngineError
 from vibsim.engine.trajectory import Block, Trajectory, open_trajectory
 from vibsim.files.declarations import Column
 from vibsim.results.blocks_ahead import BlocksAhead
-from vibsim.results.cadence import Thinning, instants_per_sample, sampled_finer
 from vibsim.results.columns import Tables, tables_of
-from vibsim.results.exponent_attributes import exponent_attributes
-from vibsim.results.provenance import origin, outcome
-from vibsim.results.rest_distance import Distances
-from vibsim.results.trust import NoTrust, Rows, Trust
-from vibsim.results.trust_companion import GoOn
+from vibsim.results.motion.rest_distance import Distances
+from vibsim.results.recording.cadence import Thinning, instants_per_sample, sampled_finer
+from vibsim.results.stored.exponent_attributes import exponent_attributes
+from vibsim.results.stored.provenance import origin, outcome
+from vibsim.results.trust.companion import GoOn
+from vibsim.results.trust.trust import NoTrust, Rows, Trust
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

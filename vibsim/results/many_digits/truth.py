@@ -12,12 +12,12 @@ from vibsim.engine.columns import state_columns
 from vibsim.engine.truth import open_truth
 from vibsim.results.columns import tables_of
 from vibsim.results.digits import Digits
-from vibsim.results.provenance import origin, outcome
-from vibsim.results.recording import MemorySink, Sink, Watch
-from vibsim.results.rest_distance import Distances
+from vibsim.results.many_digits.right_digits import DigitsPlan, EndState, end_of
+from vibsim.results.motion.rest_distance import Distances
+from vibsim.results.recording.recording import MemorySink, Sink, Watch
 from vibsim.results.result import Result
-from vibsim.results.right_digits import DigitsPlan, EndState, end_of
-from vibsim.results.trust import Rows
+from vibsim.results.stored.provenance import origin, outcome
+from vibsim.results.trust.trust import Rows
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -118,8 +118,8 @@ def truth_to_file(
     watch: Watch | None = None,
 ) -> Result:
     """The same straight into an HDF5 file; `watch`, errors and what is kept as with `simulate_to_file`."""
-    from vibsim.results.trajectory_file import TrajectoryFile
-    from vibsim.results.truth_writer import TruthWriter
+    from vibsim.results.many_digits.truth_writer import TruthWriter
+    from vibsim.results.stored.trajectory_file import TrajectoryFile
 
     check_engine(engine)
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from vibsim.physics.parts import COMPRESSION, EXTENSION, RigidStop, Scene, Stop
 from vibsim.physics.rates import fastest_rate
-from vibsim.results.relative_motion import RelativeMotion
+from vibsim.results.motion.relative_motion import RelativeMotion
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

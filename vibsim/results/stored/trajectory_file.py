@@ -15,15 +15,15 @@ from vibsim.files.reading import damage_named, open_hdf5
 from vibsim.physics.parts import Scene
 from vibsim.results.columns import Tables, tables_of
 from vibsim.results.digits import Digits
-from vibsim.results.older_files import CompletedEvents, older_tables
-from vibsim.results.orbit_structure import GROUP, orbit_datasets
-from vibsim.results.trajectory_structure import (
+from vibsim.results.stored.older_files import CompletedEvents, older_tables
+from vibsim.results.stored.orbit_structure import GROUP, orbit_datasets
+from vibsim.results.stored.trajectory_structure import (
     ATTRIBUTES,
     digit_datasets,
     event_datasets,
     sample_datasets,
 )
-from vibsim.results.trust import COLUMN as ERROR_ESTIMATE
+from vibsim.results.trust.trust import COLUMN as ERROR_ESTIMATE
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
