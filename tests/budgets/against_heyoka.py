@@ -10,7 +10,7 @@ from tests.budgets.true_states import error_of
 from vibsim.cases import load_case
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.evidence.peers.time_limit import TimeLimit
-from vibsim.evidence.verification.event_matching import match_events
+from vibsim.evidence.verification.truths.event_matching import match_events
 from vibsim.physics.modes import EVENT_NAMES
 
 STATES = ("x1", "v1", "x2", "v2", "phi", "phidot")

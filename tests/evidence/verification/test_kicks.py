@@ -6,8 +6,7 @@ import pytest
 
 import vibsim
 from vibsim.engine.state import State
-from vibsim.evidence.verification.digits_runs import Plan, run_digits
-from vibsim.evidence.verification.kicks import (
+from vibsim.evidence.verification.bounds.kicks import (
     NUMBERS,
     SCENE_UNITS,
     START,
@@ -16,6 +15,7 @@ from vibsim.evidence.verification.kicks import (
     kicked_scene,
     kicked_state,
 )
+from vibsim.evidence.verification.digits_runs import Plan, run_digits
 from vibsim.evidence.verification.stray import states_apart
 from vibsim.physics.number_kits import number_kit
 

@@ -6,7 +6,7 @@ import pytest
 
 from vibsim.cases import load_case
 from vibsim.engine.truth import open_truth
-from vibsim.evidence.verification.spool import PERIOD, SPOOL, TRUTH
+from vibsim.evidence.verification.hard.spool import PERIOD, SPOOL, TRUTH
 from vibsim.physics.modes import EVENT_NAMES
 
 

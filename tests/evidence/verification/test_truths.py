@@ -7,18 +7,18 @@ import pytest
 
 from vibsim.cases import hard_case_names, load_case
 from vibsim.evidence.verification.digits_runs import Run as DigitsRun
-from vibsim.evidence.verification.hard_cases import REPORTED, judged_names, state_points
-from vibsim.evidence.verification.paper_cases import judged_case
+from vibsim.evidence.verification.hard.hard_cases import REPORTED, judged_names, state_points
+from vibsim.evidence.verification.hard.paper_cases import judged_case
 from vibsim.evidence.verification.runs import run
 from vibsim.evidence.verification.stray import undecided_spans
-from vibsim.evidence.verification.truth_file import (
+from vibsim.evidence.verification.truth_making import confirm, make_truth, stored_names
+from vibsim.evidence.verification.truths.truth_file import (
     TruthError,
     read_truth,
     truth_path,
     truths_folder,
     write_truth,
 )
-from vibsim.evidence.verification.truth_making import confirm, make_truth, stored_names
 
 ZERO = Decimal("1e-39")  # what rounding may leave of a zero among 40 digits
 

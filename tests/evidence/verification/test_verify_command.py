@@ -10,8 +10,10 @@ import pytest
 from tests.command_line.made import call
 from vibsim.engine.errors import EngineError
 from vibsim.engine.state import State
-from vibsim.evidence.verification import bilinear_oscillator, free_vibration, monodromy, runs, verify
+from vibsim.evidence.verification import runs, verify
 from vibsim.evidence.verification.catalogue import all_checks
+from vibsim.evidence.verification.laws import monodromy
+from vibsim.evidence.verification.vibrations import bilinear_oscillator, free_vibration
 from vibsim.results import Result
 
 QUICK = ("V2", "V3/taylor", "hard/light-rotor")

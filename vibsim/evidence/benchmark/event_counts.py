@@ -12,7 +12,7 @@ from decimal import Decimal
 
 import numpy as np
 
-from vibsim.evidence.verification.event_matching import Event, match_events, reach
+from vibsim.evidence.verification.truths.event_matching import Event, match_events, reach
 from vibsim.physics.modes import EVENT_KINDS, EVENT_NAMES
 
 

@@ -2,31 +2,31 @@
 
 from functools import cache
 
-from vibsim.evidence.verification import (
-    bilinear_cycle,
-    bouncing_ball,
-    coulomb_friction,
-    energy_ledger,
-    free_vibration,
-    friction_oscillator,
+from vibsim.evidence.verification.check import Check
+from vibsim.evidence.verification.friction import coulomb_friction, friction_oscillator, stick_slip
+from vibsim.evidence.verification.hard import (
     hard_cases,
     hard_closed_forms,
+    million_seconds,
+    paper_cases,
+    reported_failures,
+    spool,
+)
+from vibsim.evidence.verification.impacts import (
+    bouncing_ball,
     impact_multipliers,
     impact_orbits,
     impact_oscillators,
-    linear_theory,
-    million_seconds,
+    several_impacts,
+)
+from vibsim.evidence.verification.laws import (
+    energy_ledger,
     mirror_symmetry,
     momentum_ledger,
     monodromy,
     motor_run_up,
-    paper_cases,
-    reported_failures,
-    several_impacts,
-    spool,
-    stick_slip,
 )
-from vibsim.evidence.verification.check import Check
+from vibsim.evidence.verification.vibrations import bilinear_cycle, free_vibration, linear_theory
 
 MODULES = (
     paper_cases,

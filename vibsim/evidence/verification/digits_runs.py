@@ -10,11 +10,11 @@ from vibsim.engine.columns import state_columns
 from vibsim.engine.driver import Driver
 from vibsim.engine.state import State
 from vibsim.engine.truth import bare
-from vibsim.evidence.verification.event_matching import Event
-from vibsim.evidence.verification.hard_cases import PERIODIC
-from vibsim.evidence.verification.kicks import KickedFlow, kicked_scene
-from vibsim.evidence.verification.million_seconds import PERIOD, SETTLED
-from vibsim.evidence.verification.paper_cases import judged_case
+from vibsim.evidence.verification.bounds.kicks import KickedFlow, kicked_scene
+from vibsim.evidence.verification.hard.hard_cases import PERIODIC
+from vibsim.evidence.verification.hard.million_seconds import PERIOD, SETTLED
+from vibsim.evidence.verification.hard.paper_cases import judged_case
+from vibsim.evidence.verification.truths.event_matching import Event
 from vibsim.physics.modes import EVENT_NAMES
 from vibsim.physics.number_kits import DigitsKit, number_kit, one_precision
 from vibsim.physics.numbers import Number

@@ -3,7 +3,7 @@
 from decimal import Decimal
 
 from vibsim.evidence.verification.digits_runs import Run
-from vibsim.evidence.verification.event_matching import Event, Window, match_events, reach
+from vibsim.evidence.verification.truths.event_matching import Event, Window, match_events, reach
 
 KEPT = 25  # digits of a stored number
 WIDENED = 4  # a touch may last some times as long as in the runs that showed it

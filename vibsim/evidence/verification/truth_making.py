@@ -11,12 +11,12 @@ from typing import Any
 
 from vibsim.cases import hard_case_names, load_case
 from vibsim.evidence.verification.digits_runs import Run, plan, run_digits
-from vibsim.evidence.verification.event_matching import outside
-from vibsim.evidence.verification.hard_cases import CLOSED_FORMS, REPORTED
-from vibsim.evidence.verification.paper_cases import CASE_I, SPANS
+from vibsim.evidence.verification.hard.hard_cases import CLOSED_FORMS, REPORTED
+from vibsim.evidence.verification.hard.paper_cases import CASE_I, SPANS
 from vibsim.evidence.verification.runs import flows_of
 from vibsim.evidence.verification.stray import states_apart, stored_digits, times_apart, undecided_spans
-from vibsim.evidence.verification.truth_file import Truth, truth_path, write_truth
+from vibsim.evidence.verification.truths.event_matching import outside
+from vibsim.evidence.verification.truths.truth_file import Truth, truth_path, write_truth
 from vibsim.physics.number_kits import number_kit
 
 DIGITS, FEWER_DIGITS = 40, 30

@@ -9,7 +9,13 @@ from math import atan2, pi, sqrt
 import numpy as np
 
 from vibsim.cases import load_case
-from vibsim.evidence.verification.bilinear_oscillator import (
+from vibsim.evidence.verification.bounds.kicks import STATE_UNITS, UNIT
+from vibsim.evidence.verification.bounds.rounding import REASON, relative_rounding, roundings, time_rounding
+from vibsim.evidence.verification.check import Check
+from vibsim.evidence.verification.hard.hard_cases import LUCK
+from vibsim.evidence.verification.row import Row, compared, counted_row, number_row, worst_row
+from vibsim.evidence.verification.runs import BOTH, bare_run
+from vibsim.evidence.verification.vibrations.bilinear_oscillator import (
     FREE_RATE,
     M1,
     contact_begin,
@@ -17,13 +23,7 @@ from vibsim.evidence.verification.bilinear_oscillator import (
     energy,
     relative_displacement,
 )
-from vibsim.evidence.verification.check import Check
-from vibsim.evidence.verification.hard_cases import LUCK
-from vibsim.evidence.verification.kicks import STATE_UNITS, UNIT
-from vibsim.evidence.verification.linear_theory import K1, conditioning, impedance
-from vibsim.evidence.verification.rounding import REASON, relative_rounding, roundings, time_rounding
-from vibsim.evidence.verification.row import Row, compared, counted_row, number_row, worst_row
-from vibsim.evidence.verification.runs import BOTH, bare_run
+from vibsim.evidence.verification.vibrations.linear_theory import K1, conditioning, impedance
 from vibsim.results import Result
 
 LINEAR, TINY, CONSERVATIVE = "hard/a-million-seconds-linear", "hard/tiny-amplitude", "hard/conservative"

@@ -5,9 +5,9 @@ from functools import partial
 from math import cos, expm1, pi
 
 from vibsim.cases import shipped_case_names
+from vibsim.evidence.verification.bounds.rounding import REASON, relative_rounding
 from vibsim.evidence.verification.check import Check
-from vibsim.evidence.verification.motor_run_up import HEAVY, OMEGA0, TAU
-from vibsim.evidence.verification.rounding import REASON, relative_rounding
+from vibsim.evidence.verification.laws.motor_run_up import HEAVY, OMEGA0, TAU
 from vibsim.evidence.verification.row import Row, compared, number_row
 from vibsim.evidence.verification.runs import flows_of, made_case, named_case, run
 

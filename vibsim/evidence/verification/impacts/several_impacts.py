@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator
 
+from vibsim.evidence.verification.bounds.kicks import STATE_UNITS, UNIT
+from vibsim.evidence.verification.bounds.rounding import REASON, time_rounding
+from vibsim.evidence.verification.bounds.settled import last_digit
 from vibsim.evidence.verification.check import Check
-from vibsim.evidence.verification.kicks import STATE_UNITS, UNIT
-from vibsim.evidence.verification.rounding import REASON, time_rounding
 from vibsim.evidence.verification.row import Row, compared, counted_row, worst_row
 from vibsim.evidence.verification.runs import made_case, run
-from vibsim.evidence.verification.settled import last_digit
 from vibsim.physics.modes import EVENT_KINDS
 
 BALLS = """

@@ -9,10 +9,10 @@ import numpy as np
 
 from vibsim.cases import hard_case_names, load_case
 from vibsim.evidence.verification.check import Check
-from vibsim.evidence.verification.event_matching import Event, Matching, match_events, outside, reach
 from vibsim.evidence.verification.row import Point, Row, compared, worst_row
 from vibsim.evidence.verification.runs import flows_of, run
-from vibsim.evidence.verification.truth_file import Truth, read_truth
+from vibsim.evidence.verification.truths.event_matching import Event, Matching, match_events, outside, reach
+from vibsim.evidence.verification.truths.truth_file import Truth, read_truth
 from vibsim.physics.modes import EVENT_NAMES
 from vibsim.results import Result
 

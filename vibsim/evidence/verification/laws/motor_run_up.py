@@ -9,8 +9,8 @@ from math import pi
 
 import numpy as np
 
+from vibsim.evidence.verification.bounds.rounding import REASON, relative_rounding
 from vibsim.evidence.verification.check import Check
-from vibsim.evidence.verification.rounding import REASON, relative_rounding
 from vibsim.evidence.verification.row import Row, compared, worst_row
 from vibsim.evidence.verification.runs import made_case, run
 

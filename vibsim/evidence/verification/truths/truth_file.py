@@ -11,7 +11,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from vibsim.evidence.verification.event_matching import Event, Window
+from vibsim.evidence.verification.truths.event_matching import Event, Window
 
 
 class TruthError(Exception):
@@ -51,7 +51,7 @@ class Truth:
 
 def truths_folder() -> Path:
     """The folder of the stored truths."""
-    return Path(str(resources.files("vibsim.evidence.verification"))) / "truths"
+    return Path(str(resources.files("vibsim.evidence.verification.truths")))
 
 
 def truth_path(case_name: str) -> Path:

@@ -13,9 +13,11 @@ from math import cos, exp, pi, sin, sqrt
 import numpy as np
 
 from vibsim.branches import continue_branch
+from vibsim.evidence.verification.bounds.kicks import STATE_UNITS, UNIT
+from vibsim.evidence.verification.bounds.settled import last_digit, settled_bound
 from vibsim.evidence.verification.check import Check
-from vibsim.evidence.verification.impact_multipliers import PLACES, PRINTED, between_impacts
-from vibsim.evidence.verification.impact_oscillators import (
+from vibsim.evidence.verification.impacts.impact_multipliers import PLACES, PRINTED, between_impacts
+from vibsim.evidence.verification.impacts.impact_oscillators import (
     CASE,
     OMEGA,
     PERIOD,
@@ -27,10 +29,8 @@ from vibsim.evidence.verification.impact_oscillators import (
     E,
     speed_of,
 )
-from vibsim.evidence.verification.kicks import STATE_UNITS, UNIT
 from vibsim.evidence.verification.row import Point, Row, compared, number_row, worst_row
 from vibsim.evidence.verification.runs import made_case
-from vibsim.evidence.verification.settled import last_digit, settled_bound
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.seeking import orbit
 

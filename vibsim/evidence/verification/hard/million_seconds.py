@@ -9,10 +9,10 @@ import numpy as np
 
 from vibsim.cases import load_case
 from vibsim.evidence.verification.check import Check
-from vibsim.evidence.verification.hard_cases import BECAUSE, LUCK, PERIODIC, UNITS, certificate, distance
+from vibsim.evidence.verification.hard.hard_cases import BECAUSE, LUCK, PERIODIC, UNITS, certificate, distance
 from vibsim.evidence.verification.row import Row, compared, counted_row, worst_row
 from vibsim.evidence.verification.runs import bare_run, flows_of
-from vibsim.evidence.verification.truth_file import Truth, read_truth
+from vibsim.evidence.verification.truths.truth_file import Truth, read_truth
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.results import Result
 

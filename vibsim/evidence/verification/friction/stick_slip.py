@@ -11,11 +11,11 @@ from math import exp, log
 
 import numpy as np
 
+from vibsim.evidence.verification.bounds.kicks import SCENE_UNITS, STATE_UNITS, UNIT
+from vibsim.evidence.verification.bounds.settled import BECAUSE, last_digit, settled_bound
 from vibsim.evidence.verification.check import Check
-from vibsim.evidence.verification.kicks import SCENE_UNITS, STATE_UNITS, UNIT
 from vibsim.evidence.verification.row import Row, compared, number_row, worst_row
 from vibsim.evidence.verification.runs import made_case, run
-from vibsim.evidence.verification.settled import BECAUSE, last_digit, settled_bound
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.results import Result
 

@@ -16,8 +16,8 @@ import numpy as np
 from vibsim.cases import Case, shipped_case_names
 from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.engine.trajectory import open_trajectory
+from vibsim.evidence.verification.bounds.kicks import STATE_UNITS, UNIT
 from vibsim.evidence.verification.check import Check
-from vibsim.evidence.verification.kicks import STATE_UNITS, UNIT
 from vibsim.evidence.verification.row import Row, compared, number_row
 from vibsim.evidence.verification.runs import BOTH, flows_of, made_case, named_case, run
 from vibsim.physics.forces import transmitted_force

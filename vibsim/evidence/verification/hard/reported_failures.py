@@ -11,10 +11,10 @@ from math import atan, sqrt, ulp
 import numpy as np
 
 from vibsim.cases import load_case
-from vibsim.evidence.verification.bouncing_ball import rest_bound
+from vibsim.evidence.verification.bounds.kicks import SCENE_UNITS, STATE_UNITS, UNIT
+from vibsim.evidence.verification.bounds.rounding import REASON, time_rounding
 from vibsim.evidence.verification.check import Check
-from vibsim.evidence.verification.kicks import SCENE_UNITS, STATE_UNITS, UNIT
-from vibsim.evidence.verification.rounding import REASON, time_rounding
+from vibsim.evidence.verification.impacts.bouncing_ball import rest_bound
 from vibsim.evidence.verification.row import Point, Row, compared, counted_row, number_row, worst_row
 from vibsim.evidence.verification.runs import named_case, run
 from vibsim.physics.modes import EVENT_KINDS

@@ -10,8 +10,8 @@ from functools import partial
 from math import pi, sin, ulp
 
 from vibsim.cases import load_case
+from vibsim.evidence.verification.bounds.kicks import SCENE_UNITS, STATE_UNITS, UNIT
 from vibsim.evidence.verification.check import Check
-from vibsim.evidence.verification.kicks import SCENE_UNITS, STATE_UNITS, UNIT
 from vibsim.evidence.verification.row import Point, Row, compared, counted_row, worst_row
 from vibsim.evidence.verification.runs import run
 from vibsim.physics.modes import EVENT_NAMES

@@ -7,7 +7,7 @@ absolute values, as if no two errors ever cancelled.
 
 from math import inf, ulp
 
-from vibsim.evidence.verification.kicks import SCENE_UNITS, STATE_UNITS, UNIT
+from vibsim.evidence.verification.bounds.kicks import SCENE_UNITS, STATE_UNITS, UNIT
 from vibsim.results import Result
 
 REASON = "rounding: 4 units per number of the scene x conditioning, 16 per event or Taylor step"

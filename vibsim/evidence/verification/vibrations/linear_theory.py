@@ -10,9 +10,9 @@ from math import acos, atan2, cos, hypot, pi, sin, sqrt
 
 import numpy as np
 
+from vibsim.evidence.verification.bounds.kicks import SCENE_UNITS, STATE_UNITS, UNIT
+from vibsim.evidence.verification.bounds.rounding import REASON, relative_rounding, roundings
 from vibsim.evidence.verification.check import Check
-from vibsim.evidence.verification.kicks import SCENE_UNITS, STATE_UNITS, UNIT
-from vibsim.evidence.verification.rounding import REASON, relative_rounding, roundings
 from vibsim.evidence.verification.row import Point, Row, compared, counted_row, number_row, worst_row
 from vibsim.evidence.verification.runs import BOTH, made_case, run
 from vibsim.results import Result

@@ -8,7 +8,7 @@ place of t each, as much as a shift of the drive by the motion's rate times that
 
 from math import ulp
 
-from vibsim.evidence.verification.kicks import SCENE_UNITS, STATE_UNITS, UNIT
+from vibsim.evidence.verification.bounds.kicks import SCENE_UNITS, STATE_UNITS, UNIT
 
 BECAUSE = (
     "rounding: (4 units of the scene, 16 per event or step of a period, half a unit of t) x conditioning"

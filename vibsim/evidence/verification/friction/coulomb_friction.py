@@ -7,8 +7,8 @@ from math import atan2, pi, sqrt
 
 import numpy as np
 
+from vibsim.evidence.verification.bounds.rounding import REASON, relative_rounding, time_rounding
 from vibsim.evidence.verification.check import Check
-from vibsim.evidence.verification.rounding import REASON, relative_rounding, time_rounding
 from vibsim.evidence.verification.row import Row, compared, counted_row, number_row, worst_row
 from vibsim.evidence.verification.runs import BOTH, made_case, run
 

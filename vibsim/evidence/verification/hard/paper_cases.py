@@ -10,10 +10,10 @@ from math import pi
 
 from vibsim.cases import Case
 from vibsim.evidence.verification.check import Check
-from vibsim.evidence.verification.hard_cases import BECAUSE, LUCK, UNITS, state_points
+from vibsim.evidence.verification.hard.hard_cases import BECAUSE, LUCK, UNITS, state_points
 from vibsim.evidence.verification.row import Row, compared, counted_row, worst_row
 from vibsim.evidence.verification.runs import flows_of, named_case, run
-from vibsim.evidence.verification.truth_file import read_truth
+from vibsim.evidence.verification.truths.truth_file import read_truth
 
 # state at 300 s as decimal texts; impacts, sticks, events
 CASE_I: dict[str, tuple[dict[str, str], tuple[int, int, int]]] = {

@@ -9,8 +9,10 @@ from math import cos, pi, sin
 
 import numpy as np
 
+from vibsim.evidence.verification.bounds.kicks import STATE_UNITS, UNIT
+from vibsim.evidence.verification.bounds.settled import last_digit
 from vibsim.evidence.verification.check import Check
-from vibsim.evidence.verification.impact_oscillators import (
+from vibsim.evidence.verification.impacts.impact_oscillators import (
     CASE,
     OMEGA,
     PERIOD,
@@ -18,10 +20,8 @@ from vibsim.evidence.verification.impact_oscillators import (
     E,
     orbit,
 )
-from vibsim.evidence.verification.kicks import STATE_UNITS, UNIT
 from vibsim.evidence.verification.row import Row, compared, worst_row
 from vibsim.evidence.verification.runs import made_case, run
-from vibsim.evidence.verification.settled import last_digit
 
 PRINTED, PLACES = 0.44251655 + 0.66646763j, 8  # at sigma = 0
 AWAY = 0.4 * PERIOD  # from the impact to the start [s]

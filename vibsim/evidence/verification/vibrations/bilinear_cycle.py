@@ -7,12 +7,12 @@ PWSDDE-cont. The velocities of the cycle are an independent solver's, the grazin
 from collections.abc import Iterator
 from math import hypot, pi, ulp
 
+from vibsim.evidence.verification.bounds.kicks import STATE_UNITS, UNIT
+from vibsim.evidence.verification.bounds.rounding import relative_rounding
+from vibsim.evidence.verification.bounds.settled import BECAUSE, last_digit, settled_bound
 from vibsim.evidence.verification.check import Check
-from vibsim.evidence.verification.kicks import STATE_UNITS, UNIT
-from vibsim.evidence.verification.rounding import relative_rounding
 from vibsim.evidence.verification.row import Row, compared, number_row, worst_row
 from vibsim.evidence.verification.runs import made_case, run
-from vibsim.evidence.verification.settled import BECAUSE, last_digit, settled_bound
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.results import Result
 

@@ -10,12 +10,12 @@ from math import pi, ulp
 
 import numpy as np
 
-from vibsim.evidence.verification.bilinear_oscillator import FREE_RATE, PERIOD, contacts, energy
+from vibsim.evidence.verification.bounds.kicks import SCENE_UNITS, STATE_UNITS, UNIT
+from vibsim.evidence.verification.bounds.rounding import REASON, relative_rounding, roundings
 from vibsim.evidence.verification.check import Check
-from vibsim.evidence.verification.kicks import SCENE_UNITS, STATE_UNITS, UNIT
-from vibsim.evidence.verification.rounding import REASON, relative_rounding, roundings
 from vibsim.evidence.verification.row import Row, compared, counted_row, number_row, worst_row
 from vibsim.evidence.verification.runs import BOTH, made_case, run
+from vibsim.evidence.verification.vibrations.bilinear_oscillator import FREE_RATE, PERIOD, contacts, energy
 from vibsim.results import Result
 
 FREE = """

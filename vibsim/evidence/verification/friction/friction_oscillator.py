@@ -8,10 +8,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from vibsim.evidence.verification.bounds.settled import BECAUSE, last_digit, settled_bound
 from vibsim.evidence.verification.check import Check
 from vibsim.evidence.verification.row import Row, compared, counted_row, worst_row
 from vibsim.evidence.verification.runs import made_case, run
-from vibsim.evidence.verification.settled import BECAUSE, last_digit, settled_bound
 from vibsim.physics.modes import EVENT_KINDS
 
 # the damper alone takes a factor e in 20 s: the start has fallen to 6e-16 of itself by 700 s

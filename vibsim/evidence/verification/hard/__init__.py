@@ -1,0 +1,1 @@
+"""Hard cases, and the paper's: held against stored truths and closed forms."""
