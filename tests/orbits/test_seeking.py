@@ -1,10 +1,13 @@
 """From cases, runs, stored orbits and random starts to orbits."""
 
+import re
+
 import numpy as np
 import pytest
 
 import vibsim
 from tests.orbits.truths import TRUTHS
+from vibsim.branches import BranchError
 from vibsim.cases import load_case
 from vibsim.files.errors import ResultFileError
 from vibsim.orbits.errors import NoSection, OrbitError
@@ -117,7 +120,7 @@ def test_what_has_no_orbit():
         orbit("gallery/three-balls")
     with pytest.raises(OrbitError, match="period must be a whole number"):
         orbit("I-C", start={"x1": 0, "x2": 0, "v1": 0, "v2": 0}, period=-1)
-    with pytest.raises(OrbitError, match="missing v2"):
+    with pytest.raises(OrbitError, match="misses v2"):
         orbit("I-C", start={"x1": 0, "x2": 0, "v1": 0})
     with pytest.raises(OrbitError, match="no stored orbit"):
         orbit("I-C", start=simulate(load_case("I-C", {"run.t_end": "1 s"})))
@@ -133,6 +136,35 @@ def test_counts_are_whole_numbers(value):
         vibsim.continue_branch("I-C", "A", "0.1:0.2 N", max_points=value)
 
 
-def test_what_is_no_start():
-    with pytest.raises(OrbitError, match="a start is an orbit, or a state by name"):
-        orbit("I-C", start=3)
+@pytest.mark.parametrize(
+    "start", [3, "x", [0, 0, 0], [0, 0, 0, np.nan], {"x1": "a", "v1": 0, "x2": 0, "v2": 0}]
+)
+def test_what_is_no_start(start):
+    with pytest.raises(OrbitError, match="a state is a finite number for each component"):
+        orbit("I-C", start=start)
+    with pytest.raises(OrbitError, match="a state is a finite number for each component"):
+        vibsim.monodromy("I-C", start, 1.0)
+
+
+def test_a_state_by_name_or_in_the_order_of_the_columns():
+    by_name = vibsim.monodromy("I-C", {"x1": 1e-4, "v2": 0.1}, 1.0)
+    in_order = vibsim.monodromy("I-C", np.array([1e-4, 0, 0, 0.1]), 1.0)
+    assert np.array_equal(by_name.matrix, in_order.matrix)
+    found = orbit("I-C")
+    assert orbit("I-C", start=list(found.state.values())).residual == orbit("I-C", start=found).residual
+
+
+@pytest.mark.parametrize("T", ["1 s", -1, 0, np.inf, np.nan, None])
+def test_what_is_no_time(T):
+    with pytest.raises(OrbitError, match="T must be a number of seconds above 0"):
+        vibsim.monodromy("I-C", {}, T)
+
+
+def test_what_is_no_branch_and_no_range():
+    found = orbit("I-C")
+    with pytest.raises(BranchError, match="switch needs a branch or the file of one, got <Orbit"):
+        vibsim.continue_branch(found, switch="PD1")
+    with pytest.raises(BranchError, match="name what is to vary"):
+        vibsim.continue_branch(found, 3, "6:7 Hz")
+    with pytest.raises(BranchError, match=re.escape('a range is a text such as "0.01:1 J", (0.01, 1)')):
+        vibsim.continue_branch(found, energy=3)

@@ -69,7 +69,7 @@ def test_the_papers_machine_through_impacts():
 
 
 def test_what_has_no_derivative(case):
-    with pytest.raises(OrbitError, match="no column x1; those of this case are x_mass, v_mass"):
+    with pytest.raises(OrbitError, match="no column x1; the components of this scene are x_mass, v_mass"):
         vibsim.monodromy(case, {"x1": 0.0}, 1.0)
     with pytest.raises(OrbitError, match=r"floor\.gap is 0, so there is no telling"):  # it comes to rest
         vibsim.monodromy("gallery/bouncing-ball", {"x_ball": 0.1}, 2.0, ("stops.floor.gap",))

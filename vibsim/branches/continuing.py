@@ -54,11 +54,11 @@ def continue_branch(
     """
     check_count("max_points", max_points, 2)
     if switch is not None:
-        plan = switched(orbit if isinstance(orbit, Branch) else read_branch(orbit), switch)
+        plan = switched(_branch(orbit), switch)
     elif energy is not None:
         from vibsim.branches.backbone import energy_plan
 
-        plan = energy_plan(orbit, energy, engine)
+        plan = energy_plan(orbit, _as_text(energy, "0.01:1 J"), engine)
     else:
         case, source = case_of(orbit)
         asked = read_span(case, key, _as_text(span))
@@ -70,7 +70,16 @@ def continue_branch(
     return complete(store, max_points, engine)[0]
 
 
-def _as_text(span: str | Span) -> str:
+def _branch(source: Any) -> Branch:
+    """A branch, or the one in a file. Raises BranchError, ResultFileError."""
+    if isinstance(source, Branch):
+        return source
+    if not isinstance(source, str | PathLike):
+        raise BranchError(f"switch needs a branch or the file of one, got {source!r:.60}")
+    return read_branch(Path(source))
+
+
+def _as_text(span: str | Span, example: str = "3:9 Hz") -> str:
     """A range as the command line has it. Raises BranchError for what is none."""
     if isinstance(span, str):
         return span
@@ -78,7 +87,9 @@ def _as_text(span: str | Span) -> str:
         ends, unit = span if isinstance(span[1], str) else (span, "")
         low, high = (repr(float(end)) for end in ends)
     except (TypeError, ValueError, IndexError):
-        words = 'a range is a text such as "3:9 Hz", (3, 9) or ((3, 9), "Hz")'
+        numbers, in_unit = example.split()
+        pair = numbers.replace(":", ", ")
+        words = f'a range is a text such as "{example}", ({pair}) or (({pair}), "{in_unit}")'
         raise BranchError(f"{words}, got {span!r:.60}") from None
     return f"{low}:{high} {unit}".strip()
 

@@ -21,7 +21,7 @@ def read_span(case: Case, key: str, text: str) -> tuple[tuple[str, ...], str, tu
     Raises BranchError where it is no range or its ends are not allowed, UnknownKeyError for a key that is
     none of the case's numbers.
     """
-    if not key:
+    if not key or not isinstance(key, str):
         raise BranchError("name what is to vary: a key of the case, such as excitation.Omega0")
     keys = tuple(number_key(case, each.strip()) for each in key.split("="))
     dimension = _dimension(keys[0])

@@ -7,13 +7,17 @@ What the section fixes (the angle of a motor) is no unknown either.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from functools import cached_property
+from math import isfinite
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from vibsim.engine.tangent.monodromy import Carried
 from vibsim.engine.tangent.tangent_space import length, weights
+from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.section import Section, section_of
 from vibsim.physics.body_sets import body_sets
 from vibsim.physics.numbers import Doubles
@@ -126,3 +130,27 @@ def _references(scene: Scene) -> dict[int, int]:
     springs = [link for link in scene.links if link.k]
     sets = [one for one in body_sets(scene, [*springs, *scene.stops]) if not one.held]
     return {body: one.reference for one in sets for body in one.bodies}
+
+
+def components_of(state: Any, columns: Sequence[str], left_out: float | None = None) -> list[float]:
+    """The components of a state, by name of the column or all in their order.
+
+    left_out : what those are that are not named, and nothing else may be; None: each must be named, but the
+    angle of a motor. Raises OrbitError.
+    """
+    words = f"the components of this scene are {', '.join(columns)}"
+    if isinstance(state, Mapping):
+        unknown = [str(name) for name in state if name not in columns]
+        missing = [name for name in columns if name not in state and name != "phi"]
+        if unknown and left_out is not None:
+            raise OrbitError(f"no column {', '.join(unknown)}; {words}")
+        if missing and left_out is None:
+            raise OrbitError(f"the state misses {', '.join(missing)}; {words}")
+        state = [state.get(name, left_out or 0.0) for name in columns]
+    try:
+        components = [float(each) for each in state]
+    except (TypeError, ValueError):
+        components = []
+    if len(components) != len(columns) or not all(map(isfinite, components)):
+        raise OrbitError(f"a state is a finite number for each component, got {state!r:.60}; {words}")
+    return components

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibsim.orbits.coordinates import Coordinates
+from vibsim.orbits.coordinates import Coordinates, components_of
 from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.newton import EPS, solve, tolerance
 from vibsim.orbits.orbit import Orbit
@@ -49,14 +49,8 @@ def find_orbit(
 
 
 def unknowns(coordinates: Coordinates, state: State) -> np.ndarray:
-    """The unknowns of a state by name or in a row. Raises OrbitError for a column that is missing."""
-    if isinstance(state, Mapping):
-        needed = [name for name in coordinates.columns if name != "phi"]
-        missing = [name for name in needed if name not in state]
-        if missing:
-            raise OrbitError(f"a state of this scene needs {', '.join(needed)}; missing {', '.join(missing)}")
-        state = [state.get(name, 0.0) for name in coordinates.columns]
-    return coordinates.of(np.asarray(state, dtype="f8"))
+    """The unknowns of a state by name or in a row. Raises OrbitError for what is none."""
+    return coordinates.of(components_of(state, coordinates.columns))
 
 
 def least(orbit: Orbit) -> Orbit:

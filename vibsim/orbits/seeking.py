@@ -42,8 +42,8 @@ def orbit(
     source : a Case, the path of a case file or the name of a shipped case; or a `Result` of `vibsim.simulate`
         or its file, which may hold a stored orbit
     overrides : values by key that replace those of the case, e.g. {"c": "0.03 N s/m"}
-    start : near which state the orbit is: an `Orbit`, a `Result` that holds one, or a dict by name of the
-        column; None: where the run of `source` comes to
+    start : near which state the orbit is: an `Orbit`, a `Result` that holds one, or a state by name of
+        the column or in their order; None: where the run of `source` comes to
     period : periods of the source, or turns of the motor, that it takes; None: as often as the run repeats
         itself, or as the start has
 
@@ -89,14 +89,12 @@ def _from_start(case: Case, start: Any, period: int | None, engine: str) -> Orbi
     return least(Orbit(return_map, solve(return_map, X, T), case))
 
 
-def start_of(start: Any) -> tuple[dict[str, float], int, float | None]:
-    """(state by name, periods, time of return [s] or None) of an `Orbit`, a `Result` or a state."""
+def start_of(start: Any) -> tuple[Any, int, float | None]:
+    """(state, periods, time of return [s] or None) of an `Orbit`, a `Result` or a state."""
     if isinstance(start, Orbit):
         return start.state, start.n, start.period
-    if isinstance(start, dict):
-        return start, 1, None
     if not hasattr(start, "attrs"):
-        raise OrbitError(f"a start is an orbit, or a state by name of the column, got {start!r:.60}")
+        return start, 1, None
     if not _is_orbit(start):
         raise OrbitError("the start is a run and no stored orbit; take the run itself as the source")
     state = {name: float(start.events[name][0]) for name in start.events if name not in ("t", "kind", "part")}

@@ -9,14 +9,15 @@ chattering oscillator they are right to 1e-13 by its force and mass, to 1e-9 by 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import inf
 from os import PathLike
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.labelled.shown import Shown
-from vibsim.orbits.coordinates import component_names
+from vibsim.orbits.coordinates import component_names, components_of
 from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.parameter_slopes import NotFollowed, parameter_slopes
 from vibsim.orbits.scene_slopes import sloped_scene
@@ -68,7 +69,7 @@ class Monodromy(Shown):
 
 def monodromy(
     case: "Case | str | PathLike[str]",
-    state: Mapping[str, float],
+    state: Mapping[str, float] | Sequence[float],
     T: float,
     parameters: Sequence[str] = (),
     engine: str = "auto",
@@ -79,7 +80,8 @@ def monodromy(
     Parameters
     ----------
     case, overrides : as of `load_case`
-    state : by name of the column, e.g. {"x1": 0.001, "v1": 0.2, ...} [m, m/s, rad, rad/s]; those left out: 0
+    state : by name of the column, e.g. {"x1": 0.001, "v1": 0.2, ...} [m, m/s, rad, rad/s], those left out 0;
+        or all components: displacements, velocities, then angle and speed of a motor
     parameters : keys of numbers of the case by which the motion is differentiated too, e.g. ("c", "omega")
 
     Raises OrbitError for a column that is not one of the case's, a number at which a part comes or goes and a
@@ -97,10 +99,7 @@ def monodromy(
     case = load_case(case, overrides)
     scene = case.scene()
     columns = component_names(scene)
-    unknown = [name for name in state if name not in columns]
-    if unknown:
-        raise OrbitError(f"no column {', '.join(unknown)}; those of this case are {', '.join(columns)}")
-    start = [float(state.get(name, 0.0)) for name in columns]
+    start, T = components_of(state, columns, left_out=0.0), time_after_start(T)
     carrier = Carrier(scene, engine)
     carried = carrier.carry(start, T)
     if not np.isnan(carried.undefined_at):
@@ -122,6 +121,17 @@ def monodromy(
         {key: quotient for key, (quotient, _) in quotients.items()},
         {key: error for key, (_, error) in quotients.items()},
     )
+
+
+def time_after_start(T: Any) -> float:
+    """A time [s] as an argument. Raises OrbitError."""
+    try:
+        time = float(T)
+    except (TypeError, ValueError):
+        time = 0.0
+    if not 0 < time < inf:
+        raise OrbitError(f"T must be a number of seconds above 0, got {T!r:.60}")
+    return time
 
 
 def _slopes(case: "Case", parameters: Sequence[str], started: "Scene") -> np.ndarray | None:
