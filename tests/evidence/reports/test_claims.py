@@ -14,9 +14,9 @@ from tests.evidence.reports.made import (
     outcome,
     regime,
 )
-from vibsim.evidence.reports.claim import FAILS, HOLDS, ONLY_IF, OPEN, OUR_MARGIN, OURS, PAPERS
-from vibsim.evidence.reports.claims import judge_claims, paper_claims, trust_of
-from vibsim.evidence.reports.claims_of_escape import is_brief_hold, is_held_for_100, is_released_at_100
+from vibsim.evidence.reports.claims.claim import FAILS, HOLDS, ONLY_IF, OPEN, OUR_MARGIN, OURS, PAPERS
+from vibsim.evidence.reports.claims.claims import judge_claims, paper_claims, trust_of
+from vibsim.evidence.reports.claims.of_escape import is_brief_hold, is_held_for_100, is_released_at_100
 
 EXPECTED = {
     "no-impacts": HOLDS,

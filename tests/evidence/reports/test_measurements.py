@@ -7,9 +7,9 @@ import pytest
 
 from vibsim.analysis import Capture, Span
 from vibsim.cases import load_case
-from vibsim.evidence.reports.ensembles import member_outcome, starts
-from vibsim.evidence.reports.layouts import reach_by_second
-from vibsim.evidence.reports.measurements import (
+from vibsim.evidence.reports.figures.layouts import reach_by_second
+from vibsim.evidence.reports.measured.ensembles import member_outcome, starts
+from vibsim.evidence.reports.measured.measurements import (
     displacement_peak,
     measure_run,
     overall_rate,
@@ -17,10 +17,10 @@ from vibsim.evidence.reports.measurements import (
     reach_at_end,
     steady_amplitudes,
 )
-from vibsim.evidence.reports.paper_numbers import changes_of, least_hold, measure_facts
-from vibsim.evidence.reports.paper_runs import PAPER_RUNS
-from vibsim.evidence.reports.regimes_nearby import LAWS, at_point, followed
-from vibsim.evidence.reports.without_stop import measure_without_stop
+from vibsim.evidence.reports.measured.paper_numbers import changes_of, least_hold, measure_facts
+from vibsim.evidence.reports.measured.paper_runs import PAPER_RUNS
+from vibsim.evidence.reports.measured.regimes_nearby import LAWS, at_point, followed
+from vibsim.evidence.reports.measured.without_stop import measure_without_stop
 
 TIME = np.linspace(0, 300, 6001)
 

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from vibsim.evidence.reports import numbers_file
-from vibsim.evidence.reports.numbers_file import NumbersFile
+from vibsim.evidence.reports.measured import numbers_file
+from vibsim.evidence.reports.measured.numbers_file import NumbersFile
 
 
 class Measure:

@@ -12,9 +12,9 @@ from vibsim.analysis.holds import Hold
 from vibsim.analysis.span import Span
 from vibsim.cases import load_case
 from vibsim.engine.errors import REASONS, EngineError
-from vibsim.evidence.reports import outcomes
-from vibsim.evidence.reports.outcomes import outcome, outcomes_of, run_all
-from vibsim.evidence.reports.paper_runs import Interrupted
+from vibsim.evidence.reports.measured import outcomes
+from vibsim.evidence.reports.measured.outcomes import outcome, outcomes_of, run_all
+from vibsim.evidence.reports.measured.paper_runs import Interrupted
 from vibsim.results import simulate
 
 

@@ -10,12 +10,12 @@ from itertools import pairwise
 import pytest
 
 from tests.evidence.reports.made import numbers
-from vibsim.evidence.reports.claim import FAILS, HOLDS
-from vibsim.evidence.reports.claims import judge_claims
-from vibsim.evidence.reports.document import Document, Paragraph, Picture, Section, Table
-from vibsim.evidence.reports.html_page import render_html
-from vibsim.evidence.reports.paper_document import paper_document
-from vibsim.evidence.reports.text_page import WIDTH, render_text
+from vibsim.evidence.reports.claims.claim import FAILS, HOLDS
+from vibsim.evidence.reports.claims.claims import judge_claims
+from vibsim.evidence.reports.pages.document import Document, Paragraph, Picture, Section, Table
+from vibsim.evidence.reports.pages.html_page import render_html
+from vibsim.evidence.reports.pages.paper_document import paper_document
+from vibsim.evidence.reports.pages.text_page import WIDTH, render_text
 
 PIXEL = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="

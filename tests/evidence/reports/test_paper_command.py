@@ -10,11 +10,11 @@ import pytest
 
 from tests.command_line.made import call
 from tests.evidence.reports.test_pages import assert_accessible, assert_stands_alone, finding_in, read
-from vibsim.evidence.reports.claim import FAILS, HOLDS
-from vibsim.evidence.reports.figure_files import EVIDENCE
-from vibsim.evidence.reports.paper_figures import paper_figures
-from vibsim.evidence.reports.paper_runs import PAPER_RUNS
-from vibsim.evidence.reports.search_tables import readings_table
+from vibsim.evidence.reports.claims.claim import FAILS, HOLDS
+from vibsim.evidence.reports.figures.figure_files import EVIDENCE
+from vibsim.evidence.reports.figures.paper_figures import paper_figures
+from vibsim.evidence.reports.measured.paper_runs import PAPER_RUNS
+from vibsim.evidence.reports.pages.search_tables import readings_table
 
 ROOT = Path(__file__).resolve().parents[3]
 

@@ -9,13 +9,13 @@ from matplotlib.image import imread, imsave
 from tests.branches.made import CAPTURED, branch_of, parameter
 from tests.evidence.reports.made import numbers
 from vibsim.analysis import judge_capture
-from vibsim.evidence.reports import figure_files
-from vibsim.evidence.reports.document import Picture
-from vibsim.evidence.reports.evidence_figures import draw_capture, draw_drift, draw_regimes
-from vibsim.evidence.reports.figure_files import write_figures, write_page
+from vibsim.evidence.reports.figures import figure_files
+from vibsim.evidence.reports.figures.evidence_figures import draw_capture, draw_drift, draw_regimes
+from vibsim.evidence.reports.figures.figure_files import write_figures, write_page
+from vibsim.evidence.reports.figures.paper_figures import PAGE_ROWS, growth_figure, paper_figures
 from vibsim.evidence.reports.load_curves import followed_cases, load_words, measure_ends
-from vibsim.evidence.reports.paper_figures import PAGE_ROWS, growth_figure, paper_figures
-from vibsim.evidence.reports.paper_runs import Interrupted
+from vibsim.evidence.reports.measured.paper_runs import Interrupted
+from vibsim.evidence.reports.pages.document import Picture
 from vibsim.plots.style import BLUE
 
 pytestmark = pytest.mark.usefixtures("house_style")

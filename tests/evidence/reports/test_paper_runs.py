@@ -3,8 +3,8 @@
 import pytest
 
 from vibsim.cases import load_case
-from vibsim.evidence.reports import paper_runs
-from vibsim.evidence.reports.paper_runs import Interrupted, obtain_run, stored_run
+from vibsim.evidence.reports.measured import paper_runs
+from vibsim.evidence.reports.measured.paper_runs import Interrupted, obtain_run, stored_run
 from vibsim.opening import open_result
 from vibsim.results import simulate
 

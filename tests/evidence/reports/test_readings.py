@@ -9,8 +9,8 @@ from vibsim.analysis import judge_capture
 from vibsim.cases import load_case
 from vibsim.evidence.peers.runge_kutta4 import RungeKutta4
 from vibsim.evidence.peers.time_limit import TimeLimit
-from vibsim.evidence.reports.claims_of_escape import is_brief_hold
-from vibsim.evidence.reports.outcomes import outcomes_of
+from vibsim.evidence.reports.claims.of_escape import is_brief_hold
+from vibsim.evidence.reports.measured.outcomes import outcomes_of
 from vibsim.results import simulate
 
 

@@ -4,10 +4,11 @@ import pytest
 
 from tests.evidence.reports.made import numbers, plane, reading
 from vibsim.cases import load_case
-from vibsim.evidence.reports import parameter_search
-from vibsim.evidence.reports.paper_runs import READINGS as CASES
-from vibsim.evidence.reports.paper_runs import Interrupted
-from vibsim.evidence.reports.parameter_search import (
+from vibsim.evidence.reports.figures.search_figure import draw_search, points_of
+from vibsim.evidence.reports.measured import parameter_search
+from vibsim.evidence.reports.measured.paper_runs import READINGS as CASES
+from vibsim.evidence.reports.measured.paper_runs import Interrupted
+from vibsim.evidence.reports.measured.parameter_search import (
     FREE,
     POINTS,
     READINGS,
@@ -18,8 +19,7 @@ from vibsim.evidence.reports.parameter_search import (
     search_plane,
     search_readings,
 )
-from vibsim.evidence.reports.search_figure import draw_search, points_of
-from vibsim.evidence.reports.search_tables import captured_by, readings_table
+from vibsim.evidence.reports.pages.search_tables import captured_by, readings_table
 from vibsim.fitting.fitting import make_plan
 from vibsim.fitting.plan import Search
 from vibsim.plots import style

@@ -3,8 +3,8 @@
 import pytest
 
 from vibsim.cases import load_case
-from vibsim.evidence.reports.paper_runs import Interrupted
-from vibsim.evidence.reports.solver_hypothesis import PATIENCE, measure_solvers, solved
+from vibsim.evidence.reports.measured.paper_runs import Interrupted
+from vibsim.evidence.reports.measured.solver_hypothesis import PATIENCE, measure_solvers, solved
 
 
 def test_a_solver_follows_the_run_up():

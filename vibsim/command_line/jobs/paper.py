@@ -13,8 +13,8 @@ from vibsim.command_line.terminal.printing import print_json, say
 from vibsim.command_line.terminal.progress import Progress
 from vibsim.command_line.text.quantities import size
 from vibsim.command_line.text.summary import print_lines
+from vibsim.evidence.reports.measured.paper_runs import Interrupted
 from vibsim.evidence.reports.paper import Report, write_paper
-from vibsim.evidence.reports.paper_runs import Interrupted
 from vibsim.files.signals import interrupted_with
 
 

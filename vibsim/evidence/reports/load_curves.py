@@ -22,9 +22,9 @@ from vibsim.branches.store.branch_file import read_branch
 from vibsim.branches.store.branch_store import BranchFileStore
 from vibsim.branches.tracing import MOST_POINTS
 from vibsim.cases import Case, load_case
-from vibsim.evidence.reports.claim import Numbers
-from vibsim.evidence.reports.document import Table
-from vibsim.evidence.reports.paper_runs import MOTORS, PRINTED_MOTOR, READINGS, Interrupted
+from vibsim.evidence.reports.claims.claim import Numbers
+from vibsim.evidence.reports.measured.paper_runs import MOTORS, PRINTED_MOTOR, READINGS, Interrupted
+from vibsim.evidence.reports.pages.document import Table
 from vibsim.evidence.reports.wording import hz, words_of
 from vibsim.files.errors import ResultFileError
 from vibsim.plots.branches.leaps import dead_ends

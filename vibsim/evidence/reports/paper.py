@@ -16,10 +16,9 @@ from pathlib import Path
 
 from vibsim.branches.branch import Branch
 from vibsim.cases import load_case
-from vibsim.evidence.reports.claim import Claim, Finding, Numbers
-from vibsim.evidence.reports.claims import judge_claims
-from vibsim.evidence.reports.document import Picture
-from vibsim.evidence.reports.figure_files import (
+from vibsim.evidence.reports.claims.claim import Claim, Finding, Numbers
+from vibsim.evidence.reports.claims.claims import judge_claims
+from vibsim.evidence.reports.figures.figure_files import (
     FORMATS,
     write_evidence,
     write_figures,
@@ -27,14 +26,15 @@ from vibsim.evidence.reports.figure_files import (
     write_page,
     write_search,
 )
-from vibsim.evidence.reports.html_page import render_html
+from vibsim.evidence.reports.figures.paper_figures import growth_figure, paper_figures
 from vibsim.evidence.reports.load_curves import obtain_branches
-from vibsim.evidence.reports.numbers_file import NumbersFile
-from vibsim.evidence.reports.paper_document import paper_document
-from vibsim.evidence.reports.paper_figures import growth_figure, paper_figures
-from vibsim.evidence.reports.paper_numbers import Tell, measure_paper
-from vibsim.evidence.reports.paper_runs import PAPER_RUNS, Interrupted, obtain_run
-from vibsim.evidence.reports.text_page import render_text
+from vibsim.evidence.reports.measured.numbers_file import NumbersFile
+from vibsim.evidence.reports.measured.paper_numbers import Tell, measure_paper
+from vibsim.evidence.reports.measured.paper_runs import PAPER_RUNS, Interrupted, obtain_run
+from vibsim.evidence.reports.pages.document import Picture
+from vibsim.evidence.reports.pages.html_page import render_html
+from vibsim.evidence.reports.pages.paper_document import paper_document
+from vibsim.evidence.reports.pages.text_page import render_text
 from vibsim.files.output_file import output_file, reason
 from vibsim.plots import style
 from vibsim.plots.subject import Subject

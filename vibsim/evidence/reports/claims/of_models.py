@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from vibsim.evidence.reports.claim import (
+from vibsim.evidence.reports.claims.claim import (
     FAILS,
     HOLDS,
     ONLY_IF,

@@ -11,14 +11,14 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 
 from vibsim.branches.branch import Branch
-from vibsim.evidence.reports.document import Picture
-from vibsim.evidence.reports.evidence_figures import draw_capture, draw_drift, draw_regimes
+from vibsim.evidence.reports.figures.evidence_figures import draw_capture, draw_drift, draw_regimes
+from vibsim.evidence.reports.figures.paper_figures import PAGE_CM, PAGE_ROWS, PaperFigure
+from vibsim.evidence.reports.figures.search_figure import draw_search
 from vibsim.evidence.reports.load_curves import draw_load_curves
-from vibsim.evidence.reports.measurements import Numbers
-from vibsim.evidence.reports.paper_figures import PAGE_CM, PAGE_ROWS, PaperFigure
-from vibsim.evidence.reports.paper_numbers import Tell
-from vibsim.evidence.reports.paper_runs import READINGS, Interrupted
-from vibsim.evidence.reports.search_figure import draw_search
+from vibsim.evidence.reports.measured.measurements import Numbers
+from vibsim.evidence.reports.measured.paper_numbers import Tell
+from vibsim.evidence.reports.measured.paper_runs import READINGS, Interrupted
+from vibsim.evidence.reports.pages.document import Picture
 from vibsim.files.output_file import output_file
 from vibsim.plots.page.sheet import CM
 from vibsim.plots.picture import DPI, drawn

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 
 from vibsim.analysis import judge_regime, largest_exponent
 from vibsim.engine.errors import EngineError
-from vibsim.evidence.reports.measurements import Numbers
-from vibsim.evidence.reports.outcomes import Advance, run_all
+from vibsim.evidence.reports.measured.measurements import Numbers
+from vibsim.evidence.reports.measured.outcomes import Advance, run_all
 from vibsim.results import simulate
 
 if TYPE_CHECKING:

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 from vibsim.analysis import judge_capture, measure_drift
 from vibsim.engine.errors import EngineError
-from vibsim.evidence.reports.measurements import Numbers, displacement_peak
-from vibsim.evidence.reports.paper_runs import Interrupted
+from vibsim.evidence.reports.measured.measurements import Numbers, displacement_peak
+from vibsim.evidence.reports.measured.paper_runs import Interrupted
 from vibsim.results import Result, simulate
 from vibsim.sweeps.schedule.workers import available_cores
 

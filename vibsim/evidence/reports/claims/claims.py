@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from vibsim.evidence.reports.claim import Claim, Finding, Numbers
-from vibsim.evidence.reports.claims_of_capture import capture_claims
-from vibsim.evidence.reports.claims_of_drift import drift_claims
-from vibsim.evidence.reports.claims_of_escape import escape_claims
-from vibsim.evidence.reports.claims_of_impacts import impact_claims
-from vibsim.evidence.reports.claims_of_models import models_claims
-from vibsim.evidence.reports.claims_of_regimes import regime_claims
+from vibsim.evidence.reports.claims.claim import Claim, Finding, Numbers
+from vibsim.evidence.reports.claims.of_capture import capture_claims
+from vibsim.evidence.reports.claims.of_drift import drift_claims
+from vibsim.evidence.reports.claims.of_escape import escape_claims
+from vibsim.evidence.reports.claims.of_impacts import impact_claims
+from vibsim.evidence.reports.claims.of_models import models_claims
+from vibsim.evidence.reports.claims.of_regimes import regime_claims
 
 
 def paper_claims() -> list[Claim]:

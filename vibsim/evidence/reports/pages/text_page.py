@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from textwrap import wrap
 
-from vibsim.evidence.reports.document import Document, Judged, Paragraph, Picture, Said, Section, Table
+from vibsim.evidence.reports.pages.document import Document, Judged, Paragraph, Picture, Said, Section, Table
 from vibsim.evidence.reports.quotes import Quote
 
 WIDTH = 100

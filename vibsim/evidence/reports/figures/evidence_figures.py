@@ -11,12 +11,12 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from vibsim.evidence.reports.claim import Numbers
-from vibsim.evidence.reports.claims_of_capture import NATURAL_HZ
-from vibsim.evidence.reports.claims_of_escape import ABOUT_100, JUMPED_HZ
-from vibsim.evidence.reports.evidence import members
-from vibsim.evidence.reports.paper_runs import EQUAL_FORCE, MOTORS, PRINTED, READINGS
-from vibsim.evidence.reports.regimes_nearby import DAMPINGS, FREQUENCIES, LAWS
+from vibsim.evidence.reports.claims.claim import Numbers
+from vibsim.evidence.reports.claims.evidence import members
+from vibsim.evidence.reports.claims.of_capture import NATURAL_HZ
+from vibsim.evidence.reports.claims.of_escape import ABOUT_100, JUMPED_HZ
+from vibsim.evidence.reports.measured.paper_runs import EQUAL_FORCE, MOTORS, PRINTED, READINGS
+from vibsim.evidence.reports.measured.regimes_nearby import DAMPINGS, FREQUENCIES, LAWS
 from vibsim.plots.page.sheet import legend_below, sheet
 from vibsim.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, SHADE, SKY, VERMILLION
 from vibsim.plots.view import View

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
-from vibsim.evidence.reports.claim import (
+from vibsim.evidence.reports.claims.claim import (
     FAILS,
     HOLDS,
     ONLY_IF,
@@ -20,8 +20,8 @@ from vibsim.evidence.reports.claim import (
     Numbers,
     only_if,
 )
-from vibsim.evidence.reports.evidence import MOST, in_reading, magnitudes, middle, share_above
-from vibsim.evidence.reports.paper_runs import EQUAL_FORCE, HERTZ, MOTORS, PRINTED, READINGS
+from vibsim.evidence.reports.claims.evidence import MOST, in_reading, magnitudes, middle, share_above
+from vibsim.evidence.reports.measured.paper_runs import EQUAL_FORCE, HERTZ, MOTORS, PRINTED, READINGS
 from vibsim.evidence.reports.quotes import said
 from vibsim.evidence.reports.wording import drift_rate, mm, mm_per_s, percent, words_of
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from vibsim.evidence.reports.claim import Numbers
-from vibsim.evidence.reports.document import Table
+from vibsim.evidence.reports.claims.claim import Numbers
+from vibsim.evidence.reports.pages.document import Table
 from vibsim.evidence.reports.wording import drift_rate, hz, mm
 
 

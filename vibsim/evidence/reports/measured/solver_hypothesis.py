@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.evidence.reports.measurements import Numbers
-from vibsim.evidence.reports.outcomes import Advance, outcome_of
-from vibsim.evidence.reports.paper_runs import Interrupted
+from vibsim.evidence.reports.measured.measurements import Numbers
+from vibsim.evidence.reports.measured.outcomes import Advance, outcome_of
+from vibsim.evidence.reports.measured.paper_runs import Interrupted
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.results import Result
 from vibsim.sweeps.schedule.workers import available_cores

@@ -6,11 +6,27 @@ from collections import Counter
 from collections.abc import Sequence
 from itertools import pairwise
 
-from vibsim.evidence.reports.claim import FAILS, HOLDS, OPEN, OURS, Claim, Finding, Numbers, either, one_of
-from vibsim.evidence.reports.evidence import MOST, count_of, how_many, members, mostly
-from vibsim.evidence.reports.paper_runs import EQUAL_FORCE, MOTORS, PRINTED
+from vibsim.evidence.reports.claims.claim import (
+    FAILS,
+    HOLDS,
+    OPEN,
+    OURS,
+    Claim,
+    Finding,
+    Numbers,
+    either,
+    one_of,
+)
+from vibsim.evidence.reports.claims.evidence import MOST, count_of, how_many, members, mostly
+from vibsim.evidence.reports.measured.paper_runs import EQUAL_FORCE, MOTORS, PRINTED
+from vibsim.evidence.reports.measured.regimes_nearby import (
+    DAMPINGS,
+    IRREGULAR,
+    LAWS,
+    counts_by_regime,
+    rows_of,
+)
 from vibsim.evidence.reports.quotes import said
-from vibsim.evidence.reports.regimes_nearby import DAMPINGS, IRREGULAR, LAWS, counts_by_regime, rows_of
 from vibsim.evidence.reports.wording import of_all, words_of
 
 NAMED = ("periodic", "quasi-periodic", "chaotic")

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from statistics import median
 
-from vibsim.evidence.reports.claim import FAILS, HOLDS, OUR_MARGIN, Claim, Finding, Numbers, only_if
-from vibsim.evidence.reports.evidence import capture_line, count_of, in_reading, members, mostly
+from vibsim.evidence.reports.claims.claim import FAILS, HOLDS, OUR_MARGIN, Claim, Finding, Numbers, only_if
+from vibsim.evidence.reports.claims.evidence import capture_line, count_of, in_reading, members, mostly
 from vibsim.evidence.reports.quotes import said
 from vibsim.evidence.reports.wording import hz, mm, seconds
 

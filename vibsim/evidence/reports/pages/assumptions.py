@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from vibsim.evidence.reports.claim import Numbers
-from vibsim.evidence.reports.document import Block, Paragraph, Said, Table
-from vibsim.evidence.reports.ensembles import EACH_WAY, STEP
-from vibsim.evidence.reports.evidence import MOST
-from vibsim.evidence.reports.paper_runs import MOTORS, PRINTED
+from vibsim.evidence.reports.claims.claim import Numbers
+from vibsim.evidence.reports.claims.evidence import MOST
+from vibsim.evidence.reports.measured.ensembles import EACH_WAY, STEP
+from vibsim.evidence.reports.measured.paper_runs import MOTORS, PRINTED
+from vibsim.evidence.reports.pages.document import Block, Paragraph, Said, Table
 from vibsim.evidence.reports.quotes import said
 from vibsim.evidence.reports.wording import between, mm, percent
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from statistics import median
 
-from vibsim.evidence.reports.claim import (
+from vibsim.evidence.reports.claims.claim import (
     FAILS,
     HOLDS,
     OPEN,
@@ -18,8 +18,8 @@ from vibsim.evidence.reports.claim import (
     one_of,
     only_if,
 )
-from vibsim.evidence.reports.evidence import magnitudes, middle
-from vibsim.evidence.reports.paper_runs import EQUAL_FORCE, HERTZ, MOTORS, PRINTED
+from vibsim.evidence.reports.claims.evidence import magnitudes, middle
+from vibsim.evidence.reports.measured.paper_runs import EQUAL_FORCE, HERTZ, MOTORS, PRINTED
 from vibsim.evidence.reports.quotes import said
 from vibsim.evidence.reports.wording import mm, words_of
 

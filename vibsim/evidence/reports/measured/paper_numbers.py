@@ -12,14 +12,14 @@ from vibsim.analysis.capture import CAPTURE
 from vibsim.analysis.holds import BAND, run_up_time
 from vibsim.cases import load_case
 from vibsim.cases.derived_facts import derived_facts
-from vibsim.evidence.reports.ensembles import measure_ensemble, starts
 from vibsim.evidence.reports.load_curves import followed_cases, measure_ends
-from vibsim.evidence.reports.measurements import Numbers, measure_run, plain
-from vibsim.evidence.reports.numbers_file import NumbersFile
-from vibsim.evidence.reports.outcomes import Advance, run_all
-from vibsim.evidence.reports.paper_runs import EQUAL_FORCE, MOTORS, PRINTED, READINGS
-from vibsim.evidence.reports.parameter_search import made_of, search_plane, search_readings
-from vibsim.evidence.reports.regimes_nearby import (
+from vibsim.evidence.reports.measured.ensembles import measure_ensemble, starts
+from vibsim.evidence.reports.measured.measurements import Numbers, measure_run, plain
+from vibsim.evidence.reports.measured.numbers_file import NumbersFile
+from vibsim.evidence.reports.measured.outcomes import Advance, run_all
+from vibsim.evidence.reports.measured.paper_runs import EQUAL_FORCE, MOTORS, PRINTED, READINGS
+from vibsim.evidence.reports.measured.parameter_search import made_of, search_plane, search_readings
+from vibsim.evidence.reports.measured.regimes_nearby import (
     DAMPINGS,
     FOLLOWED,
     FREQUENCIES,
@@ -27,8 +27,8 @@ from vibsim.evidence.reports.regimes_nearby import (
     LONGER,
     measure_nearby,
 )
-from vibsim.evidence.reports.solver_hypothesis import SOLVERS, measure_solvers
-from vibsim.evidence.reports.without_stop import measure_without_stop
+from vibsim.evidence.reports.measured.solver_hypothesis import SOLVERS, measure_solvers
+from vibsim.evidence.reports.measured.without_stop import measure_without_stop
 from vibsim.physics import elementary
 from vibsim.results import Result, simulate
 

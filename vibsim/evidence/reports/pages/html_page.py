@@ -6,9 +6,18 @@ from base64 import b64encode
 from collections.abc import Sequence
 from html import escape
 
-from vibsim.evidence.reports.claim import VERDICTS
-from vibsim.evidence.reports.document import Block, Document, Judged, Paragraph, Picture, Said, Section, Table
-from vibsim.evidence.reports.page_style import STYLE
+from vibsim.evidence.reports.claims.claim import VERDICTS
+from vibsim.evidence.reports.pages.document import (
+    Block,
+    Document,
+    Judged,
+    Paragraph,
+    Picture,
+    Said,
+    Section,
+    Table,
+)
+from vibsim.evidence.reports.pages.page_style import STYLE
 from vibsim.evidence.reports.quotes import Quote
 
 MANY = 3  # columns; wider tables scroll on a narrow screen instead of being squeezed

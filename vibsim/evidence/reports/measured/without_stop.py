@@ -7,8 +7,8 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from vibsim.analysis import judge_capture, judge_regime, measure_drift
-from vibsim.evidence.reports.measurements import Numbers, overall_rate, plain
-from vibsim.evidence.reports.outcomes import Advance, run_all
+from vibsim.evidence.reports.measured.measurements import Numbers, overall_rate, plain
+from vibsim.evidence.reports.measured.outcomes import Advance, run_all
 from vibsim.results import Result, simulate
 
 if TYPE_CHECKING:

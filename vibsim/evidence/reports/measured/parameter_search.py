@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from vibsim.evidence.reports.measurements import Numbers
-from vibsim.evidence.reports.outcomes import Advance
-from vibsim.evidence.reports.paper_runs import Interrupted
-from vibsim.evidence.reports.without_stop import NO_STOP
+from vibsim.evidence.reports.measured.measurements import Numbers
+from vibsim.evidence.reports.measured.outcomes import Advance
+from vibsim.evidence.reports.measured.paper_runs import Interrupted
+from vibsim.evidence.reports.measured.without_stop import NO_STOP
 from vibsim.fitting.description import facts
 from vibsim.fitting.fitting import make_plan, run_fit
 from vibsim.fitting.plan import Search

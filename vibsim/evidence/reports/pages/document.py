@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from vibsim.evidence.reports.claim import Claim, Finding
+from vibsim.evidence.reports.claims.claim import Claim, Finding
 from vibsim.evidence.reports.quotes import Quote
 
 

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vibsim.cases.quantities import parse_quantity
-from vibsim.evidence.reports.measurements import Numbers
+from vibsim.evidence.reports.measured.measurements import Numbers
 from vibsim.plots.fit import scatter_shares
 from vibsim.plots.page.sheet import sheet
 from vibsim.plots.view import View

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from vibsim.evidence.reports.claim import Numbers
-from vibsim.evidence.reports.document import Table
-from vibsim.evidence.reports.paper_runs import MOTORS, READINGS
-from vibsim.evidence.reports.parameter_search import STATEMENTS, keeps_table_1
-from vibsim.evidence.reports.without_stop import NO_STOP
+from vibsim.evidence.reports.claims.claim import Numbers
+from vibsim.evidence.reports.measured.paper_runs import MOTORS, READINGS
+from vibsim.evidence.reports.measured.parameter_search import STATEMENTS, keeps_table_1
+from vibsim.evidence.reports.measured.without_stop import NO_STOP
+from vibsim.evidence.reports.pages.document import Table
 from vibsim.evidence.reports.wording import between, hz, of_all, seconds, typeset
 from vibsim.fitting.free_parameter import LEAVE
 

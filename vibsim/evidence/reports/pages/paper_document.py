@@ -6,14 +6,14 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from vibsim import __version__
-from vibsim.evidence.reports.assumptions import assumption_blocks, unjudged_blocks
-from vibsim.evidence.reports.claim import ONLY_IF, VERDICTS, Numbers
-from vibsim.evidence.reports.claims import judge_claims, trust_of
-from vibsim.evidence.reports.document import Block, Document, Judged, Paragraph, Picture, Section, Table
-from vibsim.evidence.reports.ensembles import EACH_WAY, STEP
+from vibsim.evidence.reports.claims.claim import ONLY_IF, VERDICTS, Numbers
+from vibsim.evidence.reports.claims.claims import judge_claims, trust_of
 from vibsim.evidence.reports.load_curves import ends_table, load_words
-from vibsim.evidence.reports.run_tables import facts_table, regime_table
-from vibsim.evidence.reports.search_tables import (
+from vibsim.evidence.reports.measured.ensembles import EACH_WAY, STEP
+from vibsim.evidence.reports.pages.assumptions import assumption_blocks, unjudged_blocks
+from vibsim.evidence.reports.pages.document import Block, Document, Judged, Paragraph, Picture, Section, Table
+from vibsim.evidence.reports.pages.run_tables import facts_table, regime_table
+from vibsim.evidence.reports.pages.search_tables import (
     captured_by,
     capturing_solvers,
     ensemble_table,

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 from vibsim.analysis import count_impacts, judge_regime, measure_drift
 from vibsim.engine.errors import EngineError
-from vibsim.evidence.reports.measurements import Numbers, overall_rate, steady_amplitudes
-from vibsim.evidence.reports.outcomes import EVERY, Advance, outcome_of, run_all
+from vibsim.evidence.reports.measured.measurements import Numbers, overall_rate, steady_amplitudes
+from vibsim.evidence.reports.measured.outcomes import EVERY, Advance, outcome_of, run_all
 from vibsim.results import Result, simulate
 
 if TYPE_CHECKING:

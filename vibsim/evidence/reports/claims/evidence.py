@@ -6,7 +6,7 @@ from collections.abc import Callable
 from itertools import product
 from statistics import median
 
-from vibsim.evidence.reports.claim import Numbers
+from vibsim.evidence.reports.claims.claim import Numbers
 from vibsim.evidence.reports.wording import hz, mm, of_all, seconds, typeset
 
 MOST = 0.8  # share of an ensemble that makes a property of the system: four in five

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from matplotlib.figure import Figure
 
-from vibsim.evidence.reports.layouts import (
+from vibsim.evidence.reports.figures.layouts import (
     draw_displacements,
     draw_growth,
     draw_motors,

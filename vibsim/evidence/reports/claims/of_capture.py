@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-from vibsim.evidence.reports.claim import (
+from vibsim.evidence.reports.claims.claim import (
     FAILS,
     HOLDS,
     OPEN,
@@ -15,8 +15,8 @@ from vibsim.evidence.reports.claim import (
     Numbers,
     only_if,
 )
-from vibsim.evidence.reports.evidence import capture_line, count_of, in_reading, mostly
-from vibsim.evidence.reports.paper_runs import MOTORS
+from vibsim.evidence.reports.claims.evidence import capture_line, count_of, in_reading, mostly
+from vibsim.evidence.reports.measured.paper_runs import MOTORS
 from vibsim.evidence.reports.quotes import said
 from vibsim.evidence.reports.wording import hz, words_of
 

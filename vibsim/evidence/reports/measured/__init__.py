@@ -1,0 +1,1 @@
+"""What is run and measured for the report, into one table of plain numbers."""
