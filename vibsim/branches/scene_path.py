@@ -75,7 +75,8 @@ class ScenePath:
             return parse_quantity(f"{value!r} {self.unit}".strip(), self._dimension)
         text, unit = repr(value), self._unit
         exact = Fraction(*Decimal(text).as_integer_ratio())
-        return Quantity(f"{text} {unit.name}".strip(), exact * unit.factor, unit.per_turn)
+        in_si = exact if unit.factor == 1 else exact * unit.factor
+        return Quantity(f"{text} {unit.name}".strip(), in_si, unit.per_turn)
 
 
 def leaves(values: Mapping[str, Any], place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:

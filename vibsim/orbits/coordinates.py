@@ -8,7 +8,6 @@ What the section fixes (the angle of a motor) is no unknown either.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property
 from math import isfinite
 from typing import Any
 
@@ -17,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from vibsim.engine.tangent.monodromy import Carried
 from vibsim.engine.tangent.tangent_space import length, weights
+from vibsim.once import once
 from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.section import Section, section_of
 from vibsim.physics.body_sets import body_sets
@@ -80,7 +80,7 @@ class Coordinates:
         """State components on the section, references at x = 0."""
         return self.put @ X
 
-    @cached_property
+    @once
     def disturbances(self) -> np.ndarray:
         """A disturbance of the state for each unknown, one per row."""
         return np.ascontiguousarray(self.put.T)

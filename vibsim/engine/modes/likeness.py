@@ -24,6 +24,7 @@ FREE = {  # what no row holds
     Clearance: ("at_start",),
     Harmonic: ("omega", "cycles", "cycles_lo", "phase"),
 }
+PLAIN = (str, int, type(None))
 STEADY = ("belt",)  # what decides with which others a friction stands, where there are several
 
 
@@ -64,7 +65,7 @@ def _alike(one: Any, other: Any, place: Place, numbers: Numbers) -> bool:
         if len(one) != len(other):
             return False
         return all(_alike(part, other[i], (*place, i), numbers) for i, part in enumerate(one))
-    if isinstance(one, str | int) or one is None:
+    if isinstance(one, PLAIN):
         return bool(one == other)
     if isinstance(one, Friction) and any(one.drops(sense) != other.drops(sense) for sense in (1, -1)):
         return False
@@ -75,7 +76,7 @@ def _alike(one: Any, other: Any, place: Place, numbers: Numbers) -> bool:
     mine, theirs = vars(one), vars(other)
     for name in _names(one.__class__):
         here, there = mine[name], theirs[name]
-        if here is there or (here == there != 0 and isinstance(here, float)):
+        if here is there or (isinstance(here, float) and same_bits(here, there)):
             continue
         if not _alike(here, there, (*place, name), numbers):
             return False

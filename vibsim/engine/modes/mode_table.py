@@ -22,6 +22,7 @@ from vibsim.engine.modes.recipe import Recipe, recipe_of
 from vibsim.engine.modes.rows import Event, EventKey, ModeRows, RowMaker
 from vibsim.engine.modes.rule import Rule
 from vibsim.engine.modes.status import Status
+from vibsim.once import once
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
 
@@ -38,21 +39,29 @@ class ModeTable:
     """
 
     def __init__(self, scene: Scene) -> None:
-        self.scene, self.maker = scene, RowMaker(scene, Doubles)
+        self.scene = scene
         self.keys: dict[EventKey, int] = {}
         self._packed: dict[Status, Packed] = {}
         self._meters: dict[tuple[Status, bool], Packed] = {}
         self._makers: dict[bool, MeterMaker] = {}
         self._rules: dict[tuple[Status, int], Rule | None] = {}
-        self._recipes: dict[tuple[tuple[Place, ...], Status], Recipe | None] = {}
+        self._recipes: dict[tuple[Place, ...], dict[Status, Recipe | None]] = {}
         self._lock = RLock()  # one thread at a time makes rows, keys, meters and rules
+
+    @once
+    def maker(self) -> RowMaker:
+        """Makes the rows, one for all threads."""
+        with self._lock:
+            maker: RowMaker = vars(self).setdefault("maker", RowMaker(self.scene, Doubles))
+        return maker
 
     def packed(self, status: Status, flow: Callable[[], Flow]) -> Packed:
         """The rows of a mode as bytes of ints and of doubles; flow: tells whether it has a closed form."""
-        with self._lock:
-            if status not in self._packed:
-                self._packed[status] = self._pack(status, flow)
-        return self._packed[status]
+        packed = self._packed.get(status)
+        if packed is None:
+            with self._lock:
+                packed = self._packed[status] = self._pack(status, flow)
+        return packed
 
     def _pack(self, status: Status, flow: Callable[[], Flow]) -> Packed:
         rows = self.maker.rows(status)
@@ -66,13 +75,16 @@ class ModeTable:
         """
         return RetunedTable(self, scene, numbers) if numbers else self
 
+    def recipes(self, places: tuple[Place, ...]) -> dict[Status, Recipe | None]:
+        """How the packed numbers of the modes met so far follow from those of the scene in `places`."""
+        return self._recipes.setdefault(places, {})
+
     def recipe(self, places: tuple[Place, ...], status: Status) -> Recipe | None:
-        """How the packed numbers of a mode follow from those of the scene in `places`."""
-        key = places, status
-        with self._lock:
-            if key not in self._recipes:
-                self._recipes[key] = recipe_of(self.scene, places, status, self.keys)
-        return self._recipes[key]
+        """The same of one mode, which may be new."""
+        recipes = self.recipes(places)
+        if status not in recipes:
+            recipes[status] = recipe_of(self.scene, places, status, self.keys)
+        return recipes[status]
 
     def statuses(self, most: int) -> list[Status]:
         """The modes packed so far, in their order; none where there are more than `most`."""
@@ -117,9 +129,10 @@ class RetunedTable(ModeTable):
         super().__init__(scene)
         self.origin, self.keys, self._rules, self._lock = of, of.keys, of._rules, of._lock
         self._places, self._numbers = tuple(numbers), tuple(numbers.values())
+        self._known = of.recipes(self._places)
 
     def _pack(self, status: Status, flow: Callable[[], Flow]) -> Packed:
-        recipe = self.origin.recipe(self._places, status)
+        recipe = self._known.get(status) or self.origin.recipe(self._places, status)
         packed = None if recipe is None else recipe.packed(self._numbers)
         return super()._pack(status, flow) if packed is None else packed
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache, partial
+from functools import lru_cache, partial
 from math import isfinite, nan
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +28,7 @@ from vibsim.engine.modes.packing import scene_doubles, voices
 from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.state import State
 from vibsim.engine.tangent.tangent_space import length
+from vibsim.once import once
 from vibsim.physics.modes import EVENT_NAMES
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
@@ -68,12 +69,12 @@ class Carried:
         counted = self.uncertified, self.margin, self.undefined_at
         return Carried, (self.state, self.rate, self.vectors, self.happened, self.table, *counted)
 
-    @cached_property
+    @once
     def rate(self) -> np.ndarray:
         """Rates of change of the components at the end."""
         return self.rate_there() if callable(self.rate_there) else self.rate_there
 
-    @cached_property
+    @once
     def events(self) -> tuple[tuple[str, int], ...]:
         """(kind, part) of what happened on the way, in order."""
         return _named(self.happened[:, :2].tobytes())
@@ -102,21 +103,21 @@ class Carried:
 class _Shared:
     """A run on the C engine that carriers of several scenes use by turns, and the scene that it is on.
 
-    first : the scene that it begins with; voices, doubles : of its harmonics, and its numbers
+    first : the scene that it begins with; pitches, voices, doubles : of its harmonics, and its numbers
     """
 
     def __init__(self, first: Scene) -> None:
-        self.first, sounds = first, pitches(first)
-        self.voices, self.doubles = voices(first, sounds), scene_doubles(first, sounds)
+        self.first, self.pitches = first, pitches(first)
+        self.voices, self.doubles = voices(first, self.pitches), scene_doubles(first, self.pitches)
         self.on: Scene | None = None
 
-    @cached_property
+    @once
     def run(self) -> CRun:
         from vibsim.engine.c_engine import CRun
 
         return CRun(self.first, carries=True)
 
-    @cached_property
+    @once
     def table(self) -> ModeTable:
         """Of the modes of the first scene, as the run knows them."""
         return self.run.table
@@ -214,7 +215,7 @@ class Carrier:
         shared.on = self.scene
         return shared.run
 
-    @cached_property
+    @once
     def _table(self) -> ModeTable:
         return self._shared.table.retuned(self.scene, self._numbers)
 
@@ -225,10 +226,14 @@ class Carrier:
         shared = self._shared
         if self.engine != "c":
             return None
-        free, sounds = _free(scene), pitches(scene)
-        numbers = differences(shared.first, free)
-        if numbers is None or voices(free, sounds) != shared.voices:
+        free, first, sounds = _free(scene), shared.first, shared.pitches
+        numbers = differences(first, free)
+        if numbers is None:
             return None
+        if scene.forces is not first.forces or scene.base is not first.base:
+            sounds = pitches(scene)
+            if voices(scene, sounds) != shared.voices:
+                return None
         other = object.__new__(Carrier)
         other.engine, other.size, other._shared, other._order = self.engine, self.size, shared, self._order
         other.scene, other._origin, other._numbers = free, scene, numbers

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from vibsim.engine.modes.rows import Joined
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.tangent.tangent_space import Gauge, components, natural_rate, weights
 from vibsim.engine.tangent.tangent_taylor import reach
+from vibsim.once import once
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import RigidStop, Scene
 
@@ -34,7 +34,7 @@ class DisturbancePacker:
         self.scene, self.ends = scene, ends
         self.forms: dict[int, bytes] = {}  # by number of disturbances
 
-    @cached_property
+    @once
     def numbers(self) -> bytes:
         return _numbers(self.scene, 0.0)
 
@@ -70,5 +70,6 @@ def _numbers(scene: Scene, begin: float) -> bytes:
     for friction in scene.frictions:
         pack.put((), friction.starts)
     farthest = reach(Doubles, scene.order, tolerance_exponent(scene.tol))
-    pack.put((), (begin, farthest, natural_rate(scene, Doubles), *weights(scene, Doubles)))
+    rate = natural_rate(scene, Doubles)
+    pack.put((), (begin, farthest, rate, *weights(scene, Doubles, rate)))
     return pack.packed[1]

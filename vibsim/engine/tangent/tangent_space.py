@@ -69,11 +69,12 @@ def natural_rate(scene: Scene[N], kit: Kit[N]) -> N:
     return kit.number(1)
 
 
-def weights(scene: Scene[N], kit: Kit[N]) -> list[N]:
+def weights(scene: Scene[N], kit: Kit[N], rate: N | None = None) -> list[N]:
     """Weights of the squared components: each is measured as a velocity [m/s], dx by the natural rate, dw by
-    the arm e of the unbalanced mass, dphi by both.
+    the arm e of the unbalanced mass, dphi by both. rate: the natural one, where it is known
     """
-    n, one, rate = len(scene.bodies), kit.number(1), natural_rate(scene, kit)
+    n, one = len(scene.bodies), kit.number(1)
+    rate = natural_rate(scene, kit) if rate is None else rate
     values = [rate * rate] * n + [one] * n
     if scene.motor is not None:
         arm = scene.motor.e
