@@ -51,7 +51,7 @@ class Point(Protocol):
 
     @property
     def narrow_slope(self) -> np.ndarray | None:
-        """A derivative by the parameter for where `slope` is too rough; None where no better one is known."""
+        """A derivative by the parameter for where `slope` is too rough; None where no better one helps."""
 
 
 class ContinuationError(Exception):

@@ -22,6 +22,7 @@ from vibsim.once import once
 from vibsim.orbits import OrbitError, ReturnMap
 from vibsim.orbits.lapack import determinant
 from vibsim.orbits.multipliers import multipliers_of
+from vibsim.orbits.newton import tolerance
 from vibsim.orbits.word import cyclic
 from vibsim.physics.parts import Scene
 
@@ -205,11 +206,12 @@ class FamilyPoint:
         return slope if steepness <= STEEP else self._quotient(SHIFT / steepness)
 
     @property
-    def narrow_slope(self) -> np.ndarray:
+    def narrow_slope(self) -> np.ndarray | None:
         """The same by a narrow quotient, for where the motion changes within the width of the other, as where
-        a grazing and a doubling lie side by side: rounding makes it right to 1e-7.
+        a grazing and a doubling lie side by side: rounding makes it right to 1e-7. None where all that is
+        left of the residual is rounding.
         """
-        return self._quotient(NARROW)
+        return None if self.end.residual <= tolerance(self.end) else self._quotient(NARROW)
 
     def _quotient(self, shift: float) -> np.ndarray:
         """Difference quotient of the residual by the scaled parameter, on the side with the order of events
@@ -310,4 +312,4 @@ class FamilyPoint:
 
 def steepness_of(slope: np.ndarray) -> float:
     """The largest derivative by the scaled parameter."""
-    return float(abs(slope).max())
+    return max(map(abs, slope.tolist()))
