@@ -31,6 +31,8 @@ WITHIN = {
     "results.trust": {"stored", "recording", "many_digits"},
     "results.stored": {"recording", "many_digits"},
     "results.recording": {"many_digits"},
+    "evidence.peers.equations": {"automaton", "solvers"},
+    "evidence.peers.automaton": {"solvers"},
     "evidence.verification.bounds": {"truths", "vibrations", "impacts", "friction", "laws", "hard"},
     "evidence.verification.truths": {"vibrations", "impacts", "friction", "laws", "hard"},
     "evidence.reports.measured": {"claims", "pages", "figures"},

@@ -35,7 +35,7 @@ def rows():
 
 def case_rows(name):
     """Time of vibsim / time of heyoka, both with 60,001 samples, taken in turns; errors; events."""
-    from vibsim.evidence.peers.heyoka_events import HeyokaEvents
+    from vibsim.evidence.peers.solvers.heyoka_events import HeyokaEvents
 
     scene = load_case(name).scene()
     times = np.array([scene.sample_time(i) for i in range(scene.sample_count)])

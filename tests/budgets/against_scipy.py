@@ -10,8 +10,8 @@ from tests.budgets.row import Row, stopwatch
 from tests.budgets.true_states import error_of
 from vibsim.cases import load_case
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.evidence.peers.solve_ivp_eventless import EventlessSolver
-from vibsim.evidence.peers.solve_ivp_events import EventSolver
+from vibsim.evidence.peers.solvers.solve_ivp_eventless import EventlessSolver
+from vibsim.evidence.peers.solvers.solve_ivp_events import EventSolver
 from vibsim.evidence.peers.time_limit import TimeLimit
 
 SPAN = 20  # s

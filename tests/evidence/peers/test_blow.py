@@ -8,9 +8,9 @@ import pytest
 
 from tests.scenes import paper
 from vibsim.cases import load_case
-from vibsim.evidence.peers.blow import blow
-from vibsim.evidence.peers.compiled import Compiled, start_of
-from vibsim.evidence.peers.instant import Instant
+from vibsim.evidence.peers.automaton.blow import blow
+from vibsim.evidence.peers.automaton.instant import Instant
+from vibsim.evidence.peers.equations.compiled import Compiled, start_of
 from vibsim.physics.parts import COMPRESSION, GROUND, RigidStop
 
 

@@ -5,10 +5,10 @@ import pytest
 
 from tests.evidence.peers.made import error, known
 from tests.scenes import scene
-from vibsim.evidence.peers.eventless import eventless_motion
-from vibsim.evidence.peers.runge_kutta4 import RungeKutta4
-from vibsim.evidence.peers.sign_changes import SignChanges, depths_of
-from vibsim.evidence.peers.solve_ivp_eventless import EventlessSolver
+from vibsim.evidence.peers.solvers.eventless import eventless_motion
+from vibsim.evidence.peers.solvers.runge_kutta4 import RungeKutta4
+from vibsim.evidence.peers.solvers.sign_changes import SignChanges, depths_of
+from vibsim.evidence.peers.solvers.solve_ivp_eventless import EventlessSolver
 from vibsim.evidence.peers.time_limit import TimeLimit
 
 CONTACTS = (1, 2)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from tests.scenes import scene
-from vibsim.evidence.peers.runge_kutta4 import RungeKutta4
+from vibsim.evidence.peers.solvers.runge_kutta4 import RungeKutta4
 from vibsim.evidence.peers.time_limit import TimeLimit
 
 STEPS = (8e-3, 4e-3, 2e-3, 1e-3, 5e-4)

@@ -9,9 +9,9 @@ from vibsim.cases import load_case
 from vibsim.cases.loading import load_case_text
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.evidence.peers.attempt import kinds_of
-from vibsim.evidence.peers.eventless import eventless_motion
-from vibsim.evidence.peers.runge_kutta4 import RungeKutta4
-from vibsim.evidence.peers.solve_ivp_events import EventSolver
+from vibsim.evidence.peers.solvers.eventless import eventless_motion
+from vibsim.evidence.peers.solvers.runge_kutta4 import RungeKutta4
+from vibsim.evidence.peers.solvers.solve_ivp_events import EventSolver
 from vibsim.evidence.peers.time_limit import TimeLimit
 from vibsim.physics.modes import EVENT_NAMES
 from vibsim.results.columns import tables_of
@@ -70,7 +70,7 @@ def dop853(scene):
 
 
 def heyoka(scene):
-    from vibsim.evidence.peers.heyoka_events import HeyokaEvents
+    from vibsim.evidence.peers.solvers.heyoka_events import HeyokaEvents
 
     return HeyokaEvents(scene, 2.0**-52)
 

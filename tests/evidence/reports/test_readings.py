@@ -7,7 +7,7 @@ import pytest
 
 from vibsim.analysis import judge_capture
 from vibsim.cases import load_case
-from vibsim.evidence.peers.runge_kutta4 import RungeKutta4
+from vibsim.evidence.peers.solvers.runge_kutta4 import RungeKutta4
 from vibsim.evidence.peers.time_limit import TimeLimit
 from vibsim.evidence.reports.claims.of_escape import is_brief_hold
 from vibsim.evidence.reports.measured.outcomes import outcomes_of

@@ -1,7 +1,7 @@
 """Who takes part: the families of methods, each with a ladder of settings from fast to accurate.
 
-A new peer is one entry here and one module in `vibsim.evidence.peers`. Nothing here imports the peers:
-`--methods` and its completion read this table.
+A new peer is one entry here and one module in `vibsim.evidence.peers.solvers`. Nothing here imports the
+peers: `--methods` and its completion read this table.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -11,15 +11,15 @@ from typing import Any
 
 from vibsim.cases.spelling import nearest
 from vibsim.evidence.benchmark.errors import BenchError
-from vibsim.evidence.peers.tolerances import SHARE, TIGHTEST
+from vibsim.evidence.peers.solvers.tolerances import SHARE, TIGHTEST
 from vibsim.lazy_names import named
 from vibsim.physics.parts import Scene
 
 Setting = tuple[str, Mapping[str, Any]]  # as shown, as given to the peer
 
 OWN = "vibsim.evidence.benchmark.own_engine:OwnEngine"
-EVENTS = "vibsim.evidence.peers.solve_ivp_events:EventSolver"
-EVENTLESS = "vibsim.evidence.peers.solve_ivp_eventless:EventlessSolver"
+EVENTS = "vibsim.evidence.peers.solvers.solve_ivp_events:EventSolver"
+EVENTLESS = "vibsim.evidence.peers.solvers.solve_ivp_eventless:EventlessSolver"
 COMPILED: Any = {
     "needs": "vibsim.engine._engine",
     "remedy": "not in this installation: install vibsim with a C compiler",
@@ -114,7 +114,7 @@ FAMILIES = (
     ),
     Family(
         "heyoka", "heyoka.py with events", "heyoka",
-        "vibsim.evidence.peers.heyoka_events:HeyokaEvents", {}, _tols(1e-6, 1e-9, 1e-12, 2.0**-52),
+        "vibsim.evidence.peers.solvers.heyoka_events:HeyokaEvents", {}, _tols(1e-6, 1e-9, 1e-12, 2.0**-52),
         needs="heyoka", remedy="not installed: pip install 'vibsim[bench]'",
     ),
     Family(
@@ -143,7 +143,7 @@ FAMILIES = (
     ),
     Family(
         "rk4", "RK4, sgn, no events", "RK4, sgn",
-        "vibsim.evidence.peers.runge_kutta4:RungeKutta4", {},
+        "vibsim.evidence.peers.solvers.runge_kutta4:RungeKutta4", {},
         [(f"step {1e3 * step:g} ms", {"step": step}) for step in (2e-3, 1e-3, 5e-4, 2e-4, 1e-4)],
         rigid_stops=False,
     ),

@@ -87,8 +87,8 @@ def _prepare(stop: Any) -> None:
 
 
 def _made(solver: str, scene: Any) -> Any:
-    from vibsim.evidence.peers.runge_kutta4 import RungeKutta4
-    from vibsim.evidence.peers.solve_ivp_eventless import EventlessSolver
+    from vibsim.evidence.peers.solvers.runge_kutta4 import RungeKutta4
+    from vibsim.evidence.peers.solvers.solve_ivp_eventless import EventlessSolver
 
     method, setting = SOLVERS[solver]
     if method == "RK4":

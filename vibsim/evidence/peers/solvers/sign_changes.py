@@ -2,9 +2,9 @@
 
 from collections.abc import Callable, Sequence
 
-from vibsim.evidence.peers.compiled import state_count
-from vibsim.evidence.peers.equations import Equations
-from vibsim.evidence.peers.straight_line import Tape
+from vibsim.evidence.peers.equations.compiled import state_count
+from vibsim.evidence.peers.equations.of_motion import Equations
+from vibsim.evidence.peers.equations.straight_line import Tape
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene
 

@@ -7,8 +7,8 @@ forces are consistent; those with most ties are tried first, so friction sticks 
 from collections.abc import Iterator, Sequence
 from itertools import product
 
-from vibsim.evidence.peers.instant import Instant
-from vibsim.evidence.peers.switches import BACKWARD, FORWARD, OPEN, REST, STICK, TIES
+from vibsim.evidence.peers.automaton.instant import Instant
+from vibsim.evidence.peers.equations.switches import BACKWARD, FORWARD, OPEN, REST, STICK, TIES
 from vibsim.physics.parts import Friction
 
 HELD = 1.0 - 1e-10  # of the limit friction, below which ends stick: at a release the force equals it

@@ -13,13 +13,13 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from vibsim.evidence.peers.attempt import Attempt, kinds_of
-from vibsim.evidence.peers.compiled import Compiled, start_of
-from vibsim.evidence.peers.mode import Mode
-from vibsim.evidence.peers.progress import Progress
-from vibsim.evidence.peers.solver_steps import watched
-from vibsim.evidence.peers.strike import NEVER, Shortest
+from vibsim.evidence.peers.automaton.mode import Mode
+from vibsim.evidence.peers.automaton.strike import NEVER, Shortest
+from vibsim.evidence.peers.equations.compiled import Compiled, start_of
+from vibsim.evidence.peers.solvers.progress import Progress
+from vibsim.evidence.peers.solvers.solver_steps import watched
+from vibsim.evidence.peers.solvers.tolerances import SHARE
 from vibsim.evidence.peers.time_limit import OutOfTime, TimeLimit
-from vibsim.evidence.peers.tolerances import SHARE
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene
 from vibsim.physics.rates import fastest_rate

@@ -8,8 +8,8 @@ integrator is compiled once for all modes.
 from collections.abc import Sequence
 from typing import Any
 
-from vibsim.evidence.peers.equations import Equations, Number, sum_of
-from vibsim.evidence.peers.switches import (
+from vibsim.evidence.peers.equations.of_motion import Equations, Number, sum_of
+from vibsim.evidence.peers.equations.switches import (
     BACKWARD,
     CONTACT,
     FORWARD,
@@ -20,7 +20,7 @@ from vibsim.evidence.peers.switches import (
     STICK,
     switches_of,
 )
-from vibsim.evidence.peers.tied_bodies import tied_bodies
+from vibsim.evidence.peers.equations.tied_bodies import tied_bodies
 from vibsim.physics.parts import AT_FORCE, Friction, RigidStop, Scene
 
 

@@ -10,8 +10,8 @@ from math import sin
 
 import numpy as np
 
-from vibsim.evidence.peers.instant import Instant
-from vibsim.evidence.peers.tied_bodies import masses, rows_of
+from vibsim.evidence.peers.automaton.instant import Instant
+from vibsim.evidence.peers.equations.tied_bodies import masses, rows_of
 from vibsim.physics.parts import Scene
 
 ROUNDING = 1e-12  # of the largest rate: what counts as zero

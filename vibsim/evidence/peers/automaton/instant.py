@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from vibsim.evidence.peers.compiled import Compiled
+from vibsim.evidence.peers.equations.compiled import Compiled
 from vibsim.physics.parts import RigidStop
 
 

@@ -14,13 +14,13 @@ import heyoka as hy
 import numpy as np
 
 from vibsim.evidence.peers.attempt import Attempt, kinds_of
-from vibsim.evidence.peers.compiled import Compiled, start_of, state_count
-from vibsim.evidence.peers.mode import Mode
-from vibsim.evidence.peers.mode_equations import ModeEquations, parameter_count
-from vibsim.evidence.peers.progress import Progress
-from vibsim.evidence.peers.strike import Shortest
+from vibsim.evidence.peers.automaton.mode import Mode
+from vibsim.evidence.peers.automaton.strike import Shortest
+from vibsim.evidence.peers.equations.compiled import Compiled, start_of, state_count
+from vibsim.evidence.peers.equations.mode_equations import ModeEquations, parameter_count
+from vibsim.evidence.peers.solvers.progress import Progress
+from vibsim.evidence.peers.solvers.tolerances import SHARE
 from vibsim.evidence.peers.time_limit import OutOfTime, TimeLimit
-from vibsim.evidence.peers.tolerances import SHARE
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene
 

@@ -1,10 +1,10 @@
 """The mode automaton around a solver that finds events: which state each stop and friction is in."""
 
-from vibsim.evidence.peers.compiled import Compiled
-from vibsim.evidence.peers.consistent_states import SLACK, consistent_states
-from vibsim.evidence.peers.instant import Instant
-from vibsim.evidence.peers.strike import NEVER, Shortest, strike
-from vibsim.evidence.peers.switches import (
+from vibsim.evidence.peers.automaton.consistent_states import SLACK, consistent_states
+from vibsim.evidence.peers.automaton.instant import Instant
+from vibsim.evidence.peers.automaton.strike import NEVER, Shortest, strike
+from vibsim.evidence.peers.equations.compiled import Compiled
+from vibsim.evidence.peers.equations.switches import (
     BACKWARD,
     CONTACT,
     FORWARD,

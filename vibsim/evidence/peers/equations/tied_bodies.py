@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibsim.evidence.peers.switches import Switch
+from vibsim.evidence.peers.equations.switches import Switch
 from vibsim.physics.parts import BASE, Scene
 
 DEPENDENT = 1e-10  # of the largest singular value, below which rows of ties are dependent

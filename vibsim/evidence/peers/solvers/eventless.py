@@ -8,11 +8,11 @@ Rigid stops cannot be written so.
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from vibsim.evidence.peers.compiled import state_count
-from vibsim.evidence.peers.equations import Equations, Number
-from vibsim.evidence.peers.mode_equations import ModeEquations, parameters_of
-from vibsim.evidence.peers.straight_line import Tape
-from vibsim.evidence.peers.switches import switches_of
+from vibsim.evidence.peers.equations.compiled import state_count
+from vibsim.evidence.peers.equations.mode_equations import ModeEquations, parameters_of
+from vibsim.evidence.peers.equations.of_motion import Equations, Number
+from vibsim.evidence.peers.equations.straight_line import Tape
+from vibsim.evidence.peers.equations.switches import switches_of
 from vibsim.physics.parts import AT_FORCE, Friction, Scene, Stop
 
 Motion = Callable[[float, Sequence[float]], tuple[float, ...]]

@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.evidence.peers.equations import Equations
-from vibsim.evidence.peers.mode_equations import ModeEquations, parameter_count, parameters_of
-from vibsim.evidence.peers.straight_line import Tape
-from vibsim.evidence.peers.switches import switches_of
-from vibsim.evidence.peers.tied_bodies import masses, rows_of
+from vibsim.evidence.peers.equations.mode_equations import ModeEquations, parameter_count, parameters_of
+from vibsim.evidence.peers.equations.of_motion import Equations
+from vibsim.evidence.peers.equations.straight_line import Tape
+from vibsim.evidence.peers.equations.switches import switches_of
+from vibsim.evidence.peers.equations.tied_bodies import masses, rows_of
 from vibsim.physics.parts import Friction, Scene
 
 

@@ -8,10 +8,10 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from vibsim.evidence.peers.attempt import CONTACTS, Attempt
-from vibsim.evidence.peers.compiled import start_of
-from vibsim.evidence.peers.eventless import Motion, eventless_motion
-from vibsim.evidence.peers.sign_changes import SignChanges, depths_of
-from vibsim.evidence.peers.solver_steps import watched
+from vibsim.evidence.peers.equations.compiled import start_of
+from vibsim.evidence.peers.solvers.eventless import Motion, eventless_motion
+from vibsim.evidence.peers.solvers.sign_changes import SignChanges, depths_of
+from vibsim.evidence.peers.solvers.solver_steps import watched
 from vibsim.evidence.peers.time_limit import OutOfTime, TimeLimit
 from vibsim.physics.parts import Scene
 

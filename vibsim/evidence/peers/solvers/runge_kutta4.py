@@ -7,9 +7,9 @@ from math import ceil, isfinite
 import numpy as np
 
 from vibsim.evidence.peers.attempt import CONTACTS, Attempt
-from vibsim.evidence.peers.compiled import start_of
-from vibsim.evidence.peers.eventless import eventless_motion
-from vibsim.evidence.peers.sign_changes import SignChanges, depths_of
+from vibsim.evidence.peers.equations.compiled import start_of
+from vibsim.evidence.peers.solvers.eventless import eventless_motion
+from vibsim.evidence.peers.solvers.sign_changes import SignChanges, depths_of
 from vibsim.evidence.peers.time_limit import OutOfTime, TimeLimit
 from vibsim.physics.parts import Scene
 

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
 
-from vibsim.evidence.peers.blow import blow
-from vibsim.evidence.peers.consistent_states import States
-from vibsim.evidence.peers.instant import Instant
-from vibsim.evidence.peers.switches import BACKWARD, FORWARD, OPEN, REST, STICK
+from vibsim.evidence.peers.automaton.blow import blow
+from vibsim.evidence.peers.automaton.consistent_states import States
+from vibsim.evidence.peers.automaton.instant import Instant
+from vibsim.evidence.peers.equations.switches import BACKWARD, FORWARD, OPEN, REST, STICK
 from vibsim.physics.parts import Friction, RigidStop
 
 ZERO = 1e-13  # of the fastest approach: at rest but for rounding
