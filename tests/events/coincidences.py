@@ -7,16 +7,19 @@ from dataclasses import replace
 from fractions import Fraction
 
 from tests.scenes import NO_SOURCE, scene
+from vibsim.physics.friction_laws import LAWS
 from vibsim.physics.parts import (
     BASE,
     COMPRESSION,
     EXTENSION,
     GROUND,
     Body,
+    Fall,
     Force,
     Friction,
     Harmonic,
     Link,
+    Motor,
     RigidStop,
     Scene,
     Stop,
@@ -88,6 +91,9 @@ def machine(draw):
     if pick([True, False]):
         stop = Stop("stop", *ends, gap, sense, pick([k or 50.0, 3000.0]), 0.0, at_start=meets)
     else:
+        if depth_at_start(bodies, base, ends, gap, sense) > 0:  # no case starts inside a rigid stop
+            sense = -sense
+            meets = exactly_met(bodies, base, ends, gap, sense)
         stop = RigidStop("stop", *ends, gap, sense, pick([1.0, 0.0]), meets)
     limit = pick([abs(F0) or 1.0, abs(A) or 1.0, m * shaken * omega**2 or 1.0])
     belt = pick([0.0, 0.0, 0.1])
@@ -106,11 +112,41 @@ def harmonic(amplitude, omega, phase):
     return Harmonic(amplitude, omega, omega / TURN, 0.0, phase)
 
 
+def driven(draw):
+    """A machine with a motor, and with a friction whose force falls with speed or holds more than that."""
+    pick = draw.choice
+    scene = machine(draw)
+    m3, e, speed = pick([0.5, 0.2]), pick([0.01, 0.05]), pick([8.0, 16.0])
+    inertia = m3 * e * e * pick([1.0, 2.0])
+    begins = pick([0.0, 0.0, speed, -speed, 0.5 * speed])  # the torque is M0 at 0, none at the full speed
+    on = pick(range(len(scene.bodies)))
+    motor = Motor(on, m3, e, inertia, inertia * pick([0.0, 10.0, 100.0]), speed, pick(QUARTERS), begins)
+    frictions = tuple(static(pick, one, m3 * e * begins**2) for one in scene.frictions)
+    return replace(scene, motor=motor, frictions=frictions, method="auto")
+
+
+def static(pick, friction, centrifugal):
+    """`friction` with limits that the force of the unbalance may reach, laws that fall, or both."""
+    slipping = pick([friction.forward, centrifugal or friction.forward])
+    law = pick([None, None, *LAWS])
+    falls = None if law is None else Fall(law, 0.5 * slipping, 10.0)
+    holding = pick([None, 1.5 * slipping, 2.0 * slipping])
+    return replace(
+        friction, forward=slipping, backward=slipping, hold_forward=holding, hold_backward=holding,
+        fall_forward=falls, fall_backward=falls,
+    )  # fmt: skip
+
+
 def exactly_met(bodies, base, ends, gap, sense):
     """Whether the ends of a stop just touch, the base at a quarter turn or none."""
+    return depth_at_start(bodies, base, ends, gap, sense) == 0
+
+
+def depth_at_start(bodies, base, ends, gap, sense):
+    """Depth of a stop [m], exactly; the base at a quarter turn or none."""
     places = [body.x for body in bodies] + [
         sum(one.amplitude * round(math.sin(one.phase)) for one in base),
         0.0,
     ]
     P, Q = (Fraction(places[end]) for end in ends)  # BASE is -2, GROUND -1
-    return sense * (Q - P) == Fraction(gap)
+    return sense * (Q - P) - Fraction(gap)

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.events.coincidences import driven, machine, two_blocks
 from tests.events.coincidences import harmonic as shaking
-from tests.events.coincidences import machine, two_blocks
 from tests.events.test_certificate import assert_none_missed
 from tests.events.true_events import MOST_STEPS, Crawling
 from tests.scenes import harmonic, scene
@@ -24,6 +24,7 @@ from vibsim.physics.parts import (
     Force,
     Friction,
     Link,
+    Motor,
     RigidStop,
     Scene,
 )
@@ -172,6 +173,59 @@ def test_a_rest_that_is_relieved_as_the_friction_turns_round_ends_there(engine):
     assert "rest_end" in [EVENT_NAMES[kind] for kind in kinds]
 
 
+def unbalanced(on, frame, e, sense, phi, **parts):
+    """A motor that turns at 8 rad/s; its unbalance first pulls across the line, and then against the stop."""
+    motor = Motor(on, 0.2, 0.05, 1e-3, 0.0, 16.0, phi, 8.0)
+    stop = RigidStop("stop", len(parts["bodies"]) - 1, frame, parts["bodies"][0].x, sense, e, True)
+    return Scene(**parts, stops=(stop,), motor=motor, t_end=1.0, every_num=1, every_den=50)
+
+
+def run_to_the_end(scene, engine):
+    """The trajectory, which ends with few events."""
+    trajectory = open_trajectory(scene, engine)
+    for _ in trajectory.blocks():
+        assert trajectory.totals["steps"] < MOST_STEPS
+    return trajectory.totals
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("tied", [False, True])
+def test_hops_that_rounding_of_a_force_begins_end(engine, tied):
+    """sin(pi / 2) of doubles leaves 6e-17 of the force of the unbalance, which parts the ends for 2e-17 s;
+    then it presses: with e = 1 1e5 hops of 1e-66 m were taken in 5e-12 s, and no run ended.
+    """
+    if tied:
+        bodies = Body("a", 0.7, 0.0, 0.0), Body("b", 0.3, 0.0, 0.0)
+        links = Link("spring", 0, GROUND, 87.3, 0.0), Link("tie", 1, 0, 87.3, 0.0)
+        scene = unbalanced(0, 0, 1.0, COMPRESSION, math.pi / 2, bodies=bodies, links=links)
+    else:
+        scene = unbalanced(
+            0, GROUND, 1.0, EXTENSION, math.pi / 2, bodies=(Body("a", 1.0, 0.0, 0.0),), links=()
+        )
+    totals = run_to_the_end(scene, engine)
+    assert totals["events"] < 100
+    assert totals["uncertified"] > 0
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_rest_that_ends_by_rounding_though_the_ends_close_by_rounding_goes_on(engine):
+    """Spring and force are 1 N, and the motor turns backwards: the tie lets go, the acceleration of 3e-17
+    m/s^2 closes, and the same zero was taken 64 times.
+    """
+    scene = Scene(
+        (Body("a", 1.0, 0.01, 0.0),),
+        (Link("spring", 0, GROUND, 100.0, 0.0),),
+        (RigidStop("stop", 0, GROUND, 0.01, COMPRESSION, 0.0, True),),
+        (),
+        (Force("push", 0, 1.0, ()),),
+        motor=Motor(0, 0.2, 0.01, 4e-5, 0.0, 16.0, -math.pi / 2, -16.0),
+        t_end=1.0,
+        every_num=1,
+        every_den=50,
+    )
+    assert run_to_the_end(scene, engine)["uncertified"] > 0
+
+
 def test_coincidences_of_two_blocks():
     judge(two_blocks, range(100, 160))
 
@@ -190,3 +244,13 @@ def test_coincidences_of_parts():
 @pytest.mark.timeout(3600)
 def test_many_coincidences_of_parts():
     judge(machine, range(1500))
+
+
+def test_coincidences_with_a_motor():
+    judge(driven, range(2))
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+def test_many_coincidences_with_a_motor():
+    judge(driven, range(1500))

@@ -310,7 +310,7 @@ static int direct_hold(const Run *r, const Mode *m, const Event *e, double X, do
 }
 
 /* Sum of the magnitudes of all forces of mode m at r->next (see automaton.py); X, V: of the base. */
-static double forces_of(const Run *r, const Mode *m, double X, double V)
+double forces_of(const Run *r, const Mode *m, double X, double V)
 {
     double total = 0.0, inertia = 0.0;
     int i, j;

@@ -452,6 +452,7 @@ int blow_take(Run *r, const Event *event, Blow *done);
 void blow_count(Run *r, const Blow *done);
 void blows_free(Blows *b);
 double derivative_at_next(Run *r, const Mode *m, int key, int order); /* driver.c */
+double forces_of(const Run *r, const Mode *m, double X, double V); /* driver.c */
 
 /* ledger.c; gather returns 0 when the work of one call is spent before the stretch is done */
 void ledger_open(Run *r);

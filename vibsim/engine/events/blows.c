@@ -15,6 +15,7 @@
 #define LAST 8
 #define ROUNDING 8
 #define TURNING 4 /* times the speed of a hop: what slips faster does not turn round in it */
+#define CANCELLED 65536 /* times EPS, of all forces: more than what their rounding leaves of an acceleration, twice */
 #define CLEAR 2   /* times the bounds of a hop: as `drive` is not that of Python to the bit */
 
 static int room_for_blows(Run *r, int stops, int frictions, int bounds)
@@ -312,6 +313,16 @@ static double resolution(const Run *r, const RigidStop *s, double drive)
     return blur > unit * drive ? blur / drive : unit;
 }
 
+/* Speed that rounding of all forces has not given the lightest body since t = 0. */
+static double beyond_rounding(const Run *r, const Blow *done)
+{
+    double lightest = INFINITY;
+    int i;
+    for (i = 0; i < r->bodies; i++)
+        lightest = fmin(lightest, r->masses[i]);
+    return CANCELLED * EPS * (forces_of(r, r->modes[done->target], done->X, done->V) / lightest) * r->next.t;
+}
+
 /* Whether the next blow on the stop comes late enough not to be the end of an infinite sequence. */
 static int departs(Run *r, const Event *event, const Blow *done)
 {
@@ -319,6 +330,8 @@ static int departs(Run *r, const Event *event, const Blow *done)
     if (!isfinite(drive))
         return 0;
     if (!(2 * speed > CLEAR * (drive * (fmax(NEXT, (1 - e) * LAST) * resolution(r, done->stop, drive)))))
+        return 0;
+    if (e == 1 && drive > 0 && !(speed > beyond_rounding(r, done)))
         return 0;
     if (drive <= 0 || speed * (2 * speed / drive) / 4 > CLEAR * (r->blows.lowest * EPS * size_of(r, done->stop, done->X)))
         return 1;

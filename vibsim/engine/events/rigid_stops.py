@@ -12,6 +12,10 @@ below LAST of them; against the base, a unit is no less than the time in which a
 its angles leaves open of its velocity. Where the approach itself was as slow as that there was no impact, but
 a touch that stays.
 
+Resolution of forces: with e = 1 hops never end. Where forces cancel and rounding of what is left parts two
+ends that stand, they would hop on with the speeds that rounding gave them, 1e17 times a second. So a hop no
+faster than rounding of the forces can have made it since t = 0 ends in rest, in doubt.
+
 Resolution of length: where a friction turns round at the top of a hop, the motion starts anew from rounded
 displacements, and the return is lost in that where the height w^2 / (2 a) is. So the sequence ends below
 LOWEST of their rounding, at e = 1 too. With the acceleration b of the return it would have lasted for another
@@ -39,6 +43,7 @@ from vibsim.engine.events.newton_moreau import (
     size_of,
     unmet,
 )
+from vibsim.engine.flows.taylor_rounding import TaylorRounding
 from vibsim.engine.modes.rows import PUSH, SLIDE, STRIKE, Known
 from vibsim.engine.modes.status import BACKWARD, CONTACT, FORWARD, LIFTED, OPEN, RESTING, STICK, Status
 from vibsim.engine.modes.ties import Edge, Groups, Tie
@@ -56,6 +61,7 @@ NEXT, LAST = 2, 8  # units in the last place of the time
 ROUNDING = 8  # of a sum or a difference of two numbers, in units of eps
 IN_TURN = 32  # blows one after the other that are tried where the order is in doubt
 TURNING = 4  # times the speed of a hop: what slips faster does not turn round in it
+LATEST = 6  # derivative of a depth that is consulted where rounding hides those before it
 LOWEST = 1024  # of displacements; event functions near zero are watched to some hundred
 
 
@@ -170,7 +176,7 @@ class RigidStops(Generic[N]):
         opened = {j for j in touch.rates if status.stops[j] == RESTING}
         for j in {i, *opened, *(j for one in touch.passed for j in self._twins(touch, one.stop))}:
             if settled.stops[j] == OPEN:
-                known[STRIKE, j] = 2 if touch.rates[j] == 0 else 1
+                known[STRIKE, j] = self._parting(state, settled, j) if touch.rates[j] == 0 else 1
         return settled, [*self._happened(touch), *lifts, *changes, *begun], known
 
     def at_start(self, state: State[N], met: Container[int]) -> tuple[dict[int, int], list[int]]:
@@ -461,8 +467,15 @@ class RigidStops(Generic[N]):
             if drive <= 0:
                 continue
             unit, after = self._resolution(state.t, c, drive), 2 * speed / drive
+            hidden = unit * drive
             last = after if c.e == 1 else after / (1 - c.e)
             soon = after <= NEXT * unit or (c.e < 1 and after <= (1 - c.e) * (LAST * unit))
+            if c.e == 1 and not soon:
+                cancelled = 2 * self._unsure(state, status, c.stop)
+                soon = 2 * speed <= NEXT * cancelled
+                if soon:
+                    hidden = cancelled
+                    self.automaton._doubt(state)
             low = not soon and self._is_low(state, c.stop, speed * after / 4)
             rubbing = self._rubbing(state, status, c, speed, after) if low else []
             if rubbing:
@@ -470,7 +483,7 @@ class RigidStops(Generic[N]):
                 soon, last = lasting is not None, last if lasting is None else lasting
             if soon:
                 self.cut_off.add(state.t, last, speed, speed * after / 8)
-                touch.rates[c.stop], touch.ended[c.stop] = self.kit.number(0), unit * drive
+                touch.rates[c.stop], touch.ended[c.stop] = self.kit.number(0), hidden
                 chatter = True
         return chatter
 
@@ -582,6 +595,23 @@ class RigidStops(Generic[N]):
         rows = self.automaton._enter(state, status)
         event = self.automaton._event(rows, (STRIKE, j))
         return -self.automaton.flow.derivatives(event, 2)[2]
+
+    def _parting(self, state: State[N], status: Status, j: int) -> int:
+        """Order of the zero with which the ends of stop `j` part: 2, but where their acceleration would close
+        them. That a rest ends there is known from its force alone then, and both are rounding: the first
+        later derivative tells.
+        """
+        rows = self.automaton._enter(state, status)
+        values = self.automaton.flow.derivatives(self.automaton._event(rows, (STRIKE, j)), LATEST)
+        order = next((n for n in range(3, LATEST) if values[n] != 0), LATEST)
+        return order if values[2] < 0 < values[order] else 2
+
+    def _unsure(self, state: State[N], status: Status, j: int) -> N:
+        """Speed that rounding of the forces may have given the ends of an open stop since t = 0 [m/s]."""
+        rows = self.automaton._enter(state, status)
+        event = self.automaton._event(rows, (STRIKE, j))
+        bounds = TaylorRounding(self.automaton.flow, 3, state.t == 0).derivatives(event, 2)
+        return bounds[2] * state.t
 
     def _seat(self, state: State[N], stops: Iterable[int]) -> None:
         """Take what rounding left of the depths of stops that were struck or come to rest: the ends move

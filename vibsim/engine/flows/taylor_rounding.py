@@ -45,6 +45,7 @@ class TaylorRounding(Generic[N]):
         self.arguments: list[list[N]] = [[] for _ in self.rows.falls]
         self.falls: list[list[N]] = [[] for _ in self.rows.falls]
         self.load = [[zero] * highest for _ in columns]
+        self.angle = zero  # of the rotor [rad]
         self._start(highest, exact)
         for n in range(highest):
             self._advance(n)
@@ -62,6 +63,11 @@ class TaylorRounding(Generic[N]):
                 )
             if self.rows.leader[c] == base:
                 self.v[c] = list(self.v[base])
+        if flow.rotor:
+            self.angle = self.once * abs(flow.rotor.phi[0])  # pi / 2 is none of the numbers
+            if not exact:
+                self.w[0] = self.product * abs(flow.rotor.w[0])
+                self.angle = self.product + self.product * abs(flow.rotor.phi[0])
         for force in flow.scene.forces:
             errors = series_rounding(self.kit, force.terms, t, highest)
             total = self.flow.load[force.on]
@@ -114,7 +120,8 @@ class TaylorRounding(Generic[N]):
         thrust = torque = self.kit.number(0)
         for i in range(n + 2):
             sine = abs(rotor.s[i])
-            thrust = thrust + sine * (each * abs(rotor.w[n + 1 - i]) + self.w[n + 1 - i])
+            speed = abs(rotor.w[n + 1 - i])
+            thrust = thrust + sine * (each * speed + self.w[n + 1 - i]) + self.angle * abs(rotor.c[i]) * speed
             torque = torque + (sine * abs(rotor.a1[n - i]) if i <= n else 0)
         lost = self.lost[on] + rotor.unbalance * (n + 1) * thrust + each * abs(self.force[on])
         spun = rotor.drag * (abs(rotor.w[n]) + self.w[n] / each) + rotor.unbalance * torque
@@ -197,6 +204,8 @@ class TaylorRounding(Generic[N]):
         if rotor is None or motor is None or motor.on != column:
             return self.kit.number(0)
         size = motor.m3 * abs(rotor.a1[n])
+        turned = self.kit.number(0)
         for i in range(n + 2):
             size = size + rotor.unbalance * (n + 1) * abs(rotor.s[i] * rotor.w[n + 1 - i])
-        return ROTATION * self.kit.eps * size
+            turned = turned + rotor.unbalance * (n + 1) * abs(rotor.c[i] * rotor.w[n + 1 - i])
+        return ROTATION * self.kit.eps * size + self.angle * turned
