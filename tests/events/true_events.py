@@ -52,6 +52,7 @@ def stretches(scene):
         known = driver.known if driver.known_since == state.t else {}
         while driver.state.t == state.t and len(driver.events) == recorded and not driver.finished:
             driver.run(1)
+            driver.samples.clear()  # a run waits where many are not taken
             crawl(driver)
         kinds = [EVENT_NAMES[code] for code, *_ in driver.events[recorded:]]
         kinds = [kind for kind in kinds if kind != "end"]
