@@ -1,10 +1,16 @@
 """Loci of bifurcations, by themselves and over the map of a sweep."""
 
+import base64
+import json
+import re
+
 import numpy as np
 import pytest
 
 from tests.branches.made import CAPTURED, branch_of
+from tests.command_line.made import call
 from tests.plots.artists import clipped_texts, lines, points
+from vibsim.branches.course import curve_of
 from vibsim.branches.locus_plan import locus_plan
 from vibsim.branches.span import read_span
 from vibsim.branches.store.locus_file import LocusStore
@@ -13,6 +19,7 @@ from vibsim.plots.errors import PlotError
 from vibsim.plots.registry import kind_named
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
+from vibsim.results import simulate
 from vibsim.sweeps import sweep
 
 POINTS = 3
@@ -67,3 +74,27 @@ def test_a_locus_over_something_else_is_refused(loci, mapped):
 def names(figure):
     """What the legend under the picture names."""
     return [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+
+
+def test_as_tables_and_as_a_page(loci, tmp_path):
+    folds = loci[0].result
+    path, page = folds.save(tmp_path / "l.h5"), tmp_path / "l.html"
+    assert repr(folds).startswith("<Locus II-B: fold F1 in excitation.Omega0 and coupling.c, 3 points>")
+    table, data = folds.to_dataframe(), folds.to_xarray()
+    assert table.attrs["units"]["second"] == data["second"].attrs["units"] == "N s/m"
+    assert table["second"].tolist() == data["second"].values.tolist() == folds["second"].tolist()
+    assert call("export", str(path), "-o", str(tmp_path / "l.csv")).exit_code == 0
+    assert call("plot", str(path), "-o", str(page)).exit_code == 0
+    lit = json.loads(re.search(r'id="data">(.*?)</script>', page.read_text("utf-8"), re.S)[1])["lines"]
+    along = [np.frombuffer(base64.b64decode(one["data"]), "<f8") for one in lit["columns"].values()]
+    assert lit["words"][1] == "folds" and list(lit["columns"]) == ["parameter", "second"]
+    np.testing.assert_array_equal(np.transpose(along), curve_of(folds))
+
+
+def test_the_orbit_of_a_point_runs(loci):
+    folds = loci[0].result
+    case, point = folds.case_at(2), folds.points[2]
+    assert case.number("coupling.c") == point.second and case.number("run.t_end") == point.orbit.period
+    done = simulate(case)
+    for name in ("v1", "v2", "phidot"):
+        assert done[name][0] == pytest.approx(done.events[name][-1], rel=1e-9)

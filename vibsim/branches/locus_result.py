@@ -14,6 +14,9 @@ from vibsim.branches.locus import WATCHED, LocusStep, PlanePoint, walk
 from vibsim.branches.locus_plan import LocusPlan
 from vibsim.branches.node import Node
 from vibsim.branches.records import OrbitRecord, orbit_record
+from vibsim.labelled.arrays import Arrays
+from vibsim.labelled.labelled import Labelled, few
+from vibsim.orbits.start import case_on_orbit
 
 MOST_POINTS = 2000
 WAYS = (1, -1)
@@ -39,8 +42,12 @@ class LocusRecord:
     ended: str = ""
 
 
-class Locus(Along):
-    """A locus: `locus["parameter"]`, `locus["second"]` and so on along it."""
+class Locus(Along, Labelled):
+    """A locus: `locus["parameter"]`, `locus["second"]` and so on along it.
+
+    plan : what was followed
+    attrs : of its file
+    """
 
     noun = "locus"
 
@@ -64,6 +71,40 @@ class Locus(Along):
     def ends(self) -> tuple[str, str]:
         """Why it ends, at its first and its last point; empty where it was not followed further."""
         return (self.points[0].ended, self.points[-1].ended) if self.points else ("", "")
+
+    def arrays(self) -> Arrays:
+        """What its file holds, by point and multiplier."""
+        from vibsim.branches.store.locus_file import values_of
+        from vibsim.branches.store.structure import POINT, locus_datasets
+
+        values = values_of(self)
+        declared = locus_datasets(self.plan.branch.unit, self.plan.unit)
+        lengths = {dataset.name: len(values[dataset.name]) for dataset in declared if dataset.is_scale}
+
+        def read(name: str) -> np.ndarray:
+            dims = next(dataset.dims for dataset in declared if dataset.name == name)
+            return np.reshape(np.asarray(values[name]), [lengths[each] for each in dims])
+
+        shown = ("parameter", "second", "period")
+        return Arrays(tuple(declared), read, (POINT,), self.attrs, shown=shown)
+
+    def heading(self) -> str:
+        """Name of the case, which bifurcation in which two parameters, and how many points."""
+        from vibsim.branches.description import locus_lines
+
+        return f"{locus_lines(self)[0][1]}, {len(self)} points"
+
+    def lines(self) -> list[tuple[str, str]]:
+        """Points, ends, and the names of the arrays."""
+        from vibsim.branches.description import locus_lines
+
+        return [*locus_lines(self)[1:], ("arrays", few(self.keys()))]
+
+    def case_at(self, point: int) -> Any:
+        """The case that runs one period on the orbit of a point."""
+        orbit, family = self.points[point].orbit, self.plan.plane().family_at(self.points[point].second)
+        state = family.map(orbit.parameter).coordinates.state(np.array(orbit.state))
+        return case_on_orbit(family.at(orbit.parameter), state, orbit.period)
 
     def save(self, path: str | PathLike[str], force: bool = False) -> Path:
         """Write the locus to an HDF5 file, which every command takes; its absolute path.

@@ -46,9 +46,16 @@ def origin(plan: LocusPlan, engine: str = "auto") -> dict[str, Any]:
 
 def write_locus(path: Path, locus: Locus, attrs: dict[str, Any], complete: bool) -> None:
     """Write a locus to `path`, replacing what is there in one instant. Raises ResultFileError."""
+    counts = {"points": len(locus), "complete": int(complete)}
+    declared = locus_datasets(locus.plan.branch.unit, locus.plan.unit)
+    write_hdf5(path, {**attrs, **counts}, declared, values_of(locus))
+
+
+def values_of(locus: Locus) -> dict[str, Any]:
+    """What stands in the datasets of a locus, by name."""
     points, scene = locus.points, locus.case.scene()
     first = points[0]
-    values = {
+    return {
         POINT: np.arange(len(points)),
         UNKNOWN: np.arange(len(first.orbit.state)),
         SCALED: np.arange(len(first.unknowns)),
@@ -57,8 +64,6 @@ def write_locus(path: Path, locus: Locus, attrs: dict[str, Any], complete: bool)
         **orbit_values("", lambda word: spelled(scene, word), points),
         **{name: [getattr(one, name) for one in points] for name in ("second", "index", "step", "ended")},
     }
-    counts = {"points": len(points), "complete": int(complete)}
-    write_hdf5(path, {**attrs, **counts}, locus_datasets(locus.plan.branch.unit, locus.plan.unit), values)
 
 
 def read_locus(path: str | Path) -> Locus:

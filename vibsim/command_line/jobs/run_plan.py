@@ -59,13 +59,14 @@ def hdf5_name(output: str) -> str:
 
 
 def read_case(source: str, changes: dict[str, str]) -> "Case":
-    """A case from a YAML file, a shipped name, "-", or the file of a run, sweep or branch."""
+    """A case from a YAML file, a shipped name, "-", or the file of a run, sweep, branch or locus."""
     from vibsim.cases import load_case
 
     if not names_a_result(source):
         return load_case(source, changes)
-    if kind_of(source) not in ("trajectory", "sweep", "branch"):
-        raise ResultFileError(f"{source}: holds no run; give a case, or the file of a run, sweep or branch")
+    if kind_of(source) not in ("trajectory", "sweep", "branch", "locus"):
+        allowed = "a case, or the file of a run, sweep, branch or locus"
+        raise ResultFileError(f"{source}: holds no run; give {allowed}")
     result = open_result(source)
     case = replace(result.case, text=result.attrs["case_yaml"])
     return case.with_values(changes) if changes else case

@@ -1,12 +1,13 @@
 "use strict";
-// The curve that points lie on, where there is one: solid where orbits are stable, dashed where not, with marks.
+// The curve that points lie on, where there is one: of a branch, solid where orbits are stable, dashed where not,
+// with marks; of a locus.
 
 function decodedColumns(packed) {
   const columns = {};
   for (const [name, column] of Object.entries(packed)) columns[name] = { width: column.width, values: decoded(column.data, Float64Array) };
   return columns;
 }
-const curve = DATA.lines ? { pieces: DATA.lines.pieces, columns: decodedColumns(DATA.lines.columns) } : null;
+const curve = DATA.lines ? { pieces: DATA.lines.pieces, words: DATA.lines.words, columns: decodedColumns(DATA.lines.columns) } : null;
 const marks = DATA.marks ? { ...DATA.marks, columns: decodedColumns(DATA.marks.columns), count: DATA.marks.texts.kind.length } : null;
 
 // paths of the marks about a place, filled or not, as pictures have them; other kinds have a dot
@@ -82,8 +83,10 @@ function meaning() {
   if (!curve) return [];
   const line = (dash) => (g, x, y) => { g.strokeStyle = colour("c0"); g.lineWidth = 1.4; g.setLineDash(dash); g.beginPath(); g.moveTo(x - 8, y); g.lineTo(x + 6, y); g.stroke(); g.setLineDash([]); };
   const told = [];
-  if (curve.pieces.some((piece) => piece[2])) told.push(["stable", colour("ink"), line([])]);
-  if (curve.pieces.some((piece) => !piece[2])) told.push(["unstable", colour("ink"), line([5, 4])]);
+  for (const code of [1, 0]) {
+    if (curve.pieces.some((piece) => piece[2] === code)) told.push([curve.words[code], colour("ink"), line(code ? [] : [5, 4])]);
+  }
+  if (!marks) return told;
   for (const kind of Object.keys(SHAPES)) {
     if (marks.texts.kind.includes(kind)) told.push([marks.names[kind], colour("ink"), (g, x, y) => drawMark(g, kind, x, y)]);
   }

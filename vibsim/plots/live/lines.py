@@ -13,10 +13,12 @@ from typing import Any
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from vibsim.branches.course import drawn, stretches
+from vibsim.branches.course import curve_of, drawn, stretches
 from vibsim.plots.branches.curves import MARKS, ranges
+from vibsim.plots.branches.locus import NAMES
 from vibsim.plots.live.html_file import packed
 
+STABILITY = ("unstable", "stable")  # what the pieces of a curve are, by number
 WORDS = ("label", "kind", "before", "after")  # what is told of a special point beside its numbers
 
 
@@ -36,9 +38,20 @@ def lines_data(branch: Any) -> dict[str, Any]:
         pieces.append([begin, sum(map(len, rows)), int(stable)])
     table = np.concatenate(rows) if rows else np.empty((0, len(_values(branch.points[0].orbit))))
     return {
-        "lines": {"pieces": pieces, "columns": _columns(branch, table)},
+        "lines": {"pieces": pieces, "words": STABILITY, "columns": _columns(branch, table)},
         "marks": _marks(branch),
     }
+
+
+def locus_data(locus: Any) -> dict[str, Any]:
+    """The curve of a locus in the plane of its two parameters."""
+    table = curve_of(locus)
+    columns = {
+        name: {"width": 1, "data": packed(values, "f8")}
+        for name, values in zip(("parameter", "second"), table.T, strict=True)
+    }
+    words = ("", NAMES[locus.kind])
+    return {"lines": {"pieces": [[0, len(table), 1]], "words": words, "columns": columns}}
 
 
 def _place(orbit: Any) -> tuple[float, ...]:

@@ -55,12 +55,12 @@ def points_data(subject: Subject) -> dict[str, Any]:
 
 
 def _lines(subject: Subject) -> dict[str, Any]:
-    """The curve that the points of a branch lie on."""
-    if subject.reads != "branch":
+    """The curve that the points of a branch or a locus lie on."""
+    if subject.reads not in ("branch", "locus"):
         return {}
-    from vibsim.plots.live.lines import lines_data
+    from vibsim.plots.live.lines import lines_data, locus_data
 
-    return lines_data(subject.result)
+    return (lines_data if subject.reads == "branch" else locus_data)(subject.result)
 
 
 def _by_ratio(subject: Subject) -> set[str]:
@@ -107,7 +107,7 @@ def _first(subject: Subject, table: Tidy, numbers: Sequence[str]) -> dict[str, A
 
 def commands(subject: Subject) -> list[str] | None:
     """The command line that runs each point, in the order of the table; None where a point is no run."""
-    if subject.reads == "branch":
+    if subject.reads in ("branch", "locus"):
         return [_written(subject, _differences(subject, point)) for point in range(len(subject.result))]
     if subject.reads != "sweep":
         return None
@@ -128,7 +128,7 @@ def _command(subject: Subject, index: tuple[int, ...]) -> str:
 
 
 def _differences(subject: Subject, point: int) -> dict[str, str]:
-    """What the case of an orbit has other than that of its branch."""
+    """What the case of an orbit has other than that of its branch or locus."""
     own, case = subject.result.case.values, subject.result.case_at(point).values
     return {key: str(value) for key, value in case.items() if str(own.get(key)) != str(value)}
 
