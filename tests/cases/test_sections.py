@@ -5,11 +5,11 @@ from typing import Annotated, Literal
 
 import pytest
 
-from vibsim.cases.json_schema import case_schema
-from vibsim.cases.kinds import Fault, Text, WholeNumber
-from vibsim.cases.measured import Measured
-from vibsim.cases.quantities import Quantity
-from vibsim.cases.sections import Section, key
+from vibsim.cases.schema.json_schema import case_schema
+from vibsim.cases.schema.kinds import Fault, Text, WholeNumber
+from vibsim.cases.schema.measured import Measured
+from vibsim.cases.schema.sections import Section, key
+from vibsim.cases.values.quantities import Quantity
 
 
 class Inner(Section):

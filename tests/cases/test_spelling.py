@@ -4,9 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vibsim.cases.sources import shipped_case_names
+from vibsim.cases.reading.sources import shipped_case_names
 from vibsim.cases.spelling import nearest, slips
-from vibsim.cases.units import UNITS
+from vibsim.cases.values.units import UNITS
 from vibsim.command_line.main import COMMANDS
 
 WORDS = st.text("abc-", max_size=6)

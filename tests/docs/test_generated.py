@@ -13,9 +13,9 @@ from from_code.markdown import plain
 from tests.docs.pages import DOCS
 from vibsim.branches.store import structure as branch_structure
 from vibsim.cases import load_case
-from vibsim.cases.forms import LONG, SHORT
-from vibsim.cases.keys import all_keys
-from vibsim.cases.sources import gallery_case_names
+from vibsim.cases.reading.sources import gallery_case_names
+from vibsim.cases.schema.forms import LONG, SHORT
+from vibsim.cases.schema.keys import all_keys
 from vibsim.command_line.errors import EXIT_CODES
 from vibsim.command_line.main import COMMANDS
 from vibsim.evidence.benchmark import bench_structure

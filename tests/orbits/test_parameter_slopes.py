@@ -9,9 +9,9 @@ import pytest
 import vibsim
 from tests.engine.bundles import course, finished
 from tests.engine.test_tangent_jacobian import numbers
-from vibsim.cases.keys import measured_at
-from vibsim.cases.quantities import decimal_text
-from vibsim.cases.units import si_unit
+from vibsim.cases.schema.keys import measured_at
+from vibsim.cases.values.quantities import decimal_text
+from vibsim.cases.values.units import si_unit
 from vibsim.engine.truth import bare
 from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.sensitivity import monodromy

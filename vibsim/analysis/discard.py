@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from numbers import Real
 
-from vibsim.cases.quantities import QuantityError, decimal_text, parse_quantity
+from vibsim.cases.values.quantities import QuantityError, decimal_text, parse_quantity
 
 
 @dataclass(frozen=True)

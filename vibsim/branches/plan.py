@@ -159,8 +159,8 @@ def must_matter(case: Case, keys: Sequence[str]) -> None:
 
 def value_in(quantity: Any, unit: str) -> float:
     """A quantity of the case as a number in a unit."""
-    from vibsim.cases.pi import times_two_pi
-    from vibsim.cases.units import UNITS
+    from vibsim.cases.values.pi import times_two_pi
+    from vibsim.cases.values.units import UNITS
 
     one = UNITS[unit]
     turns = int(quantity.per_turn) - int(one.per_turn)

@@ -11,10 +11,10 @@ from fractions import Fraction
 from typing import Any
 
 from vibsim.cases import Case, CaseError
-from vibsim.cases.keys import measured_at
 from vibsim.cases.parts.building import build_parts, rebuild_parts
-from vibsim.cases.quantities import Quantity, decimal_text, parse_quantity
-from vibsim.cases.units import UNITS, si_unit
+from vibsim.cases.schema.keys import measured_at
+from vibsim.cases.values.quantities import Quantity, decimal_text, parse_quantity
+from vibsim.cases.values.units import UNITS, si_unit
 from vibsim.physics.parts import Scene
 
 BESIDE = Fraction(1, 2**30)  # share by which the value is changed to see where it stands

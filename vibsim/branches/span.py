@@ -6,10 +6,10 @@ from math import nan
 from vibsim.branches.plan import BranchError
 from vibsim.branches.scene_path import ScenePath
 from vibsim.cases import Case, UnknownKeyError
-from vibsim.cases.keys import measured_at
 from vibsim.cases.problems import shown
-from vibsim.cases.ranges import parse_range, without_log
-from vibsim.cases.units import UNITS, si_unit
+from vibsim.cases.schema.keys import measured_at
+from vibsim.cases.values.ranges import parse_range, without_log
+from vibsim.cases.values.units import UNITS, si_unit
 
 FACTORS = {"": 1.0, "J": 1.0, "mJ": 1e-3, "uJ": 1e-6, "kJ": 1e3}
 ENERGIES = re.compile(r"\s*(?P<ends>[^:\sa-df-zA-DF-Z]+:[^:\sa-df-zA-DF-Z]+)\s*(?P<unit>[mku]?J|)\s*")

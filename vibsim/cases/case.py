@@ -6,19 +6,19 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from vibsim.cases.file_tree import Tree
-from vibsim.cases.forms import form_of
-from vibsim.cases.keys import UnknownKeyError, full_key, keys_of
-from vibsim.cases.overrides import apply_overrides
 from vibsim.cases.parts.building import build_parts
 from vibsim.cases.parts.short_form import long_values
 from vibsim.cases.parts.text import long_text, sections_text
 from vibsim.cases.problems import CaseError, Problem
-from vibsim.cases.quantities import Quantity
+from vibsim.cases.reading.file_tree import Tree
+from vibsim.cases.reading.overrides import apply_overrides
+from vibsim.cases.reading.validation import validated
 from vibsim.cases.resolved import fingerprint, flat_values, nested_values, resolved_text, resolved_values
 from vibsim.cases.scene_building import DOUBLES, amplitude_value, build_two_blocks, exact_numbers
-from vibsim.cases.schema import CaseFile, CaseHead, Harmonic
-from vibsim.cases.validation import validated
+from vibsim.cases.schema.forms import form_of
+from vibsim.cases.schema.keys import UnknownKeyError, full_key, keys_of
+from vibsim.cases.schema.schema import CaseFile, CaseHead, Harmonic
+from vibsim.cases.values.quantities import Quantity
 from vibsim.cases.yaml_nodes import Place
 from vibsim.physics.parts import Scene
 from vibsim.physics.two_blocks import TwoBlocks

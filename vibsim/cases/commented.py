@@ -8,10 +8,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from vibsim.cases.case import Case
-from vibsim.cases.keys import holds_names, section_models
 from vibsim.cases.parts.text import HEAD, flow, scalar
 from vibsim.cases.resolved import nested_values
-from vibsim.cases.sections import Section
+from vibsim.cases.schema.keys import holds_names, section_models
+from vibsim.cases.schema.sections import Section
 
 COLUMN = 34  # where comments begin
 LONGEST = 96  # characters of a comment

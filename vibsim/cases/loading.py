@@ -5,10 +5,10 @@ from os import PathLike, fspath
 from pathlib import Path
 
 from vibsim.cases.case import Case
-from vibsim.cases.file_tree import read_tree
-from vibsim.cases.overrides import apply_overrides
-from vibsim.cases.sources import SourceText, case_name_from, decoded, find_source
-from vibsim.cases.validation import validated
+from vibsim.cases.reading.file_tree import read_tree
+from vibsim.cases.reading.overrides import apply_overrides
+from vibsim.cases.reading.sources import SourceText, case_name_from, decoded, find_source
+from vibsim.cases.reading.validation import validated
 
 
 def load_case(source: Case | str | PathLike[str], overrides: Mapping[str, object] | None = None) -> Case:

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from vibsim.cases.problems import CaseError, Problem
-from vibsim.cases.quantities import Quantity
-from vibsim.cases.schema import CaseFile, CaseHead, Motor
-from vibsim.cases.sections import Section
+from vibsim.cases.schema.schema import CaseFile, CaseHead, Motor
+from vibsim.cases.schema.sections import Section
+from vibsim.cases.values.quantities import Quantity
 
 RESOLVED_FORMAT = 1  # of the JSON text
 NOT_PHYSICS = ("name", "title", "run.trust_tolerance")

@@ -4,9 +4,9 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from vibsim.cases.pi import times_two_pi, two_pi_fraction
-from vibsim.cases.quantities import Quantity
-from vibsim.cases.schema import AmplitudeRule, CaseFile, Harmonic, Motor
+from vibsim.cases.schema.schema import AmplitudeRule, CaseFile, Harmonic, Motor
+from vibsim.cases.values.pi import times_two_pi, two_pi_fraction
+from vibsim.cases.values.quantities import Quantity
 from vibsim.physics.two_blocks import TwoBlocks
 
 Number = Any

@@ -106,8 +106,8 @@ def _judged(fit: FitResult) -> dict[str, Any]:
 
 def number_of(candidate: Candidate, free: FreeParameter) -> float:
     """The value of a free parameter in its unit; NaN where the candidate leaves it as printed."""
-    from vibsim.cases.quantities import parse_quantity
-    from vibsim.cases.units import UNITS
+    from vibsim.cases.values.quantities import parse_quantity
+    from vibsim.cases.values.units import UNITS
 
     text = candidate.changes.get(free.key)
     if text is None:

@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from vibsim.cases.keys import UnknownKeyError
-from vibsim.cases.units import UNITS
+from vibsim.cases.schema.keys import UnknownKeyError
+from vibsim.cases.values.units import UNITS
 from vibsim.fitting.errors import FitError
 from vibsim.physics.elementary import exp, log, log10
 from vibsim.sweeps.plan.axis import read_axis, scale_name

@@ -16,8 +16,8 @@ from math import inf, pi
 from typing import TYPE_CHECKING
 
 from vibsim.cases.problems import shown
-from vibsim.cases.quantities import NUMBER, Quantity, QuantityError, parse_quantity
 from vibsim.cases.spelling import did_you_mean
+from vibsim.cases.values.quantities import NUMBER, Quantity, QuantityError, parse_quantity
 from vibsim.fitting.bounds import Bounds
 from vibsim.fitting.errors import FitError
 from vibsim.fitting.observables import OBSERVABLES, Observable, missing_of

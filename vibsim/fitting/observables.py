@@ -28,7 +28,7 @@ class Observable:
     Attributes
     ----------
     definition : in words, for the documentation and every file
-    dimension : of `vibsim.cases.units`; "share" for a number that may be written in percent; "" for a verdict
+    dimension : of `cases/values/units.py`; "share" for a number that may be in percent; "" for a verdict
     measure : from the run, the window [s] (None: that of the definition) and the argument
     needs : what the scene must have, of "motor", "source", "stop", "friction"; "blocks" and
         "block2" are those of a case in the short form

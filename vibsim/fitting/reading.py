@@ -8,9 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from vibsim.cases.keys import UnknownKeyError
 from vibsim.cases.problems import CaseError
-from vibsim.cases.quantities import Quantity
+from vibsim.cases.schema.keys import UnknownKeyError
+from vibsim.cases.values.quantities import Quantity
 from vibsim.fitting.errors import FitError
 from vibsim.fitting.free_parameter import LEAVE, FreeParameter
 from vibsim.physics.elementary import log10
@@ -82,7 +82,7 @@ def leaving_price(cases: list[Case], changes: dict[str, str], free: tuple[FreePa
 def _price(case: Case, key: str, text: str, free: FreeParameter | None) -> float:
     changed, printed = case.with_values({key: text}).quantity(key), case.quantity(key)
     if free is not None:
-        from vibsim.cases.units import UNITS
+        from vibsim.cases.values.units import UNITS
 
         return free.price(float(changed.value / UNITS[free.unit].factor))
     return LEAVE * _decades(changed, printed)

@@ -42,9 +42,9 @@ def sloped_scene(case: "Case", keys: Sequence[str]) -> Scene[Any]:
 def _beside(case: "Case", key: str) -> tuple["Case", Fraction | float]:
     """The case with one number a little changed, and by how much in SI units."""
     from vibsim.cases import CaseError
-    from vibsim.cases.keys import measured_at
-    from vibsim.cases.quantities import decimal_text
-    from vibsim.cases.units import si_unit
+    from vibsim.cases.schema.keys import measured_at
+    from vibsim.cases.values.quantities import decimal_text
+    from vibsim.cases.values.units import si_unit
 
     own, measured = case.quantity(key), measured_at(case.full_key(key))
     dimension = measured.dimension if measured else "number"

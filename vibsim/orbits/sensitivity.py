@@ -173,7 +173,7 @@ def _central(
 
 def _si(case: "Case", key: str) -> str:
     """The SI unit of a number of the case."""
-    from vibsim.cases.units import find_unit, si_unit
+    from vibsim.cases.values.units import find_unit, si_unit
 
     unit = find_unit(case.quantity(key).text.partition(" ")[2])
     return "" if unit is None else si_unit(unit.dimension).name

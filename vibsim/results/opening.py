@@ -18,7 +18,7 @@ def kind_of(path: str | Path) -> str:
 
 def names_a_result(source: str | Path) -> bool:
     """Whether a source is a result file, or is called as one that is not there."""
-    from vibsim.cases.sources import called_as_result
+    from vibsim.cases.reading.sources import called_as_result
 
     return str(source) != "-" and (is_result_file(source) or called_as_result(str(source)))
 
@@ -28,7 +28,7 @@ def is_result_file(path: str | Path) -> bool:
 
     One that must not be read is judged by its name, and whoever opens it says so.
     """
-    from vibsim.cases.sources import called_as_result
+    from vibsim.cases.reading.sources import called_as_result
     from vibsim.files.signature import check_signature
 
     try:

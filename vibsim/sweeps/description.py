@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from vibsim.cases.plain_text import one_line
-from vibsim.cases.quantities import decimal_text
+from vibsim.cases.values.quantities import decimal_text
 from vibsim.sweeps.plan.axis import Axis
 from vibsim.sweeps.plan.members import Members
 from vibsim.sweeps.plan.sweep_plan import DIRECTION_NAMES, Plan

@@ -10,7 +10,7 @@ from vibsim.analysis.discard import parse_discard
 from vibsim.cases import Case
 from vibsim.cases.arguments import by_key, texts, whole_number
 from vibsim.cases.loading import load_case
-from vibsim.cases.quantities import parse_quantity
+from vibsim.cases.values.quantities import parse_quantity
 from vibsim.sweeps.computations.registry import read_computations
 from vibsim.sweeps.plan.axis import Axis, range_and_unit, read_axis
 from vibsim.sweeps.plan.members import Members, read_members

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from vibsim.cases import CaseError, hard_case_names, load_case, shipped_case_names
-from vibsim.cases.schema import CaseFile
+from vibsim.cases.schema.schema import CaseFile
 from vibsim.physics.friction_laws import EXPONENTIAL, HYPERBOLIC
 from vibsim.physics.parts import (
     AT_FORCE,

@@ -5,8 +5,8 @@ from typing import Any
 from vibsim.cases.parts.ends import BASE as BASE_END
 from vibsim.cases.parts.ends import GROUND as GROUND_END
 from vibsim.cases.parts.friction_laws import Direction, directions
-from vibsim.cases.quantities import Quantity
 from vibsim.cases.scene_building import DOUBLES, Number, NumberType, rule_value
+from vibsim.cases.values.quantities import Quantity
 from vibsim.physics.parts import (
     BASE,
     COMPRESSION,

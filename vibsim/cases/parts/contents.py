@@ -7,7 +7,7 @@ from typing import Any
 from vibsim.cases.parts.draft import Draft, Finding
 from vibsim.cases.parts.ends import NO_BODIES, Ends
 from vibsim.cases.parts.friction_laws import COULOMB
-from vibsim.cases.quantities import LARGEST, SMALLEST, Quantity
+from vibsim.cases.values.quantities import LARGEST, SMALLEST, Quantity
 
 MOST_COLUMNS = 4000  # notes of 16 bytes each on the scale of a table, in an attribute of 64 kB
 

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from vibsim.cases.quantities import parse_quantity
+from vibsim.cases.values.quantities import parse_quantity
 
 GRAVITY = parse_quantity("9.81 m/s^2", "acceleration")
 NO_PHASE = parse_quantity("0 rad", "angle")

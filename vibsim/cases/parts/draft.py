@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from vibsim.cases.parts.ends import Ends
-from vibsim.cases.quantities import Quantity
+from vibsim.cases.values.quantities import Quantity
 
 JOINING = ("links", "stops", "friction", "clearances")  # sections of parts with two ends
 PARTS = ("links", "stops", "friction", "forces", "clearances")

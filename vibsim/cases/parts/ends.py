@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Any
 
-from vibsim.cases.kinds import Single
 from vibsim.cases.problems import shown
+from vibsim.cases.schema.kinds import Single
 
 GROUND, BASE = "ground", "base"
 NO_BODIES = (GROUND, BASE)  # ends that are no bodies

@@ -5,10 +5,9 @@ What concerns several keys at once stands in the modules of rules beside this on
 
 from typing import Annotated, Literal
 
-from vibsim.cases.measured import Measured
 from vibsim.cases.parts.ends import Ends
-from vibsim.cases.quantities import Quantity
-from vibsim.cases.schema import (
+from vibsim.cases.schema.measured import Measured
+from vibsim.cases.schema.schema import (
     Amplitude,
     Angle,
     CaseHead,
@@ -22,7 +21,8 @@ from vibsim.cases.schema import (
     Velocity,
     optional,
 )
-from vibsim.cases.sections import Section, key
+from vibsim.cases.schema.sections import Section, key
+from vibsim.cases.values.quantities import Quantity
 
 Stiffness = Annotated[Quantity, Measured("stiffness", least="0")]
 Damping = Annotated[Quantity, Measured("damping", least="0")]

@@ -4,8 +4,8 @@ from typing import Any
 
 from vibsim.cases.parts.defaults import NO_PHASE
 from vibsim.cases.parts.ends import GROUND, Ends
-from vibsim.cases.quantities import Quantity, parse_quantity
-from vibsim.cases.schema import AmplitudeRule, CaseFile, Harmonic, Motor
+from vibsim.cases.schema.schema import AmplitudeRule, CaseFile, Harmonic, Motor
+from vibsim.cases.values.quantities import Quantity, parse_quantity
 
 NO_DAMPING = parse_quantity("0 N s/m", "damping")
 STILL = parse_quantity("0 m/s", "velocity")

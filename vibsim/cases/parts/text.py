@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from vibsim.cases.parts.ends import Ends
-from vibsim.cases.quantities import Quantity
+from vibsim.cases.values.quantities import Quantity
 
 HEAD = ("name", "title")
 FLAT = ("base", "motor", "run")  # sections of keys; the others hold parts by name

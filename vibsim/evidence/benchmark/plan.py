@@ -8,8 +8,8 @@ from math import ceil
 import numpy as np
 
 from vibsim.cases import Case, load_case
-from vibsim.cases.quantities import decimal_text
 from vibsim.cases.resolved import fingerprint
+from vibsim.cases.values.quantities import decimal_text
 from vibsim.evidence.benchmark.errors import BenchError
 from vibsim.evidence.benchmark.families import Family, families_named
 

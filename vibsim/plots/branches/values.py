@@ -8,7 +8,7 @@ from functools import cache
 from typing import Any
 
 from vibsim.branches.energy import ENERGY
-from vibsim.cases.units import UNITS
+from vibsim.cases.values.units import UNITS
 from vibsim.plots.errors import PlotError
 from vibsim.plots.page.quantities import Scale, symbol
 from vibsim.plots.subject import Subject

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from vibsim.cases.forms import LONG
-from vibsim.cases.units import UNITS
+from vibsim.cases.schema.forms import LONG
+from vibsim.cases.values.units import UNITS
 from vibsim.plots.errors import PlotError
 from vibsim.plots.page.quantities import rounded
 from vibsim.plots.page.user_text import as_text

@@ -14,7 +14,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 
-from vibsim.cases.forms import LONG
+from vibsim.cases.schema.forms import LONG
 from vibsim.plots.motion.natural_frequencies import Frequency, fractions, natural_frequencies
 from vibsim.plots.page.sheet import legend_below
 from vibsim.plots.style import BLUE, VERMILLION, overlay

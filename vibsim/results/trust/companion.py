@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.cases.pi import FIRST_BITS, two_pi_bounds
+from vibsim.cases.values.pi import FIRST_BITS, two_pi_bounds
 from vibsim.engine.choice import flow_of
 from vibsim.engine.events.rigid_stops import LOWEST
 from vibsim.engine.trajectory import open_trajectory

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.cases.forms import LONG
-from vibsim.cases.keys import measured_at
 from vibsim.cases.problems import CaseError
-from vibsim.cases.quantities import decimal_text, exact_number
-from vibsim.cases.ranges import RangeError, RangeValue, parse_range
-from vibsim.cases.units import UNITS, find_unit, si_unit
+from vibsim.cases.schema.forms import LONG
+from vibsim.cases.schema.keys import measured_at
+from vibsim.cases.values.quantities import decimal_text, exact_number
+from vibsim.cases.values.ranges import RangeError, RangeValue, parse_range
+from vibsim.cases.values.units import UNITS, find_unit, si_unit
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -133,7 +133,7 @@ def read_axis(case: "Case", key: str, text: str, bare_unit: str = "", argument: 
     Parameters
     ----------
     key : dotted or unambiguous short key of a number of the case; KEY=KEY for several of the same values
-    text : a range, see `vibsim.cases.ranges`
+    text : a range, see `vibsim.cases.values.ranges`
     bare_unit : unit of a range that has none; by default SI, and an angular rate must have one
     argument : of Python in which the user wrote it, for messages
 

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.cases.keys import UnknownKeyError, measured_at
-from vibsim.cases.quantities import Quantity, QuantityError, decimal_text, exact_number, parse_quantity
-from vibsim.cases.units import UNITS
+from vibsim.cases.schema.keys import UnknownKeyError, measured_at
+from vibsim.cases.values.quantities import Quantity, QuantityError, decimal_text, exact_number, parse_quantity
+from vibsim.cases.values.units import UNITS
 from vibsim.sweeps.plan.axis import read_axis, scale_name
 
 if TYPE_CHECKING:

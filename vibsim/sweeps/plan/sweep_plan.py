@@ -13,7 +13,7 @@ from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from vibsim.analysis.discard import HALF, Discard
-from vibsim.cases.quantities import Quantity
+from vibsim.cases.values.quantities import Quantity
 from vibsim.files.declarations import Column
 from vibsim.sweeps.computations.registry import COMPUTATIONS, length_of
 from vibsim.sweeps.plan.axis import Axis

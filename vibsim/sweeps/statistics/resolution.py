@@ -7,7 +7,7 @@ from fractions import Fraction
 from functools import reduce
 from operator import add
 
-from vibsim.cases.contradictions import MOST_SAMPLES
+from vibsim.cases.reading.contradictions import MOST_SAMPLES
 from vibsim.physics.parts import Link, Scene, Stop
 from vibsim.physics.rates import mobility, source_rates
 

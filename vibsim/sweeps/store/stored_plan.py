@@ -10,8 +10,8 @@ import h5py
 import numpy as np
 
 from vibsim.analysis.discard import parse_discard
-from vibsim.cases.keys import measured_at
-from vibsim.cases.quantities import parse_quantity
+from vibsim.cases.schema.keys import measured_at
+from vibsim.cases.values.quantities import parse_quantity
 from vibsim.files.checking import check_datasets, damaged
 from vibsim.files.reading import opened, read_attributes
 from vibsim.files.signals import ended_at_once

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vibsim.cases.quantities import parse_quantity
+from vibsim.cases.values.quantities import parse_quantity
 from vibsim.evidence.reports.measured.measurements import Numbers
 from vibsim.plots.fit import scatter_shares
 from vibsim.plots.page.sheet import sheet

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 
 from vibsim.cases import Case, shipped_case_names
-from vibsim.cases.quantities import Quantity
+from vibsim.cases.values.quantities import Quantity
 from vibsim.evidence.verification.check import Check
 from vibsim.evidence.verification.row import Row, counted_row
 from vibsim.evidence.verification.runs import flows_of, named_case, run

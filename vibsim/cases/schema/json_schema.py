@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from vibsim.cases.forms import LONG, SHORT, SWITCHED_OFF, Form
-from vibsim.cases.kinds import Json
-from vibsim.cases.sections import REFERENCE
+from vibsim.cases.schema.forms import LONG, SHORT, SWITCHED_OFF, Form
+from vibsim.cases.schema.kinds import Json
+from vibsim.cases.schema.sections import REFERENCE
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 PART = "Part"  # ending of the sections of a file that extends another: nothing in them is required

@@ -4,7 +4,7 @@ from functools import cached_property
 from inspect import cleandoc
 from typing import Any, ClassVar, NoReturn, TypeVar
 
-from vibsim.cases.kinds import Fault, Json, Kind, Location, kind_of
+from vibsim.cases.schema.kinds import Fault, Json, Kind, Location, kind_of
 
 REFERENCE = "#/$defs/"  # where JSON Schema keeps sections
 REQUIRED = object()

@@ -5,10 +5,10 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
-from vibsim.cases.kinds import kind_of_value
 from vibsim.cases.problems import shown
-from vibsim.cases.quantities import NUMBER, Quantity, QuantityError, parse_quantity
-from vibsim.cases.units import si_unit, unit_names
+from vibsim.cases.schema.kinds import kind_of_value
+from vibsim.cases.values.quantities import NUMBER, Quantity, QuantityError, parse_quantity
+from vibsim.cases.values.units import si_unit, unit_names
 
 _exact = lru_cache(maxsize=64)(Fraction)  # of the few texts that bounds are written as
 

@@ -45,7 +45,7 @@ def shipped_folder() -> Path:
     try:
         return Path(str(resources.files("vibsim.shipped_cases").joinpath("II-B.yaml"))).parent
     except ModuleNotFoundError:
-        return Path(__file__).resolve().parents[2] / "cases"
+        return Path(__file__).resolve().parents[3] / "cases"
 
 
 def shipped_case_names() -> list[str]:

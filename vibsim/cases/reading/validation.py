@@ -3,15 +3,15 @@
 from collections.abc import Iterator
 from typing import Any
 
-from vibsim.cases.contradictions import contradictions
-from vibsim.cases.file_tree import Tree
-from vibsim.cases.forms import LONG, Form, form_of, mixed_problems, of_one_form
-from vibsim.cases.keys import all_keys
-from vibsim.cases.kinds import Fault
 from vibsim.cases.problems import CaseError, Problem
-from vibsim.cases.quantities import QuantityError
+from vibsim.cases.reading.contradictions import contradictions
+from vibsim.cases.reading.file_tree import Tree
 from vibsim.cases.resolved import every_value
-from vibsim.cases.schema import CaseHead
+from vibsim.cases.schema.forms import LONG, Form, form_of, mixed_problems, of_one_form
+from vibsim.cases.schema.keys import all_keys
+from vibsim.cases.schema.kinds import Fault
+from vibsim.cases.schema.schema import CaseHead
+from vibsim.cases.values.quantities import QuantityError
 from vibsim.cases.yaml_nodes import Place
 
 
@@ -35,7 +35,7 @@ def _checked(values: dict[str, Any], tree: Tree, form: Form) -> tuple[CaseHead |
     faults: list[Fault] = []
     model = form.model.read(values, (), faults)
     if model is None or faults:
-        from vibsim.cases.model_problems import model_problems
+        from vibsim.cases.reading.model_problems import model_problems
 
         model, problems = None, model_problems(faults, tree, form)
         flat = dict(_readable(values, "", form))

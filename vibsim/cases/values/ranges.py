@@ -16,9 +16,9 @@ from decimal import Context, Decimal
 from fractions import Fraction
 
 from vibsim.cases.problems import shown
-from vibsim.cases.quantities import NUMBER, QuantityError, decimal_text, exact_number
 from vibsim.cases.spelling import nearest
-from vibsim.cases.units import UNITS, find_unit
+from vibsim.cases.values.quantities import NUMBER, QuantityError, decimal_text, exact_number
+from vibsim.cases.values.units import UNITS, find_unit
 
 MOST_VALUES = 1_000_000
 # Values between the ends of a range by ratio are rounded to so many significant digits: few enough to be

@@ -4,10 +4,10 @@ import re
 from dataclasses import dataclass
 from fractions import Fraction
 
-from vibsim.cases.pi import radians_to_turns, times_two_pi
 from vibsim.cases.problems import shown
 from vibsim.cases.spelling import nearest
-from vibsim.cases.units import UNITS, Unit, find_unit, si_unit, unit_names
+from vibsim.cases.values.pi import radians_to_turns, times_two_pi
+from vibsim.cases.values.units import UNITS, Unit, find_unit, si_unit, unit_names
 
 NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
 _NUMBER_AND_UNIT = re.compile(rf"(?P<number>{NUMBER}(?:\s*/\s*\d+)?)\s*(?P<unit>.*)", re.ASCII | re.DOTALL)

@@ -9,7 +9,7 @@ from fractions import Fraction
 from math import prod
 from typing import Any
 
-from vibsim.cases.quantities import LARGEST, SMALLEST, Quantity
+from vibsim.cases.values.quantities import LARGEST, SMALLEST, Quantity
 
 MOST_SAMPLES = 10**10
 LARGEST_WHOLE = 2**53  # above it a double does not hold every whole number

@@ -4,10 +4,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Annotated, Any, get_args, get_origin
 
-from vibsim.cases.forms import LONG, NAME, SHORT, Form
-from vibsim.cases.kinds import Tag
-from vibsim.cases.measured import Measured
-from vibsim.cases.sections import Key, Section
+from vibsim.cases.schema.forms import LONG, NAME, SHORT, Form
+from vibsim.cases.schema.kinds import Tag
+from vibsim.cases.schema.measured import Measured
+from vibsim.cases.schema.sections import Key, Section
 from vibsim.cases.spelling import did_you_mean, nearest
 
 

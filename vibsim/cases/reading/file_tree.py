@@ -3,9 +3,9 @@
 from dataclasses import dataclass, field
 from typing import Any
 
-from vibsim.cases.alternatives import superseded
 from vibsim.cases.problems import CaseError, Problem, shown
-from vibsim.cases.sources import SourceText, find_source
+from vibsim.cases.reading.alternatives import superseded
+from vibsim.cases.reading.sources import SourceText, find_source
 from vibsim.cases.yaml_nodes import Broken, Mapping, Node, Place, Text, read_yaml
 
 LONGEST_CHAIN = 8  # files that extend one another

@@ -3,11 +3,11 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from vibsim.cases.alternatives import superseded
-from vibsim.cases.file_tree import BROKEN, Tree
-from vibsim.cases.forms import form_of
-from vibsim.cases.keys import UnknownKeyError, full_key, keys_of
 from vibsim.cases.plain_text import unstorable
+from vibsim.cases.reading.alternatives import superseded
+from vibsim.cases.reading.file_tree import BROKEN, Tree
+from vibsim.cases.schema.forms import form_of
+from vibsim.cases.schema.keys import UnknownKeyError, full_key, keys_of
 from vibsim.cases.yaml_nodes import Place
 
 FILE = "overrides"

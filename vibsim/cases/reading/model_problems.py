@@ -2,11 +2,11 @@
 
 from typing import Any
 
-from vibsim.cases.file_tree import BROKEN, Tree
-from vibsim.cases.forms import Form
-from vibsim.cases.keys import is_tag, section_at, sections_with
-from vibsim.cases.kinds import Fault, Location
 from vibsim.cases.problems import Problem, shown
+from vibsim.cases.reading.file_tree import BROKEN, Tree
+from vibsim.cases.schema.forms import Form
+from vibsim.cases.schema.keys import is_tag, section_at, sections_with
+from vibsim.cases.schema.kinds import Fault, Location
 from vibsim.cases.spelling import did_you_mean
 
 

@@ -5,10 +5,10 @@
 
 from typing import Annotated, Any, Literal
 
-from vibsim.cases.kinds import ChosenBy, Tag, Text, WholeNumber
-from vibsim.cases.measured import Measured
-from vibsim.cases.quantities import Quantity
-from vibsim.cases.sections import Section, key
+from vibsim.cases.schema.kinds import ChosenBy, Tag, Text, WholeNumber
+from vibsim.cases.schema.measured import Measured
+from vibsim.cases.schema.sections import Section, key
+from vibsim.cases.values.quantities import Quantity
 
 NAME_PATTERN = r"[A-Za-z0-9][A-Za-z0-9._+ -]*"
 NAMES = "may hold letters, digits, spaces and . _ + -, and begins with a letter or digit"

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from vibsim.cases.problems import Problem
-from vibsim.cases.schema import CaseFile, CaseHead
+from vibsim.cases.schema.schema import CaseFile, CaseHead
 from vibsim.cases.spelling import did_you_mean, nearest
 from vibsim.cases.yaml_nodes import Place
 
