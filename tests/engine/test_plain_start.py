@@ -7,8 +7,9 @@ from hypothesis import given, settings
 
 from tests.engine.random_parts import part_scenes
 from tests.engine.test_closed_cases import scene
-from vibsim.engine.events.automaton import JET, Automaton
+from vibsim.engine.events.automaton import Automaton
 from vibsim.engine.events.certificate import Certificate
+from vibsim.engine.events.departures import JET
 from vibsim.engine.events.plain_start import PlainStart
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.modes.rows import RowMaker

@@ -14,10 +14,11 @@ import numpy as np
 import vibsim.engine._engine as _engine
 from vibsim.engine.columns import part_columns
 from vibsim.engine.errors import EngineError
-from vibsim.engine.events.automaton import JET, Automaton
+from vibsim.engine.events.automaton import Automaton
 from vibsim.engine.events.certificate import Certificate
+from vibsim.engine.events.chatter import LOWEST
+from vibsim.engine.events.departures import JET
 from vibsim.engine.events.plain_start import PlainStart
-from vibsim.engine.events.rigid_stops import LOWEST
 from vibsim.engine.events.rule_maker import RuleMaker
 from vibsim.engine.extremes import Gap
 from vibsim.engine.flows.flow import Flow
@@ -170,7 +171,7 @@ class CRun:
     def automaton(self) -> Automaton:
         """Decides what C leaves open."""
         automaton = Automaton(self.scene, self.maker, self.scout, Doubles)
-        automaton.rigid.lowest = self.lowest
+        automaton.rigid.chatter.lowest = self.lowest
         return automaton
 
     @cached_property

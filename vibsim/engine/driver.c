@@ -309,7 +309,7 @@ static int direct_hold(const Run *r, const Mode *m, const Event *e, double X, do
     return 1;
 }
 
-/* Sum of the magnitudes of all forces of mode m at r->next (see automaton.py); X, V: of the base. */
+/* Sum of the magnitudes of all forces of mode m at r->next (see settling.py); X, V: of the base. */
 double forces_of(const Run *r, const Mode *m, double X, double V)
 {
     double total = 0.0, inertia = 0.0;

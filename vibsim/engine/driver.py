@@ -11,8 +11,9 @@ from math import inf
 from typing import Generic
 
 from vibsim.engine.errors import EngineError
-from vibsim.engine.events.automaton import JET, Automaton
-from vibsim.engine.events.rigid_stops import LOWEST
+from vibsim.engine.events.automaton import Automaton
+from vibsim.engine.events.chatter import LOWEST
+from vibsim.engine.events.departures import JET
 from vibsim.engine.extremes import Extremes, Gap
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.ledgers.ledger import Ledger
@@ -61,7 +62,7 @@ class Driver(Generic[N]):
         self.maker = RowMaker(scene, kit)
         self.flow = flow or Flow(scene, kit)
         self.automaton = Automaton(scene, self.maker, Flow(scene, kit, self.flow.certificate, JET + 1), kit)
-        self.automaton.rigid.lowest = lowest
+        self.automaton.rigid.chatter.lowest = lowest
         self.section = StroboscopicSection(scene, self.flow) if section else None
         self.ledger = Ledger(scene, kit, self.maker, self.flow, momentum) if ledger or momentum else None
         self.extremes = Extremes(scene, kit, self.flow, *extremes) if extremes else None

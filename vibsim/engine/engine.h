@@ -309,7 +309,7 @@ typedef struct {
 
 /* What a blow may change: rigid stops and frictions in the order of their numbers, elastic stops, clearances; none where none
  * were told of. `codes`: of the mode behind a blow; kinds, parts: of the events that it makes. lowest: of hops, see
- * rigid_stops.py
+ * chatter.py
  */
 typedef struct {
     RigidStop *stops;

@@ -6,7 +6,8 @@ from math import isfinite
 import numpy as np
 
 from vibsim.engine.columns import flags_of_parts, part_columns, state_columns
-from vibsim.engine.events.parting import let_go, meets
+from vibsim.engine.events.parting import let_go
+from vibsim.engine.events.relative_motion import meets
 from vibsim.engine.flows.harmonics import value_and_rate
 from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Known, RowMaker
 from vibsim.engine.modes.status import LIFTED, OPEN, STICK, Status

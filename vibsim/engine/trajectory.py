@@ -24,7 +24,7 @@ from vibsim.engine.columns import (
     section_columns,
 )
 from vibsim.engine.driver import Driver, Happening
-from vibsim.engine.events.rigid_stops import LOWEST
+from vibsim.engine.events.chatter import LOWEST
 from vibsim.engine.extremes import Gap
 from vibsim.engine.modes.status import LIFTED, Status
 from vibsim.engine.modes.ties import Edge
@@ -284,7 +284,7 @@ class PythonTrajectory(Trajectory[N]):
     @property
     def left_out(self) -> list[tuple[float, float]]:
         """(time [s], distance [m] that ends of infinite sequences of impacts have left out from then on)."""
-        rounded = (self.kit.rounded(list(end)) for end in self.driver.automaton.rigid.cut_off.ends)
+        rounded = (self.kit.rounded(list(end)) for end in self.driver.automaton.rigid.chatter.cut_off.ends)
         return [(t, distance) for t, distance in rounded]
 
     def _block(
@@ -349,7 +349,7 @@ class PythonTrajectory(Trajectory[N]):
             (driver.flow.taylor.steps + driver.flow.closed.steps, driver.flow.closed.evaluations),
             nan if driver.first_violation is None else self.kit.rounded([driver.first_violation])[0],
         )
-        cut = driver.automaton.rigid.cut_off
+        cut = driver.automaton.rigid.chatter.cut_off
         left_out = self.kit.rounded([cut.time, cut.speed, cut.distance])
         totals |= rigid_totals(self.scene, driver.counts, left_out)
         if driver.ledger:
@@ -390,7 +390,7 @@ class CTrajectory(Trajectory[float]):
     @property
     def left_out(self) -> list[tuple[float, float]]:
         """(time [s], distance [m] that ends of infinite sequences of impacts have left out from then on)."""
-        return self.run.automaton.rigid.cut_off.ends
+        return self.run.automaton.rigid.chatter.cut_off.ends
 
     def blocks(self) -> Iterator[Block]:
         """Yield `Block`s until the run ends; raises EngineError when it fails."""
@@ -411,7 +411,7 @@ class CTrajectory(Trajectory[float]):
             now = State(*tally["state"]), self.run.statuses[tally["mode"]]
             where = self.run.first, now
             totals |= ledger_totals(self.scene, Doubles, self.run.meters.names, tally["entries"], *where)
-        cut = self.run.automaton.rigid.cut_off
+        cut = self.run.automaton.rigid.chatter.cut_off
         totals |= rigid_totals(self.scene, tally["counts"], (cut.time, cut.speed, cut.distance))
         if self.run.moving:
             _, _, margin, margin_time = tally["certificate"]

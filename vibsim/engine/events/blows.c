@@ -1,4 +1,4 @@
-/* A blow on one rigid stop alone; twin of that case of vibsim/engine/events/rigid_stops.py and newton_moreau.py.
+/* A blow on one rigid stop alone; twin of that case of vibsim/engine/events/blows.py, chatter.py and newton_moreau.py.
  *
  * Frictions of the bodies that it moves slip behind it as the velocities say; what sticks elsewhere, rests or is pressed and
  * may let go has no rule. Whatever is not clear is left to Python: another stop that touches, an approach, a departure or a

@@ -6,22 +6,76 @@ motion itself, or of order 2 where a force jumps there.
 
 from __future__ import annotations
 
-from vibsim.engine.modes.rows import RowMaker
-from vibsim.engine.modes.status import Status
-from vibsim.physics.numbers import Kit, N, abs
-from vibsim.physics.parts import Clearance, RigidStop, Stop
+from collections.abc import Iterable, Sequence
+from typing import Generic
 
-START_ROUNDING = 16  # at least: each of three numbers and of two differences is rounded once
+from vibsim.engine.events.departures import Departures
+from vibsim.engine.events.happenings import Happened
+from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, Known, RowMaker
+from vibsim.engine.modes.status import CONTACT, KEPT, OPEN, VIOLATED, Status
+from vibsim.engine.state import State
+from vibsim.physics.numbers import N
+from vibsim.physics.parts import Clearance, Scene, Stop
 
 
-def meets(
-    kit: Kit[N], part: Stop[N] | RigidStop[N] | Clearance[N], value: N, places: tuple[N, N], distance: N
-) -> bool:
-    """Whether the ends at `places` [m] are exactly where `value` = x_P - x_Q + ... is zero: as computed, or
-    as told of the start from exact numbers, whose rounding it may be then.
-    """
-    size = abs(places[0]) + abs(places[1]) + abs(distance)
-    return value == 0 or (part.at_start and abs(value) <= START_ROUNDING * kit.eps * size)
+class Parting(Generic[N]):
+    """Decides which of these part and which close."""
+
+    def __init__(self, scene: Scene[N], maker: RowMaker[N], departures: Departures[N]) -> None:
+        self.scene, self.maker, self.departures = scene, maker, departures
+        self.relative, self.elastic = departures.relative, dict(scene.elastic_stops)
+
+    def parted(
+        self, state: State[N], status: Status, after: Status, order: int, known: Known
+    ) -> tuple[Status, Happened]:
+        """As `touching`, behind the release of ties, for the parts that the tied ends just touched."""
+        parts = self.touched(state, *let_go(self.maker, status, after))
+        return self.touching(state, status, after, parts, order, known)
+
+    def touching(
+        self,
+        state: State[N],
+        status: Status,
+        after: Status,
+        parts: tuple[Sequence[int], Sequence[int]],
+        order: int,
+        known: Known,
+    ) -> tuple[Status, Happened]:
+        """The status `after` an event, with those of some elastic stops and clearances, `parts`, whose ends
+        just touch as the motion takes them; what happened to them since `status`. Their functions have a zero
+        of some order there, which goes into `known`.
+        """
+        happened: Happened = []
+        for i in parts[0]:
+            closes = self.departures.departure(state, after.with_stop(i, OPEN), (GAP, i), order)[0] < 0
+            after = after.with_stop(i, CONTACT if closes else OPEN)
+            known |= {(GAP, i): order, (PUSH, i): order - 1}
+            if status.stops[i] != after.stops[i]:
+                happened.append(("contact_begin" if closes else "contact_end", i))
+        for i in parts[1]:
+            closes = (
+                self.departures.departure(state, after.with_clearance(i, KEPT), (CLEARANCE, i), order)[0] < 0
+            )
+            after = after.with_clearance(i, VIOLATED if closes else KEPT)
+            known[CLEARANCE, i] = order
+            if status.clearances[i] != after.clearances[i]:
+                happened.append(("violation_begin" if closes else "violation_end", i))
+        return after, happened
+
+    def touched(
+        self, state: State[N], stops: Iterable[int], clearances: Iterable[int]
+    ) -> tuple[list[int], list[int]]:
+        """Those of some elastic stops and clearances whose ends just touch."""
+        near = [(i, self.elastic[i]) for i in stops]
+        limits = [(i, self.scene.clearances[i]) for i in clearances]
+        return (
+            [i for i, one in near if self.relative.met(one, self.relative.depth(one, state), state, one.gap)],
+            [
+                i
+                for i, one in limits
+                if self.relative.met(one, self.relative.excess(one, state), state, one.distance)
+            ],
+        )
 
 
 def let_go(maker: RowMaker[N], before: Status, behind: Status) -> tuple[list[int], list[int]]:

@@ -88,7 +88,7 @@ class RuleMaker:
         behind = status.with_stop(i, after)
         if stop.c == 0 or not status.tied:
             return self._cross(behind, kind, i, key, 1)
-        if not self.automaton._possible(self.maker.rows(behind)):
+        if not self.automaton.settling.possible(self.maker.rows(behind)):
             return None
         return self._cross(behind, kind, i, key, 1, BEAR)
 
@@ -97,10 +97,10 @@ class RuleMaker:
 
     def _stand_rule(self, status: Status, event: Event, key: EventKey) -> Rule | None:
         i = event.part
-        standing = self.automaton.standing(status, [i])
+        standing = self.automaton.settling.standing(status, [i])
         stuck = status.with_frictions(dict.fromkeys(standing, STICK))
         rows = self.maker.rows(stuck)
-        if set(standing) - {i} != set(status.tied) or not self.automaton._possible(rows):
+        if set(standing) - {i} != set(status.tied) or not self.automaton.settling.possible(rows):
             return None
         other, hold = None, -1
         before = status.frictions[i]

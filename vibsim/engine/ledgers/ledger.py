@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Generic
 
-from vibsim.engine.events.rigid_stops import Touch
+from vibsim.engine.events.touch import Touch
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.flows.harmonics import value_and_rate
 from vibsim.engine.ledgers.meters import (

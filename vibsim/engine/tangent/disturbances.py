@@ -8,7 +8,7 @@ displacement of their ends.
 from collections.abc import Iterator, Sequence
 from typing import Generic
 
-from vibsim.engine.events.rigid_stops import Touch
+from vibsim.engine.events.touch import Touch
 from vibsim.engine.flows.accelerations import joined
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.modes.rows import Event, ModeRows

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from typing import Generic
 
 from vibsim.engine.events.newton_moreau import Contact, Impulse, coupling, masses, solved
-from vibsim.engine.events.rigid_stops import Touch
+from vibsim.engine.events.touch import Touch
 from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.modes.rows import Event, ModeRows
 from vibsim.engine.modes.status import OPEN, RESTING

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from typing import Generic, Protocol
 
 from vibsim.engine.events.certificate import Certificate
-from vibsim.engine.events.rigid_stops import Touch
+from vibsim.engine.events.touch import Touch
 from vibsim.engine.flows.accelerations import accelerations, joined, response
 from vibsim.engine.flows.harmonics import value_and_rate
 from vibsim.engine.flows.taylor import Taylor

@@ -1,0 +1,140 @@
+"""How event functions leave their zeros: signs of derivatives, with what rounding leaves open of them.
+
+Derivatives are those of the Taylor recurrences in every mode: what is zero by the laws of motion, as the
+acceleration of a body whose springs are slack, is exactly zero there. Modal coordinates leave rounding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Generic
+
+from vibsim.engine.events.relative_motion import RelativeMotion
+from vibsim.engine.flows.flow import Flow
+from vibsim.engine.flows.taylor_rounding import TaylorRounding
+from vibsim.engine.modes.rows import COUPLING, DIFFERENCE, Event, EventKey, ModeRows, RowMaker
+from vibsim.engine.modes.status import Status
+from vibsim.engine.state import State
+from vibsim.physics.numbers import Kit, N, abs
+
+JET = 7  # order of the highest derivative consulted where lower ones vanish
+
+
+class Departures(Generic[N]):
+    """Decides on which side of zero event functions are just behind an instant."""
+
+    def __init__(self, relative: RelativeMotion[N], maker: RowMaker[N], flow: Flow[N], kit: Kit[N]) -> None:
+        self.relative, self.maker, self.flow, self.kit = relative, maker, flow.taylor, kit
+
+    def doubt(self, state: State[N]) -> None:
+        self.flow.certificate.doubt(state.t)
+
+    def enter(self, state: State[N], status: Status) -> ModeRows[N]:
+        rows = self.maker.rows(status)
+        self.flow.look(state, rows)
+        return rows
+
+    def event(self, rows: ModeRows[N], key: EventKey) -> Event[N]:
+        return next(event for event in rows.events if event.key == key)
+
+    def _leading_sign(self, state: State[N], status: Status, key: EventKey, first: int = 1) -> int:
+        """Sign of the first derivative, from order `first`, that is not zero; 0 where all are. That of order
+        1 is one of velocities where differences alone make the function, and no rounding of a flow is in it.
+        """
+        values = self._derivatives(state, self.event(self.enter(state, status), key))
+        return sign(values[leading(values, first)])
+
+    def departure(self, state: State[N], status: Status, key: EventKey, first: int = 1) -> tuple[int, int]:
+        """Sign as of `_leading_sign`, and order, of a function that begins at zero: in doubt where rounding
+        could have it leave to the other side, or later than it does.
+        """
+        event = self.event(self.enter(state, status), key)
+        values = self._derivatives(state, event)
+        order = leading(values, first)
+        if self.is_open(state, event, values, first):
+            self.doubt(state)
+        return sign(values[order]), order
+
+    def is_open(self, state: State[N], event: Event[N], values: Sequence[N], first: int) -> bool:
+        """Whether rounding leaves the first of the derivatives `values`, from order `first`, that is not zero
+        open, or one before it. That of order 1 of displacements is one of velocities.
+        """
+        order = leading(values, first)
+        bounds = TaylorRounding(self.flow, JET + 1, state.t == 0).derivatives(event, order)
+        if order > 0 and all(term.kind == DIFFERENCE for term in event.terms):
+            bounds[1] = self.kit.number(0)
+            for term in event.terms:
+                bounds[1] = (
+                    bounds[1]
+                    + abs(term.coefficient) * self.relative.base_rounding((term.P, term.Q), state)[1]
+                )
+        return any(
+            0 < lost >= abs(value) for value, lost in zip(values[first:], bounds[first:], strict=False)
+        )
+
+    def _derivatives(self, state: State[N], event: Event[N]) -> list[N]:
+        """Derivatives of an event function of the mode entered last at `state`."""
+        values = self.flow.derivatives(event, JET)
+        if all(term.kind == DIFFERENCE for term in event.terms):
+            values[1] = self._direct_rate(state, event)
+        return values
+
+    def crossing(self, state: State[N], status: Status, key: EventKey, order: int) -> int:
+        """+1 where the event function goes on falling through its zero, -1 where it turns back.
+
+        order : of a zero here from which it was taken to rise, and fell back within the grid of time: its
+            derivatives up to that order are rounding
+        """
+        event = self.event(self.maker.rows(status), key)
+        if all(term.kind == DIFFERENCE for term in event.terms):
+            rate = self._direct_rate(state, event)
+            if rate != 0:
+                return -sign(rate)
+        return -self._leading_sign(state, status, key, order + 1)
+
+    def _direct_rate(self, state: State[N], event: Event[N]) -> N:
+        """Rate of a function made of differences, from the velocities: no rounding of a flow in it."""
+        v = (*state.v, self.kit.number(0), self.relative.base(state, "v"))
+        total = None
+        for term in event.terms:
+            part = term.coefficient * (v[term.P] - v[term.Q])
+            total = part if total is None else total + part
+        assert total is not None  # no event function is made of nothing
+        return total
+
+    def hold_values(self, state: State[N], rows: ModeRows[N], event: Event[N]) -> list[N]:
+        """Derivatives of a HOLD function; its value straight from the state where couplings alone make it."""
+        values = self.flow.derivatives(event, JET)
+        if event.terms and all(term.kind == COUPLING for term in event.terms):
+            values[0] = self._direct_hold(state, rows, event)
+        return values
+
+    def _direct_hold(self, state: State[N], rows: ModeRows[N], event: Event[N]) -> N:
+        x = (*state.x, self.kit.number(0), self.relative.base(state, "x"))
+        v = (*state.v, self.kit.number(0), self.relative.base(state, "v"))
+        total = None
+        for term in event.terms:
+            one = rows.couplings[term.P]
+            force = one.k * (x[one.P] - x[one.Q]) + one.c * (v[one.P] - v[one.Q]) + one.offset
+            part = term.coefficient * force
+            total = part if total is None else total + part
+        assert total is not None
+        return total + event.constant
+
+
+def leading(values: Sequence[N], first: int) -> int:
+    """Order of the first derivative, from order `first`, that is not zero; JET where all are."""
+    return next((n for n in range(first, JET) if values[n] != 0), JET)
+
+
+def sign(value: N) -> int:
+    """-1, 0 or +1."""
+    return 1 if value > 0 else -1 if value < 0 else 0
+
+
+def first_sign(values: Iterable[N]) -> int:
+    """Sign of the first value that is not zero; 0 where all are."""
+    for value in values:
+        if value != 0:
+            return sign(value)
+    return 0

@@ -1,0 +1,107 @@
+"""Where ends of parts are against each other, how fast, and what rounding leaves open of that."""
+
+from __future__ import annotations
+
+from typing import Generic
+
+from vibsim.engine.flows.harmonics import TURN_ROUNDING, series_rounding, value_and_rate
+from vibsim.engine.modes.rows import Joined, RowMaker
+from vibsim.engine.state import State
+from vibsim.physics.numbers import Kit, N, abs
+from vibsim.physics.parts import Clearance, Friction, RigidStop, Scene, Stop
+
+START_ROUNDING = 16  # at least: each of three numbers and of two differences is rounded once
+
+
+class RelativeMotion(Generic[N]):
+    """Displacements and velocities of the ends of parts against each other, from the state alone."""
+
+    def __init__(self, scene: Scene[N], maker: RowMaker[N], kit: Kit[N]) -> None:
+        self.scene, self.maker, self.kit = scene, maker, kit
+
+    def ends(self, part: Joined, state: State[N], of: str) -> tuple[N, N]:
+        values = (*(state.x if of == "x" else state.v), self.kit.number(0), self.base(state, of))
+        P, Q = self.maker.ends(part)
+        return values[P], values[Q]
+
+    def base(self, state: State[N], of: str) -> N:
+        """Displacement or velocity of the base, which is 0 where it turns round at the start: cos(90 deg)."""
+        value, rate = value_and_rate(self.kit, self.scene.base, state.t)
+        if of == "x":
+            return value
+        return self.kit.number(0) if self._base_turns(state, rate) else rate
+
+    def _base_turns(self, state: State[N], rate: N) -> bool:
+        """Whether the velocity `rate` of the base is what is left of none at the start."""
+        fastest = sum((abs(one.amplitude * one.omega) for one in self.scene.base), self.kit.number(0))
+        return state.t == 0 and abs(rate) <= TURN_ROUNDING * self.kit.eps * fastest
+
+    def base_rounding(self, columns: tuple[int, int], state: State[N]) -> tuple[N, N]:
+        """What rounding of the base leaves open of a difference of two columns and of its rate."""
+        zero, base = self.kit.number(0), self.scene.base
+        if not base or self.maker.n + 1 not in columns:
+            return zero, zero
+        place, rate = series_rounding(self.kit, base, state.t, 2)
+        return place, zero if self._base_turns(state, value_and_rate(self.kit, base, state.t)[1]) else rate
+
+    def turned_by_base(self, part: Joined, rate: N, state: State[N]) -> bool:
+        """Whether the rounding of the base's velocity could turn the sign of a relative one. What is zero in
+        doubles moves with the base.
+        """
+        return 0 < abs(rate) <= self.base_rounding(self.maker.ends(part), state)[1]
+
+    def depth(self, stop: Stop[N] | RigidStop[N], state: State[N]) -> N:
+        xP, xQ = self.ends(stop, state, "x")
+        return -(stop.sense * (xP - xQ)) - stop.gap
+
+    def excess(self, clearance: Clearance[N], state: State[N]) -> N:
+        xP, xQ = self.ends(clearance, state, "x")
+        return (xP - xQ) - clearance.distance
+
+    def slip(self, friction: Friction[N], state: State[N]) -> N:
+        vP, vQ = self.ends(friction, state, "v")
+        return (vP - vQ) - friction.belt
+
+    def met(
+        self, part: Stop[N] | RigidStop[N] | Clearance[N], value: N, state: State[N], distance: N
+    ) -> bool:
+        """Whether the ends of a part just touch, see `meets`."""
+        return meets(self.kit, part, value, self.ends(part, state, "x"), distance)
+
+    def blurred(
+        self,
+        value: N,
+        part: Stop[N] | RigidStop[N] | Clearance[N],
+        state: State[N],
+        distance: N,
+        met: bool,
+    ) -> bool:
+        """Whether the rounding of the base, of x_P - x_Q and of its sum with `distance` could turn the sign
+        of `value`; of the base alone where the ends are met, of nothing where exact numbers say so.
+        """
+        if met and part.at_start:
+            return False
+        lost = self.base_rounding(self.maker.ends(part), state)[0]
+        if not met:
+            xP, xQ = self.ends(part, state, "x")
+            y = xP - xQ
+            lost = (
+                lost + abs(_difference_error(xP, xQ, y)) + abs(_difference_error(y, -distance, y + distance))
+            )
+        return 0 < lost >= abs(value)
+
+
+def meets(
+    kit: Kit[N], part: Stop[N] | RigidStop[N] | Clearance[N], value: N, places: tuple[N, N], distance: N
+) -> bool:
+    """Whether the ends at `places` [m] are exactly where `value` = x_P - x_Q + ... is zero: as computed, or
+    as told of the start from exact numbers, whose rounding it may be then.
+    """
+    size = abs(places[0]) + abs(places[1]) + abs(distance)
+    return value == 0 or (part.at_start and abs(value) <= START_ROUNDING * kit.eps * size)
+
+
+def _difference_error(a: N, b: N, difference: N) -> N:
+    """What rounding took from a - b (Knuth's two-sum)."""
+    back = a - difference
+    return (a - (difference + back)) + (back - b)

@@ -1,0 +1,210 @@
+"""Which ties hold and which let go where several stand at one instant: the one consistent combination."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import combinations, product
+from typing import Generic
+
+from vibsim.engine.events.departures import JET, Departures, first_sign
+from vibsim.engine.modes.rows import HOLD, SLIDE, STRIKE, Event, ModeRows, RowMaker
+from vibsim.engine.modes.status import BACKWARD, FORWARD, STICK, Status
+from vibsim.engine.state import State
+from vibsim.physics.numbers import N, abs
+from vibsim.physics.parts import Motor, Scene
+
+# of all forces of a mode: nearer to its limit than that the force of a tie is measured closely
+NEAR = 2.0**-40
+
+
+class Settling(Generic[N]):
+    """Decides what sticks, rests, slips and parts where frictions and rigid stops stand."""
+
+    def __init__(self, scene: Scene[N], maker: RowMaker[N], departures: Departures[N]) -> None:
+        self.scene, self.maker, self.kit, self.flow = scene, maker, departures.kit, departures.flow
+        self.departures, self.relative = departures, departures.relative
+
+    def standing(self, status: Status, more: Iterable[int] = ()) -> list[int]:
+        """Ties that stand in the moment in which the ties `more` come to rest: these, those that hold, and
+        frictions that others which hold then keep from sliding.
+        """
+        standing = {*more, *status.tied}
+        while True:
+            tied = status.with_ties(dict.fromkeys(standing, STICK))
+            resting = self.maker.resting(tied) - standing
+            if not resting:
+                return sorted(standing)
+            standing |= resting
+
+    def settle_behind(self, state: State[N], status: Status, after: Status) -> Status:
+        """The mode behind a release at which a friction force drops: the jump of the accelerations may tear
+        other ties too. after: the status with the ties of the cut let go.
+        """
+        standing = status.tied
+        settled = self._release(state, after, standing)
+        if settled is not None:
+            return settled
+        self.departures.doubt(state)
+        consistent = self._first_consistent(state, after, standing, besides=status)
+        return after if consistent is None else consistent
+
+    def settle(self, state: State[N], status: Status, standing: Sequence[int]) -> Status:
+        """The status in which the ties `standing` (frictions with v_rel = 0, rigid stops with g = g' = 0)
+        hold or let go consistently.
+        """
+        possible = self.possible(self.maker.rows(status.with_ties(dict.fromkeys(standing, STICK))))
+        if possible:
+            after = self._release(state, status.with_ties(dict.fromkeys(standing, STICK)), standing)
+            if after is not None:
+                return after
+            self.departures.doubt(state)
+        consistent = self._first_consistent(state, status, standing)
+        if consistent is not None:
+            return consistent
+        if not possible:
+            self.departures.doubt(state)
+        return status.with_ties(dict.fromkeys(standing, STICK))
+
+    def _first_consistent(
+        self, state: State[N], status: Status, standing: Sequence[int], besides: Status | None = None
+    ) -> Status | None:
+        """The first consistent combination of the ties `standing`, those with most ties first; None
+        without any. besides: a status that has been left.
+        """
+        for choice in combinations_of(standing, len(status.frictions)):
+            candidate = status.with_ties(choice)
+            if candidate != besides and self._consistent(state, candidate, standing):
+                return candidate
+        return None
+
+    def possible(self, rows: ModeRows[N]) -> bool:
+        """Whether the ties of a mode can last: a base that moves cannot be tied to the ground, though it may
+        rest for an instant.
+        """
+        ground = self.maker.n
+        tied = rows.leader[ground + 1] == ground
+        return not (tied and any(term.amplitude != 0 for term in self.scene.base))
+
+    def _release(self, state: State[N], candidate: Status, standing: Sequence[int]) -> Status | None:
+        """As long as cuts are overloaded, the ties of the one that is so most let go. None where that is not
+        consistent in the end.
+        """
+        for _ in range(len(standing) + 1):
+            rows = self.departures.enter(state, candidate)
+            broken = self._overloaded(state, rows)
+            if broken is None:
+                break
+            cut = rows.cuts[broken.part]
+            slips = {i: orientation * broken.direction for i, orientation in cut.ties}
+            candidate = candidate.with_ties(slips)
+        else:
+            return None
+        slipping = self._apart(candidate, standing)
+        if len(standing) == 1 or self._slips_as_said(state, candidate, slipping):
+            return candidate
+        return None
+
+    @staticmethod
+    def _apart(status: Status, standing: Sequence[int]) -> list[int]:
+        """The ties among `standing` that do not hold."""
+        tied = set(status.tied)
+        return [k for k in standing if k not in tied]
+
+    def _overloaded(self, state: State[N], rows: ModeRows[N]) -> Event[N] | None:
+        """The HOLD event furthest below zero behind the instant, or None."""
+        worst: Event[N] | None = None
+        depth: N | None = None
+        forces = self._forces(rows)
+        for event in rows.events:
+            if event.kind == HOLD:
+                values = self.departures.hold_values(state, rows, event)
+                if abs(values[0]) <= NEAR * (forces + event.size) and self.departures.is_open(
+                    state, event, values, 0
+                ):
+                    self.departures.doubt(state)
+                if first_sign(values) < 0 and (depth is None or values[0] < depth):
+                    worst, depth = event, values[0]
+        return worst
+
+    def _forces(self, rows: ModeRows[N]) -> N:
+        """Sum of the magnitudes of all forces in the mode entered last [N], of couplings by what each of
+        their ends has: what the rounding of any force is below some hundred eps of.
+        """
+        flow, scene = self.flow, self.scene
+        total = inertia = self.kit.number(0)
+        for one in rows.couplings:
+            places = abs(flow.x[one.P][0]) + abs(flow.x[one.Q][0])
+            total = total + one.k * places + abs(one.offset)
+            total = total + one.c * (abs(flow.v[one.P][0]) + abs(flow.v[one.Q][0]))
+        for force in scene.forces:
+            total = total + abs(force.constant)
+        for term in (term for force in scene.forces for term in force.terms):
+            total = total + abs(term.amplitude)
+        for _, value in rows.constants:
+            total = total + abs(value)
+        for fall in rows.falls:
+            total = total + abs(fall.on_P)
+        for body in scene.bodies:
+            inertia = inertia + body.m
+        for term in scene.base:
+            total = total + inertia * abs(term.amplitude * term.omega * term.omega)
+        return total if scene.motor is None else total + self._motor_forces(scene.motor)
+
+    def _motor_forces(self, motor: Motor[N]) -> N:
+        """The same of a motor: of its unbalance, and of its torque at the radius of that."""
+        rotor = self.flow.rotor
+        assert rotor is not None  # there is a motor
+        w = abs(rotor.w[0])
+        return motor.m3 * motor.e * (w * w) + motor.M0 * (1 + w / motor.Omega0) / motor.e
+
+    def _slips_as_said(self, state: State[N], status: Status, slipping: Sequence[int]) -> bool:
+        """Whether the ties that let go do so in the direction of their status, and stops part."""
+        if not slipping:
+            return True
+        rows, count = self.departures.enter(state, status), len(status.frictions)
+        for k in slipping:
+            key, order = ((SLIDE, k), 1) if k < count else ((STRIKE, k - count), 2)
+            event = self.departures.event(rows, key)
+            values = self.flow.derivatives(event, JET)
+            if self.departures.is_open(state, event, values, order):
+                self.departures.doubt(state)
+            if first_sign(values[order:]) < 0:
+                return False
+        return True
+
+    def _consistent(self, state: State[N], status: Status, standing: Sequence[int]) -> bool:
+        if not self.possible(self.maker.rows(status)):
+            return False
+        rows = self.departures.enter(state, status)
+        if self._overloaded(state, rows) is not None:
+            return False
+        return self._slips_as_said(state, status, self._apart(status, standing))
+
+    def join(self, state: State[N], rows: ModeRows[N], i: int) -> None:
+        """Give the bodies that friction `i` ties their common velocity; momentum is kept where they move
+        freely.
+        """
+        P, _ = self.maker.ends(self.scene.frictions[i])
+        leader, n = rows.leader[P], self.maker.n
+        members = [c for c in rows.groups.members[leader] if c < n]
+        if leader >= n:
+            common = self.kit.number(0) if leader == n else self.relative.base(state, "v")
+        else:
+            momentum = None
+            for c in members:
+                share = self.scene.bodies[c].m * (state.v[c] - rows.drift[c])
+                momentum = share if momentum is None else momentum + share
+            assert momentum is not None  # the leader itself is a member
+            common = momentum / rows.own_mass(leader)
+        for c in members:
+            state.v[c] = common + rows.drift[c]
+
+
+def combinations_of(standing: Sequence[int], frictions: int) -> Iterator[dict[int, int]]:
+    """Statuses {number: status} that ties may go on with: those where most hold first. A tie behind the
+    `frictions` is a stop, which opens one way only.
+    """
+    for count in range(len(standing) + 1):
+        for chosen in combinations(standing, count):
+            for senses in product(*((FORWARD, BACKWARD) if k < frictions else (FORWARD,) for k in chosen)):
+                yield dict.fromkeys(standing, STICK) | dict(zip(chosen, senses, strict=True))

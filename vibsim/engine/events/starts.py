@@ -1,0 +1,102 @@
+"""The mode that a run starts in."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Generic
+
+from vibsim.engine.events.departures import JET, Departures, sign
+from vibsim.engine.events.rigid_stops import RigidStops
+from vibsim.engine.events.settling import Settling
+from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Known, RowMaker
+from vibsim.engine.modes.status import CONTACT, KEPT, LIFTED, OPEN, STICK, VIOLATED, Status
+from vibsim.engine.state import State
+from vibsim.physics.numbers import N
+from vibsim.physics.parts import AT_FORCE, Scene, Stop
+
+
+class Starts(Generic[N]):
+    """Decides the mode of a start, which is exact: what touches there touches."""
+
+    def __init__(
+        self, scene: Scene[N], maker: RowMaker[N], settling: Settling[N], rigid: RigidStops[N]
+    ) -> None:
+        self.scene, self.maker, self.settling, self.rigid = scene, maker, settling, rigid
+        self.departures: Departures[N] = settling.departures
+        self.relative, self.flow = settling.relative, settling.flow
+        self.elastic = dict(scene.elastic_stops)
+
+    def initial(self, state: State[N]) -> tuple[Status, Known]:
+        """Status that the motion starts in from `state`, and the known zeros there."""
+        scene = self.scene
+        depths = [self.relative.depth(stop, state) for stop in scene.stops]
+        met = [
+            self.relative.met(stop, g, state, stop.gap) for stop, g in zip(scene.stops, depths, strict=True)
+        ]
+        deep = [
+            g > 0 and not at and isinstance(s, Stop)
+            for g, at, s in zip(depths, met, scene.stops, strict=True)
+        ]
+        stops = tuple(CONTACT if inside else OPEN for inside in deep)
+        slacks = [self.relative.excess(c, state) for c in scene.clearances]
+        clearances = tuple(VIOLATED if over > 0 else KEPT for over in slacks)
+        rates = [self.relative.slip(f, state) for f in scene.frictions]
+        if any(
+            self.relative.turned_by_base(f, rate, state)
+            for f, rate in zip(scene.frictions, rates, strict=True)
+        ):
+            self.departures.doubt(state)
+        frictions = tuple(sign(rate) for rate in rates)
+        status = self._pressing(state, Status(stops, frictions, clearances), met)
+        known: Known = {}
+        touching, seated = self.rigid.at_start(state, [i for i, at in enumerate(met) if at])
+        standing = [i for i, sense in enumerate(frictions) if sense == 0]
+        standing += [len(frictions) + i for i in seated]
+        if standing:
+            standing = self.settling.standing(status, standing)
+            status = self.settling.settle(state, status, standing)
+            known |= {(SLIDE, i): 1 for i in standing if i < len(frictions) and status.frictions[i] != STICK}
+        known |= {(STRIKE, i): order for i, order in touching.items() if status.stops[i] == OPEN}
+        for i, (g, stop) in enumerate(zip(depths, scene.stops, strict=True)):
+            if self.relative.blurred(g, stop, state, stop.sense * stop.gap, met[i]):
+                self.departures.doubt(state)
+            if met[i] and i in self.elastic and i not in self.maker.guarded:
+                sense, order = self.departures.departure(state, status.with_stop(i, OPEN), (GAP, i))
+                status = status.with_stop(i, CONTACT if sense < 0 else OPEN)
+                known[GAP, i] = order
+        for i, over in enumerate(slacks):
+            at = self.relative.met(scene.clearances[i], over, state, scene.clearances[i].distance)
+            if self.relative.blurred(over, scene.clearances[i], state, -scene.clearances[i].distance, at):
+                self.departures.doubt(state)
+            if at:
+                sense, order = self.departures.departure(
+                    state, status.with_clearance(i, KEPT), (CLEARANCE, i)
+                )
+                status = status.with_clearance(i, VIOLATED if sense < 0 else KEPT)
+                known[CLEARANCE, i] = order
+        return status, known
+
+    def _pressing(self, state: State[N], status: Status, met: Sequence[bool]) -> Status:
+        """The status with the stops whose force velocities tell: ties at rest are settled under it. Those
+        that are `met` push where they close; deep ones whose damper would have to pull are lifted.
+        """
+        for i, stop in enumerate(self.scene.stops):
+            if i in self.maker.guarded:
+                continue
+            if met[i] and isinstance(stop, Stop):
+                vP, vQ = self.relative.ends(stop, state, "v")
+                status = status.with_stop(i, CONTACT if -(stop.sense * (vP - vQ)) > 0 else OPEN)
+            elif status.stops[i] == CONTACT and self._pulls(state, status, i):
+                status = status.with_stop(i, LIFTED)
+        return status
+
+    def _pulls(self, state: State[N], status: Status, i: int) -> bool:
+        """Whether the damper of stop `i`, in contact, would have to pull."""
+        stop = self.elastic[i]
+        if stop.c == 0 or stop.release != AT_FORCE:
+            return False
+        event = self.departures.event(self.departures.enter(state, status), (PUSH, i))
+        values = self.flow.derivatives(event, JET)
+        if self.departures.is_open(state, event, values, 0):
+            self.departures.doubt(state)
+        return values[0] < 0
