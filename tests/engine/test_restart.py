@@ -10,7 +10,9 @@ from hypothesis import given, settings
 from tests.engine.random_parts import part_scenes
 from tests.engine.runs import Run, outcome, run, same_bits
 from tests.scenes import CASE_NAMES, paper
+from vibsim.cases import load_case
 from vibsim.engine.trajectory import open_trajectory, state_at
+from vibsim.results.simulation import simulate
 
 
 def rows_at_each_instant(events):
@@ -81,3 +83,42 @@ def test_no_run_goes_on_from_a_row_that_there_is_not(engine, column, value, sent
     row = {name: values[0] for name, values in run(scene).events.items()}
     with pytest.raises(ValueError, match=sentence):
         open_trajectory(scene, engine, resume=row | {column: value})
+
+
+TORN_OFF = """
+bodies: {b0: 1.267441390504369 kg, b1: 0.7430163730037074 kg}
+links: {l0: {between: [b0, ground], k: 0.3005097399950038 N/m},
+        l1: {between: [b1, ground], k: 1.3937859294545636 N/m, c: 0.33869277291162014 N s/m}}
+stops: {r1: {between: [ground, b1], gap: 0.3727656047461465 m, acts: compression, law: rigid, e: 0}}
+friction:
+  f0: {between: [b0, b1], N: 2.348170527621526 N, mu: 0.4247634468655391, static: 1.0682880800418662}
+  f1: {between: [b0, b1], N: 0.24320805436048148 N, mu: 0.4537428874345042}
+forces: {F0: {on: b0, A: 1.6683523585048854 N, omega: 1.6648217237148706 rad/s, phase: 2.532646530028698 rad}}
+motor: {on: b0, m3: 0.0958551020353236 kg, e: 0.21029457319496636 m, J: 0.038281562061243016 kg m^2,
+        M0: 0.5605531486055956 N m, Omega0: 4.2371210770332794 rad/s}
+initial: {b0: {x: 0.16791217251944235 m, v: -0.5045061017389765 m/s}, motor: {phi: 3.7668742146478147 rad},
+          b1: {x: -0.3500771905826653 m, v: -0.5264360198134965 m/s}}
+run: {t_end: 30 s, every: 0.15 s}
+"""
+TWINS = """
+bodies: {b0: 0.7 kg, b1: 1.3 kg}
+links: {l0: {between: [b0, ground], k: 40 N/m}, l1: {between: [b1, b0], k: 3 N/m}}
+stops: {r0: {between: [b0, b1], gap: 0.0123 m, acts: compression, law: rigid, e: 0.6},
+        r1: {between: [b1, b0], gap: 0.0123 m, acts: extension, law: rigid, e: 0.7}}
+motor: {on: b0, m3: 0.1 kg, e: 0.2 m, J: 0.04 kg m^2, M0: 0.5 N m, Omega0: 9 rad/s}
+run: {t_end: 10 s, every: 0.05 s}
+"""
+
+
+@pytest.mark.parametrize("text", (TORN_OFF, TWINS), ids=("torn_off", "twins"))
+def test_states_between_events_follow_no_event_of_the_instant_before_once_more(tmp_path, text):
+    """A body that another tears off its stop leaves with the rounding of its velocity; of two stops with one
+    depth one is struck, and both are left. Steps were extrapolated behind events that came of it, to 1e27 m.
+    """
+    path = tmp_path / "case.yaml"
+    path.write_text(text)
+    result = simulate(load_case(path), trust=False)
+    states = result.at(result.time)
+    assert result.attrs["impacts"] > 0
+    for name in ("x_b0", "v_b0", "phi", "phidot"):
+        assert same_bits(states[name], result[name]), name

@@ -341,12 +341,14 @@ class CRun:
         states, modes, happened, codes, crossings = rows
         return states, modes, happened, codes, crossings, (tally["state"][0], tally["worked_to"])
 
-    def state_at(self, t: float) -> tuple[float, ...]:
-        """(time, x and v of each body, rotor angle, its speed) at t [s] before the next event; t ascending
-        from call to call.
+    def state_at(self, t: float) -> tuple[float, ...] | None:
+        """(time, x and v of each body, rotor angle, its speed) at t [s] before the next event, None behind
+        it; t ascending from call to call.
         """
         while (state := self.run.state_at(t)) is None:
             pass  # here a signal is heard
+        if state is False:
+            return None
         t, x, v, phase, turns, w = state
         moving = (value for pair in zip(x, v, strict=True) for value in pair)
         return (t, *moving, Doubles.unwind(phase, turns), w)

@@ -15,6 +15,7 @@
 
 #define EVENTS_AT_ONE_INSTANT 64
 #define TOUCHING 64 /* roundings: beyond those within which Python says that ends just touch */
+#define MEETING 0x1p-40 /* of a time: so near to an event its rounding may lie, and the motion before it goes on */
 #define NEAR_LIMIT 0x1p-40 /* of all forces of a mode: nearer to its limit than that Python measures the force of a tie closely */
 
 static void enter_flow(Run *r, const State *state)
@@ -676,7 +677,9 @@ double run_worked_to(const Run *r)
     return r->stage == LEDGER && r->ledger.wanted ? r->t0 + r->ledger.tau : r->state.t;
 }
 
-/* State at t before the next event; 0 where it has to be called again. */
+/* State at t before the next event; 0 where it has to be called again, -1 where an event comes before t by more than
+ * its rounding.
+ */
 int run_state_at(Run *r, double t, State *out)
 {
     r->spent = 0;
@@ -691,6 +694,8 @@ int run_state_at(Run *r, double t, State *out)
         if (r->spent > r->work_at_once)
             return 0;
     }
+    if (r->pending_event != NOTHING && t - r->pending_end > MEETING * t)
+        return -1;
     flow_state(r, t, out);
     return 1;
 }

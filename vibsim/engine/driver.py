@@ -34,6 +34,7 @@ Velocities = tuple[list[N], N]  # of the bodies [m/s], speed of the rotor [rad/s
 Happening = tuple[int, int, State[N], Status, Velocities[N]]
 EVENTS_AT_ONE_INSTANT = 64
 SAMPLES_AT_ONCE = 256
+MEETING = 2.0**-40  # of a time: so near to an event its rounding may lie, and the motion before it goes on
 
 
 class Driver(Generic[N]):
@@ -118,7 +119,7 @@ class Driver(Generic[N]):
         """
         while True:
             end, event = self.flow.advance(self.scene.t_end)
-            if end >= t or end >= self.scene.t_end:
+            if end >= t or end >= self.scene.t_end or (event is not None and t - end <= MEETING * t):
                 return self.flow.state_at(t)
             state, _ = self._arrive(end, event)
             if not self._is_finite(state):

@@ -499,6 +499,8 @@ static PyObject *state_at(RunObject *self, PyObject *args)
     self->busy = 0;
     if (!done)
         Py_RETURN_NONE;
+    if (done < 0)
+        Py_RETURN_FALSE;
     return state_tuple(r, &r->scratch);
 }
 
@@ -728,7 +730,8 @@ static PyMethodDef methods[] = {
     {"add_entry", (PyCFunction)add_entry_alone, METH_VARARGS, "add_entry(entry, value): to the ledger, what an event adds"},
     {"doubt", (PyCFunction)doubt_here_alone, METH_VARARGS, "doubt(t): count what happened at t as not proved"},
     {"state_at", (PyCFunction)state_at_alone, METH_VARARGS,
-     "state_at(t) -> state before the next event, or None where more work is to do; t ascending from call to call"},
+     "state_at(t) -> state before the next event, None where more work is to do, False where an event comes before t; "
+     "t ascending from call to call"},
     {"extremes", (PyCFunction)extremes_alone, METH_NOARGS, "extremes() -> lists of the least, the greatest, the smallest gaps"},
     {"disturbances", (PyCFunction)disturbances_alone, METH_NOARGS, "disturbances() -> dict of what a TangentBundle tells"},
     {"outcome", (PyCFunction)outcome_alone, METH_VARARGS,

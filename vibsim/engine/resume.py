@@ -20,7 +20,8 @@ Point = tuple[State[N], Status, Known]  # what a run goes on from: state, mode, 
 Row = Mapping[str, float]  # of a table of events, by column
 Ends = tuple[float, float]  # a value at each end of a part
 
-JUMPS = ("impact", "transmitted", "chatter", "stick_begin", "reversal")
+BLOWS = ("impact", "transmitted", "chatter")
+JUMPS = (*BLOWS, "stick_begin", "reversal")
 ROUNDING = 2.0**-40  # of a velocity, above which its change is a jump [-]
 
 
@@ -36,9 +37,10 @@ def resume_point(scene: Scene, row: Row | Sequence[Row]) -> Point:
     for one in rows:
         _check(scene, one)
     jumps = any(_makes_forces_jump(scene, one) for one in rows)
+    struck = any(EVENT_NAMES[int(one["kind"])] in BLOWS for one in rows)
     for one in rows:
         state, status = _state(scene, one), _status(scene, one)
-        known |= _zeros(scene, one, state, status, jumps)
+        known |= _zeros(scene, one, state, status, jumps, struck)
     return state, status, known | _zeros_of_parted(scene, rows, state, status, 2 if jumps else 3)
 
 
@@ -106,8 +108,9 @@ def _status(scene: Scene, row: Row) -> Status:
     return Status(tuple(codes[:first]), tuple(codes[first:second]), tuple(codes[second:]))
 
 
-def _zeros(scene: Scene, row: Row, state: State, status: Status, jumps: bool) -> Known:
-    """Orders of the zeros that the event of a row leaves, by key; jumps: whether forces jump at its instant.
+def _zeros(scene: Scene, row: Row, state: State, status: Status, jumps: bool, struck: bool) -> Known:
+    """Orders of the zeros that the event of a row leaves, by key; jumps: whether forces jump at its instant;
+    struck: whether a rigid stop is struck then.
 
     What a tie held for long enough parts with a zero of one order more where no force jumps.
     """
@@ -119,7 +122,14 @@ def _zeros(scene: Scene, row: Row, state: State, status: Status, jumps: bool) ->
     if kind in ("violation_begin", "violation_end"):
         return {(CLEARANCE, clearance): 1}
     if kind in RIGID_KINDS:
-        return _zeros_of_rigid_stop(scene, part, state, status, 2 if jumps else 3)
+        parted = kind == "rest_end" and not struck  # no faster than rounding of velocities
+        released = 2 if jumps else 3
+        known: Known = {}
+        for one in _twins(scene, part):
+            if status.stops[one] == OPEN:
+                rate = 0.0 if parted else _closing(scene, scene.stops[one], state)
+                known[STRIKE, one] = released if rate == 0 else 1
+        return known
     if kind in ("reversal", "stick_end") and _struck(scene, scene.frictions[friction], row):
         return {}
     released = 1 if jumps else 2
@@ -128,11 +138,11 @@ def _zeros(scene: Scene, row: Row, state: State, status: Status, jumps: bool) ->
     return {}
 
 
-def _zeros_of_rigid_stop(scene: Scene, stop: int, state: State, status: Status, released: int) -> Known:
-    """The order of the zero of a depth; released: without a blow, rate and depth being zero."""
-    if status.stops[stop] != OPEN:
-        return {}
-    return {(STRIKE, stop): 1 if _closing(scene, scene.stops[stop], state) != 0 else released}
+def _twins(scene: Scene, stop: int) -> list[int]:
+    """The rigid stops with the depth of one of them, itself too: the same ends, in either order, and gap."""
+    one = dict(scene.rigid_stops)[stop]
+    ways = (one.P, one.Q, one.sense, one.gap), (one.Q, one.P, -one.sense, one.gap)
+    return [i for i, other in scene.rigid_stops if (other.P, other.Q, other.sense, other.gap) in ways]
 
 
 def _zeros_of_parted(scene: Scene, rows: Sequence[Row], state: State, status: Status, order: int) -> Known:

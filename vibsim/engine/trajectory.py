@@ -421,11 +421,23 @@ class CTrajectory(Trajectory[float]):
     def state_at(self, times: Iterable[float]) -> dict[str, np.ndarray]:
         """States at ascending times before the next event, as columns.
 
-        A lifted stop opens without a record: what follows an event that C leaves to Python is Python's.
+        A lifted stop opens without a record, and where a row does not tell every zero of its instant an event
+        may come once more: what follows an event is Python's.
         """
-        if self.point is not None and LIFTED in self.point[1].stops:
+        times = list(times)
+        rows = [] if self.point is not None and LIFTED in self.point[1].stops else self._rows_at(times)
+        if len(rows) < len(times):
             return PythonTrajectory(self.scene, Doubles, self.point).state_at(times)
-        rows = [self.run.state_at(t) for t in times]
         width = 3 + 2 * len(self.scene.bodies)
         table = np.array(rows, dtype="f8").reshape(-1, width).T
         return self.columns_of(table, self.run.statuses[self.run.tally["mode"]].codes)
+
+    def _rows_at(self, times: Iterable[float]) -> list[tuple[float, ...]]:
+        """(time, states) at ascending times, up to the first event."""
+        rows: list[tuple[float, ...]] = []
+        for t in times:
+            row = self.run.state_at(t)
+            if row is None:
+                break
+            rows.append(row)
+        return rows
