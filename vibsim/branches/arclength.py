@@ -203,15 +203,15 @@ def _solved(matrix: np.ndarray, right: np.ndarray, families: bool) -> np.ndarray
 
     Raises ContinuationError for a motion without a derivative.
     """
+    x, pivots = right, 0.0
+    if matrix.shape[0] == matrix.shape[1] and not families:
+        x, pivots = solved_by_pivots(matrix, right)
+    if pivots > BY_SLOPE:  # not of what is not finite
+        return x
     if not isfinite(np.vdot(matrix, matrix)):
         raise ContinuationError("the motion has no derivative there")
     if families:
         return np.asarray(np.linalg.lstsq(matrix, right, rcond=BY_SLOPE)[0])
-    if matrix.shape[0] != matrix.shape[1]:
-        return np.asarray(np.linalg.lstsq(matrix, right, rcond=KERNEL)[0])
-    x, pivots = solved_by_pivots(matrix, right)
-    if pivots > BY_SLOPE:
-        return x
     if pivots > 0 and KERNEL * abs(x).max() * abs(matrix).max() <= abs(right).max():
         return x
     return np.asarray(np.linalg.lstsq(matrix, right, rcond=KERNEL)[0])

@@ -127,7 +127,8 @@ class CRun:
         self.table, self.momentum = mode_table(scene, pitched=not carries), momentum
         self.keys, self.doubts = self.table.keys, Doubts(self)
         self.carries = carries or tangent[0] > 0  # disturbances, now or later, by which rules are made
-        self.run = _engine.Run(*pack_scene(scene, pitches(scene)))
+        ints, self._doubles = pack_scene(scene, pitches(scene))
+        self.run = _engine.Run(ints, self._doubles)
         self.numbers: dict[Status, int] = {}
         self.statuses: list[Status] = []
         self.ruled: set[tuple[int, int]] = set()
@@ -198,7 +199,9 @@ class CRun:
         for name in ("scout", "automaton", "tangencies", "maker"):
             self.__dict__.pop(name, None)
         before, self.scene = self.scene, scene
-        self.run.retune(doubles)
+        if doubles != self._doubles:
+            self.run.retune(doubles)
+            self._doubles = doubles
         if table is not self.table:
             self.table = table
             for number, status in enumerate(self.statuses):

@@ -131,8 +131,14 @@ class RetunedTable(ModeTable):
         self._places, self._numbers = tuple(numbers), tuple(numbers.values())
         self._known = of.recipes(self._places)
 
+    def packed(self, status: Status, flow: Callable[[], Flow]) -> Packed:
+        """As of any table: by a known recipe, which is as soon done as looked up."""
+        recipe = self._known.get(status)
+        packed = None if recipe is None else recipe.packed(self._numbers)
+        return super().packed(status, flow) if packed is None else packed
+
     def _pack(self, status: Status, flow: Callable[[], Flow]) -> Packed:
-        recipe = self._known.get(status) or self.origin.recipe(self._places, status)
+        recipe = self.origin.recipe(self._places, status)
         packed = None if recipe is None else recipe.packed(self._numbers)
         return super()._pack(status, flow) if packed is None else packed
 
