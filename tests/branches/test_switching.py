@@ -19,7 +19,7 @@ def test_a_doubling_opens_and_closes(doubled):
     """The orbits of two periods begin at one doubling of I-C and end at the other."""
     single = branch_of(RESONANT, "3.4:6.6 Hz")
     low, high = single.special("PD1").parameter, single.special("PD2").parameter
-    assert doubled.plan.n == 2 and doubled.ends[1] == "joins the orbits of 1 period"
+    assert doubled.plan.n == 2 and doubled.ends == ("leaves another branch", "joins the orbits of 1 period")
     first, last = doubled["parameter"][0], doubled["parameter"][-1]
     # quadratic: the first orbit is 2^-8 away from the doubling, scaled by 4 Hz
     assert 0 < high - first < 1e-5 and abs(last - low) < 1e-5

@@ -27,6 +27,7 @@ STABILITY = (
     Dataset("index", Column("1", "multipliers outside the unit circle", dtype="i1"), (POINT,)),
     Dataset("stable", Column(None, "stability", dtype="i1", flags={"unstable": 0, "stable": 1}), (POINT,)),
 )
+LEAVES = "leaves another branch"
 
 
 @dataclass(frozen=True, repr=False)
@@ -140,7 +141,7 @@ class Branch(Along, Labelled):
         backwards = [p for p in self.points if p.way < 0]
         last = forwards[-1].ended if forwards else ""
         first = backwards[0].ended if backwards else CLOSED if last == CLOSED else ""
-        return first, last
+        return (LEAVES if self.plan.heading else first), last
 
     def arrays(self) -> Arrays:
         """What its file holds, by point, special point and multiplier; and the stability of each point."""
