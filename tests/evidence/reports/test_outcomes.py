@@ -2,6 +2,7 @@
 
 import threading
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 
 import pytest
@@ -12,8 +13,9 @@ from vibsim.analysis.holds import Hold
 from vibsim.analysis.span import Span
 from vibsim.cases import load_case
 from vibsim.engine.errors import REASONS, EngineError
-from vibsim.evidence.reports.measured import outcomes
-from vibsim.evidence.reports.measured.outcomes import outcome, outcomes_of, run_all
+from vibsim.evidence.reports.measured import ensembles, outcomes
+from vibsim.evidence.reports.measured.ensembles import EVERY, member_outcome
+from vibsim.evidence.reports.measured.outcomes import outcome_of, run_all
 from vibsim.evidence.reports.measured.paper_runs import Interrupted
 from vibsim.results import simulate
 
@@ -21,7 +23,7 @@ from vibsim.results import simulate
 def test_an_outcome_is_the_verdict_on_the_run():
     """The motor without a stop is captured near its natural frequency, 4.0 to 4.1 Hz."""
     case = load_case("II-B", {"stop.G": "1000 m", "run.t_end": "150 s"})
-    found = outcome(case)
+    found = outcome_of(simulate(case.with_values({"run.every": EVERY}), trust=False))
     fine = judge_capture(simulate(case, trust=False))
     assert found["verdict"] == fine.verdict == "captured"
     assert found["speed_hz"] == pytest.approx(fine.speed_hz, rel=2e-3)
@@ -34,16 +36,16 @@ def test_a_hold_counts_whether_or_not_the_speed_settles_behind_it(monkeypatch):
     holds = tuple(Hold(20.0, 20.0 + 10 * delay, 3.7, 40.0, 0.4, delay, False) for delay in (3.0, 4.0))
     capture = Capture("undecided", "the speed is still changing", Span(0.0, 20.0), 6.5, 6.1, holds=holds)
     monkeypatch.setattr(outcomes, "judge_capture", lambda result: capture)
-    told = outcomes.outcome_of(result)
+    told = outcome_of(result)
     assert (told["verdict"], told["since"], told["until"], told["speed_hz"]) == ("undecided", 20.0, 60.0, 3.7)
     monkeypatch.setattr(outcomes, "judge_capture", lambda result: replace(capture, verdict="not met"))
-    assert outcomes.outcome_of(result)["since"] is None
+    assert outcome_of(result)["since"] is None
 
 
 def test_outcomes_come_in_order():
     cases = [load_case("II-A", {"run.t_end": f"{t} s"}) for t in (30, 20, 10)]
-    peaks = [each["peak"]["time"] for each in outcomes_of(cases, lambda done, total: True)]
-    assert peaks == [outcome(case)["peak"]["time"] for case in cases]
+    told = run_all([partial(member_outcome, case) for case in cases], lambda done, total: True)
+    assert told == [member_outcome(case) for case in cases]
 
 
 def test_a_run_that_fails_is_an_outcome_too(monkeypatch):
@@ -52,8 +54,8 @@ def test_a_run_that_fails_is_an_outcome_too(monkeypatch):
     def fail(*given, **options):
         raise EngineError(reason, state)
 
-    monkeypatch.setattr(outcomes, "simulate", fail)
-    assert outcome(load_case("II-A")) == {"failed": str(EngineError(reason, state))}
+    monkeypatch.setattr(ensembles, "simulate", fail)
+    assert member_outcome(load_case("II-A")) == {"failed": str(EngineError(reason, state))}
 
 
 def test_work_stops_when_told():

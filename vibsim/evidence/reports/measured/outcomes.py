@@ -10,28 +10,17 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, wait
 from dataclasses import replace
-from functools import partial
 from threading import Thread
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from vibsim.analysis import judge_capture, measure_drift
-from vibsim.engine.errors import EngineError
 from vibsim.evidence.reports.measured.measurements import Numbers, displacement_peak
 from vibsim.evidence.reports.measured.paper_runs import Interrupted
-from vibsim.results import Result, simulate
+from vibsim.results import Result
 from vibsim.sweeps.schedule.workers import available_cores
 
-if TYPE_CHECKING:
-    from vibsim.cases import Case
-
-EVERY = "100 ms"  # half a turn of the motor: its mean speed over 12 turns is known to 1 %
 PATIENCE = 0.1  # [s] until an interruption is noticed
 Advance = Callable[[int, int], bool]  # given how many are done, and of how many; False to stop
-
-
-def outcomes_of(cases: Sequence[Case], advance: Advance) -> list[Numbers]:
-    """The outcome of each case. Raises Interrupted when `advance` returns False."""
-    return run_all([partial(outcome, case) for case in cases], advance)
 
 
 def run_all(jobs: Sequence[Callable[[], Numbers]], advance: Advance) -> list[Numbers]:
@@ -65,14 +54,6 @@ def _work_off(waiting: deque[tuple[Callable[[], Numbers], Future[Numbers]]]) -> 
             result.set_result(job())
         except BaseException as error:
             result.set_exception(error)
-
-
-def outcome(case: Case) -> Numbers:
-    """What a motor run comes to; {"failed": why} where it cannot be run."""
-    try:
-        return outcome_of(simulate(case.with_values({"run.every": EVERY}), trust=False))
-    except EngineError as error:
-        return {"failed": str(error)}
 
 
 def outcome_of(result: Result) -> Numbers:
