@@ -188,3 +188,14 @@ def test_a_very_long_run_is_told_by_its_samples():
         CaseError, match=r"overrides run.t_end: 1e15 s every 5 ms makes 2e\+17 samples; at most 1e10"
     ):
         load_case("II-B", {"run.t_end": "1e15s"})
+
+
+@pytest.mark.parametrize(
+    ("overrides", "told"),
+    [
+        ({"run": "5", "run.t_end": "1 s"}, "run.t_end: is part of run"),  # took the rest of run away
+        ({"k2": "5 N/m", "stop": "none"}, "stop.k2: is part of stop"),  # was lost
+    ],
+)
+def test_a_section_and_what_is_in_it_are_not_both_given(overrides, told):
+    assert [line for line in problems_of(overrides) if f"{told}, which is given too; choose one" in line]

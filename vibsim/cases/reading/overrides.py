@@ -37,6 +37,11 @@ def apply_overrides(tree: Tree, overrides: Mapping[str, object]) -> None:
             named[full] = value
         except UnknownKeyError as error:
             tree.problems.append(Place(FILE).problem(key, str(error)))
+    for full in named:
+        whole = next((key for key in named if full.startswith(f"{key}.")), None)
+        if whole is not None:
+            message = f"is part of {whole}, which is given too; choose one"
+            tree.problems.append(Place(FILE).problem(full, message))
     _replace_kind(tree.values, named)
     _supersede(tree, named)
     for key, value in named.items():
