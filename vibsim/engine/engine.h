@@ -72,7 +72,7 @@ typedef struct {
     double constant, size;
     int kind, part, key, turns, first, terms, first_slope, slopes;
     Single single;
-    int rule, target, other, hold, event, event_part, event_key, order; /* what follows, see driver.c; the zero behind */
+    int rule, target, other, hold, event, event_part, event_key, order; /* what follows, see rules.c; the zero behind */
 } Event;
 
 typedef struct {
@@ -435,6 +435,7 @@ typedef struct {
     long sample_room, event_room, section_room, sample_count, event_count, section_count;
 } Buffers;
 
+void flow_enter(Run *r, const State *state);
 void flow_state(Run *r, double t, State *out);
 void write_state(const Run *r, double *row, long room, const State *s);
 void run_rewind(Run *r, double t_end);
@@ -451,8 +452,11 @@ void base_motion_at(const Run *r, double t, double *X, double *V); /* accelerati
 int blow_take(Run *r, const Event *event, Blow *done);
 void blow_count(Run *r, const Blow *done);
 void blows_free(Blows *b);
-double derivative_at_next(Run *r, const Mode *m, int key, int order); /* driver.c */
-double forces_of(const Run *r, const Mode *m, double X, double V); /* driver.c */
+
+/* rules.c; take returns 0 where Python has to decide */
+int rule_take(Run *r, Buffers *b);
+double derivative_at_next(Run *r, const Mode *m, int key, int order);
+double forces_of(const Run *r, const Mode *m, double X, double V);
 
 /* ledger.c; gather returns 0 when the work of one call is spent before the stretch is done */
 void ledger_open(Run *r);

@@ -1,4 +1,4 @@
-/* Scenes and modes from packed numbers. */
+/* Scenes and modes from packed numbers: scene.c, modes.c, mode_table.c. */
 #ifndef VIBSIM_MODES_H
 #define VIBSIM_MODES_H
 
@@ -10,7 +10,13 @@ int scene_retune(Run *r, Reader *in);     /* the numbers of another scene of tha
 Mode *mode_read(Run *r, Reader *in);      /* NULL without memory; look at the reader for what else was wrong */
 int mode_add(Run *r, Mode *m);
 int mode_renew(Run *r, int number, Mode *m); /* a mode of the same form in the place of another; whether it has it */
-void function_prepare(Mode *m, Event *e);  /* in the closed form of its mode, where it has one */
+
+/* modal_rows.c */
+Modal *modal_read(const Run *r, Reader *in, int pairs, int events);
+void modal_tune(const Run *r, Modal *m);  /* to the frequencies of the drives */
+void modal_prepare(Mode *m);              /* for the event functions */
+void function_prepare(Mode *m, Event *e); /* in the closed form of its mode, where it has one */
+
 int room_for_series(double (**series)[SERIES], int count);
 void mode_free(Mode *m);
 void run_free(Run *r);

@@ -1,4 +1,4 @@
-"""Scenes and modes as flat numbers, in the order in which modes.c reads them."""
+"""Scenes and modes as flat numbers, in the order in which scene.c and modes.c read them."""
 
 from __future__ import annotations
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from vibsim.engine.modes.rows import EventKey
 from vibsim.engine.modes.status import Status
 
-ASK, CROSS, STAND, STRUCK, BEAR = range(5)  # kinds of rules, as in driver.c; ASK: Python decides
+ASK, CROSS, STAND, STRUCK, BEAR = range(5)  # kinds of rules, as in rules.c; ASK: Python decides
 
 
 @dataclass(frozen=True)

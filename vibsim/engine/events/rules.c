@@ -1,0 +1,267 @@
+/* What follows an event where its rule is simple and the decision clear; elsewhere Python decides, see events/automaton.py:
+ *   CROSS  the function falls through its zero: on to the mode `target`
+ *   STRUCK one rigid stop is struck, and nothing else touches: on in the mode that slips as the velocities say, see blows.c
+ *   STAND  a sliding velocity is zero: on to `target`, where it sticks, if every tie of that mode holds, or to `other`, where
+ *          it slides the other way, if the tie `hold` gives way
+ *   BEAR   as CROSS, where forces jump: if every tie of the mode `target` holds
+ */
+#include "event_functions.h"
+#include "numbers.h"
+
+#define TOUCHING 64 /* roundings: beyond those within which Python says that ends just touch */
+#define NEAR_LIMIT 0x1p-40 /* of all forces of a mode: nearer to its limit than that Python measures the force of a tie closely */
+
+/* Rate of a function made of differences, from the velocities: no rounding of a flow in it. */
+static double direct_rate(const Run *r, const Event *e)
+{
+    const Term *t = r->mode->terms + e->first;
+    double total = 0.0;
+    int i;
+    for (i = 0; i < e->terms; i++) {
+        double P = t[i].P < r->bodies ? r->next.v[t[i].P] : 0.0, Q = t[i].Q < r->bodies ? r->next.v[t[i].Q] : 0.0;
+        double part = t[i].coefficient * (P - Q);
+        total = i == 0 ? part : total + part;
+    }
+    return total;
+}
+
+/* Value, or first derivative, of an event function of mode m at r->next, by Taylor series as the automaton's. */
+static double flow_derivative(Run *r, const Mode *m, const Event *e, int order)
+{
+    const Mode *before = r->mode;
+    double series[SERIES], steps = r->steps;
+    r->mode = m;
+    taylor_enter(r, &r->next);
+    taylor_polynomial(r, e, series);
+    r->mode = before;
+    r->steps = steps;
+    return series[order];
+}
+
+static const Event *event_of_key(const Mode *m, int key)
+{
+    const Event *e = m->events, *end = e + m->event_count;
+    while (e < end && e->key != key)
+        e++;
+    return e < end ? e : NULL;
+}
+
+/* Derivative of order 1 or 2 of the event function `key` of mode m, at r->next; NAN where m has none. */
+double derivative_at_next(Run *r, const Mode *m, int key, int order)
+{
+    const Mode *before = r->mode;
+    const Event *e = event_of_key(m, key);
+    double series[SERIES], steps = r->steps, evaluations = r->evaluations, value;
+    if (e == NULL)
+        return NAN;
+    r->mode = m;
+    flow_enter(r, &r->next);
+    if (r->closed) {
+        closed_form_jets(r, 2);
+        value = event_derivative(r, e, order);
+    } else {
+        taylor_polynomial(r, e, series);
+        value = order * series[order];
+    }
+    r->mode = before;
+    r->steps = steps;
+    r->evaluations = evaluations;
+    return value;
+}
+
+static double column_value(const Run *r, const double *values, int c, double base)
+{
+    return c < r->bodies ? values[c] : c > r->bodies ? base : 0.0;
+}
+
+/* Value of a HOLD function of mode m at r->next from its couplings; X, V: of the base. Returns 0 where it has other terms. */
+static int direct_hold(const Run *r, const Mode *m, const Event *e, double X, double V, double *value)
+{
+    double total = 0.0;
+    int i;
+    for (i = 0; i < e->terms; i++) {
+        const Term *t = &m->terms[e->first + i];
+        const Coupling *c = &m->couplings[t->P];
+        double y, u, part;
+        if (t->kind != COUPLING)
+            return 0;
+        y = column_value(r, r->next.x, c->P, X) - column_value(r, r->next.x, c->Q, X);
+        u = column_value(r, r->next.v, c->P, V) - column_value(r, r->next.v, c->Q, V);
+        part = t->coefficient * (c->k * y + c->c * u + c->offset);
+        total = i == 0 ? part : total + part;
+    }
+    *value = total + e->constant;
+    return 1;
+}
+
+/* Sum of the magnitudes of all forces of mode m at r->next (see settling.py); X, V: of the base. */
+double forces_of(const Run *r, const Mode *m, double X, double V)
+{
+    double total = 0.0, inertia = 0.0;
+    int i, j;
+    for (i = 0; i < m->coupling_count; i++) {
+        const Coupling *c = &m->couplings[i];
+        double places = fabs(column_value(r, r->next.x, c->P, X)) + fabs(column_value(r, r->next.x, c->Q, X));
+        double speeds = fabs(column_value(r, r->next.v, c->P, V)) + fabs(column_value(r, r->next.v, c->Q, V));
+        total += c->k * places + fabs(c->offset) + c->c * speeds;
+    }
+    for (i = 0; i < r->force_count; i++) {
+        total += fabs(r->forces[i].constant);
+        for (j = 0; j < r->forces[i].count; j++)
+            total += fabs(r->forces[i].terms[j].amplitude);
+    }
+    for (i = 0; i < m->constant_count; i++)
+        total += fabs(m->constants[i]);
+    for (i = 0; i < m->fall_count; i++)
+        total += fabs(m->falls[i].on_P);
+    for (i = 0; i < r->bodies; i++)
+        inertia += r->masses[i];
+    for (i = 0; i < r->base_count; i++)
+        total += inertia * fabs(r->base[i].amplitude * r->base[i].omega * r->base[i].omega);
+    if (r->has_motor)
+        total += r->m3 * r->e * r->next.w * r->next.w + r->M0 * (1 + fabs(r->next.w) / r->Omega0) / r->e;
+    return total;
+}
+
+/* 1: every tie of mode m holds; -1: the tie `hold` alone gives way; 0: not clear. */
+static int stands(Run *r, const Mode *m, int hold)
+{
+    double X = 0.0, V = 0.0, forces;
+    int i, answer = 1;
+    if (r->base_count > 0 && r->next.t == 0) /* where it turns round, Python knows better than its cosine */
+        return 0;
+    if (r->base_count > 0)
+        base_motion_at(r, r->next.t, &X, &V);
+    forces = forces_of(r, m, X, V);
+    for (i = 0; i < m->event_count; i++) {
+        double value;
+        if (m->events[i].kind != HOLD)
+            continue;
+        if (!direct_hold(r, m, &m->events[i], X, V, &value))
+            value = flow_derivative(r, m, &m->events[i], 0);
+        if (!(fabs(value) > 2 * NEAR_LIMIT * (forces + m->events[i].size))) /* Python looks closely at half of that */
+            return 0;
+        if (value < 0) {
+            if (i != hold)
+                return 0;
+            answer = -1;
+        }
+    }
+    return answer;
+}
+
+/* Whether what slips in mode m by the event function `key` goes on doing so, while every tie of it holds. */
+static int slips(Run *r, const Mode *m, int key)
+{
+    const Event *e = event_of_key(m, key);
+    double X = 0.0, V = 0.0, lightest = INFINITY;
+    int c;
+    if (m->untied) /* then Python does not look either */
+        return 1;
+    if (e == NULL || stands(r, m, NOTHING) <= 0)
+        return 0;
+    base_motion_at(r, r->next.t, &X, &V);
+    for (c = 0; c < r->bodies; c++)
+        lightest = r->masses[c] < lightest ? r->masses[c] : lightest;
+    return flow_derivative(r, m, e, 1) > NEAR_LIMIT * forces_of(r, m, X, V) / lightest;
+}
+
+/* Give the bodies of the group that `column` is in their common velocity; momentum is kept where they move freely. */
+static void join(Run *r, const Mode *m, int column)
+{
+    int leader = m->leader[column], c;
+    double common = 0.0, momentum = 0.0, X;
+    if (leader > r->bodies) {
+        base_motion_at(r, r->next.t, &X, &common);
+    } else if (leader < r->bodies) {
+        int first = 1;
+        for (c = 0; c < r->bodies; c++)
+            if (m->leader[c] == leader) {
+                double share = r->masses[c] * (r->next.v[c] - m->drift[c]);
+                momentum = first ? share : momentum + share;
+                first = 0;
+            }
+        common = momentum / m->group_mass[leader];
+    }
+    for (c = 0; c < r->bodies; c++)
+        if (m->leader[c] == leader)
+            r->next.v[c] = common + m->drift[c];
+}
+
+/* Whether the ends of a stop or a clearance that is watched just touch, more or less: a release may part or close them. */
+static int touches(const Run *r)
+{
+    const Mode *m = r->mode;
+    double X, V;
+    int i, j;
+    base_motion_at(r, r->next.t, &X, &V);
+    for (i = 0; i < m->event_count; i++) {
+        const Event *e = &m->events[i];
+        double value = e->constant, size = e->size;
+        if (e->kind != GAP && e->kind != CLEARANCE)
+            continue;
+        for (j = 0; j < e->terms; j++) {
+            const Term *t = &m->terms[e->first + j];
+            double P = t->P < r->bodies ? r->next.x[t->P] : t->P == r->bodies ? 0.0 : X;
+            double Q = t->Q < r->bodies ? r->next.x[t->Q] : t->Q == r->bodies ? 0.0 : X;
+            value = value + t->coefficient * (P - Q);
+            size = size + fabs(P) + fabs(Q);
+        }
+        if (fabs(value) <= TOUCHING * EPS * size)
+            return 1;
+    }
+    return 0;
+}
+
+/* Take the pending event by its rule; 0 where Python has to decide. */
+int rule_take(Run *r, Buffers *b)
+{
+    const Event *e = &r->mode->events[r->pending_event];
+    int kind = e->event, part = e->event_part, k;
+    for (k = 0; k < r->key_count; k++)
+        r->behind[k] = -1;
+    if (e->rule == CROSS || e->rule == BEAR) {
+        double rate = e->kind == HOLD || e->kind == PUSH ? flow_derivative(r, r->mode, e, 1) : direct_rate(r, e);
+        int again = r->known[e->key] > 0 && r->pending_tau == 0;
+        if (rate == 0 || rate != rate || again || (e->kind == HOLD && touches(r)))
+            return 0;
+        if (rate > 0) {
+            r->behind[e->key] = 1;
+            run_take(r, b, r->mode_number, 0, NULL, NULL);
+            return 1;
+        }
+        if (e->rule == BEAR && stands(r, r->modes[e->target], NOTHING) <= 0)
+            return 0;
+        r->behind[e->event_key] = e->order;
+        run_take(r, b, e->target, 1, &kind, &part);
+        return 1;
+    }
+    if (e->rule == STRUCK) {
+        Blow done;
+        if (!blow_take(r, e, &done))
+            return 0;
+        r->behind[e->key] = 1;
+        run_take(r, b, done.target, done.happened, r->blows.kinds, r->blows.parts);
+        if (r->status == OK)
+            blow_count(r, &done);
+        return 1;
+    }
+    if (e->rule == STAND) {
+        int answer = stands(r, r->modes[e->target], e->hold);
+        if (answer == 0)
+            return 0;
+        if (answer > 0) {
+            join(r, r->modes[e->target], r->mode->terms[e->first].P);
+            kind = STICK_BEGIN;
+            run_take(r, b, e->target, 1, &kind, &part);
+            return 1;
+        }
+        if (!slips(r, r->modes[e->other], e->event_key))
+            return 0;
+        kind = REVERSAL;
+        r->behind[e->event_key] = 1;
+        run_take(r, b, e->other, 1, &kind, &part);
+        return 1;
+    }
+    return 0;
+}

@@ -1,0 +1,134 @@
+/* The modes that a run has met, and the end of what they and the run hold. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "modes.h"
+
+static int grown(void **array, size_t before, size_t after, size_t size)
+{
+    char *more = realloc(*array, after * size);
+    if (!more)
+        return 0;
+    memset(more + before * size, 0, (after - before) * size);
+    *array = more;
+    return 1;
+}
+
+void mode_free(Mode *m)
+{
+    int i;
+    if (!m)
+        return;
+    if (m->modal) {
+        for (i = 0; m->modal->coordinates && i < m->modal->count; i++)
+            free(m->modal->coordinates[i].drives);
+        for (i = 0; m->modal->terms && i < m->modal->count; i++)
+            free(m->modal->terms[i].drives);
+        free(m->modal->coordinates);
+        free(m->modal->terms);
+        free(m->modal->reaches);
+        free(m->modal->sources);
+        free(m->modal->shifts);
+        free(m->modal->places);
+        free(m->modal->shares);
+        free(m->modal->fixed);
+        free(m->modal);
+    }
+    meters_free(&m->meters);
+    free(m->couplings);
+    free(m->falls);
+    free(m->events);
+    free(m->terms);
+    free(m->slopes);
+    free(m->mobility);
+    free(m->constants);
+    free(m->leader);
+    free(m);
+}
+
+/* Add a mode; its number, or -1 without memory. Sets how many keys of zeros there are. */
+int mode_add(Run *r, Mode *m)
+{
+    Search *s = &r->closed_form.search;
+    int keys = r->key_count, events = r->event_room, i;
+    for (i = 0; i < m->event_count; i++)
+        keys = m->events[i].key >= keys ? m->events[i].key + 1 : keys;
+    if (!grown((void **)&r->modes, (size_t)r->mode_count, (size_t)r->mode_count + 1, sizeof(Mode *)) ||
+        !grown((void **)&r->known, (size_t)r->key_count, (size_t)keys + 1, sizeof(int)) ||
+        !grown((void **)&r->behind, (size_t)r->key_count, (size_t)keys + 1, sizeof(int)))
+        return -1;
+    r->key_count = keys;
+    if (m->event_count > events) {
+        if (!grown((void **)&s->watched, (size_t)events, (size_t)m->event_count, sizeof *s->watched) ||
+            !grown((void **)&s->blurs, (size_t)events, (size_t)m->event_count, sizeof(Blur)) ||
+            !grown((void **)&s->events, (size_t)events, (size_t)m->event_count, sizeof(int)))
+            return -1;
+        r->event_room = m->event_count;
+    }
+    r->modes[r->mode_count] = m;
+    return r->mode_count++;
+}
+
+int mode_renew(Run *r, int number, Mode *m)
+{
+    Mode *before = r->modes[number];
+    int i;
+    if (m->event_count != before->event_count || before->meters.meters)
+        return 0;
+    for (i = 0; i < m->event_count; i++) {
+        Event *e = &m->events[i], *one = &before->events[i];
+        int same = e->kind == one->kind && e->key == one->key && e->terms == one->terms, k;
+        for (k = 0; same && k < e->terms; k++)
+            same = m->terms[e->first + k].kind == before->terms[one->first + k].kind;
+        if (!same)
+            return 0;
+        e->rule = one->rule;
+        e->target = one->target;
+        e->other = one->other;
+        e->hold = one->hold;
+        e->event = one->event;
+        e->event_part = one->event_part;
+        e->event_key = one->event_key;
+        e->order = one->order;
+    }
+    mode_free(before);
+    r->modes[number] = m;
+    return 1;
+}
+
+void run_free(Run *r)
+{
+    int i;
+    for (i = 0; i < r->mode_count; i++)
+        mode_free(r->modes[i]);
+    for (i = 0; r->forces && i < r->force_count; i++)
+        free(r->forces[i].terms);
+    ledger_free(&r->ledger);
+    tangent_free(r->tangent);
+    extremes_free(&r->extremes);
+    blows_free(&r->blows);
+    free(r->modes);
+    free(r->known);
+    free(r->behind);
+    free(r->masses);
+    free(r->harmonics);
+    free(r->forces);
+    free(r->base);
+    free(r->force);
+    free(r->state.x);
+    free(r->taylor.table);
+    free(r->taylor.load);
+    free(r->taylor.arguments);
+    free(r->taylor.falls);
+    free(r->taylor.loaded_on);
+    free(r->taylor.loaded);
+    free(r->closed_form.motions);
+    free(r->closed_form.responses);
+    free(r->closed_form.sin0);
+    free(r->closed_form.x0);
+    free(r->closed_form.scales[0]);
+    free(r->closed_form.times.cosine);
+    free(r->closed_form.search.watched);
+    free(r->closed_form.search.blurs);
+    free(r->closed_form.search.events);
+}

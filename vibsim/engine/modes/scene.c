@@ -1,0 +1,163 @@
+/* A scene from packed numbers, in the order in which vibsim/engine/modes/packing.py writes them. */
+#include "certificate.h"
+#include "modes.h"
+#include "numbers.h"
+#include "room.h"
+
+static void read_harmonic(Reader *in, Harmonic *h)
+{
+    h->amplitude = read_double(in);
+    h->omega = read_double(in);
+    h->cycles = read_double(in);
+    h->cycles_lo = read_double(in);
+    h->phase = read_double(in);
+}
+
+static int room_for_flows(Run *r)
+{
+    Taylor *f = &r->taylor;
+    ClosedForm *c = &r->closed_form;
+    size_t n = (size_t)r->bodies, columns = n + 2, row = 2 * (n + 3), coordinates = 2 * n + 2, harmonics = (size_t)r->harmonic_count + 1, i;
+    f->table = room((SERIES + 1) * row, sizeof(double));
+    f->loaded_on = room(columns, sizeof(double *));
+    f->load = room(columns * SERIES, sizeof(double));
+    r->force = room(columns, sizeof(double));
+    r->state.x = room(7 * n, sizeof(double));
+    c->motions = room(coordinates, sizeof(Motion));
+    c->responses = room(coordinates * harmonics, sizeof(Response));
+    c->sin0 = room(harmonics * 6, sizeof(double));
+    c->x0 = room(3 * columns, sizeof(double));
+    c->scales[0] = room(MEASURES * coordinates, sizeof(Scale));
+    c->times.cosine = room(2 * (harmonics + coordinates), sizeof *c->times.cosine);
+    if (!f->table || !f->loaded_on || !f->load || !r->force || !r->state.x || !c->motions || !c->responses || !c->sin0 || !c->x0 ||
+        !c->scales[0] || !c->times.cosine)
+        return 0;
+    for (i = 1; i < MEASURES; i++)
+        c->scales[i] = c->scales[0] + i * coordinates;
+    f->values = f->table + SERIES * row;
+    r->state.v = r->state.x + n;
+    r->next.x = r->state.x + 2 * n;
+    r->next.v = r->state.x + 3 * n;
+    r->scratch.x = r->state.x + 4 * n;
+    r->scratch.v = r->state.x + 5 * n;
+    r->before_v = r->state.x + 6 * n;
+    for (i = 0; i < coordinates; i++)
+        c->motions[i].responses = c->responses + i * harmonics;
+    c->times.sine = c->times.cosine + harmonics;
+    c->times.q = c->times.sine + harmonics;
+    c->times.u = c->times.q + coordinates;
+    c->cos0 = c->sin0 + harmonics;
+    c->sines = c->cos0 + harmonics;
+    c->cosines = c->sines + harmonics;
+    c->sine = c->cosines + harmonics;
+    c->cosine = c->sine + harmonics;
+    c->v0 = c->x0 + columns;
+    c->rest = c->v0 + columns;
+    c->search.settled = power_of_two(binary_exponent(EPS) / 3.0);
+    return 1;
+}
+
+/* What a scene counts, and room for it. */
+static int scene_shape(Run *r, Reader *in)
+{
+    int i, j;
+    r->bodies = read_index(in, 1, MOST);
+    r->columns = r->bodies + 2;
+    r->parts = read_index(in, 0, MOST);
+    r->clearances = read_index(in, 0, r->parts);
+    r->harmonic_count = read_index(in, 0, MOST);
+    r->force_count = read_index(in, 0, MOST);
+    r->base_count = read_index(in, 0, MOST);
+    r->has_motor = read_index(in, 0, 1);
+    r->motor_on = read_index(in, 0, r->bodies - 1);
+    r->rest_columns = read_index(in, r->base_count > 0 ? 2 : 0, 2);
+    r->stop_on_violation = read_index(in, 0, 1);
+    r->taylor.order = read_index(in, 2, MAX_ORDER);
+    if (in->short_of)
+        return 0;
+    r->masses = room((size_t)r->bodies, sizeof(double));
+    r->harmonics = room((size_t)r->harmonic_count, sizeof(Harmonic));
+    r->forces = room((size_t)r->force_count, sizeof(Force));
+    r->base = room((size_t)r->base_count, sizeof(Harmonic));
+    r->taylor.loaded = room((size_t)r->bodies, sizeof(int));
+    if (!r->masses || !r->harmonics || !r->forces || !r->base || !r->taylor.loaded || !room_for_flows(r))
+        return 0;
+    for (i = 0; i < r->harmonic_count; i++)
+        r->harmonics[i].harmonic = i;
+    for (i = 0; i < r->base_count; i++)
+        r->base[i].harmonic = read_index(in, -1, r->harmonic_count - 1);
+    for (i = 0; i < r->force_count; i++) {
+        Force *f = &r->forces[i];
+        f->on = read_index(in, 0, r->bodies - 1);
+        f->count = read_index(in, 0, MOST);
+        f->terms = in->short_of ? NULL : room((size_t)f->count, sizeof(Harmonic));
+        if (!f->terms)
+            return 0;
+        for (j = 0; j < f->count; j++)
+            f->terms[j].harmonic = read_index(in, -1, r->harmonic_count - 1);
+    }
+    return 1;
+}
+
+/* The numbers of a scene of that shape. */
+static void scene_numbers(Run *r, Reader *in)
+{
+    int i, j;
+    r->m3 = read_double(in);
+    r->e = read_double(in);
+    r->J = read_double(in);
+    r->M0 = read_double(in);
+    r->Omega0 = read_double(in);
+    r->tolerance_exponent = read_double(in);
+    r->t_end = read_double(in);
+    r->every_num = read_double(in);
+    r->every_den = read_double(in);
+    for (i = 0; i < r->bodies; i++)
+        r->masses[i] = read_double(in);
+    for (i = 0; i < r->harmonic_count; i++)
+        read_harmonic(in, &r->harmonics[i]);
+    for (i = 0; i < r->base_count; i++)
+        read_harmonic(in, &r->base[i]);
+    for (i = 0; i < r->force_count; i++) {
+        r->forces[i].constant = read_double(in);
+        for (j = 0; j < r->forces[i].count; j++)
+            read_harmonic(in, &r->forces[i].terms[j]);
+    }
+}
+
+int scene_read(Run *r, Reader *in)
+{
+    int i, j;
+    if (!scene_shape(r, in))
+        return 0;
+    scene_numbers(r, in);
+    for (i = 0; i < r->bodies; i++) { /* in the order of the columns */
+        int any = 0;
+        for (j = 0; j < r->force_count; j++)
+            any = any || r->forces[j].on == i;
+        if (any) {
+            r->taylor.loaded[r->taylor.loaded_count++] = i;
+            r->taylor.loaded_on[i] = r->taylor.load + i * SERIES;
+        }
+    }
+    r->work_at_once = WORK_AT_ONCE / (1.0 + (r->bodies + r->parts + r->harmonic_count) / 8);
+    certificate_open(&r->certificate);
+    taylor_set(r);
+    return read_through(in);
+}
+
+int scene_retune(Run *r, Reader *in)
+{
+    int i;
+    scene_numbers(r, in);
+    taylor_set(r);
+    for (i = 0; i < r->mode_count; i++) {
+        Mode *m = r->modes[i];
+        m->carried = r->has_motor ? m->group_mass[m->leader[r->motor_on]] : 0.0;
+        if (m->modal) {
+            modal_tune(r, m->modal);
+            reaches_set(m);
+        }
+    }
+    return read_through(in);
+}
