@@ -7,7 +7,7 @@ from vibsim.orbits.word import Word, changes
 
 FOLD, DOUBLING, TORUS, BRANCHING = "fold", "doubling", "neimark-sacker", "branch point"
 GRAZING, STICKING, TURNING, ORDER, CORNER = "grazing", "sticking", "turn", "order", "corner"
-UNRESOLVED = "unresolved"
+UNRESOLVED, HOPF = "unresolved", "hopf"
 LABELS = {
     FOLD: "F",
     DOUBLING: "PD",
@@ -19,8 +19,9 @@ LABELS = {
     ORDER: "OR",
     CORNER: "CO",
     UNRESOLVED: "UR",
+    HOPF: "HO",
 }
-BIFURCATIONS = (FOLD, DOUBLING, TORUS, BRANCHING, CORNER, UNRESOLVED)
+BIFURCATIONS = (FOLD, DOUBLING, TORUS, BRANCHING, CORNER, UNRESOLVED, HOPF)
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import numpy as np
 from vibsim.branches.arclength import ContinuationError, NoCase, length_of
 from vibsim.branches.family import Family
 from vibsim.branches.grazing_end import grazing_end
+from vibsim.branches.hopf import hopf_point
 from vibsim.branches.inspection import NEAR, detect, inspect
 from vibsim.branches.joining import JOINS, joining, repetition
 from vibsim.branches.moved_section import beyond_the_impact, from_section
@@ -26,6 +27,7 @@ INFINITE = 200.0  # multiplier of orbits that all but graze a rigid stop, where 
 GRAZED = "a multiplier grows without bound: a rigid stop is grazed near by"
 TOUCHED = "a rigid stop is grazed: beyond, orbits strike it, and a multiplier is infinite at first"
 AT_SECTION = 1e-6  # share of the period
+AT_REST = "shrinks to a state of rest"
 BLOCKED = "an impact on a rigid stop comes to the section: shift the phase of the source to go on"
 LOOSE = 1e-10  # residual, scaled, of what is no orbit where the branch turns back
 POLISH = 3  # Newton steps of a time of return that is known to 1e-9
@@ -83,6 +85,10 @@ class Walk:
                 graze = grazing_end(self.family, self.node)
                 ended = self._stuck(error) if graze is None else TOUCHED
                 yield Step(self.node, () if graze is None else (graze,), self.step, ended)
+                return
+            shrunk = hopf_point(self.family, self.node, node)
+            if shrunk is not None:
+                yield Step(self.node, (shrunk,), self.step, AT_REST)
                 return
             if corner is None:
                 node, ended = self._ended(node)

@@ -1,0 +1,61 @@
+"""Where a branch of free vibrations shrinks to a state of rest: the Hopf point.
+
+The section of a scene that nothing drives is where a body turns round. Its acceleration there, the swing,
+goes through zero with the amplitude; beyond lie the same orbits, seen at their other turn. Parameter and
+period are smooth over it, though singular for Newton's method at zero itself (Kuznetsov, Elements of Applied
+Bifurcation Theory, section 3.4): they are taken there by the polynomial through orbits on both sides.
+"""
+
+import numpy as np
+
+from vibsim.branches.arclength import ContinuationError
+from vibsim.branches.family import Family
+from vibsim.branches.node import Node
+from vibsim.branches.special import HOPF, Special
+from vibsim.branches.way import Way, at_zero, regula_falsi
+
+SHARES = (-0.4, 0.4, -0.25, 0.25, -0.15, 0.15)  # distances of these orbits, of that to the nearer end
+FINE, TRIES = 1e-6, 40  # share of it at which the place is known well enough to begin with
+SHRINKS = 0.5  # share of the rates of change that is left near rest: more, and the body alone stands still
+
+
+def swing(node: Node) -> float:
+    """Acceleration of the body at its turn, over the section that it makes [m/s^2]; 0 for a state of rest."""
+    tilt = node.point.end.tilt
+    assert tilt is not None
+    return float(tilt[1])
+
+
+def hopf_point(family: Family, one: Node, other: Node) -> Special | None:
+    """The Hopf point between two nodes; None where there is none."""
+    section = one.point.end.coordinates.section
+    if not section.turning or one.word or other.word or swing(one) * swing(other) >= 0:
+        return None
+    try:
+        nodes = _near_rest(Way(family, one, other))
+    except ContinuationError:
+        return None
+    least = min(nodes, key=lambda node: abs(swing(node)))
+    if not _pace(least) < SHRINKS * _pace(one):
+        return None
+    z = least.z.copy()
+    for i in (-2, -1):  # period and parameter
+        z[i] = at_zero([(swing(node), float(node.z[i])) for node in nodes])
+    return Special(HOPF, Node.of(family(z), one.tangent, least.iterations), one, one)
+
+
+def _pace(node: Node) -> float:
+    """Size of the velocities and accelerations at the turn [m/s^2]."""
+    end = node.point.end
+    count, rates = len(end.coordinates.scene.bodies), end.carried.rate
+    return float(np.linalg.norm([*(rates[:count] * 2 * np.pi / end.T), *rates[count : 2 * count]]))
+
+
+def _near_rest(way: Way) -> list[Node]:
+    """Orbits of little swing, one way and the other. Raises ContinuationError."""
+    _, near = regula_falsi(way, swing, TRIES, FINE)
+    place = next(share for share, node in way.known if node is near)
+    room = min(place, 1 - place)
+    if not room > 0:
+        raise ContinuationError("the state of rest is at a node")
+    return [way.node(place + share * room) for share in SHARES]
