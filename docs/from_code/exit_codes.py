@@ -8,6 +8,9 @@ HEAD = """# Exit codes
 What the process of `vibsim` ends with, for scripts. With `--json` an error is an object on stdout too:
 `{"error": {"message": ..., "exit_code": ...}}`.
 
+Of a file that is not there: 3 where a case is asked for, 6 where a result is. Where either will do, the name
+tells: one that ends in .h5 or .hdf5 is a result, any other a case.
+
 """
 
 

@@ -53,9 +53,12 @@ def continue_branch(
     True
     """
     check_count("max_points", max_points, 2)
+    _check_out(out)
     if switch is not None:
+        _leave_out("switch: its branch says what is followed, and how far", key=key, span=span, energy=energy)
         plan = switched(_branch(orbit), switch)
     elif energy is not None:
+        _leave_out("energy: it is what varies", key=key, span=span)
         from vibsim.branches.backbone import energy_plan
 
         plan = energy_plan(orbit, _as_text(energy, "0.01:1 J"), engine)
@@ -70,12 +73,34 @@ def continue_branch(
     return complete(store, max_points, engine)[0]
 
 
+def _check_out(out: Any) -> None:
+    """Raise BranchError for what names no file."""
+    if out is not None and not isinstance(out, str | PathLike):
+        raise BranchError(f"out is the name of a file, such as 'branch.h5', got {_shown(out)}")
+
+
+def _leave_out(reason: str, **arguments: Any) -> None:
+    """Raise BranchError for arguments that would be ignored, for a reason."""
+    passed = [
+        name
+        for name, value in arguments.items()
+        if not (value is None or (isinstance(value, str) and not value))
+    ]
+    if passed:
+        raise BranchError(f"{reason}; leave {' and '.join(passed)} out")
+
+
+def _shown(source: Any) -> str:
+    """What a user passed, in one line."""
+    return repr(source).partition("\n")[0][:60]
+
+
 def _branch(source: Any) -> Branch:
     """A branch, or the one in a file. Raises BranchError, ResultFileError."""
     if isinstance(source, Branch):
         return source
     if not isinstance(source, str | PathLike):
-        raise BranchError(f"switch needs a branch or the file of one, got {source!r:.60}")
+        raise BranchError(f"switch needs a branch or the file of one, got {_shown(source)}")
     return read_branch(Path(source))
 
 
@@ -102,6 +127,11 @@ def case_of(source: Any) -> tuple[Any, Any]:
     from vibsim.orbits.orbit import Orbit
     from vibsim.orbits.seeking import opened
 
+    if isinstance(source, Branch):
+        raise BranchError(
+            "a branch is no orbit: give the case of one of its points, such as branch.case_at(0), "
+            "or switch= to follow what leaves it"
+        )
     if isinstance(source, Orbit) and source.case is not None:
         return source.case, source
     case, result = opened(source, None)

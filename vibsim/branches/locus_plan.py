@@ -14,11 +14,16 @@ from vibsim.branches.branch import Branch, SpecialPoint
 from vibsim.branches.holding import held
 from vibsim.branches.locus import KINDS, WATCHED, Plane, PlanePoint, follow_pair
 from vibsim.branches.plan import BranchError, BranchPlan, must_matter, value_in
-from vibsim.branches.special import GRAZING, STICKING, TORUS
+from vibsim.branches.special import BRANCHING, GRAZING, STICKING, TORUS
 from vibsim.branches.touching import CONTACTS
 from vibsim.orbits.word import changes
 
 FIRST_STEP = 0.1  # scaled, that the first correction may have
+WHY_NOT = {  # why no locus of a kind is followed, and what to do
+    BRANCHING: ". Two branches cross there, which only a symmetry of the scene keeps up when a second "
+    "parameter varies, and along such points the equations of a locus are singular; continue the branch at "
+    "several values of the second parameter",
+}
 
 
 @dataclass(frozen=True)
@@ -125,7 +130,8 @@ def locus_plan(
     except KeyError as error:
         raise BranchError(str(error.args[0])) from None
     if special.kind not in KINDS:
-        raise BranchError(f"{label} is a {special.kind}; loci are followed of {', '.join(KINDS)} points")
+        why = WHY_NOT.get(special.kind, "")
+        raise BranchError(f"{label} is a {special.kind}; loci are followed of {', '.join(KINDS)} points{why}")
     if set(keys) & set(branch.plan.keys):
         raise BranchError(f"{keys[0]} is the parameter of the branch; a locus needs another")
     value = value_in(branch.case.quantity(keys[0]), unit)

@@ -94,13 +94,21 @@ def _switched(
     """The branch that leaves another, over the range of that one."""
     if changes or ranges:
         raise click.UsageError("--switch follows over the range of its branch; leave ranges and --set out")
-    if not names_a_result(source) or kind_of(source) != "branch":
-        raise click.UsageError(f"--switch {label}: {source} is no branch; give the file of one")
     try:
-        plan = switched(open_result(source), label)
+        plan = switched(read_branch_for(f"--switch {label}", source), label)
     except BranchError as error:
         raise click.UsageError(f"--switch {label}: {error}") from None
     return plan, hdf5_name(output or f"{Path(source).stem}-{label}.h5")
+
+
+def read_branch_for(option: str, source: str) -> Branch:
+    """The branch that an option goes on from. Raises UsageError for what is none, ResultFileError and
+    CaseError for what cannot be read.
+    """
+    branch = open_result(source) if names_a_result(source) else read_case(source, {})
+    if not isinstance(branch, Branch):
+        raise click.UsageError(f"{option}: {source} is no branch; give the file of one")
+    return branch
 
 
 def _orbit(source: str, case: Case, changes: dict[str, str], engine: str) -> object:

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import click
 
-from vibsim.branches.branch import Branch
 from vibsim.branches.description import locus_facts, locus_lines
 from vibsim.branches.locus_plan import LocusPlan, locus_plan
 from vibsim.branches.locus_result import MOST_POINTS, Locus
@@ -13,12 +12,11 @@ from vibsim.branches.plan import BranchError
 from vibsim.branches.span import read_span
 from vibsim.branches.store.locus_file import LocusStore
 from vibsim.cases import UnknownKeyError
+from vibsim.command_line.jobs.continuation import read_branch_for
 from vibsim.command_line.jobs.following import Following
 from vibsim.command_line.jobs.run_plan import hdf5_name
 from vibsim.command_line.options.settings import Settings
 from vibsim.command_line.text.summary import print_lines
-from vibsim.opening import open_result
-from vibsim.results import names_a_result
 
 
 def read_locus_plan(
@@ -27,9 +25,7 @@ def read_locus_plan(
     """The plan that the options describe, and its file. Raises UsageError, ResultFileError, CaseError."""
     if param is None:
         raise click.UsageError(f"--locus {label} needs the second parameter: --param KEY=FROM:TO")
-    branch = open_result(source) if names_a_result(source) else None
-    if not isinstance(branch, Branch):
-        raise click.UsageError(f"--locus {label}: {source} is no branch; give the file of one")
+    branch = read_branch_for(f"--locus {label}", source)
     try:
         plan = locus_plan(branch, label, *read_span(branch.case, *param))
     except (BranchError, UnknownKeyError) as error:

@@ -1,0 +1,45 @@
+"""Calls of `continue_branch` that cannot be followed, or of which a part would be ignored: clear words."""
+
+import pytest
+
+from vibsim.branches import BranchError, continue_branch
+from vibsim.branches.branch import SpecialPoint
+from vibsim.branches.locus_plan import locus_plan
+from vibsim.orbits.seeking import orbit
+
+CASE = "gallery/friction-oscillator"
+
+
+@pytest.fixture(scope="module")
+def branch():
+    return continue_branch(orbit(CASE), "drive.A", "1.4:1.6 N", max_points=4)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"key": 3}, "name what is to vary"),
+        ({"key": "drive.A", "span": "1.4:1.6 N", "out": 3}, "out is the name of a file"),
+        ({"switch": "PD1", "key": "drive.A"}, "leave key out"),
+        ({"switch": "PD1", "key": "drive.A", "span": (1, 2)}, "leave key and span out"),
+        ({"switch": "PD1", "energy": "1:2 J"}, "leave energy out"),
+        ({"energy": "1:2 J", "span": (1, 2)}, "leave span out"),
+        ({"switch": "PD1"}, r"switch needs a branch or the file of one, got <Orbit [^\n]*$"),
+    ],
+)
+def test_of_an_orbit(arguments, words):
+    with pytest.raises(BranchError, match=words):
+        continue_branch(orbit(CASE), **arguments)
+
+
+def test_a_branch_is_no_orbit(branch):
+    with pytest.raises(BranchError, match="a branch is no orbit"):
+        continue_branch(branch, "drive.A", "1.4:1.6 N")
+
+
+def test_why_no_locus_of_branch_points_is_followed(branch, monkeypatch):
+    special = SpecialPoint.__new__(SpecialPoint)
+    object.__setattr__(special, "kind", "branch point")
+    monkeypatch.setattr(type(branch), "special", lambda self, label: special)
+    with pytest.raises(BranchError, match=r"BP1 is a branch point.*only a symmetry of the scene"):
+        locus_plan(branch, "BP1", ("mass.m",), "kg", (0.5, 2.0))

@@ -1,0 +1,86 @@
+"""A file that is not there: one rule for every command, argument and option that takes one."""
+
+from pathlib import Path
+
+import click
+import pytest
+
+import vibsim
+from tests.command_line.made import call
+from vibsim.command_line.main import group
+from vibsim.command_line.options.parameters import FILE, CaseSource
+
+CASE_MISSING, RESULT_MISSING, NO_STYLE = 3, 6, 2
+EITHER = {"gone.yaml": CASE_MISSING, "gone": CASE_MISSING, "gone.h5": RESULT_MISSING}
+CASES = dict.fromkeys(EITHER, CASE_MISSING)
+RESULTS = dict.fromkeys(EITHER, RESULT_MISSING)
+STYLES = dict.fromkeys(EITHER, NO_STYLE)
+
+# (command, parameter): what it takes, and command lines that read it
+INPUTS = {
+    ("run", "sources"): (EITHER, ["run {}"]),
+    ("sweep", "source"): (EITHER, ["sweep {} --omega0 3,4"]),
+    ("orbit", "source"): (EITHER, ["orbit {}", "orbit {} --search 2"]),
+    ("orbit", "start"): (RESULTS, ["orbit I-A --from {}"]),
+    ("continue", "source"): (
+        EITHER,
+        [
+            "continue {} --omega0 3:9",
+            "continue {} --energy 1:2",
+            "continue {} --switch PD1",
+            "continue {} --locus NS1 --param c=0.1:0.2",
+        ],
+    ),
+    ("fit", "sources"): (EITHER, ["fit {} --want captured"]),
+    ("plot", "files"): (EITHER, ["plot {} -o a.png", "plot {} -o a.html"]),
+    ("plot", "sheet"): (STYLES, ["plot II-B --kind stiffness -o a.png --style {}"]),
+    ("animate", "file"): (EITHER, ["animate {} -o a.gif"]),
+    ("info", "files"): (RESULTS, ["info {}", "info {} --case"]),
+    ("analyse", "sources"): (EITHER, ["analyse {}"]),
+    ("bench", "source"): (EITHER, ["bench {}"]),
+    ("bench", "truth"): (RESULTS, ["bench I-A --truth {}"]),
+    ("compare", "a"): (RESULTS, ["compare {} a.h5"]),
+    ("compare", "b"): (RESULTS, ["compare a.h5 {}"]),
+    ("export", "file"): (RESULTS, ["export {} -o a.csv"]),
+    ("new", "source"): (CASES, ["new a --from {}"]),
+    ("cases", "names"): (CASES, ["cases {}", "cases {} --resolved", "cases {} --draw"]),
+    ("check", "sources"): (CASES, ["check {}"]),
+}
+OUTPUTS = {"output", "out", "picture", "folder"}
+LINES = [(line, takes) for takes, lines in INPUTS.values() for line in lines]
+
+
+def _names_a_file(parameter):
+    words = f"{parameter.metavar or ''}"
+    is_file = isinstance(parameter.type, CaseSource | click.Path) or "FILE" in words or "CASE" in words
+    return is_file or parameter.type is FILE
+
+
+def test_every_parameter_that_takes_a_file_is_in_the_table():
+    ctx = click.Context(group)
+    files = {
+        (command, parameter.name)
+        for command in group.list_commands(ctx)
+        for parameter in group.get_command(ctx, command).params
+        if _names_a_file(parameter) and parameter.name not in OUTPUTS
+    }
+    assert files - {("new", "name")} == set(INPUTS)  # of `new` NAME is what it writes
+
+
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory):
+    """A run that is there, for commands that read two."""
+    path = tmp_path_factory.mktemp("runs") / "a.h5"
+    vibsim.simulate("I-A", trust=False, overrides={"run.t_end": "1 s"}).save(path)
+    return path
+
+
+@pytest.mark.parametrize(("line", "takes"), LINES, ids=[line for line, _ in LINES])
+def test_a_missing_file_ends_by_what_is_asked_for(stored, tmp_path, monkeypatch, line, takes):
+    monkeypatch.chdir(tmp_path)
+    Path("a.h5").symlink_to(stored)
+    for name, code in takes.items():
+        done = call(*line.format(name).split())
+        told = done.stderr + done.stdout
+        assert (done.exit_code, name in told) == (code, True), told
+        assert [path.name for path in Path().iterdir()] == ["a.h5"]
