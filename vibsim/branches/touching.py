@@ -47,7 +47,7 @@ class Window:
         return (self.middle - self.half) * T, (self.middle + self.half) * T
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Touching(Return):
     """A motion past a touch; clearance: of the stop at the turn [m], below 0 inside it."""
 

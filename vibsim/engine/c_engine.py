@@ -46,7 +46,7 @@ from vibsim.engine.tangent.impact_saltation import Undefined
 from vibsim.engine.tangent.packing_tangent import DisturbancePacker, pack_bundle
 from vibsim.engine.tangent.saltation import released_frictions, saltation
 from vibsim.engine.tangent.tangencies import Tangencies
-from vibsim.engine.tangent.tangent_space import length
+from vibsim.engine.tangent.tangent_space import length, plainly_weighed_alike
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
@@ -58,11 +58,6 @@ SECONDS = 0.1  # between two blocks where Python decides: Ctrl-C is heard there
 OF_OUTCOME = 5  # numbers that an outcome tells before the state
 ACCUMULATION, DIVERGED, UNDECIDED = 1, 2, 3
 REASONS = {ACCUMULATION: "accumulation", DIVERGED: "diverged"}
-
-
-def _arm(scene: Scene) -> float | None:
-    """Arm of the unbalanced mass [m]."""
-    return scene.motor.e if scene.motor else None
 
 
 class Doubts(Certificate[float]):
@@ -211,10 +206,9 @@ class CRun:
     def _renew_starts(self, before: Scene, scene: Scene) -> None:
         """Renew what starts, disturbances and blows are told by, where that has changed."""
         touching = before.stops is not scene.stops or before.frictions is not scene.frictions
-        weighed = before.bodies is not scene.bodies or before.links is not scene.links
         if touching:
             self.plain = None
-        if self.packer and (touching or weighed or _arm(before) != _arm(scene)):
+        if self.packer and (touching or not plainly_weighed_alike(before, scene)):
             self.packer = self.packer.of(scene)
         if touching and scene.rigid_stops:
             self.run.keep_blows(*pack_blows(scene, [], self.maker.ends, self.lowest))

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vibsim.engine.tangent.monodromy import Carried
-from vibsim.engine.tangent.tangent_space import length, weights
+from vibsim.engine.tangent.tangent_space import length, plainly_weighed_alike, weights
 from vibsim.once import once
 from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.section import Section, section_of
@@ -60,9 +60,7 @@ class Coordinates:
 
     def of_scene(self, scene: Scene) -> Coordinates:
         """Those of another scene with the same bodies, of which the same are joined."""
-        own = self.scene
-        same = own.bodies is scene.bodies and own.links is scene.links and own.stops is scene.stops
-        if same and (scene.motor and scene.motor.e) == (own.motor and own.motor.e):
+        if plainly_weighed_alike(self.scene, scene):
             return self
         squares = weights(scene, Doubles)
         if squares == self._squares:

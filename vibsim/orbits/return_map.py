@@ -30,7 +30,7 @@ TRIES = 20  # of the time of return
 STILL = 1e-150  # rate of a pinned component (SI) that no disturbance can be divided by
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Return:
     """One motion from the section, of the duration T.
 

@@ -39,9 +39,10 @@ if TYPE_CHECKING:
 PIECES = 4096  # of the Python engine at once
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Carried:
-    """A motion from a start to a time, and disturbances of its start.
+    """A motion from a start to a time, and disturbances of its start. Not frozen: there are several in each
+    point of a branch, and they would take five times as long to make.
 
     state : components at the end [m, m/s, rad, rad/s]; rate_there : their rates of change there, or what
         tells them

@@ -82,6 +82,16 @@ def weights(scene: Scene[N], kit: Kit[N], rate: N | None = None) -> list[N]:
     return values
 
 
+def plainly_weighed_alike(one: Scene[N], other: Scene[N]) -> bool:
+    """Whether two scenes whose parts have the same ends have plainly the same weights: the same bodies and
+    stops, springs of links and arm of the motor.
+    """
+    if one.bodies is not other.bodies or one.stops is not other.stops:
+        return False
+    springs = one.links is other.links or [link.k for link in one.links] == [link.k for link in other.links]
+    return springs and (one.motor and one.motor.e) == (other.motor and other.motor.e)
+
+
 class TangentSpace(Generic[N]):
     """The disturbances that are possible in a mode, and those that are not.
 
