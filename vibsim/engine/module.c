@@ -1,34 +1,7 @@
 /* The Python face of the C engine: the type Run. The GIL is released while it computes, and not needed elsewhere. */
-#define PY_SSIZE_T_CLEAN
-#include <Python.h>
+#include "run_object.h"
+
 #include <string.h>
-
-#include "modes.h"
-#include "tangent.h"
-
-enum { BUFFERS = 5 };
-
-typedef struct {
-    PyObject_HEAD
-    Run run;
-    Buffers buffers; /* what is filled, of the arrays in `views` */
-    Py_buffer views[BUFFERS];
-    int started, busy, view_count;
-} RunObject;
-
-static int reader_of(const Py_buffer *ints, const Py_buffer *doubles, Reader *in)
-{
-    memset(in, 0, sizeof *in);
-    if (ints->len % (Py_ssize_t)sizeof(int) || doubles->len % (Py_ssize_t)sizeof(double)) {
-        PyErr_SetString(PyExc_ValueError, "packed numbers of the wrong size");
-        return -1;
-    }
-    in->ints = ints->buf;
-    in->doubles = doubles->buf;
-    in->int_count = (long)(ints->len / (Py_ssize_t)sizeof(int));
-    in->double_count = (long)(doubles->len / (Py_ssize_t)sizeof(double));
-    return 0;
-}
 
 static PyObject *Run_new(PyTypeObject *type, PyObject *args, PyObject *named)
 {
@@ -61,192 +34,6 @@ static void Run_dealloc(RunObject *self)
     Py_TYPE(self)->tp_free((PyObject *)self);
 }
 
-static int idle(RunObject *self)
-{
-    if (self->busy)
-        PyErr_SetString(PyExc_RuntimeError, "the run is being computed by another thread");
-    return !self->busy;
-}
-
-static PyObject *add_mode(RunObject *self, PyObject *args)
-{
-    Py_buffer v[2];
-    Reader in;
-    PyObject *result = NULL;
-    if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
-        return NULL;
-    if (idle(self) && reader_of(&v[0], &v[1], &in) == 0) {
-        Mode *m = mode_read(&self->run, &in);
-        int number = -1;
-        if (m && !read_through(&in))
-            PyErr_SetString(PyExc_ValueError, "the packed numbers are no mode");
-        else if (!m || (number = mode_add(&self->run, m)) < 0)
-            PyErr_NoMemory();
-        if (number < 0)
-            mode_free(m);
-        else
-            result = PyLong_FromLong(number);
-    }
-    PyBuffer_Release(&v[0]);
-    PyBuffer_Release(&v[1]);
-    return result;
-}
-
-/* A mode with other numbers in rows of the same form: what follows its events stays. */
-static PyObject *renew_mode(RunObject *self, PyObject *args)
-{
-    Py_buffer v[2];
-    Reader in;
-    int number, renewed = 0;
-    if (!PyArg_ParseTuple(args, "iy*y*", &number, &v[0], &v[1]))
-        return NULL;
-    if (idle(self) && reader_of(&v[0], &v[1], &in) == 0) {
-        Mode *m = number >= 0 && number < self->run.mode_count ? mode_read(&self->run, &in) : NULL;
-        renewed = m && read_through(&in) && mode_renew(&self->run, number, m);
-        if (!renewed) {
-            mode_free(m);
-            PyErr_SetString(PyExc_ValueError, "the packed numbers are none of that mode");
-        }
-    }
-    self->started = 0;
-    PyBuffer_Release(&v[0]);
-    PyBuffer_Release(&v[1]);
-    if (!renewed)
-        return NULL;
-    Py_RETURN_NONE;
-}
-
-/* Ledgers and section have to be told of before the start. */
-static PyObject *keep_ledger(RunObject *self, PyObject *args)
-{
-    Py_buffer v[2];
-    Reader in;
-    int kept = 0;
-    if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
-        return NULL;
-    if (self->started || self->run.ledger.entries)
-        PyErr_SetString(PyExc_ValueError, "too late for a ledger");
-    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = ledger_read(&self->run, &in)))
-        PyErr_SetString(PyExc_ValueError, "the packed numbers are no ledger");
-    PyBuffer_Release(&v[0]);
-    PyBuffer_Release(&v[1]);
-    if (!kept)
-        return NULL;
-    Py_RETURN_NONE;
-}
-
-static PyObject *set_meters(RunObject *self, PyObject *args)
-{
-    Py_buffer v[2];
-    Reader in;
-    int mode, kept = 0;
-    if (!PyArg_ParseTuple(args, "iy*y*", &mode, &v[0], &v[1]))
-        return NULL;
-    if (!idle(self))
-        kept = 0;
-    else if (!self->run.ledger.wanted || mode < 0 || mode >= self->run.mode_count || self->run.modes[mode]->meters.meters)
-        PyErr_SetString(PyExc_ValueError, "no mode that waits for meters");
-    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = meters_read(&self->run, self->run.modes[mode], &in)))
-        PyErr_SetString(PyExc_ValueError, "the packed numbers are no meters");
-    PyBuffer_Release(&v[0]);
-    PyBuffer_Release(&v[1]);
-    if (!kept)
-        return NULL;
-    Py_RETURN_NONE;
-}
-
-/* Small disturbances to carry along; before the start. */
-static PyObject *keep_tangent(RunObject *self, PyObject *args)
-{
-    Py_buffer v[2];
-    Reader in;
-    int kept = 0;
-    if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
-        return NULL;
-    if (self->started || self->run.tangent)
-        PyErr_SetString(PyExc_ValueError, "too late for disturbances");
-    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = tangent_read(&self->run, &in))) {
-        tangent_free(self->run.tangent);
-        self->run.tangent = NULL;
-        PyErr_SetString(PyExc_ValueError, "the packed numbers are no disturbances");
-    }
-    PyBuffer_Release(&v[0]);
-    PyBuffer_Release(&v[1]);
-    if (!kept)
-        return NULL;
-    Py_RETURN_NONE;
-}
-
-static PyObject *keep_extremes(RunObject *self, PyObject *args)
-{
-    Py_buffer v[2];
-    Reader in;
-    int kept = 0;
-    if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
-        return NULL;
-    if (self->started || self->view_count || self->run.extremes.numbers)
-        PyErr_SetString(PyExc_ValueError, "too late for extremes");
-    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = extremes_read(&self->run, &in)))
-        PyErr_SetString(PyExc_ValueError, "the packed numbers are no extremes");
-    PyBuffer_Release(&v[0]);
-    PyBuffer_Release(&v[1]);
-    if (!kept)
-        return NULL;
-    Py_RETURN_NONE;
-}
-
-/* Rigid stops whose blows C may take, in place of those told before; before the start. */
-static PyObject *keep_blows(RunObject *self, PyObject *args)
-{
-    Py_buffer v[2];
-    Reader in;
-    int kept = 0;
-    if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
-        return NULL;
-    if (self->started)
-        PyErr_SetString(PyExc_ValueError, "too late for rigid stops");
-    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = blows_read(&self->run, &in)))
-        PyErr_SetString(PyExc_ValueError, "the packed numbers are no rigid stops");
-    PyBuffer_Release(&v[0]);
-    PyBuffer_Release(&v[1]);
-    if (!kept)
-        return NULL;
-    Py_RETURN_NONE;
-}
-
-static PyObject *keep_section(RunObject *self, PyObject *args)
-{
-    Section *s = &self->run.section;
-    if (!PyArg_ParseTuple(args, "ddd", &s->cycles, &s->cycles_lo, &s->turns))
-        return NULL;
-    Py_RETURN_NONE;
-}
-
-static PyObject *set_rule(RunObject *self, PyObject *args)
-{
-    Run *r = &self->run;
-    Event *e;
-    int mode, event, v[8];
-    if (!PyArg_ParseTuple(args, "ii(iiiiiiii)", &mode, &event, &v[0], &v[1], &v[2], &v[3], &v[4], &v[5], &v[6], &v[7]) || !idle(self))
-        return NULL;
-    if (mode < 0 || mode >= r->mode_count || event < 0 || event >= r->modes[mode]->event_count || v[0] < ASK || v[0] > BEAR ||
-        v[1] < 0 || v[1] >= r->mode_count || v[2] < 0 || v[2] >= r->mode_count || v[4] < 0 || v[4] >= KINDS || v[6] < 0 ||
-        v[6] >= r->key_count || v[7] < 0 || v[7] > JET_ORDER) {
-        PyErr_SetString(PyExc_ValueError, "no such rule");
-        return NULL;
-    }
-    e = &r->modes[mode]->events[event];
-    e->rule = v[0];
-    e->target = v[1];
-    e->other = v[2];
-    e->hold = v[3];
-    e->event = v[4];
-    e->event_part = v[5];
-    e->event_key = v[6];
-    e->order = v[7];
-    Py_RETURN_NONE;
-}
-
 static int buffers_of(const Run *r, Py_buffer *views, Buffers *b)
 {
     Py_ssize_t state = 3 + 2 * r->bodies, row = (Py_ssize_t)sizeof(double), section = state + 2 * r->extremes.count;
@@ -275,7 +62,7 @@ static PyObject *fill(RunObject *self, PyObject *args)
     Buffers b;
     if (!PyArg_ParseTuple(args, "w*w*w*w*w*", &v[0], &v[1], &v[2], &v[3], &v[4]))
         return NULL;
-    if (!idle(self) || buffers_of(&self->run, v, &b) != 0) {
+    if (!run_is_idle(self) || buffers_of(&self->run, v, &b) != 0) {
         release(v, BUFFERS);
         return NULL;
     }
@@ -314,22 +101,6 @@ static int read_state(const Run *r, const Py_buffer *view, State *s)
     return 0;
 }
 
-static PyObject *state_tuple(const Run *r, const State *s)
-{
-    PyObject *x = PyList_New(r->bodies), *v = PyList_New(r->bodies);
-    int c;
-    if (!x || !v) {
-        Py_XDECREF(x);
-        Py_XDECREF(v);
-        return NULL;
-    }
-    for (c = 0; c < r->bodies; c++) {
-        PyList_SET_ITEM(x, c, PyFloat_FromDouble(s->x[c]));
-        PyList_SET_ITEM(v, c, PyFloat_FromDouble(s->v[c]));
-    }
-    return Py_BuildValue("dNNddd", s->t, x, v, s->phase, s->turns, s->w);
-}
-
 /* Orders of known zeros by key, as bytes of int; there may be more of them than this run has met. */
 static int read_known(const Run *r, const Py_buffer *view, int *known)
 {
@@ -352,7 +123,7 @@ static PyObject *start(RunObject *self, PyObject *args)
     PyObject *result = NULL;
     if (!PyArg_ParseTuple(args, "iy*y*", &mode, &v[0], &v[1]))
         return NULL;
-    if (!idle(self) || self->started || !self->view_count || mode < 0 || mode >= r->mode_count) {
+    if (!run_is_idle(self) || self->started || !self->view_count || mode < 0 || mode >= r->mode_count) {
         if (!PyErr_Occurred())
             PyErr_SetString(PyExc_ValueError, "cannot start here");
     } else if (read_state(r, &v[0], &r->state) == 0 && read_known(r, &v[1], r->known) == 0) {
@@ -370,7 +141,7 @@ static PyObject *start(RunObject *self, PyObject *args)
 static PyObject *rewind_run(RunObject *self, PyObject *args)
 {
     double t_end;
-    if (!PyArg_ParseTuple(args, "d", &t_end) || !idle(self))
+    if (!PyArg_ParseTuple(args, "d", &t_end) || !run_is_idle(self))
         return NULL;
     run_rewind(&self->run, t_end);
     self->started = 0;
@@ -385,7 +156,7 @@ static PyObject *retune(RunObject *self, PyObject *args)
     int done = 0;
     if (!PyArg_ParseTuple(args, "y*", &v[1]))
         return NULL;
-    if (idle(self) && reader_of(&v[0], &v[1], &in) == 0 && !(done = scene_retune(&self->run, &in)))
+    if (run_is_idle(self) && reader_of(&v[0], &v[1], &in) == 0 && !(done = scene_retune(&self->run, &in)))
         PyErr_SetString(PyExc_ValueError, "not the numbers of a scene of that shape");
     self->started = 0;
     PyBuffer_Release(&v[1]);
@@ -394,17 +165,10 @@ static PyObject *retune(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
-static int ready(RunObject *self)
-{
-    if (!self->started)
-        PyErr_SetString(PyExc_ValueError, "the run has not been started");
-    return self->started && idle(self);
-}
-
 static PyObject *advance(RunObject *self, PyObject *none)
 {
     (void)none;
-    if (!ready(self))
+    if (!run_is_ready(self))
         return NULL;
     self->busy = 1;
     Py_BEGIN_ALLOW_THREADS
@@ -424,7 +188,7 @@ static int pending_order(const Run *r)
 static PyObject *pending(RunObject *self, PyObject *none)
 {
     (void)none;
-    if (!ready(self))
+    if (!run_is_ready(self))
         return NULL;
     return Py_BuildValue("iiiN", self->run.mode_number, self->run.pending_event, pending_order(&self->run),
                          state_tuple(&self->run, &self->run.next));
@@ -438,7 +202,7 @@ static PyObject *take(RunObject *self, PyObject *args)
     PyObject *result = NULL;
     if (!PyArg_ParseTuple(args, "iy*y*y*y*", &mode, &v[0], &v[1], &v[2], &v[3]))
         return NULL;
-    if (ready(self) && r->status == UNDECIDED && mode >= 0 && mode < r->mode_count && v[2].len == v[3].len &&
+    if (run_is_ready(self) && r->status == UNDECIDED && mode >= 0 && mode < r->mode_count && v[2].len == v[3].len &&
         read_state(r, &v[0], &r->next) == 0 && read_known(r, &v[1], r->behind) == 0) {
         int count = (int)(v[2].len / (Py_ssize_t)sizeof(int)), i, fits = count <= 3 * r->parts + 2;
         for (i = 0; fits && i < count; i++)
@@ -460,7 +224,7 @@ static PyObject *add_entry(RunObject *self, PyObject *args)
     Ledger *l = &self->run.ledger;
     double value;
     int entry;
-    if (!PyArg_ParseTuple(args, "id", &entry, &value) || !idle(self))
+    if (!PyArg_ParseTuple(args, "id", &entry, &value) || !run_is_idle(self))
         return NULL;
     if (!l->wanted || entry < 0 || entry >= l->count) {
         PyErr_SetString(PyExc_ValueError, "no such entry of the ledger");
@@ -490,7 +254,7 @@ static PyObject *state_at(RunObject *self, PyObject *args)
     Run *r = &self->run;
     double t;
     int done;
-    if (!PyArg_ParseTuple(args, "d", &t) || !ready(self))
+    if (!PyArg_ParseTuple(args, "d", &t) || !run_is_ready(self))
         return NULL;
     self->busy = 1;
     Py_BEGIN_ALLOW_THREADS
@@ -504,140 +268,6 @@ static PyObject *state_at(RunObject *self, PyObject *args)
     return state_tuple(r, &r->scratch);
 }
 
-static PyObject *tally(RunObject *self, PyObject *none)
-{
-    const Run *r = &self->run;
-    PyObject *counts, *entries;
-    int i;
-    (void)none;
-    if (!ready(self) || (counts = PyTuple_New(KINDS)) == NULL)
-        return NULL;
-    if ((entries = PyTuple_New(r->ledger.count)) == NULL) {
-        Py_DECREF(counts);
-        return NULL;
-    }
-    for (i = 0; i < r->ledger.count; i++)
-        PyTuple_SET_ITEM(entries, i, PyFloat_FromDouble(r->ledger.entries[i]));
-    for (i = 0; i < KINDS; i++)
-        PyTuple_SET_ITEM(counts, i, PyLong_FromDouble(r->counts[i]));
-    return Py_BuildValue("{sNsNsNsdsdsds(dddd)sisdsi}", "state", state_tuple(r, &r->state), "counts", counts, "entries", entries, "worked_to", run_worked_to(r), "steps", r->steps,
-                         "evaluations", r->evaluations, "certificate", r->certificate.uncertified, r->certificate.first_doubt,
-                         r->certificate.margin, r->certificate.margin_time, "violated_once", r->violated_once,
-                         "first_violation", r->first_violation, "mode", r->mode_number);
-}
-
-static PyObject *list_of(const double *values, int count, int stride)
-{
-    PyObject *list = PyList_New(count);
-    int i;
-    for (i = 0; list && i < count; i++)
-        PyList_SET_ITEM(list, i, PyFloat_FromDouble(values[i * stride]));
-    return list;
-}
-
-static PyObject *list_of_ints(const int *values, int count)
-{
-    PyObject *list = PyList_New(count);
-    int i;
-    for (i = 0; list && i < count; i++)
-        PyList_SET_ITEM(list, i, PyLong_FromLong(values[i]));
-    return list;
-}
-
-/* Lists of `width` numbers, `stride` apart: the first begin `step` apart. */
-static PyObject *table_of(const double *values, int count, int width, int step, int stride)
-{
-    PyObject *list = PyList_New(count);
-    int i;
-    for (i = 0; list && i < count; i++) {
-        PyObject *row = list_of(values + i * step, width, stride);
-        if (!row) {
-            Py_CLEAR(list);
-            break;
-        }
-        PyList_SET_ITEM(list, i, row);
-    }
-    return list;
-}
-
-static PyObject *extremes(RunObject *self, PyObject *none)
-{
-    const Extremes *e = &self->run.extremes;
-    (void)none;
-    if (!ready(self))
-        return NULL;
-    return Py_BuildValue("NNN", list_of(e->least, e->count, 1), list_of(e->greatest, e->count, 1), list_of(e->margins, e->gap_count, 1));
-}
-
-static PyObject *disturbances(RunObject *self, PyObject *none)
-{
-    const Tangent *b = self->run.tangent;
-    (void)none;
-    if (!ready(self))
-        return NULL;
-    if (!b) {
-        PyErr_SetString(PyExc_ValueError, "the run carries no disturbances");
-        return NULL;
-    }
-    return Py_BuildValue("{sOsNsNsNsNsisdsds(Ldd)sNs(Ld)}", "complete", b->complete ? Py_True : Py_False, "rows",
-                         table_of(b->rows, b->row_count, 1 + b->count, 1 + b->count, 1), "vectors",
-                         table_of(b->vectors, b->possible, b->size, 1, b->stride), "columns", list_of_ints(b->columns, b->count), "lost",
-                         list_of_ints(b->lost, b->count), "losses", b->losses, "pieces", b->pieces, "residual", b->residual, "near",
-                         b->tangencies.count, b->tangencies.closest, b->tangencies.closest_time, "fastest",
-                         list_of(b->tangencies.fastest, b->stop_count, 1), "undefined", b->tangencies.undefined,
-                         b->tangencies.undefined_time);
-}
-
-/* Fills `out` with what a motion with disturbances has come to: doubts, margin, number of the mode, events without a derivative and
- * when the first was; t, x and v of each body, phase, turns, w; rates of x, v, phi, w where there is a motor; disturbances, one
- * after the other. Rates and disturbances are left out where none were carried. How many numbers there are.
- */
-static PyObject *outcome(RunObject *self, PyObject *args)
-{
-    const Run *r = &self->run;
-    const Tangent *b = r->tangent;
-    const State *s = &r->state;
-    Py_buffer view;
-    double *at;
-    int n = r->bodies, i, k;
-    Py_ssize_t count = 5 + 4 + 2 * n + (b ? (1 + b->possible) * b->size : 0);
-    if (!ready(self) || !PyArg_ParseTuple(args, "w*", &view))
-        return NULL;
-    if (view.len < count * (Py_ssize_t)sizeof(double)) {
-        PyBuffer_Release(&view);
-        PyErr_SetString(PyExc_ValueError, "no room for the outcome");
-        return NULL;
-    }
-    at = view.buf;
-    *at++ = r->certificate.uncertified;
-    *at++ = r->certificate.margin;
-    *at++ = r->mode_number;
-    *at++ = b ? (double)b->tangencies.undefined : 0.0;
-    *at++ = b ? b->tangencies.undefined_time : 0.0;
-    *at++ = s->t;
-    memcpy(at, s->x, (size_t)n * sizeof(double));
-    memcpy(at + n, s->v, (size_t)n * sizeof(double));
-    at += 2 * n;
-    *at++ = s->phase;
-    *at++ = s->turns;
-    *at++ = s->w;
-    if (b) {
-        double rotor = accelerations(r, r->mode, s, b->accelerations);
-        memcpy(at, s->v, (size_t)n * sizeof(double));
-        memcpy(at + n, b->accelerations, (size_t)n * sizeof(double));
-        at += 2 * n;
-        if (r->has_motor) {
-            *at++ = s->w;
-            *at++ = rotor;
-        }
-        for (i = 0; i < b->possible; i++)
-            for (k = 0; k < b->size; k++)
-                *at++ = b->vectors[k * b->stride + i];
-    }
-    PyBuffer_Release(&view);
-    return PyLong_FromSsize_t(count);
-}
-
 /* What the pending event does to the disturbances, where Python takes it: those that it left, and whether it moved them. */
 static PyObject *hand_jump(RunObject *self, PyObject *args)
 {
@@ -647,7 +277,7 @@ static PyObject *hand_jump(RunObject *self, PyObject *args)
     int i, k, fits;
     if (!PyArg_ParseTuple(args, "pdidpy*", &h.jumps, &h.determinant, &h.tangencies, &h.closest, &h.undefined, &v))
         return NULL;
-    fits = ready(self) && b && self->run.status == UNDECIDED && v.len == (Py_ssize_t)sizeof(double) * b->possible * b->size;
+    fits = run_is_ready(self) && b && self->run.status == UNDECIDED && v.len == (Py_ssize_t)sizeof(double) * b->possible * b->size;
     for (i = 0; fits && i < b->possible; i++)
         for (k = 0; k < b->size; k++)
             b->vectors[k * b->stride + i] = ((const double *)v.buf)[i * b->size + k];
@@ -675,15 +305,15 @@ static PyObject *hand_jump(RunObject *self, PyObject *args)
         Py_END_CRITICAL_SECTION();                                                                                    \
         return answer;                                                                                                \
     }
-ALONE(add_mode)
-ALONE(renew_mode)
-ALONE(keep_ledger)
-ALONE(set_meters)
-ALONE(keep_tangent)
-ALONE(keep_extremes)
-ALONE(keep_blows)
-ALONE(keep_section)
-ALONE(set_rule)
+ALONE(run_add_mode)
+ALONE(run_renew_mode)
+ALONE(run_keep_ledger)
+ALONE(run_set_meters)
+ALONE(run_keep_tangent)
+ALONE(run_keep_extremes)
+ALONE(run_keep_blows)
+ALONE(run_keep_section)
+ALONE(run_set_rule)
 ALONE(fill)
 ALONE(start)
 ALONE(rewind_run)
@@ -694,24 +324,24 @@ ALONE(take)
 ALONE(add_entry)
 ALONE(doubt_here)
 ALONE(state_at)
-ALONE(extremes)
-ALONE(disturbances)
-ALONE(outcome)
+ALONE(run_extremes)
+ALONE(run_disturbances)
+ALONE(run_outcome)
 ALONE(hand_jump)
-ALONE(tally)
+ALONE(run_tally)
 
 static PyMethodDef methods[] = {
-    {"add_mode", (PyCFunction)add_mode_alone, METH_VARARGS, "add_mode(ints, doubles) -> its number"},
-    {"renew_mode", (PyCFunction)renew_mode_alone, METH_VARARGS,
+    {"add_mode", (PyCFunction)run_add_mode_alone, METH_VARARGS, "add_mode(ints, doubles) -> its number"},
+    {"renew_mode", (PyCFunction)run_renew_mode_alone, METH_VARARGS,
      "renew_mode(mode, ints, doubles): other numbers in rows of the same form; `rewind` and `start` have to follow"},
-    {"keep_ledger", (PyCFunction)keep_ledger_alone, METH_VARARGS, "keep_ledger(ints, doubles): before the start"},
-    {"set_meters", (PyCFunction)set_meters_alone, METH_VARARGS, "set_meters(mode, ints, doubles): what the ledger integrates there"},
-    {"keep_tangent", (PyCFunction)keep_tangent_alone, METH_VARARGS, "keep_tangent(ints, doubles): before the start"},
-    {"keep_extremes", (PyCFunction)keep_extremes_alone, METH_VARARGS, "keep_extremes(ints, doubles): before the start and `fill`"},
-    {"keep_blows", (PyCFunction)keep_blows_alone, METH_VARARGS, "keep_blows(ints, doubles): before the start"},
-    {"keep_section", (PyCFunction)keep_section_alone, METH_VARARGS,
+    {"keep_ledger", (PyCFunction)run_keep_ledger_alone, METH_VARARGS, "keep_ledger(ints, doubles): before the start"},
+    {"set_meters", (PyCFunction)run_set_meters_alone, METH_VARARGS, "set_meters(mode, ints, doubles): what the ledger integrates there"},
+    {"keep_tangent", (PyCFunction)run_keep_tangent_alone, METH_VARARGS, "keep_tangent(ints, doubles): before the start"},
+    {"keep_extremes", (PyCFunction)run_keep_extremes_alone, METH_VARARGS, "keep_extremes(ints, doubles): before the start and `fill`"},
+    {"keep_blows", (PyCFunction)run_keep_blows_alone, METH_VARARGS, "keep_blows(ints, doubles): before the start"},
+    {"keep_section", (PyCFunction)run_keep_section_alone, METH_VARARGS,
      "keep_section(cycles, cycles_lo, turns): the period; before the start"},
-    {"set_rule", (PyCFunction)set_rule_alone, METH_VARARGS,
+    {"set_rule", (PyCFunction)run_set_rule_alone, METH_VARARGS,
      "set_rule(mode, event, (rule, target, other, hold, kind, part, key, order)): what follows the event"},
     {"fill", (PyCFunction)fill_alone, METH_VARARGS,
      "fill(samples, sample_modes, events, event_codes, section): arrays that take what is computed from now on, from their start"},
@@ -732,13 +362,13 @@ static PyMethodDef methods[] = {
     {"state_at", (PyCFunction)state_at_alone, METH_VARARGS,
      "state_at(t) -> state before the next event, None where more work is to do, False where an event comes before t; "
      "t ascending from call to call"},
-    {"extremes", (PyCFunction)extremes_alone, METH_NOARGS, "extremes() -> lists of the least, the greatest, the smallest gaps"},
-    {"disturbances", (PyCFunction)disturbances_alone, METH_NOARGS, "disturbances() -> dict of what a TangentBundle tells"},
-    {"outcome", (PyCFunction)outcome_alone, METH_VARARGS,
+    {"extremes", (PyCFunction)run_extremes_alone, METH_NOARGS, "extremes() -> lists of the least, the greatest, the smallest gaps"},
+    {"disturbances", (PyCFunction)run_disturbances_alone, METH_NOARGS, "disturbances() -> dict of what a TangentBundle tells"},
+    {"outcome", (PyCFunction)run_outcome_alone, METH_VARARGS,
      "outcome(out) -> how many numbers: fills `out` with what a motion that carries disturbances has come to"},
     {"hand_jump", (PyCFunction)hand_jump_alone, METH_VARARGS,
      "hand_jump(jumps, determinant, tangencies, closest, undefined, vectors): what the pending event, which Python takes, did to disturbances"},
-    {"tally", (PyCFunction)tally_alone, METH_NOARGS, "tally() -> dict of state, counts and margins"},
+    {"tally", (PyCFunction)run_tally_alone, METH_NOARGS, "tally() -> dict of state, counts and margins"},
     {NULL, NULL, 0, NULL},
 };
 

@@ -1,0 +1,42 @@
+/* The type Run of Python, and its methods that stand in files of their own. */
+#ifndef VIBSIM_RUN_OBJECT_H
+#define VIBSIM_RUN_OBJECT_H
+
+#define PY_SSIZE_T_CLEAN
+#include <Python.h>
+
+#include "modes.h"
+#include "tangent.h"
+
+enum { BUFFERS = 5 };
+
+typedef struct {
+    PyObject_HEAD
+    Run run;
+    Buffers buffers; /* what is filled, of the arrays in `views` */
+    Py_buffer views[BUFFERS];
+    int started, busy, view_count;
+} RunObject;
+
+/* run_setup.c: what a run is told of before its start, and modes as they are met; 0 of run_is_idle: an error is set */
+int reader_of(const Py_buffer *ints, const Py_buffer *doubles, Reader *in);
+int run_is_idle(RunObject *self);
+PyObject *run_add_mode(RunObject *self, PyObject *args);
+PyObject *run_renew_mode(RunObject *self, PyObject *args);
+PyObject *run_keep_ledger(RunObject *self, PyObject *args);
+PyObject *run_set_meters(RunObject *self, PyObject *args);
+PyObject *run_keep_tangent(RunObject *self, PyObject *args);
+PyObject *run_keep_extremes(RunObject *self, PyObject *args);
+PyObject *run_keep_blows(RunObject *self, PyObject *args);
+PyObject *run_keep_section(RunObject *self, PyObject *args);
+PyObject *run_set_rule(RunObject *self, PyObject *args);
+
+/* run_outcome.c: what a run has come to; 0 of run_is_ready: an error is set */
+int run_is_ready(RunObject *self);
+PyObject *state_tuple(const Run *r, const State *s);
+PyObject *run_tally(RunObject *self, PyObject *none);
+PyObject *run_extremes(RunObject *self, PyObject *none);
+PyObject *run_disturbances(RunObject *self, PyObject *none);
+PyObject *run_outcome(RunObject *self, PyObject *args);
+
+#endif

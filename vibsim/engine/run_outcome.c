@@ -1,0 +1,161 @@
+/* What a run has come to, as objects of Python. */
+#include "run_object.h"
+
+#include <string.h>
+
+int run_is_ready(RunObject *self)
+{
+    if (!self->started)
+        PyErr_SetString(PyExc_ValueError, "the run has not been started");
+    return self->started && run_is_idle(self);
+}
+
+PyObject *state_tuple(const Run *r, const State *s)
+{
+    PyObject *x = PyList_New(r->bodies), *v = PyList_New(r->bodies);
+    int c;
+    if (!x || !v) {
+        Py_XDECREF(x);
+        Py_XDECREF(v);
+        return NULL;
+    }
+    for (c = 0; c < r->bodies; c++) {
+        PyList_SET_ITEM(x, c, PyFloat_FromDouble(s->x[c]));
+        PyList_SET_ITEM(v, c, PyFloat_FromDouble(s->v[c]));
+    }
+    return Py_BuildValue("dNNddd", s->t, x, v, s->phase, s->turns, s->w);
+}
+
+PyObject *run_tally(RunObject *self, PyObject *none)
+{
+    const Run *r = &self->run;
+    PyObject *counts, *entries;
+    int i;
+    (void)none;
+    if (!run_is_ready(self) || (counts = PyTuple_New(KINDS)) == NULL)
+        return NULL;
+    if ((entries = PyTuple_New(r->ledger.count)) == NULL) {
+        Py_DECREF(counts);
+        return NULL;
+    }
+    for (i = 0; i < r->ledger.count; i++)
+        PyTuple_SET_ITEM(entries, i, PyFloat_FromDouble(r->ledger.entries[i]));
+    for (i = 0; i < KINDS; i++)
+        PyTuple_SET_ITEM(counts, i, PyLong_FromDouble(r->counts[i]));
+    return Py_BuildValue("{sNsNsNsdsdsds(dddd)sisdsi}", "state", state_tuple(r, &r->state), "counts", counts, "entries", entries, "worked_to", run_worked_to(r), "steps", r->steps,
+                         "evaluations", r->evaluations, "certificate", r->certificate.uncertified, r->certificate.first_doubt,
+                         r->certificate.margin, r->certificate.margin_time, "violated_once", r->violated_once,
+                         "first_violation", r->first_violation, "mode", r->mode_number);
+}
+
+static PyObject *list_of(const double *values, int count, int stride)
+{
+    PyObject *list = PyList_New(count);
+    int i;
+    for (i = 0; list && i < count; i++)
+        PyList_SET_ITEM(list, i, PyFloat_FromDouble(values[i * stride]));
+    return list;
+}
+
+static PyObject *list_of_ints(const int *values, int count)
+{
+    PyObject *list = PyList_New(count);
+    int i;
+    for (i = 0; list && i < count; i++)
+        PyList_SET_ITEM(list, i, PyLong_FromLong(values[i]));
+    return list;
+}
+
+/* Lists of `width` numbers, `stride` apart: the first begin `step` apart. */
+static PyObject *table_of(const double *values, int count, int width, int step, int stride)
+{
+    PyObject *list = PyList_New(count);
+    int i;
+    for (i = 0; list && i < count; i++) {
+        PyObject *row = list_of(values + i * step, width, stride);
+        if (!row) {
+            Py_CLEAR(list);
+            break;
+        }
+        PyList_SET_ITEM(list, i, row);
+    }
+    return list;
+}
+
+PyObject *run_extremes(RunObject *self, PyObject *none)
+{
+    const Extremes *e = &self->run.extremes;
+    (void)none;
+    if (!run_is_ready(self))
+        return NULL;
+    return Py_BuildValue("NNN", list_of(e->least, e->count, 1), list_of(e->greatest, e->count, 1), list_of(e->margins, e->gap_count, 1));
+}
+
+PyObject *run_disturbances(RunObject *self, PyObject *none)
+{
+    const Tangent *b = self->run.tangent;
+    (void)none;
+    if (!run_is_ready(self))
+        return NULL;
+    if (!b) {
+        PyErr_SetString(PyExc_ValueError, "the run carries no disturbances");
+        return NULL;
+    }
+    return Py_BuildValue("{sOsNsNsNsNsisdsds(Ldd)sNs(Ld)}", "complete", b->complete ? Py_True : Py_False, "rows",
+                         table_of(b->rows, b->row_count, 1 + b->count, 1 + b->count, 1), "vectors",
+                         table_of(b->vectors, b->possible, b->size, 1, b->stride), "columns", list_of_ints(b->columns, b->count), "lost",
+                         list_of_ints(b->lost, b->count), "losses", b->losses, "pieces", b->pieces, "residual", b->residual, "near",
+                         b->tangencies.count, b->tangencies.closest, b->tangencies.closest_time, "fastest",
+                         list_of(b->tangencies.fastest, b->stop_count, 1), "undefined", b->tangencies.undefined,
+                         b->tangencies.undefined_time);
+}
+
+/* Fills `out` with what a motion with disturbances has come to: doubts, margin, number of the mode, events without a derivative and
+ * when the first was; t, x and v of each body, phase, turns, w; rates of x, v, phi, w where there is a motor; disturbances, one
+ * after the other. Rates and disturbances are left out where none were carried. How many numbers there are.
+ */
+PyObject *run_outcome(RunObject *self, PyObject *args)
+{
+    const Run *r = &self->run;
+    const Tangent *b = r->tangent;
+    const State *s = &r->state;
+    Py_buffer view;
+    double *at;
+    int n = r->bodies, i, k;
+    Py_ssize_t count = 5 + 4 + 2 * n + (b ? (1 + b->possible) * b->size : 0);
+    if (!run_is_ready(self) || !PyArg_ParseTuple(args, "w*", &view))
+        return NULL;
+    if (view.len < count * (Py_ssize_t)sizeof(double)) {
+        PyBuffer_Release(&view);
+        PyErr_SetString(PyExc_ValueError, "no room for the outcome");
+        return NULL;
+    }
+    at = view.buf;
+    *at++ = r->certificate.uncertified;
+    *at++ = r->certificate.margin;
+    *at++ = r->mode_number;
+    *at++ = b ? (double)b->tangencies.undefined : 0.0;
+    *at++ = b ? b->tangencies.undefined_time : 0.0;
+    *at++ = s->t;
+    memcpy(at, s->x, (size_t)n * sizeof(double));
+    memcpy(at + n, s->v, (size_t)n * sizeof(double));
+    at += 2 * n;
+    *at++ = s->phase;
+    *at++ = s->turns;
+    *at++ = s->w;
+    if (b) {
+        double rotor = accelerations(r, r->mode, s, b->accelerations);
+        memcpy(at, s->v, (size_t)n * sizeof(double));
+        memcpy(at + n, b->accelerations, (size_t)n * sizeof(double));
+        at += 2 * n;
+        if (r->has_motor) {
+            *at++ = s->w;
+            *at++ = rotor;
+        }
+        for (i = 0; i < b->possible; i++)
+            for (k = 0; k < b->size; k++)
+                *at++ = b->vectors[k * b->stride + i];
+    }
+    PyBuffer_Release(&view);
+    return PyLong_FromSsize_t(count);
+}

@@ -1,0 +1,204 @@
+/* What a run is told of: modes, rules, ledgers, disturbances, blows, section. */
+#include "run_object.h"
+
+#include <string.h>
+
+int reader_of(const Py_buffer *ints, const Py_buffer *doubles, Reader *in)
+{
+    memset(in, 0, sizeof *in);
+    if (ints->len % (Py_ssize_t)sizeof(int) || doubles->len % (Py_ssize_t)sizeof(double)) {
+        PyErr_SetString(PyExc_ValueError, "packed numbers of the wrong size");
+        return -1;
+    }
+    in->ints = ints->buf;
+    in->doubles = doubles->buf;
+    in->int_count = (long)(ints->len / (Py_ssize_t)sizeof(int));
+    in->double_count = (long)(doubles->len / (Py_ssize_t)sizeof(double));
+    return 0;
+}
+
+int run_is_idle(RunObject *self)
+{
+    if (self->busy)
+        PyErr_SetString(PyExc_RuntimeError, "the run is being computed by another thread");
+    return !self->busy;
+}
+
+PyObject *run_add_mode(RunObject *self, PyObject *args)
+{
+    Py_buffer v[2];
+    Reader in;
+    PyObject *result = NULL;
+    if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
+        return NULL;
+    if (run_is_idle(self) && reader_of(&v[0], &v[1], &in) == 0) {
+        Mode *m = mode_read(&self->run, &in);
+        int number = -1;
+        if (m && !read_through(&in))
+            PyErr_SetString(PyExc_ValueError, "the packed numbers are no mode");
+        else if (!m || (number = mode_add(&self->run, m)) < 0)
+            PyErr_NoMemory();
+        if (number < 0)
+            mode_free(m);
+        else
+            result = PyLong_FromLong(number);
+    }
+    PyBuffer_Release(&v[0]);
+    PyBuffer_Release(&v[1]);
+    return result;
+}
+
+/* A mode with other numbers in rows of the same form: what follows its events stays. */
+PyObject *run_renew_mode(RunObject *self, PyObject *args)
+{
+    Py_buffer v[2];
+    Reader in;
+    int number, renewed = 0;
+    if (!PyArg_ParseTuple(args, "iy*y*", &number, &v[0], &v[1]))
+        return NULL;
+    if (run_is_idle(self) && reader_of(&v[0], &v[1], &in) == 0) {
+        Mode *m = number >= 0 && number < self->run.mode_count ? mode_read(&self->run, &in) : NULL;
+        renewed = m && read_through(&in) && mode_renew(&self->run, number, m);
+        if (!renewed) {
+            mode_free(m);
+            PyErr_SetString(PyExc_ValueError, "the packed numbers are none of that mode");
+        }
+    }
+    self->started = 0;
+    PyBuffer_Release(&v[0]);
+    PyBuffer_Release(&v[1]);
+    if (!renewed)
+        return NULL;
+    Py_RETURN_NONE;
+}
+
+/* Ledgers and section have to be told of before the start. */
+PyObject *run_keep_ledger(RunObject *self, PyObject *args)
+{
+    Py_buffer v[2];
+    Reader in;
+    int kept = 0;
+    if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
+        return NULL;
+    if (self->started || self->run.ledger.entries)
+        PyErr_SetString(PyExc_ValueError, "too late for a ledger");
+    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = ledger_read(&self->run, &in)))
+        PyErr_SetString(PyExc_ValueError, "the packed numbers are no ledger");
+    PyBuffer_Release(&v[0]);
+    PyBuffer_Release(&v[1]);
+    if (!kept)
+        return NULL;
+    Py_RETURN_NONE;
+}
+
+PyObject *run_set_meters(RunObject *self, PyObject *args)
+{
+    Py_buffer v[2];
+    Reader in;
+    int mode, kept = 0;
+    if (!PyArg_ParseTuple(args, "iy*y*", &mode, &v[0], &v[1]))
+        return NULL;
+    if (!run_is_idle(self))
+        kept = 0;
+    else if (!self->run.ledger.wanted || mode < 0 || mode >= self->run.mode_count || self->run.modes[mode]->meters.meters)
+        PyErr_SetString(PyExc_ValueError, "no mode that waits for meters");
+    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = meters_read(&self->run, self->run.modes[mode], &in)))
+        PyErr_SetString(PyExc_ValueError, "the packed numbers are no meters");
+    PyBuffer_Release(&v[0]);
+    PyBuffer_Release(&v[1]);
+    if (!kept)
+        return NULL;
+    Py_RETURN_NONE;
+}
+
+/* Small disturbances to carry along; before the start. */
+PyObject *run_keep_tangent(RunObject *self, PyObject *args)
+{
+    Py_buffer v[2];
+    Reader in;
+    int kept = 0;
+    if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
+        return NULL;
+    if (self->started || self->run.tangent)
+        PyErr_SetString(PyExc_ValueError, "too late for disturbances");
+    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = tangent_read(&self->run, &in))) {
+        tangent_free(self->run.tangent);
+        self->run.tangent = NULL;
+        PyErr_SetString(PyExc_ValueError, "the packed numbers are no disturbances");
+    }
+    PyBuffer_Release(&v[0]);
+    PyBuffer_Release(&v[1]);
+    if (!kept)
+        return NULL;
+    Py_RETURN_NONE;
+}
+
+PyObject *run_keep_extremes(RunObject *self, PyObject *args)
+{
+    Py_buffer v[2];
+    Reader in;
+    int kept = 0;
+    if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
+        return NULL;
+    if (self->started || self->view_count || self->run.extremes.numbers)
+        PyErr_SetString(PyExc_ValueError, "too late for extremes");
+    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = extremes_read(&self->run, &in)))
+        PyErr_SetString(PyExc_ValueError, "the packed numbers are no extremes");
+    PyBuffer_Release(&v[0]);
+    PyBuffer_Release(&v[1]);
+    if (!kept)
+        return NULL;
+    Py_RETURN_NONE;
+}
+
+/* Rigid stops whose blows C may take, in place of those told before; before the start. */
+PyObject *run_keep_blows(RunObject *self, PyObject *args)
+{
+    Py_buffer v[2];
+    Reader in;
+    int kept = 0;
+    if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
+        return NULL;
+    if (self->started)
+        PyErr_SetString(PyExc_ValueError, "too late for rigid stops");
+    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = blows_read(&self->run, &in)))
+        PyErr_SetString(PyExc_ValueError, "the packed numbers are no rigid stops");
+    PyBuffer_Release(&v[0]);
+    PyBuffer_Release(&v[1]);
+    if (!kept)
+        return NULL;
+    Py_RETURN_NONE;
+}
+
+PyObject *run_keep_section(RunObject *self, PyObject *args)
+{
+    Section *s = &self->run.section;
+    if (!PyArg_ParseTuple(args, "ddd", &s->cycles, &s->cycles_lo, &s->turns))
+        return NULL;
+    Py_RETURN_NONE;
+}
+
+PyObject *run_set_rule(RunObject *self, PyObject *args)
+{
+    Run *r = &self->run;
+    Event *e;
+    int mode, event, v[8];
+    if (!PyArg_ParseTuple(args, "ii(iiiiiiii)", &mode, &event, &v[0], &v[1], &v[2], &v[3], &v[4], &v[5], &v[6], &v[7]) || !run_is_idle(self))
+        return NULL;
+    if (mode < 0 || mode >= r->mode_count || event < 0 || event >= r->modes[mode]->event_count || v[0] < ASK || v[0] > BEAR ||
+        v[1] < 0 || v[1] >= r->mode_count || v[2] < 0 || v[2] >= r->mode_count || v[4] < 0 || v[4] >= KINDS || v[6] < 0 ||
+        v[6] >= r->key_count || v[7] < 0 || v[7] > JET_ORDER) {
+        PyErr_SetString(PyExc_ValueError, "no such rule");
+        return NULL;
+    }
+    e = &r->modes[mode]->events[event];
+    e->rule = v[0];
+    e->target = v[1];
+    e->other = v[2];
+    e->hold = v[3];
+    e->event = v[4];
+    e->event_part = v[5];
+    e->event_key = v[6];
+    e->order = v[7];
+    Py_RETURN_NONE;
+}
