@@ -167,6 +167,7 @@ class RowMaker(Generic[N]):
         self.columns = {GROUND: self.n, BASE: self.n + moves}
         self.zero = kit.number(0)
         self.by_status: dict[Status, ModeRows[N]] = {}
+        self.resting_by_status: dict[Status, set[int]] = {}
         self.guarded = self._guarded()
 
     def _guarded(self) -> set[int]:
@@ -233,6 +234,11 @@ class RowMaker(Generic[N]):
         """The frictions whose ends the ties of a mode keep from sliding. Speeds of belts are added along the
         ties, so those that differ by no more than the rounding of these sums are equal: 0.1 + 0.2 and 0.3.
         """
+        if status not in self.resting_by_status:
+            self.resting_by_status.setdefault(status, self._resting(status))
+        return self.resting_by_status[status]
+
+    def _resting(self, status: Status) -> set[int]:
         leader, drift = self.ties(status)
         belts = self.zero
         for k in status.tied:
