@@ -79,3 +79,11 @@ def test_new_keeps_what_is_there(tmp_path, monkeypatch):
     assert Path("mine.yaml").read_text() == "precious"
     assert call("new", "mine", "--force", "-q").exit_code == 0
     assert call("new", "other", "--from", "nosuch").exit_code == 3 and not Path("other.yaml").exists()
+
+
+@pytest.mark.parametrize("name", ("", " ", ".", ".."))
+def test_new_needs_a_name(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    done = call("new", name)
+    assert done.exit_code == 2 and "a file needs a name, such as capsule; got" in done.stderr
+    assert not any(tmp_path.iterdir())

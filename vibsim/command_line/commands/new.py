@@ -42,6 +42,8 @@ def command(
     from vibsim.cases.commented import commented_text
     from vibsim.files.output_file import output_file
 
+    if not any(character.isalnum() for character in Path(name).name):
+        raise click.BadParameter(f"a file needs a name, such as capsule; got {name!r}", param_hint="NAME")
     path = name if Path(name).suffix.lower() in (".yaml", ".yml") else f"{name}.yaml"
     text = commented_text(load_case(source), path)
     with output_file(path, force) as partial:
