@@ -1,24 +1,35 @@
-"""The blocks of a run, computed in a thread of their own while those before are judged and written."""
+"""The blocks of a run, computed in a thread of their own while those before are judged and written.
 
+The C engine lets go of the interpreter while it computes, and so does the compression of what is written.
+"""
+
+import threading
 from collections.abc import Callable, Iterator
 from queue import Empty, SimpleQueue
 from typing import Generic, TypeVar
 
 from vibsim.engine.trajectory import Block, Trajectory
-from vibsim.results.own_thread import PATIENCE, OwnThread
 
+PATIENCE = 0.1  # seconds between two questions whether to wait on
 MOST_AHEAD = 2  # blocks that wait; bounds the memory of a run that is faster than the disk
 
 Told = TypeVar("Told")
 
 
-class BlocksAhead(OwnThread, Generic[Told]):
+class BlocksAhead(Generic[Told]):
     """The blocks of a trajectory, each with what `tell` says of it right behind it."""
 
     def __init__(self, trajectory: Trajectory[float], tell: Callable[[Block], Told]):
-        super().__init__("vibsim engine", MOST_AHEAD - 1)
         self._trajectory, self._tell = trajectory, tell
         self._queue: SimpleQueue[tuple[Block, Told] | BaseException | None] = SimpleQueue()
+        self._room = threading.Semaphore(MOST_AHEAD - 1)
+        self._thread = threading.Thread(target=self._run, name="vibsim engine", daemon=True)
+        self._stopped = False
+
+    def start(self) -> None:
+        """Set off, where that has not been done."""
+        if self._thread.ident is None:
+            self._thread.start()
 
     def blocks(self, go_on: Callable[[], bool]) -> Iterator[tuple[Block, Told]]:
         """Yield blocks to the end; raises what the engine raises.
@@ -35,6 +46,13 @@ class BlocksAhead(OwnThread, Generic[Told]):
     def stop(self) -> None:
         """Compute no more than the block that is begun."""
         self._stopped = True
+
+    def close(self) -> None:
+        """Stop, and wait for the end of the block that is begun."""
+        self.stop()
+        self._room.release()
+        if self._thread.ident is not None:
+            self._thread.join()
 
     def _next(self, go_on: Callable[[], bool]) -> tuple[Block, Told] | BaseException | None:
         while True:

@@ -9,6 +9,7 @@ place towards its exact value. Without that the phase error of a motor that turn
 data, would be missed: after 10,000 s it is 70 times the distance of two runs from equal data.
 """
 
+import threading
 from collections import deque
 from collections.abc import Callable
 from dataclasses import fields, is_dataclass, replace
@@ -24,8 +25,8 @@ from vibsim.engine.choice import flow_of
 from vibsim.engine.events.chatter import LOWEST
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import Scene
+from vibsim.results.blocks_ahead import PATIENCE
 from vibsim.results.columns import tables_of
-from vibsim.results.own_thread import PATIENCE, OwnThread
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -97,16 +98,29 @@ def towards(value: float, exact: Fraction) -> float:
     return nextafter(value, inf if error > 0 else -inf) if error else value
 
 
-class Beside(OwnThread):
-    """A run of `scene`, of which only the displacements at the samples are used: on two cores it costs hardly
-    any time.
+class Beside:
+    """A run of `scene` in a thread of its own, of which only the displacements at the samples are used.
+
+    The C engine lets go of the interpreter while it computes: on two cores it costs hardly any time.
     """
 
-    def __init__(self, scene: Scene, engine: str, most_ahead: int = 0):
-        super().__init__("vibsim companion", most_ahead)
+    def __init__(self, scene: Scene, engine: str):
         self._scene, self._engine = scene, engine
         self._names = tables_of(scene).displacements
+        self._closed = False
         self.t_reached = 0.0  # [s]; infinite once it has ended
+        self._thread = threading.Thread(target=self._run, name="vibsim companion", daemon=True)
+
+    def start(self) -> None:
+        """Set off, where that has not been done."""
+        if self._thread.ident is None:
+            self._thread.start()
+
+    def close(self) -> None:
+        """End it where it is."""
+        self._closed = True
+        if self._thread.ident is not None:
+            self._thread.join()
 
     def _run(self) -> None:
         from vibsim.engine.errors import EngineError
@@ -116,7 +130,7 @@ class Beside(OwnThread):
             trajectory = open_trajectory(self._scene, self._engine, lowest=HIGHER * LOWEST)
             for block in trajectory.blocks():
                 self._hand_on(np.stack([block.samples[name] for name in self._names]))
-                if self._stopped:
+                if self._closed:
                     return
                 self.t_reached = max(block.t_reached, *block.samples["time"][-1:].tolist(), self.t_reached)
         except EngineError:
@@ -139,8 +153,9 @@ class Companion(Beside):
     """A run beside the first, which may be as far ahead of it as a few blocks."""
 
     def __init__(self, scene: Scene, engine: str):
-        super().__init__(scene, engine, BLOCKS_AHEAD)
+        super().__init__(scene, engine)
         self._queue: SimpleQueue[np.ndarray | BaseException | None] = SimpleQueue()
+        self._room = threading.Semaphore(BLOCKS_AHEAD)
         self._ended = False
         self._waiting: deque[np.ndarray] = deque()
 
@@ -173,6 +188,12 @@ class Companion(Beside):
             parts.append(piece[:, :count])
             count -= parts[-1].shape[1]
         return np.concatenate(parts, axis=1)
+
+    def close(self) -> None:
+        """End the companion where it is."""
+        self._closed = True
+        self._room.release()
+        super().close()
 
     def _next(self, go_on: GoOn) -> np.ndarray | None:
         """The next samples; None after the last, or when not to go on."""

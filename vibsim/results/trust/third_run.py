@@ -6,7 +6,7 @@ from math import inf, nextafter
 import numpy as np
 
 from vibsim.physics.parts import Scene
-from vibsim.results.own_thread import PATIENCE
+from vibsim.results.blocks_ahead import PATIENCE
 from vibsim.results.trust.companion import OTHER_ORDER, PARTS, USUAL_ORDER, Beside, GoOn, with_numbers
 
 ORDERS = (22, OTHER_ORDER, USUAL_ORDER)
