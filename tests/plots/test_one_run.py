@@ -5,13 +5,14 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+import vibsim
 from tests.plots.artists import lines, patches, points
 from vibsim.cases import load_case
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.plots.motion.turns import turn_times
 from vibsim.plots.registry import kind_named
 from vibsim.plots.runs.drift import drift_rate
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import Subject, open_subject
 from vibsim.plots.view import View
 
 
@@ -132,3 +133,14 @@ def test_slopes_are_named_inside_the_frame(k2):
         assert "e+" not in text.get_text()
     shown = {"12400 N/m": "12.6 kN/m", "1000020 N/m": "1 MN/m", "3 N/m": "203 N/m"}[k2]
     assert names[1].get_text().endswith(f"= {shown}")
+
+
+def test_the_section_of_a_periodic_motion_is_no_wider_than_can_be_read(tmp_path):
+    """Once a period a block on a shaken table is where it was, to rounding: labels of 13 digits met."""
+    vibsim.simulate("gallery/stack-of-blocks").save(tmp_path / "stack.h5")
+    figure = kind_named("stroboscopic").draw([open_subject(str(tmp_path / "stack.h5"))], View())
+    figure.draw_without_rendering()
+    (axes,) = figure.axes
+    for axis in (axes.xaxis, axes.yaxis):
+        labels = [label.get_text() for label in axis.get_ticklabels() if label.get_text()]
+        assert len(labels) >= 2 and max(map(len, labels)) <= 8

@@ -13,6 +13,7 @@ from vibsim.plots.motion.relative_motion import draw_stop_line
 from vibsim.plots.motion.samples import shown
 from vibsim.plots.motion.spans import PERIODS_AT_MOST, last_half
 from vibsim.plots.motion.time_marks import trust_remark
+from vibsim.plots.motion.trace import trace
 from vibsim.plots.motion.turns import states_at, turn_times
 from vibsim.plots.page.quantities import Scale, scale_for, seconds
 from vibsim.plots.page.sheet import legend_above, note, sheet
@@ -20,6 +21,7 @@ from vibsim.plots.style import BLUE, overlay
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span, View
 
+LEAST = 1e-2  # of the extent of the motion: the least that is shown
 MARKERS = ("o", "s", "^", "D", "v", "x", "+")
 
 
@@ -42,6 +44,7 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
             label=subject.name, gid="section", rasterized=len(y) > 20_000,
         )  # fmt: skip
     axes.margins(0.06)
+    _no_narrower_than_rounding(axes, subjects, pairs, spans, scales)
     axes.set_xlabel(scales[0].label(f"Relative displacement {pairs[0].displacement}"))
     axes.set_ylabel(scales[1].label(f"Relative velocity {pairs[0].velocity}"))
     count = sum(len(y) for y, _ in drawn)
@@ -51,6 +54,27 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     if len(subjects) > 1:
         legend_above(axes, markerscale=2)
     return figure
+
+
+def _no_narrower_than_rounding(
+    axes: Axes,
+    subjects: Sequence[Subject],
+    pairs: Sequence[Pair],
+    spans: Sequence[Span],
+    scales: tuple[Scale, Scale],
+) -> None:
+    """Widen axes to a share of the motion: a periodic motion is a point, whose scatter is rounding."""
+    traces = [
+        trace(subject.result, pair.names, pair.plane, span)
+        for subject, pair, span in zip(subjects, pairs, spans, strict=True)
+    ]
+    motions = [each.x for each in traces], [each.y for each in traces]
+    for axis, scale, values in zip((axes.xaxis, axes.yaxis), scales, motions, strict=True):
+        low, high = axis.get_view_interval()
+        least = LEAST * float(np.ptp(scale(np.concatenate(values))))
+        if high - low < least:
+            middle = (low + high) / 2
+            axis.set_view_interval(middle - least / 2, middle + least / 2, ignore=True)
 
 
 def section(subject: Subject, pair: Pair, span: Span) -> tuple[np.ndarray, np.ndarray]:

@@ -64,7 +64,7 @@ def _draw_shares(subject: Subject, view: View) -> Figure:
     show_span(axes, (x[0], x[-1]), EDGE, draws_by_ratio(axis), view)
     axes.set_xlabel(label_of(axis))
     axes.set_ylabel("Share of the starts")
-    axes.legend(loc="best")
+    figure.legend(loc="outside lower center", ncols=2)
     doubts = int(np.count_nonzero(result["end_state"] == VERDICTS["undecided"]))
     doubts_text = f"; {doubts} undecided" if doubts else ""
     _say(axes, f"{len(result.members)} starts each; bars: 95 %{doubts_text}", subject)
