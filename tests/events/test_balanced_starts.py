@@ -208,6 +208,25 @@ def test_hops_that_rounding_of_a_force_begins_end(engine, tied):
 
 
 @pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("height", [1e-9, 1e-12])
+def test_hops_that_are_motion_stay_however_low(engine, height):
+    """With e = 1 a body that falls from `height` hops on, 2 sqrt(2 height / g) long."""
+    fall = math.sqrt(2 * height / 9.81)
+    scene = Scene(
+        (Body("a", 1.0, -height, 0.0),),
+        (),
+        (RigidStop("floor", 0, GROUND, 0.0, COMPRESSION, 1.0),),
+        (),
+        (Force("weight", 0, 9.81, ()),),
+        t_end=100 * fall,
+        every_num=1,
+        every_den=50,
+    )
+    totals = run_to_the_end(scene, engine)
+    assert (totals["impacts"], totals["chatters"], totals["uncertified"]) == (50, 0, 0)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
 def test_a_rest_that_ends_by_rounding_though_the_ends_close_by_rounding_goes_on(engine):
     """Spring and force are 1 N, and the motor turns backwards: the tie lets go, the acceleration of 3e-17
     m/s^2 closes, and the same zero was taken 64 times.
