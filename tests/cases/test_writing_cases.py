@@ -63,6 +63,24 @@ def test_new_begins_a_case_that_is_right(tmp_path, monkeypatch):
     assert "# e: 0.8" in text and "coefficient of restitution" in text
 
 
+def test_the_table_of_cases_has_frequencies_of_six_digits():
+    table = call("cases").stdout
+    assert "54.7723 rad/s" in table and "54.772255750516614" not in table
+    assert "5.5 Hz " in table and "constant  - " in table
+
+
+def test_new_tells_what_keys_mean_to_the_end(tmp_path, monkeypatch):
+    """Long descriptions go on in the next line; they ended in three dots."""
+    monkeypatch.chdir(tmp_path)
+    for start in ("gallery/drifting-capsule", "II-B"):
+        assert call("new", "mine", "--from", start, "--force", "-q").exit_code == 0
+        text = Path("mine.yaml").read_text()
+        assert "..." not in text and max(map(len, text.splitlines())) < 140
+        assert vibsim.load_case("mine.yaml").sha256 == vibsim.load_case(start).sha256
+        comments = " ".join(text.replace("#", " ").split())
+        assert "closed_form: the same, but refused with a motor; taylor: series in every mode" in comments
+
+
 def test_new_from_a_case_of_the_users(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("base.yaml").write_text("extends: II-C\nrun: {t_end: 7 s}\n")

@@ -4,6 +4,7 @@ The comments are the descriptions of the schema. Keys that may be left out and a
 example.
 """
 
+import textwrap
 from collections.abc import Iterator
 from typing import Any
 
@@ -14,7 +15,7 @@ from vibsim.cases.schema.keys import holds_names, section_models
 from vibsim.cases.schema.sections import Section
 
 COLUMN = 34  # where comments begin
-LONGEST = 96  # characters of a comment
+LONGEST = 96  # characters of a line of a comment
 
 
 def commented_text(case: Case, name: str) -> str:
@@ -41,7 +42,7 @@ def _sections(case: Case) -> Iterator[str]:
             continue
         yield ""
         if not values.get(section):
-            yield f"# {section}: {_short(field.description)}"
+            yield "\n#   ".join(textwrap.wrap(f"# {section}: {field.description}", COLUMN + LONGEST))
         elif holds_names(field.annotation):
             yield _line("", f"{section}:", field.description)
             yield from _parts(field.annotation, values[section])
@@ -77,14 +78,12 @@ def _keys(
 
 
 def _line(indent: str, text: str, comment: str | None) -> str:
+    """A key and what it means; a meaning that is longer than a line goes on below, in the same column."""
     line = f"{indent}{text}"
-    return f"{line:{COLUMN}}  # {_short(comment)}" if comment else line
-
-
-def _short(text: str | None) -> str:
-    """A description on one line."""
-    line = " ".join((text or "").split())
-    return line if len(line) <= LONGEST else line[: LONGEST - 3] + "..."
+    if not comment:
+        return line
+    first, *more = textwrap.wrap(comment, LONGEST)
+    return "\n".join([f"{line:{COLUMN}}  # {first}", *(f"{'':{COLUMN}}  #   {rest}" for rest in more)])
 
 
 def _summary(model: type[Section]) -> str:

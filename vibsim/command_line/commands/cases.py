@@ -118,12 +118,21 @@ def _shipped_name(case: Case) -> str:
     return f"{folder}/{case.name}" if folder == "gallery" else case.name
 
 
+def _short_frequency(case: Case) -> str:
+    """The frequency of the source with six digits and its unit; a dash where there is none."""
+    frequency = case.frequency()
+    if frequency is None:
+        return "-"
+    number, _, unit = str(frequency).partition(" ")
+    return f"{float(number):.6g} {unit}"
+
+
 def _print_table(cases: Iterable[Case]) -> None:
     from vibsim.cases.plain_text import one_line
 
     rows = [("name", "source", "frequency", "title")]
     rows += [
-        (_shipped_name(case), case.source_kind, str(case.frequency() or "-"), one_line(case.title))
+        (_shipped_name(case), case.source_kind, _short_frequency(case), one_line(case.title))
         for case in cases
     ]
     widths = [max(len(row[column]) for row in rows) for column in range(3)]
