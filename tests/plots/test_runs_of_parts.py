@@ -205,6 +205,13 @@ def test_the_stroboscopic_section_has_the_published_orbit_of_the_bilinear_oscill
     assert len(v) == len(x)
 
 
+def test_a_section_without_points_says_so():
+    capsule = subject_of(load_case("gallery/drifting-capsule", {"run.t_end": "2 s"}))
+    for window, words in (((0.05, 0.15), ["no period of the source ends here"]), ((0.0, 2.0), [])):
+        (axes,) = figure_of("stroboscopic", [capsule], window=window).axes
+        assert [text.get_text() for text in axes.texts if "period" in text.get_text()] == words
+
+
 def test_the_base_is_part_of_the_relative_motion():
     """The lowest of the blocks against the shaken table: x - X(t)."""
     stack = subject_of(load_case("gallery/stack-of-blocks", {"run.t_end": "2 s"}))

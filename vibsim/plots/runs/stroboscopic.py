@@ -16,7 +16,7 @@ from vibsim.plots.motion.time_marks import trust_remark
 from vibsim.plots.motion.trace import trace
 from vibsim.plots.motion.turns import states_at, turn_times
 from vibsim.plots.page.quantities import Scale, scale_for, seconds
-from vibsim.plots.page.sheet import legend_above, note, sheet
+from vibsim.plots.page.sheet import legend_above, note, say_inside, sheet
 from vibsim.plots.style import BLUE, overlay
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span, View
@@ -48,8 +48,10 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     axes.set_xlabel(scales[0].label(f"Relative displacement {pairs[0].displacement}"))
     axes.set_ylabel(scales[1].label(f"Relative velocity {pairs[0].velocity}"))
     count = sum(len(y) for y, _ in drawn)
+    if not count:
+        say_inside(axes, "no period of the source ends here")
     remarks = [f"{count} point{'' if count == 1 else 's'}", *dict.fromkeys(map(seconds, spans))]
-    named = len(subjects) == 1 and _stops_if_near(axes, pairs[0], scales[0])
+    named = count > 0 and len(subjects) == 1 and _stops_if_near(axes, pairs[0], scales[0])
     note(axes, "; ".join(filter(None, [*remarks, trust_remark(subjects, spans)])), above=1 if named else 0)
     if len(subjects) > 1:
         legend_above(axes, markerscale=2)
