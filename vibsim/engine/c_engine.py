@@ -56,8 +56,8 @@ SAMPLE_ROOM, EVENT_ROOM, SECTION_ROOM = 65536, 4096, 1024  # at most
 MOST_RECALLED = 16  # modes that a run is told of before it meets them
 SECONDS = 0.1  # between two blocks where Python decides: Ctrl-C is heard there
 OF_OUTCOME = 5  # numbers that an outcome tells before the state
-ACCUMULATION, DIVERGED, UNDECIDED = 1, 2, 3
-REASONS = {ACCUMULATION: "accumulation", DIVERGED: "diverged"}
+ACCUMULATION, DIVERGED, UNDECIDED, STANDSTILL = 1, 2, 3, 5
+REASONS = {ACCUMULATION: "accumulation", DIVERGED: "diverged", STANDSTILL: "standstill"}
 
 
 class Doubts(Certificate[float]):

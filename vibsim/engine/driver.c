@@ -6,6 +6,8 @@
 #include "numbers.h"
 
 #define EVENTS_AT_ONE_INSTANT 64
+#define MOST_STRETCHES 50000
+#define PROGRESS 0x1p-36 /* share of the run that so many stretches must bring it on: one unit in the last place each is less */
 #define MEETING 0x1p-40 /* of a time: so near to an event its rounding may lie, and the motion before it goes on */
 
 void flow_enter(Run *r, const State *state)
@@ -154,7 +156,8 @@ void run_start(Run *r, int mode, Buffers *b)
 {
     use_mode(r, mode);
     r->next_sample = sample_index(r, r->state.t);
-    r->known_since = r->state.t;
+    r->known_since = r->milestone = r->state.t;
+    r->stretches = 0;
     section_start(r);
     record(r, b, START, -1, r->state.v, r->state.w);
     if (violated(r))
@@ -348,6 +351,18 @@ static void open_stretch(Run *r)
     tangent_begin_stretch(r);
 }
 
+/* Whether a run would never end, stretch by stretch within its rounding. */
+static int stands_still(Run *r)
+{
+    if (r->state.t > r->milestone) {
+        r->milestone = r->state.t + PROGRESS * r->t_end;
+        r->stretches = 0;
+        return 0;
+    }
+    r->stretches += 1;
+    return r->stretches > MOST_STRETCHES;
+}
+
 /* The stretch from `state` to the next event, or as far as the flow advances at once: stage by stage. Returns 0 when the
  * room or the work of this call is spent, or the run fails: the next call goes on in the same stage.
  */
@@ -394,7 +409,13 @@ void run_advance(Run *r, Buffers *b)
         }
     }
     while (!r->finished && r->status == OK && r->spent < r->work_at_once) {
-        if (b->event_count + 3 + 3 * r->parts >= b->event_room || !stretch(r, b))
+        if (b->event_count + 3 + 3 * r->parts >= b->event_room)
+            return;
+        if (r->stage == ADVANCE && stands_still(r)) {
+            r->status = STANDSTILL;
+            return;
+        }
+        if (!stretch(r, b))
             return;
         r->spent += 1;
         if (r->pending_event == NOTHING)

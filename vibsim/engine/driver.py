@@ -26,7 +26,7 @@ from vibsim.engine.state import State, start_of
 from vibsim.engine.tangent.disturbances import Disturbances
 from vibsim.engine.tangent.tangent_bundle import TangentBundle
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.numbers import Kit, N
+from vibsim.physics.numbers import Doubles, Kit, N
 from vibsim.physics.parts import Scene
 
 Velocities = tuple[list[N], N]  # of the bodies [m/s], speed of the rotor [rad/s]
@@ -34,6 +34,7 @@ Velocities = tuple[list[N], N]  # of the bodies [m/s], speed of the rotor [rad/s
 Happening = tuple[int, int, State[N], Status, Velocities[N]]
 EVENTS_AT_ONE_INSTANT = 64
 SAMPLES_AT_ONCE = 256
+MOST_STRETCHES, PROGRESS = 50_000, 2.0**-36  # stretches that a run in doubles may take for this share of it
 MEETING = 2.0**-40  # of a time: so near to an event its rounding may lie, and the motion before it goes on
 
 
@@ -88,6 +89,7 @@ class Driver(Generic[N]):
                 self.section.skip_to(self.state.t)
         self.start = self.state.copy(), self.status
         self.known, self.known_since, self.crowd = known, self.state.t, 0
+        self.milestone, self.stretches = self.state.t, 0
         self._record("start", -1)
         if any(self.status.clearances):
             self._note_violation()
@@ -144,6 +146,8 @@ class Driver(Generic[N]):
 
     def _stretch(self) -> Iterator[None]:
         """One stretch of the flow: its samples, section and ledger, then its event."""
+        if self.kit is Doubles:
+            self._check_progress()
         end, event = self.flow.advance(self.scene.t_end)
         if self.extremes:
             self.extremes.open(self.state.t, self.status)
@@ -175,6 +179,15 @@ class Driver(Generic[N]):
                 self.flow.carry_on(state)
         if not self.finished and end >= self.scene.t_end:
             self._finish()
+
+    def _check_progress(self) -> None:
+        """Raise EngineError for a run that would never end, stretch by stretch within its rounding."""
+        if self.state.t > self.milestone:
+            self.milestone, self.stretches = self.state.t + PROGRESS * self.scene.t_end, 0
+            return
+        self.stretches += 1
+        if self.stretches > MOST_STRETCHES:
+            raise EngineError("standstill", self.state)
 
     def _arrive(self, end: N, event: Event[N] | None) -> tuple[State[N], N]:
         """State at the end of a stretch, and how long after its start that is [s]: there, or at the very

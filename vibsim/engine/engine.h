@@ -29,7 +29,7 @@ enum { ADVANCE, SAMPLE, SECTION, ARRIVE, EXTREMES, LEDGER, TANGENT, STAGES }; /*
 enum { ASK, CROSS, STAND, STRUCK, BEAR };                       /* rules for what follows an event */
 enum { START, CONTACT_BEGIN, CONTACT_END, REVERSAL, STICK_BEGIN, STICK_END, VIOLATION_BEGIN, VIOLATION_END, END,
        IMPACT, TRANSMITTED, CHATTER, REST_BEGIN, REST_END, KINDS };
-enum { OK, ACCUMULATION, DIVERGED, UNDECIDED, NO_MEMORY };      /* status of a run */
+enum { OK, ACCUMULATION, DIVERGED, UNDECIDED, NO_MEMORY, STANDSTILL };      /* status of a run */
 enum { NOTHING = -1, RATE_ALONE = -JET };
 
 typedef struct {
@@ -341,6 +341,8 @@ typedef struct Run {
     double *masses;
     State state, next, scratch;
     double known_since, first_violation, evaluations, steps, counts[KINDS], t0;
+    double milestone; /* time up to which `stretches` are counted */
+    int stretches;
     Certificate certificate;
     long long next_sample;
     int crowd, finished, status, violated_once, stage, pending_event; /* stage: of the stretch in hand, which may take many calls */

@@ -10,6 +10,10 @@ REASONS = {
         "more than 64 events at one instant: the motion cannot be continued at double precision",
         "make stops softer or friction smaller, or change the start values slightly",
     ),
+    "standstill": (
+        "50,000 steps brought the run no further: the motion cannot be continued at double precision",
+        "change the start values slightly, or make stops softer or friction smaller",
+    ),
     "crushed": (
         "bodies are caught between rigid stops whose ends close on each other",
         "make one of them elastic, or leave the bodies more room (a wider gap, a smaller motion of the base)",
