@@ -51,6 +51,26 @@ def test_a_first_picture_leaves_a_notebook_as_it_is():
     assert done.returncode == 0, done.stderr.decode()
 
 
+def test_a_notebook_shows_later_pictures_too(tmp_path):
+    """Its backend, which the first figure loads, turns matplotlib interactive."""
+    backend = (
+        "from matplotlib.backends.backend_agg import *\nimport matplotlib\nmatplotlib.interactive(True)\n"
+    )
+    (tmp_path / "of_notebooks.py").write_text(backend)
+    lines = [
+        "import matplotlib, vibsim",
+        "assert not matplotlib.is_interactive()",
+        "vibsim.plot('II-B', 'stiffness')",
+        "assert matplotlib.is_interactive()",
+        "matplotlib.interactive(False)",
+        "vibsim.plot('II-B', 'stiffness')",
+        "assert not matplotlib.is_interactive()",
+    ]
+    env = {**os.environ, "MPLBACKEND": "module://of_notebooks", "PYTHONPATH": str(tmp_path)}
+    done = subprocess.run([sys.executable, "-c", "\n".join(lines)], env=env, capture_output=True)
+    assert done.returncode == 0, done.stderr.decode()
+
+
 def test_given_axes_are_drawn_into_and_returned(runs, pyplot):
     result = vibsim.open_result(runs["motor"])
     figure, (left, right) = pyplot.subplots(1, 2)

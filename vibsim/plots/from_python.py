@@ -103,11 +103,7 @@ def _subjects(result: Any) -> list[Subject]:
 
 
 def _canvas(ax: Any) -> Any:
-    """What makes the figure.
-
-    To be called outside the style: pyplot, when it is first imported, notes in matplotlib's settings that a
-    notebook shows every figure, and leaving the style would take that back.
-    """
+    """What makes the figure. To be called outside the style: pyplot's first import may note settings."""
     from matplotlib.axes import Axes
 
     if ax is None:

@@ -45,7 +45,7 @@ def applied(sheet: str | PathLike[str] | bool = True, font_size: float | None = 
 
     Raises PlotError for a style sheet that matplotlib does not read.
     """
-    with matplotlib.rc_context(), warnings.catch_warnings():
+    with _settings_given_back(), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from font")  # a title in such signs shows boxes
         if sheet is not False:
             matplotlib.rcdefaults()
@@ -57,6 +57,23 @@ def applied(sheet: str | PathLike[str] | bool = True, font_size: float | None = 
             sizes: Any = {name: SETTINGS[name] * factor for name in FONTS}
             matplotlib.rcParams.update(sizes)
         yield
+
+
+@contextmanager
+def _settings_given_back() -> Iterator[None]:
+    """Give matplotlib's settings back behind it, but for whether it is interactive.
+
+    A notebook's backend, which the first figure loads, turns that on; without it no later figure is shown.
+    """
+    interactive = matplotlib.is_interactive()
+    try:
+        with matplotlib.rc_context():
+            try:
+                yield
+            finally:
+                interactive = matplotlib.is_interactive()
+    finally:
+        matplotlib.interactive(interactive)
 
 
 def _lay_over(sheet: str | PathLike[str]) -> None:
