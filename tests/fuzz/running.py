@@ -88,7 +88,7 @@ def preload():
     matplotlib.use("Agg")
     for name in (
         "cases",
-        "results.trajectory_file",
+        "results.stored.trajectory_file",
         "sweeps.sweeping",
         "sweeps.sweep_result",
         "branches.continuing",

@@ -23,7 +23,7 @@ MARKS = {  # kind: marker, size [pt], filled, name: each tells itself by its sha
     "neimark-sacker": ("D", 4.0, False, "Neimark–Sacker"),
     "branch point": ("P", 4.2, True, "branch point"),
     "corner": ("v", 3.8, True, "corner"),
-    "hopf": ("o", 3.8, True, "Hopf point"),
+    "hopf": ("*", 6.0, True, "Hopf point"),
     "grazing": ("^", 3.6, False, "grazing"),
     "sticking": ("1", 5.5, False, "stick begins or ends"),
 }

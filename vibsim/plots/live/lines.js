@@ -17,7 +17,7 @@ const SHAPES = {
   "neimark-sacker": [false, (g) => { g.moveTo(0, -5.5); g.lineTo(5.5, 0); g.lineTo(0, 5.5); g.lineTo(-5.5, 0); g.closePath(); }],
   "branch point": [true, (g) => { g.rect(-1.7, -5, 3.4, 10); g.rect(-5, -1.7, 10, 3.4); }],
   corner: [true, (g) => { g.moveTo(-5, -4); g.lineTo(5, -4); g.lineTo(0, 5); g.closePath(); }],
-  hopf: [true, (g) => g.arc(0, 0, 4.5, 0, 7)],
+  hopf: [true, (g) => { for (let i = 0; i < 10; i++) g.lineTo((i % 2 ? 2.4 : 6) * Math.sin(i * Math.PI / 5), -(i % 2 ? 2.4 : 6) * Math.cos(i * Math.PI / 5)); g.closePath(); }],
   grazing: [false, (g) => { g.moveTo(-5, 4); g.lineTo(5, 4); g.lineTo(0, -5); g.closePath(); }],
   sticking: [false, (g) => { for (const turn of [0.5, 1.1667, 1.8333]) { g.moveTo(0, 0); g.lineTo(5.5 * Math.cos(turn * Math.PI), 5.5 * Math.sin(turn * Math.PI)); } }],
 };
