@@ -125,3 +125,10 @@ def test_a_case_has_no_columns_and_a_short_run_no_spectrum(forced):
         columns.draw([subject_of(forced.case)], View(x="x1", y="v1"))
     with pytest.raises(PlotError, match="a spectrum needs 64 samples"):
         spectrum.draw([forced], View(window=(0, 0.3)))
+
+
+def test_without_springs_a_spectrum_goes_as_far_as_the_source_tells():
+    """Blocks on a table that shakes at 4 Hz: six times that, and not half the rate of samples, 500 Hz."""
+    stack = subject_of(vibsim.simulate("gallery/stack-of-blocks"))
+    hz, _ = spectrum_of(stack, (5.0, 10.0), "x_lower")
+    assert hz[-1] == pytest.approx(24.0, abs=0.5)

@@ -88,7 +88,8 @@ def command(
 
     Capture: was the motor captured by the vibration, since when, until when, and at which speed. Drift: its
     rate. Impacts: impacts and sticks per cycle of the source. Regime: periodic, quasi-periodic, chaotic,
-    or less settled. Frequencies: the strongest ones of x1 - x2.
+    or less settled. Frequencies: the strongest ones of the
+    relative displacement.
     """
     from vibsim.command_line.jobs.analysis import judge_all
 

@@ -3,7 +3,8 @@
 import click
 
 from vibsim.command_line.options.examples import examples
-from vibsim.command_line.options.parameters import CASE, FILE, OneOf, OrbitDigitCount, set_option
+from vibsim.command_line.options.parameters import CASE, FILE, OrbitDigitCount, set_option
+from vibsim.command_line.options.shared_options import engine_option
 
 
 @click.command(
@@ -38,9 +39,7 @@ from vibsim.command_line.options.parameters import CASE, FILE, OneOf, OrbitDigit
 @click.option(
     "--digits", type=OrbitDigitCount(), metavar="D", help="Refine orbit and multipliers to so many digits."
 )
-@click.option(
-    "--engine", type=OneOf(["auto", "c", "python"]), default="auto", help="Who computes the motion."
-)
+@engine_option
 @click.option("-o", "--output", type=FILE, metavar="FILE", help="Store the orbit; of several NAME-1.h5, ...")
 @click.option("--force", is_flag=True, help="Replace existing output files.")
 @click.pass_context

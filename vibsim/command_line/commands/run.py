@@ -4,9 +4,9 @@ import click
 
 from vibsim.command_line.options.examples import examples
 from vibsim.command_line.options.parameters import CASE, DIGITS, EXPONENTS, FILE, OneOf, joined, set_option
+from vibsim.command_line.options.shared_options import engine_option
 
 METHODS = ["auto", "closed_form", "taylor"]
-ENGINES = ["auto", "c", "python"]
 
 
 @click.command(
@@ -29,9 +29,7 @@ ENGINES = ["auto", "c", "python"]
 @click.option("--t-end", metavar="TIME", help="End of the run, such as 20s.")
 @click.option("--every", metavar="TIME", help="Time between samples, such as 5ms.")
 @click.option("--method", type=OneOf(METHODS), help="How the motion between events is computed.")
-@click.option(
-    "--engine", type=OneOf(ENGINES), default="auto", help="Engine that computes; results are the same."
-)
+@engine_option
 @click.option(
     "--plot", "picture", type=FILE, metavar="FILE", help="Draw the run too: a .png, .pdf or .svg file."
 )
@@ -50,7 +48,7 @@ ENGINES = ["auto", "c", "python"]
     "--lyapunov",
     type=EXPONENTS,
     metavar="N|all",
-    help="Take the N largest Lyapunov exponents along.",
+    help="Compute the N largest Lyapunov exponents too.",
 )
 @click.option(
     "--discard",

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vibsim.analysis.dominant_frequencies import displacement, fastest, motions_of, spectrum_of, without_line
+from vibsim.physics.rates import source_rates
 from vibsim.plots.errors import PlotError
 from vibsim.plots.motion.samples import rows
 from vibsim.plots.subject import Subject
@@ -72,7 +73,7 @@ def span_begin(subject: Subject, span: Span) -> float:
 
 
 def slowest(subject: Subject, span: Span) -> float:
-    """A low frequency of the motion [Hz]: a quarter of the fastest of source and free vibration."""
+    """A low frequency of the motion [Hz]: a quarter of the fastest free vibration."""
     return (fastest(subject.scene, None) or 8 / (span[1] - span[0])) / 4
 
 
@@ -91,7 +92,7 @@ def _samples(subject: Subject, span: Span, column: str) -> tuple[np.ndarray, flo
 
 def _shown(subject: Subject, hz: np.ndarray, amplitudes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The part of the spectrum that is drawn: without what samples cannot tell."""
-    source = subject.scene.motor.Omega0 / (2 * np.pi) if subject.scene.motor else None
+    source = max(source_rates(subject.scene), default=0.0) / (2 * np.pi)
     top = SHOWN * fastest(subject.scene, source)
     rows = hz <= (top or hz[-1])
     return hz[rows], amplitudes[..., rows]
