@@ -52,7 +52,7 @@ def test_every_command_takes_the_global_options(name):
         ("INFO", "did you mean info?"),
         ("my.yaml", "to run the case: vibsim run my.yaml"),
         ("II-B.h5", "to see what it holds: vibsim info II-B.h5"),
-        ("xyzzy", "commands are run, sweep"),
+        ("xyzzy", "commands are cases, new, check, schema, run, sweep"),
     ],
 )
 def test_an_unknown_command_gets_a_hint(word, hint):
@@ -71,7 +71,7 @@ def test_an_unknown_option_gets_a_hint(words):
 
 
 def test_no_command_prints_help():
-    assert "Commands:" in call().output
+    assert "Motions:" in call().output
 
 
 def test_global_options_count_before_and_after_the_command():

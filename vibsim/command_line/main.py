@@ -18,27 +18,36 @@ from vibsim.command_line.terminal.standard_streams import open_closed_streams
 from vibsim.files import signals
 from vibsim.lazy_names import named
 
-# name -> (module of commands/, one line for the list); the list is printed without importing any of them
-COMMANDS = {
-    "run": ("run", "Run cases and write their trajectories."),
-    "sweep": ("sweep", "Run a case at every point of a grid."),
-    "orbit": ("orbit", "Find periodic motions, stable or not, and their multipliers."),
-    "continue": ("continuation", "Follow a periodic orbit over a parameter."),
-    "fit": ("fit", "Find values under which cases do what is said of them."),
-    "plot": ("plot", "Draw pictures of runs, cases and sweeps."),
-    "animate": ("animate", "Show the machine of a run, moving."),
-    "info": ("info", "Say what a result file holds."),
-    "analyse": ("analyse", "Judge runs: capture, drift, impacts, regime, frequencies."),
-    "bench": ("bench", "Measure speed against error, beside other solvers."),
-    "compare": ("compare", "Compare two runs."),
-    "verify": ("verify", "Verify this installation against known cases."),
-    "paper": ("paper", "Reproduce and audit the paper."),
-    "export": ("export", "Write a result as CSV, Parquet or MAT."),
-    "new": ("new", "Begin a case file of your own."),
-    "cases": ("cases", "List the shipped cases, or print one."),
-    "check": ("check", "Check case files."),
-    "schema": ("schema", "Print the JSON Schema of a case file."),
+# heading -> name -> (module of commands/, one line); the list is printed without importing any of them
+LISTED = {
+    "Cases": {
+        "cases": ("cases", "List the shipped cases, or print one."),
+        "new": ("new", "Begin a case file of your own."),
+        "check": ("check", "Check case files."),
+        "schema": ("schema", "Print the JSON Schema of a case file."),
+    },
+    "Motions": {
+        "run": ("run", "Run cases and write their trajectories."),
+        "sweep": ("sweep", "Run a case at every point of a grid."),
+        "orbit": ("orbit", "Find periodic motions, stable or not, and their multipliers."),
+        "continue": ("continuation", "Follow a periodic orbit over a parameter."),
+        "fit": ("fit", "Find values under which cases do what is said of them."),
+    },
+    "Results": {
+        "plot": ("plot", "Draw pictures of runs, cases and sweeps."),
+        "animate": ("animate", "Show the machine of a run, moving."),
+        "info": ("info", "Say what a result file holds."),
+        "analyse": ("analyse", "Judge runs: capture, drift, impacts, regime, frequencies."),
+        "compare": ("compare", "Compare two runs."),
+        "export": ("export", "Write a result as CSV, Parquet or MAT."),
+    },
+    "Evidence": {
+        "verify": ("verify", "Verify this installation against known cases."),
+        "bench": ("bench", "Measure speed against error, beside other solvers."),
+        "paper": ("paper", "Reproduce and audit the paper."),
+    },
 }
+COMMANDS = {name: told for commands in LISTED.values() for name, told in commands.items()}
 
 COMPLETION = (
     'Shell completion: put  eval "$(_VIBSIM_COMPLETE=bash_source vibsim)"  into ~/.bashrc '
@@ -75,8 +84,10 @@ class LazyGroup(click.Group):
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, line) for name, (_, line) in COMMANDS.items()])
+        width = max(map(len, COMMANDS))
+        for heading, commands in LISTED.items():
+            with formatter.section(heading):
+                formatter.write_dl([(name.ljust(width), line) for name, (_, line) in commands.items()])
 
     def make_context(self, *args: Any, **extra: Any) -> click.Context:
         with broken_pipe_named(), interruption_named():
