@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property, partial
+from functools import cached_property
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -148,18 +148,10 @@ class Branch(Along, Labelled):
         from vibsim.branches.store.branch_file import values_of
         from vibsim.branches.store.structure import datasets_of
 
-        values = cache(partial(values_of, self))
         declared = [*datasets_of(self.unit), *STABILITY]
-        lengths = {dataset.name: len(values()[dataset.name]) for dataset in declared if dataset.is_scale}
-
-        def read(name: str) -> np.ndarray:
-            if name in ("index", "stable"):
-                return self[name].astype("i1")
-            dims = next(dataset.dims for dataset in declared if dataset.name == name)
-            return np.reshape(np.asarray(values()[name]), [lengths[each] for each in dims])
-
+        values = values_of(self) | {each.name: self[each.name].astype("i1") for each in STABILITY}
         shown = ("parameter", "period", "multiplier_re")
-        return Arrays(tuple(declared), read, (POINT,), self.attrs, shown=shown)
+        return Arrays.of_values(declared, values, (POINT,), self.attrs, shown)
 
     def heading(self) -> str:
         """Name of the case, what was continued over what, and how many points."""
@@ -177,12 +169,7 @@ class Branch(Along, Labelled):
 
     def case_at(self, point: int) -> Any:
         """The case that runs one period on the orbit of a point."""
-        from vibsim.orbits.start import case_on_orbit
-
-        orbit = self.points[point].orbit
-        family = self.plan.family()
-        state = family.map(orbit.parameter).coordinates.state(np.array(orbit.state))
-        return case_on_orbit(family.at(orbit.parameter), state, orbit.period)
+        return self.plan.family().case_on(self.points[point].orbit)
 
     @cached_property
     def _arrays(self) -> dict[str, np.ndarray]:

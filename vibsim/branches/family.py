@@ -23,6 +23,7 @@ from vibsim.orbits import OrbitError, ReturnMap
 from vibsim.orbits.lapack import determinant
 from vibsim.orbits.multipliers import multipliers_of
 from vibsim.orbits.newton import tolerance
+from vibsim.orbits.start import case_on_orbit
 from vibsim.orbits.word import cyclic
 from vibsim.physics.parts import Scene
 
@@ -90,6 +91,11 @@ class Family:
     def at(self, parameter: float) -> Case:
         """The case at a value of the parameter. Raises CaseError where it does not allow it."""
         return self.case.with_values(dict.fromkeys(self.keys, f"{float(parameter)!r} {self.unit}".strip()))
+
+    def case_on(self, orbit: Any) -> Case:
+        """The case that runs one period on a recorded orbit (`vibsim.branches.records.OrbitRecord`)."""
+        state = self.map(orbit.parameter).coordinates.state(np.array(orbit.state))
+        return case_on_orbit(self.at(orbit.parameter), state, orbit.period)
 
     def unknowns(self, X: np.ndarray, T: float, parameter: float) -> np.ndarray:
         """Scaled unknowns of an orbit."""

@@ -16,7 +16,6 @@ from vibsim.branches.node import Node
 from vibsim.branches.records import OrbitRecord, orbit_record
 from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.labelled import Labelled, few
-from vibsim.orbits.start import case_on_orbit
 
 MOST_POINTS = 2000
 WAYS = (1, -1)
@@ -77,16 +76,9 @@ class Locus(Along, Labelled):
         from vibsim.branches.store.locus_file import values_of
         from vibsim.branches.store.structure import POINT, locus_datasets
 
-        values = values_of(self)
         declared = locus_datasets(self.plan.branch.unit, self.plan.unit)
-        lengths = {dataset.name: len(values[dataset.name]) for dataset in declared if dataset.is_scale}
-
-        def read(name: str) -> np.ndarray:
-            dims = next(dataset.dims for dataset in declared if dataset.name == name)
-            return np.reshape(np.asarray(values[name]), [lengths[each] for each in dims])
-
         shown = ("parameter", "second", "period")
-        return Arrays(tuple(declared), read, (POINT,), self.attrs, shown=shown)
+        return Arrays.of_values(declared, values_of(self), (POINT,), self.attrs, shown)
 
     def heading(self) -> str:
         """Name of the case, which bifurcation in which two parameters, and how many points."""
@@ -102,9 +94,7 @@ class Locus(Along, Labelled):
 
     def case_at(self, point: int) -> Any:
         """The case that runs one period on the orbit of a point."""
-        orbit, family = self.points[point].orbit, self.plan.plane().family_at(self.points[point].second)
-        state = family.map(orbit.parameter).coordinates.state(np.array(orbit.state))
-        return case_on_orbit(family.at(orbit.parameter), state, orbit.period)
+        return self.plan.plane().family_at(self.points[point].second).case_on(self.points[point].orbit)
 
     def save(self, path: str | PathLike[str], force: bool = False) -> Path:
         """Write the locus to an HDF5 file, which every command takes; its absolute path.

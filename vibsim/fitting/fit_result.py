@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache, cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -142,16 +142,8 @@ class FitResult(Labelled):
 
     def arrays(self) -> Arrays:
         """What its file holds: a row per candidate; by case, statement and start what was measured."""
-        values = cache(partial(file_values, self))
-        declared = datasets_of(self.plan)
-        lengths = {dataset.name: len(values()[dataset.name]) for dataset in declared if dataset.is_scale}
-        dims = {dataset.name: dataset.dims for dataset in declared}
-
-        def read(name: str) -> np.ndarray:
-            return np.reshape(np.asarray(values()[name]), [lengths[each] for each in dims[name]])
-
-        free = [f"value_{each.name}" for each in self.plan.free]
-        return Arrays(tuple(declared), read, (CANDIDATE,), self.attrs, shown=(*free[:1], "price", "share"))
+        shown = (*[f"value_{each.name}" for each in self.plan.free][:1], "price", "share")
+        return Arrays.of_values(datasets_of(self.plan), file_values(self), (CANDIDATE,), self.attrs, shown)
 
     def heading(self) -> str:
         """Cases, how many candidates and runs, and the best."""

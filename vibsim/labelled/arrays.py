@@ -1,6 +1,6 @@
 """Arrays with names, units and dimensions, as they stand in a result file."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -32,6 +32,24 @@ class Arrays:
     attrs: Mapping[str, Any] = field(default_factory=dict)
     numbered: bool = False
     shown: tuple[str, ...] = ()
+
+    @classmethod
+    def of_values(
+        cls,
+        declared: Sequence[Dataset],
+        values: Mapping[str, Any],
+        rows: tuple[str, ...],
+        attrs: Mapping[str, Any],
+        shown: tuple[str, ...],
+    ) -> "Arrays":
+        """Arrays whose values are at hand by name, each shaped by the lengths of its coordinates."""
+        lengths = {dataset.name: len(values[dataset.name]) for dataset in declared if dataset.is_scale}
+        dims = {dataset.name: dataset.dims for dataset in declared}
+
+        def read(name: str) -> np.ndarray:
+            return np.reshape(np.asarray(values[name]), [lengths[each] for each in dims[name]])
+
+        return cls(tuple(declared), read, rows, attrs, shown=shown)
 
     @cached_property
     def datasets(self) -> dict[str, Dataset]:
