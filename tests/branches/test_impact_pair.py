@@ -74,5 +74,9 @@ def test_seen_from_a_prong_it_is_a_branch_point():
     assert dict(branch.lines())["ends"] == "end of the range"
     np.testing.assert_allclose(branch["parameter"][[0, -1]], 8.0, rtol=1e-14)
     back = vibsim.continue_branch(branch, switch=special.label)
+    (crossed,) = back.specials  # the branch goes through there, and is followed both ways
+    assert crossed.kind == "branch point" and abs(crossed.jump) == 1
+    assert crossed.parameter == pytest.approx(BROKEN, rel=1e-12)
+    np.testing.assert_allclose(back["parameter"][[0, -1]], [7.0, 8.0], rtol=1e-14)
     sums = np.sum(back["multipliers"], axis=1).real
     np.testing.assert_allclose(sums, [half_period(a) ** 2 - 2 * E**2 for a in back["parameter"]], atol=1e-9)

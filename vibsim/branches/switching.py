@@ -46,7 +46,7 @@ def switched(branch: Branch, label: str, span: tuple[float, float] | None = None
     values = node.z * family.scale
     state = tuple(values[: len(special.orbit.state)].tolist())
     away = (node.z - z) / np.linalg.norm(node.z - z)
-    heading = tuple(away.tolist())
+    heading = () if times == 1 and _goes_through(family, z, node, away) else tuple(away.tolist())
     return replace(longer, state=state, period=node.point.period, parameter=node.parameter, heading=heading)
 
 
@@ -68,6 +68,18 @@ def _first(family: Family, special: SpecialPoint, z: np.ndarray) -> Node:
     if other is None:
         raise BranchError(f"no orbit was found on the branch that leaves {special.label}")
     return other
+
+
+def _goes_through(family: Family, z: np.ndarray, node: Node, away: np.ndarray) -> bool:
+    """Whether the branch that leaves a branch point z by a node, along a unit vector, has orbits on the other
+    side of its parameter, too.
+    """
+    size = float(np.linalg.norm(node.z - z))
+    try:
+        other = node_at(family, z - size * away, away, None, 8 * size)
+    except ContinuationError:
+        return False
+    return bool((node.z[-1] - z[-1]) * (other.z[-1] - z[-1]) < 0)
 
 
 def _begins_there(special: SpecialPoint, node: Node) -> bool:
