@@ -4,7 +4,7 @@ import time
 from collections import deque
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from math import inf
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
@@ -76,12 +76,23 @@ class Trust(NoTrust[Tag]):
     columns = (COLUMN,)
 
     def __init__(self, case: "Case", scene: Scene, engine: str):
-        other = companion_scene(case, scene)
-        self._method = described(other)
+        self._case, self._scene, self._engine = case, scene, engine
         self._estimate = ErrorEstimate(scene, case.number("run.trust_tolerance"))
-        self._companion, self._third = Companion(other, engine), ThirdRun(other, scene, engine)
         self._names = tables_of(scene).displacements
         self._held: deque[Unjudged[Tag]] = deque()
+
+    @cached_property
+    def _other(self) -> Scene:
+        """The scene of the companion, made when it begins: the run itself need not wait for that."""
+        return companion_scene(self._case, self._scene)
+
+    @cached_property
+    def _companion(self) -> Companion:
+        return Companion(self._other, self._engine)
+
+    @cached_property
+    def _third(self) -> ThirdRun:
+        return ThirdRun(self._other, self._scene, self._engine)
 
     def start(self) -> None:
         """Let the companion begin, where that has not been done."""
@@ -150,6 +161,6 @@ class Trust(NoTrust[Tag]):
         return {
             "trust_horizon_s": self._estimate.horizon(t_reached),
             "trust_tolerance_m": self._estimate.tolerance,
-            "trust_method": self._method,
+            "trust_method": described(self._other),
             "error_estimate_max": self._estimate.largest,
         }
