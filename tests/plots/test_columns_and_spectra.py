@@ -7,8 +7,7 @@ import vibsim
 from tests.command_line.made import call
 from vibsim.plots import columns
 from vibsim.plots.errors import PlotError
-from vibsim.plots.motion.spectra import pieces
-from vibsim.plots.motion.spectra import spectrum as spectrum_of
+from vibsim.plots.motion.spectra import pieces, spectra
 from vibsim.plots.runs import spectrogram, spectrum, waterfall
 from vibsim.plots.subject import open_subject, subject_of
 from vibsim.plots.view import View
@@ -45,7 +44,7 @@ def line(axes, gid):
 
 
 def test_a_spectrum_has_the_amplitude_of_a_sine_at_its_frequency(forced):
-    hz, amplitudes = spectrum_of(forced, (0.0, 50.0), "x_b")
+    hz, (amplitudes,) = spectra(forced, (0.0, 50.0), ["x_b"])
     top = np.argmax(amplitudes)
     assert abs(hz[top] - HZ) <= hz[1]  # to a step of frequency
     assert amplitudes[top] == pytest.approx(abs(AMPLITUDE), rel=0.01)  # flat to 1 % within half a step
@@ -65,6 +64,8 @@ def test_pieces_tell_when_what_vibrates(forced):
 def test_a_spectrogram_and_a_waterfall_are_drawn(forced):
     axes = spectrogram.draw([forced], View()).axes[0]
     (picture,) = [mesh for mesh in axes.collections if mesh.get_gid() == "spectrogram"]
+    covered = picture.get_coordinates()[..., 0]
+    assert (covered.min(), covered.max()) == axes.get_xlim() == (0.0, 50.0)  # no white margins
     values = np.asarray(picture.get_array())
     assert values.max() == pytest.approx(1e3 * abs(AMPLITUDE), rel=0.02)
     (axes,) = waterfall.draw([forced], View()).axes
@@ -130,5 +131,28 @@ def test_a_case_has_no_columns_and_a_short_run_no_spectrum(forced):
 def test_without_springs_a_spectrum_goes_as_far_as_the_source_tells():
     """Blocks on a table that shakes at 4 Hz: six times that, and not half the rate of samples, 500 Hz."""
     stack = subject_of(vibsim.simulate("gallery/stack-of-blocks"))
-    hz, _ = spectrum_of(stack, (5.0, 10.0), "x_lower")
+    hz, _ = spectra(stack, (5.0, 10.0), ["x_lower"])
     assert hz[-1] == pytest.approx(24.0, abs=0.5)
+
+
+def test_without_springs_and_source_a_spectrum_ends_where_it_is_faint():
+    """A ball that bounces has no frequency: samples reach 250 Hz, a hundredth of the greatest line not 50."""
+    ball = subject_of(vibsim.simulate("gallery/bouncing-ball"))
+    hz, (amplitudes,) = spectra(ball, (2.5, 5.0), ["x_ball"])
+    whole = np.abs(np.fft.rfft(ball.result["x_ball"][1250:]))  # without the window: no lower beyond
+    assert 10 < hz[-1] < 50 < 250
+    assert amplitudes[hz > hz[-1] / 1.49].max() < 0.01 * amplitudes.max()
+    assert whole[-100:].max() < 0.01 * whole.max()
+
+
+def test_bodies_of_one_run_end_at_one_frequency_and_straight_motions_say_so():
+    driver = subject_of(vibsim.simulate("gallery/pile-driver"))
+    ram, pile = (each for each in spectrum.draw([driver], View()).axes[0].lines)
+    assert ram.get_xdata()[-1] == pile.get_xdata()[-1]
+    assert ram.get_linestyle() != pile.get_linestyle()
+    balls = subject_of(vibsim.simulate("gallery/three-balls"))  # uniform motion after 0.1 s
+    for kind in (spectrum, spectrogram, waterfall):
+        axes = kind.draw([balls], View(window=(0.15, 0.3))).axes[0]
+        assert "nothing vibrates here" in [text.get_text() for text in axes.texts]
+        for each in axes.lines:
+            assert not np.ptp(each.get_ydata())

@@ -87,6 +87,20 @@ def test_drift_of_a_uniform_motion_is_its_velocity():
     assert np.ptp(x) < 1e-9 and np.abs(v).max() < 1e-9
 
 
+def test_drift_leaves_out_the_transient_and_blocks_that_are_held():
+    from vibsim.results import simulate
+
+    stack = simulate("gallery/stack-of-blocks")  # comes to vibrate about a place
+    x = stack.at([8.0, 8.25])["x_lower"]
+    settled = (x[1] - x[0]) / 0.25
+    assert abs(settled) < 1e-9 and abs(drift_rate(stack, "x_lower", (0.0, 10.0))) < 1e-7
+    oscillator = simulate("gallery/drifting-oscillator")  # after some strides
+    x = oscillator.at([10.0, 20.0])["x_slider"]
+    assert drift_rate(oscillator, "x_slider", (0.0, 20.0)) == pytest.approx((x[1] - x[0]) / 10.0, rel=1e-5)
+    sink = simulate("gallery/energy-sink")  # a spring holds the body, the body the ball
+    assert drift_rate(sink, "x_body", (0.0, 2.0)) == drift_rate(sink, "x_ball", (0.0, 2.0)) == 0.0
+
+
 def test_many_turns_are_drawn_by_their_extremes(subject):
     run = subject("motor")
     figure = figure_of("displacement-frequency", [run])

@@ -9,7 +9,7 @@ PERIODIC = {"impact-velocity", "stroboscopic", "phase-drift-free"}
 FITTING = {
     "ideal": ALWAYS | PERIODIC,
     "motor": {kind.name for kind in KINDS if kind.reads in ("trajectory", "case")} - {"orbit-portrait"},
-    "fixed": ALWAYS | PERIODIC,
+    "fixed": (ALWAYS | PERIODIC) - {"phase-drift-free"},  # a spring to the wall
     "bare": ALWAYS,
     "quiet": ALWAYS | PERIODIC,
 }

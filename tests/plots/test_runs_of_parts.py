@@ -138,6 +138,21 @@ def test_characteristic_ends_at_rigid_stops():
     assert points(lines(figure, "stiffness")[0])[0].tolist() == [-10.0, 10.0]  # mm
 
 
+def test_a_rigid_stop_stands_upright_inside_the_frame():
+    """The force of a lone rigid stop is 0 until it is met, then what holds against it, away from the stop."""
+    ball = load_case("gallery/bouncing-ball")  # x >= 0
+    (axes,) = kind_named("stiffness").draw([Subject("b", "b", "case", ball)], View()).axes
+    ((at, also), (foot, end)) = points(lines(axes.figure, "rigid")[0])
+    low, high = axes.get_ylim()
+    assert (at, also, foot) == (0.0, 0.0, 0.0) and end == low < 0 < high
+    assert axes.get_xlim()[0] < 0.0 and axes.get_yticks().tolist() == [0]
+    assert [text.get_text() for text in axes.texts if text.get_gid() == "slope"] == ["no spring"]
+    wall = load_case("gallery/impact-oscillator-coco")
+    (axes,) = kind_named("stiffness").draw([Subject("w", "w", "case", wall)], View()).axes
+    (_, upright) = points(lines(axes.figure, "rigid")[0])
+    assert upright.tolist() == [1.0, axes.get_ylim()[1]] and axes.get_xlim()[1] > 1.0
+
+
 def test_rest_on_a_rigid_stop_is_shaded(ball):
     from vibsim.plots.motion.impacts import contact_spans
 
@@ -284,3 +299,17 @@ def test_runs_laid_over_each_other_have_no_machine():
     runs = [subject_of(load_case("gallery/friction-oscillator", {"run.t_end": "20 s"})) for _ in range(2)]
     figure = figure_of("overview", runs, width="page")
     assert not [axes for axes in figure.axes if axes.get_label() == "<machine>"]
+
+
+@pytest.mark.parametrize("name", ["stack-of-blocks", "energy-sink", "drifting-capsule"])
+def test_labels_of_narrow_panels_stay_on_the_sheet(name):
+    """Beside a machine the portrait is narrow: its labels take two lines."""
+    run = subject_of(load_case(f"gallery/{name}", {"run.t_end": "2 s"}))
+    figure = figure_of("overview", [run], width="page")
+    figure.draw_without_rendering()
+    (portrait,) = [axes for axes in figure.axes if axes.get_xlabel().startswith("Relative")]
+    for label in (portrait.xaxis.label, portrait.yaxis.label):
+        box = label.get_window_extent()
+        assert "\n" in label.get_text()
+        assert figure.bbox.x0 < box.x0 and box.x1 < figure.bbox.x1
+        assert box.y1 < portrait.get_tightbbox().y1 + 1 and box.y1 < figure.bbox.y1

@@ -7,8 +7,9 @@ import pytest
 
 from tests.plots.artists import lines, patches, points
 from vibsim.plots.registry import kind_named
-from vibsim.plots.subject import distinct_names, open_subjects
+from vibsim.plots.subject import distinct_names, open_subjects, subject_of
 from vibsim.plots.view import View
+from vibsim.results import simulate
 
 
 @pytest.fixture
@@ -70,10 +71,24 @@ def test_the_legend_looks_as_the_curves_do(twins, window):
         assert (shown.get_color(), shown.get_linestyle()) == (drawn.get_color(), drawn.get_linestyle())
 
 
-def test_the_detail_of_one_run_looks_as_its_legend_does(subject):
+def test_bodies_of_one_run_are_told_apart_without_colours(subject):
     figure = figure_of("displacement", [subject("motor")])
-    whole, detail = lines(figure, "x2")
-    assert whole.get_linestyle() == detail.get_linestyle() == "-"
+    details = [lines(figure, name)[1] for name in ("x1", "x2")]
+    looks = [(line.get_color(), line._dash_pattern) for line in figure.axes[0].get_legend().get_lines()]
+    assert looks[0][1] != looks[1][1]
+    scale = details[1].get_linewidth() / 1.2  # dashes are in line widths
+    dashes = [[scale * length for length in pattern or ()] for _, (_, pattern) in looks]
+    for i, line in enumerate(details):
+        assert line.get_color() == looks[i][0]
+        assert list(line._dash_pattern[1] or ()) == pytest.approx(dashes[i])
+    assert lines(figure, "x2")[0].get_linestyle() == "-"  # an envelope is a band
+
+
+def test_a_body_that_moves_with_another_shows_through_its_dashes():
+    stack = subject_of(simulate("gallery/stack-of-blocks"))  # the middle one never slips on the lower one
+    lower, middle = (lines(figure_of("velocity", [stack]), name)[0] for name in ("v_lower", "v_middle"))
+    np.testing.assert_allclose(lower.get_ydata(), middle.get_ydata(), atol=1e-9)
+    assert lower.get_linestyle() == "-" and middle.get_linestyle() == "--"
 
 
 @pytest.mark.parametrize("kind", ["displacement", "overview", "motor-speed", "impact-velocity"])

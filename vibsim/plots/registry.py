@@ -82,7 +82,12 @@ KINDS = (
         spans=("window", "detail"),
     ),
     Kind("phase", "trajectory", "phase portrait of each body, impacts marked"),
-    Kind("phase-drift-free", "trajectory", "the same, less the drift of each block", ("excitation",)),
+    Kind(
+        "phase-drift-free",
+        "trajectory",
+        "the same, less the drift of the blocks that nothing holds",
+        ("excitation", "free blocks"),
+    ),
     Kind("relative", "trajectory", "phase portrait of the relative motion, with the stop"),
     Kind(
         "motor-speed",
@@ -191,6 +196,10 @@ NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
     "stop": ("a stop", lambda subject: subject.scene.has_stop),
     "springs": ("springs or stops", lambda subject: bool(subject.scene.links or subject.scene.stops)),
     "excitation": ("a periodic source", lambda subject: _is_periodic(subject.scene)),
+    "free blocks": (
+        "a block that neither springs nor stops hold at the ground or the base",
+        lambda subject: _drifts(subject.scene),
+    ),
     "Omega0": (
         "a sweep over Omega0",
         lambda subject: _is_along_speed(subject),
@@ -248,6 +257,12 @@ def _is_periodic(scene: Any) -> bool:
     from vibsim.engine.section import has_section
 
     return has_section(scene)
+
+
+def _drifts(scene: Any) -> bool:
+    from vibsim.physics.body_sets import drifting_sets
+
+    return bool(drifting_sets(scene))
 
 
 def _has(subject: Subject, column: str) -> bool:

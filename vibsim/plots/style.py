@@ -25,7 +25,15 @@ SHADE = "0.90"
 
 _COLOURS = (BLUE, ORANGE, BLACK, SKY, VERMILLION, PINK, GREEN)
 
+# of lines and points that share a panel, in turn with the colours: without them, and where lines coincide
+DASHES: tuple[Any, ...] = (
+    "-", (0, (6, 2)), (0, (1.5, 1.5)), (0, (6, 1.5, 1.5, 1.5)), (0, (3, 1.5)), (0, (9, 3)),
+    (0, (6, 1.5, 1.5, 1.5, 1.5, 1.5)),
+)  # fmt: skip
+MARKERS = ("o", "s", "^", "D", "v", "x", "+")
+
 THIN = 0.6  # line width of data [pt]
+FEW, LARGEST_PT, SMALLEST_PT = 60, 3.0, 1.4  # points of a panel that are drawn large; sizes
 STEP, WIDEST = 0.8, 2.6  # by how much the lines of several files differ in width, and the widest [pt]
 
 SHEET = Path(__file__).with_name("house.mplstyle")
@@ -98,6 +106,17 @@ def points(size: float) -> float:
 def overlay(index: int) -> dict[str, Any]:
     """Colour of the subject number `index` in a picture of several; solid, as in the legend."""
     return {"color": _COLOURS[index % len(_COLOURS)]}
+
+
+def dashed(index: int) -> dict[str, Any]:
+    """Colour and dashes of line number `index` of one run: told apart in grey print, and where one lies upon
+    another, which shows through its gaps."""
+    return {**overlay(index), "linestyle": DASHES[index % len(DASHES)]}
+
+
+def dot_size(count: int) -> float:
+    """Diameter of each of `count` points of a panel [pt]: few are large enough to be found."""
+    return min(max(LARGEST_PT * (FEW / max(count, 1)) ** 0.5, SMALLEST_PT), LARGEST_PT)
 
 
 def nested(index: int, count: int, narrowest: float = THIN) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from vibsim.cases.loading import load_case_text
 from vibsim.plots import style
 from vibsim.plots.machine import draw_machine_file
 from vibsim.plots.machine.drawing import machine_figure
-from vibsim.plots.machine.elements import elements
+from vibsim.plots.machine.elements import elements, short
 from vibsim.plots.machine.layout import layout
 
 HAMMER = Path(__file__).parents[2] / "cases/parts/valid/hammer.yaml"
@@ -132,3 +132,14 @@ def test_a_rigid_stop_is_named_by_its_restitution():
     )
     (stop,) = [one for one in elements(load_case_text(text).long_values()) if one.kind == "stop"]
     assert stop.value == "rigid, e = 0.8"
+
+
+def test_labels_have_no_more_digits_than_there_is_room_for():
+    values = load_case("gallery/energy-sink").long_values()
+    drive, body = values["forces"]["drive"], values["bodies"]["body"]
+    assert str(drive["omega"]) == "54.772255750516614 rad/s" and short(drive["omega"]) == "54.7723 rad/s"
+    assert short(body) == "4 kg"
+    as_written = {"k": "394.78 N/m", "A": "16/35 N", "N": "0.0000125 N", "m": "1.00000 kg", "e": "0.8"}
+    for text in as_written.values():
+        assert short(text) == text
+    assert short("-1234567.5 N") == "-1.23457e+06 N"

@@ -13,11 +13,11 @@ from vibsim.plots.animation.channels import Channels, speed_text
 from vibsim.plots.animation.display_list import Moving
 from vibsim.plots.animation.sketch import display_list, frame_of
 from vibsim.plots.motion.dense import dense
-from vibsim.plots.motion.pairs import pair_of
+from vibsim.plots.motion.pairs import label_relative, pair_of
 from vibsim.plots.motion.relative_motion import draw_stop_line
 from vibsim.plots.motion.trace import draw_trace, trace
 from vibsim.plots.page.quantities import scale_for, symbol
-from vibsim.plots.style import BLUE, VERMILLION, overlay
+from vibsim.plots.style import BLUE, VERMILLION, dashed
 from vibsim.plots.subject import Subject
 
 LIT = "#FFC400"  # of a stop in contact
@@ -95,13 +95,12 @@ def _still(
     for position, name in pair.stops:
         draw_stop_line(portrait, position, scales[0], name)
     portrait.margins(0.06)
-    portrait.set_xlabel(scales[0].label(f"Relative displacement {pair.displacement}"))
-    portrait.set_ylabel(scales[1].label(f"Relative velocity {pair.velocity}"))
+    label_relative(portrait, pair, scales)
     columns = subject.columns_in("m")
     smooth = dense(subject.result, columns, span)
     scale = scale_for("m", *(smooth[name] for name in columns))
     for i, name in enumerate(columns):
-        look = {"linewidth": 0.8, "label": symbol(name), "gid": name, **overlay(i)}
+        look = {"linewidth": 0.8, "label": symbol(name), "gid": name, **dashed(i)}
         history.plot(smooth["time"], scale(smooth[name]), **look)
     history.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(columns))
     history.set_xlim(channels.times[0], channels.times[-1])

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -21,12 +23,13 @@ from vibsim.plots.motion.relative_motion import (
 from vibsim.plots.page.curve_labels import Named, write_names
 from vibsim.plots.page.quantities import Scale, amount, scale_for
 from vibsim.plots.page.sheet import legend_above, letter_panels, note, sheet
-from vibsim.plots.style import BLUE, nested, points
+from vibsim.plots.style import BLUE, SHADE, nested, points
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
 
 REACH = 2.5  # the picture reaches this many gaps beyond the rest position on the side of the stop
 PLACES = (0.5, 0.35, 0.65, 0.2, 0.8, 0.05)  # of a name along its part of the curve, the better first
+BEHIND = 0.08  # of the range, shown behind a rigid stop
 NO_GAP = 1e-3  # a range to show where the scene gives none [m]
 MOST = 6  # panels
 HEIGHT_CM = 6.0
@@ -69,9 +72,16 @@ def stiffness_panel(axes: Axes, subjects: Sequence[Subject], motion: str | None 
     reach = REACH * (max(gaps, default=0.0) or NO_GAP)
     curves = [characteristic(subject.scene, pair, reach) for subject, pair in shown]
     scales = scale_for("m", *(y for y, _ in curves)), scale_for("N", *(force for _, force in curves))
-    for i, ((subject, _), (y, force)) in enumerate(zip(shown, curves, strict=True)):
-        look = nested(i, len(shown), 1.0) if len(shown) > 1 else {"color": BLUE, "linewidth": 1.0}
+    looks = [nested(i, len(shown), 1.0) for i in range(len(shown))]
+    looks = looks if len(shown) > 1 else [{"color": BLUE, "linewidth": 1.0}]
+    for (subject, _), (y, force), look in zip(shown, curves, looks, strict=True):
         axes.plot(scales[0](y), scales[1](force), label=subject.name, gid="stiffness", **look)
+    if not any(force.any() for _, force in curves):
+        axes.set_ylim(-1, 1)
+        axes.set_yticks([0])  # rigid stops alone have no scale of force
+    _draw_walls(
+        axes, [wall for each in zip(shown, curves, looks, strict=True) for wall in _walls(*each)], scales
+    )
     axes.axhline(0, color="0.8", linewidth=0.4, zorder=0)
     axes.axvline(0, color="0.8", linewidth=0.4, zorder=0)
     axes.set_xlabel(scales[0].label(f"Relative displacement {motion}"))
@@ -80,6 +90,44 @@ def stiffness_panel(axes: Axes, subjects: Sequence[Subject], motion: str | None 
         _name_slopes(axes, subjects[0].scene, shown[0][1], reach, scales)
     else:
         legend_above(axes)
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A rigid stop: relative displacement [m] and force of springs [N] where it is met, on which side (1:
+    above) there is no motion, and the look of its curve."""
+
+    at: float
+    force: float
+    side: int
+    look: dict[str, Any]
+
+
+def _walls(shown: tuple[Subject, Pair], curve: tuple[np.ndarray, np.ndarray], look: Any) -> list[Wall]:
+    """The rigid stops at which a curve ends."""
+    subject, pair = shown
+    every = rigid_stops_between(subject.scene, pair)
+    met = [
+        (at, _side(stop, pair)) for at, stop in every if at == curve[0][-1 if _side(stop, pair) > 0 else 0]
+    ]
+    return [Wall(at, float(curve[1][-1 if side > 0 else 0]), side, look) for at, side in met]
+
+
+def _draw_walls(axes: Axes, walls: Sequence[Wall], scales: tuple[Scale, Scale]) -> None:
+    """Rigid stops as upright lines, along which the force is whatever holds against them; hatched beyond."""
+    ends, forces = list(axes.get_xlim()), axes.get_ylim()
+    room = BEHIND * (ends[1] - ends[0])
+    for side in {wall.side for wall in walls}:
+        ends[side > 0] += side * room
+    for wall in walls:
+        at, upright = float(scales[0](wall.at)), [float(scales[1](wall.force)), forces[wall.side > 0]]
+        axes.plot([at, at], upright, gid="rigid", **wall.look)
+        axes.axvspan(
+            *sorted((at, ends[wall.side > 0])), facecolor="none", edgecolor=SHADE, hatch="////", linewidth=0,
+            zorder=0, gid="beyond-rigid",
+        )  # fmt: skip
+    axes.set_xlim(*ends)
+    axes.set_ylim(forces)
 
 
 def corners(scene: Scene, pair: Pair) -> list[tuple[float, Stop]]:
@@ -153,6 +201,8 @@ def _slope(scene: Scene, pair: Pair, y: float) -> str:
     touched = [stop for at, stop in corners(scene, pair) if _side(stop, pair) * (y - at) > 0]
     springs = [*((link.name, link.k) for link in acting), *((stop.name, stop.k) for stop in touched)]
     value = amount(sum(k for _, k in springs), "N/m")
+    if not acting and not corners(scene, pair):
+        return "no spring"
     if springs and all(name in SYMBOLS for name, _ in springs):
         return f"slope ${' + '.join(SYMBOLS[name] for name, _ in springs)}$ = {value}"
     return f"slope {value}"

@@ -14,6 +14,7 @@ from vibsim.plots.machine.elements import (
     floors,
     friction_label,
     motor_label,
+    short,
     source_labels,
 )
 from vibsim.plots.machine.layout import LANE_CM, MOTOR_CM, SOURCE_CM, Box, Layout, label_width, layout
@@ -67,7 +68,7 @@ def _frame(values: dict[str, Any], plan: Layout) -> tuple[float, float, float, f
 def draw_machine(axes: Axes, values: dict[str, Any], plan: Layout) -> None:
     """The drawing in given axes, whose units are centimetres."""
     for box in plan.boxes:
-        symbols.body(axes, box.x, box.width, plan.height, box.name, str(values["bodies"][box.name]))
+        symbols.body(axes, box.x, box.width, plan.height, box.name, short(values["bodies"][box.name]))
         _below(axes, values, box)
         _on_top(axes, values, box, plan.height)
     for number, (slot, edges) in enumerate(zip(plan.slots, plan.edges, strict=True)):

@@ -12,6 +12,7 @@ LEFT, RIGHT, ANYWHERE = -1, 1, 0
 ELASTIC, DAMPED, RIGID = "elastic", "damped", "rigid"
 
 CHARACTER_CM = 0.12  # about the width of a character of a label, at 6 pt
+LABEL_DIGITS = 6
 SHORTEST_CM = 1.7  # of an element, without its label
 
 
@@ -59,8 +60,16 @@ def elements(values: dict[str, Any]) -> Iterator[Element]:
             yield Element("friction", f"friction.{name}", left, right, name, friction_label(friction))
     for name, clearance in values.get("clearances", {}).items():
         left, right, _ = _placed(clearance["between"], order, RIGHT)
-        limit = f"at most {clearance['distance']}"
+        limit = f"at most {short(clearance['distance'])}"
         yield Element("clearance", f"clearances.{name}", left, right, name, limit)
+
+
+def short(quantity: Any) -> str:
+    """A quantity as it was written, but for the digits that a label has no room for."""
+    number, _, unit = str(quantity).partition(" ")
+    if len(number.lstrip("-0.").replace(".", "")) > LABEL_DIGITS and "/" not in number:
+        number = f"{float(number):.{LABEL_DIGITS}g}"
+    return " ".join(filter(None, [number, unit]))
 
 
 def _link(key: str, name: str, link: dict[str, Any], order: dict[str, int]) -> Iterator[Element]:
@@ -68,7 +77,7 @@ def _link(key: str, name: str, link: dict[str, Any], order: dict[str, int]) -> I
     title = name
     for kind, letter in (("spring", "k"), ("damper", "c")):
         if link[letter].value:
-            yield Element(kind, key, left, right, title, f"{letter} = {link[letter]}")
+            yield Element(kind, key, left, right, title, f"{letter} = {short(link[letter])}")
             title = ""
     if title:
         yield Element("spring", key, left, right, title, "k = 0")
@@ -80,16 +89,16 @@ def _stop(key: str, name: str, stop: dict[str, Any], order: dict[str, int]) -> E
     left, right, meets = _placed(stop["between"], order, toward)
     value, law = _stop_law(stop)
     kind = "stop" if meets else "hook"
-    return Element(kind, key, left, right, f"{name}: gap {stop['gap']}", value, law)
+    return Element(kind, key, left, right, f"{name}: gap {short(stop['gap'])}", value, law)
 
 
 def _stop_law(stop: dict[str, Any]) -> tuple[str, str]:
     """Numbers of a stop, and how it is drawn."""
     if stop["law"] == RIGID:
-        return f"rigid, e = {stop['e']}", RIGID
+        return f"rigid, e = {short(stop['e'])}", RIGID
     if stop["c"].value:
-        return f"k = {stop['k']}, c = {stop['c']}", DAMPED
-    return f"k = {stop['k']}", ELASTIC
+        return f"k = {short(stop['k'])}, c = {short(stop['c'])}", DAMPED
+    return f"k = {short(stop['k'])}", ELASTIC
 
 
 def _placed(ends: Any, order: dict[str, int], toward: int) -> tuple[str, str, bool]:
@@ -111,17 +120,17 @@ def _placed(ends: Any, order: dict[str, int], toward: int) -> tuple[str, str, bo
 def _coefficients(friction: dict[str, Any]) -> str:
     """The coefficient while slipping, or those at rest and at high speed."""
     if "mu_s" in friction:
-        return f"{friction['mu_s']} … {friction['mu_d']}"
-    static = f" (static × {friction['static']})" if "static" in friction else ""
-    return f"{friction['mu']}{static}"
+        return f"{short(friction['mu_s'])} … {short(friction['mu_d'])}"
+    static = f" (static × {short(friction['static'])})" if "static" in friction else ""
+    return f"{short(friction['mu'])}{static}"
 
 
 def friction_label(friction: dict[str, Any]) -> str:
     """Coefficients and load of a friction, and the velocity of its belt."""
     sides = [friction[side] for side in ("plus", "minus") if side in friction] or [friction]
     label = f"µ = {' / '.join(map(_coefficients, sides))}"
-    load = f"N = {friction['N']}" if "N" in friction else ""
-    belt = f"belt {friction['belt']}" if friction["belt"].value else ""
+    load = f"N = {short(friction['N'])}" if "N" in friction else ""
+    belt = f"belt {short(friction['belt'])}" if friction["belt"].value else ""
     return ", ".join(part for part in (label, load, belt) if part)
 
 
@@ -150,13 +159,13 @@ def base_label(values: dict[str, Any]) -> str:
 
 
 def motor_label(motor: dict[str, Any]) -> str:
-    return f"motor: {motor['M0']}, {motor['Omega0']}"
+    return f"motor: {short(motor['M0'])}, {short(motor['Omega0'])}"
 
 
 def _sum_of_terms(source: dict[str, Any], amplitude: str) -> str:
     terms = [*source.get("terms", {}).values()] or ([source] if amplitude in source else [])
     constant = source.get("F0")
-    parts = [str(constant)] if constant is not None and (constant.value or not terms) else []
+    parts = [short(constant)] if constant is not None and (constant.value or not terms) else []
     if len(terms) > 2:
         parts.append(f"{len(terms)} harmonics")
     else:
@@ -166,6 +175,6 @@ def _sum_of_terms(source: dict[str, Any], amplitude: str) -> str:
 
 def _term(term: dict[str, Any], amplitude: str) -> str:
     size = term[amplitude]
-    text = "m3 e ω²" if isinstance(size, dict) else str(size)
-    phase = f" ({term['phase']})" if term["phase"].value else ""
-    return f"{text} at {term['omega']}{phase}"
+    text = "m3 e ω²" if isinstance(size, dict) else short(size)
+    phase = f" ({short(term['phase'])})" if term["phase"].value else ""
+    return f"{text} at {short(term['omega'])}{phase}"

@@ -13,6 +13,7 @@ from vibsim.plots.machine.elements import (
     floors,
     friction_label,
     motor_label,
+    short,
     source_labels,
 )
 
@@ -121,7 +122,7 @@ def _columns(
 
 def _body_width(values: dict[str, Any], name: str) -> float:
     """Room for name and mass, and for what drives the body."""
-    inside = max(len(name), len(str(values["bodies"][name]))) * 0.15 + 0.4
+    inside = max(len(name), len(short(values["bodies"][name]))) * 0.15 + 0.4
     return max(LEAST_WIDTH_CM, inside, OVERHANG * label_width(values, name))
 
 

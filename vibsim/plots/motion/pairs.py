@@ -7,12 +7,16 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from vibsim.physics.body_sets import pairs_of
 from vibsim.plots.errors import PlotError
 from vibsim.plots.motion.relative_motion import difference, stop_label, stop_position, stops_between
-from vibsim.plots.motion.trace import Plane
+from vibsim.plots.motion.trace import Plane, Trace, trace
+from vibsim.plots.page.quantities import Scale
+from vibsim.plots.page.sheet import label_axes
 from vibsim.plots.subject import Subject
+from vibsim.plots.view import Span
 from vibsim.results.motion.closing_velocity import IMPACT_CODES
 from vibsim.results.motion.relative_motion import RelativeMotion
 
@@ -59,6 +63,23 @@ def common_pairs(subjects: Sequence[Subject]) -> list[Pair]:
         several = ", ".join(pair.displacement for pair in pairs)
         raise PlotError(f"no relative motion is common to the runs: {several}; draw them one by one")
     return pairs
+
+
+def relative_traces(subjects: Sequence[Subject], pairs: Sequence[Pair], spans: Sequence[Span]) -> list[Trace]:
+    """The relative motion of each subject's pair within its span [s]."""
+    return [
+        trace(subject.result, pair.names, pair.plane, span)
+        for subject, pair, span in zip(subjects, pairs, spans, strict=True)
+    ]
+
+
+def label_relative(axes: Axes, pair: Pair, scales: tuple[Scale, Scale]) -> None:
+    """Name the relative displacement of a pair across, its velocity upwards."""
+    label_axes(
+        axes,
+        ("Relative displacement", scales[0].label(pair.displacement)),
+        ("Relative velocity", scales[1].label(pair.velocity)),
+    )
 
 
 def _shown_part(subject: Subject) -> Any:

@@ -23,6 +23,7 @@ COLUMNS_PER_INCH = 600  # envelope columns: the finest print a journal asks for 
 CHARACTERS_PER_INCH = 18  # of legends and notes, at 7 pt
 NOTE_LINE_PT = 9
 NOTE_SHARE = 0.9  # of the width of the axes that a line of a remark may take
+LABEL_SHARE = 7 / 8  # of the characters of a legend: labels of axes are of 8 pt
 HANDLE_CHARACTERS = 7  # what a line sample and its spacing take of that
 
 
@@ -57,7 +58,7 @@ def legend_above(axes: Axes, **options: Any) -> None:
         return
     room = int(characters(_width(axes)))
     in_a_row = max(1, room // (max(map(_shown, labels)) + HANDLE_CHARACTERS))
-    needed = sum(len(label) + HANDLE_CHARACTERS for label in labels)
+    needed = sum(_shown(label) + HANDLE_CHARACTERS for label in labels)
     remark = axes.get_title(loc="right").split("\n")
     beside_note = needed + max(map(len, remark)) > room and remark != [""]
     raise_pt = 3 + points(NOTE_LINE_PT) * len(remark) if beside_note else 3
@@ -79,7 +80,7 @@ def _shown(label: str) -> int:
 def legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[str], **options: Any) -> None:
     """The legend under the picture, in one row if it fits, else in as many columns as do."""
     room = characters(figure.get_figwidth())
-    needed = [len(label) + HANDLE_CHARACTERS for label in labels]
+    needed = [_shown(label) + HANDLE_CHARACTERS for label in labels]
     columns = len(labels) if sum(needed) <= room else max(1, int(room / max(needed)))
     figure.legend(handles, labels, loc="outside lower center", ncols=columns, **options)
 
@@ -95,6 +96,19 @@ def add_below(figure: Figure, handles: Sequence[Any]) -> None:
         legend.remove()
     every = [*drawn, *handles]
     legend_below(figure, every, [str(handle.get_label()) for handle in every])
+
+
+def label_axes(axes: Axes, across: tuple[str, str], up: tuple[str, str]) -> None:
+    """Label both axes, each with words and a symbol with its unit, in two lines where they are too short."""
+    box, dpi = axes.bbox, _sheet_of(axes).dpi
+    axes.set_xlabel(_in_lines(across, box.width / dpi))
+    axes.set_ylabel(_in_lines(up, box.height / dpi))
+
+
+def _in_lines(parts: tuple[str, str], inches: float) -> str:
+    """The parts of a label in one line if that is no longer than a length, else in two."""
+    one = " ".join(parts)
+    return one if _shown(one) <= LABEL_SHARE * characters(inches) else "\n".join(parts)
 
 
 def letter_panels(panels: Sequence[Axes]) -> None:

@@ -19,14 +19,13 @@ from vibsim.plots.motion.spans import last_half
 from vibsim.plots.motion.time_marks import trust_marks
 from vibsim.plots.page.quantities import Scale, scale_for, seconds
 from vibsim.plots.page.sheet import legend_above, letter_panels, note, sheet, time_axis
-from vibsim.plots.style import BLUE, GREY, overlay
+from vibsim.plots.style import BLUE, GREY, dot_size, overlay
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span, View
 from vibsim.results.motion.closing_velocity import closing_velocities
 
 BINS = 40
 THINNEST = 0.012  # of the greatest velocity: a bar that can be seen
-FEW, LARGEST_PT, SMALLEST_PT = 60, 3.2, 1.6  # points of a panel that are drawn large; sizes
 LONGEST_NOTE = 10  # characters above the narrow histogram
 HEADROOM = 1.1  # beyond the longest bar of the histogram, and above the fastest impact
 CLOSING = "Closing velocity"
@@ -97,12 +96,16 @@ def _say(
     """Marks of the trust horizons, and above each panel what it shows."""
     over_time, histogram, over_phase = panels
     lines = colours if len(subjects) > 1 else [GREY]
-    note(over_time, trust_marks(over_time, subjects, spans[0], lines))
+    trust = trust_marks(over_time, subjects, spans[0], lines)
     count = sum(len(impacts.t) for impacts in settled)
     words = f"{count} impact{'' if count == 1 else 's'}"
     listed = "; ".join(dict.fromkeys(map(seconds, spans[1])))
-    note(over_phase or histogram, f"{words}, {listed}" if over_phase else words)
-    if over_phase and len(listed) <= LONGEST_NOTE:
+    if over_phase is None:
+        note(over_time, "; ".join(filter(None, [trust, f"histogram: {words}, {listed}"])))
+        return
+    note(over_time, trust)
+    note(over_phase, f"{words}, {listed}")
+    if len(listed) <= LONGEST_NOTE:
         note(histogram, listed)
 
 
@@ -124,10 +127,10 @@ def impacts_of(subject: Subject, span: Span) -> Impacts:
 
 
 def _dots(axes: Axes, x: np.ndarray, y: np.ndarray, colour: str, label: str) -> None:
-    size = float(np.clip(LARGEST_PT * (FEW / max(len(x), 1)) ** 0.5, SMALLEST_PT, LARGEST_PT))
     axes.plot(
-        x, y, linestyle="none", marker=".", markersize=size, markeredgewidth=0, color=colour, label=label,
-        gid="impacts", rasterized=len(x) > 5_000,
+        x, y, linestyle="none", marker="o", markersize=dot_size(len(x)), markeredgewidth=0, color=colour,
+        label=label, gid="impacts", rasterized=len(x) > 5_000, clip_on=not len(x),
+        zorder=2.6,
     )  # fmt: skip
 
 

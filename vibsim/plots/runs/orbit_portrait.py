@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vibsim.plots.motion.pairs import Pair, common_pairs
+from vibsim.plots.motion.pairs import Pair, common_pairs, label_relative
 from vibsim.plots.motion.relative_motion import draw_stop_line
 from vibsim.plots.motion.trace import draw_impacts, impact_points
 from vibsim.plots.motion.turns import states_at
@@ -58,8 +58,7 @@ def _portrait(axes: Axes, subjects: Sequence[Subject]) -> None:
     for position, text in dict.fromkeys(stop for pair in pairs for stop in pair.stops):
         draw_stop_line(axes, position, scales[0], text if len(subjects) == 1 else "")
     axes.margins(0.06)
-    axes.set_xlabel(scales[0].label(f"Relative displacement {pairs[0].displacement}"))
-    axes.set_ylabel(scales[1].label(f"Relative velocity {pairs[0].velocity}"))
+    label_relative(axes, pairs[0], scales)
     note(axes, "; ".join(dict.fromkeys(map(_said, subjects))), above=1 if pairs[0].stops else 0)
 
 

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vibsim.plots.motion.pairs import common_pairs
+from vibsim.plots.motion.pairs import common_pairs, label_relative, relative_traces
 from vibsim.plots.motion.relative_motion import draw_stop_line
 from vibsim.plots.motion.samples import shown
 from vibsim.plots.motion.spans import steady_span
 from vibsim.plots.motion.time_marks import trust_remark
-from vibsim.plots.motion.trace import draw_trace, trace
+from vibsim.plots.motion.trace import draw_trace
 from vibsim.plots.page.quantities import scale_for, seconds
 from vibsim.plots.page.sheet import legend_above, note, sheet
 from vibsim.plots.style import BLUE, overlay
@@ -39,10 +39,7 @@ def relative_panel(axes: Axes, subjects: Sequence[Subject], view: View) -> None:
     """The portrait in given axes."""
     spans = [shown(subject, view.window, steady_span) for subject in subjects]
     pairs = common_pairs(subjects)
-    traces = [
-        trace(subject.result, pair.names, pair.plane, span)
-        for subject, pair, span in zip(subjects, pairs, spans, strict=True)
-    ]
+    traces = relative_traces(subjects, pairs, spans)
     scales = scale_for("m", *(each.x for each in traces)), scale_for("m/s", *(each.y for each in traces))
     for i, (subject, each) in enumerate(zip(subjects, traces, strict=True)):
         look = {**overlay(i), "alpha": 0.7} if len(subjects) > 1 else {"color": BLUE}
@@ -51,8 +48,7 @@ def relative_panel(axes: Axes, subjects: Sequence[Subject], view: View) -> None:
     for position, text in stops:
         draw_stop_line(axes, position, scales[0], text if len(subjects) == 1 else "")
     axes.margins(0.05)
-    axes.set_xlabel(scales[0].label(f"Relative displacement {pairs[0].displacement}"))
-    axes.set_ylabel(scales[1].label(f"Relative velocity {pairs[0].velocity}"))
+    label_relative(axes, pairs[0], scales)
     remarks = [*dict.fromkeys(map(seconds, spans)), trust_remark(subjects, spans)]
     text = "; ".join(filter(None, remarks))
     crowded = len(text) > BESIDE_STOP or any(not name.startswith("$") for _, name in stops)

@@ -10,7 +10,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from vibsim.plots.motion.samples import window_of
-from vibsim.plots.motion.spectra import first_motion, pieces
+from vibsim.plots.motion.spectra import NOTHING, first_motion, pieces
 from vibsim.plots.page.quantities import scale_for
 from vibsim.plots.page.sheet import note, pixel_columns, sheet, time_axis
 from vibsim.plots.runs.motor_speed import mean_speed
@@ -32,9 +32,11 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     largest = float(values.max()) or 1.0
     least = largest * 10.0**-DECADES
     picture = axes.pcolormesh(
-        cut.times, cut.hz, np.maximum(values, least).T, cmap="magma", shading="nearest",
-        norm=LogNorm(least, largest), rasterized=True, gid="spectrogram",
+        _edges(cut.times, span), _edges(cut.hz, (0.0, float(cut.hz[-1]))), np.maximum(values, least).T,
+        cmap="magma", shading="flat", norm=LogNorm(least, largest), rasterized=True, gid="spectrogram",
     )  # fmt: skip
+    if not values.any():
+        axes.text(0.5, 0.5, NOTHING, transform=axes.transAxes, ha="center", va="center", color="white")
     figure.colorbar(picture, ax=axes, label=scale.label(f"Amplitude of {motion}"), pad=0.01)
     if subject.scene.has_motor:
         _speeds(axes, subject, span)
@@ -43,6 +45,14 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     time_axis(axes, span)
     note(axes, f"pieces of {cut.length:.3g} s")
     return figure
+
+
+def _edges(middles: np.ndarray, span: Span) -> np.ndarray:
+    """Where the cell of each value (n) ends, (n + 1): half-way to the next one, and at the ends of a span.
+
+    The first and the last piece of a run reach that far: nobody else tells of their halves.
+    """
+    return np.array([span[0], *((middles[1:] + middles[:-1]) / 2), span[1]])
 
 
 def _speeds(axes: Axes, subject: Subject, span: Span) -> None:

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from vibsim.plots.motion.frequency_marks import mark_frequencies
 from vibsim.plots.motion.natural_frequencies import natural_frequencies
 from vibsim.plots.motion.samples import shown
 from vibsim.plots.motion.spans import last_half
-from vibsim.plots.motion.spectra import FLOOR, spectrum
+from vibsim.plots.motion.spectra import FLOOR, NOTHING, spectra
 from vibsim.plots.motion.time_marks import trust_remark
 from vibsim.plots.page.quantities import scale_for, seconds, symbol
-from vibsim.plots.page.sheet import CM, legend_above, legend_below, note, sheet
-from vibsim.plots.style import overlay
+from vibsim.plots.page.sheet import CM, legend_above, legend_below, note, say_inside, sheet
+from vibsim.plots.style import dashed
 from vibsim.plots.subject import Subject
-from vibsim.plots.view import View
+from vibsim.plots.view import Span, View
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
@@ -28,16 +29,21 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     axes = figure.subplots()
     spans = [shown(subject, view.window, last_half) for subject in subjects]
     curves = [
-        (symbol(column) if len(subjects) == 1 else subject.name, *spectrum(subject, span, column))
+        curve
         for subject, span in zip(subjects, spans, strict=True)
-        for column in subject.columns_in("m")[: None if len(subjects) == 1 else 1]
+        for curve in _curves(subject, span, len(subjects) == 1)
     ]
     scale = scale_for("m", *(amplitudes for _, _, amplitudes in curves))
     largest = max(float(scale(amplitudes).max()) for _, _, amplitudes in curves)
     for i, (name, hz, amplitudes) in enumerate(curves):
-        axes.plot(hz, scale(amplitudes), label=name, gid="spectrum", **overlay(i))
-    axes.set_yscale("log")
-    axes.set_ylim(largest * FLOOR if largest else 1e-12, 2 * largest or 1.0)
+        axes.plot(hz, scale(amplitudes), label=name, gid="spectrum", **dashed(i))
+    if largest:
+        axes.set_yscale("log")
+        axes.set_ylim(largest * FLOOR, 2 * largest)
+    else:
+        axes.set_ylim(0, 1)
+        axes.set_yticks([])
+        say_inside(axes, NOTHING)
     axes.set_xlim(0, max(hz[-1] for _, hz, _ in curves))
     axes.set_xlabel("Frequency (Hz)")
     axes.set_ylabel(scale.label("Amplitude"))
@@ -49,3 +55,11 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
         mark_frequencies([axes], natural_frequencies(subjects[0].scene), (view.width_cm - 1.6) * CM * 72)
         legend_below(figure, *axes.get_legend_handles_labels())
     return figure
+
+
+def _curves(subject: Subject, span: Span, alone: bool) -> list[tuple[str, np.ndarray, np.ndarray]]:
+    """Name, frequencies [Hz] and amplitudes [m] of each body, or of the first one where runs are several."""
+    columns = subject.columns_in("m")[: None if alone else 1]
+    hz, amplitudes = spectra(subject, span, columns)
+    names = [symbol(column) if alone else subject.name for column in columns]
+    return [(name, hz, sizes) for name, sizes in zip(names, amplitudes, strict=True)]

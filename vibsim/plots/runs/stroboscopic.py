@@ -8,21 +8,19 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vibsim.plots.motion.pairs import Pair, common_pairs
+from vibsim.plots.motion.pairs import Pair, common_pairs, label_relative, relative_traces
 from vibsim.plots.motion.relative_motion import draw_stop_line
 from vibsim.plots.motion.samples import shown
 from vibsim.plots.motion.spans import PERIODS_AT_MOST, last_half
 from vibsim.plots.motion.time_marks import trust_remark
-from vibsim.plots.motion.trace import trace
 from vibsim.plots.motion.turns import states_at, turn_times
 from vibsim.plots.page.quantities import Scale, scale_for, seconds
 from vibsim.plots.page.sheet import legend_above, note, say_inside, sheet
-from vibsim.plots.style import BLUE, overlay
+from vibsim.plots.style import BLUE, MARKERS, dot_size, overlay
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span, View
 
 LEAST = 1e-2  # of the extent of the motion: the least that is shown
-MARKERS = ("o", "s", "^", "D", "v", "x", "+")
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
@@ -39,14 +37,14 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     for i, (subject, (y, u)) in enumerate(zip(subjects, drawn, strict=True)):
         colour = overlay(i)["color"] if len(subjects) > 1 else BLUE
         axes.plot(
-            scales[0](y), scales[1](u), linestyle="none", marker=MARKERS[i % len(MARKERS)], markersize=1.6,
+            scales[0](y), scales[1](u), linestyle="none", marker=MARKERS[i % len(MARKERS)],
+            markersize=dot_size(len(y)),
             markeredgewidth=0.3, markerfacecolor="none" if len(subjects) > 1 else colour, color=colour,
             label=subject.name, gid="section", rasterized=len(y) > 20_000,
         )  # fmt: skip
     axes.margins(0.06)
     _no_narrower_than_rounding(axes, subjects, pairs, spans, scales)
-    axes.set_xlabel(scales[0].label(f"Relative displacement {pairs[0].displacement}"))
-    axes.set_ylabel(scales[1].label(f"Relative velocity {pairs[0].velocity}"))
+    label_relative(axes, pairs[0], scales)
     count = sum(len(y) for y, _ in drawn)
     if not count:
         say_inside(axes, "no period of the source ends here")
@@ -66,10 +64,7 @@ def _no_narrower_than_rounding(
     scales: tuple[Scale, Scale],
 ) -> None:
     """Widen axes to a share of the motion: a periodic motion is a point, whose scatter is rounding."""
-    traces = [
-        trace(subject.result, pair.names, pair.plane, span)
-        for subject, pair, span in zip(subjects, pairs, spans, strict=True)
-    ]
+    traces = relative_traces(subjects, pairs, spans)
     motions = [each.x for each in traces], [each.y for each in traces]
     for axis, scale, values in zip((axes.xaxis, axes.yaxis), scales, motions, strict=True):
         low, high = axis.get_view_interval()

@@ -25,7 +25,7 @@ from vibsim.plots.page.sheet import (
     sheet,
     time_axis,
 )
-from vibsim.plots.style import GREY, SHADE, THIN, nested, overlay
+from vibsim.plots.style import GREY, SHADE, THIN, dashed, nested
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span, View
 
@@ -123,7 +123,7 @@ def curve_groups(subjects: Sequence[Subject], quantity: Quantity) -> list[list[C
     present = [subject.columns_in(quantity.unit) for subject in subjects]
     if len(subjects) == 1:
         return [
-            [Curve(subjects[0], name, symbol(name), overlay(i), True) for i, name in enumerate(present[0])]
+            [Curve(subjects[0], name, symbol(name), dashed(i), True) for i, name in enumerate(present[0])]
         ]
     count = len(subjects)
     return [
@@ -151,11 +151,15 @@ def histories(panels: Sequence[Panel], quantity: Quantity) -> None:
 
 
 def _draw_long(panel: Panel, scale: Scale) -> None:
-    """Envelopes, pale where the bands of several runs may lie upon each other; impacts, trust horizons."""
+    """Envelopes, pale where the bands of several runs may lie upon each other; impacts, trust horizons.
+
+    Dashes make no sense of a band: the legend has those of the detail.
+    """
     for curve, (t, values) in zip(panel.curves, panel.drawn, strict=True):
         alpha = 1.0 if curve.alone else 0.6
         look = {**curve.look, "linewidth": THIN, "alpha": alpha, "zorder": above_wider(values)}
-        panel.axes.plot(t, scale(values), label=curve.label, gid=curve.column, **look)
+        panel.axes.plot(t, scale(values), gid=curve.column, **{**look, "linestyle": "-"})
+        panel.axes.plot([], [], label=curve.label, gid="legend", **curve.look)
     subjects, colours = panel.runs
     annotate_runs(panel.axes, subjects, panel.span, colours)
 

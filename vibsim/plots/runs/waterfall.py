@@ -8,12 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from vibsim.plots.errors import PlotError
 from vibsim.plots.motion.samples import shown, window_of
 from vibsim.plots.motion.spans import last_half
-from vibsim.plots.motion.spectra import first_motion, pieces, spectrum
+from vibsim.plots.motion.spectra import NOTHING, first_motion, pieces, spectra
 from vibsim.plots.page.quantities import scale_for
-from vibsim.plots.page.sheet import note, sheet
+from vibsim.plots.page.sheet import note, say_inside, sheet
 from vibsim.plots.style import BLUE
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
@@ -37,10 +36,8 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     drawn = _of_pieces(subjects[0], view) if alone else _of_runs(subjects, view)
     scale = scale_for("m", *(row.amplitudes for row in drawn))
     largest = max(float(row.amplitudes.max()) for row in drawn)
-    if not largest:
-        raise PlotError(f"{subjects[0].path}: nothing vibrates, so that there is no spectrum to draw")
     apart = (drawn[-1].place - drawn[0].place) / max(len(drawn) - 1, 1) or 1.0
-    raised = HEIGHT * apart / largest
+    raised = HEIGHT * apart / (largest or 1.0)
     figure = sheet(view, 9.0)
     axes = figure.subplots()
     for i, row in enumerate(reversed(drawn)):  # the last, which stands highest, is behind
@@ -56,6 +53,9 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     else:
         axes.set_ylabel("Run")
         axes.set_yticks([row.place for row in drawn], [subject.name for subject in subjects])
+    if not largest:
+        say_inside(axes, NOTHING)
+        return figure
     note(axes, f"largest line {float(scale(largest)):.3g} {scale.unit}")
     return figure
 
@@ -67,7 +67,7 @@ def _of_pieces(subject: Subject, view: View) -> list[Row]:
 
 def _of_runs(subjects: Sequence[Subject], view: View) -> list[Row]:
     spans = [shown(subject, view.window, last_half) for subject in subjects]
-    return [
-        Row(float(i), *spectrum(subject, span, first_motion(subject)))
-        for i, (subject, span) in enumerate(zip(subjects, spans, strict=True))
+    drawn = [
+        spectra(subject, span, [first_motion(subject)]) for subject, span in zip(subjects, spans, strict=True)
     ]
+    return [Row(float(i), hz, sizes) for i, (hz, (sizes,)) in enumerate(drawn)]
