@@ -56,3 +56,28 @@ def test_the_family_of_csernak_stepan_and_shaw(key, span, tmp_path):
     np.testing.assert_allclose(branch["v_m"], 2 / 3 * force, rtol=1e-12)
     np.testing.assert_allclose(branch["x_m"], 0.0, atol=1e-6)  # the shortest steps keep where it is
     assert not branch["index"].any() and not branch["stable"].any()
+
+
+def test_a_branch_ends_where_nothing_damps_a_resonance():
+    """While the second mass sticks the first swings without damping, at sqrt(2) rad/s: at a third and a fifth
+    of it orbits of any such vibration exist, and the branch comes to them. It wandered about among them until
+    Python had no more room.
+    """
+    branch = continue_branch("gallery/two-masses-with-friction", "drive.omega", "0.1:2 rad/s")
+    assert set(branch.ends) == {
+        "orbits come in a family at this value, in which more than one number is free"
+    }
+    ends = branch["parameter"][[0, -1]]
+    np.testing.assert_allclose(ends, [np.sqrt(2) / 5, np.sqrt(2) / 3], rtol=1e-11)
+    assert [one.kind for one in branch.specials] == ["sticking"] * 4
+    assert branch.specials[0].before == branch.specials[-1].after == ()
+
+
+def test_a_slip_that_comes_up_slowly_is_told_once():
+    """The second mass begins to slip where k x1 = A / (2 - w^2) reaches the limit of 0.5 N, as a power of
+    what is beyond it: 36 places were told between which rounding says whether it slips.
+    """
+    branch = continue_branch("gallery/two-masses-with-friction", "drive.A", "0.9:1 N")
+    (special,) = branch.specials
+    assert special.parameter == pytest.approx(0.5 * (2 - 0.3**2), abs=1e-6)
+    assert special.before == () and special.after != () and special.jump == 0

@@ -24,7 +24,7 @@ from vibsim.orbits.lapack import determinant
 from vibsim.orbits.multipliers import multipliers_of
 from vibsim.orbits.newton import tolerance
 from vibsim.orbits.start import case_on_orbit
-from vibsim.orbits.word import cyclic
+from vibsim.orbits.word import circle
 from vibsim.physics.parts import Scene
 
 SHIFT = 2.0**-23  # of the parameter, scaled: rounding over it is as small as what it leaves out, 1e-7
@@ -176,7 +176,7 @@ class FamilyPoint:
     @once
     def word(self) -> tuple[Any, ...]:
         """Events of one return, as a circle."""
-        return cyclic(self.end.events)
+        return circle(self.end.events)
 
     @property
     def lap(self) -> float:
@@ -227,12 +227,12 @@ class FamilyPoint:
             ahead, slope = self._one_sided(shift)
         except NoCase:
             return self._one_sided(-shift)[1]
-        if ahead.events != self.end.events and cyclic(ahead.events) != self.word:
+        if ahead.events != self.end.events and circle(ahead.events) != self.word:
             try:
                 behind, other = self._one_sided(-shift)
             except NoCase:
                 return slope
-            if cyclic(behind.events) == self.word:
+            if circle(behind.events) == self.word:
                 return other
         return slope
 
@@ -293,11 +293,16 @@ class FamilyPoint:
 
     @property
     def settled(self) -> bool:
-        """Whether what the motion has forgotten at its end is to the bit what it began with.
+        """Whether what the motion has forgotten at its end is to the bit what it began with, or as near as
+        scaled unknowns tell.
 
         A body that sticks across the section would else begin with a speed of rounding, and stick once more.
         """
-        return not (self._forgotten and self.end.difference[self._forgotten].any())
+        forgotten = self._forgotten
+        if not (forgotten and self.end.difference[forgotten].any()):
+            return True
+        nearest = self.end.image / self.family.scale[: len(self.end.X)]
+        return bool((nearest == self.z[: len(nearest)])[forgotten].all())
 
     def moved(self, step: np.ndarray, slope: np.ndarray | None = None) -> np.ndarray:
         """z after a Newton step.

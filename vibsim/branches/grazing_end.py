@@ -11,7 +11,7 @@ from vibsim.branches.family import Family, FamilyPoint
 from vibsim.branches.node import Node
 from vibsim.branches.special import GRAZING, Special
 from vibsim.branches.touching import TouchFamily, window_of
-from vibsim.orbits.word import Word, cyclic
+from vibsim.orbits.word import Word, circle
 
 STEPS = 12
 DIFFERENCE = 2.0**-20  # of a scaled unknown
@@ -63,4 +63,4 @@ def _with(point: FamilyPoint, middle: float, stop: int) -> Word:
     """The word with the touch in its place, at a share of the period."""
     end = point.end
     before = int(np.sum(end.carried.times < middle * end.T))
-    return cyclic((*end.events[:before], ("impact", stop), *end.events[before:]))
+    return circle((*end.events[:before], ("impact", stop), *end.events[before:]))

@@ -39,6 +39,8 @@ LONGEST_PART = 0.9  # of a stretch that is halved
 TRIES = 100  # nodes while locating
 FINE = 1e-13  # length, over that of the unknowns, of the last step of a location
 AT_ONCE = 1e-12  # distance, over the size of the unknowns, of changes of order that are one
+PARTS = 250  # of one stretch, behind which what is left of it is not parted
+SPREAD, MANY = 1e-6, 5  # scaled distance of special points side by side, and how many are told as one
 NEAR = 1e-3  # how far a located multiplier may be from where it crosses the circle [-]
 
 CHANGE = "change of order"
@@ -47,33 +49,68 @@ SMOOTH = (FOLD, DOUBLING, TORUS, BRANCHING)
 Test = Callable[[Node], float]
 
 
-def inspect(family: Family, one: Node, other: Node) -> Iterator[Special]:
+def inspect(family: Family, one: Node, other: Node) -> list[Special]:
     """The special points between two nodes, in their order."""
+    if other.level:  # the parts of the last step would be of orbits that rounding takes from the family
+        changed = one.word != other.word
+        return [Special(kind_of_change(one.word, other.word), other, one, other)] if changed else []
+    return list(_gathered(_parted(family, one, other, iter(range(PARTS)))))
+
+
+def _gathered(specials: Iterator[Special]) -> Iterator[Special]:
+    """Special points with those as one that rounding spreads about a place, as where a slip comes up so
+    slowly that none of its orbits tells whether it has begun.
+    """
+    run: list[Special] = []
+    for each in specials:
+        if run and length_of(each.node.z - run[-1].node.z) > SPREAD:
+            yield from _as_one(run)
+            run = []
+        run.append(each)
+    yield from _as_one(run)
+
+
+def _as_one(run: list[Special]) -> list[Special]:
+    """Special points side by side, or what there is between the first and the last where they are many and
+    some are not resolved.
+    """
+    if len(run) < MANY or all(each.kind != UNRESOLVED for each in run):
+        return run
+    return [Special(UNRESOLVED, run[-1].after, run[0].before, run[-1].after)]
+
+
+def _parted(family: Family, one: Node, other: Node, parts: Iterator[int]) -> Iterator[Special]:
+    """The same, part by part; parts : those that the stretch which this is of may still be taken into."""
     detected = detect(one, other)
     if not detected and one.index == other.index:
+        return
+    if next(parts, None) is None:
+        yield Special(UNRESOLVED, other, one, other)
         return
     middle = None if len(detected) == 1 else _middle(family, one, other)
     if middle is None:
         located = _located(family, detected, one, other)
         if isinstance(located, Special):
-            yield from _with_sides(family, located, one, other)
+            yield from _with_sides(family, located, one, other, parts)
             return
         middle = located or _middle(family, one, other)
     if middle is None:
-        yield from _unparted(family, detected, one, other)
+        yield from _unparted(family, detected, one, other, parts)
         return
-    yield from inspect(family, one, middle)
-    yield from inspect(family, middle, other)
+    yield from _parted(family, one, middle, parts)
+    yield from _parted(family, middle, other, parts)
 
 
-def _unparted(family: Family, detected: list[str], one: Node, other: Node) -> Iterator[Special]:
+def _unparted(
+    family: Family, detected: list[str], one: Node, other: Node, parts: Iterator[int]
+) -> Iterator[Special]:
     """What lies between two nodes that are too near to be parted: changes of order one by one."""
     try:
         special = _change(family, one, other, first=True) if CHANGE in detected else None
     except ContinuationError:
         special = None
     if isinstance(special, Special):
-        yield from _with_sides(family, special, one, other)
+        yield from _with_sides(family, special, one, other, parts)
     else:
         yield _graze_between(family, one, other) or Special(UNRESOLVED, other, one, other)
 
@@ -98,15 +135,17 @@ def _graze_between(family: Family, one: Node, other: Node) -> Special | None:
     return None
 
 
-def _with_sides(family: Family, special: Special, one: Node, other: Node) -> Iterator[Special]:
+def _with_sides(
+    family: Family, special: Special, one: Node, other: Node, parts: Iterator[int]
+) -> Iterator[Special]:
     """A special point with what else lies on both sides of a change of order; a bifurcation is alone."""
     if special.kind in SMOOTH:
         yield special
         return
-    yield from inspect(family, one, special.before)
+    yield from _parted(family, one, special.before, parts)
     near = None if special.after.word == other.word else _just_behind(family, special.after, other)
     ends = (special.after, other) if near is None else (special.after, near, other)
-    behind = [each for pair in pairwise(ends) for each in inspect(family, *pair)]
+    behind = [each for pair in pairwise(ends) for each in _parted(family, *pair, parts)]
     if behind and _at_once(special, behind[0]):
         yield _change_of(special.before, behind.pop(0).after)
     else:
@@ -124,7 +163,8 @@ def _at_once(one: Special, other: Special) -> bool:
 
 def _change_of(before: Node, after: Node) -> Special:
     """The change of the order of events between two neighbours."""
-    kind = CORNER if before.ahead * after.ahead < 0 else kind_of_change(before.word, after.word)
+    turns = before.ahead * after.ahead < 0 and not (before.level or after.level)
+    kind = CORNER if turns else kind_of_change(before.word, after.word)
     return Special(kind, after, before, after)
 
 

@@ -18,6 +18,9 @@ STRAIGHT = 0.9  # cosine of the angle between a step and the tangent behind it
 LONGEST = 2.0  # steps, as long as the last one, that the cubic through two nodes is taken ahead
 LEAST_LIMIT = 1e-6  # scaled length that a Newton step may have, however near two nodes are
 UNIT = 1e-6  # distance from 1 of multipliers that may be those of a family
+LEVEL = (
+    1e-9  # share of the parameter in the tangent, below which it is rounding where orbits come in families
+)
 REAL = 1e-9  # imaginary part, over its size, below which a multiplier counts as real
 
 
@@ -130,6 +133,11 @@ class Node:
     def collision(self) -> float:
         """Of a conservative orbit: zero where two pairs of multipliers meet."""
         return float(self.point.reciprocal.collision)
+
+    @property
+    def level(self) -> bool:
+        """Whether the branch goes on within a family of orbits at one value of the parameter."""
+        return abs(self.ahead) < LEVEL and self.families > 0
 
     @property
     def in_family(self) -> bool:

@@ -15,7 +15,7 @@ from vibsim.branches.family import Family
 from vibsim.branches.node import Node
 from vibsim.branches.way import Way, at_zero
 from vibsim.orbits.gaps import gap_of
-from vibsim.orbits.word import LETTERS, Word
+from vibsim.orbits.word import LETTERS, Word, counted
 
 NARROW = 4e-14  # length, over that of the unknowns, of the last bracket: Newton's method leaves as much open
 SHORT = 1e-9  # scaled length of a stretch that is not halved any more to part its events
@@ -74,7 +74,9 @@ def shrinking(node: Node) -> Iterator[tuple[str, float]]:
     end = node.point.end
     carried, scene = end.carried, end.coordinates.scene
     happened = list(zip(carried.events, carried.times.tolist(), carried.states, strict=True))
-    events = [(t, part) for (kind, part), t, _ in happened if kind in LETTERS]
+    told = [each for each in happened if each[0][0] in LETTERS]
+    told = [each for each, kept in zip(told, counted([event for event, *_ in told]), strict=True) if kept]
+    events = [(t, part) for (_, part), t, _ in told]
     circle = [*events, (events[0][0] + end.T, events[0][1])] if len(events) > 1 else []
     gaps = [((t - s) / end.T, one == other) for (s, one), (t, other) in pairwise(circle)]
     apart = [gap for gap, same in gaps if same or gap > TOGETHER]
@@ -82,7 +84,7 @@ def shrinking(node: Node) -> Iterator[tuple[str, float]]:
         yield "time", min(apart)
     if isfinite(end.margin):
         yield "margin", end.margin
-    blows = [(part, t, state) for (kind, part), t, state in happened if kind == "impact"]
+    blows = [(part, t, state) for (kind, part), t, state in told if kind == "impact"]
     if blows:
         yield "speed", min(abs(gap_of(scene, *blow)[1]) for blow in blows)
 

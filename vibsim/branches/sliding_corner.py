@@ -110,6 +110,8 @@ def _touch(family: Family, node: Node, friction: int, distance: float) -> Node:
         if slips[-1] <= TOUCHED * slips[0]:
             break
         if len(slips) > 1:
+            if slips[-1] == slips[-2]:
+                raise ContinuationError("the slip does not change on the way to the touch")
             slope = (places[-1] - places[-2]) / (slips[-1] - slips[-2])
             start = places[-1] - (1 - SHARE) * slips[-1] * slope
         else:

@@ -28,6 +28,7 @@ GRAZED = "a multiplier grows without bound: a rigid stop is grazed near by"
 TOUCHED = "a rigid stop is grazed: beyond, orbits strike it, and a multiplier is infinite at first"
 AT_SECTION = 1e-6  # share of the period
 AT_REST = "shrinks to a state of rest"
+FAMILY = "orbits come in a family at this value, in which more than one number is free"
 BLOCKED = "an impact on a rigid stop comes to the section: shift the phase of the source to go on"
 LOOSE = 1e-10  # residual, scaled, of what is no orbit where the branch turns back
 POLISH = 3  # Newton steps of a time of return that is known to 1e-9
@@ -209,6 +210,8 @@ class Walk:
 
     def _ended(self, node: Node) -> tuple[Node, str]:
         """The node at which the walk ends, and why; the node itself and nothing where it goes on."""
+        if node.level:
+            return node, FAMILY
         if self.count >= BEHIND:
             there = self._closed(node)
             if there is not None:

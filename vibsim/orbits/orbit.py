@@ -15,7 +15,7 @@ from vibsim.labelled.labelled import Labelled, few
 from vibsim.orbits.measures import energy_of, points_of
 from vibsim.orbits.multipliers import exponents_of, multipliers_of, sides_of_circle
 from vibsim.orbits.sliding import sliding_margin
-from vibsim.orbits.word import Word, cyclic, spelled
+from vibsim.orbits.word import Word, circle, spelled
 
 if TYPE_CHECKING:
     from vibsim.cases.case import Case
@@ -100,7 +100,7 @@ class Orbit(Labelled):
     @property
     def word(self) -> Word:
         """The events as a circle: the least rotation of them."""
-        return cyclic(self.events)
+        return circle(self.events)
 
     @property
     def spelled(self) -> str:

@@ -57,6 +57,31 @@ def in_order(
     return ordered
 
 
+def counted(events: Sequence[tuple[str, int]]) -> list[bool]:
+    """Which events of a circle its word has: all but the impacts that a chatter brings to an end.
+
+    There are infinitely many of them; how many are told one by one depends on rounding alone, and that number
+    changes along a branch without anything happening.
+    """
+    kept, ending = [True] * len(events), set[int]()
+    for i in reversed(range(-len(events), len(events))):  # twice round: the section may cut a sequence
+        kind, part = events[i]
+        if kind == "chatter":
+            ending = {part}
+        elif kind == "impact" and part in ending:
+            kept[i] = False
+        else:
+            ending = set()
+    return kept
+
+
+def circle(events: Word) -> Word:
+    """The word of the events of one period, wherever the section cuts it."""
+    if any(kind == "chatter" for kind, _ in events):
+        events = tuple(event for event, told in zip(events, counted(events), strict=True) if told)
+    return cyclic(events)
+
+
 @lru_cache(maxsize=4096)
 def cyclic(word: Word) -> Word:
     """The least of all rotations of a word: orbits are compared by it, wherever the section cuts them."""
