@@ -174,3 +174,29 @@ def test_an_orbit_can_be_saved(tmp_path):
 def test_more_exponents_than_there_are():
     with pytest.raises(ValueError, match="count must be 1 to 3 for this case, got 9"):
         vibsim.lyapunov("I-A", 9)
+
+
+def _follow(path):
+    orbit = vibsim.orbit(vibsim.load_case("gallery/impact-oscillator-coco"))
+    vibsim.continue_branch(orbit, "forces.drive.omega", "1:1.001 rad/s", out=path)
+
+
+SAVED = {
+    "run": lambda path: vibsim.simulate("II-B", trust=False, overrides=SHORT).save(path),
+    "sweep": lambda path: vibsim.sweep("II-B", {"c": [0.01, 0.02]}, section=0, jobs=1, out=path),
+    "orbit": lambda path: vibsim.orbit(vibsim.load_case("gallery/impact-oscillator-coco")).save(path),
+    "branch": _follow,
+    "fit": lambda path: vibsim.fit("II-B", {"c": "0.01:0.02"}, ["captured"], out=path),
+}
+
+
+@pytest.mark.parametrize("name", ["x.txt", "x", "x.csv", "x.yaml"])
+@pytest.mark.parametrize("write", SAVED.values(), ids=SAVED)
+def test_a_result_is_called_what_it_is(write, name, tmp_path, monkeypatch):
+    """As of `-o`: an HDF5 file under another suffix is opened by nothing, vibsim's commands included."""
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(
+        vibsim.ResultFileError, match=rf"(^|/){name}: .* results are HDF5 files, .h5 or .hdf5"
+    ):
+        write(name)
+    assert not list(tmp_path.iterdir())

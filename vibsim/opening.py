@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import Any
 
-from vibsim.files.errors import ResultFileError
 from vibsim.files.signals import ended_at_once
 from vibsim.results.opening import kind_of
 
@@ -30,8 +29,6 @@ def open_result(path: str | Path) -> Any:
             from vibsim.branches.store.branch_file import read_branch as read
         case "locus":
             from vibsim.branches.store.locus_file import read_locus as read
-        case "bench":
+        case _:
             from vibsim.evidence.benchmark import open_bench as read
-        case kind:
-            raise ResultFileError(f"{path}: holds a {kind!r}, which this vibsim does not read")
     return read(path)

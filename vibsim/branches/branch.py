@@ -243,9 +243,9 @@ class Branch(Along, Labelled):
         `continue_branch(..., out=path)` goes on with it where it was not followed to its ends.
         """
         from vibsim.branches.store.branch_file import origin, write_branch
-        from vibsim.files.output_file import check_output
+        from vibsim.files.output_file import check_result_output
 
-        target = check_output(Path(path), force)
+        target = check_result_output(Path(path), force)
         attrs = self.attrs or origin(self.plan)
         write_branch(target, self, attrs, self.closed or all(self.ends))
         return target

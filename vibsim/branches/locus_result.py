@@ -104,9 +104,9 @@ class Locus(Along, Labelled):
         `vibsim continue BRANCH --locus LABEL ... -o path` goes on with it where it did not come to its ends.
         """
         from vibsim.branches.store.locus_file import origin, write_locus
-        from vibsim.files.output_file import check_output
+        from vibsim.files.output_file import check_result_output
 
-        target = check_output(Path(path), force)
+        target = check_result_output(Path(path), force)
         write_locus(target, self, self.attrs or origin(self.plan), all(self.ends))
         return target
 

@@ -12,6 +12,23 @@ from vibsim.files.disk_space import DISK_FULL
 from vibsim.files.errors import ResultFileError
 from vibsim.files.leftover import check_leftover, partial_path
 
+RESULT_SUFFIXES = (".h5", ".hdf5")
+
+
+def check_result_name(path: str | Path) -> None:
+    """Raises ResultFileError for a file name whose suffix promises another format than that of results."""
+    suffix = Path(path).suffix
+    if suffix.lower() not in RESULT_SUFFIXES:
+        suffix_text = f"suffix {suffix}" if suffix else "no suffix"
+        exported = "; for CSV or MAT: vibsim export" if suffix.lower() in (".csv", ".mat") else ""
+        raise ResultFileError(f"{path}: {suffix_text}; results are HDF5 files, .h5 or .hdf5{exported}")
+
+
+def check_result_output(path: str | Path, force: bool = False) -> Path:
+    """As `check_output`, for a file of results. Raises ResultFileError, also for its suffix."""
+    check_result_name(path)
+    return check_output(path, force)
+
 
 def check_output(path: str | Path, force: bool = False) -> Path:
     """Absolute path of an output file that may be written (links followed).

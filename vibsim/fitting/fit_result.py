@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.cases import Case
-from vibsim.files.output_file import check_output
+from vibsim.files.output_file import check_result_output
 from vibsim.fitting.fit_file import file_values, write_fit
 from vibsim.fitting.fit_structure import CANDIDATE, datasets_of
 from vibsim.fitting.judgement import Judgement, judge, values_of
@@ -136,7 +136,7 @@ class FitResult(Labelled):
 
     def save(self, path: str | Path, force: bool = False) -> Path:
         """Write the fit to an HDF5 file; its absolute path. Raises ResultFileError."""
-        target = check_output(path, force)
+        target = check_result_output(path, force)
         write_fit(target, self)
         return target
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from vibsim.files.errors import ResultFileError
 from vibsim.files.leftover import check_leftover
-from vibsim.files.output_file import check_output
+from vibsim.files.output_file import check_result_output
 from vibsim.fitting.fit_file import write_fit
 from vibsim.fitting.measuring import Index
 from vibsim.fitting.plan import FitPlan
@@ -50,7 +50,7 @@ class FileRunStore(RunStore):
 
     def __init__(self, plan: FitPlan, path: str | Path, force: bool = False):
         super().__init__()
-        self.path = check_output(path, force=True)
+        self.path = check_result_output(path, force=True)
         check_leftover(path, force)
         self._shown = path
         self._on_file = (-1, False)  # runs, and whether the search had come to its end; no file yet

@@ -6,14 +6,19 @@ from typing import Any
 from vibsim.files.errors import ResultFileError
 from vibsim.files.signals import ended_at_once
 
+KINDS = ("trajectory", "sweep", "fit", "branch", "locus", "bench")
+
 
 @ended_at_once()
 def kind_of(path: str | Path) -> str:
-    """What a result file holds: "trajectory", "sweep", "fit" or "bench"; raises as `vibsim.open_result`."""
+    """What a result file holds, one of KINDS; raises as `vibsim.open_result`."""
     from vibsim.files.reading import damage_named, open_hdf5
 
     with damage_named(Path(path)), open_hdf5(Path(path)) as file:
-        return str(file.attrs.get("vibsim_kind", "trajectory"))
+        kind = str(file.attrs.get("vibsim_kind", "trajectory"))
+    if kind not in KINDS:
+        raise ResultFileError(f"{path}: holds a {kind!r:.60}, which this vibsim does not read")
+    return kind
 
 
 def names_a_result(source: str | Path) -> bool:

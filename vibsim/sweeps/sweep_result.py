@@ -9,7 +9,7 @@ import numpy as np
 
 from vibsim.cases import Case
 from vibsim.files.declarations import Column
-from vibsim.files.output_file import check_output
+from vibsim.files.output_file import check_result_output
 from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.labelled import Labelled, few
 from vibsim.sweeps.ensemble import Share, Summary, share, summary
@@ -167,7 +167,7 @@ class SweepResult(Labelled):
 
         Raises ResultFileError where it cannot be written, or is there and `force` is not given.
         """
-        target = check_output(path, force)
+        target = check_result_output(path, force)
         write_sweep(target, self.plan, self.table, self.attrs)
         return target
 

@@ -10,7 +10,7 @@ from vibsim.branches.store.branch_file import origin, read_branch, write_branch
 from vibsim.files.errors import ResultFileError
 from vibsim.files.journal import Journal
 from vibsim.files.leftover import check_leftover
-from vibsim.files.output_file import check_output
+from vibsim.files.output_file import check_result_output
 
 
 class BranchStore:
@@ -50,7 +50,7 @@ class BranchFileStore(BranchStore):
 
     def __init__(self, plan: BranchPlan, path: str | Path, engine: str = "auto", force: bool = False):
         super().__init__(plan, engine)
-        self.path, self._shown = check_output(path, force=True), path
+        self.path, self._shown = check_result_output(path, force=True), path
         check_leftover(path, force)
         self._on_file = (0, False)  # points, and whether they are all
         self._journal = Journal(self.path, "branch")

@@ -23,7 +23,7 @@ from vibsim.engine.choice import engine_name
 from vibsim.files.errors import ResultFileError
 from vibsim.files.journal import Journal
 from vibsim.files.leftover import check_leftover
-from vibsim.files.output_file import check_output
+from vibsim.files.output_file import check_result_output
 from vibsim.files.provenance import provenance
 from vibsim.files.reading import opened, read_attributes, read_datasets
 from vibsim.files.stored_case import stored_case, understood
@@ -121,7 +121,7 @@ class LocusStore:
         self.plan, self.engine, self.points = plan, engine, list[LocusRecord]()
         self.notes: list[str] = []
         self.attrs = origin(plan, engine)
-        self.path = None if path is None else check_output(path, force=True)
+        self.path = None if path is None else check_result_output(path, force=True)
         if path is not None:
             check_leftover(path, force)
         self._on_file = (0, False)  # points, and whether they are all

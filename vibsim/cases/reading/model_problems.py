@@ -50,12 +50,19 @@ def _listed(names: Any) -> str:
 def _unknown_key(location: Location, value: object, form: Form) -> str:
     *around, name = location
     section = section_at(tuple(around), form)
-    allowed = list(section.keys) if section else []
+    allowed = _states_of(around, form) or (list(section.keys) if section else [])
     if around == ["motor"] and isinstance(value, dict):
         return f"a scene has at most one motor, without a name; allowed: {_listed(allowed)}"
     elsewhere = sections_with(name, form)
     hint = f" here; it belongs to {' or '.join(elsewhere)}" if elsewhere else did_you_mean(name, allowed)
     return f"unknown key{hint}; allowed: {_listed(allowed)}"
+
+
+def _states_of(around: list[str], form: Form) -> list[str]:
+    """What the start of a body has, or of the rotor: the schema has one section for both."""
+    if "initial" not in form.named or len(around) != 2 or around[0] != "initial":
+        return []
+    return ["phi", "phidot"] if around[1] == "motor" else ["x", "v"]
 
 
 def _missing_key(location: Location, form: Form) -> str:

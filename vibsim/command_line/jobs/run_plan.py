@@ -12,15 +12,12 @@ from vibsim.command_line.options.settings import Settings
 from vibsim.command_line.terminal.printing import print_json, say
 from vibsim.command_line.text.summary import case_lines, heading, print_lines
 from vibsim.files.errors import ResultFileError
-from vibsim.files.output_file import check_output
+from vibsim.files.output_file import check_output, check_result_name
 from vibsim.opening import open_result
 from vibsim.results import kind_of, names_a_result
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
-
-
-SUFFIXES = (".h5", ".hdf5")
 
 
 @dataclass(frozen=True)
@@ -50,11 +47,10 @@ def check_outputs(jobs: list[Job], force: bool) -> None:
 
 def hdf5_name(output: str) -> str:
     """The name of an output file as given. Raises UsageError where its suffix promises another format."""
-    suffix = Path(output).suffix
-    if suffix.lower() not in SUFFIXES:
-        suffix_text = f"suffix {suffix}" if suffix else "no suffix"
-        exported = "; for CSV or MAT: vibsim export" if suffix.lower() in (".csv", ".mat") else ""
-        raise click.UsageError(f"-o {output}: {suffix_text}; results are HDF5 files, .h5 or .hdf5{exported}")
+    try:
+        check_result_name(output)
+    except ResultFileError as error:
+        raise click.UsageError(f"-o {error}") from None
     return output
 
 

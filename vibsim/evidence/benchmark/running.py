@@ -11,7 +11,7 @@ from vibsim.evidence.benchmark.plan import Plan
 from vibsim.evidence.benchmark.provenance import origin
 from vibsim.evidence.benchmark.row import Row
 from vibsim.evidence.benchmark.truth import Truth, compute_truth
-from vibsim.files.output_file import check_output
+from vibsim.files.output_file import check_result_output
 
 Watch = Callable[[str, float], bool]  # given what is done and how far it is [0 to 1]; False stops the bench
 
@@ -34,7 +34,7 @@ def run_bench(
     attribute `complete` 0. Raises EngineError when the truth cannot be computed, MultiprecisionMissing
     without a library for it, ResultFileError when the file cannot be written.
     """
-    target = None if path is None else check_output(path, force)
+    target = None if path is None else check_result_output(path, force)
     if truth is None:
         truth = compute_truth(plan, lambda t: watch("truth", t / plan.times[-1]))
     if truth is None:

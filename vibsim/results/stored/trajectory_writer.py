@@ -22,7 +22,7 @@ from vibsim.files.declarations import Dataset
 from vibsim.files.disk_space import detach, release, reserve
 from vibsim.files.errors import ResultFileError
 from vibsim.files.leftover import held_until, partial_path
-from vibsim.files.output_file import check_output, publish, reason
+from vibsim.files.output_file import check_result_output, publish, reason
 from vibsim.files.writing import write_datasets
 from vibsim.results.columns import Tables
 
@@ -50,7 +50,7 @@ class TrajectoryWriter:
     """
 
     def __init__(self, path: str | Path, tables: Tables, attrs: Mapping[str, Any], force: bool = False):
-        self.target = check_output(path, force)
+        self.target = check_result_output(path, force)
         self.partial = partial_path(self.target)
         self.shown = f"{path}.partial"
         self.force = force

@@ -102,17 +102,29 @@ def read_spread(case: "Case", key: str, text: str) -> Spread:
     normal = words[:1] == [NORMAL]
     amount = text.strip().removeprefix(NORMAL if normal else "")
     if ":" in amount and not normal:
-        try:
-            ends = read_axis(case, key, amount.replace(":", ",", 1), argument="spread")
-            low, high = ends.values
-        except ValueError as error:
-            raise SpreadError(f"{full}={text}: {error}; write FROM:TO, such as 0:360 deg") from None
-        return Spread(full, ends.unit, UNIFORM, (low + high) / 2, (high - low) / 2)
+        return _between(case, full, amount, text)
     spread = _about(full, usual, NORMAL if normal else UNIFORM, _width(full, amount, text))
     tried = [spread.centre + side * spread.width for side in ((0,) if normal else (-1, 1))]
     values = ",".join(f"{decimal_text(value)} {spread.unit}" for value in tried)
     read_axis(case, key, values, argument="spread")
     return spread
+
+
+def _between(case: "Case", key: str, amount: str, text: str) -> Spread:
+    """Uniform from one value to a greater one."""
+    advice = "write FROM:TO, such as 0:360 deg"
+    if amount.count(":") > 1:
+        raise SpreadError(f"{key}={text}: a spread has two ends; {advice}")
+    values = amount.replace(":", ",")
+    try:
+        ends = read_axis(case, key, values, argument="spread")
+        low, high = ends.values
+    except ValueError as error:
+        reason = str(error).partition("; write")[0].replace(values, amount)
+        raise SpreadError(f"{key}={text}: {reason}; {advice}") from None
+    if low > high:
+        raise SpreadError(f"{key}={text}: FROM is above TO; {advice}")
+    return Spread(key, ends.unit, UNIFORM, (low + high) / 2, (high - low) / 2)
 
 
 def _width(key: str, amount: str, text: str) -> Quantity:

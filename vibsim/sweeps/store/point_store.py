@@ -8,7 +8,7 @@ from typing import Any
 
 from vibsim.files.errors import ResultFileError
 from vibsim.files.leftover import check_leftover
-from vibsim.files.output_file import check_output
+from vibsim.files.output_file import check_result_output
 from vibsim.sweeps.plan.capacity import check_memory
 from vibsim.sweeps.plan.sweep_plan import Plan
 from vibsim.sweeps.points.point import Point
@@ -64,7 +64,7 @@ class FileStore(Store):
 
     def __init__(self, plan: Plan, path: str | Path, engine: str = "auto", force: bool = False):
         super().__init__(plan, engine)
-        self.path = check_output(path, force=True)
+        self.path = check_result_output(path, force=True)
         check_leftover(path, force)
         self._shown = path
         self._record_bytes = record_bytes(plan)

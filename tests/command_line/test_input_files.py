@@ -1,8 +1,12 @@
-"""A file that is not there: one rule for every command, argument and option that takes one."""
+"""Files that are not there, or must not be read: one rule for every argument and option that takes one."""
 
+import builtins
+import errno
+import os
 from pathlib import Path
 
 import click
+import h5py
 import pytest
 
 import vibsim
@@ -83,4 +87,63 @@ def test_a_missing_file_ends_by_what_is_asked_for(stored, tmp_path, monkeypatch,
         done = call(*line.format(name).split())
         told = done.stderr + done.stdout
         assert (done.exit_code, name in told) == (code, True), told
+        if name == "gone.h5" and code == RESULT_MISSING:
+            assert told == "Error: gone.h5: No such file or directory\n"
         assert [path.name for path in Path().iterdir()] == ["a.h5"]
+
+
+@pytest.fixture
+def unreadable(stored, tmp_path, monkeypatch):
+    """A folder with a run and a style sheet that this user must not read; root may read everything."""
+    monkeypatch.chdir(tmp_path)
+    Path("a.h5").write_bytes(stored.read_bytes())
+    Path("a.mplstyle").write_text("lines.linewidth: 3")
+    access, opened = os.access, builtins.open
+
+    def may(path, mode, **options):
+        return mode != os.R_OK and access(path, mode, **options)
+
+    def refuse(file, mode="r", *more, **options):
+        if str(file) in ("a.h5", "a.mplstyle") and "r" in mode and "+" not in mode:
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), file)
+        return opened(file, mode, *more, **options)
+
+    monkeypatch.setattr(os, "access", may)
+    monkeypatch.setattr(builtins, "open", refuse)
+    return tmp_path
+
+
+READ = [line for (takes, lines) in INPUTS.values() if takes in (EITHER, RESULTS) for line in lines]
+
+
+@pytest.mark.parametrize("line", READ)
+def test_a_result_that_must_not_be_read(unreadable, line):
+    done = call(*line.format("a.h5").split())
+    assert (done.exit_code, done.stderr) == (6, "Error: a.h5: Permission denied\n")
+
+
+def test_a_file_to_go_on_with_that_must_not_be_read(unreadable):
+    done = call("sweep", "II-B", "--omega0", "3,4", "--t-end", "1s", "-o", "a.h5")
+    assert (done.exit_code, done.stderr) == (6, "Error: a.h5: Permission denied\n")
+
+
+def test_an_output_that_must_not_be_read_is_there_all_the_same(unreadable):
+    done = call("run", "I-A", "-o", "a.h5")
+    assert (done.exit_code, done.stderr) == (6, "Error: a.h5: exists; kept (--force replaces it)\n")
+
+
+def test_a_style_sheet_that_must_not_be_read(unreadable):
+    done = call("plot", "I-A", "--style", "a.mplstyle", "-o", "a.png")
+    said = "a.mplstyle is no style sheet of matplotlib: Permission denied"
+    assert (done.exit_code, done.stderr) == (2, f"Error: {said}\n")
+
+
+@pytest.mark.parametrize("line", [line for line in READ if "--truth" not in line])  # which is a bench's
+def test_a_result_of_a_later_kind_is_named_by_every_command(stored, tmp_path, monkeypatch, line):
+    monkeypatch.chdir(tmp_path)
+    Path("a.h5").write_bytes(stored.read_bytes())
+    with h5py.File("a.h5", "r+") as file:
+        file.attrs["vibsim_kind"] = "spiral"
+    done = call(*line.format("a.h5").split())
+    said = "Error: a.h5: holds a 'spiral', which this vibsim does not read\n"
+    assert (done.exit_code, done.stderr) == (6, said)
