@@ -1,7 +1,8 @@
 """Across an impact that comes to the section: there the branch is followed on a section at another phase.
 
-The state on the section jumps where an impact passes it, and the return map with it; the orbits themselves go
-on. Seen from a phase at which nothing happens they are followed until the impact is on the other side.
+The state on the section jumps where an impact passes it, and the return map with it; where a contact with a
+stop begins or ends there, the state has a kink that Newton's method may not get across. The orbits themselves
+go on. Seen from a phase at which nothing happens they are followed until the impact is on the other side.
 """
 
 from itertools import pairwise
@@ -19,6 +20,7 @@ from vibsim.orbits.return_map import Return
 from vibsim.physics.parts import Scene
 
 IMPACTS = ("impact", "transmitted")
+CONTACTS = (*IMPACTS, "contact_begin", "contact_end")
 WITHIN = 0.02  # share of the period from the section, within which an impact may have ended a walk
 NEAR = 1e-3  # the same, where it has passed the section and hinders Newton's method no more
 POLISH = 6  # Newton steps of the time that a motor takes to the section
@@ -98,19 +100,19 @@ def _arrived(family: Family, X: np.ndarray, node: Node) -> Node:
     return Node(there.point, along, there.iterations)
 
 
-def impacts_of(node: Node) -> list[float]:
-    """When rigid stops are struck, in shares of the period from the section."""
+def times_of(node: Node, kinds: tuple[str, ...]) -> list[float]:
+    """When events of some kinds happen, in shares of the period from the section."""
     carried, T = node.point.end.carried, node.point.period
-    return [
-        float(t / T) for t, (kind, _) in zip(carried.times, carried.events, strict=True) if kind in IMPACTS
-    ]
+    return [float(t / T) for t, (kind, _) in zip(carried.times, carried.events, strict=True) if kind in kinds]
 
 
-def from_section(node: Node) -> float:
-    """How near to the section a rigid stop is struck, as a share of the period; 1 where none is."""
-    if not any(kind in IMPACTS for kind, _ in node.point.end.carried.events):
+def from_section(node: Node, kinds: tuple[str, ...] = IMPACTS) -> float:
+    """How near to the section a rigid stop is struck, or events of other kinds happen, as a share of the
+    period; 1 where none do.
+    """
+    if not any(kind in kinds for kind, _ in node.point.end.carried.events):
         return 1.0
-    return min(min(t, 1 - t) for t in impacts_of(node))
+    return min(min(t, 1 - t) for t in times_of(node, kinds))
 
 
 def quiet_share(node: Node) -> float:
@@ -121,9 +123,11 @@ def quiet_share(node: Node) -> float:
 
 
 def beyond_the_impact(walk: Any) -> Node | None:
-    """The first node behind the impact at which a walk came to an end; None where another thing ended it."""
+    """The first node behind the impact or contact at which a walk came to an end; None where another thing
+    ended it.
+    """
     node = walk.node
-    if from_section(node) > WITHIN:
+    if from_section(node, CONTACTS) > WITHIN:
         return None
     try:
         moved = MovedFamily(walk.family, node, quiet_share(node))
@@ -139,8 +143,8 @@ def beyond_the_impact(walk: Any) -> Node | None:
 
 
 def _passed(moved: MovedFamily, before: Node, node: Node) -> bool:
-    """Whether the impact that was near one side of the section is on the other, and far enough from it."""
-    behind = min(impacts_of(before), key=lambda t: min(t, 1 - t)) < 0.5
+    """Whether what was near one side of the section is on the other, and far enough from it."""
+    behind = min(times_of(before, CONTACTS), key=lambda t: min(t, 1 - t)) < 0.5
     section = moved.rest(node)[0] / node.point.period
-    nearest = min((t - section for t in impacts_of(node)), key=abs, default=0.0)
+    nearest = min((t - section for t in times_of(node, CONTACTS)), key=abs, default=0.0)
     return abs(nearest) > NEAR and (nearest < 0) == behind
