@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tests.branches.made import CAPTURED, RESONANT, branch_of
+from tests.branches.test_backbone_bifurcations import trace, twins
 from tests.branches.test_families import STUCK
 from tests.plots.artists import clipped_texts, lines, points
 from vibsim.branches import continue_branch
@@ -48,6 +49,29 @@ def test_kinds_fit_and_nothing_is_cut_off(captured, kind):
     figure = chosen.draw([captured], View(width=chosen.width))
     figure.draw_without_rendering()
     assert clipped_texts(figure) == []
+
+
+def test_multipliers_of_a_backbone_curve_are_drawn_as_pairs(tmp_path):
+    """mu + 1 / mu against the frequency, by Hill's equation; magnitudes are 1, and tell nothing."""
+    case = twins(tmp_path, 0.75, 5.8)
+    branch = continue_branch(case, energy="3.6:6.4 J")
+    subject = Subject("twins.h5", case.name, "branch", case, branch)
+    figure = kind_named("multipliers").draw([subject], View(width="page"))
+    (line,) = lines(figure, "trace")
+    x, y = line.get_data()
+    exact = [(1 / p.orbit.period, trace(p.orbit.parameter, 0.75)) for p in branch.points]
+    for frequency, tau in exact:
+        assert np.interp(frequency, *(np.array([x, y])[:, np.argsort(x)])) == pytest.approx(tau, abs=1e-8)
+    assert min(y) < -2 < max(y) < -1.9
+
+
+def test_multipliers_that_are_all_one_are_refused():
+    overrides = {"excitation": "none", "c": "0", "friction": "none", "x1": "5 mm"}
+    case = load_case("I-A", overrides)
+    branch = continue_branch(case, energy="1e-4:0.01 J")
+    subject = Subject("backbone.h5", case.name, "branch", case, branch)
+    with pytest.raises(PlotError, match="backbone curve of one body: its multipliers are those of energy"):
+        kind_named("multipliers").draw([subject], View(width="page"))
 
 
 def test_marks_are_told_apart_in_black_and_white(captured):
