@@ -283,6 +283,36 @@ def test_a_branch_is_a_line_with_marks(browser, folder):
     fold = vibsim.open_result(folder / "branch.h5").special("F1")
     told = readout(browser)
     assert "label\tF1" in told and "kind\tfold" in told
-    assert float(re.search(r"parameter\s+(\S+)", told)[1]) == pytest.approx(fold.parameter, rel=1e-11)
+    assert float(re.search(r"excitation.Omega0\s+(\S+)", told)[1]) == pytest.approx(fold.parameter, rel=1e-11)
     assert "stable, unstable, fold" in browser.value("document.querySelector('canvas.signs').ariaLabel")
     assert browser.said == []
+
+
+@needs_browser
+def test_lines_of_a_panel_differ_in_dashes_where_they_are_no_bands(browser, folder):
+    browser.open(folder / "run.html")
+    browser.value(
+        "window.dashes = []; window.own = CanvasRenderingContext2D.prototype.setLineDash;"
+        "CanvasRenderingContext2D.prototype.setLineDash = function (d) {"
+        "  dashes.push([axisOf(this), d.join()]); own.call(this, d); };"
+        "window.axisOf = (g) => panels.findIndex((panel) => panel.axes.g === g); redraw()"
+    )
+    once = browser.value("dashes.filter(([k, d]) => k === 0 && d === '8,3').length")
+    assert once == 1  # the name of x2 alone: its line is a band
+    browser.value("dashes.length = 0; view.set(12, 12.5)")
+    assert browser.value("dashes.filter(([k, d]) => k === 0 && d === '8,3').length") == 2
+    assert browser.value("dashes.filter(([k, d]) => k === 2 && d === '8,3').length") == 0  # a lone line
+
+
+@needs_browser
+def test_long_ticks_have_room_and_columns_the_names_of_their_keys(browser, folder):
+    browser.open(folder / "branch.html")
+    assert browser.value("panels[1].xLabel") == "excitation.Omega0 (Hz)"
+    assert browser.value("x.options[x.selectedIndex].text") == "excitation.Omega0"
+    assert browser.value("by.options[0].text") == "none"
+    browser.value("view.set(view.range[0], view.range[0] + 2e-6)")  # ticks of many digits
+    left, room = browser.value("[panels.map((axes) => axes.left), panels.map((axes) => axes.room())]")
+    assert left[0] == left[1] == max(62, *room)
+    browser.value("panels[0].y = [3.2885881, 3.2885882]; align(panels)")
+    assert browser.value("panels.map((axes) => axes.left)") == [browser.value("panels[0].room()")] * 2
+    assert browser.value("panels[0].room()") > 62

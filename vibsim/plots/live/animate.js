@@ -64,17 +64,17 @@ function drawStage(i, s) {
 }
 
 function drawAxes(i, s) {
-  history_.x = [DATA.begin, end]; history_.fit(...historyRange);
+  history_.x = [DATA.begin, end]; history_.fit(...historyRange); align([history_]);
   const g = history_.begin();
   curves.forEach((curve, k) => {
-    g.strokeStyle = colour("c" + (k % 7)); g.lineWidth = 1.1; g.beginPath();
+    g.strokeStyle = colour("c" + (k % 7)); g.lineWidth = 1.1; g.setLineDash(dashOf(k)); g.beginPath();
     for (let n = 0; n < DATA.count; n++) g.lineTo(history_.px(DATA.begin + n * DATA.step), history_.py(curve.values[n]));
-    g.stroke();
+    g.stroke(); g.setLineDash([]);
   });
   g.strokeStyle = colour("mark"); g.beginPath(); g.moveTo(history_.px(now), history_.top); g.lineTo(history_.px(now), history_.top + history_.inside); g.stroke();
   history_.end();
-  history_.names(curves.map((curve, k) => [curve.name, colour("c" + (k % 7))]));
-  portrait.x = portraitRange[0]; portrait.y = portraitRange[1];
+  history_.names(curves.map((curve, k) => [curve.name, colour("c" + (k % 7)), curves.length > 1 && dashOf(k)]));
+  portrait.x = portraitRange[0]; portrait.y = portraitRange[1]; align([portrait]);
   const p = portrait.begin();
   for (const stop of DATA.portrait.stops) { p.strokeStyle = colour("dim"); p.setLineDash([5, 3]); p.beginPath(); p.moveTo(portrait.px(stop), portrait.top); p.lineTo(portrait.px(stop), portrait.top + portrait.inside); p.stroke(); p.setLineDash([]); }
   p.strokeStyle = colour("c0"); p.lineWidth = 0.8; p.beginPath();

@@ -26,6 +26,17 @@ function lowerBound(values, x) {
   return low;
 }
 
+// dashes of the lines of a panel, in turn with the colours: of one line none
+const DASHES = [[], [8, 3], [2, 2], [8, 2, 2, 2], [4, 2], [12, 4], [8, 2, 2, 2, 2, 2]];
+function dashOf(i) { return DASHES[i % DASHES.length]; }
+
+// as much room for the ticks of all axes as the widest needs: one column of x for panels below each other
+function align(list) {
+  const left = Math.max(LEFT, ...list.map((axes) => axes.room()));
+  for (const axes of list) axes.left = left;
+}
+const LEFT = 62, FONT = "11px system-ui, sans-serif";
+
 function ticksOf(low, high, most) {
   const rough = (high - low) / Math.max(most, 1), power = Math.pow(10, Math.floor(Math.log10(rough)));
   const step = [1, 2, 5, 10].map((each) => each * power).find((each) => each >= rough * 0.999) || 10 * power;
@@ -63,7 +74,7 @@ class Axes {
     this.canvas.setAttribute("aria-label", spoken);
     this.height = height; this.xLabel = xLabel; this.yLabel = yLabel;
     this.x = [0, 1]; this.y = [0, 1]; this.xLog = this.yLog = false;
-    this.left = 62; this.right = 10; this.top = 18; this.bottom = xLabel ? 34 : 18;
+    this.left = LEFT; this.right = 10; this.top = 18; this.bottom = xLabel ? 34 : 18;
   }
   begin() {
     const ratio = window.devicePixelRatio || 1, width = this.canvas.parentElement.clientWidth;
@@ -73,7 +84,7 @@ class Axes {
     const g = this.g = this.canvas.getContext("2d");
     g.setTransform(ratio, 0, 0, ratio, 0, 0);
     g.clearRect(0, 0, width, this.height);
-    g.font = "11px system-ui, sans-serif"; g.lineWidth = 1;
+    g.font = FONT; g.lineWidth = 1;
     this._grid(g);
     g.save(); g.beginPath(); g.rect(this.left, this.top, this.inner, this.inside); g.clip();
     return g;
@@ -84,6 +95,13 @@ class Axes {
   py(y) { return this.top + (this.y[1] - y) / (this.y[1] - this.y[0]) * this.inside; }
   xAt(px) { return this.x[0] + (px - this.left) / this.inner * (this.x[1] - this.x[0]); }
   yAt(py) { return this.y[1] - (py - this.top) / this.inside * (this.y[1] - this.y[0]); }
+  _ticksUp() { return this.words || (this.yLog ? powersOf : ticksOf)(this.y[0], this.y[1], this.inside / 34); }
+  // width of the ticks of y and their label [px]
+  room() {
+    const g = this.canvas.getContext("2d");
+    g.font = FONT;
+    return Math.ceil(Math.max(0, ...this._ticksUp().map(([, text]) => g.measureText(text).width))) + 24;
+  }
   _grid(g) {
     g.fillStyle = colour("dim"); g.strokeStyle = colour("grid");
     g.textAlign = "center"; g.textBaseline = "top";
@@ -93,7 +111,7 @@ class Axes {
       if (this.bottom > 15) g.fillText(text, x, this.top + this.inside + 4);
     }
     g.textAlign = "right"; g.textBaseline = "middle";
-    for (const [value, text] of this.words || (this.yLog ? powersOf : ticksOf)(this.y[0], this.y[1], this.inside / 34)) {
+    for (const [value, text] of this._ticksUp()) {
       const y = this.py(value);
       g.beginPath(); g.moveTo(this.left, y); g.lineTo(this.left + this.inner, y); g.stroke();
       g.fillText(text, this.left - 5, y);
@@ -111,7 +129,13 @@ class Axes {
     const g = this.g;
     g.textAlign = "left"; g.textBaseline = "alphabetic";
     let x = this.left + 2;
-    for (const [name, shade] of list) { g.fillStyle = shade; g.fillText(name, x, this.top - 5); x += g.measureText(name).width + 14; }
+    for (const [name, shade, dash] of list) {
+      if (dash) {
+        g.strokeStyle = shade; g.lineWidth = 1.6; g.setLineDash(dash); g.beginPath(); g.moveTo(x, this.top - 9); g.lineTo(x + 24, this.top - 9); g.stroke(); g.setLineDash([]);
+        x += 28;
+      }
+      g.fillStyle = shade; g.fillText(name, x, this.top - 5); x += g.measureText(name).width + 14;
+    }
   }
   // a range about the values, with a margin
   fit(low, high) {
@@ -127,7 +151,7 @@ function signs(parent, meaning) {
   canvas.setAttribute("role", "img"); canvas.className = "signs";
   const draw = () => {
     const ratio = window.devicePixelRatio || 1, width = parent.clientWidth, list = meaning(), g = canvas.getContext("2d");
-    g.font = "11px system-ui, sans-serif";
+    g.font = FONT;
     const places = [];
     let x = 14, y = 9;
     for (const [text] of list) {
@@ -137,7 +161,7 @@ function signs(parent, meaning) {
     }
     canvas.width = Math.round(width * ratio); canvas.height = Math.round((y + 9) * ratio); canvas.style.height = (y + 9) + "px";
     g.setTransform(ratio, 0, 0, ratio, 0, 0);
-    g.font = "11px system-ui, sans-serif"; g.textBaseline = "middle";
+    g.font = FONT; g.textBaseline = "middle";
     list.forEach(([text, shade, sign], i) => { const [x, y] = places[i]; sign(g, x, y); g.fillStyle = shade; g.fillText(text, x + 12, y); });
     canvas.setAttribute("aria-label", list.map(([text]) => text).join(", "));
   };

@@ -8,12 +8,12 @@ for (const column of DATA.columns) {
 }
 const main = document.querySelector("main"), left = element("div", undefined, main), side = element("div", undefined, main);
 const nav = document.querySelector("nav");
-const label = (column) => column.name + (column.unit ? " (" + column.unit + ")" : "");
+const label = (column) => (column.title || column.name) + (column.unit ? " (" + column.unit + ")" : "");
 let chosen = -1;
 
 function picker(text, start, names) {
   const holder = element("label", text + " ", nav), select = element("select", undefined, holder);
-  for (const name of names) element("option", name, select).value = name;
+  for (const name of names) element("option", name ? columns[name].title || name : "none", select).value = name;
   select.value = start;
   select.addEventListener("change", () => reset());
   return select;
@@ -64,6 +64,10 @@ function redraw() {
     }
     const [least, greatest] = reachOf(x.value, y[k].value, view.range);
     axes.fit(Math.min(low, least), Math.max(high, greatest));
+  });
+  align(panels);
+  panels.forEach((axes, k) => {
+    const ys = columns[y[k].value], width = ys.width;
     const g = axes.begin(), size = curve || width > 1 ? 1.2 : DATA.count > 2000 ? 1.6 : 2.6;
     drawCurve(axes, x.value, y[k].value);
     for (let row = 0; row < DATA.count; row++) {
@@ -96,7 +100,7 @@ function choose(row) {
   for (const column of Object.values(columns)) {
     if (column.width > 1) continue;
     const value = column.values[row];
-    if (value === value) rows.push([column.name, wordOf(column, value) + (column.unit ? " " + column.unit : "")]);
+    if (value === value) rows.push([column.title || column.name, wordOf(column, value) + (column.unit ? " " + column.unit : "")]);
   }
   for (const [name, texts] of Object.entries(DATA.texts)) if (texts[row]) rows.push([name, texts[row]]);
   tell(rows, DATA.commands ? DATA.commands[row] : "");
@@ -107,7 +111,7 @@ function chooseMark(row) {
   const rows = Object.entries(marks.texts).filter(([, texts]) => texts[row]).map(([name, texts]) => [name, texts[row]]);
   for (const [name, column] of Object.entries(marks.columns)) {
     const value = column.values[row], unit = columns[name].unit ? " " + columns[name].unit : "";
-    if (column.width === 1 && Number.isFinite(value)) rows.push([name, (name === "parameter" ? Number(value.toPrecision(12)) : shortNumber(value)) + unit]);
+    if (column.width === 1 && Number.isFinite(value)) rows.push([columns[name].title || name, (name === "parameter" ? Number(value.toPrecision(12)) : shortNumber(value)) + unit]);
   }
   tell(rows, "");
   redraw();

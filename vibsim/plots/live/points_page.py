@@ -36,6 +36,8 @@ def points_data(subject: Subject) -> dict[str, Any]:
     if table.count > MOST_POINTS:
         raise PlotError(f"{subject.path}: {table.count} points are too many for a page, {MOST_POINTS} go")
     columns = [*_columns(table, _by_ratio(subject)), *_further(arrays, table)]
+    for column in columns:
+        column |= _titled(subject, column["name"])
     numbers = [column["name"] for column in columns if column["name"] not in table.dims]
     if not numbers:
         raise PlotError(f"{subject.path}: no numbers to draw")
@@ -61,6 +63,18 @@ def _lines(subject: Subject) -> dict[str, Any]:
     from vibsim.plots.live.lines import lines_data, locus_data
 
     return (lines_data if subject.reads == "branch" else locus_data)(subject.result)
+
+
+def _titled(subject: Subject, name: str) -> dict[str, str]:
+    """The key of the case that a column of a branch or a locus is about, as it is called on the page."""
+    if subject.reads == "branch":
+        keys = {"parameter": subject.result.key}
+    elif subject.reads == "locus":
+        plan = subject.result.plan
+        keys = {"parameter": plan.branch.keys[0], "second": plan.keys[0]}
+    else:
+        return {}
+    return {"title": keys[name]} if name in keys else {}
 
 
 def _by_ratio(subject: Subject) -> set[str]:

@@ -41,7 +41,8 @@ function extremes(names, [first, last]) {
 }
 
 // Of the rows that fall into one pixel the first, least, greatest and last: no extreme is lost at any zoom.
-function draw(axes, curve, factor, [first, last]) {
+// Such a band has no dashes.
+function draw(axes, curve, dash, factor, [first, last]) {
   const g = axes.g, f = columns[curve.column], smooth = curve.rate || curve.of;
   g.strokeStyle = shade(curve.colour); g.lineWidth = 1.2; g.beginPath();
   if (last - first > 3 * axes.inner) {
@@ -56,6 +57,7 @@ function draw(axes, curve, factor, [first, last]) {
     }
     g.lineTo(column, axes.py(low * factor)); g.lineTo(column, axes.py(high * factor));
   } else {
+    g.setLineDash(dash);
     g.moveTo(axes.px(t[first]), axes.py(f[first] * factor));
     for (let i = first; i + 1 < last; i++) {
       const steps = smooth ? Math.min(Math.ceil((axes.px(t[i + 1]) - axes.px(t[i])) / 2), 400) : 1;
@@ -66,7 +68,7 @@ function draw(axes, curve, factor, [first, last]) {
       g.lineTo(axes.px(t[i + 1]), axes.py(f[i + 1] * factor));
     }
   }
-  g.stroke();
+  g.stroke(); g.setLineDash([]);
 }
 
 const panels = DATA.panels.map((panel, i) => {
@@ -99,6 +101,7 @@ function drawPortrait(visible) {
   const [fx, fy] = DATA.portrait.factors, x = columns[DATA.portrait.x], y = columns[DATA.portrait.y];
   const spread = (name, factor) => { const [low, high] = extremes([name], visible); const m = (high - low) * 0.05 || 1e-12; return [(low - m) * factor, (high + m) * factor]; };
   portrait.x = spread(DATA.portrait.x, fx); portrait.y = spread(DATA.portrait.y, fy);
+  align([portrait]);
   const g = portrait.begin();
   for (const stop of DATA.portrait.stops) {
     g.strokeStyle = colour("dim"); g.setLineDash([5, 3]); g.beginPath();
@@ -130,13 +133,17 @@ function redraw() {
     axes.x = view.range;
     const [low, high] = extremes(panel.curves.map((curve) => curve.column), visible);
     axes.fit(low * panel.factor, high * panel.factor);
+  }
+  align(panels.map((panel) => panel.axes));
+  for (const panel of panels) {
+    const axes = panel.axes;
     axes.begin();
     beyond(axes);
-    for (const curve of panel.curves) draw(axes, curve, panel.factor, visible);
+    panel.curves.forEach((curve, i) => draw(axes, curve, dashOf(i), panel.factor, visible));
     ticksOfImpacts(axes);
     if (cursor !== null) { const g = axes.g, x = axes.px(cursor); g.strokeStyle = colour("mark"); g.beginPath(); g.moveTo(x, axes.top); g.lineTo(x, axes.top + axes.inside); g.stroke(); }
     axes.end();
-    axes.names(panel.curves.map((curve) => [curve.name, shade(curve.colour)]));
+    axes.names(panel.curves.map((curve, i) => [curve.name, shade(curve.colour), panel.curves.length > 1 && dashOf(i)]));
   }
   drawPortrait(visible);
   main.dataset.from = view.range[0]; main.dataset.to = view.range[1];
