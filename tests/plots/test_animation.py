@@ -14,10 +14,13 @@ import vibsim
 from tests.command_line.made import call
 from tests.plots.browser import Browser, program
 from tests.plots.test_pages import data_of, numbers
+from vibsim.plots import style
 from vibsim.plots.animation.channels import channels_of
 from vibsim.plots.animation.display_list import moving_shapes
+from vibsim.plots.animation.film import Film
 from vibsim.plots.animation.sketch import display_list, sketch
 from vibsim.plots.animation.stage import NOSE_CM, attached
+from vibsim.plots.animation.writing import SIZES
 from vibsim.plots.errors import PlotError
 from vibsim.plots.subject import open_subject, subject_of
 
@@ -112,7 +115,7 @@ def test_a_gif_has_its_frames(runs, tmp_path):
 
     out = tmp_path / "a.gif"
     done = call("animate", runs["motor"], "-o", str(out), "--window", "10:10.4", "--speed", "0.5")
-    assert (done.exit_code, done.stdout) == (0, f"{out}: 17 frames\n")
+    assert (done.exit_code, done.stdout) == (0, f"{out}: 17 frames; --speed 0.08 makes it some 5 s long\n")
     with Image.open(out) as picture:
         assert picture.n_frames == 17 and picture.info["loop"] == 0 and picture.info["duration"] == 50
         first = np.asarray(picture.convert("RGB"), int)
@@ -213,3 +216,34 @@ def test_a_page_goes_stops_and_slows(runs, tmp_path, width):
         assert browser.said == []
     finally:
         browser.close()
+
+
+def test_a_film_that_is_too_short_says_how_to_make_it_longer(tmp_path, monkeypatch):
+    """0.04 s of a chain of bodies are less than a frame in real time; 5 s of a film at 0.008."""
+    monkeypatch.chdir(tmp_path)
+    vibsim.simulate("gallery/chain-with-gaps").save("chain.h5")
+    vibsim.simulate("gallery/three-balls").save("balls.h5")
+    done = call("animate", "chain.h5", "-o", "chain.gif")
+    said = "chain.gif: 0.04 s are one frame at this speed; --speed 0.008 makes it some 5 s long"
+    assert (done.exit_code, done.stderr) == (2, f"Error: {said}\n") and not (tmp_path / "chain.gif").exists()
+    done = call("animate", "balls.h5", "-o", "balls.gif")
+    assert done.stdout.startswith("balls.gif: 6 frames; --speed 0.05 makes it some 5 s long")
+    assert call("animate", "balls.h5", "-o", "b.gif", "--speed", "0.05").stdout == "b.gif: 121 frames\n"
+
+
+@pytest.mark.parametrize(("name", "speed"), [("chain-with-gaps", 0.01), ("energy-sink", 1.0)])
+def test_words_of_a_film_fit_into_their_boxes_and_off_the_clock(name, speed):
+    """However small a machine of many bodies is drawn."""
+    subject = subject_of(vibsim.simulate(f"gallery/{name}", trust=False))
+    channels = channels_of(subject, (0.0, min(1.0, subject.result.t_reached)), speed / 20, speed)
+    with style.applied():
+        film = Film(subject, channels, speed, *SIZES[".gif"])
+        film.frame(0)
+    words = {artist.get_text(): artist for artist in film._artists if hasattr(artist, "get_text")}
+    machine, clock = film._machine.get_window_extent(), film._clock.get_window_extent()
+    for box in channels.stage.plan.boxes:
+        drawn = words[box.name].get_window_extent()
+        width = box.width / (film._machine.get_xlim()[1] - film._machine.get_xlim()[0]) * machine.width
+        assert drawn.width < width
+    assert all(not artist.get_window_extent().overlaps(clock) for artist in words.values())
+    assert machine.y1 <= clock.y0

@@ -46,7 +46,7 @@ def command(
     from vibsim.command_line.terminal.progress import PATIENCE, Progress
     from vibsim.files.output_file import check_output
     from vibsim.files.signals import interrupted_with
-    from vibsim.plots.animation.writing import Wish, animate
+    from vibsim.plots.animation.writing import Wish, animate, too_short
 
     check_output(output, force)
     progress = Progress(not ctx.obj.quiet, PATIENCE)
@@ -60,4 +60,4 @@ def command(
     if ctx.obj.json:
         print_json({"written": [output], "frames": count})
     elif not ctx.obj.quiet:
-        say(f"{output}: {count} frames")
+        say(f"{output}: {count} frames{too_short(output, count, speed)}")

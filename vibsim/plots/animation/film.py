@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from vibsim.plots.animation.channels import Channels, speed_text
 from vibsim.plots.animation.display_list import Moving
@@ -21,6 +22,9 @@ from vibsim.plots.style import BLUE, VERMILLION, dashed
 from vibsim.plots.subject import Subject
 
 LIT = "#FFC400"  # of a stop in contact
+WIDE = 4.0  # width over height of a machine from which it takes the whole width
+CLOCK_PT, CLOCK_ROOM = 8, 1.8  # size of the clock, and lines that are left free for it
+CM_PER_INCH = 2.54
 
 
 class Film:
@@ -40,22 +44,38 @@ class Film:
         self._stops = [element.key for element in channels.stage.stops]
         self._dot = self._portrait.plot([], [], "o", color=VERMILLION, markersize=5, animated=True)[0]
         self._line = self._history.axvline(channels.times[0], color=VERMILLION, linewidth=1.0, animated=True)
-        self._clock = self._machine.text(
-            0.0, 1.0, "", transform=self._machine.transAxes, va="top", fontsize=8, animated=True
-        )
+        self._clock = self.figure.text(0.01, 0.99, "", va="top", fontsize=CLOCK_PT, animated=True)
         self._said = speed_text(speed)
         self.canvas.draw()
+        self._fit_words(dpi)
         self._background = self.canvas.copy_from_bbox(self.figure.bbox)
 
     def _axes(self, subject: Subject) -> tuple[Any, Any, Any]:
-        grid = self.figure.add_gridspec(2, 2, width_ratios=(1.7, 1), height_ratios=(1.3, 1))
-        machine = self.figure.add_subplot(grid[0, 0])
+        """Of the machine, the portrait and the history: a wide machine stands above both."""
         left, low, right, high = frame_of(self.channels.stage, self.channels.values[:, : self._ends()])
+        wide = right - left > WIDE * (high - low)
+        grid = self.figure.add_gridspec(
+            2, 2, width_ratios=(1.7, 1), height_ratios=(1, 1.3) if wide else (1.3, 1)
+        )
+        cells = (grid[0, :], grid[1, 1], grid[1, 0]) if wide else (grid[0, 0], grid[0, 1], grid[1, :])
+        machine, portrait, history = (self.figure.add_subplot(cell) for cell in cells)
         machine.set_axis_off()
         machine.set_aspect("equal")
         machine.set_xlim(left, right)
         machine.set_ylim(low, high)
-        return machine, self.figure.add_subplot(grid[0, 1]), self.figure.add_subplot(grid[1, :])
+        engine = self.figure.get_layout_engine()
+        assert isinstance(engine, ConstrainedLayoutEngine)
+        above = CLOCK_ROOM * CLOCK_PT / 72 / self.figure.get_figheight()
+        engine.set(rect=(0, 0, 1, 1 - above))
+        return machine, portrait, history
+
+    def _fit_words(self, dpi: int) -> None:
+        """Make the words of a machine that is drawn smaller than its still drawing smaller, too."""
+        left, right = self._machine.get_xlim()
+        scale = self._machine.get_window_extent().width / (right - left) / (dpi / CM_PER_INCH)
+        for artist, moving in zip(self._artists, self.shapes, strict=True):
+            if moving.shape.kind == "text":
+                artist.set_fontsize(min(scale, 1.0) * moving.shape.look["size"])
 
     def _ends(self) -> int:
         return len(self.channels.stage.bodies)
@@ -79,7 +99,7 @@ class Film:
         self._line.set_xdata([channels.times[number]] * 2)
         self._history.draw_artist(self._line)
         self._clock.set_text(f"t = {channels.times[number]:.3f} s, {self._said}")
-        self._machine.draw_artist(self._clock)
+        self.figure.draw_artist(self._clock)
         return np.asarray(self.canvas.buffer_rgba())[..., :3].copy()
 
 
@@ -102,7 +122,7 @@ def _still(
     for i, name in enumerate(columns):
         look = {"linewidth": 0.8, "label": symbol(name), "gid": name, **dashed(i)}
         history.plot(smooth["time"], scale(smooth[name]), **look)
-    history.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(columns))
+    history.legend(loc="lower left", bbox_to_anchor=(0, 1.02), ncols=len(columns))
     history.set_xlim(channels.times[0], channels.times[-1])
     history.set_xlabel("Time (s)")
     history.set_ylabel(scale.label("Displacement"))

@@ -11,7 +11,7 @@ from vibsim.plots.animation.channels import COSINE, FLOOR, SINE, Channels
 from vibsim.plots.animation.display_list import Moving, moving_shapes
 from vibsim.plots.animation.stage import FLOOR_TICK_CM, NOSE_CM, ROD_CM, Stage, attached
 from vibsim.plots.machine import symbols
-from vibsim.plots.machine.elements import BASE, FIXED, Element, floors
+from vibsim.plots.machine.elements import BASE, FIXED, Element, floors, short
 from vibsim.plots.style import GREY, ORANGE, VERMILLION
 
 MARGIN_CM = 0.5
@@ -51,7 +51,7 @@ def sketch(axes: Any, stage: Stage, at: dict[str, float]) -> None:
         _walls(axes, element, x0, x1, y)
         _element(axes, element, x0, x1, y, at)
     for box in plan.boxes:
-        mass = str(stage.values["bodies"][box.name])
+        mass = short(stage.values["bodies"][box.name])
         symbols.body(axes, box.x + at[box.name], box.width, plan.height, box.name, mass)
     motor = stage.values.get("motor")
     if motor is not None:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 SUFFIXES = (".mp4", ".gif", ".html")
 FRAMES_PER_SECOND = {".mp4": 30, ".gif": 20, ".html": 60}
+COMFORTABLE = 5.0  # seconds of a film
 SHOWN = 10.0  # seconds of motion where no window is asked for: the last ones
 SIZES = {".mp4": ((1280, 720), 120), ".gif": ((800, 480), 92)}  # px, and dots per inch
 Watch = Callable[[int, int], None]
@@ -64,6 +65,10 @@ def animate(path: str, out: str, wish: Wish, force: bool = False, watch: Watch |
         from vibsim.plots.animation.page import write_moving_page
 
         return write_moving_page(subject, window, wish.speed, out, force)
+    if window[1] - window[0] < step:
+        raise PlotError(
+            f"{out}: {window[1] - window[0]:.3g} s are one frame at this speed; {slower_advice(window)}"
+        )
     with style.applied():
         from vibsim.plots.animation.film import Film
 
@@ -74,6 +79,19 @@ def animate(path: str, out: str, wish: Wish, force: bool = False, watch: Watch |
         else:
             _write_gif(frames, out, force)
     return len(film.channels.times)
+
+
+def slower_advice(window: Span) -> str:
+    """How to have a film of a span [s] that is long enough to be looked at."""
+    return f"--speed {(window[1] - window[0]) / COMFORTABLE:.1g} makes it some {COMFORTABLE:g} s long"
+
+
+def too_short(out: str, count: int, speed: float) -> str:
+    """What makes a film of less than a second longer, in words; empty for a longer one, and for a page."""
+    suffix = Path(out).suffix.lower()
+    if suffix == ".html" or count >= FRAMES_PER_SECOND[suffix]:
+        return ""
+    return f"; {slower_advice((0.0, (count - 1) * speed / FRAMES_PER_SECOND[suffix]))}"
 
 
 def _watched(film: Film, watch: Watch | None) -> Iterator[np.ndarray]:
