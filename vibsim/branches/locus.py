@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.branches.arclength import ContinuationError, NoCase, correct, kernel, tangent
-from vibsim.branches.family import SHIFT, Family, FamilyPoint
+from vibsim.branches.family import SHIFT, STEEP, Family, FamilyPoint
 from vibsim.branches.holding import critical_share, excess_at
 from vibsim.branches.node import LEAST_LIMIT, Node
 from vibsim.branches.special import DOUBLING, FOLD, GRAZING, STICKING, TORUS
@@ -27,6 +27,8 @@ ASIDE = 2.0**-12  # scaled: beside a kink, far beyond what difference quotients 
 FAMILIES = 4  # values of the second parameter that are kept
 LOCUS_PACE = Pace(first=0.01, least=1e-7, most=0.05)
 END = "end of the range"
+GRAZED = "a rigid stop is grazed: here the locus meets that of the graze"
+INFINITE = 1e6  # scaled derivative of a test value beside which a rigid stop is grazed
 KINDS = (FOLD, DOUBLING, TORUS, GRAZING, STICKING)
 WATCHED = (GRAZING, STICKING)  # changes of order, where multipliers are on no circle
 
@@ -133,9 +135,17 @@ class PlanePoint:
     @cached_property
     def _gradient(self) -> np.ndarray:
         """Derivative of the test by the unknowns."""
+        gradient = self._quotients(DIFFERENCE)
+        steepness = float(np.linalg.norm(gradient))
+        if self.plane.kind in WATCHED or steepness <= STEEP:
+            return gradient
+        return self._quotients(DIFFERENCE * STEEP / steepness)  # near a graze it is as bent as it is steep
+
+    def _quotients(self, shift: float) -> np.ndarray:
+        """Difference quotients of the test by the unknowns."""
         here, gradient = self.plane.test(self.point), np.empty(len(self.z))
-        for i, shift in enumerate(DIFFERENCE * np.eye(len(self.z))):
-            beside, width = self._beside(shift, DIFFERENCE)
+        for i, one in enumerate(np.eye(len(self.z))):
+            beside, width = self._beside(shift * one, shift)
             gradient[i] = (self.plane.test(beside) - here) / width
         return gradient
 
@@ -150,6 +160,12 @@ class PlanePoint:
     def _size(self) -> float:
         beside = self._aside if self.plane.kind == STICKING else self
         return float(np.linalg.norm(beside._gradient)) or 1.0
+
+    @property
+    def grazes(self) -> bool:
+        """Whether multipliers grow without bound beside it, as where a rigid stop is all but grazed."""
+        scene = self.point.end.coordinates.scene
+        return self.plane.kind not in WATCHED and bool(scene.rigid_stops) and self._size > INFINITE
 
     @property
     def linear(self) -> np.ndarray:
@@ -244,7 +260,7 @@ def walk(
             continue
         following = LOCUS_PACE.following(step, turned, 4)
         ended = _ended(point, spans)
-        if ended:
+        if ended == END:
             point = _at_bound(plane, here, point, spans[1])
         yield LocusStep(point, ahead, following, ended)
         if ended:
@@ -336,4 +352,4 @@ def _onto_bound(
 def _ended(point: PlanePoint, spans: Sequence[tuple[float, float]]) -> str:
     values: list[Any] = [point.point.parameter, point.second]
     outside = any(not min(span) <= value <= max(span) for value, span in zip(values, spans, strict=True))
-    return END if outside else ""
+    return END if outside else GRAZED if point.grazes else ""
