@@ -9,6 +9,7 @@ import pytest
 
 import vibsim
 from vibsim.cases import RangeError
+from vibsim.plots.errors import PlotError
 
 SHORT = {"run.t_end": "2 s"}
 
@@ -200,3 +201,23 @@ def test_a_result_is_called_what_it_is(write, name, tmp_path, monkeypatch):
     ):
         write(name)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_column_or_a_table_that_there_is_not_is_named(saved):
+    result = vibsim.open_result(saved)
+    for table, call in ((result, "trajectory has time, x1"), (result.events, "events have t, kind")):
+        for ask in (table.__getitem__, table.column):
+            with pytest.raises(KeyError, match=f"no column x9; th(is|ese) {call}"):
+                ask("x9")
+    with pytest.raises(ValueError, match=r"there are: none; .* result.events.to_dataframe\(\)"):
+        result.to_dataframe("events")
+    assert len(result.events.to_dataframe()) == len(result.events["t"])
+    for wrong in (3, ["phase", "relative"]):
+        with pytest.raises(PlotError, match="kind must be a name such as 'relative', got "):
+            result.plot(kind=wrong)
+
+
+def test_an_orbit_without_a_turn_of_a_gap_has_no_margin_of_it():
+    orbit = vibsim.orbit("gallery/impact-oscillator")
+    assert orbit.margin == np.inf and "inf" not in repr(orbit)
+    assert "margin          no turn of a gap" in repr(orbit)

@@ -32,7 +32,10 @@ class Tidy:
     def __post_init__(self) -> None:
         if self.along and self.along not in self.arrays.further:
             listed = ", ".join(self.arrays.further) or "none"
-            raise ValueError(f"no further dimension is called {self.along!r}; there are: {listed}")
+            advice = (
+                "; events are a table apart: result.events.to_dataframe()" if self.along == "events" else ""
+            )
+            raise ValueError(f"no further dimension is called {self.along!r}; there are: {listed}{advice}")
 
     @cached_property
     def dims(self) -> tuple[str, ...]:

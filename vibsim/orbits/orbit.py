@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import inf
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -185,7 +186,7 @@ class Orbit(Labelled):
             ("section", start),
             ("events", self.spelled or "none"),
             ("multipliers", multipliers or "none"),
-            ("margin", f"{self.margin:.5g} m"),
+            ("margin", "no turn of a gap" if self.margin == inf else f"{self.margin:.5g} m"),
         ]
 
     @property

@@ -57,7 +57,7 @@ def plot(
     >>> vibsim.plot(result, x="x1", y="v1", ax=right, style=False).get_ylabel()
     'v1 (m s-1)'
     """
-    _check(width, size, font_size)
+    _check(kind, width, size, font_size)
     subjects, canvas = _subjects(result), _canvas(ax)
     with styles.applied(style, font_size):
         view = View(_span(window), _span(detail), width, size, x, y, canvas)
@@ -76,8 +76,10 @@ def _span(span: Any) -> Span | None:
     return None if span is None else parse_span(span)
 
 
-def _check(width: Any, size: Any, font_size: Any) -> None:
-    """Raises PlotError for measures of a figure that are none."""
+def _check(kind: Any, width: Any, size: Any, font_size: Any) -> None:
+    """Raises PlotError for what names no kind, and measures of a figure that are none."""
+    if not isinstance(kind, str | None):
+        raise PlotError(f"kind must be a name such as 'relative', got {kind!r:.60}")
     if width is not None and width not in WIDTHS_CM:
         raise PlotError(f"width must be one of {', '.join(WIDTHS_CM)}, got {width!r:.60}")
     lengths = [] if size is None else list(size) if isinstance(size, list | tuple) else [None]

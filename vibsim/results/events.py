@@ -33,9 +33,13 @@ class Events(Labelled, Mapping[str, np.ndarray]):
         self._case = case
 
     def __getitem__(self, name: str) -> np.ndarray:
+        self._check(name)
+        return self._table[name]
+
+    def _check(self, name: str) -> None:
+        """Raises KeyError with the columns that there are where `name` is none."""
         if name not in self._table:
             raise KeyError(f"no column {name}; these events have {', '.join(self._table)}")
-        return self._table[name]
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._table)
@@ -45,6 +49,7 @@ class Events(Labelled, Mapping[str, np.ndarray]):
 
     def column(self, name: str) -> Any:
         """One column; on file a handle that reads only the rows it is indexed with."""
+        self._check(name)
         return self._table.column(name) if hasattr(self._table, "column") else self._table[name]
 
     def words(self, name: str) -> np.ndarray:

@@ -55,9 +55,13 @@ class Result(Labelled):
         return Result, (self.attrs, dict(self._samples), dict(self.events), self.case, digits, orbit)
 
     def __getitem__(self, name: str) -> np.ndarray:
+        self._check(name)
+        return self._samples[name]
+
+    def _check(self, name: str) -> None:
+        """Raises KeyError with the columns that there are where `name` is none."""
         if name not in self._samples:
             raise KeyError(f"no column {name}; this trajectory has {', '.join(self.keys())}")
-        return self._samples[name]
 
     def __contains__(self, name: object) -> bool:
         return name in self._samples
@@ -74,6 +78,7 @@ class Result(Labelled):
 
     def column(self, name: str) -> Any:
         """One sampled column; on file a handle that reads only the rows it is indexed with."""
+        self._check(name)
         return _column(self._samples, name)
 
     def event_column(self, name: str) -> Any:
