@@ -17,6 +17,7 @@ SWEEPS = {
     "fractions": ({"Omega0": "3, 4 Hz", "c": "0.001:0.1/8"}, {}),
     "both": ({"Omega0": "3, 4 Hz"}, {"carry_state": True, "direction": "both"}),
     "families": ({"Omega0": "3, 4 Hz", "c": "0.01:0.09/9"}, {"carry_state": True, "direction": "both"}),
+    "few": ({"Omega0": "3, 4 Hz", "c": "0.01, 0.02, 0.03"}, {}),
     "one": ({"Omega0": "5 Hz", "c": "0.01, 0.02, 0.03"}, {}),
 }
 
@@ -94,3 +95,15 @@ def test_classes_of_speeds_share_the_points_and_part_at_gaps():
     assert any(3.7 < edge < 4.9 for edge in edges)
     assert len(speed_classes(np.array([3.6, 3.6]))) == 2
     assert len(speed_classes(np.empty(0))) == 2
+
+
+@pytest.mark.parametrize("kind", ["sommerfeld", "amplitude"])
+def test_a_few_families_differ_in_their_marks_too(paths, kind):
+    """In grey print; a family swept both ways has one mark, closed and open."""
+    drawn = lines(draw(kind, paths["few"]), "mean" if kind == "sommerfeld" else "x1")
+    assert [line.get_marker() for line in drawn] == ["o", "s", "^"]
+    up, down = lines(draw(kind, paths["both"]), "mean" if kind == "sommerfeld" else "x1")
+    assert up.get_marker() == down.get_marker() == "o"
+    assert up.get_markerfacecolor() != down.get_markerfacecolor()
+    many = lines(draw(kind, paths["fractions"]), "mean" if kind == "sommerfeld" else "x1")
+    assert {line.get_marker() for line in many} == {"o"}  # of which colours tell the value

@@ -30,7 +30,7 @@ DASHES: tuple[Any, ...] = (
     "-", (0, (6, 2)), (0, (1.5, 1.5)), (0, (6, 1.5, 1.5, 1.5)), (0, (3, 1.5)), (0, (9, 3)),
     (0, (6, 1.5, 1.5, 1.5, 1.5, 1.5)),
 )  # fmt: skip
-MARKERS = ("o", "s", "^", "D", "v", "x", "+")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
 THIN = 0.6  # line width of data [pt]
 FEW, LARGEST_PT, SMALLEST_PT = 60, 3.0, 1.4  # points of a panel that are drawn large; sizes

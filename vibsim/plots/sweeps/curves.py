@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from vibsim.cases.schema.forms import LONG
 from vibsim.plots.motion.natural_frequencies import Frequency, fractions, natural_frequencies
 from vibsim.plots.page.sheet import legend_below
-from vibsim.plots.style import BLUE, VERMILLION, overlay
+from vibsim.plots.style import BLUE, MARKERS, VERMILLION, overlay
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweeps.axes import (
     along,
@@ -38,6 +38,7 @@ TUNING = {  # what natural frequencies depend on, in either form of a case
 COLOURS = 7  # curves told apart by the colours of the style; more take those of a colour map
 BRIGHTEST = 0.9  # part of the colour map in use: its end is too pale for lines
 BANDS = ((0.05, 0.95), (0.25, 0.75))  # quantiles of the members of an ensemble
+LONE, ALONE_PT, SHAPED_PT = MARKERS[0], 2.0, 2.6  # points that need not be told apart; sizes of points
 ROOM = 0.02  # share of the span that is left on either side of it
 UP, DOWN = 1, -1
 DIRECTION_NAMES = {UP: "up", DOWN: "down"}
@@ -58,6 +59,7 @@ class Curve:
     down : whether it was swept downwards
     members : size of the ensemble that the curve sums up, or None
     joined : whether neighbours belong together: not the members of an ensemble
+    marker : shape of its points, by which families are told apart in grey print
     """
 
     subject: Subject
@@ -70,6 +72,7 @@ class Curve:
     members: int | None
     joined: bool
     _at: tuple[Any, ...]
+    marker: str = LONE
 
     def values(self, name: str) -> np.ndarray:
         """What the sweep has of that name along the curve, (n) or (n, section); of an ensemble the median."""
@@ -100,8 +103,9 @@ class Curve:
         """Line and markers: closed upwards, open and dashed downwards."""
         face = "white" if self.down else self.colour
         return {
-            "color": self.colour, "linestyle": self._dashes, "marker": "o",
-            "markersize": 2.0, "markeredgewidth": 0.5, "markerfacecolor": face,
+            "color": self.colour, "linestyle": self._dashes, "marker": self.marker,
+            "markersize": ALONE_PT if self.marker == LONE else SHAPED_PT, "markeredgewidth": 0.5,
+            "markerfacecolor": face,
         }  # fmt: skip
 
     @property
@@ -127,6 +131,7 @@ def curves(subjects: Sequence[Subject]) -> list[Curve]:
             title = _title(subject, others, len(subjects) > 1)
             label = ", ".join(filter(None, [title, DIRECTION_NAMES[direction] if result.plan.carry else ""]))
             colour = _colour(i, len(every), direction, tones[i])
+            marker = MARKERS[i] if len(every) <= COLOURS else LONE
             at = list(others)
             at.insert(a, ascending)
             listed.append(
@@ -141,6 +146,7 @@ def curves(subjects: Sequence[Subject]) -> list[Curve]:
                     members,
                     not alone,
                     (*at, d),
+                    marker,
                 )
             )
     return listed
@@ -195,7 +201,7 @@ def _title(subject: Subject, others: tuple[Any, ...], named: bool) -> str:
 def alone(curve: Curve) -> Curve:
     """The curve as it looks in a panel of its family."""
     direction = DOWN if curve.down else UP
-    return replace(curve, colour=_colour(0, 1, direction, 0.0), label=DIRECTION_NAMES[direction])
+    return replace(curve, colour=_colour(0, 1, direction, 0.0), label=DIRECTION_NAMES[direction], marker=LONE)
 
 
 def _colour(index: int, count: int, direction: int, tone: float) -> Any:
