@@ -95,6 +95,10 @@ def _lay_over(sheet: str | PathLike[str]) -> None:
                 open(sheet).close()  # of one that must not be read matplotlib says only that it is no style
             style.use(fspath(sheet))
     except (OSError, ValueError, UnicodeDecodeError) as error:
+        if not Path(sheet).exists() and sheet not in style.library:
+            raise PlotError(
+                f"{sheet}: no such file, and matplotlib has no style of that name, such as ggplot"
+            ) from None
         raise PlotError(f"{sheet} is no style sheet of matplotlib: {reason(error):.120}") from None
 
 

@@ -23,7 +23,7 @@ def write_csv(
     Raises ResultFileError when `path` exists and `force` is not given, or cannot be written.
     """
     names = list(result.events) if events else result.keys()
-    words = _words(result) if events else {}
+    words = _words(result, events)
     columns = [result.event_column(name) if events else result.column(name) for name in names]
     with output_file(path, force) as partial, open(partial, "w", encoding="ascii", newline="") as file:
         file.write(",".join(names) + "\r\n")
@@ -35,13 +35,14 @@ def write_csv(
             file.writelines(",".join(row) + "\r\n" for row in zip(*values, strict=True))
 
 
-def _words(result: Result) -> dict[str, dict[int, str]]:
-    """Columns of events that are written as words: names of their values."""
-    columns = tables_of(result.case.scene()).events
+def _words(result: Result, events: bool) -> dict[str, dict[int, str]]:
+    """Columns of codes, which are written as words: names of their values."""
+    tables = tables_of(result.case.scene())
+    columns = tables.events if events else tables.samples
     return {
-        name: {code: word for word, code in columns[name].flags.items()}
-        for name in ("kind", "part")
-        if name in columns
+        name: {code: word for word, code in column.flags.items()}
+        for name, column in columns.items()
+        if column.flags
     }
 
 
