@@ -7,6 +7,7 @@ import pytest
 
 from tests.plots.artists import lines, patches, points
 from vibsim.plots.registry import kind_named
+from vibsim.plots.style import dashed
 from vibsim.plots.subject import distinct_names, open_subjects, subject_of
 from vibsim.plots.view import View
 from vibsim.results import simulate
@@ -82,6 +83,13 @@ def test_bodies_of_one_run_are_told_apart_without_colours(subject):
         assert line.get_color() == looks[i][0]
         assert list(line._dash_pattern[1] or ()) == pytest.approx(dashes[i])
     assert lines(figure, "x2")[0].get_linestyle() == "-"  # an envelope is a band
+
+
+def test_no_two_of_many_bodies_look_alike():
+    looks = {(look["color"], str(look["linestyle"])) for look in map(dashed, range(49))}
+    assert len(looks) == 49
+    first = [str(dashed(index)["linestyle"]) for index in range(7)]
+    assert len(set(first)) == 7  # by their dashes alone
 
 
 def test_a_body_that_moves_with_another_shows_through_its_dashes():

@@ -114,8 +114,9 @@ def overlay(index: int) -> dict[str, Any]:
 
 def dashed(index: int) -> dict[str, Any]:
     """Colour and dashes of line number `index` of one run: told apart in grey print, and where one lies upon
-    another, which shows through its gaps."""
-    return {**overlay(index), "linestyle": DASHES[index % len(DASHES)]}
+    another, which shows through its gaps. Where the colours begin again the dashes do not: 49 lines differ.
+    """
+    return {**overlay(index), "linestyle": DASHES[(index + index // len(_COLOURS)) % len(DASHES)]}
 
 
 def dot_size(count: int) -> float:

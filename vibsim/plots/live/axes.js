@@ -28,7 +28,7 @@ function lowerBound(values, x) {
 
 // dashes of the lines of a panel, in turn with the colours: of one line none
 const DASHES = [[], [8, 3], [2, 2], [8, 2, 2, 2], [4, 2], [12, 4], [8, 2, 2, 2, 2, 2]];
-function dashOf(i) { return DASHES[i % DASHES.length]; }
+function dashOf(i) { return DASHES[(i + Math.floor(i / 7)) % DASHES.length]; } // shifted where the seven colours begin again
 
 // as much room for the ticks of all axes as the widest needs: one column of x for panels below each other
 function align(list) {
