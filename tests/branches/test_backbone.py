@@ -9,7 +9,7 @@ import pytest
 import vibsim
 from tests.command_line.made import call
 from vibsim.branches import BranchError, continue_branch, read_branch
-from vibsim.branches.energy import Conserved
+from vibsim.branches.curve.energy import Conserved
 from vibsim.branches.span import read_energy_span
 from vibsim.cases import load_case
 from vibsim.orbits import ReturnMap

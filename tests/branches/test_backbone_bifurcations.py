@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 
 import vibsim
 from vibsim.branches import continue_branch
-from vibsim.branches.reciprocal import Reciprocal, restricted
+from vibsim.branches.curve.reciprocal import Reciprocal, restricted
 from vibsim.cases import load_case
 
 TWINS = """

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import vibsim
-from vibsim.branches.locus_plan import locus_plan
+from vibsim.branches.loci.locus_plan import locus_plan
 from vibsim.branches.span import read_span
 from vibsim.branches.store.locus_file import LocusStore
 from vibsim.cases import load_case

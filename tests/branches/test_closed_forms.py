@@ -9,11 +9,11 @@ import pytest
 import vibsim
 from vibsim.branches import continue_branch
 from vibsim.branches.continuing import complete
-from vibsim.branches.moved_section import MovedFamily, quiet_share
+from vibsim.branches.curve.step_size import Pace
 from vibsim.branches.plan import plan_from
 from vibsim.branches.span import read_span
-from vibsim.branches.step_size import Pace
 from vibsim.branches.store.branch_store import BranchFileStore, BranchStore
+from vibsim.branches.tracing.moved_section import MovedFamily, quiet_share
 from vibsim.cases import load_case
 from vibsim.orbits.newton import solve
 

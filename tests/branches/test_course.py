@@ -8,10 +8,10 @@ import pytest
 from tests.branches.made import CAPTURED, branch_of, orbit_of
 from vibsim.branches.continuing import complete
 from vibsim.branches.course import FINE, Arc, curve_of, drawn, stretches
-from vibsim.branches.locus_plan import locus_plan
+from vibsim.branches.curve.step_size import Pace
+from vibsim.branches.loci.locus_plan import locus_plan
 from vibsim.branches.plan import plan_from
 from vibsim.branches.span import read_span
-from vibsim.branches.step_size import Pace
 from vibsim.branches.store.branch_store import BranchStore
 from vibsim.branches.store.locus_file import LocusStore
 from vibsim.cases import load_case

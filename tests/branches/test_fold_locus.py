@@ -3,7 +3,7 @@
 import numpy as np
 
 from vibsim.branches import continue_branch
-from vibsim.branches.locus_plan import locus_plan
+from vibsim.branches.loci.locus_plan import locus_plan
 from vibsim.branches.span import read_span
 from vibsim.branches.store.locus_file import LocusStore
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from vibsim.branches.inspection import inspect
-from vibsim.branches.node import node_at
+from vibsim.branches.curve.node import node_at
 from vibsim.branches.plan import plan_from
 from vibsim.branches.span import read_span
+from vibsim.branches.special.inspection import inspect
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
 

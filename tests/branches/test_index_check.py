@@ -10,7 +10,7 @@ from tests.command_line.made import call
 from vibsim.branches import continue_branch, read_branch
 from vibsim.branches.branch import Branch
 from vibsim.branches.description import branch_lines, facts
-from vibsim.branches.special import UNRESOLVED
+from vibsim.branches.special.special import UNRESOLVED
 from vibsim.cases import load_case
 from vibsim.orbits import OrbitError, search_orbits
 

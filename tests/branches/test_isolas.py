@@ -3,7 +3,7 @@
 import numpy as np
 
 from vibsim.branches import continue_branch
-from vibsim.branches.walk import landed
+from vibsim.branches.tracing.walk import landed
 from vibsim.cases import load_case
 from vibsim.orbits.seeking import orbit
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import vibsim
-from vibsim.branches.joining import shift
-from vibsim.branches.node import Node
+from vibsim.branches.curve.node import Node
+from vibsim.branches.tracing.joining import shift
 from vibsim.cases import load_case
 from vibsim.cases.loading import load_case_text
 from vibsim.orbits import find_orbit

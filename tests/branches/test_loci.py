@@ -9,7 +9,7 @@ from tests.branches.made import CAPTURED, KEYS, branch_of, parameter
 from tests.command_line.made import call
 from tests.orbits.truths import TRUTHS
 from vibsim.branches import BranchError, continue_branch
-from vibsim.branches.locus_plan import locus_plan
+from vibsim.branches.loci.locus_plan import locus_plan
 from vibsim.branches.span import read_span
 from vibsim.branches.store.locus_file import LocusStore, read_locus
 from vibsim.cases import load_case

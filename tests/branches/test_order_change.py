@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from vibsim.branches.order_change import _zero
-from vibsim.branches.way import _newton
+from vibsim.branches.curve.way import _newton
+from vibsim.branches.special.order_change import _zero
 
 
 @pytest.mark.parametrize("power", [1.0, 0.5])

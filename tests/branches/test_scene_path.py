@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vibsim.branches.scene_path import ScenePath
+from vibsim.branches.curve.scene_path import ScenePath
 from vibsim.cases import load_case
 
 PATHS = [

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from vibsim.branches import BranchError, continue_branch
-from vibsim.branches.family import Family
-from vibsim.branches.holding import held
-from vibsim.branches.locus_plan import locus_plan
-from vibsim.branches.locus_result import Locus
+from vibsim.branches.curve.family import Family
+from vibsim.branches.loci.locus_plan import locus_plan
+from vibsim.branches.loci.locus_result import Locus
 from vibsim.branches.span import read_span
+from vibsim.branches.special.holding import held
 from vibsim.branches.store.locus_file import LocusStore, read_locus
 from vibsim.cases import load_case
 from vibsim.files.errors import ResultFileError

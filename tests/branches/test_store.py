@@ -10,12 +10,12 @@ import pytest
 from tests.branches.made import CAPTURED, KEYS, orbit_of
 from vibsim.branches import continue_branch, read_branch
 from vibsim.branches.continuing import complete
-from vibsim.branches.locus_plan import locus_plan
+from vibsim.branches.loci.locus_plan import locus_plan
 from vibsim.branches.plan import plan_from
-from vibsim.branches.records import plain, read_record
 from vibsim.branches.span import read_span
 from vibsim.branches.store.branch_store import BranchFileStore
 from vibsim.branches.store.locus_file import LocusStore
+from vibsim.branches.tracing.records import plain, read_record
 from vibsim.cases import UnknownKeyError
 from vibsim.files.errors import ResultFileError
 from vibsim.files.journal import journal_path

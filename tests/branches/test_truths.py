@@ -5,8 +5,8 @@ import pytest
 
 from tests.branches.made import CAPTURED, PERIOD_5, RESONANT, branch_of, nearest, parameter
 from tests.orbits.truths import TRUTHS
-from vibsim.branches.inspection import inspect
-from vibsim.branches.node import Node
+from vibsim.branches.curve.node import Node
+from vibsim.branches.special.inspection import inspect
 from vibsim.orbits.word import cyclic
 
 LOWER = "3.47:3.53 Hz"

@@ -11,7 +11,7 @@ from tests.branches.made import CAPTURED, branch_of
 from tests.command_line.made import call
 from tests.plots.artists import clipped_texts, lines, points
 from vibsim.branches.course import curve_of
-from vibsim.branches.locus_plan import locus_plan
+from vibsim.branches.loci.locus_plan import locus_plan
 from vibsim.branches.span import read_span
 from vibsim.branches.store.locus_file import LocusStore
 from vibsim.cases import load_case

@@ -11,7 +11,7 @@ import pytest
 import vibsim
 from tests.results.damages import OF_ATTRIBUTES, OF_DATASETS, damage_attribute, datasets
 from tests.results.made import short_case
-from vibsim.branches.locus_plan import locus_plan
+from vibsim.branches.loci.locus_plan import locus_plan
 from vibsim.branches.span import read_span
 from vibsim.branches.store.branch_store import BranchFileStore
 from vibsim.branches.store.locus_file import LocusStore

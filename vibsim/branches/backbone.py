@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.arclength import ContinuationError
-from vibsim.branches.energy import ENERGY, Conserved, what_is_not_conservative, without_still_sources
-from vibsim.branches.family import Family, FamilyPoint
+from vibsim.branches.curve.arclength import ContinuationError
+from vibsim.branches.curve.energy import ENERGY, Conserved, what_is_not_conservative, without_still_sources
+from vibsim.branches.curve.family import Family, FamilyPoint
+from vibsim.branches.curve.reciprocal import Reciprocal, restricted
 from vibsim.branches.plan import BranchError, BranchPlan
-from vibsim.branches.reciprocal import Reciprocal, restricted
 from vibsim.branches.span import read_energy_span
 from vibsim.cases import Case
 from vibsim.engine.errors import EngineError

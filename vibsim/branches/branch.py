@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from vibsim.branches.along import Along
-from vibsim.branches.energy import ENERGY
+from vibsim.branches.curve.energy import ENERGY
 from vibsim.branches.plan import BranchPlan
-from vibsim.branches.records import OrbitRecord, PointRecord, SpecialRecord
-from vibsim.branches.special import LABELS
+from vibsim.branches.special.special import LABELS
 from vibsim.branches.store.structure import POINT
-from vibsim.branches.tracing import CLOSED
+from vibsim.branches.tracing.records import OrbitRecord, PointRecord, SpecialRecord
+from vibsim.branches.tracing.tracing import CLOSED
 from vibsim.files.declarations import Column, Dataset
 from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.labelled import Labelled, few

@@ -11,7 +11,7 @@ from vibsim.branches.span import read_span
 from vibsim.branches.store.branch_file import read_branch
 from vibsim.branches.store.branch_store import BranchFileStore, BranchStore
 from vibsim.branches.switching import switched
-from vibsim.branches.tracing import MOST_POINTS, Watch, trace
+from vibsim.branches.tracing.tracing import MOST_POINTS, Watch, trace
 from vibsim.orbits.errors import check_count
 
 Span = tuple[float, float] | tuple[tuple[float, float], str]

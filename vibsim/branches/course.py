@@ -24,7 +24,7 @@ Places = Callable[[Any], tuple[float, ...]]
 
 @dataclass(frozen=True)
 class Between:
-    """An orbit between two points, as far as pictures ask; see `vibsim.branches.records.OrbitRecord`."""
+    """An orbit between two points, as far as pictures ask; see `OrbitRecord` of `vibsim.branches.tracing`."""
 
     parameter: float
     period: float

@@ -3,10 +3,10 @@
 from typing import Any
 
 from vibsim.branches.branch import Branch, SpecialPoint
-from vibsim.branches.energy import ENERGY
-from vibsim.branches.locus_plan import LocusPlan
-from vibsim.branches.locus_result import Locus
-from vibsim.branches.special import BIFURCATIONS, UNRESOLVED
+from vibsim.branches.curve.energy import ENERGY
+from vibsim.branches.loci.locus_plan import LocusPlan
+from vibsim.branches.loci.locus_result import Locus
+from vibsim.branches.special.special import BIFURCATIONS, UNRESOLVED
 
 DIGITS = 12  # of a parameter: special points are located to 1e-11 of it
 

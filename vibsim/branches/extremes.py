@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.records import OrbitRecord
+from vibsim.branches.tracing.records import OrbitRecord
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.orbits.start import placed
 from vibsim.physics.parts import GROUND

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.energy import ENERGY
-from vibsim.branches.family import Family
-from vibsim.branches.node import Node, node_at
-from vibsim.branches.step_size import Pace
+from vibsim.branches.curve.energy import ENERGY
+from vibsim.branches.curve.family import Family
+from vibsim.branches.curve.node import Node, node_at
+from vibsim.branches.curve.step_size import Pace
 from vibsim.cases import Case
 
 PACE = Pace()

@@ -3,8 +3,8 @@
 import re
 from math import nan
 
+from vibsim.branches.curve.scene_path import ScenePath
 from vibsim.branches.plan import BranchError
-from vibsim.branches.scene_path import ScenePath
 from vibsim.cases import Case, UnknownKeyError
 from vibsim.cases.problems import shown
 from vibsim.cases.schema.keys import measured_at

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.arclength import ContinuationError
 from vibsim.branches.branch import Branch, SpecialPoint
-from vibsim.branches.family import Family
-from vibsim.branches.joining import shift
-from vibsim.branches.node import Node, node_at
+from vibsim.branches.curve.arclength import ContinuationError
+from vibsim.branches.curve.family import Family
+from vibsim.branches.curve.node import Node, node_at
 from vibsim.branches.plan import BranchError, BranchPlan
-from vibsim.branches.special import BRANCHING, DOUBLING
+from vibsim.branches.special.special import BRANCHING, DOUBLING
+from vibsim.branches.tracing.joining import shift
 from vibsim.orbits.word import cyclic
 
 FIRST, TRIES = 2.0**-8, 8  # scaled distance of the first orbit from the special point, halved so often

@@ -74,7 +74,7 @@ def exit_code_of(action: Callable[[], Any], as_json: bool = False) -> int:
 
 def code_for(error: Exception) -> int | None:
     """Exit code of an error that is the user's to mend; None for a bug."""
-    from vibsim.branches.arclength import ContinuationError
+    from vibsim.branches.curve.arclength import ContinuationError
     from vibsim.branches.plan import BranchError
     from vibsim.cases import CaseError
     from vibsim.engine.errors import EngineError

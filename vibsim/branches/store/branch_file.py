@@ -10,8 +10,7 @@ import numpy as np
 
 from vibsim.branches.branch import Branch
 from vibsim.branches.plan import BranchPlan
-from vibsim.branches.records import OrbitRecord, PointRecord, SpecialRecord
-from vibsim.branches.special import UNRESOLVED
+from vibsim.branches.special.special import UNRESOLVED
 from vibsim.branches.store.structure import (
     ATTRIBUTES,
     BODY,
@@ -23,6 +22,7 @@ from vibsim.branches.store.structure import (
     UNKNOWN,
     datasets_of,
 )
+from vibsim.branches.tracing.records import OrbitRecord, PointRecord, SpecialRecord
 from vibsim.engine.choice import engine_name
 from vibsim.files.provenance import provenance
 from vibsim.files.reading import opened, read_attributes, read_datasets

@@ -5,8 +5,8 @@ from types import TracebackType
 
 from vibsim.branches.branch import Branch
 from vibsim.branches.plan import BranchPlan
-from vibsim.branches.records import PointRecord, SpecialRecord, plain, read_record
 from vibsim.branches.store.branch_file import origin, read_branch, write_branch
+from vibsim.branches.tracing.records import PointRecord, SpecialRecord, plain, read_record
 from vibsim.files.errors import ResultFileError
 from vibsim.files.journal import Journal
 from vibsim.files.leftover import check_leftover

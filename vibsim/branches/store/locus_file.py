@@ -6,9 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.locus_plan import LocusPlan
-from vibsim.branches.locus_result import MOST_POINTS, Locus, LocusRecord, trace_locus
-from vibsim.branches.records import plain_orbit, read_orbit
+from vibsim.branches.loci.locus_plan import LocusPlan
+from vibsim.branches.loci.locus_result import MOST_POINTS, Locus, LocusRecord, trace_locus
 from vibsim.branches.store.branch_file import orbit_of, orbit_values, places_of
 from vibsim.branches.store.structure import (
     BODY,
@@ -19,6 +18,7 @@ from vibsim.branches.store.structure import (
     UNKNOWN,
     locus_datasets,
 )
+from vibsim.branches.tracing.records import plain_orbit, read_orbit
 from vibsim.engine.choice import engine_name
 from vibsim.files.errors import ResultFileError
 from vibsim.files.journal import Journal

@@ -1,6 +1,6 @@
 """What a branch file holds."""
 
-from vibsim.branches.special import LABELS
+from vibsim.branches.special.special import LABELS
 from vibsim.files.declarations import TEXT, WHOLE, Attribute, Column, Dataset
 from vibsim.files.provenance import PROVENANCE
 

@@ -12,7 +12,7 @@ from vibsim.branches.plan import BranchError, BranchPlan, parameter_within, plan
 from vibsim.branches.span import read_span
 from vibsim.branches.store.branch_store import BranchFileStore
 from vibsim.branches.switching import switched
-from vibsim.branches.tracing import MOST_POINTS
+from vibsim.branches.tracing.tracing import MOST_POINTS
 from vibsim.cases import Case, UnknownKeyError
 from vibsim.command_line.jobs.following import Following
 from vibsim.command_line.jobs.run_plan import hdf5_name, read_case

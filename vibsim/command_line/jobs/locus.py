@@ -6,8 +6,8 @@ from pathlib import Path
 import click
 
 from vibsim.branches.description import locus_facts, locus_lines
-from vibsim.branches.locus_plan import LocusPlan, locus_plan
-from vibsim.branches.locus_result import MOST_POINTS, Locus
+from vibsim.branches.loci.locus_plan import LocusPlan, locus_plan
+from vibsim.branches.loci.locus_result import MOST_POINTS, Locus
 from vibsim.branches.plan import BranchError
 from vibsim.branches.span import read_span
 from vibsim.branches.store.locus_file import LocusStore

@@ -20,7 +20,7 @@ from vibsim.branches.plan import plan_from
 from vibsim.branches.span import read_span
 from vibsim.branches.store.branch_file import read_branch
 from vibsim.branches.store.branch_store import BranchFileStore
-from vibsim.branches.tracing import MOST_POINTS
+from vibsim.branches.tracing.tracing import MOST_POINTS
 from vibsim.cases import Case, load_case
 from vibsim.evidence.reports.claims.claim import Numbers
 from vibsim.evidence.reports.measured.paper_runs import MOTORS, PRINTED_MOTOR, READINGS, Interrupted

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from vibsim.branches.course import drawn, stretches
-from vibsim.branches.energy import ENERGY
+from vibsim.branches.curve.energy import ENERGY
 from vibsim.plots.style import BLACK
 
 WIDTH, DASHES = 1.0, (0, (3, 1.5))

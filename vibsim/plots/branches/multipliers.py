@@ -13,10 +13,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vibsim.branches.arclength import ContinuationError
 from vibsim.branches.course import drawn, stretches
-from vibsim.branches.energy import ENERGY
-from vibsim.branches.records import OrbitRecord
+from vibsim.branches.curve.arclength import ContinuationError
+from vibsim.branches.curve.energy import ENERGY
+from vibsim.branches.tracing.records import OrbitRecord
 from vibsim.plots.branches.values import parameter_label, parameter_of
 from vibsim.plots.errors import PlotError
 from vibsim.plots.page.sheet import legend_above, letter_panels, sheet

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
-from vibsim.branches.energy import ENERGY
+from vibsim.branches.curve.energy import ENERGY
 from vibsim.cases.values.units import UNITS
 from vibsim.plots.errors import PlotError
 from vibsim.plots.page.quantities import Scale, symbol

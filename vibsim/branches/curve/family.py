@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.arclength import ContinuationError, NoCase
-from vibsim.branches.reciprocal import Reciprocal
-from vibsim.branches.scene_path import ScenePath
+from vibsim.branches.curve.arclength import ContinuationError, NoCase
+from vibsim.branches.curve.reciprocal import Reciprocal
+from vibsim.branches.curve.scene_path import ScenePath
 from vibsim.cases import Case
 from vibsim.engine.errors import EngineError
 from vibsim.once import once
@@ -93,7 +93,7 @@ class Family:
         return self.case.with_values(dict.fromkeys(self.keys, f"{float(parameter)!r} {self.unit}".strip()))
 
     def case_on(self, orbit: Any) -> Case:
-        """The case that runs one period on a recorded orbit (`vibsim.branches.records.OrbitRecord`)."""
+        """The case that runs one period on a recorded orbit (`OrbitRecord` of `vibsim.branches.tracing`)."""
         state = self.map(orbit.parameter).coordinates.state(np.array(orbit.state))
         return case_on_orbit(self.at(orbit.parameter), state, orbit.period)
 

@@ -8,11 +8,11 @@ Bifurcation Theory, section 3.4): they are taken there by the polynomial through
 
 import numpy as np
 
-from vibsim.branches.arclength import ContinuationError
-from vibsim.branches.family import Family
-from vibsim.branches.node import Node
-from vibsim.branches.special import HOPF, Special
-from vibsim.branches.way import Way, at_zero, regula_falsi
+from vibsim.branches.curve.arclength import ContinuationError
+from vibsim.branches.curve.family import Family
+from vibsim.branches.curve.node import Node
+from vibsim.branches.curve.way import Way, at_zero, regula_falsi
+from vibsim.branches.special.special import HOPF, Special
 
 SHARES = (-0.4, 0.4, -0.25, 0.25, -0.15, 0.15)  # distances of these orbits, of that to the nearer end
 FINE, TRIES = 1e-6, 40  # share of it at which the place is known well enough to begin with

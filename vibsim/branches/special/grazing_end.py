@@ -6,11 +6,11 @@ the branch gets there. Past the touch the orbits go on smoothly, and the graze i
 
 import numpy as np
 
-from vibsim.branches.arclength import CLOSE, ContinuationError
-from vibsim.branches.family import Family, FamilyPoint
-from vibsim.branches.node import Node
-from vibsim.branches.special import GRAZING, Special
-from vibsim.branches.touching import TouchFamily, window_of
+from vibsim.branches.curve.arclength import CLOSE, ContinuationError
+from vibsim.branches.curve.family import Family, FamilyPoint
+from vibsim.branches.curve.node import Node
+from vibsim.branches.special.special import GRAZING, Special
+from vibsim.branches.special.touching import TouchFamily, window_of
 from vibsim.orbits.word import Word, circle
 
 STEPS = 12

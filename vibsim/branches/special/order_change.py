@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from math import isfinite
 
-from vibsim.branches.family import Family
-from vibsim.branches.node import Node
-from vibsim.branches.way import Way, at_zero
+from vibsim.branches.curve.family import Family
+from vibsim.branches.curve.node import Node
+from vibsim.branches.curve.way import Way, at_zero
 from vibsim.orbits.gaps import gap_of
 from vibsim.orbits.word import LETTERS, Word, counted
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from vibsim.branches.node import Node
+from vibsim.branches.curve.node import Node
 from vibsim.orbits.word import Word, changes
 
 FOLD, DOUBLING, TORUS, BRANCHING = "fold", "doubling", "neimark-sacker", "branch point"

@@ -8,7 +8,7 @@ beside it, on the side on which an orbit is.
 
 from collections import Counter
 
-from vibsim.branches.arclength import ContinuationError
+from vibsim.branches.curve.arclength import ContinuationError
 from vibsim.engine.modes.rows import RowMaker
 from vibsim.orbits.return_map import Return
 from vibsim.orbits.sliding import excess

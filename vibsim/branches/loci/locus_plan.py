@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.arclength import correct, tangent
 from vibsim.branches.branch import Branch, SpecialPoint
-from vibsim.branches.holding import held
-from vibsim.branches.locus import KINDS, WATCHED, Plane, PlanePoint, follow_pair
+from vibsim.branches.curve.arclength import correct, tangent
+from vibsim.branches.loci.locus import KINDS, WATCHED, Plane, PlanePoint, follow_pair
 from vibsim.branches.plan import BranchError, BranchPlan, must_matter, value_in
-from vibsim.branches.special import BRANCHING, GRAZING, STICKING, TORUS
-from vibsim.branches.touching import CONTACTS
+from vibsim.branches.special.holding import held
+from vibsim.branches.special.special import BRANCHING, GRAZING, STICKING, TORUS
+from vibsim.branches.special.touching import CONTACTS
 from vibsim.orbits.word import changes
 
 FIRST_STEP = 0.1  # scaled, that the first correction may have

@@ -7,18 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.arclength import ContinuationError, NoCase, length_of
-from vibsim.branches.family import Family
-from vibsim.branches.grazing_end import grazing_end
-from vibsim.branches.hopf import hopf_point
-from vibsim.branches.inspection import NEAR, detect, inspect
-from vibsim.branches.joining import JOINS, joining, repetition
-from vibsim.branches.moved_section import beyond_the_impact, from_section
-from vibsim.branches.node import LEAST_LIMIT, Node, ahead_of, between, goes_on, node_at, predicted
-from vibsim.branches.pitchfork import with_pitchfork
-from vibsim.branches.sliding_corner import sliding_corner
-from vibsim.branches.special import BRANCHING, CORNER, FOLD, UNRESOLVED, Special
-from vibsim.branches.step_size import SHARP, Pace, turn
+from vibsim.branches.curve.arclength import ContinuationError, NoCase, length_of
+from vibsim.branches.curve.family import Family
+from vibsim.branches.curve.node import LEAST_LIMIT, Node, ahead_of, between, goes_on, node_at, predicted
+from vibsim.branches.curve.step_size import SHARP, Pace, turn
+from vibsim.branches.special.grazing_end import grazing_end
+from vibsim.branches.special.hopf import hopf_point
+from vibsim.branches.special.inspection import NEAR, detect, inspect
+from vibsim.branches.special.pitchfork import with_pitchfork
+from vibsim.branches.special.sliding_corner import sliding_corner
+from vibsim.branches.special.special import BRANCHING, CORNER, FOLD, UNRESOLVED, Special
+from vibsim.branches.tracing.joining import JOINS, joining, repetition
+from vibsim.branches.tracing.moved_section import beyond_the_impact, from_section
 from vibsim.orbits.newton import EPS
 
 END = "end of the range"

@@ -9,11 +9,11 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from vibsim.branches.arclength import ContinuationError, length_of
-from vibsim.branches.family import Family, FamilyPoint
-from vibsim.branches.node import Node
-from vibsim.branches.special import BRANCHING, CORNER, FOLD, UNRESOLVED, Special
-from vibsim.branches.way import Way, at_zero, regula_falsi
+from vibsim.branches.curve.arclength import ContinuationError, length_of
+from vibsim.branches.curve.family import Family, FamilyPoint
+from vibsim.branches.curve.node import Node
+from vibsim.branches.curve.way import Way, at_zero, regula_falsi
+from vibsim.branches.special.special import BRANCHING, CORNER, FOLD, UNRESOLVED, Special
 
 TOUCHES = 1e-4  # distance from 1 of the multiplier where the parameter turns: the square of the way
 TRIES, FINE = 40, 1e-4  # evaluations while locating, and length of the last step

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.arclength import ContinuationError, length_of
-from vibsim.branches.family import Family
-from vibsim.branches.node import Node, chord_of, node_at, start_between
+from vibsim.branches.curve.arclength import ContinuationError, length_of
+from vibsim.branches.curve.family import Family
+from vibsim.branches.curve.node import Node, chord_of, node_at, start_between
 from vibsim.orbits.word import Word
 
 THROUGH = 3  # nodes that the polynomial goes through, the tangents at ends beside them

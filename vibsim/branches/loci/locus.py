@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.arclength import ContinuationError, NoCase, correct, kernel, tangent
-from vibsim.branches.family import SHIFT, STEEP, Family, FamilyPoint
-from vibsim.branches.holding import critical_share, excess_at
-from vibsim.branches.node import LEAST_LIMIT, Node
-from vibsim.branches.special import DOUBLING, FOLD, GRAZING, STICKING, TORUS
-from vibsim.branches.step_size import SHARP, Pace, turn
-from vibsim.branches.touching import TouchFamily, Window, window_of
+from vibsim.branches.curve.arclength import ContinuationError, NoCase, correct, kernel, tangent
+from vibsim.branches.curve.family import SHIFT, STEEP, Family, FamilyPoint
+from vibsim.branches.curve.node import LEAST_LIMIT, Node
+from vibsim.branches.curve.step_size import SHARP, Pace, turn
+from vibsim.branches.special.holding import critical_share, excess_at
+from vibsim.branches.special.special import DOUBLING, FOLD, GRAZING, STICKING, TORUS
+from vibsim.branches.special.touching import TouchFamily, Window, window_of
 from vibsim.cases import Case, CaseError
 
 DIFFERENCE = 2.0**-20  # of a scaled unknown: rounding over it and what it leaves out are about 1e-8
@@ -113,7 +113,7 @@ class Plane:
 
 
 class PlanePoint:
-    """A motion over one return, as a point of a locus; see `vibsim.branches.arclength.Point`."""
+    """A motion over one return, as a point of a locus; see `vibsim.branches.curve.arclength.Point`."""
 
     settled = True
     first_slope: np.ndarray | None = None  # each point has its own

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.arclength import ContinuationError
-from vibsim.branches.family import Family
+from vibsim.branches.curve.arclength import ContinuationError
+from vibsim.branches.curve.family import Family
 from vibsim.engine.modes.status import OPEN
 from vibsim.engine.tangent.monodromy import Carried, Carrier
 from vibsim.engine.trajectory import open_trajectory

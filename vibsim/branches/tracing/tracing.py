@@ -5,11 +5,11 @@ from typing import Protocol
 
 import numpy as np
 
-from vibsim.branches.family import Family
-from vibsim.branches.node import Node
+from vibsim.branches.curve.family import Family
+from vibsim.branches.curve.node import Node
 from vibsim.branches.plan import BranchPlan
-from vibsim.branches.records import PointRecord, SpecialRecord, point_record, records_of
-from vibsim.branches.walk import Walk
+from vibsim.branches.tracing.records import PointRecord, SpecialRecord, point_record, records_of
+from vibsim.branches.tracing.walk import Walk
 
 MOST_POINTS = 5000
 CLOSED = "closed"

@@ -6,9 +6,9 @@ leaves a doubling it turns round there: the orbits on the other side are the sam
 
 import numpy as np
 
-from vibsim.branches.arclength import ContinuationError, length_of
-from vibsim.branches.family import Family
-from vibsim.branches.node import Node, between
+from vibsim.branches.curve.arclength import ContinuationError, length_of
+from vibsim.branches.curve.family import Family
+from vibsim.branches.curve.node import Node, between
 from vibsim.orbits.word import Word
 
 FINE = 2.0**-6  # share of a step at which its search ends: nearer, orbits are no longer told apart

@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from vibsim.branches.arclength import ContinuationError
-from vibsim.branches.family import Family
-from vibsim.branches.holding import STICK, kinds_of
-from vibsim.branches.node import Node, node_at
-from vibsim.branches.special import CORNER, Special
+from vibsim.branches.curve.arclength import ContinuationError
+from vibsim.branches.curve.family import Family
+from vibsim.branches.curve.node import Node, node_at
+from vibsim.branches.special.holding import STICK, kinds_of
+from vibsim.branches.special.special import CORNER, Special
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.orbits import ReturnMap
 from vibsim.orbits.gaps import apart, motion_of_base

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.arclength import length_of
-from vibsim.branches.node import Node
-from vibsim.branches.special import Special
-from vibsim.branches.walk import Step
+from vibsim.branches.curve.arclength import length_of
+from vibsim.branches.curve.node import Node
+from vibsim.branches.special.special import Special
+from vibsim.branches.tracing.walk import Step
 from vibsim.orbits.multipliers import sides_of_circle
 from vibsim.orbits.word import Word
 
@@ -67,7 +67,7 @@ class PointRecord:
 
 @dataclass(frozen=True)
 class SpecialRecord:
-    """A special point of a branch, as of `vibsim.branches.special`.
+    """A special point of a branch, as of `vibsim.branches.special.special`.
 
     way, number : of the point behind it, seen from the start
     before, after : the words on both sides, the way the branch was walked; jump : of the index on that way

@@ -6,8 +6,8 @@ order of events makes the derivative of the map jump. A stretch that shows more 
 satisfy the check, is halved until each part has one event at most. At an event that was located the other
 multipliers must be on the side of the circle that they are on at both ends of its stretch: of a
 Neimark-Sacker point a hair before a fold the ends alone say nothing. Multipliers of conservative orbits come
-as mu and 1 / mu (`vibsim.branches.reciprocal`): where a pair passes 1 or -1 one of them leaves the circle,
-where two pairs meet on it two do.
+as mu and 1 / mu (`vibsim.branches.curve.reciprocal`): where a pair passes 1 or -1 one of them leaves the
+circle, where two pairs meet on it two do.
 """
 
 from collections.abc import Callable, Iterator
@@ -15,12 +15,13 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
-from vibsim.branches.arclength import ContinuationError, length_of
-from vibsim.branches.family import Family
-from vibsim.branches.grazing_end import grazing_end
-from vibsim.branches.node import Node, between
-from vibsim.branches.order_change import SHORT, change_between
-from vibsim.branches.special import (
+from vibsim.branches.curve.arclength import ContinuationError, length_of
+from vibsim.branches.curve.family import Family
+from vibsim.branches.curve.node import Node, between
+from vibsim.branches.curve.way import Way, regula_falsi
+from vibsim.branches.special.grazing_end import grazing_end
+from vibsim.branches.special.order_change import SHORT, change_between
+from vibsim.branches.special.special import (
     BIFURCATIONS,
     BRANCHING,
     CORNER,
@@ -32,7 +33,6 @@ from vibsim.branches.special import (
     Special,
     kind_of_change,
 )
-from vibsim.branches.way import Way, regula_falsi
 from vibsim.orbits.word import changes
 
 LONGEST_PART = 0.9  # of a stretch that is halved

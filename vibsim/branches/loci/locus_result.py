@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from vibsim.branches.along import Along
-from vibsim.branches.locus import WATCHED, LocusStep, PlanePoint, walk
-from vibsim.branches.locus_plan import LocusPlan
-from vibsim.branches.node import Node
-from vibsim.branches.records import OrbitRecord, orbit_record
+from vibsim.branches.curve.node import Node
+from vibsim.branches.loci.locus import WATCHED, LocusStep, PlanePoint, walk
+from vibsim.branches.loci.locus_plan import LocusPlan
+from vibsim.branches.tracing.records import OrbitRecord, orbit_record
 from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.labelled import Labelled, few
 
@@ -24,7 +24,7 @@ FIRST = 0.01  # scaled length of the first step
 
 @dataclass(frozen=True)
 class LocusRecord:
-    """A point of a locus; way, number, step, ended: as of `vibsim.branches.records.PointRecord`.
+    """A point of a locus; way, number, step, ended: as of `vibsim.branches.tracing.records.PointRecord`.
 
     orbit : at the bifurcation; second : value of the second parameter
     index : number of the other multipliers outside the unit circle

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.arclength import ContinuationError
-from vibsim.branches.family import Family
-from vibsim.branches.node import Node, node_at
-from vibsim.branches.touching import later
+from vibsim.branches.curve.arclength import ContinuationError
+from vibsim.branches.curve.family import Family
+from vibsim.branches.curve.node import Node, node_at
+from vibsim.branches.special.touching import later
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.orbits import ReturnMap
 from vibsim.orbits.return_map import Return

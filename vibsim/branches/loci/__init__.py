@@ -1,0 +1,1 @@
+"""Special points followed in a second parameter."""

@@ -1,0 +1,1 @@
+"""What happens between two neighbouring points of a branch: detected, parted, located."""
