@@ -43,3 +43,15 @@ def test_why_no_locus_of_branch_points_is_followed(branch, monkeypatch):
     monkeypatch.setattr(type(branch), "special", lambda self, label: special)
     with pytest.raises(BranchError, match=r"BP1 is a branch point.*only a symmetry of the scene"):
         locus_plan(branch, "BP1", ("mass.m",), "kg", (0.5, 2.0))
+
+
+def test_why_no_locus_of_an_order_is_followed(branch, monkeypatch):
+    special = SpecialPoint.__new__(SpecialPoint)
+    object.__setattr__(special, "kind", "order")
+    monkeypatch.setattr(type(branch), "special", lambda self, label: special)
+    with pytest.raises(
+        BranchError, match="OR1 is a change of the order of events alone; loci are followed of"
+    ):
+        locus_plan(branch, "OR1", ("mass.m",), "kg", (0.5, 2.0))
+    with pytest.raises(BranchError, match="OR1 is a change of the order of events alone: branches leave"):
+        continue_branch(branch, switch="OR1")

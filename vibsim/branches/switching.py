@@ -15,7 +15,7 @@ from vibsim.branches.curve.arclength import ContinuationError
 from vibsim.branches.curve.family import Family
 from vibsim.branches.curve.node import Node, node_at
 from vibsim.branches.plan import BranchError, BranchPlan
-from vibsim.branches.special.special import BRANCHING, DOUBLING
+from vibsim.branches.special.special import BRANCHING, DOUBLING, NAMES
 from vibsim.branches.tracing.joining import shift
 from vibsim.orbits.word import cyclic
 
@@ -35,7 +35,7 @@ def switched(branch: Branch, label: str, span: tuple[float, float] | None = None
         raise BranchError(str(error.args[0])) from None
     if special.kind not in (DOUBLING, BRANCHING):
         raise BranchError(
-            f"{label} is a {special.kind}: branches leave doublings (PD) and branch points (BP)"
+            f"{label} is {NAMES[special.kind]}: branches leave doublings (PD) and branch points (BP)"
         )
     plan, times = branch.plan, 2 if special.kind == DOUBLING else 1
     longer = replace(plan, n=times * plan.n, span=span or plan.span)

@@ -261,7 +261,7 @@ def walk(
         following = LOCUS_PACE.following(step, turned, 4)
         ended = _ended(point, spans)
         if ended == END:
-            point = _at_bound(plane, here, point, spans[1])
+            point = _at_bound(plane, here, point, spans)
         yield LocusStep(point, ahead, following, ended)
         if ended:
             return
@@ -311,18 +311,23 @@ def follow_pair(plane: Plane, point: PlanePoint) -> None:
     plane.pair = min(pairs, key=lambda mu: abs(mu - plane.pair))
 
 
-def _at_bound(plane: Plane, here: PlanePoint, point: PlanePoint, span: tuple[float, float]) -> PlanePoint:
-    """The point at the end of the range of the second parameter, between one inside and one outside."""
-    bound = min(max(point.second, min(span)), max(span)) / plane.scale[-1]
-    if bound == point.z[-1]:
-        return point
-    share = (bound - here.z[-1]) / (point.z[-1] - here.z[-1])
-    start = here.z + share * (point.z - here.z)
-    start[-1] = bound
-    try:
-        return correct(plane, start, np.eye(len(start))[-1], 0.1).point
-    except ContinuationError:
-        return point
+def _at_bound(
+    plane: Plane, here: PlanePoint, point: PlanePoint, spans: Sequence[tuple[float, float]]
+) -> PlanePoint:
+    """The point at the end of the range of a parameter, between one inside and one outside."""
+    for place, span in zip((-2, -1), spans, strict=True):
+        value = float(point.z[place] * plane.scale[place])
+        bound = min(max(value, min(span)), max(span)) / plane.scale[place]
+        if min(span) <= value <= max(span):
+            continue
+        share = (bound - here.z[place]) / (point.z[place] - here.z[place])
+        start = here.z + share * (point.z - here.z)
+        start[place] = bound
+        try:
+            point = correct(plane, start, np.eye(len(start))[place], 0.1).point
+        except ContinuationError:
+            continue
+    return point
 
 
 def _onto_bound(

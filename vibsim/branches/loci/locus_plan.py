@@ -14,7 +14,7 @@ from vibsim.branches.curve.arclength import correct, tangent
 from vibsim.branches.loci.locus import KINDS, WATCHED, Plane, PlanePoint, follow_pair
 from vibsim.branches.plan import BranchError, BranchPlan, must_matter, value_in
 from vibsim.branches.special.holding import held
-from vibsim.branches.special.special import BRANCHING, GRAZING, STICKING, TORUS
+from vibsim.branches.special.special import BRANCHING, GRAZING, NAMES, STICKING, TORUS
 from vibsim.branches.special.touching import CONTACTS
 from vibsim.orbits.word import changes
 
@@ -131,7 +131,9 @@ def locus_plan(
         raise BranchError(str(error.args[0])) from None
     if special.kind not in KINDS:
         why = WHY_NOT.get(special.kind, "")
-        raise BranchError(f"{label} is a {special.kind}; loci are followed of {', '.join(KINDS)} points{why}")
+        raise BranchError(
+            f"{label} is {NAMES[special.kind]}; loci are followed of {', '.join(KINDS)} points{why}"
+        )
     if set(keys) & set(branch.plan.keys):
         raise BranchError(f"{keys[0]} is the parameter of the branch; a locus needs another")
     value = value_in(branch.case.quantity(keys[0]), unit)

@@ -21,6 +21,19 @@ LABELS = {
     UNRESOLVED: "UR",
     HOPF: "HO",
 }
+NAMES = {  # as they are called in sentences
+    FOLD: "a fold",
+    DOUBLING: "a doubling",
+    TORUS: "a Neimark-Sacker point",
+    BRANCHING: "a branch point",
+    GRAZING: "a grazing",
+    STICKING: "a stick that comes or goes",
+    TURNING: "a sliding velocity that touches zero",
+    ORDER: "a change of the order of events alone",
+    CORNER: "a corner",
+    UNRESOLVED: "not resolved",
+    HOPF: "a Hopf point",
+}
 BIFURCATIONS = (FOLD, DOUBLING, TORUS, BRANCHING, CORNER, UNRESOLVED, HOPF)
 
 
