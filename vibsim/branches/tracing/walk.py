@@ -27,6 +27,7 @@ INFINITE = 200.0  # multiplier of orbits that all but graze a rigid stop, where 
 GRAZED = "a multiplier grows without bound: a rigid stop is grazed near by"
 TOUCHED = "a rigid stop is grazed: beyond, orbits strike it, and a multiplier is infinite at first"
 AT_SECTION = 1e-6  # share of the period
+ROUNDING = "Newton's method goes to and fro across a graze"
 AT_REST = "shrinks to a state of rest"
 FAMILY = "orbits come in a family at this value, in which more than one number is free"
 BLOCKED = "an impact on a rigid stop comes to the section: shift the phase of the source to go on"
@@ -148,7 +149,7 @@ class Walk:
                 chord = node.z - self.node.z
                 reason = "the branch turns too sharply"
                 if turned <= SHARP and self.node.tangent @ chord > 0.9 * length_of(chord):
-                    again = repetition(self.family, node)
+                    again = ROUNDING if self._beside_a_graze(node) else repetition(self.family, node)
                     if again is None:
                         return node, self.pace.following(length, turned, node.iterations, length_of(node.z))
                     reason = again
@@ -162,6 +163,11 @@ class Walk:
             length /= 2
             if length < self.pace.least:
                 return self._past_kink(reason)
+
+    def _beside_a_graze(self, node: Node) -> bool:
+        """Whether Newton's method went to and fro across the graze of a rigid stop, and left no orbit."""
+        scene = node.point.end.coordinates.scene
+        return bool(scene.rigid_stops) and abs(node.point.residual).max() > LOOSE
 
     def _onto_bound(self, length: float) -> Node | None:
         """The node at the end of the range, where the case allows nothing beyond it; None where that is more
