@@ -245,6 +245,31 @@ def test_a_rest_that_ends_by_rounding_though_the_ends_close_by_rounding_goes_on(
     assert run_to_the_end(scene, engine)["uncertified"] > 0
 
 
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
+def test_a_rest_whose_force_touches_zero_once_a_period_goes_on(engine, e):
+    """Body a swings from 0 and back, x = (1 - cos(w t)) F0 / k, and presses b on its stop meanwhile. Rounding
+    of where a has come back to parts them for 2e-8 s; with e = 1 hops of 1e-33 m went on 4e10 times a second.
+    """
+    scene = Scene(
+        (Body("a", 0.5, 0.0, 0.0), Body("b", 0.5, 0.0, 0.0)),
+        (Link("spring", 0, GROUND, 100.0, 0.0), Link("tie", 1, 0, 87.3, 0.0)),
+        (RigidStop("stop", 1, GROUND, 0.0, EXTENSION, e, True),),
+        (),
+        (Force("pull", 0, -1.0, ()),),
+        t_end=2.0,
+        every_num=1,
+        every_den=50,
+    )
+    trajectory = open_trajectory(scene, engine)
+    samples = [block.samples for block in trajectory.blocks()]
+    assert trajectory.totals["events"] < 300 and trajectory.totals["uncertified"] > 0
+    t, a, b = (np.concatenate([each[name] for each in samples]) for name in ("time", "x_a", "x_b"))
+    k, w = 187.3, math.sqrt(187.3 / 0.5)
+    assert abs(a + (1 - np.cos(w * t)) / k).max() < 1e-15
+    assert abs(b).max() < 1e-24
+
+
 def test_coincidences_of_two_blocks():
     judge(two_blocks, range(100, 160))
 

@@ -227,8 +227,13 @@ class Chatter(Generic[N]):
         return -self.departures.flow.derivatives(event, 2)[2]
 
     def _unsure(self, state: State[N], status: Status, j: int) -> N:
-        """Speed that rounding of the forces may have given the ends of an open stop since t = 0 [m/s]."""
+        """Speed that rounding of the forces may have given the ends of an open stop since t = 0 [m/s].
+
+        Bodies that pass where their springs are slack bring the rounding of where they came from.
+        """
         rows = self.departures.enter(state, status)
-        event = self.departures.event(rows, (STRIKE, j))
-        bounds = TaylorRounding(self.departures.flow, 3, state.t == 0).derivatives(event, 2)
+        event, flow = self.departures.event(rows, (STRIKE, j)), self.departures.flow
+        step = flow.step_length()
+        span = step if step < state.t else state.t
+        bounds = TaylorRounding(flow, 3, state.t == 0, span).derivatives(event, 2)
         return bounds[2] * state.t

@@ -66,7 +66,7 @@ class Taylor(Generic[N]):
         """Expand the motion at `state` in the mode of `rows`; known: {event key: order of its zero here}."""
         self._expand_in(state, rows, known)
         self.steps += 1
-        self.h = self._step_length()
+        self.h = self.step_length()
 
     def look(self, state: State[N], rows: ModeRows[N]) -> None:
         """Expand the motion at `state` in the mode of `rows` for its derivatives there: no step follows. What
@@ -192,7 +192,7 @@ class Taylor(Generic[N]):
             elif leader[c] < self.n:
                 self.v[c][n + 1] = acceleration[leader[c]] * inverse
 
-    def _step_length(self) -> N:
+    def step_length(self) -> N:
         """Longest step whose last two terms stay below tol times the largest leading one (after Jorba &
         Zou 2005), of velocities, rotor, what ties must carry, which moves nothing, and falling friction.
         """

@@ -33,9 +33,12 @@ ROTATION = 64  # of a coefficient of what a rotor does, some ten products of ser
 class TaylorRounding(Generic[N]):
     """Bounds for all columns up to order `highest`, of what `flow` has expanded last; exact: whether its
     state is a start, and not what a motion led to.
+
+    span : time [s] before that state for which its series are taken to tell how large displacements and
+        velocities were, whose rounding it has, however small it is itself; 0 for its own
     """
 
-    def __init__(self, flow: Taylor[N], highest: int, exact: bool) -> None:
+    def __init__(self, flow: Taylor[N], highest: int, exact: bool, span: N | int = 0) -> None:
         self.flow, self.kit, self.rows = flow, flow.kit, flow.rows
         zero, columns = flow.kit.number(0), range(flow.n + 2)
         self.once, self.product = flow.kit.eps, ROUNDING * flow.kit.eps
@@ -46,21 +49,19 @@ class TaylorRounding(Generic[N]):
         self.falls: list[list[N]] = [[] for _ in self.rows.falls]
         self.load = [[zero] * highest for _ in columns]
         self.angle = zero  # of the rotor [rad]
-        self._start(highest, exact)
+        self._start(highest, exact, span)
         for n in range(highest):
             self._advance(n)
 
-    def _start(self, highest: int, exact: bool) -> None:
-        """Base and loads, of all orders."""
+    def _start(self, highest: int, exact: bool, span: N | int) -> None:
+        """The state, and base and loads, of all orders."""
         flow, base, t = self.flow, self.flow.n + 1, self.flow.t0
         moved = series_rounding(self.kit, flow.scene.base, t, highest + 2)
         self.x[base], self.v[base] = moved[:-1], [(n + 1) * e for n, e in enumerate(moved[1:])]
         for c in range(flow.n):
             if not exact:
-                self.x[c][0], self.v[c][0] = (
-                    self.product * abs(flow.x[c][0]),
-                    self.product * abs(flow.v[c][0]),
-                )
+                self.x[c][0] = self.product * largest_term(flow.x[c], span)
+                self.v[c][0] = self.product * largest_term(flow.v[c], span)
             if self.rows.leader[c] == base:
                 self.v[c] = list(self.v[base])
         if flow.rotor:
@@ -209,3 +210,13 @@ class TaylorRounding(Generic[N]):
             size = size + rotor.unbalance * (n + 1) * abs(rotor.s[i] * rotor.w[n + 1 - i])
             turned = turned + rotor.unbalance * (n + 1) * abs(rotor.c[i] * rotor.w[n + 1 - i])
         return ROTATION * self.kit.eps * size + self.angle * turned
+
+
+def largest_term(series: Sequence[N], span: N | int) -> N:
+    """The largest size of the terms of a series in time, after `span` [s]."""
+    largest, power = abs(series[0]), 1 + 0 * span
+    for coefficient in series[1:]:
+        power = power * span
+        size = abs(coefficient * power)
+        largest = size if size > largest else largest
+    return largest
