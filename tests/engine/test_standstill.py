@@ -34,7 +34,7 @@ def standstill(scene, engine):
 
 def test_a_run_that_gets_nowhere_ends(crawling):
     error = standstill(crawling, "c")
-    assert error.reason == "standstill" and 0 < error.state.t < 2**-36 * crawling.t_end
+    assert error.reason == "standstill" and 0 < error.state.t < 2**-30 * crawling.t_end
 
 
 @pytest.mark.slow
@@ -43,6 +43,6 @@ def test_both_engines_end_it_at_one_step(crawling):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [4006, 4087])
-def test_special_scenes_that_creep_along_a_stop_end(seed):
+@pytest.mark.parametrize("seed", [4006, 4087, 6241])
+def test_special_scenes_that_creep_end(seed):
     standstill(machine(random.Random(seed)), "c")

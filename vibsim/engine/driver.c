@@ -7,7 +7,7 @@
 
 #define EVENTS_AT_ONE_INSTANT 64
 #define MOST_STRETCHES 50000
-#define PROGRESS 0x1p-36 /* share of the run that so many stretches must bring it on: one unit in the last place each is less */
+#define PROGRESS 0x1p-30 /* share of the run that so many stretches must bring it on: it would take 5e13 */
 #define MEETING 0x1p-40 /* of a time: so near to an event its rounding may lie, and the motion before it goes on */
 
 void flow_enter(Run *r, const State *state)

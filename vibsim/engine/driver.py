@@ -34,7 +34,7 @@ Velocities = tuple[list[N], N]  # of the bodies [m/s], speed of the rotor [rad/s
 Happening = tuple[int, int, State[N], Status, Velocities[N]]
 EVENTS_AT_ONE_INSTANT = 64
 SAMPLES_AT_ONCE = 256
-MOST_STRETCHES, PROGRESS = 50_000, 2.0**-36  # stretches that a run in doubles may take for this share of it
+MOST_STRETCHES, PROGRESS = 50_000, 2.0**-30  # stretches that a run in doubles may take for this share of it
 MEETING = 2.0**-40  # of a time: so near to an event its rounding may lie, and the motion before it goes on
 
 
