@@ -37,8 +37,23 @@ static int hops(Run *r)
     return 0;
 }
 
+/* Whether an event function may leave a known zero with more zero derivatives than the closed form takes. */
+static int leaves_flat(const Run *r)
+{
+    const Mode *m = r->mode;
+    int i;
+    for (i = 0; m->modal != NULL && closed_form_dimension(r) > FLAT && i < m->event_count; i++)
+        if (r->known[m->events[i].key] >= FLAT)
+            return 1;
+    return 0;
+}
+
 static void enter(Run *r, const State *state)
 {
+    if (leaves_flat(r)) {
+        taylor_enter(r, state);
+        return;
+    }
     flow_enter(r, state);
     if (r->closed && hops(r))
         taylor_enter(r, state);

@@ -11,6 +11,7 @@
 
 #define MAX_ORDER 40
 #define JET_ORDER 9 /* derivatives taken at the start of a segment */
+#define FLAT (JET_ORDER - 3) /* order of a zero that they are too few for */
 #define JET (JET_ORDER + 4)
 #define SERIES (MAX_ORDER + 2)
 #define SERIES_TERMS 26
@@ -405,6 +406,7 @@ void keep_freed_memory(void);
 
 /* closed_form.c */
 void closed_form_enter(Run *r, const State *state);
+int closed_form_dimension(const Run *r);
 void closed_form_evaluate(Run *r, double tau);
 void closed_form_jets(Run *r, int n);
 void closed_form_state_after(Run *r, double tau, State *out);

@@ -111,7 +111,7 @@ static int read_known(const Run *r, const Py_buffer *view, int *known)
         return -1;
     }
     for (k = 0; k < r->key_count; k++)
-        known[k] = values[k] < -1 ? -1 : values[k] > JET_ORDER ? JET_ORDER : values[k];
+        known[k] = values[k] < -1 ? -1 : values[k];
     return 0;
 }
 

@@ -16,8 +16,16 @@ from vibsim.engine.modes.rows import COUPLING, DIFFERENCE, Event, EventKey, Mode
 from vibsim.engine.modes.status import Status
 from vibsim.engine.state import State
 from vibsim.physics.numbers import Kit, N, abs
+from vibsim.physics.parts import Scene
 
-JET = 7  # order of the highest derivative consulted where lower ones vanish
+LEAST_JET, MOST_JET = 7, 21  # of bounds of `highest_derivative`
+
+
+def highest_derivative(scene: Scene[N]) -> int:
+    """Order of the highest derivative consulted where lower ones vanish: two for each body that a change
+    passes on its way through a chain, and three for where it comes from. Beyond MOST_JET no double tells.
+    """
+    return min(max(LEAST_JET, 2 * len(scene.bodies) + 3), MOST_JET)
 
 
 class Departures(Generic[N]):
@@ -25,6 +33,7 @@ class Departures(Generic[N]):
 
     def __init__(self, relative: RelativeMotion[N], maker: RowMaker[N], flow: Flow[N], kit: Kit[N]) -> None:
         self.relative, self.maker, self.flow, self.kit = relative, maker, flow.taylor, kit
+        self.jet = highest_derivative(maker.scene)
 
     def doubt(self, state: State[N]) -> None:
         self.flow.certificate.doubt(state.t)
@@ -60,7 +69,7 @@ class Departures(Generic[N]):
         open, or one before it. That of order 1 of displacements is one of velocities.
         """
         order = leading(values, first)
-        bounds = TaylorRounding(self.flow, JET + 1, state.t == 0).derivatives(event, order)
+        bounds = TaylorRounding(self.flow, self.jet + 1, state.t == 0).derivatives(event, order)
         if order > 0 and all(term.kind == DIFFERENCE for term in event.terms):
             bounds[1] = self.kit.number(0)
             for term in event.terms:
@@ -74,7 +83,7 @@ class Departures(Generic[N]):
 
     def _derivatives(self, state: State[N], event: Event[N]) -> list[N]:
         """Derivatives of an event function of the mode entered last at `state`."""
-        values = self.flow.derivatives(event, JET)
+        values = self.flow.derivatives(event, self.jet)
         if all(term.kind == DIFFERENCE for term in event.terms):
             values[1] = self._direct_rate(state, event)
         return values
@@ -104,7 +113,7 @@ class Departures(Generic[N]):
 
     def hold_values(self, state: State[N], rows: ModeRows[N], event: Event[N]) -> list[N]:
         """Derivatives of a HOLD function; its value straight from the state where couplings alone make it."""
-        values = self.flow.derivatives(event, JET)
+        values = self.flow.derivatives(event, self.jet)
         if event.terms and all(term.kind == COUPLING for term in event.terms):
             values[0] = self._direct_hold(state, rows, event)
         return values
@@ -123,8 +132,9 @@ class Departures(Generic[N]):
 
 
 def leading(values: Sequence[N], first: int) -> int:
-    """Order of the first derivative, from order `first`, that is not zero; JET where all are."""
-    return next((n for n in range(first, JET) if values[n] != 0), JET)
+    """Order of the first derivative, from order `first`, that is not zero; the last where all are."""
+    last = len(values) - 1
+    return next((n for n in range(first, last) if values[n] != 0), last)
 
 
 def sign(value: N) -> int:

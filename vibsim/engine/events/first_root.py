@@ -57,7 +57,7 @@ def leading_order(derivatives: Sequence[N], known: int) -> int:
 
     Returns len(derivatives) where all are zero: the function rests at zero.
     """
-    order = known
+    order = min(known, len(derivatives))
     while order < len(derivatives) and derivatives[order] == 0:
         order += 1
     return order

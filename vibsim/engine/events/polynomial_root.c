@@ -208,7 +208,7 @@ static int may_turn(const double *series, int count, int order, double total, do
 /* Value and slope at tau without the known zeros. */
 void polynomial_value_and_slope(const double *coefficients, int count, int known, double tau, double *value, double *slope)
 {
-    int order = known;
+    int order = known < count - 1 ? known : count - 1;
     while (order < count - 1 && coefficients[order] == 0)
         order++;
     value_and_slope(coefficients + order, count - order, tau, value, slope);
@@ -217,7 +217,7 @@ void polynomial_value_and_slope(const double *coefficients, int count, int known
 int polynomial_near_zero(const double *coefficients, int count, int known, double tau, double size, double *value,
                          double *slope, double *noise)
 {
-    int order = known;
+    int order = known < count ? known : count;
     while (order < count && coefficients[order] == 0)
         order++;
     if (order == count)
@@ -255,7 +255,7 @@ int polynomial_first_root(Certificate *c, const double *coefficients, int count,
 {
     const double *series;
     double total, fall, power = h, term = 0.0, before = 0.0, error;
-    int order = known, n, outcome = POSITIVE;
+    int order = known < count ? known : count, n, outcome = POSITIVE;
     while (order < count && coefficients[order] == 0)
         order++;
     if (order == count)

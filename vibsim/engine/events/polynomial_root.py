@@ -5,7 +5,7 @@ from math import inf
 from typing import Generic
 
 from vibsim.engine.events.certificate import Certificate, crosses
-from vibsim.engine.events.first_root import safe_step
+from vibsim.engine.events.first_root import leading_order, safe_step
 from vibsim.engine.events.turning_point import turning_point
 from vibsim.physics.numbers import Kit, N, abs
 
@@ -38,9 +38,7 @@ class PolynomialSearch(Generic[N]):
         before the root or the end of the step; sharp: go to the zero by more than one Newton step where that
         is not as near as the grid of time allows.
         """
-        order = known
-        while order < len(coefficients) and coefficients[order] == 0:
-            order += 1
+        order = leading_order(coefficients, known)
         if order == len(coefficients):
             return None, False
         series = coefficients[order:]
@@ -78,9 +76,7 @@ class PolynomialSearch(Generic[N]):
 
     def value_and_slope(self, coefficients: Sequence[N], known: int, tau: N) -> tuple[N, N]:
         """Value and slope at tau of the polynomial without its known zeros (see `first_root`)."""
-        order = known
-        while order < len(coefficients) - 1 and coefficients[order] == 0:
-            order += 1
+        order = leading_order(coefficients[:-1], known)
         return self._value_and_slope(coefficients[order:], tau)
 
     def near_zero(self, coefficients: Sequence[N], known: int, tau: N, size: N) -> tuple[N, N, N] | None:
@@ -89,9 +85,7 @@ class PolynomialSearch(Generic[N]):
 
         size: sum of the magnitudes that its coefficient 0 is made of, where it is not known to be zero.
         """
-        order = known
-        while order < len(coefficients) and coefficients[order] == 0:
-            order += 1
+        order = leading_order(coefficients, known)
         if order == len(coefficients):
             return None
         value, slope = self._value_and_slope(coefficients[order:], tau)

@@ -79,11 +79,11 @@ class RigidStops(Generic[N]):
                 known[STRIKE, j] = self._parting_order(state, settled, j) if touch.rates[j] == 0 else 1
         return settled, [*self._happened(touch), *lifts, *changed, *begun], known
 
-    def at_start(self, state: State[N], met: Container[int]) -> tuple[dict[int, int], list[int]]:
-        """Of the stops `met` at the start: ({stop: order of the zero of its depth}, those that neither close
-        nor part). One that closes is struck at once.
+    def at_start(self, state: State[N], met: Container[int]) -> tuple[dict[int, bool], list[int]]:
+        """Of the stops `met` at the start: ({stop: whether it parts} for those that do not close, those that
+        neither close nor part). One that closes is struck at once.
         """
-        orders: dict[int, int] = {}
+        parting: dict[int, bool] = {}
         standing: list[int] = []
         for j, _ in self.scene.rigid_stops:
             if j in met:
@@ -93,11 +93,11 @@ class RigidStops(Generic[N]):
                 if rate == 0:
                     standing.append(j)
                 if rate <= 0:
-                    orders[j] = 2 if rate == 0 else 1
+                    parting[j] = rate < 0
         if standing:
             self.seats.join(state, standing)
             self.seats.seat(state, standing)
-        return orders, standing
+        return parting, standing
 
     def _forgotten(self, touch: Touch[N], status: Status) -> Known:
         """Zeros of functions of velocities that blows have changed: none any more, but for what stands."""

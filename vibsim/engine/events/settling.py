@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import combinations, product
 from typing import Generic
 
-from vibsim.engine.events.departures import JET, Departures, first_sign
+from vibsim.engine.events.departures import Departures, first_sign
 from vibsim.engine.modes.rows import HOLD, SLIDE, STRIKE, Event, ModeRows, RowMaker
 from vibsim.engine.modes.status import BACKWARD, FORWARD, STICK, Status
 from vibsim.engine.state import State
@@ -165,7 +165,7 @@ class Settling(Generic[N]):
         for k in slipping:
             key, order = ((SLIDE, k), 1) if k < count else ((STRIKE, k - count), 2)
             event = self.departures.event(rows, key)
-            values = self.flow.derivatives(event, JET)
+            values = self.flow.derivatives(event, self.departures.jet)
             if self.departures.is_open(state, event, values, order):
                 self.departures.doubt(state)
             if first_sign(values[order:]) < 0:

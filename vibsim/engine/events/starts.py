@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Generic
 
-from vibsim.engine.events.departures import JET, Departures, sign
+from vibsim.engine.events.departures import Departures, leading, sign
 from vibsim.engine.events.rigid_stops import RigidStops
 from vibsim.engine.events.settling import Settling
-from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Known, RowMaker
+from vibsim.engine.modes.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, STRIKE, Known, RowMaker
 from vibsim.engine.modes.status import CONTACT, KEPT, LIFTED, OPEN, STICK, VIOLATED, Status
 from vibsim.engine.state import State
 from vibsim.physics.numbers import N
@@ -56,7 +56,11 @@ class Starts(Generic[N]):
             standing = self.settling.standing(status, standing)
             status = self.settling.settle(state, status, standing)
             known |= {(SLIDE, i): 1 for i in standing if i < len(frictions) and status.frictions[i] != STICK}
-        known |= {(STRIKE, i): order for i, order in touching.items() if status.stops[i] == OPEN}
+        known |= {
+            (STRIKE, i): 1 if parting else self.departures.departure(state, status, (STRIKE, i))[1]
+            for i, parting in touching.items()
+            if status.stops[i] == OPEN
+        }
         for i, (g, stop) in enumerate(zip(depths, scene.stops, strict=True)):
             if self.relative.blurred(g, stop, state, stop.sense * stop.gap, met[i]):
                 self.departures.doubt(state)
@@ -74,7 +78,19 @@ class Starts(Generic[N]):
                 )
                 status = status.with_clearance(i, VIOLATED if sense < 0 else KEPT)
                 known[CLEARANCE, i] = order
-        return status, known
+        return status, known | self._held(state, status)
+
+    def _held(self, state: State[N], status: Status) -> Known:
+        """Orders of the zeros from which what ties may carry begins to grow."""
+        known: Known = {}
+        rows = self.departures.enter(state, status)
+        for event in rows.events:
+            if event.kind == HOLD:
+                values = self.departures.hold_values(state, rows, event)
+                order = leading(values, 0)
+                if order > 0 and values[order] > 0:
+                    known[event.key] = order
+        return known
 
     def _pressing(self, state: State[N], status: Status, met: Sequence[bool]) -> Status:
         """The status with the stops whose force velocities tell: ties at rest are settled under it. Those
@@ -96,7 +112,7 @@ class Starts(Generic[N]):
         if stop.c == 0 or stop.release != AT_FORCE:
             return False
         event = self.departures.event(self.departures.enter(state, status), (PUSH, i))
-        values = self.flow.derivatives(event, JET)
+        values = self.flow.derivatives(event, self.departures.jet)
         if self.departures.is_open(state, event, values, 0):
             self.departures.doubt(state)
         return values[0] < 0

@@ -63,6 +63,12 @@ static void anchor_coordinate(Run *r, const Modal *modal, const Coordinate *c, M
     }
 }
 
+/* How many functions of time the motion in the mode is a sum of. */
+int closed_form_dimension(const Run *r)
+{
+    return 2 * r->mode->modal->count + 2 * r->harmonic_count + 1;
+}
+
 void closed_form_enter(Run *r, const State *state)
 {
     ClosedForm *f = &r->closed_form;

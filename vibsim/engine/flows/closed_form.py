@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Generic
 
 from vibsim.engine.events.certificate import Certificate
-from vibsim.engine.flows.closed_form_search import ClosedFormSearch
+from vibsim.engine.flows.closed_form_search import JET_ORDER, ClosedFormSearch
 from vibsim.engine.flows.modal import Coordinate, Modal, Source, modal_of, pitch, pitches, sounding
 from vibsim.engine.flows.motion import Advance
 from vibsim.engine.flows.reaches import EventReaches, Reach, reaches_of
@@ -20,8 +20,6 @@ from vibsim.engine.modes.rows import Event, EventKey, Known, ModeRows
 from vibsim.engine.state import State
 from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Force, Harmonic, Scene
-
-JET_ORDER = 9  # derivatives taken at the start of a segment: enough for a zero of order 6
 
 
 class Constants(Generic[N]):
@@ -94,6 +92,13 @@ class ClosedForm(Generic[N]):
             rows.modal = None if modal is None else self._prepare(modal, rows)
             rows.modal_sought = True
         return rows.modal is not None
+
+    def dimension(self, rows: ModeRows[N]) -> int:
+        """How many functions of time the motion in a mode is a sum of: what has so many derivatives zero at
+        one instant is zero.
+        """
+        assert rows.modal is not None, "the mode has no closed form"
+        return 2 * len(rows.modal.coordinates) + 2 * len(self.harmonics) + 1
 
     def _prepare(self, modal: Modal[N], rows: ModeRows[N]) -> ModalMotion[N]:
         constants = [Constants(self.kit, c, self.rates) for c in modal.coordinates]

@@ -97,6 +97,13 @@ static void certify_leading_order(Run *r, int first, double value, double slope,
     certify_order(r, first, s->events, s->event_count, value, slope, noise);
 }
 
+/* Order of the zero that an event function begins with, as far as derivatives are taken. */
+static int known_order(const Run *r, int i)
+{
+    int known = r->known[r->mode->events[i].key];
+    return known < FLAT ? known : FLAT;
+}
+
 static int lead(Run *r)
 {
     Search *s = &r->closed_form.search;
@@ -107,7 +114,7 @@ static int lead(Run *r)
     s->measured = 0;
     measure_start(r);
     for (i = 0; i < m->event_count; i++)
-        taken = r->known[m->events[i].key] + 2 > taken ? r->known[m->events[i].key] + 2 : taken;
+        taken = known_order(r, i) + 2 > taken ? known_order(r, i) + 2 : taken;
     closed_form_jets(r, taken);
     for (i = 0; i < r->bodies; i++) {
         X = X + fabs(r->closed_form.x0[i]);
@@ -121,7 +128,7 @@ static int lead(Run *r)
     for (i = 0; i < m->event_count; i++) {
         const Event *e = &m->events[i];
         const Reach *reach = &m->modal->reaches[i];
-        int known = r->known[e->key], order = known;
+        int known = known_order(r, i), order = known;
         double first = event_derivative(r, e, order), bound, ahead;
         while (order < JET_ORDER - 2 && first == 0) {
             if (++order + 2 > taken)
@@ -130,8 +137,11 @@ static int lead(Run *r)
         }
         s->blurs[i].residue = known > 0 ? fabs(event_derivative(r, e, 0)) : 0.0;
         s->blurs[i].reach = reach->place * X + reach->speed * V + reach->rest;
-        if (order >= JET_ORDER - 3) /* more zeros than the motion has modes: it rests at zero */
+        if (order >= FLAT) { /* it rests at zero, surely where that are more zeros than the motion has modes */
+            if (closed_form_dimension(r) > FLAT)
+                doubt(&r->certificate, r->t0);
             continue;
+        }
         s->events[s->event_count++] = i;
         if (e->kind == STRIKE && order > known && first < 0) /* closes from exactly zero */
             return i;

@@ -11,13 +11,14 @@ from vibsim.engine.events.first_root import deflated_step, leading_order, safe_s
 from vibsim.engine.events.turning_point import extreme_of_slope, turning_point
 from vibsim.engine.flows.motion import Advance
 from vibsim.engine.flows.rounding import Scales, close_scales, plain_scales
-from vibsim.engine.modes.rows import STRIKE, Event, EventKey, Known
+from vibsim.engine.modes.rows import STRIKE, Event, EventKey, Known, ModeRows
 from vibsim.physics.numbers import N, abs
 
 if TYPE_CHECKING:
     from vibsim.engine.flows.closed_form import ClosedForm
 
-JET_ORDER = 9  # derivatives taken at the start of a segment: enough for a zero of order 6
+JET_ORDER = 9  # derivatives taken at the start of a segment: enough for a zero of order FLAT - 1
+FLAT = JET_ORDER - 3
 STEPS_PER_CALL = 4096
 POLISHING = 10  # Halley's iteration triples the right digits
 NEAR = 128  # roundings: nearer to zero than that they are measured closely
@@ -33,6 +34,12 @@ class ClosedFormSearch(Generic[N]):
         self.certificate = flow.certificate
         self.settled = flow.kit.power_of_two(flow.kit.exponent(flow.kit.eps) / 3)  # next error: this cubed
         self.steps = 0
+
+    def leaves_flat(self, rows: ModeRows[N], known: Known) -> bool:
+        """Whether an event function may leave a known zero with more zero derivatives than are taken here."""
+        return self.flow.dimension(rows) > FLAT and any(
+            known.get(event.key, 0) >= FLAT for event in rows.events
+        )
 
     def open(self, events: list[Event[N]], known: Known) -> None:
         """Start at the flow's anchor; known: {event key: order of its zero here}."""
@@ -78,7 +85,9 @@ class ClosedFormSearch(Generic[N]):
             derivatives = [of.derivative(event, n) for n in range(JET_ORDER - 2)]
             order = leading_order(derivatives, known)
             self.residues[event.key] = abs(derivatives[0]) if known > 0 else self.kit.number(0)
-            if order >= JET_ORDER - 3:  # more zeros than the motion has modes: it rests at zero
+            if order >= FLAT:  # it rests at zero, surely where that are more zeros than the motion has modes
+                if self.flow.dimension(self.flow.rows) > FLAT:
+                    self.certificate.doubt(self.t0)
                 self.events = [other for other in self.events if other is not event]
                 continue
             lead, bound = derivatives[order], of.bound(event, order + 2, self.window)

@@ -2,7 +2,8 @@
 
 Short hops on a rigid stop are taken by Taylor series, which count depths from where the hop begins: the last
 ones of an infinite sequence of impacts are lower than the rounding of displacements, in which the closed form
-looks for the next impact.
+looks for the next impact. So are stretches at whose start more derivatives of an event function are zero than
+the closed form takes, as at the end of a chain whose other end is shaken.
 """
 
 from __future__ import annotations
@@ -49,6 +50,8 @@ class Flow(Generic[N]):
 
     def enter(self, state: State[N], rows: ModeRows[N], known: Known) -> None:
         self.now = self.suits(rows)
+        if self.now is self.closed and self.closed.search.leaves_flat(rows, known):
+            self.now = self.taylor
         self.now.enter(state, rows, known)
         if self.now is self.closed and self._hops(rows, known):
             self.now = self.taylor
