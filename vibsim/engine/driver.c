@@ -37,20 +37,41 @@ static int hops(Run *r)
     return 0;
 }
 
-/* Whether an event function may leave a known zero with more zero derivatives than the closed form takes. */
-static int leaves_flat(const Run *r)
+/* Whether an event function is zero because all that it is made of stands still. */
+static int rests_at_zero(const Run *r, const Event *e, const State *s)
+{
+    const int n = r->bodies;
+    double total = 0.0;
+    int i;
+    for (i = 0; i < e->terms; i++) {
+        const Term *t = &r->mode->terms[e->first + i];
+        const Coupling *one = t->kind == COUPLING ? &r->mode->couplings[t->P] : NULL;
+        int P = one ? one->P : t->P, Q = one ? one->Q : t->Q;
+        double apart;
+        if ((t->kind != DIFFERENCE && !one) || P > n || Q > n) /* the base is n + 1 */
+            return 0;
+        if ((P < n ? s->v[P] : 0.0) != (Q < n ? s->v[Q] : 0.0))
+            return 0;
+        apart = (P < n ? s->x[P] : 0.0) - (Q < n ? s->x[Q] : 0.0);
+        total = total + t->coefficient * (one ? one->k * apart + one->offset : apart);
+    }
+    return e->terms > 0 && total + e->constant == 0;
+}
+
+/* Whether an event function may leave zero with more zero derivatives than the closed form takes. */
+static int leaves_flat(const Run *r, const State *state)
 {
     const Mode *m = r->mode;
     int i;
-    for (i = 0; m->modal != NULL && closed_form_dimension(r) > FLAT && i < m->event_count; i++)
-        if (r->known[m->events[i].key] >= FLAT)
+    for (i = 0; m->modal != NULL && closed_form_dimension(r) > FLAT_ORDER && i < m->event_count; i++)
+        if (r->known[m->events[i].key] >= FLAT_ORDER || rests_at_zero(r, &m->events[i], state))
             return 1;
     return 0;
 }
 
 static void enter(Run *r, const State *state)
 {
-    if (leaves_flat(r)) {
+    if (leaves_flat(r, state)) {
         taylor_enter(r, state);
         return;
     }

@@ -11,7 +11,7 @@
 
 #define MAX_ORDER 40
 #define JET_ORDER 9 /* derivatives taken at the start of a segment */
-#define FLAT (JET_ORDER - 3) /* order of a zero that they are too few for */
+#define FLAT_ORDER (JET_ORDER - 3) /* order of a zero that they are too few for */
 #define JET (JET_ORDER + 4)
 #define SERIES (MAX_ORDER + 2)
 #define SERIES_TERMS 26

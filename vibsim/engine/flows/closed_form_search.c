@@ -101,7 +101,7 @@ static void certify_leading_order(Run *r, int first, double value, double slope,
 static int known_order(const Run *r, int i)
 {
     int known = r->known[r->mode->events[i].key];
-    return known < FLAT ? known : FLAT;
+    return known < FLAT_ORDER ? known : FLAT_ORDER;
 }
 
 static int lead(Run *r)
@@ -137,8 +137,8 @@ static int lead(Run *r)
         }
         s->blurs[i].residue = known > 0 ? fabs(event_derivative(r, e, 0)) : 0.0;
         s->blurs[i].reach = reach->place * X + reach->speed * V + reach->rest;
-        if (order >= FLAT) { /* it rests at zero, surely where that are more zeros than the motion has modes */
-            if (closed_form_dimension(r) > FLAT)
+        if (order >= FLAT_ORDER) { /* it rests at zero, surely where that are more zeros than the motion has modes */
+            if (closed_form_dimension(r) > FLAT_ORDER)
                 doubt(&r->certificate, r->t0);
             continue;
         }

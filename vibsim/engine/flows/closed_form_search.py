@@ -11,7 +11,7 @@ from vibsim.engine.events.first_root import deflated_step, leading_order, safe_s
 from vibsim.engine.events.turning_point import extreme_of_slope, turning_point
 from vibsim.engine.flows.motion import Advance
 from vibsim.engine.flows.rounding import Scales, close_scales, plain_scales
-from vibsim.engine.modes.rows import STRIKE, Event, EventKey, Known, ModeRows
+from vibsim.engine.modes.rows import STRIKE, Event, EventKey, Known
 from vibsim.physics.numbers import N, abs
 
 if TYPE_CHECKING:
@@ -34,12 +34,6 @@ class ClosedFormSearch(Generic[N]):
         self.certificate = flow.certificate
         self.settled = flow.kit.power_of_two(flow.kit.exponent(flow.kit.eps) / 3)  # next error: this cubed
         self.steps = 0
-
-    def leaves_flat(self, rows: ModeRows[N], known: Known) -> bool:
-        """Whether an event function may leave a known zero with more zero derivatives than are taken here."""
-        return self.flow.dimension(rows) > FLAT and any(
-            known.get(event.key, 0) >= FLAT for event in rows.events
-        )
 
     def open(self, events: list[Event[N]], known: Known) -> None:
         """Start at the flow's anchor; known: {event key: order of its zero here}."""

@@ -13,10 +13,11 @@ from typing import Generic
 
 from vibsim.engine.events.certificate import Certificate
 from vibsim.engine.flows.closed_form import ClosedForm
+from vibsim.engine.flows.closed_form_search import FLAT
 from vibsim.engine.flows.motion import Advance
 from vibsim.engine.flows.taylor import Taylor
 from vibsim.engine.ledgers.meters import Meters, Node
-from vibsim.engine.modes.rows import STRIKE, Event, Known, ModeRows
+from vibsim.engine.modes.rows import COUPLING, DIFFERENCE, STRIKE, Event, Known, ModeRows
 from vibsim.engine.state import State
 from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
@@ -50,12 +51,39 @@ class Flow(Generic[N]):
 
     def enter(self, state: State[N], rows: ModeRows[N], known: Known) -> None:
         self.now = self.suits(rows)
-        if self.now is self.closed and self.closed.search.leaves_flat(rows, known):
+        if self.now is self.closed and self._leaves_flat(state, rows, known):
             self.now = self.taylor
         self.now.enter(state, rows, known)
         if self.now is self.closed and self._hops(rows, known):
             self.now = self.taylor
             self.now.enter(state, rows, known)
+
+    def _leaves_flat(self, state: State[N], rows: ModeRows[N], known: Known) -> bool:
+        """Whether an event function may leave zero with more zero derivatives than the closed form takes."""
+        if self.closed.dimension(rows) <= FLAT:
+            return False
+        return any(
+            known.get(event.key, 0) >= FLAT or self._rests_at_zero(event, rows, state)
+            for event in rows.events
+        )
+
+    def _rests_at_zero(self, event: Event[N], rows: ModeRows[N], state: State[N]) -> bool:
+        """Whether an event function is zero because all that it is made of stands still."""
+        n, zero = len(state.x), self.kit.number(0)
+        total = zero
+        for term in event.terms:
+            if term.kind not in (DIFFERENCE, COUPLING):
+                return False
+            one = rows.couplings[term.P] if term.kind == COUPLING else None
+            P, Q = (one.P, one.Q) if one else (term.P, term.Q)
+            if n < P or n < Q:  # the base
+                return False
+            (xP, vP), (xQ, vQ) = ((state.x[c], state.v[c]) if c < n else (zero, zero) for c in (P, Q))
+            if vP != vQ:
+                return False
+            value = one.k * (xP - xQ) + one.offset if one else xP - xQ
+            total = total + term.coefficient * value
+        return bool(event.terms) and total + event.constant == 0
 
     def order_of(self, event: Event[N]) -> int:
         """Order of the zero of an event function that the stretch began with; 0 for none."""
