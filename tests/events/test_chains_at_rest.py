@@ -16,6 +16,7 @@ from vibsim.physics.parts import (
     GROUND,
     Body,
     Force,
+    Friction,
     Harmonic,
     Link,
     RigidStop,
@@ -115,3 +116,30 @@ def test_few_terms_of_a_series_hold_no_known_zero(engine, order):
     _, true = run(chain(3, "elastic", EXTENSION, "base"))
     assert totals["impacts"] == 1
     assert abs(x - true[: len(x)]).max() < 1e-12
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_body_struck_as_the_run_begins_leaves_the_neighbour_that_it_touches(engine):
+    """The touch of the two was still taken for one without velocity, and by the closed form no event of the
+    whole run was found.
+    """
+    stops = (
+        RigidStop("between", 0, 2, 0.0, EXTENSION, 0.0, True),
+        RigidStop("box", 0, BASE, 0.0, 1, 0.5, True),
+    )
+    scene = Scene(
+        tuple(Body(f"b{i}", 1.0, 0.0, 0.0) for i in range(3)),
+        (Link("l0", 0, BASE, 100.0, 2.0), Link("l1", 1, 0, 100.0, 0.0), Link("l2", 2, 1, 100.0, 2.0)),
+        stops,
+        (Friction("floor", 1, GROUND, 0.3, 0.3, 0.0),),
+        (),
+        (Harmonic(0.02, 9.344, 9.344 / (2 * np.pi), 0.0, 0.0),),
+        t_end=2.0,
+        every_num=1,
+        every_den=50,
+    )
+    totals, x = run(scene, engine)
+    by_series, x_by_series = run(replace(scene, method="taylor"), engine)
+    assert (totals["events"], totals["uncertified"]) == (by_series["events"], 0)
+    assert totals["impacts"] == by_series["impacts"] > 5
+    assert abs(x - x_by_series).max() < 1e-14

@@ -77,6 +77,10 @@ class RigidStops(Generic[N]):
         for j in {i, *opened, *(j for one in touch.passed for j in self.blows.twins(touch, one.stop))}:
             if settled.stops[j] == OPEN:
                 known[STRIKE, j] = self._parting_order(state, settled, j) if touch.rates[j] == 0 else 1
+        for j, rate in touch.rates.items():
+            torn = rate < 0 and touch.moved & set(self.maker.ends(self.stops[j]))
+            if torn and settled.stops[j] == OPEN and self.relative.depth(self.stops[j], state) == 0:
+                known[STRIKE, j] = 1  # whatever order it was of in front of the blow
         return settled, [*self._happened(touch), *lifts, *changed, *begun], known
 
     def at_start(self, state: State[N], met: Container[int]) -> tuple[dict[int, bool], list[int]]:

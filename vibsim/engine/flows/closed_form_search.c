@@ -347,6 +347,8 @@ static int step_ahead(Run *r)
         doubt(&r->certificate, r->t0);
         s->t = before + (nextafter(before, INFINITY) - before) * s->stall;
         s->stall = s->stall * 2;
+        if (s->reach == 0) /* where a step near t = 0 is too short to be a number: bounds have to reach further */
+            s->reach = s->window;
     } else {
         double noise = close_noise(r, &r->mode->events[nearest]) + s->blurs[nearest].residue;
         certify_crossing(r, course[0], course[1], course[2], noise);
