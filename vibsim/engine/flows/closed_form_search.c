@@ -347,7 +347,7 @@ static int step_ahead(Run *r)
         doubt(&r->certificate, r->t0);
         s->t = before + (nextafter(before, INFINITY) - before) * s->stall;
         s->stall = s->stall * 2;
-        if (s->reach == 0) /* where a step near t = 0 is too short to be a number: bounds have to reach further */
+        if (s->reach == 0) /* a step near t = 0 was too short to be a number: bounds have to reach further */
             s->reach = s->window;
     } else {
         double noise = close_noise(r, &r->mode->events[nearest]) + s->blurs[nearest].residue;

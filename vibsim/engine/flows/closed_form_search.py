@@ -211,9 +211,7 @@ class ClosedFormSearch(Generic[N]):
         self.certificate.doubt(self.t0)
         self.t = before + (self.kit.next_after(before, inf) - before) * self.stall
         self.stall = self.stall * 2
-        if (
-            self.reach == 0
-        ):  # where a step near t = 0 is too short to be a number: bounds have to reach further
+        if self.reach == 0:  # a step near t = 0 was too short to be a number: bounds have to reach further
             self.reach = self.window
 
     def _adapt_reach(self, step: N) -> None:
