@@ -66,7 +66,7 @@ def solved(peer, name, t_end):
 
 
 def dop853(scene):
-    return EventSolver(scene, "DOP853", 1e-11)
+    return EventSolver(scene, "DOP853", 1e-12)  # at 1e-11 it may lose an event between two of its steps
 
 
 def heyoka(scene):
