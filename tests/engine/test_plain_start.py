@@ -9,9 +9,8 @@ from tests.engine.random_parts import part_scenes
 from tests.engine.test_closed_cases import scene
 from vibsim.engine.events.automaton import Automaton
 from vibsim.engine.events.certificate import Certificate
-from vibsim.engine.events.departures import highest_derivative
+from vibsim.engine.events.departures import scout
 from vibsim.engine.events.plain_start import PlainStart
-from vibsim.engine.flows.flow import Flow
 from vibsim.engine.modes.rows import RowMaker
 from vibsim.engine.state import start_of
 from vibsim.physics.numbers import Doubles
@@ -21,7 +20,7 @@ from vibsim.physics.parts import COMPRESSION, GROUND, Body, Friction, Stop
 def decided(of):
     """(mode, known zeros, doubts) of the start by the automaton; the mode by signs alone, or None."""
     maker, certificate = RowMaker(of, Doubles), Certificate(Doubles)
-    automaton = Automaton(of, maker, Flow(of, Doubles, certificate, highest_derivative(of) + 1), Doubles)
+    automaton = Automaton(of, maker, scout(of, Doubles, certificate), Doubles)
     plain = PlainStart(of, maker.ends)
     status = plain.status(start_of(of, Doubles)) if plain.known else None
     return (*automaton.initial(start_of(of, Doubles)), certificate.uncertified), status

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.events.coincidences import harmonic
 from tests.trajectories import ENGINES
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import (
@@ -17,7 +18,6 @@ from vibsim.physics.parts import (
     Body,
     Force,
     Friction,
-    Harmonic,
     Link,
     RigidStop,
     Scene,
@@ -40,7 +40,7 @@ def chain(count, law, sense, driven_by):
     else:
         stop = Stop("stop", count - 1, GROUND, 0.0, sense, K, 0.0, at_start=True)
     forces = (Force("push", 0, 1.0, ()),) if driven_by == "force" else ()
-    base = (Harmonic(0.02, OMEGA, OMEGA / (2 * np.pi), 0.0, 0.0),) if driven_by == "base" else ()
+    base = (harmonic(0.02, OMEGA, 0.0),) if driven_by == "base" else ()
     return Scene(bodies, links, (stop,), (), forces, base, t_end=2.0, every_num=1, every_den=50)
 
 
@@ -133,7 +133,7 @@ def test_a_body_struck_as_the_run_begins_leaves_the_neighbour_that_it_touches(en
         stops,
         (Friction("floor", 1, GROUND, 0.3, 0.3, 0.0),),
         (),
-        (Harmonic(0.02, 9.344, 9.344 / (2 * np.pi), 0.0, 0.0),),
+        (harmonic(0.02, 9.344, 0.0),),
         t_end=2.0,
         every_num=1,
         every_den=50,

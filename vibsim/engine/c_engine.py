@@ -17,7 +17,7 @@ from vibsim.engine.errors import EngineError
 from vibsim.engine.events.automaton import Automaton
 from vibsim.engine.events.certificate import Certificate
 from vibsim.engine.events.chatter import LOWEST
-from vibsim.engine.events.departures import highest_derivative
+from vibsim.engine.events.departures import scout
 from vibsim.engine.events.plain_start import PlainStart
 from vibsim.engine.events.rule_maker import RuleMaker
 from vibsim.engine.extremes import Gap
@@ -161,7 +161,7 @@ class CRun:
     @cached_property
     def scout(self) -> Flow:
         """Looks ahead from an event that Python decides."""
-        return Flow(self.scene, Doubles, self.doubts, highest_derivative(self.scene) + 1)
+        return scout(self.scene, Doubles, self.doubts)
 
     @cached_property
     def automaton(self) -> Automaton:

@@ -13,7 +13,7 @@ from typing import Generic
 from vibsim.engine.errors import EngineError
 from vibsim.engine.events.automaton import Automaton
 from vibsim.engine.events.chatter import LOWEST
-from vibsim.engine.events.departures import highest_derivative
+from vibsim.engine.events.departures import scout
 from vibsim.engine.extremes import Extremes, Gap
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.ledgers.ledger import Ledger
@@ -63,8 +63,7 @@ class Driver(Generic[N]):
         self.scene, self.kit = scene, kit
         self.maker = RowMaker(scene, kit)
         self.flow = flow or Flow(scene, kit)
-        scout = Flow(scene, kit, self.flow.certificate, highest_derivative(scene) + 1)
-        self.automaton = Automaton(scene, self.maker, scout, kit)
+        self.automaton = Automaton(scene, self.maker, scout(scene, kit, self.flow.certificate), kit)
         self.automaton.rigid.chatter.lowest = lowest
         self.section = StroboscopicSection(scene, self.flow) if section else None
         self.ledger = Ledger(scene, kit, self.maker, self.flow, momentum) if ledger or momentum else None

@@ -404,6 +404,9 @@ double taylor_magnitude(const Run *r, const Event *e);
 /* memory.c */
 void keep_freed_memory(void);
 
+/* flat_zeros.c */
+int leaves_flat(const Run *r, const State *state);
+
 /* closed_form.c */
 void closed_form_enter(Run *r, const State *state);
 int closed_form_dimension(const Run *r);

@@ -18,9 +18,7 @@ STRAIGHT = 0.9  # cosine of the angle between a step and the tangent behind it
 LONGEST = 2.0  # steps, as long as the last one, that the cubic through two nodes is taken ahead
 LEAST_LIMIT = 1e-6  # scaled length that a Newton step may have, however near two nodes are
 UNIT = 1e-6  # distance from 1 of multipliers that may be those of a family
-LEVEL = (
-    1e-9  # share of the parameter in the tangent, below which it is rounding where orbits come in families
-)
+LEVEL = 1e-9  # share of the parameter in the tangent that is rounding where orbits come in families
 REAL = 1e-9  # imaginary part, over its size, below which a multiplier counts as real
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Generic
 
+from vibsim.engine.events.certificate import Certificate
 from vibsim.engine.events.relative_motion import RelativeMotion
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.flows.taylor_rounding import TaylorRounding
@@ -26,6 +27,11 @@ def highest_derivative(scene: Scene[N]) -> int:
     passes on its way through a chain, and three for where it comes from. Beyond MOST_JET no double tells.
     """
     return min(max(LEAST_JET, 2 * len(scene.bodies) + 3), MOST_JET)
+
+
+def scout(scene: Scene[N], kit: Kit[N], certificate: Certificate[N]) -> Flow[N]:
+    """A flow that looks ahead from an event, with as many derivatives as are consulted there."""
+    return Flow(scene, kit, certificate, highest_derivative(scene) + 1)
 
 
 class Departures(Generic[N]):

@@ -17,8 +17,8 @@ from vibsim.physics.numbers import N, abs
 if TYPE_CHECKING:
     from vibsim.engine.flows.closed_form import ClosedForm
 
-JET_ORDER = 9  # derivatives taken at the start of a segment: enough for a zero of order FLAT - 1
-FLAT = JET_ORDER - 3
+JET_ORDER = 9  # derivatives taken at the start of a segment: enough for a zero of order FLAT_ORDER - 1
+FLAT_ORDER = JET_ORDER - 3
 STEPS_PER_CALL = 4096
 POLISHING = 10  # Halley's iteration triples the right digits
 NEAR = 128  # roundings: nearer to zero than that they are measured closely
@@ -79,8 +79,8 @@ class ClosedFormSearch(Generic[N]):
             derivatives = [of.derivative(event, n) for n in range(JET_ORDER - 2)]
             order = leading_order(derivatives, known)
             self.residues[event.key] = abs(derivatives[0]) if known > 0 else self.kit.number(0)
-            if order >= FLAT:  # it rests at zero, surely where that are more zeros than the motion has modes
-                if self.flow.dimension(self.flow.rows) > FLAT:
+            if order >= FLAT_ORDER:  # it rests, surely where that are more zeros than the motion has modes
+                if self.flow.dimension(self.flow.rows) > FLAT_ORDER:
                     self.certificate.doubt(self.t0)
                 self.events = [other for other in self.events if other is not event]
                 continue

@@ -13,20 +13,11 @@ from typing import Generic
 
 from vibsim.engine.events.certificate import Certificate
 from vibsim.engine.flows.closed_form import ClosedForm
-from vibsim.engine.flows.closed_form_search import FLAT
+from vibsim.engine.flows.flat_zeros import leaves_flat
 from vibsim.engine.flows.motion import Advance
 from vibsim.engine.flows.taylor import Taylor
 from vibsim.engine.ledgers.meters import Meters, Node
-from vibsim.engine.modes.rows import (
-    ACCELERATION,
-    COUPLING,
-    DIFFERENCE,
-    STRIKE,
-    Coupling,
-    Event,
-    Known,
-    ModeRows,
-)
+from vibsim.engine.modes.rows import STRIKE, Event, Known, ModeRows
 from vibsim.engine.state import State
 from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
@@ -60,57 +51,12 @@ class Flow(Generic[N]):
 
     def enter(self, state: State[N], rows: ModeRows[N], known: Known) -> None:
         self.now = self.suits(rows)
-        if self.now is self.closed and self._leaves_flat(state, rows, known):
+        if self.now is self.closed and leaves_flat(self.closed, state, rows, known):
             self.now = self.taylor
         self.now.enter(state, rows, known)
         if self.now is self.closed and self._hops(rows, known):
             self.now = self.taylor
             self.now.enter(state, rows, known)
-
-    def _leaves_flat(self, state: State[N], rows: ModeRows[N], known: Known) -> bool:
-        """Whether an event function may leave zero with more zero derivatives than the closed form takes."""
-        if self.closed.dimension(rows) <= FLAT:
-            return False
-        return any(
-            known.get(event.key, 0) >= FLAT or self._rests_at_zero(event, rows, state)
-            for event in rows.events
-        )
-
-    def _rests_at_zero(self, event: Event[N], rows: ModeRows[N], state: State[N]) -> bool:
-        """Whether an event function is zero because all that it is made of stands still."""
-        total = self.kit.number(0)
-        for term in event.terms:
-            value: N | None = None
-            if term.kind == COUPLING:
-                value = self._still_force(rows.couplings[term.P], state)
-            elif term.kind == DIFFERENCE:
-                value = _still_distance(state, term.P, term.Q)
-            elif term.kind == ACCELERATION and self._is_left_alone(rows, rows.leader[term.P], state):
-                continue
-            if value is None:
-                return False
-            total = total + term.coefficient * value
-        return bool(event.terms) and total + event.constant == 0
-
-    def _is_left_alone(self, rows: ModeRows[N], leader: int, state: State[N]) -> bool:
-        """Whether no force acts on a group, nor begins to."""
-        leaders, n = rows.leader, len(state.x)
-        if leader >= n:
-            return leader == n
-        if any(leaders[force.on] == leader for force in self.closed.scene.forces):
-            return False
-        if any(leaders[column] == leader for column, _ in rows.constants):
-            return False
-        return all(
-            self._still_force(one, state) == 0
-            for one in rows.couplings
-            if leader in (leaders[one.P], leaders[one.Q])
-        )
-
-    def _still_force(self, one: Coupling[N], state: State[N]) -> N | None:
-        """The force of a coupling whose ends move alike; None of others."""
-        apart = _still_distance(state, one.P, one.Q)
-        return None if apart is None else one.k * apart + one.offset
 
     def order_of(self, event: Event[N]) -> int:
         """Order of the zero of an event function that the stretch began with; 0 for none."""
@@ -191,13 +137,3 @@ class Flow(Generic[N]):
     def spin_rate(self, tau: N) -> N:
         """Rate of the speed of the rotor [rad/s^2], which moves by Taylor series alone."""
         return self.taylor.spin_rate(tau)
-
-
-def _still_distance(state: State[N], P: int, Q: int) -> N | None:
-    """x_P - x_Q of two columns that move alike; None of others, and of the base."""
-    n = len(state.x)
-    if n < P or n < Q:
-        return None
-    zero = state.t - state.t
-    (xP, vP), (xQ, vQ) = ((state.x[c], state.v[c]) if c < n else (zero, zero) for c in (P, Q))
-    return xP - xQ if vP == vQ else None
