@@ -8,6 +8,7 @@ import numpy as np
 from vibsim.engine.columns import flags_of_parts, part_columns, state_columns
 from vibsim.engine.events.parting import let_go
 from vibsim.engine.events.relative_motion import meets
+from vibsim.engine.events.twins import twins_of
 from vibsim.engine.flows.harmonics import value_and_rate
 from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Known, RowMaker
 from vibsim.engine.modes.status import LIFTED, OPEN, STICK, Status
@@ -125,7 +126,7 @@ def _zeros(scene: Scene, row: Row, state: State, status: Status, jumps: bool, st
         parted = kind == "rest_end" and not struck  # no faster than rounding of velocities
         released = 2 if jumps else 3
         known: Known = {}
-        for one in _twins(scene, part):
+        for one in twins_of(scene, part):
             if status.stops[one] == OPEN:
                 rate = 0.0 if parted else _closing(scene, scene.stops[one], state)
                 known[STRIKE, one] = released if rate == 0 else 1
@@ -136,13 +137,6 @@ def _zeros(scene: Scene, row: Row, state: State, status: Status, jumps: bool, st
     if kind in ("reversal", "stick_end"):
         return {(SLIDE, friction): 1 if kind == "reversal" else released}
     return {}
-
-
-def _twins(scene: Scene, stop: int) -> list[int]:
-    """The rigid stops with the depth of one of them, itself too: the same ends, in either order, and gap."""
-    one = dict(scene.rigid_stops)[stop]
-    ways = (one.P, one.Q, one.sense, one.gap), (one.Q, one.P, -one.sense, one.gap)
-    return [i for i, other in scene.rigid_stops if (other.P, other.Q, other.sense, other.gap) in ways]
 
 
 def _zeros_of_parted(scene: Scene, rows: Sequence[Row], state: State, status: Status, order: int) -> Known:

@@ -19,6 +19,7 @@ from vibsim.engine.events.newton_moreau import (
 )
 from vibsim.engine.events.resolution import LAST, ROUNDING, unit_of
 from vibsim.engine.events.touch import Touch
+from vibsim.engine.events.twins import hardest, twins_of
 from vibsim.engine.modes.rows import RowMaker
 from vibsim.engine.modes.status import OPEN, RESTING, Status
 from vibsim.engine.state import State
@@ -35,6 +36,7 @@ class Blows(Generic[N]):
         self.scene, self.maker, self.kit = scene, maker, departures.kit
         self.departures, self.relative = departures, departures.relative
         self.stops = dict(scene.rigid_stops)
+        self.places = {j: tuple(twins_of(scene, j)) for j in self.stops}
 
     def velocities(self, state: State[N]) -> list[N]:
         return [*state.v, self.kit.number(0), self.relative.base(state, "v")]
@@ -126,17 +128,24 @@ class Blows(Generic[N]):
         ways = [(one.P, one.Q, one.sense), (one.Q, one.P, -one.sense)]
         return [i, *(c.stop for c in touch.contacts if c.stop != i and (c.P, c.Q, c.sense) in ways)]
 
+    def foremost(self, touch: Touch[N], i: int) -> int:
+        """The hardest of the `twins` of stop `i`."""
+        return hardest(self.stops, self.twins(touch, i))
+
     def doubt_order(self, state: State[N], status: Status, touch: Touch[N], i: int) -> None:
         """Doubt a blow at stop `i` in which others take part that rounding has brought to the same instant,
-        where blows one after the other would have another outcome. Those at rest take part anyway, and what
-        touches at the start does so exactly.
+        where blows one after the other would have another outcome. Those at rest take part anyway, what
+        touches at the start does so exactly, and stops at one place are always struck at once.
         """
-        open_ones = [c for c in touch.contacts if c.stop != i and status.stops[c.stop] == OPEN]
+        open_ones = [
+            c for c in touch.contacts if c.stop not in self.places[i] and status.stops[c.stop] == OPEN
+        ]
         loose = [c for c in open_ones if state.t != 0 or not self.stops[c.stop].at_start]
         if loose:
             certain = [c for c in touch.contacts if c not in loose]
             together = self._outcome(state, [touch.contacts])
-            one_by_one = [[c] for c in loose]
+            places = dict.fromkeys(self.places[c.stop] for c in loose)
+            one_by_one = [[c for c in loose if c.stop in place] for place in places]
             noise = NEAR * self.kit.eps * size_of(touch.contacts, touch.v)
             for groups in ([certain, *one_by_one], [*one_by_one, certain]):
                 after = self._outcome(state, groups)

@@ -80,7 +80,7 @@ class Chatter(Generic[N]):
         chatter = False
         for c in touch.contacts:
             speed = -touch.rates[c.stop]
-            if status.stops[c.stop] != OPEN or speed == 0:
+            if status.stops[c.stop] != OPEN or speed == 0 or self.blows.foremost(touch, c.stop) != c.stop:
                 continue
             drive = self._drive(state, status, c.stop)
             if drive <= 0:
@@ -102,7 +102,8 @@ class Chatter(Generic[N]):
                 soon, last = lasting is not None, last if lasting is None else lasting
             if soon:
                 self.cut_off.add(state.t, last, speed, speed * after / 8)
-                touch.rates[c.stop], touch.ended[c.stop] = self.kit.number(0), hidden
+                touch.rates |= dict.fromkeys(self.blows.twins(touch, c.stop), self.kit.number(0))
+                touch.ended[c.stop] = hidden
                 chatter = True
         return chatter
 
@@ -141,7 +142,10 @@ class Chatter(Generic[N]):
     def _torn(self, touch: Touch[N], j: int) -> bool:
         """Whether blows moved an end of a stop that rested, and rounding hides what came of it."""
         ends = set(self.maker.ends(self.stops[j]))
-        idle = j not in {*touch.ended, *(one.stop for one in touch.passed)}
+        idle = j == self.blows.foremost(touch, j) and j not in {
+            *touch.ended,
+            *(one.stop for one in touch.passed),
+        }
         return idle and bool(ends & touch.moved) and touch.before[j] == touch.rates[j] == 0
 
     def _leave_out(self, t: N, speed: N, drive: N, e: N) -> None:

@@ -54,6 +54,7 @@ class RigidStops(Generic[N]):
         hop : whether the last blow on it was where the stretch began
         """
         touch = self.blows.touching(state, status, i)
+        i = self.blows.foremost(touch, i)
         touch.hop = i if hop else None
         self.blows.doubt_order(state, status, touch, i)
         self.blows.strike(state, touch)
@@ -74,7 +75,8 @@ class RigidStops(Generic[N]):
         changed = changes(status, settled, known)
         settled, begun = self.parting.touching(state, status, settled, bounds, 1, known)
         opened = {j for j in touch.rates if status.stops[j] == RESTING}
-        for j in {i, *opened, *(j for one in touch.passed for j in self.blows.twins(touch, one.stop))}:
+        struck = {i, *(one.stop for one in touch.passed)}
+        for j in {*opened, *(twin for one in struck for twin in self.blows.twins(touch, one))}:
             if settled.stops[j] == OPEN:
                 known[STRIKE, j] = self._parting_order(state, settled, j) if touch.rates[j] == 0 else 1
         for j, rate in touch.rates.items():

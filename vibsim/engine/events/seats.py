@@ -8,6 +8,7 @@ from typing import Generic
 from vibsim.engine.events.newton_moreau import motor_body
 from vibsim.engine.events.relative_motion import RelativeMotion
 from vibsim.engine.events.touch import Catch
+from vibsim.engine.events.twins import hardest, twins_of
 from vibsim.engine.modes.rows import RowMaker
 from vibsim.engine.modes.ties import Edge, Groups, Tie
 from vibsim.engine.state import State
@@ -48,7 +49,8 @@ class Seats(Generic[N]):
                     impulse = impulse + gained
                     state.v[c] = common
                 if loss != 0 or impulse != 0:
-                    stop = next(j for j, edge in edges.items() if groups.leader[edge[0]] == leader)
+                    first = next(j for j, edge in edges.items() if groups.leader[edge[0]] == leader)
+                    stop = hardest(self.stops, edges.keys() & twins_of(self.scene, first))
                     catches.append(Catch(stop, loss, impulse if leader >= n else zero, leader))
         if motor is not None:
             state.w = self.kit.exact(state.w + turning * (state.v[motor.on] - before))
