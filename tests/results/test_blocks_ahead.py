@@ -102,3 +102,23 @@ def test_closing_ends_the_thread_also_of_a_run_that_was_never_begun():
     BlocksAhead(Counting(3), lambda block: None).close()
     ahead_of(Counting(10**9)).close()
     assert threading.active_count() == before
+
+
+def test_news_is_told_while_a_block_is_waited_for():
+    told, released = [], threading.Event()
+
+    class Slow(Counting):
+        def blocks(self):
+            released.wait(10)
+            yield from super().blocks()
+
+    ahead = ahead_of(Slow(2))
+    ahead.tell_news()
+
+    def meanwhile():
+        told.append("news")
+        released.set()
+
+    assert [block.number for block, _ in ahead.blocks(lambda: True, meanwhile)] == [0, 1]
+    assert told == ["news"]
+    ahead.close()

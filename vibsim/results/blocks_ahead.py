@@ -16,12 +16,16 @@ MOST_AHEAD = 2  # blocks that wait; bounds the memory of a run that is faster th
 Told = TypeVar("Told")
 
 
+class News:
+    """In place of a block: who works beside the run has come further."""
+
+
 class BlocksAhead(Generic[Told]):
     """The blocks of a trajectory, each with what `tell` says of it right behind it."""
 
     def __init__(self, trajectory: Trajectory[float], tell: Callable[[Block], Told]):
         self._trajectory, self._tell = trajectory, tell
-        self._queue: SimpleQueue[tuple[Block, Told] | BaseException | None] = SimpleQueue()
+        self._queue: SimpleQueue[tuple[Block, Told] | BaseException | News | None] = SimpleQueue()
         self._room = threading.Semaphore(MOST_AHEAD - 1)
         self._thread = threading.Thread(target=self._run, name="vibsim engine", daemon=True)
         self._stopped = False
@@ -31,17 +35,26 @@ class BlocksAhead(Generic[Told]):
         if self._thread.ident is None:
             self._thread.start()
 
-    def blocks(self, go_on: Callable[[], bool]) -> Iterator[tuple[Block, Told]]:
+    def blocks(
+        self, go_on: Callable[[], bool], meanwhile: Callable[[], None] = lambda: None
+    ) -> Iterator[tuple[Block, Told]]:
         """Yield blocks to the end; raises what the engine raises.
 
         `go_on` is asked while they are waited for; where it says no, and where `stop` was called, those that
-        are computed by then are the last.
+        are computed by then are the last. `meanwhile` is called while they are waited for and there is news.
         """
         while (item := self._next(go_on)) is not None:
+            if isinstance(item, News):
+                meanwhile()
+                continue
             self._room.release()
             if isinstance(item, BaseException):
                 raise item
             yield item
+
+    def tell_news(self) -> None:
+        """Let `blocks` call `meanwhile`, from any thread."""
+        self._queue.put(News())
 
     def stop(self) -> None:
         """Compute no more than the block that is begun."""
@@ -54,7 +67,7 @@ class BlocksAhead(Generic[Told]):
         if self._thread.ident is not None:
             self._thread.join()
 
-    def _next(self, go_on: Callable[[], bool]) -> tuple[Block, Told] | BaseException | None:
+    def _next(self, go_on: Callable[[], bool]) -> tuple[Block, Told] | BaseException | News | None:
         while True:
             try:
                 return self._queue.get(timeout=PATIENCE)

@@ -56,7 +56,9 @@ class Recording:
         self.t_reached = self._known_to = self._worked_to = 0.0
         self.complete = False
         self._distances = Distances(case, self.scene)
-        self._trust: NoTrust[tuple[Rows, float]] = Trust(case, judged, engine) if trust else NoTrust()
+        self._trust: NoTrust[tuple[Rows, float]] = NoTrust()
+        if trust:
+            self._trust = Trust(case, judged, engine, self._ahead.tell_news)
         self.tables = tables_of(self.scene).judged(self._trust.columns)
 
     @cached_property
@@ -100,7 +102,10 @@ class Recording:
             going = going and go_on()
             return going
 
-        for block, missing in self._ahead.blocks(goes_on):
+        def judge_what_waits() -> None:
+            self._hand_on(sink, self._trust.ready(goes_on))
+
+        for block, missing in self._ahead.blocks(goes_on, judge_what_waits):
             times = block.samples["time"][-1:].tolist()
             self._known_to = max(float(block.t_reached), *times, self._known_to)
             self._worked_to = getattr(block, "worked_to", self._known_to)

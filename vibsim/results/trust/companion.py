@@ -102,10 +102,11 @@ class Beside:
     """A run of `scene` in a thread of its own, of which only the displacements at the samples are used.
 
     The C engine lets go of the interpreter while it computes: on two cores it costs hardly any time.
+    tell_news : called in that thread whenever it has come further
     """
 
-    def __init__(self, scene: Scene, engine: str):
-        self._scene, self._engine = scene, engine
+    def __init__(self, scene: Scene, engine: str, tell_news: Callable[[], None] = lambda: None):
+        self._scene, self._engine, self._tell_news = scene, engine, tell_news
         self._names = tables_of(scene).displacements
         self._closed = False
         self.t_reached = 0.0  # [s]; infinite once it has ended
@@ -133,12 +134,14 @@ class Beside:
                 if self._closed:
                     return
                 self.t_reached = max(block.t_reached, *block.samples["time"][-1:].tolist(), self.t_reached)
+                self._tell_news()
         except EngineError:
             pass  # the run went on where this one failed: nothing more to compare with
         except BaseException as raised:  # raised again where the samples are asked for
             error = raised
         self._end(error)
         self.t_reached = inf
+        self._tell_news()
 
     def _hand_on(self, piece: np.ndarray) -> None:
         """Take the next samples, shape (blocks that move, samples)."""
@@ -152,8 +155,8 @@ class Beside:
 class Companion(Beside):
     """A run beside the first, which may be as far ahead of it as a few blocks."""
 
-    def __init__(self, scene: Scene, engine: str):
-        super().__init__(scene, engine)
+    def __init__(self, scene: Scene, engine: str, tell_news: Callable[[], None] = lambda: None):
+        super().__init__(scene, engine, tell_news)
         self._queue: SimpleQueue[np.ndarray | BaseException | None] = SimpleQueue()
         self._room = threading.Semaphore(BLOCKS_AHEAD)
         self._ended = False

@@ -1,5 +1,6 @@
 """The third run, which is asked once: for the end of what it has to show (see `trust_share`)."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import inf, nextafter
 
@@ -45,8 +46,8 @@ class Sides:
 class LastSamples(Beside):
     """The `last` of the first `count` samples of a run of `scene`, which ends with them."""
 
-    def __init__(self, scene: Scene, engine: str, count: int, last: int):
-        super().__init__(scene, engine)
+    def __init__(self, scene: Scene, engine: str, count: int, last: int, tell_news: Callable[[], None]):
+        super().__init__(scene, engine, tell_news)
         self._first, self._last, self._seen = count - last, last, 0
         self._parts: list[np.ndarray] = []
         self._error: BaseException | None = None
@@ -55,8 +56,9 @@ class LastSamples(Beside):
         """Displacements [m], shape (blocks that move, last), NaN where the run has failed; None where it goes
         on for more than so many `seconds`.
         """
-        self._thread.join(seconds)
-        if self._thread.is_alive():
+        if self.t_reached < inf:
+            self._thread.join(seconds)
+        if self.t_reached < inf:
             return None
         if self._error:
             raise self._error
@@ -73,10 +75,13 @@ class LastSamples(Beside):
 
 
 class ThirdRun:
-    """A third run beside a run of `scene` and its companion, set off when it is asked for the first time."""
+    """A third run beside a run of `scene` and its companion, set off when it is asked for the first time.
 
-    def __init__(self, companion: Scene, scene: Scene, engine: str):
-        self._companion, self._scene, self._engine = companion, scene, engine
+    tell_news : as of `Beside`
+    """
+
+    def __init__(self, companion: Scene, scene: Scene, engine: str, tell_news: Callable[[], None]):
+        self._companion, self._scene, self._engine, self._tell_news = companion, scene, engine, tell_news
         self._run: LastSamples | None = None
 
     @property
@@ -88,7 +93,7 @@ class ThirdRun:
         """What `LastSamples` of a run up to `until` [s] tells; None where it goes on when `go_on` says no."""
         if self._run is None:
             third = replace(third_scene(self._companion, self._scene), t_end=until)
-            self._run = LastSamples(third, self._engine, count, last)
+            self._run = LastSamples(third, self._engine, count, last, self._tell_news)
             self._run.start()
         while (told := self._run.told(PATIENCE if go_on() else 0.0)) is None and go_on():
             pass

@@ -2,7 +2,7 @@
 
 import time
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
 from math import inf
@@ -58,6 +58,10 @@ class NoTrust(Generic[Tag]):
         """The samples as they are."""
         yield samples, tag
 
+    def ready(self, go_on: GoOn) -> Iterator[tuple[Rows, Tag]]:
+        """Nothing waits."""
+        return iter(())
+
     def rest(self, go_on: GoOn) -> Iterator[tuple[Rows, Tag]]:
         """Nothing waits."""
         return iter(())
@@ -71,12 +75,13 @@ class Trust(NoTrust[Tag]):
     """Judges a run of `case` while it is computed, by a companion on the same engine.
 
     case, scene : what is run. To be started, and closed at the end.
+    tell_news : called, in another thread, whenever `ready` may have more
     """
 
     columns = (COLUMN,)
 
-    def __init__(self, case: "Case", scene: Scene, engine: str):
-        self._case, self._scene, self._engine = case, scene, engine
+    def __init__(self, case: "Case", scene: Scene, engine: str, tell_news: Callable[[], None]):
+        self._case, self._scene, self._engine, self._tell_news = case, scene, engine, tell_news
         self._estimate = ErrorEstimate(scene, case.number("run.trust_tolerance"))
         self._names = tables_of(scene).displacements
         self._held: deque[Unjudged[Tag]] = deque()
@@ -88,11 +93,11 @@ class Trust(NoTrust[Tag]):
 
     @cached_property
     def _companion(self) -> Companion:
-        return Companion(self._other, self._engine)
+        return Companion(self._other, self._engine, self._tell_news)
 
     @cached_property
     def _third(self) -> ThirdRun:
-        return ThirdRun(self._other, self._scene, self._engine)
+        return ThirdRun(self._other, self._scene, self._engine, self._tell_news)
 
     def start(self) -> None:
         """Let the companion begin, where that has not been done."""
@@ -120,6 +125,10 @@ class Trust(NoTrust[Tag]):
         """
         self._held.append(Unjudged(samples, left_out, tag))
         yield from self._released(go_on, HELD if waits else inf)
+
+    def ready(self, go_on: GoOn) -> Iterator[tuple[Rows, Tag]]:
+        """Yield the blocks of those that wait which can be judged by now."""
+        return self._released(go_on, inf)
 
     def rest(self, go_on: GoOn) -> Iterator[tuple[Rows, Tag]]:
         """Yield the blocks that wait, judged. A second after `go_on` says no, nothing is known of where the
