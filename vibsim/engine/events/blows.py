@@ -41,6 +41,15 @@ class Blows(Generic[N]):
     def velocities(self, state: State[N]) -> list[N]:
         return [*state.v, self.kit.number(0), self.relative.base(state, "v")]
 
+    def carry(self, state: State[N], status: Status) -> None:
+        """Give what rests or sticks on the base its velocity, which that of the stretch has but for rounding:
+        where a blow meets them, they do not close.
+        """
+        leader, drift = self.maker.ties(status)
+        for c in range(self.maker.n):
+            if leader[c] == self.maker.n + 1:
+                state.v[c] = self.relative.base(state, "v") + drift[c]
+
     def contact(self, j: int) -> Contact[N]:
         stop = self.stops[j]
         P, Q = self.maker.ends(stop)

@@ -101,7 +101,7 @@ class Chatter(Generic[N]):
                 lasting = self._lasting(state, status, c, rubbing, speed, drive)
                 soon, last = lasting is not None, last if lasting is None else lasting
             if soon:
-                self.cut_off.add(state.t, last, speed, speed * after / 8)
+                self.cut_off.add(state.t, last, speed, speed * after / 4)
                 touch.rates |= dict.fromkeys(self.blows.twins(touch, c.stop), self.kit.number(0))
                 touch.ended[c.stop] = hidden
                 chatter = True
@@ -151,7 +151,7 @@ class Chatter(Generic[N]):
     def _leave_out(self, t: N, speed: N, drive: N, e: N) -> None:
         """Count the hops that are left out from t [s] on, the first of which begins with a speed [m/s]."""
         after = 2 * speed / drive
-        self.cut_off.add(t, after / (1 - e), speed, speed * after / 8)
+        self.cut_off.add(t, after / (1 - e), speed, speed * after / 4)
 
     def _rubbing(self, state: State[N], status: Status, contact: Contact[N], speed: N, after: N) -> list[int]:
         """Frictions at an end of a stop, or at what moves with it, that slip so slowly that a hop which

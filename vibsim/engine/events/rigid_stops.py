@@ -53,6 +53,7 @@ class RigidStops(Generic[N]):
 
         hop : whether the last blow on it was where the stretch began
         """
+        self.blows.carry(state, status)
         touch = self.blows.touching(state, status, i)
         i = self.blows.foremost(touch, i)
         touch.hop = i if hop else None

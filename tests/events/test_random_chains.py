@@ -1,0 +1,24 @@
+"""Chains that begin at rest, drawn at random: events and motions by closed form, by Taylor series and, where
+these differ, in 40 digits.
+"""
+
+import random
+
+import pytest
+
+from tests.events.chains import chain
+from tests.events.whole_runs import judge, wrong_by_series
+
+
+def chains(seeds):
+    return (chain(random.Random(seed)) for seed in seeds)
+
+
+def test_chains_at_rest():
+    judge(wrong_by_series, chains(range(100)))
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+def test_many_chains_at_rest():
+    judge(wrong_by_series, chains(range(3000)))

@@ -1,0 +1,75 @@
+"""Random scenes whose whole runs are held against another way to compute them."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from tests.engine.runs import Run, whole
+from tests.engine.test_no_room import is_jammed
+from tests.engine.whole_truth import faults
+from tests.events.true_events import MOST_STEPS, Crawling
+from vibsim.engine.errors import EngineError
+from vibsim.engine.trajectory import open_trajectory
+
+ALIKE = 1e-10  # m, of displacements by two methods that take the same events
+
+
+def finished(scene):
+    """The run of the C engine; raises Crawling where it takes too long or goes on no further, None where
+    bodies are caught between rigid stops.
+    """
+    trajectory, blocks = open_trajectory(scene, "c"), []
+    try:
+        for block in trajectory.blocks():
+            blocks.append(block)
+            if trajectory.totals["steps"] > MOST_STEPS:
+                raise Crawling
+    except EngineError as error:
+        if error.reason != "crushed":
+            raise Crawling from error
+        assert is_jammed(scene, error.state), scene
+        return None
+    tables = [whole([getattr(block, name) for block in blocks]) for name in ("samples", "events", "section")]
+    return Run(*tables, trajectory.totals)
+
+
+def certified(run):
+    return run is not None and run.totals["uncertified"] == 0
+
+
+def alike(one, other):
+    """Whether two runs have the same events, and displacements that agree; or no motion is possible."""
+    if one is None or other is None:
+        return one is other
+    same = all(one.events[name].tolist() == other.events[name].tolist() for name in ("kind", "part"))
+    return same and all(
+        np.abs(column - other.samples[name]).max() < ALIKE
+        for name, column in one.samples.items()
+        if name.startswith("x_")
+    )
+
+
+def wrong_by_series(scene):
+    """[(a certified run by closed form or by Taylor series, its faults)] where both are not alike."""
+    runs = [finished(replace(scene, method=method)) for method in ("auto", "taylor")]
+    if alike(*runs):
+        return []
+    judged = [(run, faults(scene, run)) for run in runs if certified(run)]
+    return [(run, found) for run, found in judged if found]
+
+
+def wrong_by_digits(scene):
+    """The faults of a certified run."""
+    run = finished(scene)
+    return faults(scene, run) if certified(run) else []
+
+
+def judge(wrong, scenes):
+    """No scene is `wrong`, one in fifty at most takes too long or ends with an error."""
+    scenes, given_up = list(scenes), 0
+    for scene in scenes:
+        try:
+            assert wrong(scene) == [], scene
+        except Crawling:
+            given_up += 1
+    assert given_up <= len(scenes) / 50
