@@ -26,7 +26,7 @@ engine = Extension(
     "vibsim.engine._engine",
     sources=sorted(glob(f"{ROOM}/**/*.c", recursive=True)),
     depends=sorted(glob(f"{ROOM}/**/*.h", recursive=True)),
-    include_dirs=[ROOM, *sorted(glob(f"{ROOM}/*/"))],
+    include_dirs=sorted(glob(f"{ROOM}/**/", recursive=True)),
     extra_compile_args=MSVC_FLAGS if os.name == "nt" else GCC_FLAGS + EXTRA[kind],
     extra_link_args=[flag for flag in EXTRA[kind] if flag.startswith(("-fsanitize", "--coverage"))],
     optional=not kind,

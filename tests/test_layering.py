@@ -27,6 +27,9 @@ OF_ENGINE |= {"trajectory", "truth", "_engine"}  # the last by name, to ask whet
 # rooms within others -> rooms beside them that they may not import: what serves all pictures and all commands
 # knows none of them, and a run is recorded by way of what stands below
 WITHIN = {
+    "engine.events.roots": {"impacts"},
+    "engine.flows.closed": {"series"},
+    "engine.flows.series": {"closed"},
     "cases.values": {"schema", "parts", "reading"},
     "cases.schema": {"reading"},
     "cases.parts": {"reading"},

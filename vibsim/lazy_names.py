@@ -30,6 +30,6 @@ def lazy_names(package: str, homes: Mapping[str, Sequence[str]]) -> Lazy:
 
 
 def named(path: str) -> Any:
-    """The object of a name such as "vibsim.physics.multiprecision:Balls", its module imported."""
+    """The object of a name such as "vibsim.physics.arithmetic.multiprecision:Balls", its module imported."""
     module, _, name = path.partition(":")
     return getattr(import_module(module), name)

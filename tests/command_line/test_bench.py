@@ -117,7 +117,7 @@ def test_what_is_refused(words, code, message, own_folder):
 
 
 def test_without_a_library_for_the_truth(monkeypatch):
-    monkeypatch.setattr("vibsim.physics.number_kits.find_spec", lambda name: None)
+    monkeypatch.setattr("vibsim.physics.arithmetic.number_kits.find_spec", lambda name: None)
     done = call("bench", "I-A", *SHORT)
     assert done.exit_code == 2 and "pip install 'vibsim[reference]'" in done.stderr
 

@@ -12,7 +12,7 @@ from tests.scenes import harmonic, paper, scene
 from vibsim.cases import load_case
 from vibsim.engine import _engine
 from vibsim.engine.c_engine import CRun
-from vibsim.engine.flows.modal import pitches
+from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.modes.packing import pack_scene, pack_state, packed_mode
 from vibsim.engine.tangent.packing_tangent import DisturbancePacker, pack_bundle
 from vibsim.engine.tangent.tangent_space import dimension, length

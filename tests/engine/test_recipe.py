@@ -14,8 +14,8 @@ from vibsim.engine.modes.likeness import differences
 from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.state import start_of
 from vibsim.engine.tangent.monodromy import Carrier
-from vibsim.physics.numbers import Doubles
-from vibsim.physics.recorded_numbers import NotRecorded, Record, RecordedNumbers
+from vibsim.physics.arithmetic.numbers import Doubles
+from vibsim.physics.arithmetic.recorded_numbers import NotRecorded, Record, RecordedNumbers
 
 
 def test_a_record_is_repeated_on_other_numbers():

@@ -15,8 +15,8 @@ from vibsim.engine.driver import Driver
 from vibsim.engine.modes.rows import SLIDE
 from vibsim.engine.resume import resume_point
 from vibsim.engine.truth import open_truth
+from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.modes import EVENT_KINDS, EVENT_NAMES
-from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import (
     BASE,
     COMPRESSION,

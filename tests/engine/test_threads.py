@@ -19,7 +19,7 @@ from vibsim.engine.ledgers.meters import MeterMaker
 from vibsim.engine.modes import mode_table
 from vibsim.engine.modes.status import CONTACT, OPEN, Status
 from vibsim.engine.truth import open_truth
-from vibsim.physics.working_precision import GUARD_BITS
+from vibsim.physics.arithmetic.working_precision import GUARD_BITS
 
 THREADS = 4
 SPAN = {"run.t_end": "2 s", "run.every": "20 ms"}

@@ -13,7 +13,7 @@ from tests.engine.random_parts import LENGTH, part_scenes
 from tests.engine.runs import Run, outcome, whole
 from vibsim.cases import load_case
 from vibsim.engine.truth import open_truth
-from vibsim.physics import number_kits
+from vibsim.physics.arithmetic import number_kits
 from vibsim.physics.parts import GROUND, Body, Friction, Harmonic, Link, RigidStop, Scene
 
 pytest.importorskip("flint")

@@ -7,9 +7,9 @@ from tests.engine.test_truth import exact_parts, sine, touches, touching
 from vibsim.engine.driver import Driver
 from vibsim.engine.state import State
 from vibsim.engine.truth import bare
+from vibsim.physics.arithmetic.number_kits import number_kit
+from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.modes import EVENT_NAMES
-from vibsim.physics.number_kits import number_kit
-from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
 
 DIGITS = 40

@@ -12,8 +12,8 @@ from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.finding import find_orbit
 from vibsim.orbits.orbit_digits import refine
 from vibsim.orbits.small_matrices import characteristic_polynomial, product, refined_roots, solved
-from vibsim.physics.number_kits import number_kit
-from vibsim.physics.numbers import Doubles
+from vibsim.physics.arithmetic.number_kits import number_kit
+from vibsim.physics.arithmetic.numbers import Doubles
 
 BY_NAME = {stored["name"]: stored for stored in STORED}
 EXACT = ["I-A attractor, period 5", "I-C attractor, period 1", "II-B c=0.03 captured n=1 (2 impacts/turn)"]

@@ -15,7 +15,7 @@ from vibsim.cases.values.units import si_unit
 from vibsim.engine.truth import bare
 from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.sensitivity import monodromy
-from vibsim.physics.multiprecision import Balls
+from vibsim.physics.arithmetic.multiprecision import Balls
 
 KIT = Balls(40)
 SHIFT = Fraction(1, 10**14)  # what a one-sided quotient leaves out is of this size

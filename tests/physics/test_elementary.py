@@ -6,8 +6,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from vibsim.physics import elementary
-from vibsim.physics.sines import sine_cosine
+from vibsim.physics.arithmetic import elementary
+from vibsim.physics.arithmetic.sines import sine_cosine
 
 RANDOM = np.random.default_rng(7)
 ULP = 2.0**-52

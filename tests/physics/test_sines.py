@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vibsim.physics.sines import sine_cosine
+from vibsim.physics.arithmetic.sines import sine_cosine
 
 EPS = 2.0**-52
 

@@ -5,7 +5,7 @@ import pytest
 import vibsim
 from tests.command_line.made import call
 from tests.truth.made import case
-from vibsim.physics import number_kits
+from vibsim.physics.arithmetic import number_kits
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from vibsim.cases import shipped_case_names
 from vibsim.engine.tangent.error_growth import error_growth
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.engine.truth import open_truth
-from vibsim.physics import number_kits
+from vibsim.physics.arithmetic import number_kits
 from vibsim.results.many_digits.right_digits import agreement
 
 

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.physics.arithmetic.sums import dot, mean
 from vibsim.physics.body_sets import drifting_sets, pairs_of
 from vibsim.physics.parts import columns_of
-from vibsim.physics.sums import dot, mean
 from vibsim.results.motion.closing_velocity import IMPACT_CODES
 from vibsim.results.motion.relative_motion import RelativeMotion
 from vibsim.results.result import Result

@@ -16,12 +16,12 @@ import numpy as np
 from vibsim.analysis.cycles import cycle_ends
 from vibsim.analysis.span import Span, steady_span
 from vibsim.analysis.verdicts import FrequenciesVerdict, name_verdict
-from vibsim.physics import elementary
+from vibsim.physics.arithmetic import elementary
+from vibsim.physics.arithmetic.sines import sine_cosine
+from vibsim.physics.arithmetic.sums import dot, mean
 from vibsim.physics.body_sets import Pair, pairs_of
 from vibsim.physics.parts import Scene
 from vibsim.physics.rates import natural_rates
-from vibsim.physics.sines import sine_cosine
-from vibsim.physics.sums import dot, mean
 from vibsim.results.columns import tables_of
 from vibsim.results.motion.relative_motion import RelativeMotion
 from vibsim.results.result import Result

@@ -16,11 +16,11 @@ from vibsim.analysis.block_averages import FEWEST_BLOCKS, MOST_BLOCKS, average
 from vibsim.analysis.cycles import cycle_ends
 from vibsim.analysis.span import Span, steady_span
 from vibsim.analysis.verdicts import DriftVerdict, name_verdict
+from vibsim.physics.arithmetic.sines import sine_cosine
+from vibsim.physics.arithmetic.sums import mean
 from vibsim.physics.body_sets import drifting_sets
 from vibsim.physics.parts import Scene, columns_of
 from vibsim.physics.rates import is_driven, source_period
-from vibsim.physics.sines import sine_cosine
-from vibsim.physics.sums import mean
 from vibsim.results.columns import tables_of
 from vibsim.results.result import Result
 from vibsim.results.windows import Window

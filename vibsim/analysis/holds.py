@@ -12,9 +12,9 @@ from math import inf
 import numpy as np
 
 from vibsim.analysis.cycles import TURN
-from vibsim.physics import elementary
+from vibsim.physics.arithmetic import elementary
+from vibsim.physics.arithmetic.sums import mean
 from vibsim.physics.parts import Motor
-from vibsim.physics.sums import mean
 
 TURNS = 12  # to average over: a multiple of the periods 1, 2, 3, 4 and 6 that the motion may have
 BAND = 0.03  # half width of the band, relative; beside a resonance the mean speed beats by about 2 %

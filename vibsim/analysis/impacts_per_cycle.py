@@ -11,9 +11,9 @@ from vibsim.analysis.cycles import cycle_ends
 from vibsim.analysis.event_rows import events_within
 from vibsim.analysis.span import Span, steady_span
 from vibsim.analysis.verdicts import ImpactsVerdict, name_verdict
+from vibsim.physics.arithmetic.sums import mean
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene
-from vibsim.physics.sums import mean
 from vibsim.results.columns import part_names
 from vibsim.results.motion.closing_velocity import closing_velocities
 from vibsim.results.result import Result

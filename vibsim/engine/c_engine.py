@@ -16,14 +16,14 @@ from vibsim.engine.columns import part_columns
 from vibsim.engine.errors import EngineError
 from vibsim.engine.events.automaton import Automaton
 from vibsim.engine.events.certificate import Certificate
-from vibsim.engine.events.chatter import LOWEST
 from vibsim.engine.events.departures import scout
+from vibsim.engine.events.impacts.chatter import LOWEST
 from vibsim.engine.events.plain_start import PlainStart
 from vibsim.engine.events.rule_maker import RuleMaker
 from vibsim.engine.extremes import Gap
+from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.flows.harmonics import value_and_rate
-from vibsim.engine.flows.modal import pitches
 from vibsim.engine.ledgers.ledger import struck_entries
 from vibsim.engine.ledgers.meters import jumps_of
 from vibsim.engine.ledgers.packing_meters import pack_blows, pack_extremes, pack_ledger
@@ -47,8 +47,8 @@ from vibsim.engine.tangent.packing_tangent import DisturbancePacker, pack_bundle
 from vibsim.engine.tangent.saltation import released_frictions, saltation
 from vibsim.engine.tangent.tangencies import Tangencies
 from vibsim.engine.tangent.tangent_space import length, plainly_weighed_alike
+from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
 from vibsim.physics.period import common_period
 

@@ -12,8 +12,8 @@ from typing import Generic
 
 from vibsim.engine.errors import EngineError
 from vibsim.engine.events.automaton import Automaton
-from vibsim.engine.events.chatter import LOWEST
 from vibsim.engine.events.departures import scout
+from vibsim.engine.events.impacts.chatter import LOWEST
 from vibsim.engine.extremes import Extremes, Gap
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.ledgers.ledger import Ledger
@@ -25,8 +25,8 @@ from vibsim.engine.section import StroboscopicSection
 from vibsim.engine.state import State, start_of
 from vibsim.engine.tangent.disturbances import Disturbances
 from vibsim.engine.tangent.tangent_bundle import TangentBundle
+from vibsim.physics.arithmetic.numbers import Doubles, Kit, N
 from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.numbers import Doubles, Kit, N
 from vibsim.physics.parts import Scene
 
 Velocities = tuple[list[N], N]  # of the bodies [m/s], speed of the rotor [rad/s]

@@ -6,15 +6,15 @@ from math import isfinite
 import numpy as np
 
 from vibsim.engine.columns import flags_of_parts, part_columns, state_columns
+from vibsim.engine.events.impacts.twins import twins_of
 from vibsim.engine.events.parting import let_go
 from vibsim.engine.events.relative_motion import meets
-from vibsim.engine.events.twins import twins_of
 from vibsim.engine.flows.harmonics import value_and_rate
 from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Known, RowMaker
 from vibsim.engine.modes.status import LIFTED, OPEN, STICK, Status
 from vibsim.engine.state import State
+from vibsim.physics.arithmetic.numbers import TWO_PI, Doubles, N
 from vibsim.physics.modes import EVENT_NAMES, RIGID_KINDS
-from vibsim.physics.numbers import TWO_PI, Doubles, N
 from vibsim.physics.parts import AT_FORCE, BASE, Clearance, Friction, RigidStop, Scene, Stop, columns_of
 
 Point = tuple[State[N], Status, Known]  # what a run goes on from: state, mode, known zeros

@@ -10,7 +10,7 @@ from typing import Generic
 
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.state import State
-from vibsim.physics.numbers import TWO_PI, TWO_PI_LO, N
+from vibsim.physics.arithmetic.numbers import TWO_PI, TWO_PI_LO, N
 from vibsim.physics.parts import Scene
 from vibsim.physics.period import common_period
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Generic
 
-from vibsim.physics.numbers import Kit, N
+from vibsim.physics.arithmetic.numbers import Kit, N
 from vibsim.physics.parts import Scene
 
 

@@ -24,7 +24,7 @@ from vibsim.engine.columns import (
     section_columns,
 )
 from vibsim.engine.driver import Driver, Happening
-from vibsim.engine.events.chatter import LOWEST
+from vibsim.engine.events.impacts.chatter import LOWEST
 from vibsim.engine.extremes import Gap
 from vibsim.engine.modes.status import LIFTED, Status
 from vibsim.engine.modes.ties import Edge
@@ -34,8 +34,8 @@ from vibsim.engine.tangent.tangent_bundle import TangentBundle
 from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.engine.tangent.tangent_totals import tangent_totals
 from vibsim.engine.totals import ledger_totals, rigid_totals, totals_of
+from vibsim.physics.arithmetic.numbers import Doubles, Kit, N
 from vibsim.physics.modes import EVENT_KINDS, RIGID_KINDS
-from vibsim.physics.numbers import Doubles, Kit, N
 from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:

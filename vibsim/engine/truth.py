@@ -17,9 +17,9 @@ from vibsim.engine.columns import state_columns
 from vibsim.engine.errors import EngineError
 from vibsim.engine.state import State
 from vibsim.engine.trajectory import Block, PythonTrajectory
-from vibsim.physics.exact_decimals import text_width
-from vibsim.physics.number_kits import DigitsKit, number_kit, one_precision
-from vibsim.physics.numbers import Number
+from vibsim.physics.arithmetic.exact_decimals import text_width
+from vibsim.physics.arithmetic.number_kits import DigitsKit, number_kit, one_precision
+from vibsim.physics.arithmetic.numbers import Number
 from vibsim.physics.parts import Scene
 
 SAMPLES, PIECES, SECONDS = 512, 8, 0.1  # a stretch of 60 digits takes some ten milliseconds

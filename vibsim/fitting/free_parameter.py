@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from vibsim.cases.schema.keys import UnknownKeyError
 from vibsim.cases.values.units import UNITS
 from vibsim.fitting.errors import FitError
-from vibsim.physics.elementary import exp, log, log10
+from vibsim.physics.arithmetic.elementary import exp, log, log10
 from vibsim.sweeps.plan.axis import read_axis, scale_name
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from vibsim.fitting.measuring import Index
 from vibsim.fitting.plan import FitPlan
 from vibsim.fitting.reading import Candidate
 from vibsim.fitting.statement import Statement
-from vibsim.physics.sums import dot, mean, total
+from vibsim.physics.arithmetic.sums import dot, mean, total
 from vibsim.sweeps.ensemble import share as share_of
 from vibsim.sweeps.points.point import Point
 

@@ -20,8 +20,8 @@ from vibsim.analysis.holds import BAND, TURNS, Hold, holds_of, mean_speeds
 from vibsim.analysis.impacts_per_cycle import count_impacts
 from vibsim.analysis.regime.verdict import judge_regime
 from vibsim.analysis.span import span_of, steady_span
+from vibsim.physics.arithmetic.sums import mean
 from vibsim.physics.parts import Scene
-from vibsim.physics.sums import mean
 from vibsim.results.motion.closing_velocity import IMPACT_CODES
 from vibsim.results.result import Result
 from vibsim.results.windows import Window

@@ -13,7 +13,7 @@ from vibsim.cases.schema.keys import UnknownKeyError
 from vibsim.cases.values.quantities import Quantity
 from vibsim.fitting.errors import FitError
 from vibsim.fitting.free_parameter import LEAVE, FreeParameter
-from vibsim.physics.elementary import log10
+from vibsim.physics.arithmetic.elementary import log10
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

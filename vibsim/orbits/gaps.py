@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.physics.arithmetic.sines import sine_cosine
 from vibsim.physics.parts import BASE, Scene
-from vibsim.physics.sines import sine_cosine
 
 ROUNDING = 2e-12  # of the size of a motion: what rounding and Newton's method leave of a gap that is zero
 OF_STOPS = ("contact_begin", "contact_end", "impact", "transmitted")

@@ -18,11 +18,11 @@ from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.small_matrices import characteristic_polynomial, refined_roots, solved
 from vibsim.orbits.word import Word, spelled, word_of
-from vibsim.physics.exact_decimals import decimal_text
+from vibsim.physics.arithmetic.exact_decimals import decimal_text
+from vibsim.physics.arithmetic.number_kits import DigitsKit, number_kit, one_precision
+from vibsim.physics.arithmetic.numbers import Number
+from vibsim.physics.arithmetic.working_precision import MOST_DIGITS
 from vibsim.physics.modes import EVENT_NAMES, IMPACTS
-from vibsim.physics.number_kits import DigitsKit, number_kit, one_precision
-from vibsim.physics.numbers import Number
-from vibsim.physics.working_precision import MOST_DIGITS
 
 GUARD = 15  # digits beyond those asked for: what components much smaller than the largest need
 PIECES = 4096

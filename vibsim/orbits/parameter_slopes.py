@@ -1,8 +1,8 @@
 """What changes of a scene's numbers make of a motion: its derivative by them, through events.
 
-Between events the Taylor flow carries derivatives along (`vibsim.physics.sloped_numbers`), at fixed times.
-Where an event function h depends on the numbers too, the event moves by dt = -dh / h', and with the vector
-fields f- and f+ on both sides
+Between events the Taylor flow carries derivatives along (`vibsim.physics.arithmetic.sloped_numbers`), at
+fixed times. Where an event function h depends on the numbers too, the event moves by dt = -dh / h', and with
+the vector fields f- and f+ on both sides
 
     d(behind) = d(before) + (f- - f+) dt,    at a blow R:  d(behind) = dR(state, numbers at t + dt) - f+ dt,
 
@@ -16,16 +16,16 @@ import numpy as np
 
 from vibsim.engine.driver import Driver
 from vibsim.engine.events.certificate import Certificate
-from vibsim.engine.events.newton_moreau import Contact, blow, masses
+from vibsim.engine.events.impacts.newton_moreau import Contact, blow, masses
 from vibsim.engine.flows.harmonics import value_and_rate
-from vibsim.engine.flows.taylor import Taylor
+from vibsim.engine.flows.series.taylor import Taylor
 from vibsim.engine.modes.rows import GAP, HOLD, PUSH, SLIDE, STRIKE, RowMaker
 from vibsim.engine.state import State
 from vibsim.orbits.errors import OrbitError
+from vibsim.physics.arithmetic.numbers import Doubles
+from vibsim.physics.arithmetic.sloped_numbers import Sloped, SlopedNumbers, slope_of
 from vibsim.physics.modes import EVENT_NAMES
-from vibsim.physics.numbers import Doubles
 from vibsim.physics.rates import fastest_rate
-from vibsim.physics.sloped_numbers import Sloped, SlopedNumbers, slope_of
 
 PIECES = 4096  # of the run at once
 SHARE = 0.5  # of the step that the flow itself would take: derivatives ask for more terms than values

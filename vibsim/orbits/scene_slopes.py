@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.orbits.errors import OrbitError
+from vibsim.physics.arithmetic.sloped_numbers import Sloped
 from vibsim.physics.parts import Scene
-from vibsim.physics.sloped_numbers import Sloped
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

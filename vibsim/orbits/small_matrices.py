@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from vibsim.engine.flows import matrices
-from vibsim.engine.flows.matrices import Matrix
-from vibsim.physics.numbers import Kit, N
+from vibsim.engine.flows.closed import matrices
+from vibsim.engine.flows.closed.matrices import Matrix
+from vibsim.physics.arithmetic.numbers import Kit, N
 
 Complex = tuple[N, N]  # real and imaginary part
 

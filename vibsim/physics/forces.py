@@ -4,7 +4,7 @@ The engine has them as rows of a mode; here they stand as printed, for what the 
 Relative displacement y = x1 - x2, its rate u = v1 - v2.
 """
 
-from vibsim.physics.numbers import N
+from vibsim.physics.arithmetic.numbers import N
 from vibsim.physics.two_blocks import TwoBlocks
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from math import ceil
 from typing import Any, Generic
 
-from vibsim.physics.numbers import N
+from vibsim.physics.arithmetic.numbers import N
 from vibsim.physics.sampling import Sampled
 
 GROUND, BASE = -1, -2

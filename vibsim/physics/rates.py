@@ -11,8 +11,8 @@ from math import inf, pi, sqrt
 
 import numpy as np
 
+from vibsim.physics.arithmetic.numbers import N
 from vibsim.physics.body_sets import body_sets
-from vibsim.physics.numbers import N
 from vibsim.physics.parts import Link, RigidStop, Scene, Stop
 from vibsim.physics.period import common_period
 

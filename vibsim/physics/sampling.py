@@ -2,7 +2,7 @@
 
 from typing import Generic
 
-from vibsim.physics.numbers import N
+from vibsim.physics.arithmetic.numbers import N
 
 
 class Sampled(Generic[N]):

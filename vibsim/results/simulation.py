@@ -32,7 +32,8 @@ def simulate(
         they are in `result.digits`. None: doubles
 
     Raises EngineError (in `vibsim.engine.errors`) when the run fails, ValueError for other digits, and
-    MultiprecisionMissing (in `vibsim.physics.number_kits`) where neither python-flint nor mpmath is there.
+    MultiprecisionMissing (in `vibsim.physics.arithmetic.number_kits`) where neither python-flint nor
+    mpmath is there.
 
     >>> import vibsim
     >>> result = vibsim.simulate("II-B", overrides={"Omega0": "6.5 Hz", "run.t_end": "5 s"})

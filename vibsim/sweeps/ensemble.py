@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibsim.physics.sums import total
+from vibsim.physics.arithmetic.sums import total
 
 CONFIDENT = 1.959963984540054  # standard deviations either side that hold 95 % of a normal distribution
 

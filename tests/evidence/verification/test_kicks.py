@@ -17,7 +17,7 @@ from vibsim.evidence.verification.bounds.kicks import (
 )
 from vibsim.evidence.verification.digits_runs import Plan, run_digits
 from vibsim.evidence.verification.stray import states_apart
-from vibsim.physics.number_kits import number_kit
+from vibsim.physics.arithmetic.number_kits import number_kit
 
 
 @pytest.fixture

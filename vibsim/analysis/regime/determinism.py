@@ -7,7 +7,7 @@ relative to the error of guessing.
 
 import numpy as np
 
-from vibsim.physics.sums import total
+from vibsim.physics.arithmetic.sums import total
 
 APART = 5  # points between neighbours, at least: those next to each other in time say nothing
 MOST = 2000  # points looked at, the last ones

@@ -17,10 +17,10 @@ import numpy as np
 from vibsim.analysis.cycles import ROWS, TURN, cycle_ends
 from vibsim.analysis.event_rows import events_within
 from vibsim.analysis.span import Span
+from vibsim.physics.arithmetic.sines import sine_cosine
+from vibsim.physics.arithmetic.sums import mean
 from vibsim.physics.body_sets import body_sets, joined_pairs
 from vibsim.physics.parts import Scene, columns_of
-from vibsim.physics.sines import sine_cosine
-from vibsim.physics.sums import mean
 from vibsim.results.motion.relative_motion import RelativeMotion
 from vibsim.results.restart import states_at
 from vibsim.results.result import Result

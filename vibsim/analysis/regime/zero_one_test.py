@@ -6,8 +6,8 @@ Gottwald and Melbourne, "On the implementation of the 0-1 test for chaos", SIAM 
 
 import numpy as np
 
-from vibsim.physics.sines import sine_cosine
-from vibsim.physics.sums import dot, mean
+from vibsim.physics.arithmetic.sines import sine_cosine
+from vibsim.physics.arithmetic.sums import dot, mean
 
 FREQUENCIES = 100
 LOWEST, HIGHEST = np.pi / 5, 4 * np.pi / 5  # of c; nearer to 0 and pi lie resonances of every series

@@ -13,7 +13,7 @@ from vibsim.engine.modes.rows import RowMaker
 from vibsim.orbits.return_map import Return
 from vibsim.orbits.sliding import excess
 from vibsim.orbits.word import Word, changes
-from vibsim.physics.numbers import Doubles
+from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.parts import Scene
 
 STOPPED = ("reversal", "stick_begin")  # events at which a sliding velocity is zero

@@ -6,7 +6,7 @@ from typing import Any
 from vibsim.cases.parts.draft import Draft, Finding
 from vibsim.cases.parts.ends import BASE, NO_BODIES, Ends
 from vibsim.cases.values.quantities import Quantity
-from vibsim.physics import elementary
+from vibsim.physics.arithmetic import elementary
 
 NEEDED = {"elastic": "k", "rigid": "e"}
 FOREIGN = {"elastic": ("e",), "rigid": ("k", "c", "release")}

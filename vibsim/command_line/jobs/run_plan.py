@@ -80,7 +80,7 @@ def check_digits(digits: int | str | None, engine: str) -> None:
     """Usage error where many digits are asked for and cannot be had."""
     if digits is None:
         return
-    from vibsim.physics.number_kits import MultiprecisionMissing, installed_library
+    from vibsim.physics.arithmetic.number_kits import MultiprecisionMissing, installed_library
 
     if engine == "c":
         raise click.UsageError("--digits needs the Python engine; the C engine has doubles only")

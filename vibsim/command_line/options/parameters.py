@@ -119,7 +119,7 @@ class DigitCount(click.ParamType):
     name = "digits"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int | str:
-        from vibsim.physics.working_precision import FEWEST_DIGITS, MOST_DIGITS
+        from vibsim.physics.arithmetic.working_precision import FEWEST_DIGITS, MOST_DIGITS
 
         if value == "auto":
             return value

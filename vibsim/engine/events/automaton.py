@@ -13,17 +13,17 @@ from typing import Generic
 
 from vibsim.engine.events.departures import Departures
 from vibsim.engine.events.happenings import Happened, Taken, changes
+from vibsim.engine.events.impacts.rigid_stops import RigidStops
+from vibsim.engine.events.impacts.touch import Touch
 from vibsim.engine.events.parting import Parting
 from vibsim.engine.events.relative_motion import RelativeMotion
-from vibsim.engine.events.rigid_stops import RigidStops
 from vibsim.engine.events.settling import Settling
 from vibsim.engine.events.starts import Starts
-from vibsim.engine.events.touch import Touch
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Event, Known, RowMaker
 from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, STICK, Status
 from vibsim.engine.state import State
-from vibsim.physics.numbers import Kit, N
+from vibsim.physics.arithmetic.numbers import Kit, N
 from vibsim.physics.parts import Scene
 
 

@@ -9,7 +9,7 @@ further apart than rounding blurs them. All else is a doubt: counted, and the fi
 from math import inf
 from typing import Generic
 
-from vibsim.physics.numbers import Kit, N
+from vibsim.physics.arithmetic.numbers import Kit, N
 
 
 class Certificate(Generic[N]):

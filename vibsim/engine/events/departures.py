@@ -12,11 +12,11 @@ from typing import Generic
 from vibsim.engine.events.certificate import Certificate
 from vibsim.engine.events.relative_motion import RelativeMotion
 from vibsim.engine.flows.flow import Flow
-from vibsim.engine.flows.taylor_rounding import TaylorRounding
+from vibsim.engine.flows.series.taylor_rounding import TaylorRounding
 from vibsim.engine.modes.rows import COUPLING, DIFFERENCE, Event, EventKey, ModeRows, RowMaker
 from vibsim.engine.modes.status import Status
 from vibsim.engine.state import State
-from vibsim.physics.numbers import Kit, N, abs
+from vibsim.physics.arithmetic.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
 
 LEAST_JET, MOST_JET = 7, 21  # of bounds of `highest_derivative`

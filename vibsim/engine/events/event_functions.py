@@ -6,12 +6,12 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Generic
 
 from vibsim.engine.modes.rows import ACCELERATION, COUPLING, DIFFERENCE, LOAD, RATE, Event, Term
-from vibsim.physics.numbers import N, abs
+from vibsim.physics.arithmetic.numbers import N, abs
 from vibsim.physics.parts import Harmonic
 
 if TYPE_CHECKING:
-    from vibsim.engine.flows.closed_form import ClosedForm
-    from vibsim.engine.flows.rounding import Scales
+    from vibsim.engine.flows.closed.closed_form import ClosedForm
+    from vibsim.engine.flows.closed.rounding import Scales
 
 
 class EventFunctions(Generic[N]):

@@ -14,7 +14,7 @@ from vibsim.engine.events.happenings import Happened
 from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, Known, RowMaker
 from vibsim.engine.modes.status import CONTACT, KEPT, OPEN, VIOLATED, Status
 from vibsim.engine.state import State
-from vibsim.physics.numbers import N
+from vibsim.physics.arithmetic.numbers import N
 from vibsim.physics.parts import Clearance, Scene, Stop
 
 

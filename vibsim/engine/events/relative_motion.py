@@ -7,7 +7,7 @@ from typing import Generic
 from vibsim.engine.flows.harmonics import TURN_ROUNDING, series_rounding, value_and_rate
 from vibsim.engine.modes.rows import Joined, RowMaker
 from vibsim.engine.state import State
-from vibsim.physics.numbers import Kit, N, abs
+from vibsim.physics.arithmetic.numbers import Kit, N, abs
 from vibsim.physics.parts import Clearance, Friction, RigidStop, Scene, Stop
 
 START_ROUNDING = 16  # at least: each of three numbers and of two differences is rounded once

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import inf
 
-from vibsim.physics.numbers import Kit, N
+from vibsim.physics.arithmetic.numbers import Kit, N
 
 NEXT, LAST = 2, 8  # units in the last place of the time
 ROUNDING = 8  # of a sum or a difference of two numbers, in units of eps

@@ -10,7 +10,7 @@ from vibsim.engine.events.departures import Departures, first_sign
 from vibsim.engine.modes.rows import HOLD, SLIDE, STRIKE, Event, ModeRows, RowMaker
 from vibsim.engine.modes.status import BACKWARD, FORWARD, STICK, Status
 from vibsim.engine.state import State
-from vibsim.physics.numbers import N, abs
+from vibsim.physics.arithmetic.numbers import N, abs
 from vibsim.physics.parts import Motor, Scene
 
 # of all forces of a mode: nearer to its limit than that the force of a tie is measured closely

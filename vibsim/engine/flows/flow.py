@@ -12,14 +12,14 @@ from math import inf
 from typing import Generic
 
 from vibsim.engine.events.certificate import Certificate
-from vibsim.engine.flows.closed_form import ClosedForm
-from vibsim.engine.flows.flat_zeros import leaves_flat
+from vibsim.engine.flows.closed.closed_form import ClosedForm
+from vibsim.engine.flows.closed.flat_zeros import leaves_flat
 from vibsim.engine.flows.motion import Advance
-from vibsim.engine.flows.taylor import Taylor
+from vibsim.engine.flows.series.taylor import Taylor
 from vibsim.engine.ledgers.meters import Meters, Node
 from vibsim.engine.modes.rows import STRIKE, Event, Known, ModeRows
 from vibsim.engine.state import State
-from vibsim.physics.numbers import Kit, N, abs
+from vibsim.physics.arithmetic.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
 
 

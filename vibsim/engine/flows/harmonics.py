@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from vibsim.physics.numbers import Kit, N, abs
+from vibsim.physics.arithmetic.numbers import Kit, N, abs
 from vibsim.physics.parts import Harmonic
 
 ROUNDING = 16  # of a product of an amplitude, powers of a rate and a sine, in units of eps

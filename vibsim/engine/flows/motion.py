@@ -8,7 +8,7 @@ from vibsim.engine.events.certificate import Certificate
 from vibsim.engine.ledgers.meters import Meters, Node
 from vibsim.engine.modes.rows import Event, Known, ModeRows
 from vibsim.engine.state import State
-from vibsim.physics.numbers import N
+from vibsim.physics.arithmetic.numbers import N
 
 Advance = tuple[N, Event[N] | None]  # a time [s], and the event that is met there
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Generic
 
-from vibsim.engine.events.touch import Touch
+from vibsim.engine.events.impacts.touch import Touch
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.flows.harmonics import value_and_rate
 from vibsim.engine.ledgers.meters import (
@@ -34,8 +34,8 @@ from vibsim.engine.ledgers.meters import (
 from vibsim.engine.modes.rows import ModeRows, RowMaker
 from vibsim.engine.modes.status import CONTACT, Status
 from vibsim.engine.state import State
-from vibsim.physics.gauss_nodes import NODES, WEIGHTS
-from vibsim.physics.numbers import Kit, N
+from vibsim.physics.arithmetic.gauss_nodes import NODES, WEIGHTS
+from vibsim.physics.arithmetic.numbers import Kit, N
 from vibsim.physics.parts import Scene, Stop
 
 

@@ -20,7 +20,7 @@ from typing import Generic
 from vibsim.engine.modes.rows import COUPLING, FALL, HOLD, Event, Falling, ModeRows, RowMaker, Term, Terms
 from vibsim.engine.modes.status import CONTACT, STICK, Status
 from vibsim.engine.modes.ties import Edge, Groups, Tie, beyond
-from vibsim.physics.numbers import Kit, N
+from vibsim.physics.arithmetic.numbers import Kit, N
 from vibsim.physics.parts import AT_FORCE, Friction, Scene
 
 SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB = range(7)

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from threading import Lock, RLock
 from typing import TYPE_CHECKING
 
-from vibsim.engine.flows.modal import pitch, pitches
+from vibsim.engine.flows.closed.modal import pitch, pitches
 from vibsim.engine.ledgers.meters import MeterMaker
 from vibsim.engine.ledgers.packing_meters import pack_meters, terms_of
 from vibsim.engine.modes.likeness import Numbers, Place, settings
@@ -23,7 +23,7 @@ from vibsim.engine.modes.rows import Event, EventKey, ModeRows, RowMaker
 from vibsim.engine.modes.rule import Rule
 from vibsim.engine.modes.status import Status
 from vibsim.once import once
-from vibsim.physics.numbers import Doubles
+from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:

@@ -8,15 +8,15 @@ from functools import lru_cache
 from itertools import islice
 from typing import TYPE_CHECKING
 
-from vibsim.engine.flows.modal import Pitch, pitch
+from vibsim.engine.flows.closed.modal import Pitch, pitch
 from vibsim.engine.modes.rows import DIFFERENCE, RATE, Event, EventKey, ModeRows, Term
 from vibsim.engine.state import State
-from vibsim.physics import elementary
+from vibsim.physics.arithmetic import elementary
 from vibsim.physics.parts import BASE, GROUND, Harmonic, Scene
 
 if TYPE_CHECKING:
-    from vibsim.engine.flows.closed_form import ModalMotion
-    from vibsim.engine.flows.modal import Source
+    from vibsim.engine.flows.closed.closed_form import ModalMotion
+    from vibsim.engine.flows.closed.modal import Source
 
 
 Packed = tuple[bytes, bytes]  # integers and doubles

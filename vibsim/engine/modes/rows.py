@@ -22,8 +22,8 @@ from typing import TYPE_CHECKING, Generic, Protocol
 
 from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Status
 from vibsim.engine.modes.ties import Cut, Edge, Groups, Limits, Tie, cuts
+from vibsim.physics.arithmetic.numbers import Kit, N, abs
 from vibsim.physics.friction_laws import LAWS, Law
-from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import (
     AT_GAP,
     BASE,
@@ -37,7 +37,7 @@ from vibsim.physics.parts import (
 )
 
 if TYPE_CHECKING:
-    from vibsim.engine.flows.closed_form import ModalMotion
+    from vibsim.engine.flows.closed.closed_form import ModalMotion
 
 GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE = range(6)  # kinds of event functions; STRIKE: of a rigid stop
 DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL = range(6)  # kinds of terms

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Generic
 
-from vibsim.physics.numbers import N
+from vibsim.physics.arithmetic.numbers import N
 
 Edge = tuple[int, int]  # columns of P and Q
 Tie = tuple[int, int, int]  # number, columns of P and Q

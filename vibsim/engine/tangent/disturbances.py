@@ -8,7 +8,7 @@ displacement of their ends.
 from collections.abc import Iterator, Sequence
 from typing import Generic
 
-from vibsim.engine.events.touch import Touch
+from vibsim.engine.events.impacts.touch import Touch
 from vibsim.engine.flows.accelerations import joined
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.modes.rows import Event, ModeRows
@@ -19,7 +19,7 @@ from vibsim.engine.tangent.tangencies import Tangencies
 from vibsim.engine.tangent.tangent_closed_form import ClosedFormTangent
 from vibsim.engine.tangent.tangent_space import seated
 from vibsim.engine.tangent.tangent_taylor import TaylorTangent
-from vibsim.physics.numbers import Kit, N
+from vibsim.physics.arithmetic.numbers import Kit, N
 from vibsim.physics.parts import Scene
 
 

@@ -21,13 +21,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Generic
 
-from vibsim.engine.events.newton_moreau import Contact, Impulse, coupling, masses, solved
-from vibsim.engine.events.touch import Touch
+from vibsim.engine.events.impacts.newton_moreau import Contact, Impulse, coupling, masses, solved
+from vibsim.engine.events.impacts.touch import Touch
 from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.modes.rows import Event, ModeRows
 from vibsim.engine.modes.status import OPEN, RESTING
 from vibsim.engine.state import State
-from vibsim.physics.numbers import Kit, N
+from vibsim.physics.arithmetic.numbers import Kit, N
 from vibsim.physics.parts import Scene
 
 Blow = Sequence[tuple[Contact[N], Impulse[N]]]  # the stops that passed an impulse, and these

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 from vibsim.engine.choice import engine_name
 from vibsim.engine.driver import Driver
 from vibsim.engine.flows.accelerations import accelerations
-from vibsim.engine.flows.modal import pitches
+from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.modes.likeness import Numbers, differences
 from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.modes.packing import scene_doubles, voices
@@ -29,8 +29,8 @@ from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.state import State
 from vibsim.engine.tangent.tangent_space import length
 from vibsim.once import once
+from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.modes import EVENT_NAMES
-from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from vibsim.engine.modes.ties import Edge
 from vibsim.engine.tangent.tangent_space import Gauge, components, natural_rate, weights
 from vibsim.engine.tangent.tangent_taylor import reach
 from vibsim.once import once
-from vibsim.physics.numbers import Doubles
+from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.parts import RigidStop, Scene
 
 Ends = Callable[[Joined], Edge]  # columns of the ends of a part

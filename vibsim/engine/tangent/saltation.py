@@ -23,16 +23,16 @@ from dataclasses import dataclass
 from typing import Generic, Protocol
 
 from vibsim.engine.events.certificate import Certificate
-from vibsim.engine.events.touch import Touch
+from vibsim.engine.events.impacts.touch import Touch
 from vibsim.engine.flows.accelerations import accelerations, joined, response
 from vibsim.engine.flows.harmonics import value_and_rate
-from vibsim.engine.flows.taylor import Taylor
+from vibsim.engine.flows.series.taylor import Taylor
 from vibsim.engine.modes.rows import DIFFERENCE, GAP, HOLD, SLIDE, STRIKE, Event, ModeRows
 from vibsim.engine.modes.status import CONTACT, FORWARD, RESTING, STICK, Status
 from vibsim.engine.state import State
 from vibsim.engine.tangent.impact_saltation import Undefined, impact_saltation
 from vibsim.engine.tangent.tangent_taylor import TaylorTangent
-from vibsim.physics.numbers import Kit, N
+from vibsim.physics.arithmetic.numbers import Kit, N
 from vibsim.physics.parts import Friction, Scene, Stop
 
 Forces = list[tuple[int, int, N | int]]  # of parts between P and Q: on P, the opposite on Q [N]

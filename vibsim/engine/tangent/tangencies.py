@@ -26,7 +26,7 @@ from vibsim.engine.tangent.saltation import (
     tie_rate,
 )
 from vibsim.engine.tangent.tangent_space import natural_rate
-from vibsim.physics.numbers import Kit, N, abs
+from vibsim.physics.arithmetic.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
 
 CLOSE = 1e-6  # a rate of 1/1000 of the largest

@@ -26,7 +26,7 @@ from vibsim.engine.tangent.disturbances import Disturbances
 from vibsim.engine.tangent.saltation import Jump
 from vibsim.engine.tangent.tangent_space import Gauge, TangentSpace, components, dimension, length, weights
 from vibsim.engine.tangent.tangent_volume import log_volume
-from vibsim.physics.numbers import Kit, N, abs
+from vibsim.physics.arithmetic.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
 
 SPANS = 100  # that the growth is recorded in

@@ -8,10 +8,10 @@ a constant load on what holds them.
 from collections.abc import Iterable, Sequence
 from typing import Generic
 
-from vibsim.engine.flows.closed_form import ClosedForm
-from vibsim.engine.flows.modal import Place, Source
-from vibsim.engine.flows.responses import Oscillator
-from vibsim.physics.numbers import Kit, N
+from vibsim.engine.flows.closed.closed_form import ClosedForm
+from vibsim.engine.flows.closed.modal import Place, Source
+from vibsim.engine.flows.closed.responses import Oscillator
+from vibsim.physics.arithmetic.numbers import Kit, N
 from vibsim.physics.parts import Scene
 
 E_FOLDS = 8  # of decay in one piece: neighbouring directions then part by 3 of the 16 digits at most

@@ -14,11 +14,11 @@ from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Generic
 
-from vibsim.engine.flows.rotor_series import RotorSeries
-from vibsim.engine.flows.taylor import Taylor
+from vibsim.engine.flows.series.rotor_series import RotorSeries
+from vibsim.engine.flows.series.taylor import Taylor
 from vibsim.engine.modes.rows import ACCELERATION, COUPLING, DIFFERENCE, FALL, LOAD, Coupling, Event, Term
-from vibsim.physics import elementary
-from vibsim.physics.numbers import Kit, N, abs, horner
+from vibsim.physics.arithmetic import elementary
+from vibsim.physics.arithmetic.numbers import Kit, N, abs, horner
 from vibsim.physics.parts import Scene
 
 REACH = 1.25  # how much further than exp(-t) of the same order the steps of ordinary vibrations go, at most

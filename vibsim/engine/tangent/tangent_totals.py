@@ -7,7 +7,7 @@ import numpy as np
 
 from vibsim.engine.tangent.tangencies import CLOSE
 from vibsim.engine.tangent.tangent_space import natural_rate
-from vibsim.physics.numbers import Kit, N
+from vibsim.physics.arithmetic.numbers import Kit, N
 from vibsim.physics.parts import Scene
 
 

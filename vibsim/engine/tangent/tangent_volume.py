@@ -6,11 +6,11 @@ differs from it by det M, which depends on the angle of a rotor. The disturbance
 
 from collections.abc import Callable, Iterator
 
-from vibsim.engine.flows.closed_form import ClosedForm
-from vibsim.engine.flows.taylor import Taylor
+from vibsim.engine.flows.closed.closed_form import ClosedForm
+from vibsim.engine.flows.series.taylor import Taylor
 from vibsim.engine.modes.rows import Falling
-from vibsim.physics.gauss_nodes import NODES, WEIGHTS
-from vibsim.physics.numbers import Kit, N, horner
+from vibsim.physics.arithmetic.gauss_nodes import NODES, WEIGHTS
+from vibsim.physics.arithmetic.numbers import Kit, N, horner
 from vibsim.physics.parts import Motor, Scene
 
 

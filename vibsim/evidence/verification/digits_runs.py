@@ -15,9 +15,9 @@ from vibsim.evidence.verification.hard.hard_cases import PERIODIC
 from vibsim.evidence.verification.hard.million_seconds import PERIOD, SETTLED
 from vibsim.evidence.verification.hard.paper_cases import judged_case
 from vibsim.evidence.verification.truths.event_matching import Event
+from vibsim.physics.arithmetic.number_kits import DigitsKit, number_kit, one_precision
+from vibsim.physics.arithmetic.numbers import Number
 from vibsim.physics.modes import EVENT_NAMES
-from vibsim.physics.number_kits import DigitsKit, number_kit, one_precision
-from vibsim.physics.numbers import Number
 
 INSTANTS = 10  # at which states are kept, besides the start
 

@@ -17,7 +17,7 @@ from vibsim.evidence.verification.runs import flows_of
 from vibsim.evidence.verification.stray import states_apart, stored_digits, times_apart, undecided_spans
 from vibsim.evidence.verification.truths.event_matching import outside
 from vibsim.evidence.verification.truths.truth_file import Truth, truth_path, write_truth
-from vibsim.physics.number_kits import number_kit
+from vibsim.physics.arithmetic.number_kits import number_kit
 
 DIGITS, FEWER_DIGITS = 40, 30
 KICKED_RUNS = 8

@@ -16,8 +16,8 @@ The force is constant + drop f(s), s = rate |v_rel|, with f(0) = 1 and f falling
 
 from typing import Protocol
 
+from vibsim.physics.arithmetic.numbers import Kit, N
 from vibsim.physics.friction_laws import exponential, hyperbolic
-from vibsim.physics.numbers import Kit, N
 
 HYPERBOLIC, EXPONENTIAL = "stribeck hyperbolic", "stribeck exponential"
 

@@ -1,6 +1,6 @@
 """f = exp(-s): then f' = -s' f, and n f_n = -sum i s_i f_(n-i)."""
 
-from vibsim.physics.numbers import Doubles, Kit, N
+from vibsim.physics.arithmetic.numbers import Doubles, Kit, N
 
 NUMBER = 1
 CIRCLES = (4, 3, 2, 5, 1, 6, 8, 12, 16)  # binary exponents of radius over step, the likeliest first

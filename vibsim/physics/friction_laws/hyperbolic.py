@@ -1,6 +1,6 @@
 """f = 1 / (1 + s): then (1 + s) f = 1, and f_n = -f_0 sum s_i f_(n-i)."""
 
-from vibsim.physics.numbers import Kit, N
+from vibsim.physics.arithmetic.numbers import Kit, N
 
 NUMBER = 0
 

@@ -20,9 +20,9 @@ from vibsim.engine.errors import EngineError
 from vibsim.engine.state import State
 from vibsim.engine.tangent.error_growth import error_growth, last_states
 from vibsim.engine.truth import open_truth
-from vibsim.physics.numbers import Number
+from vibsim.physics.arithmetic.numbers import Number
+from vibsim.physics.arithmetic.working_precision import FEWEST_DIGITS, MOST_DIGITS
 from vibsim.physics.parts import Scene
-from vibsim.physics.working_precision import FEWEST_DIGITS, MOST_DIGITS
 from vibsim.results.recording.recording import Watch
 
 if TYPE_CHECKING:

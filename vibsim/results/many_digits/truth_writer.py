@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.files.digits_stream import DigitsStream
-from vibsim.physics.exact_decimals import text_width
+from vibsim.physics.arithmetic.exact_decimals import text_width
 from vibsim.results.columns import Tables
 from vibsim.results.stored.trajectory_structure import digit_columns
 from vibsim.results.stored.trajectory_writer import EVENT_CHUNK, FOR_COLUMN, SAMPLE_CHUNK, TrajectoryWriter

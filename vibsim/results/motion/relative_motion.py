@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.physics.arithmetic.sines import sine_cosine
 from vibsim.physics.parts import BASE, GROUND, Harmonic, Scene, columns_of
-from vibsim.physics.sines import sine_cosine
 
 
 class RelativeMotion:

@@ -22,7 +22,7 @@ import numpy as np
 
 from vibsim.cases.values.pi import FIRST_BITS, two_pi_bounds
 from vibsim.engine.choice import flow_of
-from vibsim.engine.events.chatter import LOWEST
+from vibsim.engine.events.impacts.chatter import LOWEST
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import Scene
 from vibsim.results.blocks_ahead import PATIENCE

@@ -11,7 +11,7 @@ import numpy as np
 
 from vibsim.engine.trajectory import Block
 from vibsim.files.declarations import Column
-from vibsim.physics.sums import mean
+from vibsim.physics.arithmetic.sums import mean
 from vibsim.sweeps.computations.contacts import Contacts
 from vibsim.sweeps.computations.task import Task
 from vibsim.sweeps.statistics.columns import Columns, distinct

@@ -12,9 +12,9 @@ import numpy as np
 
 from vibsim.engine.columns import part_columns, section_columns, stop_column
 from vibsim.engine.trajectory import Block
+from vibsim.physics.arithmetic.sums import dot, mean
 from vibsim.physics.modes import EVENT_KINDS, IMPACTS
 from vibsim.physics.parts import Scene
-from vibsim.physics.sums import dot, mean
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
 from vibsim.sweeps.statistics.motions import displacements, velocities
 from vibsim.sweeps.statistics.quantities import Quantities

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.analysis import count_impacts, find_frequencies, judge_capture, measure_drift
-from vibsim.physics.sums import mean
+from vibsim.physics.arithmetic.sums import mean
 from vibsim.results import Result
 from vibsim.results.windows import Window, rows_within
 

@@ -29,7 +29,7 @@ from vibsim.evidence.reports.measured.regimes_nearby import (
 )
 from vibsim.evidence.reports.measured.solver_hypothesis import SOLVERS, measure_solvers
 from vibsim.evidence.reports.measured.without_stop import measure_without_stop
-from vibsim.physics import elementary
+from vibsim.physics.arithmetic import elementary
 from vibsim.results import Result, simulate
 
 if TYPE_CHECKING:

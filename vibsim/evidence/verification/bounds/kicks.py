@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.state import State
-from vibsim.physics.numbers import Kit, Number
+from vibsim.physics.arithmetic.numbers import Kit, Number
 from vibsim.physics.parts import Scene
 from vibsim.physics.two_blocks import TwoBlocks
 

@@ -1,0 +1,385 @@
+/* A blow on one rigid stop alone; twin of that case of vibsim/engine/events/impacts/blows.py, chatter.py and newton_moreau.py.
+ *
+ * Frictions of the bodies that it moves slip behind it as the velocities say; what sticks elsewhere, rests or is pressed and
+ * may let go has no rule. Whatever is not clear is left to Python: another stop that touches, an approach, a departure or a
+ * sliding velocity that rounding or the resolution of time could tell otherwise, a mode that has not been met.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "modes.h"
+#include "numbers.h"
+
+#define NEAR 64  /* units in the last place of time or displacements: beyond what Python asks for */
+#define NEXT 2
+#define LAST 8
+#define ROUNDING 8
+#define TURNING 4 /* times the speed of a hop: what slips faster does not turn round in it */
+#define CANCELLED 65536 /* times EPS, of all forces: more than what their rounding leaves of an acceleration, twice */
+#define CLEAR 2   /* times the bounds of a hop: as `drive` is not that of Python to the bit */
+
+static int room_for_blows(Run *r, int stops, int frictions, int bounds)
+{
+    Blows *b = &r->blows;
+    blows_free(b);
+    b->stops = calloc((size_t)stops + 1, sizeof(RigidStop));
+    b->frictions = calloc((size_t)frictions + 1, sizeof(Rubbing));
+    b->bounds = calloc((size_t)bounds + 1, sizeof(Bound));
+    b->codes = calloc((size_t)(r->parts + 2 * (frictions + 1)), sizeof(int));
+    if (!b->stops || !b->frictions || !b->bounds || !b->codes)
+        return 0;
+    b->kinds = b->codes + r->parts;
+    b->parts = b->kinds + frictions + 1;
+    return 1;
+}
+
+/* The numbers in which vibsim/engine/ledgers/packing_meters.py writes them; 0 without memory or where they are none. */
+int blows_read(Run *r, Reader *in)
+{
+    Blows *b = &r->blows;
+    int stops = read_index(in, 0, r->parts), frictions = read_index(in, 0, r->parts - r->clearances - stops);
+    int bounds = read_index(in, 0, r->parts - stops - frictions), i;
+    if (in->short_of || !room_for_blows(r, stops, frictions, bounds))
+        return 0;
+    b->lowest = read_double(in);
+    for (i = 0; i < stops; i++) {
+        RigidStop *s = &b->stops[i];
+        s->stop = read_index(in, 0, r->parts - 1);
+        s->P = read_index(in, 0, r->columns - 1);
+        s->Q = read_index(in, 0, r->columns - 1);
+        s->sense = read_index(in, -1, 1);
+        s->loss = read_index(in, -1, r->ledger.count - 1);
+        s->work = read_index(in, -1, r->ledger.count - 1);
+        s->impulse = read_index(in, -1, r->ledger.count - 1);
+        s->gap = read_double(in);
+        s->e = read_double(in);
+    }
+    for (i = 0; i < frictions; i++) {
+        b->frictions[i].P = read_index(in, 0, r->columns - 1);
+        b->frictions[i].Q = read_index(in, 0, r->columns - 1);
+        b->frictions[i].belt = read_double(in);
+    }
+    for (i = 0; i < bounds; i++) {
+        b->bounds[i].P = read_index(in, 0, r->columns - 1);
+        b->bounds[i].Q = read_index(in, 0, r->columns - 1);
+        b->bounds[i].sense = read_index(in, -1, 1);
+        b->bounds[i].gap = read_double(in);
+    }
+    b->stop_count = stops;
+    b->friction_count = frictions;
+    b->bound_count = bounds;
+    return read_through(in);
+}
+
+void blows_free(Blows *b)
+{
+    free(b->stops);
+    free(b->frictions);
+    free(b->bounds);
+    free(b->codes);
+    memset(b, 0, sizeof *b);
+}
+
+static const RigidStop *stop_of(const Blows *b, int number)
+{
+    int i;
+    for (i = 0; i < b->stop_count; i++)
+        if (b->stops[i].stop == number)
+            return &b->stops[i];
+    return NULL;
+}
+
+/* One unit in the last place of the time. */
+static double unit_of(const Run *r)
+{
+    return nextafter(r->next.t, INFINITY) - r->next.t;
+}
+
+static double column(const Run *r, const double *values, int c, double base)
+{
+    return c < r->bodies ? values[c] : c == r->bodies ? 0.0 : base;
+}
+
+/* Rate of the depth of a stop; 0 where rounding cannot tell it from that. */
+static double rate_of(const Run *r, const RigidStop *s, double V)
+{
+    double P = column(r, r->next.v, s->P, V), Q = column(r, r->next.v, s->Q, V);
+    double rate = -(s->sense * (P - Q)), noise = ROUNDING * EPS * (fabs(P) + fabs(Q));
+    return fabs(rate) > noise ? rate : 0.0;
+}
+
+static double depth_of(const Run *r, const RigidStop *s, double X)
+{
+    return -(s->sense * (column(r, r->next.x, s->P, X) - column(r, r->next.x, s->Q, X))) - s->gap;
+}
+
+static double size_of(const Run *r, const RigidStop *s, double X)
+{
+    return fabs(column(r, r->next.x, s->P, X)) + fabs(column(r, r->next.x, s->Q, X)) + fabs(s->gap);
+}
+
+/* Whether a stop is open by so much that it takes no part in what happens to `struck` at r->next, whose seating
+ * may have moved a body that they share.
+ */
+static int stands_off(
+    const Run *r, const RigidStop *s, const RigidStop *struck, double X, double V, double unit)
+{
+    double size = fmax(size_of(r, s, X), size_of(r, struck, X));
+    double rate = -(s->sense * (column(r, r->next.v, s->P, V) - column(r, r->next.v, s->Q, V)));
+    return -depth_of(r, s, X) > NEAR * (fabs(rate) * unit + EPS * size) + fabs(depth_of(r, struck, X));
+}
+
+/* Move the ends onto each other: what rounding left of the depth, shared as their masses say. */
+static void seat(Run *r, const RigidStop *s, double X)
+{
+    double depth = depth_of(r, s, X), distance = s->sense * depth, P = 1.0, Q = 1.0;
+    if (depth == 0)
+        return;
+    if (s->P < r->bodies && s->Q < r->bodies) {
+        double own = r->masses[s->P], other = r->masses[s->Q];
+        P = other / (own + other);
+        Q = own / (own + other);
+    }
+    if (s->P < r->bodies)
+        r->next.x[s->P] = r->next.x[s->P] + P * distance;
+    if (s->Q < r->bodies)
+        r->next.x[s->Q] = r->next.x[s->Q] + -(Q * distance);
+}
+
+/* Whether the ends of an elastic stop or a clearance may just touch where a blow moves one of them. */
+static int borders(const Run *r, const Bound *b, const RigidStop *struck, double X)
+{
+    double P = column(r, r->next.x, b->P, X), Q = column(r, r->next.x, b->Q, X);
+    int moved = b->P == struck->P || b->P == struck->Q || b->Q == struck->P || b->Q == struck->Q;
+    return moved && fabs(b->sense * (P - Q) + b->gap) <= NEAR * EPS * (fabs(P) + fabs(Q) + fabs(b->gap));
+}
+
+/* Whether no other stop takes part in a blow. */
+static int alone(const Run *r, const Blow *done)
+{
+    const Blows *b = &r->blows;
+    double unit = unit_of(r);
+    int i;
+    for (i = 0; i < b->stop_count; i++)
+        if (&b->stops[i] != done->stop && !stands_off(r, &b->stops[i], done->stop, done->X, done->V, unit))
+            return 0;
+    for (i = 0; i < b->bound_count; i++)
+        if (borders(r, &b->bounds[i], done->stop, done->X))
+            return 0;
+    return 1;
+}
+
+/* 1 / mass that an impulse meets, 0 of ground and base. turning: speed that the rotor gains per impulse on its body */
+static double mobility(const Run *r, int c, double *turning)
+{
+    double inertia, coupling, determinant;
+    if (c >= r->bodies)
+        return 0.0;
+    if (!r->has_motor || c != r->motor_on)
+        return 1 / r->masses[c];
+    inertia = r->J + r->m3 * r->e * r->e;
+    coupling = r->m3 * r->e * sine_of(r->next.phase);
+    determinant = (r->masses[c] + r->m3) * inertia - coupling * coupling;
+    *turning = coupling / determinant;
+    return inertia / determinant;
+}
+
+/* Both ends go on with what they have in common, and part with e times what they had not. */
+static void strike(Run *r, Blow *done)
+{
+    const RigidStop *s = done->stop;
+    double turning = 0.0, own = mobility(r, s->P, &turning), other = mobility(r, s->Q, &turning), together = own + other;
+    double vP = column(r, r->next.v, s->P, done->V), vQ = column(r, r->next.v, s->Q, done->V), between = vP - vQ;
+    double afterP = vP, afterQ = vQ;
+    if (other == 0) {
+        afterP = vQ - s->e * between;
+    } else if (own == 0) {
+        afterQ = vP + s->e * between;
+    } else {
+        double common = (other * vP + own * vQ) / together;
+        afterP = common - s->e * (own / together * between);
+        afterQ = common + s->e * (other / together * between);
+    }
+    if (s->P < r->bodies)
+        r->next.v[s->P] = afterP;
+    if (s->Q < r->bodies)
+        r->next.v[s->Q] = afterQ;
+    done->size = fabs(vP) + fabs(vQ);
+    done->after = -(s->e * done->before);
+    done->impulse = (1 + s->e) * done->before / together;
+    if (r->has_motor && s->P == r->motor_on)
+        r->next.w = r->next.w + turning * (s->sense * done->impulse);
+    else if (r->has_motor && s->Q == r->motor_on)
+        r->next.w = r->next.w + turning * -(s->sense * done->impulse);
+}
+
+/* Whether a blow moves an end of a friction. */
+static int moves(const Run *r, const RigidStop *s, const Rubbing *f)
+{
+    int P = f->P == s->P || f->P == s->Q, Q = f->Q == s->P || f->Q == s->Q;
+    return (P && f->P < r->bodies) || (Q && f->Q < r->bodies);
+}
+
+static double slip_of(const Run *r, const Rubbing *f, double V)
+{
+    return (column(r, r->next.v, f->P, V) - column(r, r->next.v, f->Q, V)) - f->belt;
+}
+
+/* Number of the mode with the codes of r->blows; NOTHING where it has not been met. */
+static int mode_behind(const Run *r)
+{
+    const size_t size = sizeof(int) * (size_t)r->parts;
+    int k;
+    if (memcmp(r->mode->codes, r->blows.codes, size) == 0)
+        return r->mode_number;
+    for (k = 0; k < r->mode_count; k++)
+        if (memcmp(r->modes[k]->codes, r->blows.codes, size) == 0)
+            return k;
+    return NOTHING;
+}
+
+/* The frictions that a blow moves slip as the velocities behind it say, in a mode that has been met; 0 where one may stick. */
+static int turned(Run *r, Blow *done)
+{
+    Blows *b = &r->blows;
+    int *codes = b->codes + (r->parts - r->clearances - b->friction_count), i;
+    memcpy(b->codes, r->mode->codes, sizeof(int) * (size_t)r->parts);
+    b->kinds[0] = IMPACT;
+    b->parts[0] = done->stop->stop;
+    done->happened = 1;
+    for (i = 0; i < b->friction_count; i++) {
+        const Rubbing *f = &b->frictions[i];
+        double slip, own;
+        int sense;
+        if (!moves(r, done->stop, f))
+            continue;
+        slip = slip_of(r, f, done->V);
+        own = fabs(column(r, r->next.v, f->P, done->V)) + fabs(column(r, r->next.v, f->Q, done->V)) + fabs(f->belt);
+        if (!(fabs(slip) > ROUNDING * EPS * fmax(own, done->size)))
+            return 0;
+        sense = slip > 0 ? 1 : -1;
+        if (sense != codes[i]) {
+            b->kinds[done->happened] = codes[i] == 0 ? STICK_END : REVERSAL;
+            b->parts[done->happened++] = i;
+        }
+        codes[i] = sense;
+    }
+    done->target = mode_behind(r);
+    return done->target != NOTHING;
+}
+
+/* Deceleration of a friction that slips in the mode behind the blow; 0 where it does not. */
+static double slowing(Run *r, const Blow *done, int friction)
+{
+    const Mode *m = r->modes[done->target];
+    int i;
+    for (i = 0; i < m->event_count; i++)
+        if (m->events[i].kind == SLIDE && m->events[i].part == friction)
+            return -derivative_at_next(r, m, m->events[i].key, 1);
+    return 0.0;
+}
+
+/*
+ * Whether a friction that the blow moves slips so slowly that a hop of the speed behind it turns it round, or comes to
+ * rest before the next blow, `after` [s].
+ */
+static int rubs(Run *r, const Blow *done, double after)
+{
+    int i;
+    for (i = 0; i < r->blows.friction_count; i++) {
+        const Rubbing *f = &r->blows.frictions[i];
+        double slip;
+        if (!moves(r, done->stop, f))
+            continue;
+        slip = fabs(slip_of(r, f, done->V));
+        if (slip <= TURNING * -done->after || !(slip > CLEAR * (slowing(r, done, i) * after)))
+            return 1;
+    }
+    return 0;
+}
+
+/* What rounding leaves open of times at a stop that `drive` closes. */
+static double resolution(const Run *r, const RigidStop *s, double drive)
+{
+    double unit = unit_of(r), blur = 0.0;
+    int i;
+    if (s->P != r->columns - 1 && s->Q != r->columns - 1)
+        return unit;
+    for (i = 0; i < r->base_count; i++) {
+        const Harmonic *term = &r->base[i];
+        double angle = turn_angle(term->cycles, term->cycles_lo, r->next.t) + term->phase;
+        blur = blur + fabs(term->amplitude * term->omega * (EPS * angle));
+    }
+    return blur > unit * drive ? blur / drive : unit;
+}
+
+/* Speed that rounding of all forces has not given the lightest body since t = 0. */
+static double beyond_rounding(const Run *r, const Blow *done)
+{
+    double lightest = INFINITY;
+    int i;
+    for (i = 0; i < r->bodies; i++)
+        lightest = fmin(lightest, r->masses[i]);
+    return CANCELLED * EPS * (forces_of(r, r->modes[done->target], done->X, done->V) / lightest) * r->next.t;
+}
+
+/* Whether the next blow on the stop comes late enough not to be the end of an infinite sequence. */
+static int departs(Run *r, const Event *event, const Blow *done)
+{
+    double speed = -done->after, e = done->stop->e, drive = -derivative_at_next(r, r->modes[done->target], event->key, 2);
+    if (!isfinite(drive))
+        return 0;
+    if (!(2 * speed > CLEAR * (drive * (fmax(NEXT, (1 - e) * LAST) * resolution(r, done->stop, drive)))))
+        return 0;
+    if (e == 1 && drive > 0 && !(speed > beyond_rounding(r, done)))
+        return 0;
+    if (drive <= 0 || speed * (2 * speed / drive) / 4 > CLEAR * (r->blows.lowest * EPS * size_of(r, done->stop, done->X)))
+        return 1;
+    return !rubs(r, done, 2 * speed / drive);
+}
+
+/* Zeros of sliding velocities that the blow has changed are none any more. */
+static void forget_slips(Run *r, const Blow *done)
+{
+    const Mode *m = r->modes[done->target];
+    int i;
+    for (i = 0; i < m->event_count; i++) {
+        const Event *e = &m->events[i];
+        if (e->kind == SLIDE && e->part < r->blows.friction_count && moves(r, done->stop, &r->blows.frictions[e->part]))
+            r->behind[e->key] = 0;
+    }
+}
+
+/* Take the blow of the pending event at r->next; 0 where Python has to decide, and nothing is changed then. */
+int blow_take(Run *r, const Event *event, Blow *done)
+{
+    const RigidStop *s = done->stop = stop_of(&r->blows, event->part);
+    if (s == NULL || s->e == 0 || r->next.t == 0)
+        return 0;
+    base_motion_at(r, r->next.t, &done->X, &done->V);
+    done->before = rate_of(r, s, done->V);
+    if (!(done->before > 0) || !alone(r, done))
+        return 0;
+    strike(r, done);
+    if (!turned(r, done) || !departs(r, event, done)) {
+        memcpy(r->next.v, r->before_v, sizeof(double) * (size_t)r->bodies);
+        r->next.w = r->before_w;
+        return 0;
+    }
+    forget_slips(r, done);
+    seat(r, s, done->X);
+    return 1;
+}
+
+/* What a blow adds to the ledgers: loss, work and impulses of ground and base. */
+void blow_count(Run *r, const Blow *done)
+{
+    const RigidStop *s = done->stop;
+    double *entries = r->ledger.entries, impulse = s->Q >= r->bodies ? s->sense * done->impulse : -s->sense * done->impulse;
+    if (s->loss >= 0)
+        entries[s->loss] = entries[s->loss] + done->impulse * (done->before + done->after) / 2;
+    if (s->work >= 0)
+        entries[s->work] = entries[s->work] + done->V * impulse;
+    if (s->impulse >= 0)
+        entries[s->impulse] = entries[s->impulse] + impulse;
+}

@@ -1,0 +1,174 @@
+"""Which rigid stops touch at an instant, and the blows there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Generic
+
+from vibsim.engine.errors import EngineError
+from vibsim.engine.events.departures import Departures
+from vibsim.engine.events.impacts.newton_moreau import (
+    MOST_BLOWS,
+    NEAR,
+    Contact,
+    blow,
+    masses,
+    rate_of,
+    size_of,
+    unmet,
+)
+from vibsim.engine.events.impacts.touch import Touch
+from vibsim.engine.events.impacts.twins import hardest, twins_of
+from vibsim.engine.events.resolution import LAST, ROUNDING, unit_of
+from vibsim.engine.modes.rows import RowMaker
+from vibsim.engine.modes.status import OPEN, RESTING, Status
+from vibsim.engine.state import State
+from vibsim.physics.arithmetic.numbers import N, abs
+from vibsim.physics.parts import RigidStop, Scene
+
+IN_TURN = 32  # blows one after the other that are tried where the order is in doubt
+
+
+class Blows(Generic[N]):
+    """Applies the law of impacts to all rigid stops that touch."""
+
+    def __init__(self, scene: Scene[N], maker: RowMaker[N], departures: Departures[N]) -> None:
+        self.scene, self.maker, self.kit = scene, maker, departures.kit
+        self.departures, self.relative = departures, departures.relative
+        self.stops = dict(scene.rigid_stops)
+        self.places = {j: tuple(twins_of(scene, j)) for j in self.stops}
+
+    def velocities(self, state: State[N]) -> list[N]:
+        return [*state.v, self.kit.number(0), self.relative.base(state, "v")]
+
+    def carry(self, state: State[N], status: Status) -> None:
+        """Give what rests or sticks on the base its velocity, which that of the stretch has but for rounding:
+        where a blow meets them, they do not close.
+        """
+        leader, drift = self.maker.ties(status)
+        for c in range(self.maker.n):
+            if leader[c] == self.maker.n + 1:
+                state.v[c] = self.relative.base(state, "v") + drift[c]
+
+    def contact(self, j: int) -> Contact[N]:
+        stop = self.stops[j]
+        P, Q = self.maker.ends(stop)
+        return Contact(j, P, Q, stop.sense, stop.e)
+
+    def touching(self, state: State[N], status: Status, i: int) -> Touch[N]:
+        """The stops that rest, and those that meet stop `i` within the resolution of time and length.
+
+        A body that was seated at one stop has moved by the rounding of that one's displacements. Stop `i` is
+        met at the zero of its depth: what the state has of it tells how far rounding is off for its ends.
+        """
+        v, kit = self.velocities(state), self.kit
+        within = LAST * unit_of(self.kit, state.t)
+        off = abs(self.relative.depth(self.stops[i], state))
+        contacts: list[Contact[N]] = []
+        together = False
+        for j, stop in self.scene.rigid_stops:
+            contact, room = self.contact(j), -self.relative.depth(stop, state)
+            rate, size = rate_of(kit, contact, v), self.size(stop, state)
+            if j != i and self._share(i, j):
+                size = max(size, self.size(self.stops[i], state))
+            near = abs(rate) * within + ROUNDING * kit.eps * size
+            if j != i and self._share(i, j):
+                near = near + off
+            if j == i or status.stops[j] == RESTING or room <= near:
+                contacts.append(contact)
+            if j != i and status.stops[j] == OPEN and rate > 0 and self._share(i, j):
+                together |= room <= NEAR * (rate * unit_of(self.kit, state.t) + kit.eps * size)
+        rates = {c.stop: rate_of(kit, c, v) for c in contacts}
+        return Touch(contacts, dict(rates), rates, v, state.w, together)
+
+    def _share(self, i: int, j: int) -> bool:
+        """Whether two stops act on a common body."""
+        ends, others = (set(self.maker.ends(self.stops[k])) for k in (i, j))
+        return any(column < self.maker.n for column in ends & others)
+
+    def size(self, stop: RigidStop[N], state: State[N]) -> N:
+        xP, xQ = self.relative.ends(stop, state, "x")
+        return abs(xP) + abs(xQ) + abs(stop.gap)
+
+    def strike(self, state: State[N], touch: Touch[N]) -> None:
+        """Blows as long as a stop closes; the last of too many are plastic. So are those behind one that
+        cannot obey its law though the bodies can stand: without room between two stops blows follow each
+        other at one instant until nothing is left of the speed.
+        """
+        v, w = self.velocities(state), state.w
+        bodies, contacts = masses(self.scene, self.kit, state.phase), touch.contacts
+        size = size_of(contacts, v)
+        for count in range(MOST_BLOWS + len(contacts)):
+            if not any(rate > 0 for rate in touch.rates.values()):
+                break
+            if count == MOST_BLOWS:
+                contacts = self._plastic(state, contacts)
+            struck, turned, passed = blow(self.kit, bodies, contacts, v, w)
+            if unmet(self.kit, contacts, v, struck):
+                contacts = self._plastic(state, contacts)
+                struck, turned, passed = blow(self.kit, bodies, contacts, v, w)
+                if unmet(self.kit, contacts, v, struck):
+                    raise EngineError("crushed", state, self.names(c.stop for c in contacts))
+            v, w = self.kit.all_exact(struck), self.kit.exact(turned)  # radii would grow from blow to blow
+            touch.rates = {c.stop: rate_of(self.kit, c, v, size) for c in contacts}
+            telling = [one for one in passed if count == 0 or touch.rates[one.stop] != 0]
+            for one in telling:
+                touch.rates |= dict.fromkeys(self.twins(touch, one.stop), one.after)
+            contact = {c.stop: c for c in contacts}
+            touch.blows.append([(contact[one.stop], one) for one in passed])
+        ends = [(c.P, c.Q) for one in touch.passed for c in contacts if c.stop == one.stop]
+        touch.moved = {column for pair in ends for column in pair if column < self.maker.n}
+        state.v[:] = [self.kit.exact(value) for value in v[: self.maker.n]]
+        state.w = self.kit.exact(w)
+
+    def _plastic(self, state: State[N], contacts: Sequence[Contact[N]]) -> list[Contact[N]]:
+        """The stops with e = 0, which is a doubt."""
+        self.departures.doubt(state)
+        return [Contact(c.stop, c.P, c.Q, c.sense, self.kit.number(0)) for c in contacts]
+
+    def names(self, stops: Iterable[int]) -> str:
+        return ", ".join(sorted(self.stops[j].name for j in stops))
+
+    def twins(self, touch: Touch[N], i: int) -> list[int]:
+        """The stops that touch between the ends of stop `i` and on its side, itself first: their depths are
+        one.
+        """
+        one = self.contact(i)
+        ways = [(one.P, one.Q, one.sense), (one.Q, one.P, -one.sense)]
+        return [i, *(c.stop for c in touch.contacts if c.stop != i and (c.P, c.Q, c.sense) in ways)]
+
+    def foremost(self, touch: Touch[N], i: int) -> int:
+        """The hardest of the `twins` of stop `i`."""
+        return hardest(self.stops, self.twins(touch, i))
+
+    def doubt_order(self, state: State[N], status: Status, touch: Touch[N], i: int) -> None:
+        """Doubt a blow at stop `i` in which others take part that rounding has brought to the same instant,
+        where blows one after the other would have another outcome. Those at rest take part anyway, what
+        touches at the start does so exactly, and stops at one place are always struck at once.
+        """
+        open_ones = [
+            c for c in touch.contacts if c.stop not in self.places[i] and status.stops[c.stop] == OPEN
+        ]
+        loose = [c for c in open_ones if state.t != 0 or not self.stops[c.stop].at_start]
+        if loose:
+            certain = [c for c in touch.contacts if c not in loose]
+            together = self._outcome(state, [touch.contacts])
+            places = dict.fromkeys(self.places[c.stop] for c in loose)
+            one_by_one = [[c for c in loose if c.stop in place] for place in places]
+            noise = NEAR * self.kit.eps * size_of(touch.contacts, touch.v)
+            for groups in ([certain, *one_by_one], [*one_by_one, certain]):
+                after = self._outcome(state, groups)
+                if any(abs(a - b) > noise for a, b in zip(together, after, strict=True)):
+                    self.departures.doubt(state)
+
+    def _outcome(self, state: State[N], groups: Sequence[Sequence[Contact[N]]]) -> list[N]:
+        """Velocities behind blows at groups of stops, one group after the other, as long as one closes."""
+        v, w = self.velocities(state), state.w
+        bodies = masses(self.scene, self.kit, state.phase)
+        size = size_of([c for group in groups for c in group], v)
+        for _ in range(IN_TURN):
+            closing = [g for g in groups if any(rate_of(self.kit, c, v, size) > 0 for c in g)]
+            if not closing:
+                break
+            v, w, _ = blow(self.kit, bodies, closing[0], v, w)
+        return v

@@ -1,0 +1,281 @@
+/* Certified first root of a polynomial event function; twin of vibsim/engine/events/roots/polynomial_root.py. */
+#include "certificate.h"
+#include "first_root.h"
+#include "engine.h"
+#include "numbers.h"
+#include "turning_point.h"
+
+#define LONG_MARCH 64
+#define NARROWER 4
+#define PIECES 8
+#define POLISHING 5
+#define BEYOND 64
+#define SHORTER 16
+#define SHORTEST 64
+
+static void value_and_slope(const double *series, int count, double tau, double *value, double *slope)
+{
+    double v = series[count - 1], s = series[count - 1] * 0;
+    int n;
+    for (n = count - 2; n >= 0; n--) {
+        s = s * tau + v;
+        v = v * tau + series[n];
+    }
+    *value = v;
+    *slope = s;
+}
+
+/* Rounding bound of the value at tau. */
+static double noise_at(const double *series, int count, double tau)
+{
+    double total = fabs(series[count - 1]);
+    int n;
+    for (n = count - 2; n >= 0; n--)
+        total = total * tau + fabs(series[n]);
+    return 4 * EPS * total;
+}
+
+/* The zero that a Newton step from tau leads to, not before the start of the step. */
+static double newton(double tau, double value, double slope)
+{
+    double zero = tau - value / slope;
+    return zero > 0 ? zero : 0 * tau;
+}
+
+/* The zero ahead of a function that is sure to cross it: more Newton steps where the error of one, by the bound of |f''|, is
+ * above the grid of time.
+ */
+static double zero_ahead(const double *series, int count, double tau, double value, double slope, double bound, double t0)
+{
+    double zero = newton(tau, value, slope), unit = nextafter(t0, INFINITY) - t0;
+    int i;
+    for (i = 0; i < POLISHING; i++) {
+        double step = value / slope;
+        if (bound * (step * step) <= -(2 * slope) * unit)
+            break;
+        value_and_slope(series, count, zero, &value, &slope);
+        if (slope >= 0)
+            break;
+        zero = newton(zero, value, slope);
+    }
+    return zero;
+}
+
+/* The safe step from tau by a bound of |f''| that reaches a few times as far as the march has come, or `step`, that by the
+ * bound of all h, whichever is longer.
+ */
+static double nearer_step(const double *series, int count, double tau, double room, double slope, double step, double h)
+{
+    double reach = NARROWER * (tau > step ? tau : step), bound = 0.0, nearer;
+    int n;
+    if (reach >= h)
+        return step;
+    for (n = count - 1; n > 1; n--)
+        bound = bound * reach + n * (n - 1) * fabs(series[n]);
+    nearer = safe_step(room, slope, bound);
+    nearer = nearer < reach - tau ? nearer : reach - tau;
+    return nearer > step ? nearer : step;
+}
+
+/* March by safe steps from t0; `error` proves a stretch, the rounding of its value blurs the place of a zero. */
+static int march(Certificate *c, const double *series, int count, double error, double bound, double t0, double h, int sharp,
+                 double *end)
+{
+    double t = t0, stall = 1.0, floor = error, noise = error;
+    double value = series[0], slope = count > 1 ? series[1] : 0.0; /* at t0 */
+    int near = 0, i;
+    for (i = 0; i < MARCH_LIMIT; i++) {
+        double tau = t - t0, room, step, ahead;
+        if (tau > h)
+            return POSITIVE;
+        if (i > 0)
+            value_and_slope(series, count, tau, &value, &slope);
+        if (value <= error && !near) {
+            if (crosses(slope, bound, 2 * error)) {
+                double zero = sharp ? zero_ahead(series, count, tau, value, slope, bound, t0) : newton(tau, value, slope);
+                *end = t0 + zero;
+                return zero <= h ? ZERO : POSITIVE;
+            }
+            near = 1;
+            doubt(c, t0);
+        }
+        if (near)
+            floor = noise = noise_at(series, count, tau);
+        if (value < -noise || (value <= noise && slope <= 0)) {
+            *end = t;
+            return ZERO;
+        }
+        room = value > floor ? value - floor : 0.0;
+        step = safe_step(room, slope, bound);
+        if (step > h)
+            return POSITIVE;
+        if (i >= LONG_MARCH)
+            step = nearer_step(series, count, tau, room, slope, step, h);
+        ahead = t0 + (tau + step);
+        if (ahead <= t) {
+            if (slope < 0) {
+                int sure = sharp && crosses(slope, bound, 2 * error);
+                *end = t0 + (sure ? zero_ahead(series, count, tau, value, slope, bound, t0) : newton(tau, value, slope));
+                return ZERO;
+            }
+            doubt(c, t0);
+            ahead = t + (nextafter(t, INFINITY) - t) * stall;
+            stall = stall * 2;
+        } else {
+            stall = 1.0;
+        }
+        t = ahead;
+    }
+    *end = t;
+    return UNFINISHED;
+}
+
+typedef struct {
+    const double *slopes;
+    int count;
+} Slopes;
+
+static void slope_at(void *function, double tau, double *slope, double *curvature)
+{
+    const Slopes *of = function;
+    value_and_slope(of->slopes, of->count, tau, slope, curvature);
+}
+
+static void turn_between(Certificate *c, const double *series, const double *slopes, int count, double t0, double low, double high)
+{
+    Slopes of;
+    double tau, turn, depth, value, unused;
+    of.slopes = slopes;
+    of.count = count - 1;
+    turning_point(slope_at, &of, low, high, (high - low) * power_of_two(binary_exponent(EPS) / 3.0), &tau, &turn, &depth);
+    value_and_slope(series, count, tau, &value, &unused);
+    keep_turn(c, value - depth, t0 + turn);
+}
+
+static void watch_turns(Certificate *c, const double *series, int count, double t0, double stop)
+{
+    double slopes[SERIES] = {0}, low = 0 * stop, falling, rising, unused;
+    int n, i;
+    for (n = 1; n < count; n++)
+        slopes[n - 1] = n * series[n];
+    n = 0;
+    while (n < count - 2 && slopes[n] == 0)
+        n++;
+    falling = slopes[n];
+    for (i = 1; i <= PIECES; i++) {
+        double high = stop * i / PIECES;
+        value_and_slope(slopes, count - 1, high, &rising, &unused);
+        if (falling < 0 && 0 <= rising)
+            turn_between(c, series, slopes, count, t0, low, high);
+        low = high;
+        falling = rising;
+    }
+}
+
+/* Bound of the curvature within h, times h^2. */
+static double curvature_of(const double *series, int count, double h)
+{
+    double curvature = 0.0, power = h;
+    int n;
+    for (n = 1; n < count; n++) {
+        if (n > 1)
+            curvature = curvature + n * (n - 1) * (fabs(series[n]) * power);
+        power = power * h;
+    }
+    return curvature;
+}
+
+/* Bound of the slope within h, times h. */
+static double swing_of(const double *series, int count, double h)
+{
+    double swing = 0.0, power = h;
+    int n;
+    for (n = 1; n < count; n++) {
+        swing = swing + n * (fabs(series[n]) * power);
+        power = power * h;
+    }
+    return swing;
+}
+
+static int may_turn(const double *series, int count, int order, double total, double h)
+{
+    double swing = swing_of(series, count, h);
+    if (order > 0)
+        return order * series[0] <= swing + order * (total - series[0]);
+    return count > 1 && 2 * fabs(series[1]) * h <= swing;
+}
+
+/* Value and slope at tau without the known zeros. */
+void polynomial_value_and_slope(const double *coefficients, int count, int known, double tau, double *value, double *slope)
+{
+    int order = known < count - 1 ? known : count - 1;
+    while (order < count - 1 && coefficients[order] == 0)
+        order++;
+    value_and_slope(coefficients + order, count - order, tau, value, slope);
+}
+
+int polynomial_near_zero(const double *coefficients, int count, int known, double tau, double size, double *value,
+                         double *slope, double *noise)
+{
+    int order = known < count ? known : count;
+    while (order < count && coefficients[order] == 0)
+        order++;
+    if (order == count)
+        return 0;
+    value_and_slope(coefficients + order, count - order, tau, value, slope);
+    *noise = noise_at(coefficients + order, count - order, tau);
+    if (order == 0)
+        *noise = *noise + 4 * EPS * size;
+    return 1;
+}
+
+/* sum |b_n| h^n. */
+static double total_of(const double *series, int count, double h)
+{
+    double total = fabs(series[count - 1]);
+    int n;
+    for (n = count - 2; n >= 0; n--)
+        total = total * h + fabs(series[n]);
+    return total;
+}
+
+/* The step h, or a shorter one where rounding over all of h would hide on which side of zero the function begins. */
+double polynomial_nearer(const double *coefficients, int count, double t0, double h, double size)
+{
+    double start = coefficients[0], least = SHORTEST * (nextafter(t0, INFINITY) - t0);
+    if (!(start > BEYOND * EPS * size))
+        return h;
+    while (h > least && start <= BEYOND * EPS * total_of(coefficients, count, h))
+        h = h / SHORTER;
+    return h;
+}
+
+int polynomial_first_root(Certificate *c, const double *coefficients, int count, int known, double t0, double h, int keep_margin,
+                          int sharp, double *end)
+{
+    const double *series;
+    double total, fall, power = h, term = 0.0, before = 0.0, error;
+    int order = known < count ? known : count, n, outcome = POSITIVE;
+    while (order < count && coefficients[order] == 0)
+        order++;
+    if (order == count)
+        return POSITIVE;
+    series = coefficients + order;
+    count = count - order;
+    total = fabs(series[0]);
+    fall = 0.0;
+    for (n = 1; n < count; n++) {
+        before = term;
+        term = fabs(series[n]) * power;
+        total = total + term;
+        fall = n > 1 || series[1] < 0 ? fall + term : fall;
+        power = power * h;
+    }
+    error = 4 * EPS * total + (before + term);
+    if (series[0] - error - fall <= 0)
+        outcome = march(c, series, count, error, curvature_of(series, count, h) / (h * h), t0, h, sharp, end);
+    if (keep_margin && series[0] - fall < c->margin &&
+        may_turn(series, count, order, total, h))
+        watch_turns(c, coefficients, count + order, t0, outcome == POSITIVE ? h : *end - t0);
+    return outcome;
+}

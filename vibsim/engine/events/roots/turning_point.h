@@ -1,0 +1,42 @@
+/* The minimum of a function between two points; twin of vibsim/engine/events/roots/turning_point.py. */
+#ifndef VIBSIM_TURNING_POINT_H
+#define VIBSIM_TURNING_POINT_H
+
+#include <math.h>
+
+#define TURNING 60
+
+static inline double extreme_of_slope(double length, double before, double bend, double after, double unbend)
+{
+    double mean = (after - before) / length;
+    double b = 6 * mean - 4 * bend - 2 * unbend, a = 3 * (bend + unbend) - 6 * mean;
+    double root = sqrt(b * b - 4 * a * bend);
+    return length * (2 * bend / (bend > 0 ? root - b : -root - b));
+}
+
+typedef void (*SlopeAt)(void *function, double t, double *slope, double *curvature);
+
+static inline void turning_point(SlopeAt slope_at, void *function, double low, double high, double settled, double *last,
+                                 double *turn, double *depth)
+{
+    double ahead = low + (high - low) / 2, t = ahead, slope = 0, curvature = 0;
+    int i;
+    for (i = 0; i < TURNING; i++) {
+        t = ahead;
+        slope_at(function, t, &slope, &curvature);
+        if (slope < 0)
+            low = t;
+        else
+            high = t;
+        ahead = curvature > 0 ? t - slope / curvature : low;
+        if (curvature > 0 && fabs(ahead - t) < settled)
+            break;
+        if (!(low < ahead && ahead < high))
+            ahead = low + (high - low) / 2;
+    }
+    *last = t;
+    *turn = ahead;
+    *depth = curvature > 0 ? slope * slope / (2 * curvature) : 0 * slope;
+}
+
+#endif

@@ -1,0 +1,386 @@
+/* Certified first event on the closed-form flow; twin of vibsim/engine/flows/closed/closed_form_search.py. */
+#include "certificate.h"
+#include "event_functions.h"
+#include "first_root.h"
+#include "inlining.h"
+#include "turning_point.h"
+
+#define STEPS_PER_CALL 4096
+#define POLISHING 10
+#define NEAR 128
+#define NARROWER 16
+
+void closed_form_open(Run *r)
+{
+    Search *s = &r->closed_form.search;
+    const Mode *m = r->mode;
+    int i, k;
+    s->leading = 1;
+    s->t = r->t0;
+    s->reach = s->window = m->modal->window;
+    s->stall = 1.0;
+    s->event_count = m->event_count;
+    for (i = 0; i < m->event_count; i++) {
+        s->events[i] = i;
+        s->watched[i][0] = r->t0;
+        for (k = 1; k < 5; k++)
+            s->watched[i][k] = 0.0;
+    }
+}
+
+static void move(Run *r, double step)
+{
+    Search *s = &r->closed_form.search;
+    s->t = r->t0 + ((s->t - r->t0) + step);
+}
+
+static void adapt_reach(Search *s, double step)
+{
+    double needed = NARROWER * step;
+    s->reach = needed < s->window ? needed : s->window;
+}
+
+APART double close_noise(Run *r, const Event *e)
+{
+    Search *s = &r->closed_form.search;
+    if (!s->measured)
+        measure_closely(r);
+    s->measured = 1;
+    return rounding_unit(r) * event_scale(r, e, CLOSE);
+}
+
+/* Rounding bound of the value of an event function. */
+static inline double noise_of(Run *r, const Event *e, double value, double reach, double unit)
+{
+    double noise = unit * event_scale(r, e, PLAIN);
+    return value <= NEAR * (noise + unit * reach) ? close_noise(r, e) : noise;
+}
+
+/* Doubt that a function taken for zero at `value` falls below zero: it may be higher by `noise`. */
+static void certify_crossing(Run *r, double value, double slope, double bound, double noise)
+{
+    if (!crosses(slope, bound, value > 0 ? noise + value : noise))
+        doubt(&r->certificate, r->t0);
+}
+
+/* Doubt that the zero of `first` is the first, where that of another of `events` may come as soon. */
+static void certify_order(Run *r, int first, const int *events, int count, double value, double slope, double noise)
+{
+    const Search *s = &r->closed_form.search;
+    double latest;
+    int i;
+    if (slope >= 0)
+        return;
+    latest = latest_zero(value, slope, noise, s->t);
+    for (i = 0; i < count; i++) {
+        const Event *e = &r->mode->events[events[i]];
+        double other = event_derivative(r, e, 0), fall = event_derivative(r, e, 1);
+        double blur = close_noise(r, e) + s->blurs[events[i]].residue;
+        int same = events[i] == first || (other == value && fall == slope);
+        if (!same && may_vanish_by(other, fall, blur, latest))
+            doubt(&r->certificate, r->t0);
+    }
+}
+
+/* As `certify_order`, at the start of a segment: against the functions whose zeros are not known to be there. */
+static void certify_leading_order(Run *r, int first, double value, double slope, double noise)
+{
+    Search *s = &r->closed_form.search;
+    const Mode *m = r->mode;
+    int i;
+    s->event_count = 0;
+    for (i = 0; i < m->event_count; i++)
+        if (r->known[m->events[i].key] == 0) {
+            s->blurs[i].residue = 0.0;
+            s->events[s->event_count++] = i;
+        }
+    certify_order(r, first, s->events, s->event_count, value, slope, noise);
+}
+
+/* Order of the zero that an event function begins with, as far as derivatives are taken. */
+static int known_order(const Run *r, int i)
+{
+    int known = r->known[r->mode->events[i].key];
+    return known < FLAT_ORDER ? known : FLAT_ORDER;
+}
+
+static int lead(Run *r)
+{
+    Search *s = &r->closed_form.search;
+    const Mode *m = r->mode;
+    double step = s->window, X = 0.0, V = 0.0;
+    int taken = 2, i;
+    s->leading = 0;
+    s->measured = 0;
+    measure_start(r);
+    for (i = 0; i < m->event_count; i++)
+        taken = known_order(r, i) + 2 > taken ? known_order(r, i) + 2 : taken;
+    closed_form_jets(r, taken);
+    for (i = 0; i < r->bodies; i++) {
+        X = X + fabs(r->closed_form.x0[i]);
+        V = V + fabs(r->closed_form.v0[i]);
+    }
+    if (r->base_count > 0) {
+        X = X + fabs(r->closed_form.x0[r->bodies + 1]);
+        V = V + fabs(r->closed_form.v0[r->bodies + 1]);
+    }
+    s->event_count = 0;
+    for (i = 0; i < m->event_count; i++) {
+        const Event *e = &m->events[i];
+        const Reach *reach = &m->modal->reaches[i];
+        int known = known_order(r, i), order = known;
+        double first = event_derivative(r, e, order), bound, ahead;
+        while (order < JET_ORDER - 2 && first == 0) {
+            if (++order + 2 > taken)
+                closed_form_jets(r, taken = JET_ORDER);
+            first = event_derivative(r, e, order);
+        }
+        s->blurs[i].residue = known > 0 ? fabs(event_derivative(r, e, 0)) : 0.0;
+        s->blurs[i].reach = reach->place * X + reach->speed * V + reach->rest;
+        if (order >= FLAT_ORDER) { /* it rests at zero, surely where that are more zeros than the motion has modes */
+            if (closed_form_dimension(r) > FLAT_ORDER)
+                doubt(&r->certificate, r->t0);
+            continue;
+        }
+        s->events[s->event_count++] = i;
+        if (e->kind == STRIKE && order > known && first < 0) /* closes from exactly zero */
+            return i;
+        bound = event_bound(r, e, order + 2, s->window);
+        if (known == 0 && order > 0 && first < 0) { /* zero, by no event, and on its way below */
+            doubt(&r->certificate, r->t0);
+            return i;
+        }
+        if (order == 0) {
+            double noise = noise_of(r, e, first, s->blurs[i].reach, rounding_unit(r)), slope = event_derivative(r, e, 1);
+            if (first <= noise && slope <= 0) {
+                certify_crossing(r, first, slope, bound, noise);
+                certify_leading_order(r, i, first, slope, noise);
+                return i;
+            }
+            first = first - noise;
+            if (first <= 0)
+                doubt(&r->certificate, r->t0);
+        }
+        first = first > 0 ? first : 0.0;
+        ahead = deflated_step(order, first, event_derivative(r, e, order + 1), bound);
+        step = ahead < step ? ahead : step;
+        if (e->turns) {
+            int parted = order >= 2 ? order : 0, n; /* as rest ends: what rounding left of zeros is no turn */
+            s->watched[i][0] = r->t0;
+            for (n = 0; n < 3; n++)
+                s->watched[i][1 + n] = n < parted ? 0.0 : event_derivative(r, e, n);
+            s->watched[i][4] = event_bound(r, e, 2, s->window);
+        }
+    }
+    adapt_reach(s, step);
+    move(r, step);
+    return NOTHING;
+}
+
+typedef struct {
+    Run *r;
+    const Event *event;
+} Turning;
+
+static void gap_slope(void *function, double t, double *slope, double *curvature)
+{
+    const Turning *of = function;
+    closed_form_evaluate(of->r, t - of->r->t0);
+    closed_form_jets(of->r, 2);
+    *slope = event_derivative(of->r, of->event, 1);
+    *curvature = event_derivative(of->r, of->event, 2);
+}
+
+static void turn_between(Run *r, const Event *e, double low, double high)
+{
+    const Search *s = &r->closed_form.search;
+    Turning of;
+    double t, turn, depth;
+    of.r = r;
+    of.event = e;
+    turning_point(gap_slope, &of, low, high, s->settled * s->window, &t, &turn, &depth);
+    closed_form_evaluate(r, t - r->t0);
+    closed_form_jets(r, 2);
+    keep_turn(&r->certificate, event_derivative(r, e, 0) - depth, turn);
+}
+
+static void watch_turn(Run *r, int event, double value, double slope, double curvature, double bound)
+{
+    Search *s = &r->closed_form.search;
+    const Event *e = &r->mode->events[event];
+    double *w = s->watched[event], low = w[0], was = w[1], before = w[2], bend = w[3], limit = w[4];
+    double length = s->t - low, least = was + before * length - limit * (length * length) / 2;
+    w[0] = s->t;
+    w[1] = value;
+    w[2] = slope;
+    w[3] = curvature;
+    w[4] = bound;
+    if ((least < was ? least : was) >= r->certificate.margin)
+        return;
+    if (before < 0 && 0 <= slope) {
+        turn_between(r, e, low, s->t);
+    } else if ((before < 0) == (slope < 0) && ((bend < 0 && 0 < curvature) || (before < 0 && curvature < 0 && 0 < bend))) {
+        double middle = low + extreme_of_slope(length, before, bend, slope, curvature), between, unused;
+        Turning of;
+        of.r = r;
+        of.event = e;
+        gap_slope(&of, middle, &between, &unused);
+        if (before >= 0 && 0 > between)
+            turn_between(r, e, middle, s->t);
+        else if (before < 0 && 0 <= between)
+            turn_between(r, e, low, middle);
+    } else {
+        return; /* nothing was evaluated anywhere else */
+    }
+    closed_form_evaluate(r, s->t - r->t0);
+    closed_form_jets(r, 2);
+}
+
+static void turn_before(Run *r, int event)
+{
+    const Mode *m = r->mode;
+    int i;
+    for (i = 0; i < m->event_count; i++)
+        if (m->events[i].turns && i != event) {
+            const Event *e = &m->events[i];
+            closed_form_evaluate(r, r->closed_form.search.t - r->t0);
+            closed_form_jets(r, 2);
+            watch_turn(r, i, event_derivative(r, e, 0), event_derivative(r, e, 1), event_derivative(r, e, 2), 0.0);
+        }
+}
+
+static void polish(Run *r, const Event *e)
+{
+    Search *s = &r->closed_form.search;
+    double start = s->t;
+    int i;
+    for (i = 0; i < POLISHING; i++) {
+        double value, slope, curvature, newton, step, near, before = s->t;
+        closed_form_jets(r, 2);
+        value = event_derivative(r, e, 0);
+        slope = event_derivative(r, e, 1);
+        curvature = event_derivative(r, e, 2);
+        newton = value / slope;
+        step = -(2 * newton) / (2 - newton * (curvature / slope));
+        move(r, step);
+        s->t = s->t > start ? s->t : start;
+        near = fabs(curvature) * s->window < fabs(slope) ? s->window : fabs(slope / curvature);
+        if (s->t == before || fabs(step) < s->settled * near)
+            return;
+        r->steps += 1;
+        closed_form_evaluate(r, s->t - r->t0);
+    }
+}
+
+/* Length of a step while a function rises within its rounding of zero: at least twice that of the one before. */
+static double leap(Run *r, double step, double free_step)
+{
+    Search *s = &r->closed_form.search;
+    double least = (nextafter(s->t, INFINITY) - s->t) * s->stall;
+    s->stall = s->stall * 2;
+    least = least < free_step ? least : free_step;
+    if (step >= least)
+        return step;
+    doubt(&r->certificate, r->t0);
+    return least;
+}
+
+static int step_ahead(Run *r)
+{
+    Search *s = &r->closed_form.search;
+    double step = s->reach, rival = step, free_step = step, near = 0, before, unit, course[3] = {0, 0, 0};
+    int nearest = NOTHING, alone = 0, held = 0, i;
+    r->steps += 1;
+    closed_form_evaluate(r, s->t - r->t0);
+    s->measured = 0;
+    measure_plainly(r);
+    unit = rounding_unit(r);
+    closed_form_jets(r, 2);
+    for (i = 0; i < s->event_count; i++) {
+        int which = s->events[i];
+        const Event *e = &r->mode->events[which];
+        const Blur *blur = &s->blurs[which];
+        double value = event_derivative(r, e, 0), slope = event_derivative(r, e, 1), ahead, room;
+        double noise = noise_of(r, e, value, blur->reach, unit) + blur->residue, bound = event_bound(r, e, 2, s->reach);
+        if (value < -noise || (value <= noise && slope <= 0)) {
+            if (s->t == r->t0 && r->known[e->key] > 0) /* the zero of before */
+                continue;
+            certify_crossing(r, value, slope, bound, noise);
+            certify_order(r, which, s->events, s->event_count, value, slope, noise);
+            return which;
+        }
+        if (e->turns)
+            watch_turn(r, which, value, slope, event_derivative(r, e, 2), bound);
+        room = value - noise;
+        ahead = safe_step(room > 0 ? room : 0.0, slope, bound);
+        if (room <= 0)
+            held = 1;
+        else if (ahead < free_step)
+            free_step = ahead;
+        if (ahead < step) {
+            rival = step;
+            step = ahead;
+            nearest = slope < 0 ? which : NOTHING;
+            near = slope < 0 ? -2 * value / slope : step;
+            alone = slope < 0 && 4 * near * bound < -slope;
+            course[0] = value;
+            course[1] = slope;
+            course[2] = bound;
+        } else if (ahead < rival) {
+            rival = ahead;
+        }
+    }
+    if (alone && near <= rival) {
+        polish(r, &r->mode->events[nearest]);
+        return nearest;
+    }
+    if (held)
+        step = leap(r, step, free_step);
+    adapt_reach(s, step);
+    before = s->t;
+    move(r, step);
+    if (s->t > before) {
+        s->stall = held ? s->stall : 1.0;
+        return NOTHING;
+    }
+    if (nearest == NOTHING) {
+        doubt(&r->certificate, r->t0);
+        s->t = before + (nextafter(before, INFINITY) - before) * s->stall;
+        s->stall = s->stall * 2;
+        if (s->reach == 0) /* a step near t = 0 was too short to be a number: bounds have to reach further */
+            s->reach = s->window;
+    } else {
+        double noise = close_noise(r, &r->mode->events[nearest]) + s->blurs[nearest].residue;
+        certify_crossing(r, course[0], course[1], course[2], noise);
+        certify_order(r, nearest, s->events, s->event_count, course[0], course[1], noise);
+    }
+    return nearest;
+}
+
+double closed_form_advance(Run *r, double limit, int *event)
+{
+    Search *s = &r->closed_form.search;
+    int i;
+    *event = NOTHING;
+    if (s->leading) {
+        *event = lead(r);
+        if (*event != NOTHING)
+            return s->t;
+    }
+    if (s->event_count == 0)
+        s->t = limit;
+    for (i = 0; i < STEPS_PER_CALL; i++) {
+        *event = s->t < limit ? step_ahead(r) : NOTHING;
+        if (s->t >= limit && (*event == NOTHING || s->t > limit)) { /* at the end, or polished past it */
+            *event = NOTHING;
+            s->t = limit;
+            turn_before(r, NOTHING);
+            return limit;
+        }
+        if (*event != NOTHING) {
+            turn_before(r, *event);
+            return s->t;
+        }
+    }
+    return s->t;
+}

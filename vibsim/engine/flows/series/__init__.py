@@ -1,0 +1,1 @@
+"""The flow of any mode by Taylor series."""

@@ -1,0 +1,338 @@
+/* The Taylor flow; twin of vibsim/engine/flows/series/taylor.py. */
+#include "certificate.h"
+#include "engine.h"
+#include "friction_laws.h"
+#include "inlining.h"
+#include "numbers.h"
+#include "pair.h"
+
+#define LEADING 4
+
+void taylor_set(Run *r)
+{
+    Taylor *f = &r->taylor;
+    int n;
+    f->rates = r->bodies + 1 + r->rest_columns;
+    f->stride = 2 * f->rates;
+    f->unbalance = r->has_motor ? r->m3 * r->e : 0.0;
+    f->longest = INFINITY;
+    for (n = 0; n < r->harmonic_count; n++)
+        f->longest = 3 / r->harmonics[n].omega < f->longest ? 3 / r->harmonics[n].omega : f->longest;
+    f->inverse[0] = 0.0;
+    for (n = 1; n <= f->order + 2; n++)
+        f->inverse[n] = 1 / (double)n;
+    if (r->has_motor) {
+        f->drag = r->M0 / r->Omega0;
+        f->inertia = r->J + f->unbalance * r->e;
+    }
+}
+
+/* Binary exponent of the summed rates of one order: of the bodies, and of the base where it moves. */
+static int size_of_rates(const Run *r, int n, int none)
+{
+    const Taylor *f = &r->taylor;
+    const double *row = f->table + n * f->stride + f->rates;
+    double total = fabs(row[0]);
+    int c;
+    (void)none;
+    for (c = 1; c < r->bodies; c++)
+        total = total + fabs(row[c]);
+    if (r->base_count > 0)
+        total = total + fabs(row[base_column(r)]);
+    return binary_exponent(total);
+}
+
+static int size_of_speed(const Run *r, int n, int none)
+{
+    (void)none;
+    return binary_exponent(fabs(r->taylor.w_back[r->taylor.order - n]));
+}
+
+static int size_of_sine(const Run *r, int n, int none)
+{
+    (void)none;
+    return binary_exponent(fabs(r->taylor.sine[n]));
+}
+
+static int size_of_load(const Run *r, int n, int c)
+{
+    return binary_exponent(fabs(r->taylor.loaded_on[c][n]));
+}
+
+/* Step that the terms of order `highest` and below allow, of the series number c that `size` tells of. */
+INLINE double longest_step(const Run *r, int (*size)(const Run *, int, int), int c, int highest, double longest)
+{
+    double leading[LEADING];
+    int last, m;
+    for (m = 0; m < LEADING; m++) {
+        int exponent = size(r, m, c);
+        leading[m] = exponent > -2000 ? exponent : -INFINITY; /* a term that is zero allows nothing by itself */
+    }
+    for (last = highest - 1; last <= highest; last++) {
+        int following = size(r, last, c);
+        if (following > -2000) {
+            double steps[LEADING], best = -INFINITY;
+            for (m = 0; m < LEADING; m++) /* side by side: most of the time goes into the quotients */
+                steps[m] = (r->tolerance_exponent + (leading[m] - following)) / (last - m);
+            for (m = 0; m < LEADING && m < last; m++)
+                best = steps[m] > best ? steps[m] : best;
+            longest = best > -INFINITY && best < longest ? best : longest;
+        }
+    }
+    return longest;
+}
+
+/* Step that the last terms of a falling friction allow, compared with f(0) = 1. */
+static double step_of_fall(const Run *r, const double *f, double longest)
+{
+    int last;
+    for (last = r->taylor.order - 2; last < r->taylor.order; last++) {
+        int size = binary_exponent(fabs(f[last]));
+        if (size > -2000) {
+            double step = (r->tolerance_exponent + (1 - size)) / last;
+            longest = step < longest ? step : longest;
+        }
+    }
+    return longest;
+}
+
+static double step_length(const Run *r)
+{
+    double longest = longest_step(r, size_of_rates, 0, r->taylor.order, 1000.0);
+    int i;
+    if (r->has_motor) {
+        longest = longest_step(r, size_of_speed, 0, r->taylor.order, longest);
+        if (r->mode->carried == 0)
+            longest = longest_step(r, size_of_sine, 0, r->taylor.order, longest);
+    }
+    for (i = 0; i < r->mode->tied_count; i++)
+        longest = longest_step(r, size_of_load, r->mode->tied[i], r->taylor.order - 1, longest);
+    for (i = 0; i < r->mode->fall_count; i++)
+        longest = step_of_fall(r, r->taylor.falls[i], longest);
+    for (i = 0; i < r->mode->fall_count; i++)
+        longest = law_reach(r->mode->falls[i].law, r->taylor.arguments[i], r->taylor.order, r->tolerance_exponent, longest);
+    return longest < 1000.0 ? power_of_two(longest) : INFINITY;
+}
+
+void taylor_enter(Run *r, const State *state)
+{
+    Taylor *f = &r->taylor;
+    const Mode *m = r->mode;
+    double *first = f->table, *rates = first + f->rates;
+    int c;
+    r->closed = 0;
+    r->t0 = state->t;
+    f->turns = state->turns;
+    if (r->base_count > 0)
+        taylor_expand_base(r, state->t);
+    for (c = 0; c < r->bodies; c++) {
+        int leader = m->leader[c];
+        first[c] = state->x[c];
+        rates[c] = leader < r->bodies ? state->v[c] : (leader == r->bodies ? 0.0 : rates[base_column(r)]) + m->drift[c];
+    }
+    if (f->loaded_count > 0)
+        taylor_expand_loads(r, state->t);
+    taylor_expand(r, state);
+    r->steps += 1;
+    f->h = step_length(r);
+}
+
+static int near_zero(const Run *r, const Event *e, double tau, double *value, double *slope, double *noise)
+{
+    double coefficients[SERIES];
+    int count = taylor_polynomial(r, e, coefficients);
+    return polynomial_near_zero(coefficients, count, r->known[e->key], tau, taylor_magnitude(r, e), value, slope, noise);
+}
+
+void taylor_value_and_slope(const Run *r, const Event *e, double tau, double *value, double *slope)
+{
+    double coefficients[SERIES];
+    int count = taylor_polynomial(r, e, coefficients);
+    polynomial_value_and_slope(coefficients, count, r->known[e->key], tau, value, slope);
+}
+
+/* Whether a function falls from where it is: its first coefficient that is not zero is negative. */
+static int closes(const double *coefficients, int count)
+{
+    int n = 0;
+    while (n < count && coefficients[n] == 0)
+        n++;
+    return n < count && coefficients[n] < 0;
+}
+
+/* Doubt that the zero of `first`, at time `end`, is the first, where that of another event may come as soon. */
+static void certify_order(Run *r, int first, double end)
+{
+    const Mode *m = r->mode;
+    double tau = end - r->t0, value = 0, slope = 0, noise = 0, other, fall, blur, latest;
+    int i;
+    near_zero(r, &m->events[first], tau, &value, &slope, &noise);
+    if (slope >= 0)
+        return;
+    latest = latest_zero(value, slope, noise, end);
+    for (i = 0; i < m->event_count; i++) {
+        if (i == first || !near_zero(r, &m->events[i], tau, &other, &fall, &blur))
+            continue;
+        if (!(other == value && fall == slope) && may_vanish_by(other, fall, blur, latest))
+            doubt(&r->certificate, r->t0);
+    }
+}
+
+double taylor_advance(Run *r, double limit, int *event)
+{
+    const Taylor *f = &r->taylor;
+    const Mode *m = r->mode;
+    double length = limit - r->t0, h = f->h < length ? f->h : length;
+    double end = f->h >= length ? limit : r->t0 + h, coefficients[SERIES], t = 0;
+    int i;
+    *event = NOTHING;
+    if (end <= r->t0) {
+        doubt(&r->certificate, r->t0);
+        return nextafter(r->t0, INFINITY);
+    }
+    for (i = 0; i < m->event_count; i++) {
+        const Event *e = &m->events[i];
+        int count = taylor_polynomial(r, e, coefficients);
+        int outcome;
+        if (e->kind == STRIKE && r->known[e->key] == 0 && coefficients[0] == 0 && closes(coefficients, count)) {
+            *event = i;
+            return r->t0;
+        }
+        if (e->kind == STRIKE && r->known[e->key] == 0) {
+            double nearer = polynomial_nearer(coefficients, count, r->t0, h, taylor_magnitude(r, e));
+            if (nearer < h) {
+                end = r->t0 + nearer;
+                *event = NOTHING;
+                h = end - r->t0;
+            }
+        }
+        outcome = polynomial_first_root(&r->certificate, coefficients, count, r->known[e->key], r->t0, h, e->turns,
+                                        e->kind == STRIKE, &t);
+        r->spent += outcome == UNFINISHED ? MARCH_LIMIT : 0;
+        if (outcome != POSITIVE && (t < end || (outcome == ZERO && *event == NOTHING))) {
+            end = t;
+            *event = outcome == ZERO ? i : NOTHING;
+            h = end - r->t0;
+        }
+        if (h == 0) /* an event at the start: no other can come before it */
+            break;
+    }
+    if (*event != NOTHING)
+        certify_order(r, *event, end);
+    return end;
+}
+
+enum { SMALL_PAIRS = 3, MOST_PAIRS = 4, MOST_TIMES = 2 }; /* SMALL_PAIRS: of columns of a small scene */
+
+/* Columns of the table at `times` times tau, `horner` row by row: `count` pairs of columns, one time after the other. */
+INLINE void dense_block(const double *table, int rows, const int count, int stride, const int times, const double *tau, double *out)
+{
+    const double *row = table + (rows - 1) * stride;
+    Pair high[MOST_PAIRS][MOST_TIMES], low[MOST_PAIRS][MOST_TIMES], time[MOST_TIMES], square[MOST_TIMES];
+    int n, k, i;
+    for (i = 0; i < times; i++) {
+        time[i] = twice(tau[i]);
+        square[i] = twice(tau[i] * tau[i]);
+    }
+    for (k = 0; k < count; k++)
+        for (i = 0; i < times; i++) {
+            high[k][i] = load_pair(row + 2 * k);
+            low[k][i] = load_pair(row - stride + 2 * k);
+        }
+    row -= 2 * stride;
+    for (n = rows - 3; n > 0; n -= 2, row -= 2 * stride)
+        for (k = 0; k < count; k++) {
+            const Pair first = load_pair(row + 2 * k), second = load_pair(row - stride + 2 * k);
+            for (i = 0; i < times; i++) {
+                high[k][i] = add_product(first, high[k][i], square[i]);
+                low[k][i] = add_product(second, low[k][i], square[i]);
+            }
+        }
+    for (k = 0; k < count; k++)
+        for (i = 0; i < times; i++) {
+            if (rows % 2 != 0)
+                high[k][i] = add_product(load_pair(table + 2 * k), high[k][i], square[i]);
+            store_pair(out + 2 * (i * count + k),
+                       rows % 2 == 0 ? add_product(low[k][i], time[i], high[k][i]) : add_product(high[k][i], time[i], low[k][i]));
+        }
+}
+
+static void dense_output(const Taylor *f, double tau, double *out)
+{
+    int rows = f->order + 2, pairs = f->stride / 2, k;
+    if (pairs == SMALL_PAIRS) {
+        dense_block(f->table, rows, SMALL_PAIRS, 2 * SMALL_PAIRS, 1, &tau, out);
+        return;
+    }
+    for (k = 0; k + MOST_PAIRS <= pairs; k += MOST_PAIRS, out += 2 * MOST_PAIRS)
+        dense_block(f->table + 2 * k, rows, MOST_PAIRS, f->stride, 1, &tau, out);
+    for (; k < pairs; k++, out += 2)
+        dense_block(f->table + 2 * k, rows, 1, f->stride, 1, &tau, out);
+}
+
+/* Rate of the speed of the rotor. */
+double taylor_spin_rate(const Run *r, double tau)
+{
+    const Taylor *f = &r->taylor;
+    const double *w = f->table + f->rates + r->bodies;
+    double rate = f->order * w[f->order * f->stride];
+    int n;
+    for (n = f->order - 1; n > 0; n--)
+        rate = rate * tau + n * w[n * f->stride];
+    return rate;
+}
+
+/* One row of the table into a column of samples, as `write_state` does. */
+static void write_values(const Run *r, const double *values, double *column, long room)
+{
+    const Taylor *f = &r->taylor;
+    const double *rates = values + f->rates;
+    const int n = r->bodies;
+    int c;
+    for (c = 0; c < n; c++) {
+        column[(1 + 2 * c) * room] = values[c];
+        column[(2 + 2 * c) * room] = rates[c];
+    }
+    column[(1 + 2 * n) * room] = column[(2 + 2 * n) * room] = 0.0;
+    if (r->has_motor) {
+        double turns, phase = reduce_angle(values[n], &turns);
+        column[(1 + 2 * n) * room] = unwind(phase, f->turns + turns);
+        column[(2 + 2 * n) * room] = rates[n];
+    }
+}
+
+/* Writes states at times tau of the step into rows as `write_state` does. */
+void taylor_samples(Run *r, const double *tau, int count, double *row, long room)
+{
+    const Taylor *f = &r->taylor;
+    double two[MOST_TIMES * 2 * SMALL_PAIRS];
+    int i = 0;
+    for (; f->stride == 2 * SMALL_PAIRS && i + 2 <= count; i += 2) {
+        dense_block(f->table, f->order + 2, SMALL_PAIRS, 2 * SMALL_PAIRS, 2, tau + i, two);
+        write_values(r, two, row + i, room);
+        write_values(r, two + 2 * SMALL_PAIRS, row + i + 1, room);
+    }
+    for (; i < count; i++) {
+        dense_output(f, tau[i], f->values);
+        write_values(r, f->values, row + i, room);
+    }
+}
+
+void taylor_state_after(Run *r, double tau, State *out)
+{
+    Taylor *f = &r->taylor;
+    double turns, *values = f->values, *rates = values + f->rates;
+    int c;
+    dense_output(f, tau, values);
+    out->t = r->t0 + tau;
+    for (c = 0; c < r->bodies; c++) {
+        out->x[c] = values[c];
+        out->v[c] = rates[c];
+    }
+    out->phase = out->turns = out->w = 0.0;
+    if (r->has_motor) {
+        out->phase = reduce_angle(values[r->bodies], &turns);
+        out->turns = f->turns + turns;
+        out->w = rates[r->bodies];
+    }
+}

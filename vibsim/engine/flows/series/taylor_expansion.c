@@ -1,0 +1,306 @@
+/* Taylor coefficients of the motion at a state: the recurrences of vibsim/engine/flows/series/taylor.py.
+ *
+ * A row of the table holds the coefficients of one order: displacements of the bodies, phi, ground and base; then
+ * the rates of all of them in the same places. Small scenes run in shapes whose columns are known at compile time.
+ */
+#include "engine.h"
+#include "friction_laws.h"
+#include "inlining.h"
+#include "numbers.h"
+#include "pair.h"
+
+#define SHAPE APART void /* one function each: inlined into one they lose a quarter */
+
+typedef struct {
+    double *sine, *cosine, *w_back, *a1_back; /* w_back[p - n] = w[n], a1_back[p - n] = a1[n] */
+    double unbalance, drag, inertia, stall, coupling, to_a1, to_w, cross, pull, sw, tail, torque, previous;
+} Rotor;
+
+INLINE Rotor rotor_of(Run *r, const State *state)
+{
+    Taylor *f = &r->taylor;
+    Rotor o;
+    o.sine = f->sine;
+    o.cosine = f->cosine;
+    o.w_back = f->w_back;
+    o.a1_back = f->a1_back;
+    o.unbalance = f->unbalance;
+    o.drag = f->drag;
+    o.inertia = f->inertia;
+    o.stall = r->M0;
+    f->table[r->bodies] = state->phase;
+    f->table[f->rates + r->bodies] = o.w_back[f->order] = state->w;
+    sine_cosine(state->phase, &o.sine[0], &o.cosine[0]);
+    o.coupling = o.unbalance * o.sine[0];
+    o.to_a1 = o.to_w = o.cross = o.pull = o.tail = o.torque = o.previous = 0.0;
+    if (r->mode->carried > 0) {
+        double mass = r->mode->carried + r->m3, inverse_det = 1 / (mass * o.inertia - o.coupling * o.coupling);
+        o.to_a1 = o.inertia * inverse_det;
+        o.to_w = mass * inverse_det;
+        o.cross = o.coupling * inverse_det;
+    }
+    o.sw = o.sine[0] * state->w;
+    return o;
+}
+
+/* What order 0 of the rotor's series is before the accelerations are known; returns its thrust. */
+INLINE double start_rotation(Rotor *o, int p)
+{
+    const double w0 = o->w_back[p];
+    o->cosine[1] = -o->sw;
+    o->sine[1] = o->cosine[0] * w0;
+    o->pull = o->unbalance * o->sine[1];
+    o->tail = o->sine[1] * w0;
+    o->torque = o->stall - o->drag * w0;
+    return o->unbalance * o->tail;
+}
+
+/* The same of order n > 0. All that does not wait for w[n] and a1[n - 1] comes first: few operations are then left between
+ * one order and the next.
+ */
+INLINE double rotate(Rotor *o, int n, int p, double inverse)
+{
+    double *restrict sine = o->sine, *restrict cosine = o->cosine;
+    const double *w = o->w_back + (p - n), *a1 = o->a1_back + (p + 1 - n); /* w[i]: order n - i, a1[i]: order n - 1 - i */
+    const double w0 = o->w_back[p], scale = o->unbalance * (n + 1), lean = cosine[0] * inverse;
+    Pair cws = make_pair(0, 0), tails = cws, backs = cws;
+    double ahead, known, slope;
+    int i;
+    for (i = 1; i + 1 < n; i += 2) {
+        Pair speeds = load_pair(w + i), sines = load_pair(sine + i + 1);
+        cws = add_product(cws, load_pair(cosine + i), speeds);
+        tails = add_product(tails, sines, speeds);
+        backs = add_product(backs, sines, load_pair(a1 + i));
+    }
+    if (i < n) { /* the odd chain has one term more; the even one adds 0 * 0 */
+        Pair speed = make_pair(w[i], 0), following = make_pair(sine[i + 1], 0);
+        cws = add_product(cws, make_pair(cosine[i], 0), speed);
+        tails = add_product(tails, following, speed);
+        backs = add_product(backs, following, make_pair(a1[i], 0));
+    }
+    ahead = (sum_of_pair(cws) + cosine[n] * w0) * inverse;
+    known = sum_of_pair(tails) + ahead * w0;
+    slope = sine[1] + lean * w0;
+    cosine[n + 1] = -(o->sw * inverse);
+    sine[n + 1] = ahead + lean * w[0];
+    o->tail = known + slope * w[0];
+    o->torque = (o->unbalance * sum_of_pair(backs) - o->drag * w[0]) + o->pull * o->previous;
+    return scale * known + scale * slope * w[0];
+}
+
+/* Order n of the acceleration under `thrust`, and order n + 1 of the rotor's speed, from one 2x2 division by the mass matrix. */
+INLINE double turn(Rotor *o, int n, int p, double inverse, double thrust)
+{
+    double a1 = o->to_a1 * thrust + o->cross * o->torque, w = o->to_w * inverse * o->torque + o->cross * inverse * thrust;
+    o->w_back[p - n - 1] = w;
+    o->a1_back[p - n] = o->previous = a1;
+    o->sw = o->tail + o->sine[0] * w;
+    return a1;
+}
+
+/* The same where the motor's body moves as the ground or the base does: its acceleration is given. */
+INLINE double turn_carried(Rotor *o, int n, int p, double inverse, double a1)
+{
+    double w = (o->torque + o->coupling * a1) / o->inertia * inverse;
+    o->w_back[p - n - 1] = w;
+    o->a1_back[p - n] = o->previous = a1;
+    o->sw = o->tail + o->sine[0] * w;
+    return a1;
+}
+
+/* What a small scene's recurrences read, in locals: the compiler then knows that no store to the table changes it. */
+typedef struct {
+    double k, c, mobility, mobility_far;
+    const double *load, *load_far;
+} Law;
+
+enum { SMALL_RATES = 3, SMALL_STRIDE = 6 }; /* of the tables of small scenes */
+
+/* Order n + 1 from order n, order 0 with the constants. */
+INLINE void advance_small(const Run *r, const Law *law, Rotor *o, double *row, const int first, int n, int p, double inverse,
+                          const int bodies, const int moving, const int far, const int motor)
+{
+    const Mode *m = r->mode;
+    const int phi = bodies;
+    double *next = row + SMALL_STRIDE, *rates = row + SMALL_RATES, *next_rates = next + SMALL_RATES;
+    double thrust = !motor ? 0.0 : first ? start_rotation(o, p) : rotate(o, n, p, inverse);
+    double F = 0.0, F_far = 0.0, force, a1;
+    if (law->load)
+        F = F + law->load[n];
+    if (moving > 1 && law->load_far)
+        F_far = F_far + law->load_far[n];
+    force = law->k * (row[0] - row[far]) + law->c * (rates[0] - rates[far]);
+    if (first)
+        force = force + m->small.offset;
+    F = F - force;
+    F_far = F_far + force;
+    if (first) {
+        F = F + m->small_constants[0];
+        F_far = F_far + m->small_constants[1];
+    }
+    a1 = motor ? turn(o, n, p, inverse, F + thrust) : F * law->mobility;
+    next[0] = rates[0] * inverse;
+    if (bodies > 1)
+        next[far] = rates[far] * inverse;
+    next_rates[0] = a1 * inverse;
+    if (bodies > 1)
+        next_rates[far] = moving > 1 ? F_far * law->mobility_far * inverse : 0.0;
+    if (motor) {
+        next[phi] = rates[phi] * inverse;
+        next_rates[phi] = o->w_back[p - n - 1];
+    }
+}
+
+/* One body that moves and a second column: another body that moves (`moving` == 2), one that is held, or the ground. */
+INLINE void expand_small(Run *r, const State *state, const int bodies, const int moving, const int far, const int motor)
+{
+    Taylor *f = &r->taylor;
+    const Mode *m = r->mode;
+    const int p = f->order;
+    double *row = f->table, *next;
+    Law law;
+    Rotor o;
+    int n, c;
+    law.k = m->small.k;
+    law.c = m->small.c;
+    law.mobility = m->mobility[0];
+    law.mobility_far = moving > 1 ? m->mobility[1] : 0.0;
+    law.load = f->loaded_on[0];
+    law.load_far = moving > 1 ? f->loaded_on[1] : NULL;
+    if (motor)
+        o = rotor_of(r, state);
+    advance_small(r, &law, &o, row, 1, 0, p, f->inverse[1], bodies, moving, far, motor);
+    for (n = 1; n < p; n++) {
+        row += SMALL_STRIDE;
+        advance_small(r, &law, &o, row, 0, n, p, f->inverse[n + 1], bodies, moving, far, motor);
+    }
+    row += SMALL_STRIDE;
+    next = row + SMALL_STRIDE;
+    for (c = 0; c < SMALL_RATES; c++) {
+        next[c] = row[SMALL_RATES + c] * f->inverse[p + 1];
+        next[SMALL_RATES + c] = 0.0;
+    }
+}
+
+SHAPE two_free(Run *r, const State *s) { expand_small(r, s, 2, 2, 1, 0); }
+SHAPE two_free_with_motor(Run *r, const State *s) { expand_small(r, s, 2, 2, 1, 1); }
+SHAPE two_held(Run *r, const State *s) { expand_small(r, s, 2, 1, 1, 0); }
+SHAPE two_held_with_motor(Run *r, const State *s) { expand_small(r, s, 2, 1, 1, 1); }
+SHAPE one(Run *r, const State *s) { expand_small(r, s, 1, 1, 2, 0); }
+SHAPE one_with_motor(Run *r, const State *s) { expand_small(r, s, 1, 1, 2, 1); }
+
+static double rate_at(const double *row, int place)
+{
+    return place < 0 ? 0.0 : row[place];
+}
+
+/* Coefficient n of the force of falling friction k on its P. */
+static double fall(const Run *r, int k, const double *row, int n)
+{
+    const Falling *one = &r->mode->falls[k];
+    double *arguments = r->taylor.arguments[k], *f = r->taylor.falls[k], even = 0.0, odd = 0.0;
+    double difference = rate_at(row, one->from) - rate_at(row, one->to);
+    int i;
+    if (n == 0) {
+        arguments[0] = one->rate * (difference - one->drift);
+        f[0] = law_start(one->law, arguments[0]);
+        return one->on_P * f[0];
+    }
+    arguments[n] = law_argument(one->law, n, one->rate * difference);
+    for (i = 1; i < n; i += 2) {
+        odd = odd + arguments[i] * f[n - i];
+        even = even + arguments[i + 1] * f[n - i - 1];
+    }
+    if (i == n)
+        odd = odd + arguments[i] * f[0];
+    f[n] = law_following(one->law, odd + even, f, r->taylor.inverse[n]);
+    return one->on_P * f[n];
+}
+
+/* Order n of the forces on the groups, by leading column. */
+INLINE void balance(const Run *r, const double *row, int n)
+{
+    const Taylor *f = &r->taylor;
+    const Mode *m = r->mode;
+    double *F = r->force;
+    const int rates = f->rates;
+    int i;
+    for (i = 0; i < r->columns; i++)
+        F[i] = 0.0;
+    for (i = 0; i < f->loaded_count; i++) {
+        int column = f->loaded[i];
+        F[m->leader[column]] += f->load[column * SERIES + n];
+    }
+    for (i = 0; i < m->coupling_count; i++) {
+        const Coupling *q = &m->couplings[i];
+        const double *a = row + q->from, *b = row + q->to;
+        double force = q->k * (*a - *b) + q->c * (a[rates] - b[rates]);
+        if (n == 0)
+            force = force + q->offset;
+        F[q->to_P] -= force;
+        F[q->to_Q] += force;
+    }
+    for (i = 0; n == 0 && i < m->constant_count; i++)
+        F[m->leader[m->constant_columns[i]]] += m->constants[i];
+    for (i = 0; i < m->fall_count; i++) {
+        double force = fall(r, i, row, n);
+        F[m->falls[i].to_P] += force;
+        F[m->falls[i].to_Q] -= force;
+    }
+}
+
+INLINE void expand_any(Run *r, const State *state, const int motor)
+{
+    Taylor *f = &r->taylor;
+    const Mode *m = r->mode;
+    const int p = f->order, bodies = r->bodies, rates = f->rates, stride = f->stride, base = bodies + 2;
+    const int on = motor ? m->leader[r->motor_on] : 0;
+    double *row = f->table;
+    Rotor o;
+    int n, c;
+    if (motor)
+        o = rotor_of(r, state);
+    for (n = 0; n <= p; n++, row += stride) {
+        double *next = row + stride, *F = r->force, inverse = f->inverse[n + 1];
+        for (c = 0; c <= bodies; c++)
+            next[c] = row[rates + c] * inverse;
+        if (n == p)
+            break;
+        balance(r, row, n);
+        if (motor)
+            F[on] += n == 0 ? start_rotation(&o, p) : rotate(&o, n, p, inverse);
+        if (m->untied)
+            for (c = 0; c < bodies; c++)
+                next[rates + c] = F[c] * m->mobility[c] * inverse;
+        next[rates + bodies] = 0.0;
+        if (motor) {
+            double given = on > bodies ? (n + 1) * next[rates + base] : 0.0;
+            double a1 = on < bodies ? turn(&o, n, p, inverse, F[on]) : turn_carried(&o, n, p, inverse, given);
+            if (on < bodies)
+                next[rates + on] = a1 * inverse;
+            next[rates + bodies] = o.w_back[p - n - 1];
+        }
+        for (c = 0; !m->untied && c < bodies; c++) {
+            int leader = m->leader[c];
+            if (leader >= bodies)
+                next[rates + c] = leader == bodies ? 0.0 : next[rates + base];
+            else if (leader == c && !(motor && c == on))
+                next[rates + c] = F[c] * m->mobility[c] * inverse;
+            else
+                next[rates + c] = next[rates + leader]; /* leaders come first */
+        }
+    }
+    for (c = 0; c <= bodies; c++)
+        row[stride + rates + c] = 0.0;
+}
+
+SHAPE any(Run *r, const State *s) { expand_any(r, s, 0); }
+SHAPE any_with_motor(Run *r, const State *s) { expand_any(r, s, 1); }
+
+void taylor_expand(Run *r, const State *state)
+{
+    static void (*const shapes[])(Run *, const State *) = {
+        any, any_with_motor, two_free, two_free_with_motor, two_held, two_held_with_motor, one, one_with_motor,
+    };
+    shapes[2 * r->mode->shape + r->has_motor](r, state);
+}

@@ -1,0 +1,56 @@
+/* Series of the forces and of the base's motion over a Taylor step; twin of vibsim/engine/flows/series/taylor.py. */
+#include <string.h>
+
+#include "engine.h"
+#include "numbers.h"
+
+static void sine_and_cosine(const Harmonic *term, double t, double *turns)
+{
+    double angle = turn_angle(term->cycles, term->cycles_lo, t) + term->phase;
+    sine_cosine(angle, &turns[0], &turns[1]);
+    turns[2] = -turns[0];
+    turns[3] = -turns[1];
+}
+
+void taylor_expand_base(Run *r, double t)
+{
+    Taylor *f = &r->taylor;
+    int at = base_column(r), i, k;
+    double *row = f->table;
+    for (k = 0; k < f->order + 2; k++, row += f->stride)
+        row[at] = row[f->rates + at] = 0.0;
+    for (i = 0; i < r->base_count; i++) {
+        const Harmonic *term = &r->base[i];
+        double turns[4], factor = term->amplitude;
+        row = f->table;
+        sine_and_cosine(term, t, turns);
+        for (k = 0; k < f->order + 2; k++, row += f->stride) {
+            row[at] = row[at] + factor * turns[k % 4];
+            factor = factor * term->omega;
+            row[f->rates + at] = row[f->rates + at] + factor * turns[(k + 1) % 4];
+            factor = factor * f->inverse[k + 1];
+        }
+    }
+}
+
+void taylor_expand_loads(Run *r, double t)
+{
+    Taylor *f = &r->taylor;
+    int i, j, k;
+    for (i = 0; i < f->loaded_count; i++)
+        memset(f->loaded_on[f->loaded[i]], 0, sizeof(double) * (size_t)f->order);
+    for (i = 0; i < r->force_count; i++) {
+        const Force *force = &r->forces[i];
+        double *series = f->loaded_on[force->on];
+        for (j = 0; j < force->count; j++) {
+            const Harmonic *term = &force->terms[j];
+            double turns[4], factor = term->amplitude;
+            sine_and_cosine(term, t, turns);
+            for (k = 0; k < f->order; k++) {
+                series[k] = series[k] + factor * turns[k % 4];
+                factor = factor * term->omega * f->inverse[k + 1];
+            }
+        }
+        series[0] = series[0] + force->constant;
+    }
+}

@@ -1,0 +1,150 @@
+/* Event functions as polynomials over a Taylor step; twin of vibsim/engine/flows/series/taylor.py. */
+#include <string.h>
+
+#include "engine.h"
+#include "friction_laws.h"
+
+/* Series of the load on a column: its forces, and what a motor on it exerts while it is tied to the ground or the base. */
+static void load_on(const Run *r, int column, double *out)
+{
+    const Taylor *f = &r->taylor;
+    const double *load = f->loaded_on[column];
+    double sw[SERIES];
+    int n, i;
+    for (n = 0; n < f->order; n++)
+        out[n] = load ? load[n] : 0.0;
+    if (!r->has_motor || r->motor_on != column)
+        return;
+    for (n = 0; n <= f->order; n++) {
+        sw[n] = 0.0;
+        for (i = 0; i <= n; i++)
+            sw[n] = sw[n] + f->sine[i] * f->w_back[f->order - (n - i)];
+    }
+    for (n = 0; n < f->order; n++)
+        out[n] = out[n] + (f->unbalance * ((n + 1) * sw[n + 1]) - r->m3 * f->a1_back[f->order - n]);
+}
+
+/* factor (a - b), where a column without place in the table is zero throughout. */
+static void difference(const double *row, int stride, int a, int b, double factor, int count, double *restrict out)
+{
+    int n;
+    if (b < 0) {
+        for (n = 0; n < count; n++, row += stride)
+            out[n] = factor * row[a];
+    } else if (a < 0) {
+        for (n = 0; n < count; n++, row += stride)
+            out[n] = factor * (0.0 - row[b]);
+    } else {
+        for (n = 0; n < count; n++, row += stride)
+            out[n] = factor * (row[a] - row[b]);
+    }
+}
+
+static void coupling_force(const Coupling *c, const Taylor *f, double factor, int count, double *restrict out)
+{
+    const double *a = f->table + c->from, *b = f->table + c->to, k = c->k, damping = c->c;
+    const int stride = f->stride, rates = f->rates;
+    int n;
+    out[0] = factor * (k * (*a - *b) + damping * (a[rates] - b[rates]) + c->offset);
+    for (n = 1; n < count; n++) {
+        a += stride;
+        b += stride;
+        out[n] = factor * (k * (*a - *b) + damping * (a[rates] - b[rates]));
+    }
+}
+
+/* Coefficients of a term over the step; returns their number. */
+static int term_series(const Run *r, const Term *t, double *out)
+{
+    const Taylor *f = &r->taylor;
+    const int p = f->order;
+    const double *row;
+    int n;
+    switch (t->kind) {
+    case DIFFERENCE:
+        difference(f->table, f->stride, t->from, t->to, t->coefficient, p + 2, out);
+        return p + 2;
+    case RATE:
+        difference(f->table, f->stride, t->from, t->to, t->coefficient, p + 1, out);
+        return p + 1;
+    case COUPLING:
+        coupling_force(&r->mode->couplings[t->P], f, t->coefficient, p + 1, out);
+        return p + 1;
+    case ACCELERATION:
+        row = f->table + f->rates + column_in_table(r, t->P);
+        for (n = 0; n < p; n++)
+            out[n] = t->coefficient * ((n + 1) * row[(n + 1) * f->stride]);
+        return p;
+    case FALL:
+        for (n = 0; n < p; n++)
+            out[n] = t->coefficient * f->falls[t->P][n];
+        return p;
+    default:
+        load_on(r, t->P, out);
+        for (n = 0; n < p; n++)
+            out[n] = t->coefficient * out[n];
+        return p;
+    }
+}
+
+/* Coefficients of an event function over the step; returns their number. */
+int taylor_polynomial(const Run *r, const Event *e, double *out)
+{
+    double more[SERIES];
+    int count, i, n;
+    if (e->terms == 0) {
+        memset(out, 0, sizeof(double) * (size_t)(r->taylor.order + 1));
+        out[0] = e->constant;
+        return r->taylor.order + 1;
+    }
+    count = term_series(r, r->mode->terms + e->first, out);
+    for (i = 1; i < e->terms; i++) {
+        int other = term_series(r, r->mode->terms + e->first + i, more);
+        count = other < count ? other : count;
+        for (n = 0; n < count; n++)
+            out[n] = out[n] + more[n];
+    }
+    out[0] = out[0] + e->constant;
+    return count;
+}
+
+static double magnitude_of(const Run *r, const Term *t)
+{
+    const Taylor *f = &r->taylor;
+    const double *row = f->table;
+    double series[SERIES];
+    switch (t->kind) {
+    case DIFFERENCE:
+    case RATE:
+        return (t->from < 0 ? 0.0 : fabs(row[t->from])) + (t->to < 0 ? 0.0 : fabs(row[t->to]));
+    case COUPLING: {
+        const Coupling *c = &r->mode->couplings[t->P];
+        double places = fabs(row[c->from]) + fabs(row[c->to]);
+        double speeds = fabs(row[f->rates + c->from]) + fabs(row[f->rates + c->to]);
+        return c->k * places + c->c * speeds + fabs(c->offset);
+    }
+    case ACCELERATION:
+        return fabs(row[f->stride + f->rates + column_in_table(r, t->P)]);
+    case FALL: {
+        const Falling *one = &r->mode->falls[t->P];
+        double value = f->falls[t->P][0];
+        double speeds = (one->from < 0 ? 0.0 : fabs(row[one->from])) + (one->to < 0 ? 0.0 : fabs(row[one->to])) + fabs(one->drift);
+        return fabs(value) + fabs(law_slope(one->law, value)) * (fabs(one->rate) * speeds);
+    }
+    default:
+        load_on(r, t->P, series);
+        return fabs(series[0]);
+    }
+}
+
+/* Sum of the magnitudes that an event function is made of at the expansion point. */
+double taylor_magnitude(const Run *r, const Event *e)
+{
+    double total = e->size;
+    int i;
+    for (i = 0; i < e->terms; i++) {
+        const Term *t = &r->mode->terms[e->first + i];
+        total = total + fabs(t->coefficient) * magnitude_of(r, t);
+    }
+    return total;
+}

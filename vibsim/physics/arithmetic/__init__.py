@@ -1,0 +1,1 @@
+"""Number types that scenes are computed in; elementary functions and sums that both engines round alike."""
