@@ -34,12 +34,12 @@ WHOLE_NUMBERS = {  # sums and products of whole numbers are exact in any order
     "sweeps/ensemble.py": {"sum"},
 }
 ROOTS = {  # steps to a fixed point, and eigenvalues there: right to rounding, whose bits may differ
-    "orbits/coordinates.py": {"@"},
+    "orbits/returns/coordinates.py": {"@"},
     "orbits/lapack.py": {"vdot"},
     "orbits/multipliers.py": {"vdot", "log"},
     "orbits/orbit_digits.py": {"log10"},
-    "orbits/newton.py": {"@", "solve", "lstsq"},
-    "orbits/return_map.py": {"outer"},
+    "orbits/search/newton.py": {"@", "solve", "lstsq"},
+    "orbits/returns/return_map.py": {"outer"},
 }
 
 

@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from vibsim.orbits import OrbitError as OrbitError
     from vibsim.orbits import monodromy as monodromy
     from vibsim.orbits import search_orbits as search_orbits
-    from vibsim.orbits.seeking import orbit as orbit
+    from vibsim.orbits.search.seeking import orbit as orbit
     from vibsim.plots.from_python import plot as plot
     from vibsim.results import Result as Result
     from vibsim.results import ResultFileError as ResultFileError
@@ -76,7 +76,7 @@ __getattr__, __dir__, __all__ = lazy_names(
         "vibsim.labelled.labelled": ["Labelled"],
         "vibsim.opening": ["open_result"],
         "vibsim.orbits": ["Orbit", "OrbitError", "monodromy", "search_orbits"],
-        "vibsim.orbits.seeking": ["orbit"],
+        "vibsim.orbits.search.seeking": ["orbit"],
         "vibsim.plots.from_python": ["plot"],
         "vibsim.results.events": ["Events"],
         "vibsim.results": ["Result", "ResultFileError", "simulate"],

@@ -8,9 +8,9 @@ from vibsim.branches.store import structure as branch_structure
 from vibsim.cases import load_case
 from vibsim.evidence.benchmark import bench_structure
 from vibsim.files.declarations import Attribute, Dataset
-from vibsim.fitting import fit_structure
 from vibsim.fitting.fitting import make_plan as make_fit_plan
-from vibsim.fitting.plan import Search
+from vibsim.fitting.goals.plan import Search
+from vibsim.fitting.store import fit_structure
 from vibsim.results.columns import JUDGEMENTS, tables_of
 from vibsim.results.stored import orbit_structure, trajectory_structure
 from vibsim.sweeps.statistics.columns import DEFINITIONS

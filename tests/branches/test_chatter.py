@@ -5,7 +5,7 @@ import numpy as np
 from vibsim.branches import continue_branch
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
-from vibsim.orbits.word import LETTERS, circle
+from vibsim.orbits.returns.word import LETTERS, circle
 
 KINDS = {letter: kind for kind, letter in LETTERS.items()}
 

@@ -15,7 +15,7 @@ from vibsim.branches.span import read_span
 from vibsim.branches.store.branch_store import BranchFileStore, BranchStore
 from vibsim.branches.tracing.moved_section import MovedFamily, quiet_share
 from vibsim.cases import load_case
-from vibsim.orbits.newton import solve
+from vibsim.orbits.search.newton import solve
 
 BILINEAR = """
 name: bilinear

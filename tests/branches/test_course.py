@@ -15,7 +15,7 @@ from vibsim.branches.span import read_span
 from vibsim.branches.store.branch_store import BranchStore
 from vibsim.branches.store.locus_file import LocusStore
 from vibsim.cases import load_case
-from vibsim.orbits.seeking import orbit
+from vibsim.orbits.search.seeking import orbit
 from vibsim.plots.branches.curves import pieces, ranges
 from vibsim.plots.branches.motor_lines import torque_of
 from vibsim.plots.branches.multipliers import magnitudes_along

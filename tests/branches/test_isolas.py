@@ -5,7 +5,7 @@ import numpy as np
 from vibsim.branches import continue_branch
 from vibsim.branches.tracing.walk import landed
 from vibsim.cases import load_case
-from vibsim.orbits.seeking import orbit
+from vibsim.orbits.search.seeking import orbit
 
 
 def test_the_plateau_at_three_quarters_is_an_isola():

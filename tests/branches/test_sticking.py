@@ -12,7 +12,7 @@ from vibsim.branches.special.holding import held
 from vibsim.branches.store.locus_file import LocusStore, read_locus
 from vibsim.cases import load_case
 from vibsim.files.errors import ResultFileError
-from vibsim.orbits.seeking import orbit
+from vibsim.orbits.search.seeking import orbit
 from vibsim.plots.registry import kind_named
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View

@@ -7,7 +7,7 @@ from tests.branches.made import CAPTURED, PERIOD_5, RESONANT, branch_of, nearest
 from tests.orbits.truths import TRUTHS
 from vibsim.branches.curve.node import Node
 from vibsim.branches.special.inspection import inspect
-from vibsim.orbits.word import cyclic
+from vibsim.orbits.returns.word import cyclic
 
 LOWER = "3.47:3.53 Hz"
 # truth, branch, its span, kind

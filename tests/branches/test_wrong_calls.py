@@ -5,7 +5,7 @@ import pytest
 from vibsim.branches import BranchError, continue_branch
 from vibsim.branches.branch import SpecialPoint
 from vibsim.branches.loci.locus_plan import locus_plan
-from vibsim.orbits.seeking import orbit
+from vibsim.orbits.search.seeking import orbit
 
 CASE = "gallery/friction-oscillator"
 

@@ -19,7 +19,7 @@ from vibsim.cases.schema.keys import all_keys
 from vibsim.command_line.errors import EXIT_CODES
 from vibsim.command_line.main import COMMANDS
 from vibsim.evidence.benchmark import bench_structure
-from vibsim.fitting import fit_structure
+from vibsim.fitting.store import fit_structure
 from vibsim.results.stored import trajectory_structure
 from vibsim.sweeps.store import sweep_structure
 

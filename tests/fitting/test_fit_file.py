@@ -14,7 +14,7 @@ import xarray
 from tests.command_line.made import call
 from tests.fitting.made import done, numbers_of, small_plan
 from vibsim.fitting.fitting import run_fit
-from vibsim.fitting.run_store import FileRunStore
+from vibsim.fitting.store.run_store import FileRunStore
 from vibsim.opening import open_result
 from vibsim.results import ResultFileError
 from vibsim.sweeps.store.journal import journal_path

@@ -6,11 +6,11 @@ from math import inf, pi
 import pytest
 
 from vibsim.cases import load_case
-from vibsim.fitting.bounds import Bounds
 from vibsim.fitting.errors import FitError
-from vibsim.fitting.grammar import PHRASES, parse_statement
-from vibsim.fitting.measures import CAPTURES, REGIMES
-from vibsim.fitting.observables import OBSERVABLES
+from vibsim.fitting.goals.bounds import Bounds
+from vibsim.fitting.goals.grammar import PHRASES, parse_statement
+from vibsim.fitting.goals.measures import CAPTURES, REGIMES
+from vibsim.fitting.goals.observables import OBSERVABLES
 
 MOTORS = [load_case("II-B"), load_case("II-C")]
 MOTOR, IDEAL = [load_case("II-B")], [load_case("I-C")]

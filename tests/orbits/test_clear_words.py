@@ -10,8 +10,8 @@ from vibsim.branches import BranchError, continue_branch
 from vibsim.cases import UnknownKeyError, load_case
 from vibsim.orbits import ReturnMap, find_orbit
 from vibsim.orbits.errors import NotConverged, OrbitError
-from vibsim.orbits.growing import growing
-from vibsim.orbits.seeking import orbit
+from vibsim.orbits.search.growing import growing
+from vibsim.orbits.search.seeking import orbit
 
 DRIVEN = """
 name: driven
@@ -178,7 +178,7 @@ def test_what_cannot_be_followed_is_told_before_an_orbit_is_looked_for(key, span
     def looked_for(*_, **__):
         raise AssertionError("an orbit is looked for")
 
-    monkeypatch.setattr("vibsim.orbits.seeking.orbit", looked_for)
+    monkeypatch.setattr("vibsim.orbits.search.seeking.orbit", looked_for)
     with pytest.raises((BranchError, UnknownKeyError), match=re.escape(message)):
         continue_branch("II-B", key, span)
     done = call("continue", "II-B", "--param", f"{key}={span}")

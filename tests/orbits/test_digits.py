@@ -9,8 +9,8 @@ import pytest
 from tests.orbits.truths import STORED
 from vibsim.cases import load_case
 from vibsim.orbits.errors import OrbitError
-from vibsim.orbits.finding import find_orbit
 from vibsim.orbits.orbit_digits import refine
+from vibsim.orbits.search.finding import find_orbit
 from vibsim.orbits.small_matrices import characteristic_polynomial, product, refined_roots, solved
 from vibsim.physics.arithmetic.number_kits import number_kit
 from vibsim.physics.arithmetic.numbers import Doubles

@@ -14,7 +14,7 @@ from vibsim.cases.values.quantities import decimal_text
 from vibsim.cases.values.units import si_unit
 from vibsim.engine.truth import bare
 from vibsim.orbits.errors import OrbitError
-from vibsim.orbits.sensitivity import monodromy
+from vibsim.orbits.slopes.sensitivity import monodromy
 from vibsim.physics.arithmetic.multiprecision import Balls
 
 KIT = Balls(40)

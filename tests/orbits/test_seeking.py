@@ -12,10 +12,10 @@ from vibsim.cases import load_case
 from vibsim.files.errors import ResultFileError
 from vibsim.orbits.errors import NoSection, OrbitError
 from vibsim.orbits.orbit_file import save_orbit
-from vibsim.orbits.searching import same, search_attempts, search_orbits
-from vibsim.orbits.seeking import orbit, time_of_returns
-from vibsim.orbits.settling import likely_periods
-from vibsim.orbits.word import cyclic
+from vibsim.orbits.returns.word import cyclic
+from vibsim.orbits.search.searching import same, search_attempts, search_orbits
+from vibsim.orbits.search.seeking import orbit, time_of_returns
+from vibsim.orbits.search.settling import likely_periods
 from vibsim.results import simulate
 
 SETTLES = {"I-A": 5, "I-B": 18, "I-C": 1, "I-A-eq211": 1, "II-A": 1, "II-B": 3, "II-C": 1}

@@ -10,7 +10,7 @@ from tests.plots.artists import clipped_texts, lines, points
 from vibsim.branches import continue_branch
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
-from vibsim.orbits.start import case_on_orbit
+from vibsim.orbits.returns.start import case_on_orbit
 from vibsim.plots.branches.curves import MARKS, pieces
 from vibsim.plots.branches.leaps import dead_ends, leaps_of
 from vibsim.plots.branches.motor_lines import LoadCurve, crossings, torque_of

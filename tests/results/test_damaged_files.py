@@ -20,8 +20,8 @@ from vibsim.branches.store.structure import LOCUS_ATTRIBUTES as OF_LOCUS
 from vibsim.evidence.benchmark.bench_structure import ATTRIBUTES as OF_BENCH
 from vibsim.files.reading import damage_named
 from vibsim.fitting import fit
-from vibsim.fitting.fit_structure import ATTRIBUTES as OF_FIT
-from vibsim.fitting.run_store import FileRunStore
+from vibsim.fitting.store.fit_structure import ATTRIBUTES as OF_FIT
+from vibsim.fitting.store.run_store import FileRunStore
 from vibsim.results import ResultFileError
 from vibsim.results.stored.trajectory_structure import ATTRIBUTES as OF_TRAJECTORY
 from vibsim.sweeps import sweep

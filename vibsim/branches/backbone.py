@@ -20,10 +20,10 @@ from vibsim.cases import Case
 from vibsim.engine.errors import EngineError
 from vibsim.once import once
 from vibsim.orbits import OrbitError, ReturnMap
-from vibsim.orbits.finding import unknowns
 from vibsim.orbits.orbit import Orbit
-from vibsim.orbits.seeking import opened, start_of
-from vibsim.orbits.settling import course_of
+from vibsim.orbits.search.finding import unknowns
+from vibsim.orbits.search.seeking import opened, start_of
+from vibsim.orbits.search.settling import course_of
 
 
 class EnergyFamily(Family):

@@ -20,7 +20,7 @@ from vibsim.branches.tracing.tracing import CLOSED
 from vibsim.files.declarations import Column, Dataset
 from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.labelled import Labelled, few
-from vibsim.orbits.word import Word
+from vibsim.orbits.returns.word import Word
 
 # told of every point beside what its file holds
 STABILITY = (
@@ -201,7 +201,7 @@ class Branch(Along, Labelled):
 
     def spelled(self, word: Word) -> str:
         """A word in letters."""
-        from vibsim.orbits.word import spelled
+        from vibsim.orbits.returns.word import spelled
 
         return spelled(self.map.scene, word)
 

@@ -125,7 +125,7 @@ def case_of(source: Any) -> tuple[Any, Any]:
     Raises OrbitError, CaseError, ResultFileError.
     """
     from vibsim.orbits.orbit import Orbit
-    from vibsim.orbits.seeking import opened
+    from vibsim.orbits.search.seeking import opened
 
     if isinstance(source, Branch):
         raise BranchError(
@@ -144,7 +144,7 @@ def orbit_from(source: Any, engine: str = "auto") -> Any:
 
     if isinstance(source, Orbit) and source.case is not None:
         return source
-    from vibsim.orbits.seeking import orbit
+    from vibsim.orbits.search.seeking import orbit
 
     return orbit(source, engine=engine)
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from vibsim.branches.tracing.records import OrbitRecord
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.orbits.start import placed
+from vibsim.orbits.returns.start import placed
 from vibsim.physics.parts import GROUND
 
 

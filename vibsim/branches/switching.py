@@ -17,7 +17,7 @@ from vibsim.branches.curve.node import Node, node_at
 from vibsim.branches.plan import BranchError, BranchPlan
 from vibsim.branches.special.special import BRANCHING, DOUBLING, NAMES
 from vibsim.branches.tracing.joining import shift
-from vibsim.orbits.word import cyclic
+from vibsim.orbits.returns.word import cyclic
 
 FIRST, TRIES = 2.0**-8, 8  # scaled distance of the first orbit from the special point, halved so often
 

@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 
 from vibsim.fitting.errors import Interrupted
+from vibsim.fitting.goals.measuring import TRUST, Index, Task
+from vibsim.fitting.goals.plan import FitPlan
+from vibsim.fitting.goals.reading import Candidate
 from vibsim.fitting.judgement import Judgement, judge
-from vibsim.fitting.measuring import TRUST, Index, Task
-from vibsim.fitting.plan import FitPlan
-from vibsim.fitting.reading import Candidate
-from vibsim.fitting.run_store import RunStore
+from vibsim.fitting.store.run_store import RunStore
 from vibsim.sweeps.points.point import Point
 from vibsim.sweeps.schedule.runner import AHEAD, PATIENCE
 from vibsim.sweeps.schedule.workers import LocalWorkers

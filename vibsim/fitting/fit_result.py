@@ -11,14 +11,14 @@ import numpy as np
 
 from vibsim.cases import Case
 from vibsim.files.output_file import check_result_output
-from vibsim.fitting.fit_file import file_values, write_fit
-from vibsim.fitting.fit_structure import CANDIDATE, datasets_of
+from vibsim.fitting.goals.measuring import HORIZON, TRUST, Index
+from vibsim.fitting.goals.plan import FitPlan
+from vibsim.fitting.goals.reading import Candidate
+from vibsim.fitting.goals.statement import Statement
 from vibsim.fitting.judgement import Judgement, judge, values_of
-from vibsim.fitting.measuring import HORIZON, TRUST, Index
-from vibsim.fitting.plan import FitPlan
-from vibsim.fitting.reading import Candidate
-from vibsim.fitting.statement import Statement
-from vibsim.fitting.stored_fit import read_fit
+from vibsim.fitting.store.fit_file import file_values, write_fit
+from vibsim.fitting.store.fit_structure import CANDIDATE, datasets_of
+from vibsim.fitting.store.stored_fit import read_fit
 from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.labelled import Labelled
 from vibsim.sweeps.points.point import Point

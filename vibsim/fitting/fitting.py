@@ -11,15 +11,15 @@ from vibsim.cases.arguments import by_key, texts
 from vibsim.cases.loading import load_case
 from vibsim.fitting.errors import FitError, Interrupted
 from vibsim.fitting.evaluation import Evaluation, Watch
-from vibsim.fitting.fit_file import origin
 from vibsim.fitting.fit_result import FitResult
-from vibsim.fitting.free_parameter import read_free
-from vibsim.fitting.grammar import parse_statement
-from vibsim.fitting.measuring import measure_all
-from vibsim.fitting.plan import METHODS, FitPlan, Search
-from vibsim.fitting.reading import read_reading
-from vibsim.fitting.run_store import FileRunStore, RunStore
+from vibsim.fitting.goals.free_parameter import read_free
+from vibsim.fitting.goals.grammar import parse_statement
+from vibsim.fitting.goals.measuring import measure_all
+from vibsim.fitting.goals.plan import METHODS, FitPlan, Search
+from vibsim.fitting.goals.reading import read_reading
 from vibsim.fitting.search import search
+from vibsim.fitting.store.fit_file import origin
+from vibsim.fitting.store.run_store import FileRunStore, RunStore
 from vibsim.sweeps.plan.members import Members, read_members
 from vibsim.sweeps.plan.sweep_plan import PlanError
 from vibsim.sweeps.schedule.workers import LocalWorkers, available_cores

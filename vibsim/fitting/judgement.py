@@ -12,10 +12,10 @@ from statistics import median
 
 import numpy as np
 
-from vibsim.fitting.measuring import Index
-from vibsim.fitting.plan import FitPlan
-from vibsim.fitting.reading import Candidate
-from vibsim.fitting.statement import Statement
+from vibsim.fitting.goals.measuring import Index
+from vibsim.fitting.goals.plan import FitPlan
+from vibsim.fitting.goals.reading import Candidate
+from vibsim.fitting.goals.statement import Statement
 from vibsim.physics.arithmetic.sums import dot, mean, total
 from vibsim.sweeps.ensemble import share as share_of
 from vibsim.sweeps.points.point import Point

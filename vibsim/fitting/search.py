@@ -18,10 +18,10 @@ from math import ceil
 import numpy as np
 
 from vibsim.fitting.evaluation import Evaluation
-from vibsim.fitting.free_parameter import FreeParameter
+from vibsim.fitting.goals.free_parameter import FreeParameter
+from vibsim.fitting.goals.plan import EVOLUTION, FitPlan
+from vibsim.fitting.goals.reading import PRINTED, READING, SEARCHED, Candidate, leaving_price
 from vibsim.fitting.judgement import Judgement
-from vibsim.fitting.plan import EVOLUTION, FitPlan
-from vibsim.fitting.reading import PRINTED, READING, SEARCHED, Candidate, leaving_price
 
 GOES_ON = 4  # one of so many screened candidates is judged from all starts
 FEWEST = 5  # members of a population, the least that scipy takes

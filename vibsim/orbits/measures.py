@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibsim.engine.trajectory import Trajectory, open_trajectory
-from vibsim.orbits.start import placed
-from vibsim.orbits.turning import returns
+from vibsim.orbits.returns.start import placed
+from vibsim.orbits.returns.turning import returns
 
 if TYPE_CHECKING:
     from vibsim.orbits.orbit import Orbit

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from vibsim.orbits.return_map import Return
+    from vibsim.orbits.returns.return_map import Return
 
 EPS = 2.0**-53
 ROUNDING = 64  # units in the last place of the matrix: rounding of its eigenvalues, where they are simple

@@ -15,13 +15,13 @@ from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.labelled import Labelled, few
 from vibsim.orbits.measures import energy_of, points_of
 from vibsim.orbits.multipliers import exponents_of, multipliers_of, sides_of_circle
+from vibsim.orbits.returns.word import Word, circle, spelled
 from vibsim.orbits.sliding import sliding_margin
-from vibsim.orbits.word import Word, circle, spelled
 
 if TYPE_CHECKING:
     from vibsim.cases.case import Case
-    from vibsim.orbits.newton import Solution
-    from vibsim.orbits.return_map import Return, ReturnMap
+    from vibsim.orbits.returns.return_map import Return, ReturnMap
+    from vibsim.orbits.search.newton import Solution
     from vibsim.physics.parts import Scene
     from vibsim.results.result import Result
 
@@ -143,7 +143,7 @@ class Orbit(Labelled):
     @cached_property
     def run(self) -> Result:
         """One period as a run, from the section on. Raises ValueError for the orbit of a scene alone."""
-        from vibsim.orbits.start import case_on_orbit
+        from vibsim.orbits.returns.start import case_on_orbit
         from vibsim.results.simulation import simulate
 
         if self.case is None:

@@ -16,8 +16,8 @@ from vibsim.engine.state import State
 from vibsim.engine.truth import bare
 from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.orbit import Orbit
+from vibsim.orbits.returns.word import Word, spelled, word_of
 from vibsim.orbits.small_matrices import characteristic_polynomial, refined_roots, solved
-from vibsim.orbits.word import Word, spelled, word_of
 from vibsim.physics.arithmetic.exact_decimals import decimal_text
 from vibsim.physics.arithmetic.number_kits import DigitsKit, number_kit, one_precision
 from vibsim.physics.arithmetic.numbers import Number

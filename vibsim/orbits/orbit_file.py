@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.orbits.orbit import Orbit
-from vibsim.orbits.start import case_on_orbit
+from vibsim.orbits.returns.start import case_on_orbit
 from vibsim.results.recording.recording import Recording
 from vibsim.results.result import Result
 from vibsim.results.stored.orbit_structure import DATASETS, DIGITS, GROUP

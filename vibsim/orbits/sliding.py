@@ -18,7 +18,7 @@ from vibsim.engine.modes.rows import RowMaker
 from vibsim.engine.modes.status import BACKWARD, FORWARD, Status
 from vibsim.engine.state import State
 from vibsim.engine.tangent.monodromy import Carried
-from vibsim.orbits.word import OF_FRICTION
+from vibsim.orbits.returns.word import OF_FRICTION
 from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.parts import Scene
 

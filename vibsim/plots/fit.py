@@ -9,10 +9,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vibsim.fitting.fit_file import number_of
 from vibsim.fitting.fit_result import FitResult
-from vibsim.fitting.free_parameter import FreeParameter
+from vibsim.fitting.goals.free_parameter import FreeParameter
 from vibsim.fitting.judgement import Judgement
+from vibsim.fitting.store.fit_file import number_of
 from vibsim.plots.page.sheet import note, sheet
 from vibsim.plots.style import BLUE, GREY
 from vibsim.plots.subject import Subject

@@ -21,7 +21,7 @@ from vibsim.evidence.reports.measured.parameter_search import (
 )
 from vibsim.evidence.reports.pages.search_tables import captured_by, readings_table
 from vibsim.fitting.fitting import make_plan
-from vibsim.fitting.plan import Search
+from vibsim.fitting.goals.plan import Search
 from vibsim.plots import style
 
 

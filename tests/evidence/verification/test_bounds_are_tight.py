@@ -7,7 +7,7 @@ import pytest
 import vibsim.engine.trajectory
 from vibsim.evidence.verification import runs, verify
 from vibsim.evidence.verification.catalogue import all_checks
-from vibsim.orbits import return_map
+from vibsim.orbits.returns import return_map
 from vibsim.results.recording import recording
 
 WRONG = 1 + 1e-13

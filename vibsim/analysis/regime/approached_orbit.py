@@ -19,11 +19,11 @@ from vibsim.analysis.regime.recurrence import EXACT, MOSTLY, NEAR, SHRINKS, TOLE
 from vibsim.analysis.regime.section import Coordinates
 from vibsim.engine.errors import EngineError
 from vibsim.orbits.errors import OrbitError
-from vibsim.orbits.finding import least
-from vibsim.orbits.newton import solve
 from vibsim.orbits.orbit import Orbit
-from vibsim.orbits.return_map import ReturnMap
-from vibsim.orbits.settling import likely_periods
+from vibsim.orbits.returns.return_map import ReturnMap
+from vibsim.orbits.search.finding import least
+from vibsim.orbits.search.newton import solve
+from vibsim.orbits.search.settling import likely_periods
 from vibsim.physics.parts import Scene
 
 OPEN = (

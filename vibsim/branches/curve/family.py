@@ -1,10 +1,10 @@
 """The orbits of n periods of a case over one of its numbers: n + 1 scaled unknowns, and what closes an orbit.
 
-Unknowns are those of the orbit (`vibsim.orbits.coordinates`), the time of return where a motor leaves it
-free, and the parameter. The residual is P(X) - X and what is missing of the turn. Its derivative by the state
-and by the time is that of the motion, exact; that by the parameter is a difference quotient. An error d of
-it, relative to its size, changes no solution: it multiplies what is left after a Newton step by d, and turns
-the tangent by d.
+Unknowns are those of the orbit (`vibsim.orbits.returns.coordinates`), the time of return where a motor
+leaves it free, and the parameter. The residual is P(X) - X and what is missing of the turn. Its derivative
+by the state and by the time is that of the motion, exact; that by the parameter is a difference quotient.
+An error d of it, relative to its size, changes no solution: it multiplies what is left after a Newton step
+by d, and turns the tangent by d.
 """
 
 from collections import OrderedDict
@@ -22,9 +22,9 @@ from vibsim.once import once
 from vibsim.orbits import OrbitError, ReturnMap
 from vibsim.orbits.lapack import determinant
 from vibsim.orbits.multipliers import multipliers_of
-from vibsim.orbits.newton import tolerance
-from vibsim.orbits.start import case_on_orbit
-from vibsim.orbits.word import circle
+from vibsim.orbits.returns.start import case_on_orbit
+from vibsim.orbits.returns.word import circle
+from vibsim.orbits.search.newton import tolerance
 from vibsim.physics.parts import Scene
 
 SHIFT = 2.0**-23  # of the parameter, scaled: rounding over it is as small as what it leaves out, 1e-7
@@ -128,7 +128,7 @@ class Family:
 class FamilyPoint:
     """A motion over one return, as a point of the curve; an orbit where `residual` is zero but for rounding.
 
-    end : of the motion, a `vibsim.orbits.return_map.Return`
+    end : of the motion, a `vibsim.orbits.returns.return_map.Return`
     """
 
     def __init__(self, family: Family, z: np.ndarray, end: Any):

@@ -13,7 +13,7 @@ import numpy as np
 from vibsim.branches.curve.arclength import ContinuationError, length_of
 from vibsim.branches.curve.family import Family
 from vibsim.branches.curve.node import Node, chord_of, node_at, start_between
-from vibsim.orbits.word import Word
+from vibsim.orbits.returns.word import Word
 
 THROUGH = 3  # nodes that the polynomial goes through, the tangents at ends beside them
 Row = tuple[float, np.ndarray, np.ndarray | None]  # share, unknowns there, and their slope

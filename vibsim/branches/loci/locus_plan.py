@@ -16,7 +16,7 @@ from vibsim.branches.plan import BranchError, BranchPlan, must_matter, value_in
 from vibsim.branches.special.holding import held
 from vibsim.branches.special.special import BRANCHING, GRAZING, NAMES, STICKING, TORUS
 from vibsim.branches.special.touching import CONTACTS
-from vibsim.orbits.word import changes
+from vibsim.orbits.returns.word import changes
 
 FIRST_STEP = 0.1  # scaled, that the first correction may have
 WHY_NOT = {  # why no locus of a kind is followed, and what to do

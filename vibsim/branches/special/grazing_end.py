@@ -11,7 +11,7 @@ from vibsim.branches.curve.family import Family, FamilyPoint
 from vibsim.branches.curve.node import Node
 from vibsim.branches.special.special import GRAZING, Special
 from vibsim.branches.special.touching import TouchFamily, window_of
-from vibsim.orbits.word import Word, circle
+from vibsim.orbits.returns.word import Word, circle
 
 STEPS = 12
 DIFFERENCE = 2.0**-20  # of a scaled unknown

@@ -10,9 +10,9 @@ from collections import Counter
 
 from vibsim.branches.curve.arclength import ContinuationError
 from vibsim.engine.modes.rows import RowMaker
-from vibsim.orbits.return_map import Return
+from vibsim.orbits.returns.return_map import Return
+from vibsim.orbits.returns.word import Word, changes
 from vibsim.orbits.sliding import excess
-from vibsim.orbits.word import Word, changes
 from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.parts import Scene
 

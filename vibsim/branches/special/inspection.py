@@ -33,7 +33,7 @@ from vibsim.branches.special.special import (
     Special,
     kind_of_change,
 )
-from vibsim.orbits.word import changes
+from vibsim.orbits.returns.word import changes
 
 LONGEST_PART = 0.9  # of a stretch that is halved
 TRIES = 100  # nodes while locating

@@ -14,8 +14,8 @@ from math import isfinite
 from vibsim.branches.curve.family import Family
 from vibsim.branches.curve.node import Node
 from vibsim.branches.curve.way import Way, at_zero
-from vibsim.orbits.gaps import gap_of
-from vibsim.orbits.word import LETTERS, Word, counted
+from vibsim.orbits.returns.gaps import gap_of
+from vibsim.orbits.returns.word import LETTERS, Word, counted
 
 NARROW = 4e-14  # length, over that of the unknowns, of the last bracket: Newton's method leaves as much open
 SHORT = 1e-9  # scaled length of a stretch that is not halved any more to part its events

@@ -21,9 +21,9 @@ from vibsim.branches.special.holding import STICK, kinds_of
 from vibsim.branches.special.special import CORNER, Special
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.orbits import ReturnMap
-from vibsim.orbits.gaps import apart, motion_of_base
-from vibsim.orbits.start import placed
-from vibsim.orbits.word import Word, changes
+from vibsim.orbits.returns.gaps import apart, motion_of_base
+from vibsim.orbits.returns.start import placed
+from vibsim.orbits.returns.word import Word, changes
 
 BACK = (1e-4, 1e-3, 1e-2)  # scaled: how far back in the parameter orbits of the other kind are looked for
 ASIDE = (0.25, 1.0, 4.0, 16.0)  # times that: how far a state is moved to be of the other kind

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from vibsim.branches.curve.node import Node
-from vibsim.orbits.word import Word, changes
+from vibsim.orbits.returns.word import Word, changes
 
 FOLD, DOUBLING, TORUS, BRANCHING = "fold", "doubling", "neimark-sacker", "branch point"
 GRAZING, STICKING, TURNING, ORDER, CORNER = "grazing", "sticking", "turn", "order", "corner"

@@ -19,9 +19,9 @@ from vibsim.engine.modes.status import OPEN
 from vibsim.engine.tangent.monodromy import Carried, Carrier
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.orbits import OrbitError, ReturnMap
-from vibsim.orbits.gaps import gap_of
-from vibsim.orbits.return_map import Return
-from vibsim.orbits.start import placed
+from vibsim.orbits.returns.gaps import gap_of
+from vibsim.orbits.returns.return_map import Return
+from vibsim.orbits.returns.start import placed
 from vibsim.physics.modes import EVENT_KINDS, RIGID_KINDS
 from vibsim.physics.parts import Scene
 

@@ -28,7 +28,7 @@ from vibsim.files.provenance import provenance
 from vibsim.files.reading import opened, read_attributes, read_datasets
 from vibsim.files.stored_case import stored_case, understood
 from vibsim.files.writing import write_hdf5
-from vibsim.orbits.word import LETTERS, Word
+from vibsim.orbits.returns.word import LETTERS, Word
 
 KIND = "branch"
 KIND_NAMES = {code: kind for kind, code in KINDS.items()}
@@ -159,6 +159,6 @@ def orbit_of(prefix: str, values: dict[str, Any], i: int) -> OrbitRecord:
 
 
 def read_spelled(text: str) -> Word:
-    """The word of its letters, as `vibsim.orbits.word.spelled` writes it."""
+    """The word of its letters, as `vibsim.orbits.returns.word.spelled` writes it."""
     letters = text.split() if " " in text or text[1:].isdigit() else list(text)
     return tuple((EVENTS[one[0]], int(one[1:] or 1) - 1) for one in letters)

@@ -28,7 +28,7 @@ from vibsim.files.provenance import provenance
 from vibsim.files.reading import opened, read_attributes, read_datasets
 from vibsim.files.stored_case import stored_case, understood
 from vibsim.files.writing import write_hdf5
-from vibsim.orbits.word import spelled
+from vibsim.orbits.returns.word import spelled
 
 KIND = "locus"
 

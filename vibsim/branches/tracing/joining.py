@@ -9,7 +9,7 @@ import numpy as np
 from vibsim.branches.curve.arclength import ContinuationError, length_of
 from vibsim.branches.curve.family import Family
 from vibsim.branches.curve.node import Node, between
-from vibsim.orbits.word import Word
+from vibsim.orbits.returns.word import Word
 
 FINE = 2.0**-6  # share of a step at which its search ends: nearer, orbits are no longer told apart
 HALVINGS = 40

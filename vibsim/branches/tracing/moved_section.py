@@ -16,7 +16,7 @@ from vibsim.branches.curve.node import Node, node_at
 from vibsim.branches.special.touching import later
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.orbits import ReturnMap
-from vibsim.orbits.return_map import Return
+from vibsim.orbits.returns.return_map import Return
 from vibsim.physics.parts import Scene
 
 IMPACTS = ("impact", "transmitted")

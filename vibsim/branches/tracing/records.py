@@ -11,7 +11,7 @@ from vibsim.branches.curve.node import Node
 from vibsim.branches.special.special import Special
 from vibsim.branches.tracing.walk import Step
 from vibsim.orbits.multipliers import sides_of_circle
-from vibsim.orbits.word import Word
+from vibsim.orbits.returns.word import Word
 
 
 @dataclass(frozen=True)

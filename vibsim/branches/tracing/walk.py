@@ -19,7 +19,7 @@ from vibsim.branches.special.sliding_corner import sliding_corner
 from vibsim.branches.special.special import BRANCHING, CORNER, FOLD, UNRESOLVED, Special
 from vibsim.branches.tracing.joining import JOINS, joining, repetition
 from vibsim.branches.tracing.moved_section import beyond_the_impact, from_section
-from vibsim.orbits.newton import EPS
+from vibsim.orbits.search.newton import EPS
 
 END = "end of the range"
 BEHIND = 4  # steps before a branch can have come back to its start

@@ -18,9 +18,9 @@ from vibsim.fitting.description import Table, facts, fit_lines, ranking_table
 from vibsim.fitting.errors import FitError
 from vibsim.fitting.fit_result import FitResult
 from vibsim.fitting.fitting import make_plan, run_fit
-from vibsim.fitting.grammar import PHRASES
-from vibsim.fitting.observables import OBSERVABLES
-from vibsim.fitting.plan import FitPlan, Search
+from vibsim.fitting.goals.grammar import PHRASES
+from vibsim.fitting.goals.observables import OBSERVABLES
+from vibsim.fitting.goals.plan import FitPlan, Search
 
 Pairs = Sequence[tuple[str, Any]]
 

@@ -22,8 +22,8 @@ from vibsim.files.signals import interrupted_with
 from vibsim.opening import open_result
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.orbit_file import save_orbit
-from vibsim.orbits.searching import search_attempts
-from vibsim.orbits.seeking import orbit
+from vibsim.orbits.search.searching import search_attempts
+from vibsim.orbits.search.seeking import orbit
 from vibsim.results import Result, kind_of, names_a_result
 
 

@@ -9,8 +9,8 @@ from vibsim.command_line.text.multipliers import multiplier_text
 from vibsim.command_line.text.quantities import counted, metres
 from vibsim.orbits.multipliers import sides_of_circle
 from vibsim.orbits.orbit import Orbit
+from vibsim.orbits.returns.word import LETTERS
 from vibsim.orbits.stability import neighbours
-from vibsim.orbits.word import LETTERS
 from vibsim.physics.modes import IMPACTS
 
 Lines = list[tuple[str, str]]

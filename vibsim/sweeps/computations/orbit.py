@@ -30,9 +30,9 @@ def columns(of: Quantities) -> Columns:
 
 def multipliers(scene: Scene) -> int:
     """How many multipliers the orbits of a scene have; 0 without a section."""
-    from vibsim.orbits.coordinates import unknown_count
     from vibsim.orbits.errors import OrbitError
-    from vibsim.orbits.section import section_of
+    from vibsim.orbits.returns.coordinates import unknown_count
+    from vibsim.orbits.returns.section import section_of
 
     try:
         return 0 if section_of(scene).turning else unknown_count(scene)

@@ -16,7 +16,7 @@ from vibsim.evidence.reports.measured.paper_runs import Interrupted
 from vibsim.evidence.reports.measured.without_stop import NO_STOP
 from vibsim.fitting.description import facts
 from vibsim.fitting.fitting import make_plan, run_fit
-from vibsim.fitting.plan import Search
+from vibsim.fitting.goals.plan import Search
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

@@ -15,7 +15,7 @@ from vibsim.evidence.reports.measured.parameter_search import STATEMENTS, keeps_
 from vibsim.evidence.reports.measured.without_stop import NO_STOP
 from vibsim.evidence.reports.pages.document import Table
 from vibsim.evidence.reports.wording import between, hz, of_all, seconds, typeset
-from vibsim.fitting.free_parameter import LEAVE
+from vibsim.fitting.goals.free_parameter import LEAVE
 
 RESONANT_HZ = 4.5  # a hold below this is one near half the bilinear frequency
 KINDS = ("captured", "escaped", "passed", "not met", "undecided")

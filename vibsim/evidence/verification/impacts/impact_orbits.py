@@ -32,7 +32,7 @@ from vibsim.evidence.verification.impacts.impact_oscillators import (
 from vibsim.evidence.verification.row import Point, Row, compared, number_row, worst_row
 from vibsim.evidence.verification.runs import made_case
 from vibsim.orbits.orbit import Orbit
-from vibsim.orbits.seeking import orbit
+from vibsim.orbits.search.seeking import orbit
 
 FOLD, FOLD_PLACES = 0.34514712445281, 14  # printed
 SPAN = "0.3:0.35 m"

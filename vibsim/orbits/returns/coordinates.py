@@ -18,7 +18,7 @@ from vibsim.engine.tangent.monodromy import Carried
 from vibsim.engine.tangent.tangent_space import length, plainly_weighed_alike, weights
 from vibsim.once import once
 from vibsim.orbits.errors import OrbitError
-from vibsim.orbits.section import Section, section_of
+from vibsim.orbits.returns.section import Section, section_of
 from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.body_sets import body_sets
 from vibsim.physics.parts import Scene, columns_of

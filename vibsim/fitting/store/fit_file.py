@@ -12,10 +12,10 @@ import numpy as np
 from vibsim.engine.choice import engine_name
 from vibsim.files.provenance import provenance
 from vibsim.files.writing import write_hdf5
-from vibsim.fitting.fit_structure import CANDIDATE, datasets_of, lengths_of
-from vibsim.fitting.free_parameter import FreeParameter
-from vibsim.fitting.plan import FitPlan
-from vibsim.fitting.reading import Candidate
+from vibsim.fitting.goals.free_parameter import FreeParameter
+from vibsim.fitting.goals.plan import FitPlan
+from vibsim.fitting.goals.reading import Candidate
+from vibsim.fitting.store.fit_structure import CANDIDATE, datasets_of, lengths_of
 from vibsim.sweeps.points.point import Point
 from vibsim.sweeps.statistics.columns import MISSING
 

@@ -2,8 +2,8 @@
 
 from vibsim.files.declarations import TEXT, WHOLE, Attribute, Column, Dataset
 from vibsim.files.provenance import PROVENANCE
-from vibsim.fitting.free_parameter import FreeParameter
-from vibsim.fitting.plan import FitPlan
+from vibsim.fitting.goals.free_parameter import FreeParameter
+from vibsim.fitting.goals.plan import FitPlan
 from vibsim.sweeps.statistics.columns import STATUS_FLAGS
 
 ATTRIBUTES = [

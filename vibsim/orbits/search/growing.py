@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vibsim.orbits.coordinates import Coordinates
+from vibsim.orbits.returns.coordinates import Coordinates
 from vibsim.physics.body_sets import body_sets
 from vibsim.physics.parts import RigidStop, Scene, Stop
 

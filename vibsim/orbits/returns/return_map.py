@@ -17,13 +17,13 @@ import numpy as np
 
 from vibsim.engine.tangent.monodromy import Carried, Carrier
 from vibsim.once import once
-from vibsim.orbits.coordinates import Coordinates
 from vibsim.orbits.errors import OrbitError
-from vibsim.orbits.gaps import at_once
-from vibsim.orbits.section import section_of
-from vibsim.orbits.start import placed
-from vibsim.orbits.turning import MANY, returns, slowest_period
-from vibsim.orbits.word import Word, in_order, word_of
+from vibsim.orbits.returns.coordinates import Coordinates
+from vibsim.orbits.returns.gaps import at_once
+from vibsim.orbits.returns.section import section_of
+from vibsim.orbits.returns.start import placed
+from vibsim.orbits.returns.turning import MANY, returns, slowest_period
+from vibsim.orbits.returns.word import Word, in_order, word_of
 from vibsim.physics.parts import Scene
 
 TRIES = 20  # of the time of return

@@ -12,12 +12,12 @@ import numpy as np
 from vibsim.cases import Case
 from vibsim.files.reading import opened, read_attributes, read_datasets
 from vibsim.files.stored_case import stored_case, understood
-from vibsim.fitting.fit_structure import ATTRIBUTES, datasets_of, lengths_of
-from vibsim.fitting.free_parameter import FreeParameter
-from vibsim.fitting.grammar import parse_statement
-from vibsim.fitting.measuring import HORIZON, TRUST
-from vibsim.fitting.plan import FitPlan, Search, fingerprint_of
-from vibsim.fitting.reading import Candidate
+from vibsim.fitting.goals.free_parameter import FreeParameter
+from vibsim.fitting.goals.grammar import parse_statement
+from vibsim.fitting.goals.measuring import HORIZON, TRUST
+from vibsim.fitting.goals.plan import FitPlan, Search, fingerprint_of
+from vibsim.fitting.goals.reading import Candidate
+from vibsim.fitting.store.fit_structure import ATTRIBUTES, datasets_of, lengths_of
 from vibsim.sweeps.plan.members import Members, axis_from_plain
 from vibsim.sweeps.points.point import Point
 from vibsim.sweeps.statistics.columns import DONE, MISSING

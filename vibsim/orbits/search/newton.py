@@ -14,7 +14,7 @@ import numpy as np
 
 from vibsim.engine.errors import EngineError
 from vibsim.orbits.errors import NotConverged, OrbitError
-from vibsim.orbits.return_map import Return, ReturnMap
+from vibsim.orbits.returns.return_map import Return, ReturnMap
 
 STEPS, HALVINGS = 40, 12
 EPS = 2.0**-53

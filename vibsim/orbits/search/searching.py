@@ -10,12 +10,12 @@ import numpy as np
 
 from vibsim.engine.errors import EngineError
 from vibsim.orbits.errors import OrbitError, check_count
-from vibsim.orbits.finding import least
-from vibsim.orbits.newton import solve
 from vibsim.orbits.orbit import Orbit
-from vibsim.orbits.return_map import ReturnMap
-from vibsim.orbits.settling import course_of, likely_periods
-from vibsim.orbits.start import placed
+from vibsim.orbits.returns.return_map import ReturnMap
+from vibsim.orbits.returns.start import placed
+from vibsim.orbits.search.finding import least
+from vibsim.orbits.search.newton import solve
+from vibsim.orbits.search.settling import course_of, likely_periods
 from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 from vibsim.files.errors import ResultFileError
 from vibsim.files.leftover import check_leftover
 from vibsim.files.output_file import check_result_output
-from vibsim.fitting.fit_file import write_fit
-from vibsim.fitting.measuring import Index
-from vibsim.fitting.plan import FitPlan
-from vibsim.fitting.stored_fit import read_fit
+from vibsim.fitting.goals.measuring import Index
+from vibsim.fitting.goals.plan import FitPlan
+from vibsim.fitting.store.fit_file import write_fit
+from vibsim.fitting.store.stored_fit import read_fit
 from vibsim.sweeps.points.point import Point
 from vibsim.sweeps.store.journal import Journal
 

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibsim.orbits.coordinates import Coordinates, components_of
 from vibsim.orbits.errors import OrbitError
-from vibsim.orbits.newton import EPS, solve, tolerance
 from vibsim.orbits.orbit import Orbit
-from vibsim.orbits.return_map import Return, ReturnMap
+from vibsim.orbits.returns.coordinates import Coordinates, components_of
+from vibsim.orbits.returns.return_map import Return, ReturnMap
+from vibsim.orbits.search.newton import EPS, solve, tolerance
 from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:

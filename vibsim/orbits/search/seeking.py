@@ -11,12 +11,12 @@ import numpy as np
 
 from vibsim.engine.errors import EngineError
 from vibsim.orbits.errors import NotConverged, OrbitError, check_count
-from vibsim.orbits.finding import least, unknowns
-from vibsim.orbits.growing import growing
-from vibsim.orbits.newton import solve
 from vibsim.orbits.orbit import Orbit
-from vibsim.orbits.return_map import ReturnMap
-from vibsim.orbits.settling import MORE, Course, course_of, course_of_result, likely_periods
+from vibsim.orbits.returns.return_map import ReturnMap
+from vibsim.orbits.search.finding import least, unknowns
+from vibsim.orbits.search.growing import growing
+from vibsim.orbits.search.newton import solve
+from vibsim.orbits.search.settling import MORE, Course, course_of, course_of_result, likely_periods
 
 if TYPE_CHECKING:
     from vibsim.cases.case import Case

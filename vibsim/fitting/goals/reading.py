@@ -12,7 +12,7 @@ from vibsim.cases.problems import CaseError
 from vibsim.cases.schema.keys import UnknownKeyError
 from vibsim.cases.values.quantities import Quantity
 from vibsim.fitting.errors import FitError
-from vibsim.fitting.free_parameter import LEAVE, FreeParameter
+from vibsim.fitting.goals.free_parameter import LEAVE, FreeParameter
 from vibsim.physics.arithmetic.elementary import log10
 
 if TYPE_CHECKING:

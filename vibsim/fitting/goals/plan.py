@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import scipy
 
 from vibsim.fitting.errors import FitError
-from vibsim.fitting.free_parameter import FreeParameter
-from vibsim.fitting.measuring import Task, Work
-from vibsim.fitting.reading import PRINTED, Candidate
-from vibsim.fitting.statement import Asked, Statement
+from vibsim.fitting.goals.free_parameter import FreeParameter
+from vibsim.fitting.goals.measuring import Task, Work
+from vibsim.fitting.goals.reading import PRINTED, Candidate
+from vibsim.fitting.goals.statement import Asked, Statement
 from vibsim.sweeps.plan.members import Members
 
 if TYPE_CHECKING:

@@ -16,12 +16,12 @@ import numpy as np
 from vibsim.engine.resume import Row
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.orbits.section import Section
+from vibsim.orbits.returns.section import Section
 from vibsim.physics.parts import Scene
 from vibsim.physics.rates import natural_rates
 
 if TYPE_CHECKING:
-    from vibsim.orbits.coordinates import Coordinates
+    from vibsim.orbits.returns.coordinates import Coordinates
 
 SAMPLES = 64  # in a period of the fastest vibration, all elastic stops in contact
 FINEST = 10**9  # of a second: what times of samples are whole multiples of

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from vibsim.cases import CaseError
 from vibsim.engine.errors import EngineError
-from vibsim.fitting.statement import Asked
+from vibsim.fitting.goals.statement import Asked
 from vibsim.results.recording.recording import MemorySink, Recording
 from vibsim.results.result import Result
 from vibsim.sweeps.points.point import Point, described_bug

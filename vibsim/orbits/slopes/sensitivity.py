@@ -17,10 +17,10 @@ import numpy as np
 
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.labelled.shown import Shown
-from vibsim.orbits.coordinates import component_names, components_of
 from vibsim.orbits.errors import OrbitError
-from vibsim.orbits.parameter_slopes import NotFollowed, parameter_slopes
-from vibsim.orbits.scene_slopes import sloped_scene
+from vibsim.orbits.returns.coordinates import component_names, components_of
+from vibsim.orbits.slopes.parameter_slopes import NotFollowed, parameter_slopes
+from vibsim.orbits.slopes.scene_slopes import sloped_scene
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

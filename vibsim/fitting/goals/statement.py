@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from vibsim.fitting.bounds import Bounds
-from vibsim.fitting.observables import OBSERVABLES, Observable
+from vibsim.fitting.goals.bounds import Bounds
+from vibsim.fitting.goals.observables import OBSERVABLES, Observable
 from vibsim.results.windows import Window
 
 MOST = 0.8  # share of the starts from which a statement should hold, unless it says otherwise

@@ -12,8 +12,8 @@ from vibsim.analysis.capture import FAR, NEAR
 from vibsim.analysis.drift import CYCLES
 from vibsim.analysis.holds import BAND, LEAST_TURNS, TURNS
 from vibsim.engine.section import has_section
-from vibsim.fitting import measures as by
-from vibsim.fitting.measures import NONE, Measure
+from vibsim.fitting.goals import measures as by
+from vibsim.fitting.goals.measures import NONE, Measure
 from vibsim.sweeps.computations.capture_verdict import VERDICTS as CAPTURES
 from vibsim.sweeps.computations.regime_label import VERDICTS as REGIMES
 

@@ -10,9 +10,9 @@ import numpy as np
 
 from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.orbits.coordinates import Coordinates
 from vibsim.orbits.errors import OrbitError
-from vibsim.orbits.turning import returns, slowest_period
+from vibsim.orbits.returns.coordinates import Coordinates
+from vibsim.orbits.returns.turning import returns, slowest_period
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene
 from vibsim.physics.rates import source_period

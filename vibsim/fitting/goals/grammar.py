@@ -18,10 +18,10 @@ from typing import TYPE_CHECKING
 from vibsim.cases.problems import shown
 from vibsim.cases.spelling import did_you_mean
 from vibsim.cases.values.quantities import NUMBER, Quantity, QuantityError, parse_quantity
-from vibsim.fitting.bounds import Bounds
 from vibsim.fitting.errors import FitError
-from vibsim.fitting.observables import OBSERVABLES, Observable, missing_of
-from vibsim.fitting.statement import MOST, Asked, Statement
+from vibsim.fitting.goals.bounds import Bounds
+from vibsim.fitting.goals.observables import OBSERVABLES, Observable, missing_of
+from vibsim.fitting.goals.statement import MOST, Asked, Statement
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

@@ -1,0 +1,1 @@
+"""Newton on the return map, and where it begins: ends of runs, random starts, growing motions."""

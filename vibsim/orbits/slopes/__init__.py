@@ -1,0 +1,1 @@
+"""Derivatives of the return map by the numbers of a scene."""
