@@ -16,7 +16,7 @@ from tests.engine.test_tangent_jacobian import DIGITS, SCENES, SHIFT, numbers
 from tests.scenes import paper
 from vibsim.cases import load_case
 from vibsim.engine.errors import EngineError
-from vibsim.engine.modes.rows import RowMaker
+from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.engine.tangent.tangent_space import TangentSpace, length
 from vibsim.physics.arithmetic.multiprecision import Balls

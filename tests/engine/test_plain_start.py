@@ -11,7 +11,7 @@ from vibsim.engine.events.automaton import Automaton
 from vibsim.engine.events.certificate import Certificate
 from vibsim.engine.events.departures import scout
 from vibsim.engine.events.plain_start import PlainStart
-from vibsim.engine.modes.rows import RowMaker
+from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.state import start_of
 from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.parts import COMPRESSION, GROUND, Body, Friction, Stop

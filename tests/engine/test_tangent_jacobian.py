@@ -10,7 +10,7 @@ from hypothesis import given, settings
 
 from tests.engine.bundles import course, finished, in_digits, started
 from tests.engine.random_parts import part_scenes
-from vibsim.engine.modes.rows import RowMaker
+from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.tangent.tangent_space import Gauge, TangentSpace
 from vibsim.physics.arithmetic.multiprecision import Balls
 from vibsim.physics.modes import EVENT_NAMES

@@ -29,14 +29,8 @@ from vibsim.engine.ledgers.meters import jumps_of
 from vibsim.engine.ledgers.packing_meters import pack_blows, pack_extremes, pack_ledger
 from vibsim.engine.modes.mode_table import ModeTable, mode_table
 from vibsim.engine.modes.packing import pack_scene, pack_state
-from vibsim.engine.modes.rows import (
-    HOLD,
-    STRIKE,
-    Event,
-    Known,
-    ModeRows,
-    RowMaker,
-)
+from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.rows import HOLD, STRIKE, Event, Known, ModeRows
 from vibsim.engine.modes.rule import Rule
 from vibsim.engine.modes.status import Status
 from vibsim.engine.modes.ties import Edge

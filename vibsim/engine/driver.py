@@ -17,7 +17,8 @@ from vibsim.engine.events.impacts.chatter import LOWEST
 from vibsim.engine.extremes import Extremes, Gap
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.ledgers.ledger import Ledger
-from vibsim.engine.modes.rows import STRIKE, Event, RowMaker
+from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.rows import STRIKE, Event
 from vibsim.engine.modes.status import Status
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.resume import Point

@@ -10,7 +10,8 @@ from vibsim.engine.events.impacts.twins import twins_of
 from vibsim.engine.events.parting import let_go
 from vibsim.engine.events.relative_motion import meets
 from vibsim.engine.flows.harmonics import value_and_rate
-from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Known, RowMaker
+from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Known
 from vibsim.engine.modes.status import LIFTED, OPEN, STICK, Status
 from vibsim.engine.state import State
 from vibsim.physics.arithmetic.numbers import TWO_PI, Doubles, N

@@ -14,7 +14,7 @@ from math import inf
 import numpy as np
 
 from vibsim.engine.flows.accelerations import accelerations
-from vibsim.engine.modes.rows import RowMaker
+from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.status import BACKWARD, FORWARD, Status
 from vibsim.engine.state import State
 from vibsim.engine.tangent.monodromy import Carried

@@ -9,7 +9,7 @@ beside it, on the side on which an orbit is.
 from collections import Counter
 
 from vibsim.branches.curve.arclength import ContinuationError
-from vibsim.engine.modes.rows import RowMaker
+from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.orbits.returns.return_map import Return
 from vibsim.orbits.returns.word import Word, changes
 from vibsim.orbits.sliding import excess

@@ -20,7 +20,8 @@ from vibsim.engine.events.relative_motion import RelativeMotion
 from vibsim.engine.events.settling import Settling
 from vibsim.engine.events.starts import Starts
 from vibsim.engine.flows.flow import Flow
-from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Event, Known, RowMaker
+from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Event, Known
 from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, STICK, Status
 from vibsim.engine.state import State
 from vibsim.physics.arithmetic.numbers import Kit, N

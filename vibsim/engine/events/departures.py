@@ -13,7 +13,8 @@ from vibsim.engine.events.certificate import Certificate
 from vibsim.engine.events.relative_motion import RelativeMotion
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.flows.series.taylor_rounding import TaylorRounding
-from vibsim.engine.modes.rows import COUPLING, DIFFERENCE, Event, EventKey, ModeRows, RowMaker
+from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.rows import COUPLING, DIFFERENCE, Event, EventKey, ModeRows
 from vibsim.engine.modes.status import Status
 from vibsim.engine.state import State
 from vibsim.physics.arithmetic.numbers import Kit, N, abs

@@ -11,7 +11,8 @@ from typing import Generic
 
 from vibsim.engine.events.departures import Departures
 from vibsim.engine.events.happenings import Happened
-from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, Known, RowMaker
+from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, Known
 from vibsim.engine.modes.status import CONTACT, KEPT, OPEN, VIOLATED, Status
 from vibsim.engine.state import State
 from vibsim.physics.arithmetic.numbers import N

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Generic
 
 from vibsim.engine.flows.harmonics import TURN_ROUNDING, series_rounding, value_and_rate
-from vibsim.engine.modes.rows import Joined, RowMaker
+from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.rows import Joined
 from vibsim.engine.state import State
 from vibsim.physics.arithmetic.numbers import Kit, N, abs
 from vibsim.physics.parts import Clearance, Friction, RigidStop, Scene, Stop

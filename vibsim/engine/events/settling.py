@@ -7,7 +7,8 @@ from itertools import combinations, product
 from typing import Generic
 
 from vibsim.engine.events.departures import Departures, first_sign
-from vibsim.engine.modes.rows import HOLD, SLIDE, STRIKE, Event, ModeRows, RowMaker
+from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.rows import HOLD, SLIDE, STRIKE, Event, ModeRows
 from vibsim.engine.modes.status import BACKWARD, FORWARD, STICK, Status
 from vibsim.engine.state import State
 from vibsim.physics.arithmetic.numbers import N, abs

@@ -8,7 +8,8 @@ from typing import Generic
 from vibsim.engine.events.departures import Departures, leading, sign
 from vibsim.engine.events.impacts.rigid_stops import RigidStops
 from vibsim.engine.events.settling import Settling
-from vibsim.engine.modes.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, STRIKE, Known, RowMaker
+from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, STRIKE, Known
 from vibsim.engine.modes.status import CONTACT, KEPT, LIFTED, OPEN, STICK, VIOLATED, Status
 from vibsim.engine.state import State
 from vibsim.physics.arithmetic.numbers import N

@@ -31,7 +31,8 @@ from vibsim.engine.ledgers.meters import (
     Node,
     jumps_of,
 )
-from vibsim.engine.modes.rows import ModeRows, RowMaker
+from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.modes.status import CONTACT, Status
 from vibsim.engine.state import State
 from vibsim.physics.arithmetic.gauss_nodes import NODES, WEIGHTS

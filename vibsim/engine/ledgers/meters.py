@@ -17,7 +17,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Generic
 
-from vibsim.engine.modes.rows import COUPLING, FALL, HOLD, Event, Falling, ModeRows, RowMaker, Term, Terms
+from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.rows import COUPLING, FALL, HOLD, Event, Falling, ModeRows, Term, Terms
 from vibsim.engine.modes.status import CONTACT, STICK, Status
 from vibsim.engine.modes.ties import Edge, Groups, Tie, beyond
 from vibsim.physics.arithmetic.numbers import Kit, N

@@ -19,7 +19,8 @@ from vibsim.engine.ledgers.packing_meters import pack_meters, terms_of
 from vibsim.engine.modes.likeness import Numbers, Place, settings
 from vibsim.engine.modes.packing import Packed, packed_mode
 from vibsim.engine.modes.recipe import Recipe, recipe_of
-from vibsim.engine.modes.rows import Event, EventKey, ModeRows, RowMaker
+from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.rows import Event, EventKey, ModeRows
 from vibsim.engine.modes.rule import Rule
 from vibsim.engine.modes.status import Status
 from vibsim.once import once

@@ -11,10 +11,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from vibsim.engine.flows.closed.modal import modal_of, pitches
+from vibsim.engine.flows.closed.modal import pitches
+from vibsim.engine.flows.closed.modal_maker import modal_of
 from vibsim.engine.modes.likeness import Place, with_number
 from vibsim.engine.modes.packing import Packed, packed_mode
-from vibsim.engine.modes.rows import EventKey, RowMaker
+from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.rows import EventKey
 from vibsim.engine.modes.status import Status
 from vibsim.physics.arithmetic.recorded_numbers import NotRecorded, Record, Recorded, RecordedNumbers
 from vibsim.physics.parts import Scene

@@ -19,7 +19,8 @@ from vibsim.engine.events.certificate import Certificate
 from vibsim.engine.events.impacts.newton_moreau import Contact, blow, masses
 from vibsim.engine.flows.harmonics import value_and_rate
 from vibsim.engine.flows.series.taylor import Taylor
-from vibsim.engine.modes.rows import GAP, HOLD, PUSH, SLIDE, STRIKE, RowMaker
+from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.rows import GAP, HOLD, PUSH, SLIDE, STRIKE
 from vibsim.engine.state import State
 from vibsim.orbits.errors import OrbitError
 from vibsim.physics.arithmetic.numbers import Doubles

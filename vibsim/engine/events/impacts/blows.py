@@ -20,7 +20,7 @@ from vibsim.engine.events.impacts.newton_moreau import (
 from vibsim.engine.events.impacts.touch import Touch
 from vibsim.engine.events.impacts.twins import hardest, twins_of
 from vibsim.engine.events.resolution import LAST, ROUNDING, unit_of
-from vibsim.engine.modes.rows import RowMaker
+from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.status import OPEN, RESTING, Status
 from vibsim.engine.state import State
 from vibsim.physics.arithmetic.numbers import N, abs

@@ -30,7 +30,8 @@ from vibsim.engine.events.impacts.touch import Touch
 from vibsim.engine.events.resolution import LAST, NEXT, ROUNDING, unit_of
 from vibsim.engine.events.settling import Settling
 from vibsim.engine.flows.series.taylor_rounding import TaylorRounding
-from vibsim.engine.modes.rows import SLIDE, STRIKE, RowMaker
+from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.rows import SLIDE, STRIKE
 from vibsim.engine.modes.status import OPEN, RESTING, STICK, Status
 from vibsim.engine.state import State
 from vibsim.physics.arithmetic.numbers import N, abs

@@ -21,7 +21,8 @@ from vibsim.engine.events.impacts.touch import Touch
 from vibsim.engine.events.parting import Parting
 from vibsim.engine.events.resolution import NEXT, ROUNDING
 from vibsim.engine.events.settling import Settling
-from vibsim.engine.modes.rows import PUSH, SLIDE, STRIKE, Known, RowMaker
+from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.rows import PUSH, SLIDE, STRIKE, Known
 from vibsim.engine.modes.status import BACKWARD, CONTACT, FORWARD, LIFTED, OPEN, RESTING, STICK, Status
 from vibsim.engine.state import State
 from vibsim.physics.arithmetic.numbers import N, abs

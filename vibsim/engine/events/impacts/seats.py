@@ -9,7 +9,7 @@ from vibsim.engine.events.impacts.newton_moreau import motor_body
 from vibsim.engine.events.impacts.touch import Catch
 from vibsim.engine.events.impacts.twins import hardest, twins_of
 from vibsim.engine.events.relative_motion import RelativeMotion
-from vibsim.engine.modes.rows import RowMaker
+from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.ties import Edge, Groups, Tie
 from vibsim.engine.state import State
 from vibsim.physics.arithmetic.numbers import N

@@ -11,7 +11,8 @@ from typing import Generic
 
 from vibsim.engine.events.certificate import Certificate
 from vibsim.engine.flows.closed.closed_form_search import JET_ORDER, ClosedFormSearch
-from vibsim.engine.flows.closed.modal import Coordinate, Modal, Source, modal_of, pitch, pitches, sounding
+from vibsim.engine.flows.closed.modal import Coordinate, Modal, Source, pitch, pitches, sounding
+from vibsim.engine.flows.closed.modal_maker import modal_of
 from vibsim.engine.flows.closed.reaches import EventReaches, Reach, reaches_of
 from vibsim.engine.flows.closed.responses import UNHURRIED, Oscillator, Responses, free_harmonic_response
 from vibsim.engine.flows.motion import Advance

@@ -1,0 +1,378 @@
+"""Makes the rows of a mode (`vibsim.engine.modes.rows`) from a scene and what touches and sticks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Generic
+
+from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Status
+from vibsim.engine.modes.ties import Cut, Edge, Groups, Limits, Tie, cuts
+from vibsim.physics.arithmetic.numbers import Kit, N, abs
+from vibsim.physics.friction_laws import LAWS
+from vibsim.physics.parts import (
+    AT_GAP,
+    BASE,
+    EXTENSION,
+    GROUND,
+    Clearance,
+    Friction,
+    RigidStop,
+    Scene,
+    Stop,
+)
+
+if TYPE_CHECKING:
+    pass
+
+from vibsim.engine.modes.rows import (
+    ACCELERATION,
+    CLEARANCE,
+    COUPLING,
+    DIFFERENCE,
+    FALL,
+    GAP,
+    HOLD,
+    LOAD,
+    PUSH,
+    RATE,
+    SLIDE,
+    STRIKE,
+    Acceleration,
+    Coupling,
+    Event,
+    Falling,
+    Joined,
+    ModeRows,
+    Term,
+    Terms,
+)
+
+
+class RowMaker(Generic[N]):
+    """Makes the rows of the modes of a scene, each once.
+
+    base_moves : whether the base has a column of its own; None where its amplitudes tell
+    """
+
+    def __init__(self, scene: Scene[N], kit: Kit[N], base_moves: bool | None = None) -> None:
+        self.scene, self.kit = scene, kit
+        self.n = len(scene.bodies)
+        moves = scene.base_moves if base_moves is None else base_moves
+        self.columns = {GROUND: self.n, BASE: self.n + moves}
+        self.zero = kit.number(0)
+        self.by_status: dict[Status, ModeRows[N]] = {}
+        self.resting_by_status: dict[Status, set[int]] = {}
+        self.guarded = self._guarded()
+
+    def _guarded(self) -> set[int]:
+        """Elastic stops that are never pressed, as a rigid one between the same ends is met before them or
+        with them.
+        """
+
+        def way(stop: Stop[N] | RigidStop[N]) -> tuple[int, int, int]:
+            P, Q = self.ends(stop)
+            return (P, Q, stop.sense) if P < Q else (Q, P, -stop.sense)
+
+        rigid = [(way(stop), stop.gap) for _, stop in self.scene.rigid_stops]
+        return {
+            i
+            for i, stop in self.scene.elastic_stops
+            if any(along == way(stop) and gap <= stop.gap for along, gap in rigid)
+        }
+
+    def column(self, end: int) -> int:
+        """Column of an end of a part."""
+        return self.columns.get(end, end)
+
+    def ends(self, part: Joined) -> Edge:
+        return self.column(part.P), self.column(part.Q)
+
+    def rows(self, status: Status) -> ModeRows[N]:
+        """The rows of the mode `status`."""
+        if status not in self.by_status:
+            self.by_status.setdefault(status, self._make(status))
+        return self.by_status[status]
+
+    def stuck(self, status: Status) -> list[Tie]:
+        """The ties that hold: (number, columns of P and Q)."""
+        return [(k, *self.ends(self.tie(k))) for k in status.tied]
+
+    def tie(self, k: int) -> Friction[N] | RigidStop[N]:
+        """The part that is tie number k: a friction, or a rigid stop."""
+        count = len(self.scene.frictions)
+        if k < count:
+            return self.scene.frictions[k]
+        stop = self.scene.stops[k - count]
+        assert isinstance(stop, RigidStop), "elastic stops do not come to rest"
+        return stop
+
+    def limits(self, k: int) -> Limits[N]:
+        """What tie number k holds against P going forwards and backwards against Q [N]; None: any force."""
+        part = self.tie(k)
+        if isinstance(part, RigidStop):
+            return (self.zero, None) if part.sense == EXTENSION else (None, self.zero)
+        return part.limits
+
+    def belt(self, k: int) -> N:
+        """Velocity of P against Q where tie number k holds [m/s]."""
+        part = self.tie(k)
+        return self.zero if isinstance(part, RigidStop) else part.belt
+
+    def ties(self, status: Status) -> tuple[list[int], list[N]]:
+        """Leading column of each column, and its velocity against that one [m/s]."""
+        stuck = self.stuck(status)
+        groups = Groups(self.n, stuck)
+        return groups.leader, self._drifts(groups, stuck)
+
+    def resting(self, status: Status) -> set[int]:
+        """The frictions whose ends the ties of a mode keep from sliding. Speeds of belts are added along the
+        ties, so those that differ by no more than the rounding of these sums are equal: 0.1 + 0.2 and 0.3.
+        """
+        if status not in self.resting_by_status:
+            self.resting_by_status.setdefault(status, self._resting(status))
+        return self.resting_by_status[status]
+
+    def _resting(self, status: Status) -> set[int]:
+        leader, drift = self.ties(status)
+        belts = self.zero
+        for k in status.tied:
+            belts = belts + abs(self.belt(k))
+        lost = (len(status.tied) + 2) * self.kit.eps  # of each belt, and of each sum
+        resting = set()
+        for k, friction in enumerate(self.scene.frictions):
+            P, Q = self.ends(friction)
+            if leader[P] == leader[Q]:
+                over = abs(drift[P] - drift[Q] - friction.belt)
+                if over <= lost * (belts + abs(friction.belt)):
+                    resting.add(k)
+        return resting
+
+    def _make(self, status: Status) -> ModeRows[N]:
+        scene, stuck = self.scene, self.stuck(status)
+        groups = Groups(self.n, stuck)
+        mass, mobility = self._masses(groups)
+        rows = ModeRows(
+            status, groups, groups.leader, mass, mobility, self._couplings(status), self._constants(status)
+        )
+        rows.falls = self._falls(status)
+        rows.drift = self._drifts(groups, stuck)
+        rows.tied = [c for c in range(self.n) if len(groups.members[groups.leader[c]]) > 1]
+        for i, stop in enumerate(scene.stops):
+            rows.events += self._stop_events(i, stop, status.stops[i])
+        self._friction_events(rows, stuck)
+        for i, clearance in enumerate(scene.clearances):
+            rows.events.append(self._clearance_event(i, clearance, status.clearances[i]))
+        return rows
+
+    def _masses(self, groups: Groups) -> tuple[list[N | None], list[N]]:
+        """Mass and mobility by column."""
+        mass: list[N | None] = [None] * (self.n + 2)
+        mobility = [self.zero] * (self.n + 2)
+        for c in range(self.n):
+            if groups.leader[c] == c:
+                total: N | None = None
+                for member in groups.members[c]:
+                    m = self.scene.bodies[member].m
+                    total = m if total is None else total + m
+                assert total is not None  # the leader itself is a member
+                mass[c], mobility[c] = total, 1 / total
+        return mass, mobility
+
+    def _drifts(self, groups: Groups, stuck: Sequence[Tie]) -> list[N]:
+        """Velocity of each column against its leader: belts between them."""
+        drift = [self.zero] * (self.n + 2)
+        reached = set(groups.members)
+        ahead = list(reached)
+        while ahead:
+            c = ahead.pop()
+            for i, P, Q in stuck:
+                belt = self.belt(i)
+                if c == Q and P not in reached:
+                    drift[P] = drift[Q] + belt
+                    reached.add(P)
+                    ahead.append(P)
+                elif c == P and Q not in reached:
+                    drift[Q] = drift[P] - belt
+                    reached.add(Q)
+                    ahead.append(Q)
+        return drift
+
+    def _couplings(self, status: Status) -> list[Coupling[N]]:
+        merged: dict[Edge, Coupling[N]] = {}
+        for link in self.scene.links:
+            self._couple(merged, self.ends(link), link.k, link.c, self.zero)
+        for i, stop in self.scene.elastic_stops:
+            if status.stops[i] == CONTACT:
+                self._couple(merged, self.ends(stop), stop.k, stop.c, stop.k * (stop.sense * stop.gap))
+        return list(merged.values())
+
+    @staticmethod
+    def _couple(merged: dict[Edge, Coupling[N]], ends: Edge, k: N, c: N, offset: N) -> None:
+        P, Q = ends
+        if (Q, P) in merged:
+            P, Q, offset = Q, P, -offset
+        if (P, Q) not in merged:
+            merged[P, Q] = Coupling(P, Q, k, c, offset)
+        else:
+            one = merged[P, Q]
+            one.k, one.c, one.offset = one.k + k, one.c + c, one.offset + offset
+
+    def _constants(self, status: Status) -> list[tuple[int, N]]:
+        """Forces of slipping frictions by column [N]."""
+        constants: dict[int, N] = {}
+        for i, friction in enumerate(self.scene.frictions):
+            if status.frictions[i] != STICK:
+                force = -friction.forward if status.frictions[i] > 0 else friction.backward
+                P, Q = self.ends(friction)
+                for column, value in ((P, force), (Q, -force)):
+                    if column < self.n:
+                        constants[column] = value if column not in constants else constants[column] + value
+        return sorted(constants.items())
+
+    def _falls(self, status: Status) -> list[Falling[N]]:
+        """What falls with speed of the slipping frictions, in their order."""
+        falls: list[Falling[N]] = []
+        for i, friction in enumerate(self.scene.frictions):
+            sense = status.frictions[i]
+            fall = friction.fall(sense)
+            if sense != STICK and fall is not None:
+                on_P, rate = (-fall.drop, fall.rate) if sense > 0 else (fall.drop, -fall.rate)
+                P, Q = self.ends(friction)
+                falls.append(Falling(LAWS[fall.law], P, Q, on_P, rate, friction.belt, i))
+        return falls
+
+    def _stop_events(self, i: int, stop: Stop[N] | RigidStop[N], state: int) -> list[Event[N]]:
+        if isinstance(stop, RigidStop):
+            return [] if state == RESTING else [self._strike_event(i, stop)]
+        P, Q = self.ends(stop)
+        s, gap, k, c = stop.sense, stop.gap, stop.k, stop.c
+
+        def depth(sign: int, turns: bool = True) -> Event[N]:
+            terms: Terms[N] = (Term(DIFFERENCE, -sign * s, P, Q),)
+            return Event(GAP, i, sign, (GAP, i), terms, -sign * gap, abs(gap), turns=turns)
+
+        def push(sign: int) -> Event[N]:
+            terms: Terms[N] = (Term(DIFFERENCE, -sign * s * k, P, Q), Term(RATE, -sign * s * c, P, Q))
+            constant = -sign * (k * gap)
+            return Event(PUSH, i, sign, (PUSH, i), terms, constant, abs(constant))
+
+        if state == OPEN:
+            return [] if i in self.guarded else [depth(-1)]
+        if state == LIFTED:
+            return [push(-1), depth(1, turns=False)]
+        if stop.release == AT_GAP or stop.c == 0:
+            return [depth(1)]
+        return [push(1)]
+
+    def _strike_event(self, i: int, stop: RigidStop[N]) -> Event[N]:
+        P, Q = self.ends(stop)
+        terms: Terms[N] = (Term(DIFFERENCE, stop.sense, P, Q),)
+        return Event(STRIKE, i, -1, (STRIKE, i), terms, stop.gap, abs(stop.gap), turns=True)
+
+    def _friction_events(self, rows: ModeRows[N], stuck: Sequence[Tie]) -> None:
+        """SLIDE of each slipping friction, HOLD of each cut through a group; in the order of the ties."""
+        scene, status = self.scene, rows.status
+        held: dict[int, list[Cut[N]]] = {}
+        limits = {k: self.limits(k) for k, _, _ in stuck}
+        for leader, members in rows.groups.members.items():
+            ties = [tie for tie in stuck if rows.leader[tie[1]] == leader]
+            if ties:
+                for cut in cuts(members, ties, limits, self.reference(leader, members)):
+                    first = min(i for i, _ in cut.ties)
+                    held.setdefault(first, []).append(cut)
+        for k in range(len(scene.frictions) + len(scene.stops)):
+            if k < len(scene.frictions) and status.frictions[k] != STICK:
+                rows.events.append(self._slide_event(rows, k, scene.frictions[k], status.frictions[k]))
+            for cut in held.get(k, ()):
+                rows.cuts.append(cut)
+                rows.events += self._hold_events(rows, len(rows.cuts) - 1, cut)
+
+    def reference(self, leader: int, members: Sequence[int]) -> int:
+        """The column of a group that cuts leave on the other side: ground, base, else the motor's body."""
+        if leader < self.n and self.scene.motor is not None and self.scene.motor.on in members:
+            return self.scene.motor.on
+        return leader
+
+    def _slide_event(self, rows: ModeRows[N], i: int, friction: Friction[N], sign: int) -> Event[N]:
+        P, Q = self.ends(friction)
+        slope = tuple(
+            self._acceleration(rows, rows.leader[end], sign * side)
+            for end, side in ((P, 1), (Q, -1))
+            if rows.leader[end] != self.n
+        )
+        terms: Terms[N] = (Term(RATE, sign, P, Q),)
+        constant = -(sign * friction.belt)
+        return Event(SLIDE, i, sign, (SLIDE, i), terms, constant, abs(friction.belt), slope)
+
+    def _acceleration(self, rows: ModeRows[N], leader: int, factor: int) -> Acceleration[N]:
+        """factor times the acceleration of a group, or of the base."""
+        if leader > self.n:
+            return Acceleration(self.kit.number(1), factor, (Term(ACCELERATION, 1, leader),), ())
+        members = rows.groups.members[leader]
+        terms, constants = self._force_on(rows, members)
+        return Acceleration(rows.own_mass(leader), factor, terms, constants)
+
+    def _force_on(self, rows: ModeRows[N], members: Iterable[int]) -> tuple[Terms[N], tuple[N, ...]]:
+        """Terms and constants of the force from outside on a set of columns."""
+        inside = set(members)
+        terms: list[Term[N]] = []
+        for q, coupling in enumerate(rows.couplings):
+            if (coupling.P in inside) != (coupling.Q in inside):
+                terms.append(Term(COUPLING, 1 if coupling.Q in inside else -1, q))
+        terms += [Term(LOAD, 1, c) for c in sorted(inside) if self._loaded(c)]
+        for k, fall in enumerate(rows.falls):
+            if (fall.P in inside) != (fall.Q in inside):
+                terms.append(Term(FALL, fall.on_P if fall.P in inside else -fall.on_P, k))
+        return tuple(terms), tuple(value for column, value in rows.constants if column in inside)
+
+    def _loaded(self, column: int) -> bool:
+        motor = self.scene.motor
+        return any(force.on == column for force in self.scene.forces) or (
+            motor is not None and motor.on == column
+        )
+
+    def _hold_events(self, rows: ModeRows[N], number: int, cut: Cut[N]) -> list[Event[N]]:
+        """above - T and below + T of the force T = m a - F that the ties of a cut must pass to its
+        columns, the one without where it is not limited.
+        """
+        terms, constants = self._unbalanced(rows, cut.columns)
+        # slipping forwards (the columns of the cut overtake) comes first: there T = -below
+        events: list[Event[N]] = []
+        for direction, limit in ((1, cut.below), (-1, cut.above)):
+            if limit is None:
+                continue
+            turned = tuple(Term(t.kind, -direction * t.coefficient, t.P, t.Q) for t in terms)
+            constant = limit
+            for value in constants:
+                constant = constant - direction * value
+            key = (HOLD, cut.columns, direction)
+            events.append(Event(HOLD, number, direction, key, turned, constant, abs(constant)))
+        return events
+
+    def _unbalanced(self, rows: ModeRows[N], columns: Sequence[int]) -> tuple[Terms[N], tuple[N, ...]]:
+        """Terms and constants of F - m a, what the force from outside on a part of a group is too much for
+        its motion.
+        """
+        terms, constants = self._force_on(rows, columns)
+        leader = rows.leader[columns[0]]
+        if leader != self.n:
+            m = self.scene.bodies[columns[0]].m
+            for c in columns[1:]:
+                m = m + self.scene.bodies[c].m
+            terms += (Term(ACCELERATION, -m, leader),)
+        return terms, constants
+
+    def tie_force(self, rows: ModeRows[N], columns: Sequence[int]) -> tuple[Terms[N], N]:
+        """Terms and constant of the force m a - F that ties must pass to a part of a group."""
+        terms, constants = self._unbalanced(rows, columns)
+        constant = self.zero
+        for value in constants:
+            constant = constant - value
+        return tuple(Term(t.kind, -t.coefficient, t.P, t.Q) for t in terms), constant
+
+    def _clearance_event(self, i: int, clearance: Clearance[N], state: int) -> Event[N]:
+        P, Q = self.ends(clearance)
+        sign = 1 if state else -1
+        terms: Terms[N] = (Term(DIFFERENCE, sign, P, Q),)
+        distance = clearance.distance
+        return Event(CLEARANCE, i, sign, (CLEARANCE, i), terms, -sign * distance, abs(distance))
