@@ -38,10 +38,13 @@ if TYPE_CHECKING:
         lyapunov as lyapunov,
     )
     from vibsim.branches import Branch as Branch
+    from vibsim.branches import BranchError as BranchError
     from vibsim.branches import continue_branch as continue_branch
     from vibsim.cases import Case as Case
     from vibsim.cases import CaseError as CaseError
     from vibsim.cases import load_case as load_case
+    from vibsim.engine.errors import EngineError as EngineError
+    from vibsim.fitting import FitError as FitError
     from vibsim.fitting import FitResult as FitResult
     from vibsim.fitting import fit as fit
     from vibsim.labelled.extras import MissingExtra as MissingExtra
@@ -52,11 +55,13 @@ if TYPE_CHECKING:
     from vibsim.orbits import monodromy as monodromy
     from vibsim.orbits import search_orbits as search_orbits
     from vibsim.orbits.search.seeking import orbit as orbit
+    from vibsim.plots.errors import PlotError as PlotError
     from vibsim.plots.from_python import plot as plot
     from vibsim.results import Result as Result
     from vibsim.results import ResultFileError as ResultFileError
     from vibsim.results import simulate as simulate
     from vibsim.results.events import Events as Events
+    from vibsim.sweeps import PlanError as PlanError
     from vibsim.sweeps import SweepResult as SweepResult
     from vibsim.sweeps import join as join
     from vibsim.sweeps import sweep as sweep
@@ -69,18 +74,20 @@ __getattr__, __dir__, __all__ = lazy_names(
     __name__,
     {
         "vibsim.analysis": ["Analysis", "Lyapunov", "analyse", "lyapunov"],
-        "vibsim.branches": ["Branch", "continue_branch"],
+        "vibsim.branches": ["Branch", "BranchError", "continue_branch"],
         "vibsim.cases": ["Case", "CaseError", "load_case"],
-        "vibsim.fitting": ["FitResult", "fit"],
+        "vibsim.engine.errors": ["EngineError"],
+        "vibsim.fitting": ["FitError", "FitResult", "fit"],
         "vibsim.labelled.extras": ["MissingExtra"],
         "vibsim.labelled.labelled": ["Labelled"],
         "vibsim.opening": ["open_result"],
         "vibsim.orbits": ["Orbit", "OrbitError", "monodromy", "search_orbits"],
         "vibsim.orbits.search.seeking": ["orbit"],
+        "vibsim.plots.errors": ["PlotError"],
         "vibsim.plots.from_python": ["plot"],
         "vibsim.results.events": ["Events"],
         "vibsim.results": ["Result", "ResultFileError", "simulate"],
-        "vibsim.sweeps": ["SweepResult", "join", "sweep"],
+        "vibsim.sweeps": ["PlanError", "SweepResult", "join", "sweep"],
     },
 )
 __all__ += ["__version__"]

@@ -21,6 +21,7 @@ def test_a_frame_is_one_period_on_it(orbit):
     assert orbit.run.t_reached == pytest.approx(orbit.period, rel=1e-15)
     assert frame["x1"].to_numpy().tobytes() == orbit.run["x1"].tobytes()
     assert orbit.to_xarray()["v1"].attrs["units"] == "m s-1"
+    assert len(vibsim.analyse(orbit.run).regime.multipliers) == len(orbit.multipliers)
     end, start = orbit.run.at(orbit.period), orbit.run.at(0.0)
     assert abs(end["v1"] - start["v1"]) < 1e-9 * np.ptp(orbit.run["v1"])
 
@@ -35,6 +36,7 @@ def test_a_picture_of_it(orbit):
     import matplotlib.pyplot as pyplot
 
     _, axes = pyplot.subplots()
-    assert orbit.plot(ax=axes) is axes and axes.lines
+    assert orbit.plot("relative", ax=axes) is axes and axes.lines
     assert vibsim.plot([orbit, orbit.run], "relative", ax=axes) is axes
+    assert len(orbit.plot()) == 2 and orbit.plot()[1].get_xlabel() == "Real part of the multipliers"
     pyplot.close("all")

@@ -62,7 +62,7 @@ def test_list(plot, runs):
         (("{ideal}", "--kind", "motor-speed"), 2, "it needs a motor"),
         (("{ideal}", "--window", "400:410"), 2, "lies outside"),
         (("{ideal}", "--window", "400"), 2, "write FIRST:LAST in seconds"),
-        (("{ideal}", "-o", "x.jpg"), 2, "pictures are .png, .pdf or .svg"),
+        (("{ideal}", "-o", "x.jpg"), 2, "pictures are .png, .pdf or .svg; a page is .html"),
         (("{ideal}", "-o", "nowhere/x.png"), 6, "does not exist"),
         (("missing.h5",), 6, "missing.h5"),
         (("no-such-case",), 3, "no-such-case"),

@@ -21,7 +21,15 @@ ASIDE = ("run", "initial", "clearances", "rest_distance")  # sections of a case 
 
 
 class BranchError(ValueError):
-    """A branch that cannot be continued as asked; the message says why."""
+    """A branch that cannot be continued as asked; the message says why.
+
+    >>> import vibsim
+    >>> try:
+    ...     vibsim.continue_branch("I-C", "omega", "7:9")
+    ... except vibsim.BranchError as error:
+    ...     print(error)
+    the orbit is at excitation.omega = 6.5 Hz, outside the range 7:9; begin from an orbit within it
+    """
 
 
 @dataclass(frozen=True)

@@ -33,14 +33,25 @@ MOST_NUMBERS = 4  # of displacements and of velocities, told in the sentence
 class EngineError(Exception):
     """A run that failed inside an engine: `reason` and the `state` reached; cause, time, state and remedy in
     one line. parts: names of those that take part in it, if they are known.
+
+    >>> import vibsim
+    >>> try:
+    ...     vibsim.simulate("II-B", overrides={"x1": "1e300 m"})
+    ... except vibsim.EngineError as error:
+    ...     print(error.reason)
+    diverged
     """
 
     def __init__(self, reason: str, state: State[Any], parts: str = "") -> None:
         cause, remedy = REASONS[reason]
         cause += f": {parts}" if parts else ""
-        self.reason, self.state = reason, state
+        self.reason, self.state, self.parts = reason, state, parts
         values = f"x = {_listed(state.x)} m, v = {_listed(state.v)} m/s"
         super().__init__(f"t = {state.t!s} s: {cause} ({values}); {remedy}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """For pickle, as between processes."""
+        return type(self), (self.reason, self.state, self.parts)
 
 
 def _listed(numbers: Sequence[object]) -> str:

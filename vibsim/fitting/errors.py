@@ -2,7 +2,15 @@
 
 
 class FitError(ValueError):
-    """Statements, ranges or settings that cannot be used; the message says which, and what is allowed."""
+    """Statements, ranges or settings that cannot be used; the message says which, and what is allowed.
+
+    >>> import vibsim
+    >>> try:
+    ...     vibsim.fit("II-B", {"c": "0.05:0 N s/m"}, ["mean_speed > 4 Hz"])
+    ... except vibsim.FitError as error:
+    ...     print(error)
+    c=0.05:0 N s/m: the range from 0.05 to 0 is upside down
+    """
 
 
 class Interrupted(Exception):

@@ -1,5 +1,7 @@
 """Why there is no orbit."""
 
+from typing import Any
+
 
 class OrbitError(ValueError):
     """An orbit that cannot be looked for, or was not found: cause and remedy in one sentence.
@@ -23,6 +25,10 @@ class NotConverged(OrbitError):
     def __init__(self, message: str, residual: float) -> None:
         super().__init__(message)
         self.residual = residual
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """For pickle, as between processes."""
+        return type(self), (str(self), self.residual)
 
 
 def check_count(name: str, value: object, least: int = 1) -> None:

@@ -7,7 +7,7 @@ from functools import cached_property
 from math import inf
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -143,12 +143,9 @@ class Orbit(Labelled):
     @cached_property
     def run(self) -> Result:
         """One period as a run, from the section on. Raises ValueError for the orbit of a scene alone."""
-        from vibsim.orbits.returns.start import case_on_orbit
-        from vibsim.results.simulation import simulate
+        from vibsim.orbits.orbit_file import run_of_orbit
 
-        if self.case is None:
-            raise ValueError("the orbit of a scene alone has no case to be run")
-        return simulate(case_on_orbit(self.case, self.state, self.period))
+        return run_of_orbit(self)
 
     def save(self, path: str | PathLike[str], force: bool = False) -> Path:
         """Write the orbit to an HDF5 file, which every command takes; its absolute path.
@@ -166,10 +163,6 @@ class Orbit(Labelled):
     def arrays(self) -> Arrays:
         """The columns of one period on it, over time."""
         return self.run.arrays()
-
-    def plot(self, kind: str | None = None, **how: Any) -> Any:
-        """Draw one period on it, as `Result.plot`; without a kind the relative motion."""
-        return self.run.plot(kind or "relative", **how)
 
     def heading(self) -> str:
         """Name of the case, period, and whether it is stable."""

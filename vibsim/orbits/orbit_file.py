@@ -1,4 +1,4 @@
-"""Store an orbit: a run of one period in a file that every command takes, and what is known of the orbit."""
+"""An orbit as a run of one period, in memory or in a file for every command, with what is known of it."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,12 +9,30 @@ from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.returns.start import case_on_orbit
 from vibsim.results.recording.recording import Recording
 from vibsim.results.result import Result
+from vibsim.results.simulation import simulate
 from vibsim.results.stored.orbit_structure import DATASETS, DIGITS, GROUP
 from vibsim.results.stored.trajectory_file import TrajectoryFile
 from vibsim.results.stored.trajectory_writer import TrajectoryWriter
 
 if TYPE_CHECKING:
     from vibsim.orbits.orbit_digits import OrbitDigits
+
+
+def run_of_orbit(orbit: Orbit) -> Result:
+    """One period in memory, with what its file would know of the orbit.
+
+    Raises ValueError for an orbit of a scene without a case.
+    """
+    if orbit.case is None:
+        raise ValueError("the orbit of a scene alone has no case to be run")
+    run = simulate(case_on_orbit(orbit.case, orbit.state, orbit.period), orbit.return_map.carrier.engine)
+    known = {name: value for name, value in _attributes(orbit).items() if value is not None}
+    arrays = {
+        name: np.asarray(values, dtype=object if isinstance(values[0], str) else None)
+        for name, values in _values(orbit).items()
+    }
+    samples = {name: run[name] for name in run}
+    return Result({**run.attrs, **known}, samples, dict(run.events), case=run.case, orbit=arrays)
 
 
 def save_orbit(
@@ -33,7 +51,8 @@ def save_orbit(
     writer = TrajectoryWriter(path, recording.tables, start, force)
     try:
         recording.into(writer)
-        writer.attach(DATASETS + (DIGITS if digits else []), _values(orbit, digits))
+        values = {f"{GROUP}/{name}": value for name, value in _values(orbit, digits).items()}
+        writer.attach(DATASETS + (DIGITS if digits else []), values)
         target = writer.finish(recording.end())
     finally:
         writer.close()
@@ -41,7 +60,7 @@ def save_orbit(
     return Result(file.attrs, file.samples, file.events, case=file.case, orbit=file.orbit)
 
 
-def _attributes(orbit: Orbit, digits: "OrbitDigits | None") -> dict[str, Any]:
+def _attributes(orbit: Orbit, digits: "OrbitDigits | None" = None) -> dict[str, Any]:
     return {
         "orbit_periods": orbit.n,
         "orbit_period_s": orbit.period,
@@ -53,7 +72,8 @@ def _attributes(orbit: Orbit, digits: "OrbitDigits | None") -> dict[str, Any]:
     }
 
 
-def _values(orbit: Orbit, digits: "OrbitDigits | None") -> dict[str, Any]:
+def _values(orbit: Orbit, digits: "OrbitDigits | None" = None) -> dict[str, Any]:
+    """By name within the group of the file."""
     at, multipliers = orbit.end.coordinates, orbit.multipliers
     values = {
         "unknown": at.names,
@@ -72,4 +92,4 @@ def _values(orbit: Orbit, digits: "OrbitDigits | None") -> dict[str, Any]:
             "digits_real": np.array(real, dtype="S"),
             "digits_imaginary": np.array(imaginary, dtype="S"),
         }
-    return {f"{GROUP}/{name}": value for name, value in values.items()}
+    return values

@@ -83,19 +83,24 @@ def name_targets(subjects: Sequence[Subject], kinds: Sequence[Kind], out: str | 
     """The file of each kind; one for all of them when several make a PDF."""
     if out is None:
         return [f"{_stem(subjects)}-{kind.name}.png" for kind in kinds]
-    suffix = picture_suffix(out)
+    suffix = picture_suffix(out, f"; a page is {PAGE}")
     if len(kinds) == 1 or suffix == ".pdf":
         return [out]
     path = Path(out)
     return [str(path.with_name(f"{path.stem}-{kind.name}{path.suffix}")) for kind in kinds]
 
 
-def picture_suffix(out: str) -> str:
-    """Suffix of a picture, in lower case; PlotError for a format that vibsim does not write."""
+def picture_suffix(out: str, besides: str = "") -> str:
+    """Suffix of a picture, in lower case; PlotError for a format that vibsim does not write.
+
+    besides : what else would be allowed, for the message
+    """
     suffix = Path(out).suffix.lower()
     if suffix not in FORMATS:
         suffix_text = f"suffix {suffix}" if suffix else "no suffix"
-        raise PlotError(f"{out}: {suffix_text}; pictures are {', '.join(FORMATS[:-1])} or {FORMATS[-1]}")
+        raise PlotError(
+            f"{out}: {suffix_text}; pictures are {', '.join(FORMATS[:-1])} or {FORMATS[-1]}{besides}"
+        )
     return suffix
 
 

@@ -34,7 +34,15 @@ Index = tuple[int, ...]  # position on every axis, then the position of the dire
 
 
 class PlanError(ValueError):
-    """Wishes that do not go together; the message says which."""
+    """Settings of a sweep that cannot be used, alone or together; the message says which.
+
+    >>> import vibsim
+    >>> try:
+    ...     vibsim.sweep("II-B", {"Omega0": "3:7:1 Hz"}, compute="speed")
+    ... except vibsim.PlanError as error:
+    ...     print(str(error).partition(";")[0])
+    nothing to compute is called 'speed'
+    """
 
 
 @dataclass(frozen=True)
