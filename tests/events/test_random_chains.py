@@ -9,6 +9,8 @@ import pytest
 from tests.events.chains import chain
 from tests.events.whole_runs import judge, wrong_by_series
 
+pytest.importorskip("flint")
+
 
 def chains(seeds):
     return (chain(random.Random(seed)) for seed in seeds)

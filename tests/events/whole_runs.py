@@ -54,14 +54,14 @@ def wrong_by_series(scene):
     runs = [finished(replace(scene, method=method)) for method in ("auto", "taylor")]
     if alike(*runs):
         return []
-    judged = [(run, faults(scene, run)) for run in runs if certified(run)]
+    judged = [(run, faults(scene, run, ALIKE)) for run in runs if certified(run)]
     return [(run, found) for run, found in judged if found]
 
 
 def wrong_by_digits(scene):
     """The faults of a certified run."""
     run = finished(scene)
-    return faults(scene, run) if certified(run) else []
+    return faults(scene, run, ALIKE) if certified(run) else []
 
 
 def judge(wrong, scenes):

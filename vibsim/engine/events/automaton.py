@@ -56,6 +56,10 @@ class Automaton(Generic[N]):
         if event.kind == GAP:
             return self._contact_switch(state, status, event, order)
         if event.kind == STRIKE:
+            if order > 1:
+                crossing, at = self.departures.crossing(state, status, event.key, order)
+                if crossing <= 0:
+                    return status, [], {event.key: at}
             return self.rigid.meet(state, status, event.part, hop=order == 1)
         if event.kind == PUSH:
             return self._push_switch(state, status, event, order)
@@ -72,7 +76,7 @@ class Automaton(Generic[N]):
     def _contact_switch(self, state: State[N], status: Status, event: Event[N], order: int) -> Taken:
         i = event.part
         stop, before = self.elastic[i], status.stops[i]
-        crossing = self.departures.crossing(state, status, event.key, order)
+        crossing, at = self.departures.crossing(state, status, event.key, order)
         deeper = -event.direction * crossing  # sign of the depth behind here
         after = before if deeper == 0 else CONTACT if deeper > 0 else OPEN
         if before == LIFTED:
@@ -81,7 +85,7 @@ class Automaton(Generic[N]):
         happened: Happened = []
         if after != before and before != LIFTED:
             happened.append(("contact_begin" if after == CONTACT else "contact_end", i))
-        known: Known = {event.key: 1}
+        known: Known = {event.key: at}
         if after != before and stop.c != 0 and status.tied:
             tied = status
             status = self.settling.settle(state, status, tied.tied)
@@ -90,18 +94,19 @@ class Automaton(Generic[N]):
 
     def _push_switch(self, state: State[N], status: Status, event: Event[N], order: int) -> Taken:
         i, before = event.part, status.stops[event.part]
-        if self.departures.crossing(state, status, event.key, order) <= 0:
-            return status, [], {event.key: 1}
+        crossing, at = self.departures.crossing(state, status, event.key, order)
+        if crossing <= 0:
+            return status, [], {event.key: at}
         after = LIFTED if before == CONTACT else CONTACT
         kind = "contact_end" if after == LIFTED else "contact_begin"
-        return status.with_stop(i, after), [(kind, i)], {event.key: 1}
+        return status.with_stop(i, after), [(kind, i)], {event.key: at}
 
     def _clearance_switch(self, state: State[N], status: Status, event: Event[N], order: int) -> Taken:
         i, before = event.part, status.clearances[event.part]
-        turning = self.departures.crossing(state, status, event.key, order)
+        turning, at = self.departures.crossing(state, status, event.key, order)
         after = before if turning <= 0 else 1 - before
         happened = [] if after == before else [("violation_begin" if after else "violation_end", i)]
-        return status.with_clearance(i, after), happened, {event.key: 1}
+        return status.with_clearance(i, after), happened, {event.key: at}
 
     def _sliding_ends(self, state: State[N], status: Status, event: Event[N]) -> Taken:
         i = event.part
@@ -117,8 +122,9 @@ class Automaton(Generic[N]):
     def _hold_ends(self, state: State[N], status: Status, event: Event[N], order: int) -> Taken:
         rows = self.maker.rows(status)
         cut = rows.cuts[event.part]
-        if self.departures.crossing(state, status, event.key, order) <= 0:
-            return status, [], {event.key: 1}
+        crossing, at = self.departures.crossing(state, status, event.key, order)
+        if crossing <= 0:
+            return status, [], {event.key: at}
         slips = {i: orientation * event.direction for i, orientation in cut.ties}
         count = len(status.frictions)
         after = status.with_ties(slips)
@@ -129,7 +135,7 @@ class Automaton(Generic[N]):
             happened = changes(status, after, known)
         else:
             happened = [("stick_end", i) if i < count else ("rest_end", i - count) for i in slips]
-            known = {(SLIDE, i): 2 + order for i in slips if i < count}
-            known |= {(STRIKE, i - count): 3 + order for i in slips if i >= count}
-        after, parted = self.parting.parted(state, status, after, 2 if drops else 3 + order, known)
+            known = {(SLIDE, i): 1 + at for i in slips if i < count}
+            known |= {(STRIKE, i - count): 2 + at for i in slips if i >= count}
+        after, parted = self.parting.parted(state, status, after, 2 if drops else 2 + at, known)
         return after, happened + parted, known

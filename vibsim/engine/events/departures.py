@@ -53,16 +53,11 @@ class Departures(Generic[N]):
     def event(self, rows: ModeRows[N], key: EventKey) -> Event[N]:
         return next(event for event in rows.events if event.key == key)
 
-    def _leading_sign(self, state: State[N], status: Status, key: EventKey, first: int = 1) -> int:
-        """Sign of the first derivative, from order `first`, that is not zero; 0 where all are. That of order
-        1 is one of velocities where differences alone make the function, and no rounding of a flow is in it.
-        """
-        values = self._derivatives(state, self.event(self.enter(state, status), key))
-        return sign(values[leading(values, first)])
-
     def departure(self, state: State[N], status: Status, key: EventKey, first: int = 1) -> tuple[int, int]:
-        """Sign as of `_leading_sign`, and order, of a function that begins at zero: in doubt where rounding
-        could have it leave to the other side, or later than it does.
+        """(sign, order) of the first derivative, from order `first`, that is not zero, of a function that
+        begins at zero: in doubt where rounding could have it leave to the other side, or later than it does.
+        The sign is 0 where all are zero. The derivative of order 1 is one of velocities where differences
+        alone make the function, and no rounding of a flow is in it.
         """
         event = self.event(self.enter(state, status), key)
         values = self._derivatives(state, event)
@@ -95,18 +90,31 @@ class Departures(Generic[N]):
             values[1] = self._direct_rate(state, event)
         return values
 
-    def crossing(self, state: State[N], status: Status, key: EventKey, order: int) -> int:
-        """+1 where the event function goes on falling through its zero, -1 where it turns back.
+    def crossing(self, state: State[N], status: Status, key: EventKey, order: int) -> tuple[int, int]:
+        """(+1 where the event function goes on falling through its zero, -1 where it turns back; order of the
+        zero).
 
         order : of a zero here from which it was taken to rise, and fell back within the grid of time: its
             derivatives up to that order are rounding
+
+        Where the function stood at zero and what sets it into motion meets it with the rounding of where it
+        came from, the first derivative beyond that decides, in doubt.
         """
         event = self.event(self.maker.rows(status), key)
         if all(term.kind == DIFFERENCE for term in event.terms):
             rate = self._direct_rate(state, event)
             if rate != 0:
-                return -sign(rate)
-        return -self._leading_sign(state, status, key, order + 1)
+                return -sign(rate), 1
+        values = self._derivatives(state, self.event(self.enter(state, status), key))
+        first = leading(values, order + 1)
+        step = self.flow.step_length()
+        span = step if step < state.t else state.t
+        bounds = TaylorRounding(self.flow, self.jet + 1, state.t == 0, span).derivatives(event, self.jet)
+        if 0 < bounds[first] >= abs(values[first]):
+            self.doubt(state)
+            plain = (n for n in range(first, self.jet) if abs(values[n]) > bounds[n])
+            first = next(plain, first)
+        return -sign(values[first]), first
 
     def _direct_rate(self, state: State[N], event: Event[N]) -> N:
         """Rate of a function made of differences, from the velocities: no rounding of a flow in it."""
