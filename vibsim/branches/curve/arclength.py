@@ -18,8 +18,12 @@ from vibsim.orbits.lapack import solved_by_pivots
 
 ITERATIONS = 8  # of Newton's method: more mean that the step was too long
 CLOSE = 1e-13  # scaled length of a Newton step behind which rounding begins
+CLOSES = 1e-12  # residual, scaled, over the size of the unknowns, that no further step makes smaller
 ROUGH = 1e-8  # of the last Newton step, where rounding keeps it from growing shorter
+BESIDE = 2.0**-23  # of a Newton step, over the size of the unknowns: both its ends have one derivative
 SLOW = 0.125  # of the last Newton step: a longer one is rounding, or the derivative by the parameter is rough
+CREEPS, STRAIGHT = 0.2, 0.1  # share of the last Newton step, and of it across the last, of those that creep
+PATIENCE = 3  # Newton steps that may grow no shorter while the residual is more than rounding: across a graze
 KERNEL = 1e-9  # singular values below this share of the largest are zero
 TOLD, SHARE = 1e-6, 1e-3  # change of the parameter, scaled, and share of it in a step, that tell a derivative
 BY_SLOPE = 1e-6  # the same where the derivative by the parameter, a difference quotient, has a say
@@ -30,6 +34,7 @@ class Point(Protocol):
 
     z : unknowns, scaled (n + 1); residual : of the equations, scaled (n)
     settled : whether no further step is needed for what must be exact
+    rounded : whether the residual is not larger than rounding may make it
     first_slope : derivative by the parameter that Newton's method begins with; None where each point has its
         own without further ado
     """
@@ -37,6 +42,7 @@ class Point(Protocol):
     z: np.ndarray
     residual: np.ndarray
     settled: bool
+    rounded: bool
     first_slope: np.ndarray | None
 
     @property
@@ -68,11 +74,13 @@ class Corrected:
 
     iterations : Newton steps that it took; slope : the derivative by the parameter that they came to, where
         they did not ask for it
+    near : a point before it, so near that its derivative by the parameter, which was asked for, is the same
     """
 
     point: Any
     iterations: int
     slope: np.ndarray | None = None
+    near: Any = None
 
 
 def length_of(vector: np.ndarray) -> float:
@@ -129,6 +137,7 @@ def correct(
     limit: float,
     slope: np.ndarray | None = None,
     families: bool = False,
+    guessed: bool = False,
 ) -> Corrected:
     """The point of the curve on the hyperplane through `start` across the unit vector `across`; without one
     where the parameter is that of `start`.
@@ -137,11 +146,14 @@ def correct(
     slope : derivative by the parameter from nearby, else that of the first point; from one step to the next
         it is corrected by what the residual has told (`_secant`), which spares one at every step
     families : whether solutions nearby have more dimensions than one: then the shortest step is taken
+    guessed : whether `slope` is only about right and the point's own will be asked for: it is asked for
+        before the last steps then, which gain by it
 
     Raises ContinuationError where Newton's method does not come to an end.
     """
-    z, last, before, narrow = start, np.inf, None, False
-    rounding = CLOSE * max(1.0, length_of(z))
+    z, last, before, near, narrow = start, np.inf, None, None, False
+    taken, idle = np.zeros(len(z)), 0
+    size = max(1.0, length_of(z))
     for iteration in range(ITERATIONS + 1):
         point = evaluate(z)
         if across is None:
@@ -149,24 +161,50 @@ def correct(
         else:
             if slope is None:
                 slope = point.first_slope
-            elif before is not None:
+            elif before is not None and near is None:
                 slope = _secant(before, point, slope)
             step = _step(point, slope, across, z - start, families)
         length = length_of(step)
-        if length <= rounding and point.settled:
-            return Corrected(point, iteration, slope)
+        if length <= CLOSE * size and point.settled and (last <= CLOSE * size or _closes(point, size)):
+            return Corrected(point, iteration, slope, near)
+        if near is not None and last <= ROUGH * size and point.settled and point.rounded:
+            return Corrected(point, iteration, slope, near)
+        if guessed and near is None and across is not None and length <= BESIDE * size:
+            point.about, near = slope, point
+            slope = near.slope
+            step = _step(point, slope, across, z - start, families)
+            length = length_of(step)
         if last <= ROUGH and length >= last * SLOW and point.settled:
             finer = None if across is None or narrow else point.narrow_slope
             if across is not None and finer is not None:
                 slope, step = finer, _step(point, finer, across, z - start, families)
                 length = length_of(step)
-            elif length >= last / 2:
-                return Corrected(point, iteration, slope)
+            elif length >= last / 2 and _creeps(taken, step) == 1.0:
+                idle += 1
+                if idle > PATIENCE or point.rounded or _closes(point, size):
+                    return Corrected(point, iteration, slope, near)
             narrow = True
         if not length <= limit:
             raise ContinuationError("Newton's method left for elsewhere")
-        z, last, before = point.moved(step, slope), length, point
+        longer = _creeps(taken, step) if across is None else 1.0
+        taken = step if longer == 1.0 else np.zeros(len(z))
+        z, last, before = point.moved(longer * step, slope), length, point
     raise ContinuationError(f"Newton's method took more than {ITERATIONS} steps")
+
+
+def _creeps(one: np.ndarray, other: np.ndarray) -> float:
+    """By how much the second of two Newton steps falls short of the place that both go to, where each is a
+    steady share of the one before, as at the edge of what a power grows from: 1 / (1 - share); 1 elsewhere.
+    """
+    size = one @ one
+    share = float(one @ other / size) if size else 0.0
+    straight = length_of(other - share * one) <= STRAIGHT * length_of(other)
+    return 1 / (1 - share) if straight and CREEPS < share < 1 - CREEPS else 1.0
+
+
+def _closes(point: Any, size: float) -> bool:
+    """Whether the residual is small too: beside a graze it is by orders larger than a Newton step."""
+    return bool(abs(point.residual).max() <= CLOSES * size)
 
 
 def _secant(one: Any, other: Any, slope: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.curve.arclength import ContinuationError, NoCase
+from vibsim.branches.curve.arclength import ContinuationError, NoCase, length_of
 from vibsim.branches.curve.reciprocal import Reciprocal
 from vibsim.branches.curve.scene_path import ScenePath
 from vibsim.cases import Case
@@ -210,6 +210,16 @@ class FamilyPoint:
         steepness = steepness_of(slope)
         # near a grazing touch of a rigid stop it is as steep as it is bent
         return slope if steepness <= STEEP else self._quotient(SHIFT / steepness)
+
+    def take_slope(self, near: "FamilyPoint") -> None:
+        """Have the derivative by the parameter of a point that is all but this one."""
+        if near.word == self.word and steepness_of(near.slope) <= STEEP * max(1.0, length_of(self.z)):
+            self.__dict__["slope"] = near.slope
+
+    @property
+    def rounded(self) -> bool:
+        """Whether the residual is not larger than rounding may make it."""
+        return bool(self.end.residual <= tolerance(self.end))
 
     @property
     def narrow_slope(self) -> np.ndarray | None:

@@ -16,6 +16,7 @@ CLOSE = 1e-3  # scaled distance of a node whose derivative by the parameter Newt
 STEEP = 1e-3  # share of the parameter in the tangent, below which it is not held
 STRAIGHT = 0.9  # cosine of the angle between a step and the tangent behind it
 LONGEST = 2.0  # steps, as long as the last one, that the cubic through two nodes is taken ahead
+TELLING = 1e-9  # of the sum in a product, over its terms: rounding is a millionth of it
 LEAST_LIMIT = 1e-6  # scaled length that a Newton step may have, however near two nodes are
 UNIT = 1e-6  # distance from 1 of multipliers that may be those of a family
 LEVEL = 1e-9  # share of the parameter in the tangent that is rounding where orbits come in families
@@ -26,10 +27,13 @@ class Node:
     """A point of a branch.
 
     point : the orbit; along : unit vector about along the branch; iterations : of Newton's method
+    trend : change of `slope` per length on the way from the node before, and that length; None where none is
+        told
     """
 
     def __init__(self, point: FamilyPoint, along: np.ndarray, iterations: int):
         self.point, self.along, self.iterations = point, along, iterations
+        self.trend: tuple[np.ndarray, float] | None = None
 
     @staticmethod
     def of(point: FamilyPoint, tangent: np.ndarray, iterations: int) -> "Node":
@@ -47,6 +51,17 @@ class Node:
     def kernel(self) -> np.ndarray:
         """Orthonormal vectors that the curves through the point span, one per row."""
         return kernel(self.point.jacobian())
+
+    @once
+    def slope(self) -> np.ndarray | None:
+        """The derivative by the scaled parameter, as the tangent tells it; None beside a fold, where it does
+        not, and of conservative orbits, of which each has its own without further ado.
+        """
+        linear = self.point.linear
+        if self.point.family.conservative:
+            return None
+        pull = linear @ self.tangent[:-1]
+        return -pull / self.tangent[-1] if abs(pull).max() > TELLING * abs(linear).max() else None
 
     @property
     def has_tangent(self) -> bool:
@@ -149,17 +164,25 @@ class Node:
 
 
 def node_at(
-    family: Family, start: np.ndarray, across: np.ndarray | None, near: Node | None, limit: float
+    family: Family,
+    start: np.ndarray,
+    across: np.ndarray | None,
+    near: Node | None,
+    limit: float,
+    slope: np.ndarray | None = None,
 ) -> Node:
     """The node on the hyperplane through `start` across a unit vector, or at the parameter of `start` without
-    one; its tangent goes on from that of `near`. Raises ContinuationError.
+    one; its tangent goes on from that of `near`. slope : about its derivative by the parameter, where its own
+    will be asked for. Raises ContinuationError.
     """
-    families = near is not None and near.in_family
-    close = across is not None and near is not None and limit <= CLOSE and not families
-    slope = near.point.about if near is not None and close else None
-    corrected = correct(family, start, across, limit, slope, families)
+    families, guessed = near is not None and near.in_family, slope is not None
+    if slope is None and across is not None and near is not None and limit <= CLOSE and not families:
+        slope = near.point.about
+    corrected = correct(family, start, across, limit, slope, families, guessed)
     if corrected.slope is not None:
         corrected.point.about = corrected.slope
+    if corrected.near is not None:
+        corrected.point.take_slope(corrected.near)
     heading = np.eye(len(start))[-1] if near is None else near.heading
     return Node(corrected.point, heading, corrected.iterations)
 
@@ -171,8 +194,37 @@ def ahead_of(family: Family, before: "Node | None", node: Node, step: float, ben
     then one scene serves all of Newton's steps.
     """
     steady = abs(node.ahead) >= max(STEADY * step * abs(bend), STEEP)
-    across = None if steady else node.tangent
-    return node_at(family, predicted(before, node, step), across, node, 4 * step)
+    start = predicted(before, node, step)
+    if steady:
+        return node_at(family, start, None, node, 4 * step)
+    return node_at(family, start, node.tangent, node, 4 * step, slope_ahead(before, node, step))
+
+
+def slope_ahead(before: Node | None, node: Node, step: float) -> np.ndarray | None:
+    """About the derivative by the parameter one step ahead of a node: on the parabola through it and the two
+    before, on the line through two where that is all; None where nothing is told.
+    """
+    if before is None or node.trend is None or node.slope is None:
+        return None
+    change, length = node.trend
+    if step > LONGEST * length:
+        return None
+    slope = node.slope + step * change
+    if before.trend is not None:
+        earlier, last = before.trend
+        slope += step * (step + length) / (length + last) * (change - earlier)
+    return slope
+
+
+def trend(before: Node, node: Node) -> tuple[np.ndarray, float] | None:
+    """The `trend` of a node behind another; None where the branch does not go on smoothly between them."""
+    if before.word != node.word or node.in_family or not goes_on(before, node):
+        return None
+    here, there = before.slope, node.slope
+    if here is None or there is None:
+        return None
+    length = length_of(node.z - before.z)
+    return (there - here) / length, length
 
 
 def predicted(before: "Node | None", node: Node, step: float) -> np.ndarray:

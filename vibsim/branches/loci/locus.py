@@ -115,7 +115,7 @@ class Plane:
 class PlanePoint:
     """A motion over one return, as a point of a locus; see `vibsim.branches.curve.arclength.Point`."""
 
-    settled = True
+    settled = rounded = True
     first_slope: np.ndarray | None = None  # each point has its own
     narrow_slope: np.ndarray | None = None
 

@@ -72,9 +72,10 @@ def _gathered(specials: Iterator[Special]) -> Iterator[Special]:
 
 def _as_one(run: list[Special]) -> list[Special]:
     """Special points side by side, or what there is between the first and the last where they are many and
-    some are not resolved.
+    some are not resolved, or events come and go and come again.
     """
-    if len(run) < MANY or all(each.kind != UNRESOLVED for each in run):
+    orders = [each.after.word for each in run if each.before.word != each.after.word]
+    if len(run) < MANY or (len(set(orders)) == len(orders) and all(each.kind != UNRESOLVED for each in run)):
         return run
     return [Special(UNRESOLVED, run[-1].after, run[0].before, run[-1].after)]
 

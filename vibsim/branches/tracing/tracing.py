@@ -1,6 +1,7 @@
 """A branch traced both ways from its start, each point kept as it comes."""
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -13,6 +14,7 @@ from vibsim.branches.tracing.walk import Walk
 
 MOST_POINTS = 5000
 CLOSED = "closed"
+REMEMBERED = 3  # points that the next step goes by
 
 Watch = Callable[[int, list[SpecialRecord]], bool]
 
@@ -67,10 +69,9 @@ def _turned(start: Node, way: int) -> Node:
 def _walk(plan: BranchPlan, family: Family, start: Node, done: list[PointRecord], way: int) -> Walk:
     """A walk from the last of the points that are there."""
     walk = Walk(family, start, plan.span, plan.pace)
-    last = done[-1]
-    if last.number > 0:
-        before, node = (_node(family, point, way) for point in done[-2:])
-        walk.go_on(before, node, last.step, last.number)
+    nodes = [_node(family, point, way) for point in done[-REMEMBERED:]]
+    for (before, node), point in zip(pairwise(nodes), done[1 - len(nodes) :], strict=False):
+        walk.go_on(before, node, point.step, point.number)
     return walk
 
 

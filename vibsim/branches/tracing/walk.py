@@ -9,7 +9,16 @@ import numpy as np
 
 from vibsim.branches.curve.arclength import ContinuationError, NoCase, length_of
 from vibsim.branches.curve.family import Family
-from vibsim.branches.curve.node import LEAST_LIMIT, Node, ahead_of, between, goes_on, node_at, predicted
+from vibsim.branches.curve.node import (
+    LEAST_LIMIT,
+    Node,
+    ahead_of,
+    between,
+    goes_on,
+    node_at,
+    predicted,
+    trend,
+)
 from vibsim.branches.curve.step_size import SHARP, Pace, turn
 from vibsim.branches.special.grazing_end import grazing_end
 from vibsim.branches.special.hopf import hopf_point
@@ -64,7 +73,7 @@ class Walk:
     def go_on(self, before: Node, node: Node, step: float, count: int) -> None:
         """Go on from a node that a walk came to after `count` steps; before: the one before that."""
         self.before, self.node, self.step, self.count = before, node, step, count
-        self.bend = bend(before, node)
+        self.bend, node.trend = bend(before, node), trend(before, node)
 
     def steps(self) -> Iterator[Step]:
         """The steps, until the branch ends, leaves the span or comes back to its start."""
