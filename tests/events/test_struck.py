@@ -6,8 +6,10 @@ import random
 
 import pytest
 
+from tests.engine.runs import run
 from tests.events.struck import at_once, with_motor
 from tests.events.whole_runs import judge, wrong_by_digits
+from tests.trajectories import ENGINES
 
 pytest.importorskip("flint")
 
@@ -22,6 +24,16 @@ def test_a_motor_under_rigid_impacts():
 
 def test_several_bodies_struck_at_once():
     judge(wrong_by_digits, draws(at_once, range(10)))
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_bodies_between_which_no_force_acts_go_on_side_by_side(engine):
+    """Two of 0.5 kg that rub alike slide on together; what rounding leaves between them ended their rest and
+    began it again 64 times at one instant.
+    """
+    totals = run(at_once(random.Random(283)), engine).totals
+    assert totals["uncertified"] > 0
+    assert totals["events"] < 2000
 
 
 @pytest.mark.slow

@@ -98,7 +98,8 @@ class Departures(Generic[N]):
             derivatives up to that order are rounding
 
         Where the function stood at zero and what sets it into motion meets it with the rounding of where it
-        came from, the first derivative beyond that decides, in doubt.
+        came from, the first derivative beyond that decides, in doubt; where there is none it stands on, and
+        is no more than its rounding as far as a series reaches.
         """
         event = self.event(self.maker.rows(status), key)
         if all(term.kind == DIFFERENCE for term in event.terms):
@@ -113,7 +114,9 @@ class Departures(Generic[N]):
         if 0 < bounds[first] >= abs(values[first]):
             self.doubt(state)
             plain = (n for n in range(first, self.jet) if abs(values[n]) > bounds[n])
-            first = next(plain, first)
+            first = next(plain, 0)
+            if first == 0:
+                return 0, self.maker.scene.order + 1
         return -sign(values[first]), first
 
     def _direct_rate(self, state: State[N], event: Event[N]) -> N:
