@@ -7,6 +7,7 @@ from tests.branches.made import CAPTURED, RESONANT, branch_of
 from tests.branches.test_backbone_bifurcations import trace, twins
 from tests.branches.test_families import STUCK
 from tests.plots.artists import clipped_texts, lines, points
+from vibsim import orbit
 from vibsim.branches import continue_branch
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
@@ -72,6 +73,42 @@ def test_multipliers_that_are_all_one_are_refused():
     subject = Subject("backbone.h5", case.name, "branch", case, branch)
     with pytest.raises(PlotError, match="backbone curve of one body: its multipliers are those of energy"):
         kind_named("multipliers").draw([subject], View(width="page"))
+
+
+@pytest.mark.parametrize("kind", ["branch", "load-curve"])
+def test_several_are_told_apart_in_grey_print(kind):
+    """By a number beside each where it is apart from the others, and in the legend."""
+    subjects = []
+    for name, c in (("one", "0.03"), ("other", "0.05")):
+        branch = continue_branch(orbit("II-B", overrides={"c": c, "Omega0": "3.8 Hz"}), "Omega0", "3.7:6 Hz")
+        subjects.append(Subject(f"{name}.h5", name, "branch", branch.case, branch))
+    (chosen,) = choose([kind], subjects)
+    figure = chosen.draw(subjects, View(width=chosen.width))
+    figure.draw_without_rendering()
+    (axes,) = figure.axes
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["1: one", "2: other"]
+    numbers = [text for text in axes.texts if text.get_gid() == "number of a branch"]
+    assert [text.get_text() for text in numbers] == ["1", "2"]
+    colours = [line.get_color() for line in axes.get_legend().get_lines()]
+    assert [text.get_color() for text in numbers] == colours
+    own = [line for line in axes.get_lines() if line.get_gid() in ("stable", "unstable")]
+    for text, colour in zip(numbers, colours, strict=True):
+        place = axes.transData.transform(text.xy)
+        gaps = {
+            line.get_color(): min(
+                np.linalg.norm(axes.transData.transform(np.column_stack(points(each))) - place, axis=1).min()
+                for each in own
+                if each.get_color() == line.get_color()
+            )
+            for line in own
+        }
+        assert min(gaps, key=gaps.get) == colour and gaps[colour] < 0.01
+    assert clipped_texts(figure) == []
+
+
+def test_one_alone_has_no_number(captured):
+    figure = kind_named("branch").draw([captured], View(width="page"))
+    assert [text.get_gid() for text in figure.axes[0].texts] == []
 
 
 def test_marks_are_told_apart_in_black_and_white(captured):

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from matplotlib.figure import Figure
 
-from vibsim.plots.branches.curves import draw_branch, keys_to_marks
+from vibsim.plots.branches.curves import draw_branch, keys_to_marks, label_of, write_numbers
 from vibsim.plots.branches.values import (
     amplitude_of,
     amplitude_words,
@@ -27,7 +27,7 @@ SPEED = r"Mean motor speed $\langle\dot\varphi\rangle/2\pi$ (Hz)"
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
-    """Solid where orbits are stable, dashed where not, marks at bifurcations.
+    """Solid where orbits are stable, dashed where not, marks at bifurcations; several are numbered.
 
     Under a motor its mean speed against the parameter, with the line of the no-load speed; else the amplitude
     of the first displacement.
@@ -39,10 +39,14 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     values = [mean_speed_of(branch) if motor else amplitude_of(branch) for branch in branches]
     every = [[value(p.orbit) for p in b.points] for b, value in zip(branches, values, strict=True)]
     unit = Scale(1.0, "Hz") if motor else scale_for("m", *every)
-    for i, (subject, branch, value) in enumerate(zip(subjects, branches, values, strict=True)):
-        label = subject.name if len(subjects) > 1 else ""
-        colour = overlay(i)["color"]
-        draw_branch(axes, branch, parameter_of(branch), scaled(value, unit), colour, label)
+    names, colours = (
+        [subject.name for subject in subjects],
+        [overlay(i)["color"] for i in range(len(subjects))],
+    )
+    drawn = [
+        draw_branch(axes, branch, parameter_of(branch), scaled(value, unit), colours[i], label_of(names, i))
+        for i, (branch, value) in enumerate(zip(branches, values, strict=True))
+    ]
     axes.margins(x=0.02)
     if view.window is not None:
         axes.set_xlim(*view.window)
@@ -55,4 +59,5 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
         legend_above(axes)
     keys = keys_to_marks(branches)
     legend_below(figure, keys, [str(key.get_label()) for key in keys])
+    write_numbers(axes, drawn, colours)
     return figure

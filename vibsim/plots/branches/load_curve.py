@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from vibsim.plots.branches.curves import draw_branch, keys_to_marks
+from vibsim.plots.branches.curves import draw_branch, keys_to_marks, label_of, write_numbers
 from vibsim.plots.branches.leaps import draw_leap, leaps_of
 from vibsim.plots.branches.motor_lines import (
     Crossing,
@@ -61,9 +61,14 @@ def load_curve_panel(
     torques = [[torque_of(branch)(point.orbit) for point in branch.points] for branch in branches]
     scale = scale_for("N m", *torques)
     curves = [LoadCurve(branch, scale) for branch in branches]
-    for i, (subject, curve) in enumerate(zip(subjects, curves, strict=True)):
-        label = subject.name if len(subjects) > 1 else ""
-        draw_branch(axes, curve.branch, curve.speed, curve.torque, overlay(i)["color"], label, MARKED)
+    names, colours = (
+        [subject.name for subject in subjects],
+        [overlay(i)["color"] for i in range(len(subjects))],
+    )
+    drawn = [
+        draw_branch(axes, one.branch, one.speed, one.torque, colours[i], label_of(names, i), MARKED)
+        for i, one in enumerate(curves)
+    ]
     _limit(axes, curves, view)
     speeds = no_load or _round_speeds(curves)
     leaps = leaps_of(curves, axes.get_xlim()) if no_load is None else []
@@ -83,6 +88,7 @@ def load_curve_panel(
         legend_above(axes)
     keys = [*keys_to_marks(branches, MARKED), *_keys(bool(leaps))]
     legend_below(figure, keys, [str(key.get_label()) for key in keys])
+    write_numbers(axes, drawn, colours)
 
 
 def _limit(axes: Axes, curves: Sequence[LoadCurve], view: View) -> None:
