@@ -6,7 +6,7 @@ acceleration of a body whose springs are slack, is exactly zero there. Modal coo
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Generic
 
 from vibsim.engine.events.certificate import Certificate
@@ -20,6 +20,7 @@ from vibsim.engine.state import State
 from vibsim.physics.arithmetic.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
 
+FEW = 2  # derivatives behind the first that is asked for: most often enough
 LEAST_JET, MOST_JET = 7, 21  # of bounds of `highest_derivative`
 
 
@@ -60,7 +61,7 @@ class Departures(Generic[N]):
         alone make the function, and no rounding of a flow is in it.
         """
         event = self.event(self.enter(state, status), key)
-        values = self._derivatives(state, event)
+        values = self._derivatives(state, event, first)
         order = leading(values, first)
         if self.is_open(state, event, values, first):
             self.doubt(state)
@@ -71,7 +72,7 @@ class Departures(Generic[N]):
         open, or one before it. That of order 1 of displacements is one of velocities.
         """
         order = leading(values, first)
-        bounds = TaylorRounding(self.flow, self.jet + 1, state.t == 0).derivatives(event, order)
+        bounds = TaylorRounding(self.flow, order + 1, state.t == 0).derivatives(event, order)
         if order > 0 and all(term.kind == DIFFERENCE for term in event.terms):
             bounds[1] = self.kit.number(0)
             for term in event.terms:
@@ -83,11 +84,24 @@ class Departures(Generic[N]):
             0 < lost >= abs(value) for value, lost in zip(values[first:], bounds[first:], strict=False)
         )
 
-    def _derivatives(self, state: State[N], event: Event[N]) -> list[N]:
-        """Derivatives of an event function of the mode entered last at `state`."""
-        values = self.flow.derivatives(event, self.jet)
-        if all(term.kind == DIFFERENCE for term in event.terms):
-            values[1] = self._direct_rate(state, event)
+    def _derivatives(self, state: State[N], event: Event[N], first: int) -> list[N]:
+        """Derivatives of an event function of the mode entered last at `state`, see `as_far_as_needed`."""
+        direct = all(term.kind == DIFFERENCE for term in event.terms)
+        return self.as_far_as_needed(event, first, {1: self._direct_rate(state, event)} if direct else {})
+
+    def as_far_as_needed(self, event: Event[N], first: int, direct: Mapping[int, N]) -> list[N]:
+        """Derivatives of an event function of the mode entered last: at least up to the first, from order
+        `first`, that is not zero; all that are consulted where there is none.
+
+        direct : derivatives that are known better, by order
+        """
+        values: list[N] = []
+        for highest in (min(first + FEW, self.jet), self.jet):
+            values = self.flow.derivatives(event, highest)
+            for order, value in direct.items():
+                values[order] = value
+            if any(value != 0 for value in values[first:]):
+                break
         return values
 
     def crossing(self, state: State[N], status: Status, key: EventKey, order: int) -> tuple[int, int]:
@@ -106,7 +120,7 @@ class Departures(Generic[N]):
             rate = self._direct_rate(state, event)
             if rate != 0:
                 return -sign(rate), 1
-        values = self._derivatives(state, self.event(self.enter(state, status), key))
+        values = self._derivatives(state, self.event(self.enter(state, status), key), self.jet)
         first = leading(values, order + 1)
         step = self.flow.step_length()
         span = step if step < state.t else state.t
@@ -130,11 +144,11 @@ class Departures(Generic[N]):
         return total
 
     def hold_values(self, state: State[N], rows: ModeRows[N], event: Event[N]) -> list[N]:
-        """Derivatives of a HOLD function; its value straight from the state where couplings alone make it."""
-        values = self.flow.derivatives(event, self.jet)
-        if event.terms and all(term.kind == COUPLING for term in event.terms):
-            values[0] = self._direct_hold(state, rows, event)
-        return values
+        """Derivatives of a HOLD function, see `as_far_as_needed`; its value straight from the state where
+        couplings alone make it.
+        """
+        direct = event.terms and all(term.kind == COUPLING for term in event.terms)
+        return self.as_far_as_needed(event, 0, {0: self._direct_hold(state, rows, event)} if direct else {})
 
     def _direct_hold(self, state: State[N], rows: ModeRows[N], event: Event[N]) -> N:
         x = (*state.x, self.kit.number(0), self.relative.base(state, "x"))

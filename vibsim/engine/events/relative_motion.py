@@ -21,9 +21,13 @@ class RelativeMotion(Generic[N]):
         self.scene, self.maker, self.kit = scene, maker, kit
 
     def ends(self, part: Joined, state: State[N], of: str) -> tuple[N, N]:
-        values = (*(state.x if of == "x" else state.v), self.kit.number(0), self.base(state, of))
         P, Q = self.maker.ends(part)
-        return values[P], values[Q]
+        return self._at(P, state, of), self._at(Q, state, of)
+
+    def _at(self, column: int, state: State[N], of: str) -> N:
+        if column < self.maker.n:
+            return (state.x if of == "x" else state.v)[column]
+        return self.kit.number(0) if column == self.maker.n else self.base(state, of)
 
     def base(self, state: State[N], of: str) -> N:
         """Displacement or velocity of the base, which is 0 where it turns round at the start: cos(90 deg)."""

@@ -166,7 +166,7 @@ class Settling(Generic[N]):
         for k in slipping:
             key, order = ((SLIDE, k), 1) if k < count else ((STRIKE, k - count), 2)
             event = self.departures.event(rows, key)
-            values = self.flow.derivatives(event, self.departures.jet)
+            values = self.departures.as_far_as_needed(event, order, {})
             if self.departures.is_open(state, event, values, order):
                 self.departures.doubt(state)
             if first_sign(values[order:]) < 0:

@@ -62,6 +62,7 @@ class RowMaker(Generic[N]):
         self.zero = kit.number(0)
         self.by_status: dict[Status, ModeRows[N]] = {}
         self.resting_by_status: dict[Status, set[int]] = {}
+        self.ties_by_status: dict[Status, tuple[list[int], list[N]]] = {}
         self.guarded = self._guarded()
 
     def _guarded(self) -> set[int]:
@@ -85,7 +86,9 @@ class RowMaker(Generic[N]):
         return self.columns.get(end, end)
 
     def ends(self, part: Joined) -> Edge:
-        return self.column(part.P), self.column(part.Q)
+        """Columns of the ends of a part."""
+        P, Q = part.P, part.Q
+        return P if P >= 0 else self.columns[P], Q if Q >= 0 else self.columns[Q]
 
     def rows(self, status: Status) -> ModeRows[N]:
         """The rows of the mode `status`."""
@@ -120,9 +123,11 @@ class RowMaker(Generic[N]):
 
     def ties(self, status: Status) -> tuple[list[int], list[N]]:
         """Leading column of each column, and its velocity against that one [m/s]."""
-        stuck = self.stuck(status)
-        groups = Groups(self.n, stuck)
-        return groups.leader, self._drifts(groups, stuck)
+        if status not in self.ties_by_status:
+            stuck = self.stuck(status)
+            groups = Groups(self.n, stuck)
+            self.ties_by_status.setdefault(status, (groups.leader, self._drifts(groups, stuck)))
+        return self.ties_by_status[status]
 
     def resting(self, status: Status) -> set[int]:
         """The frictions whose ends the ties of a mode keep from sliding. Speeds of belts are added along the

@@ -37,6 +37,10 @@ class Blows(Generic[N]):
         self.departures, self.relative = departures, departures.relative
         self.stops = dict(scene.rigid_stops)
         self.places = {j: tuple(twins_of(scene, j)) for j in self.stops}
+        ends = {j: maker.ends(stop) for j, stop in self.stops.items()}
+        self.contacts = {j: Contact(j, *ends[j], stop.sense, stop.e) for j, stop in self.stops.items()}
+        bodies = {j: {column for column in ends[j] if column < maker.n} for j in ends}
+        self.beside = {i: {j for j in ends if bodies[i] & bodies[j]} for i in ends}  # with a common body
 
     def velocities(self, state: State[N]) -> list[N]:
         return [*state.v, self.kit.number(0), self.relative.base(state, "v")]
@@ -51,9 +55,7 @@ class Blows(Generic[N]):
                 state.v[c] = self.relative.base(state, "v") + drift[c]
 
     def contact(self, j: int) -> Contact[N]:
-        stop = self.stops[j]
-        P, Q = self.maker.ends(stop)
-        return Contact(j, P, Q, stop.sense, stop.e)
+        return self.contacts[j]
 
     def touching(self, state: State[N], status: Status, i: int) -> Touch[N]:
         """The stops that rest, and those that meet stop `i` within the resolution of time and length.
@@ -67,24 +69,20 @@ class Blows(Generic[N]):
         contacts: list[Contact[N]] = []
         together = False
         for j, stop in self.scene.rigid_stops:
-            contact, room = self.contact(j), -self.relative.depth(stop, state)
+            contact, room = self.contacts[j], -self.relative.depth(stop, state)
             rate, size = rate_of(kit, contact, v), self.size(stop, state)
-            if j != i and self._share(i, j):
+            beside = j != i and j in self.beside[i]
+            if beside:
                 size = max(size, self.size(self.stops[i], state))
             near = abs(rate) * within + ROUNDING * kit.eps * size
-            if j != i and self._share(i, j):
+            if beside:
                 near = near + off
             if j == i or status.stops[j] == RESTING or room <= near:
                 contacts.append(contact)
-            if j != i and status.stops[j] == OPEN and rate > 0 and self._share(i, j):
+            if beside and status.stops[j] == OPEN and rate > 0:
                 together |= room <= NEAR * (rate * unit_of(self.kit, state.t) + kit.eps * size)
         rates = {c.stop: rate_of(kit, c, v) for c in contacts}
         return Touch(contacts, dict(rates), rates, v, state.w, together)
-
-    def _share(self, i: int, j: int) -> bool:
-        """Whether two stops act on a common body."""
-        ends, others = (set(self.maker.ends(self.stops[k])) for k in (i, j))
-        return any(column < self.maker.n for column in ends & others)
 
     def size(self, stop: RigidStop[N], state: State[N]) -> N:
         xP, xQ = self.relative.ends(stop, state, "x")

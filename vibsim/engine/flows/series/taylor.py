@@ -54,6 +54,7 @@ class Taylor(Generic[N]):
         self.search.certificate = certificate
         self.evaluations = self.steps = 0
         self.looked_at: tuple[ModeRows[N], tuple[N, ...]] | None = None
+        self.reached = 0  # order of the coefficients so far
         rates = [term.omega for term in scene.harmonics if term.amplitude != 0]
         self.longest = min((3 / rate for rate in rates), default=kit.inf)
 
@@ -65,12 +66,13 @@ class Taylor(Generic[N]):
     def enter(self, state: State[N], rows: ModeRows[N], known: Known) -> None:
         """Expand the motion at `state` in the mode of `rows`; known: {event key: order of its zero here}."""
         self._expand_in(state, rows, known)
+        self.reach(self.order)
         self.steps += 1
         self.h = self.step_length()
 
     def look(self, state: State[N], rows: ModeRows[N]) -> None:
-        """Expand the motion at `state` in the mode of `rows` for its derivatives there: no step follows. What
-        was looked at last is not expanded anew.
+        """Expand the motion at `state` in the mode of `rows` for its derivatives there, as far as they are
+        asked for: no step follows. What was looked at last is not expanded anew.
         """
         place = (state.t, *state.x, *state.v, state.phase, state.w)
         if self.looked_at is None or self.looked_at[0] is not rows or self.looked_at[1] != place:
@@ -86,8 +88,25 @@ class Taylor(Generic[N]):
         """Go on from an instant that was no event: the next step."""
         self.enter(state, self.rows, {})
 
+    def reach(self, order: int) -> None:
+        """Coefficients up to `order`, of those expanded last."""
+        for n in range(self.reached, min(order, self.order)):
+            self._advance(n)
+            self.reached = n + 1
+            if self.reached == self.order:
+                self._close()
+
+    def _close(self) -> None:
+        """The last coefficients, of displacements alone."""
+        inverse = self.inverse[self.order + 1]
+        for c in range(self.n):
+            self.x[c][self.order + 1] = self.v[c][self.order] * inverse
+        if self.rotor:
+            self.rotor.close()
+
     def _expand(self, state: State[N]) -> None:
-        """Coefficients of all columns at `state`."""
+        """Coefficients of order 0 of all columns at `state`, and what they are driven by."""
+        self.reached = 0
         zero, p = self.kit.number(0), self.order
         self.x = [[value] + [zero] * (p + 1) for value in (*state.x, zero, zero)]
         self.v = [[value] + [zero] * (p + 1) for value in (*state.v, zero, zero)]
@@ -102,13 +121,6 @@ class Taylor(Generic[N]):
         self.falls: list[list[N]] = [[] for _ in self.rows.falls]
         if self.rotor:
             self.rotor.expand(state, self.rows)
-        for n in range(p):
-            self._advance(n)
-        inverse = self.inverse[p + 1]
-        for c in range(self.n):
-            self.x[c][p + 1] = self.v[c][p] * inverse
-        if self.rotor:
-            self.rotor.close()
 
     def _expand_base(self, t: N) -> None:
         """Series of the base, X = sum of harmonics."""
@@ -196,6 +208,7 @@ class Taylor(Generic[N]):
         """Longest step whose last two terms stay below tol times the largest leading one (after Jorba &
         Zou 2005), of velocities, rotor, what ties must carry, which moves nothing, and falling friction.
         """
+        self.reach(self.order)
         blocks: list[tuple[list[list[N]], int]] = [(self.v[: self.n], self.order)]
         if self.scene.base:
             blocks[0][0].append(self.v[self.n + 1])
@@ -272,6 +285,7 @@ class Taylor(Generic[N]):
 
     def derivatives(self, event: Event[N], count: int) -> list[N]:
         """Derivatives of order 0 to `count` of an event function at the expansion point."""
+        self.reach(count + 1)
         factorial = 1
         derivatives: list[N] = []
         series = self.polynomial(event)

@@ -49,6 +49,7 @@ class TaylorRounding(Generic[N]):
         self.falls: list[list[N]] = [[] for _ in self.rows.falls]
         self.load = [[zero] * highest for _ in columns]
         self.angle = zero  # of the rotor [rad]
+        flow.reach(highest if span == 0 else flow.order)
         self._start(highest, exact, span)
         for n in range(highest):
             self._advance(n)
