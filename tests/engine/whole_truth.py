@@ -90,7 +90,9 @@ def disagreements(scene, run, samples, instants, ends, close):
     times, doubles = samples["time"], run.samples
     close += LACKING * run.totals.get("chatter_speed", 0.0) * scene.t_end
     between = ~beside(times, ends, HOPS) & ~beside(times, instants, INSTANT)
-    apart = [n for n in samples if n.startswith("x_") and np.abs(doubles[n] - samples[n]).max() >= close]
+    places = {n: column for n, column in samples.items() if n.startswith("x_")}
+    far = {n: max(1.0, np.abs(column).max()) for n, column in places.items()}
+    apart = [n for n in places if np.abs(doubles[n] - samples[n]).max() >= close * far[n]]
     for name in (n for n, column in samples.items() if column.dtype == np.int8):
         stop = next((one for _, one in scene.rigid_stops if one.name == name), None)
         plain = between if stop is None else between & (room(scene, stop, samples) > close)

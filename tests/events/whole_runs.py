@@ -43,7 +43,7 @@ def alike(one, other):
         return one is other
     same = all(one.events[name].tolist() == other.events[name].tolist() for name in ("kind", "part"))
     return same and all(
-        np.abs(column - other.samples[name]).max() < ALIKE
+        np.abs(column - other.samples[name]).max() < ALIKE * max(1.0, np.abs(column).max())
         for name, column in one.samples.items()
         if name.startswith("x_")
     )

@@ -56,11 +56,8 @@ class Automaton(Generic[N]):
         if event.kind == GAP:
             return self._contact_switch(state, status, event, order)
         if event.kind == STRIKE:
-            if order > 1:
-                crossing, at = self.departures.crossing(state, status, event.key, order)
-                if crossing <= 0:
-                    return status, [], {event.key: at}
-            return self.rigid.meet(state, status, event.part, hop=order == 1)
+            touched = self.rigid.touch_again(state, status, event, order) if order > 1 else None
+            return touched or self.rigid.meet(state, status, event.part, hop=order == 1)
         if event.kind == PUSH:
             return self._push_switch(state, status, event, order)
         if event.kind == CLEARANCE:

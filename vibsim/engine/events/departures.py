@@ -122,6 +122,8 @@ class Departures(Generic[N]):
                 return -sign(rate), 1
         values = self._derivatives(state, self.event(self.enter(state, status), key), self.jet)
         first = leading(values, order + 1)
+        if first == 1:
+            return -sign(values[first]), first
         step = self.flow.step_length()
         span = step if step < state.t else state.t
         bounds = TaylorRounding(self.flow, self.jet + 1, state.t == 0, span).derivatives(event, self.jet)

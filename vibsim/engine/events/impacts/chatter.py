@@ -91,7 +91,7 @@ class Chatter(Generic[N]):
             last = after if c.e == 1 else after / (1 - c.e)
             soon = after <= NEXT * unit or (c.e < 1 and after <= (1 - c.e) * (LAST * unit))
             if c.e == 1 and not soon:
-                cancelled = 2 * self._unsure(state, status, c.stop)
+                cancelled = 2 * self.unsure(state, status, c.stop)
                 soon = 2 * speed <= NEXT * cancelled
                 if soon:
                     hidden = cancelled
@@ -231,7 +231,7 @@ class Chatter(Generic[N]):
         event = self.departures.event(rows, (STRIKE, j))
         return -self.departures.flow.derivatives(event, 2)[2]
 
-    def _unsure(self, state: State[N], status: Status, j: int) -> N:
+    def unsure(self, state: State[N], status: Status, j: int) -> N:
         """Speed that rounding of the forces may have given the ends of an open stop since t = 0 [m/s].
 
         Bodies that pass where their springs are slack bring the rounding of where they came from.

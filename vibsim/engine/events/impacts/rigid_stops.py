@@ -22,7 +22,7 @@ from vibsim.engine.events.parting import Parting
 from vibsim.engine.events.resolution import NEXT, ROUNDING
 from vibsim.engine.events.settling import Settling
 from vibsim.engine.modes.row_maker import RowMaker
-from vibsim.engine.modes.rows import PUSH, SLIDE, STRIKE, Known
+from vibsim.engine.modes.rows import PUSH, SLIDE, STRIKE, Event, Known
 from vibsim.engine.modes.status import BACKWARD, CONTACT, FORWARD, LIFTED, OPEN, RESTING, STICK, Status
 from vibsim.engine.state import State
 from vibsim.physics.arithmetic.numbers import N, abs
@@ -86,6 +86,27 @@ class RigidStops(Generic[N]):
             if torn and settled.stops[j] == OPEN and self.relative.depth(self.stops[j], state) == 0:
                 known[STRIKE, j] = 1  # whatever order it was of in front of the blow
         return settled, [*self._happened(touch), *lifts, *changed, *begun], known
+
+    def touch_again(self, state: State[N], status: Status, event: Event[N], order: int) -> Taken | None:
+        """What follows where a stop touches whose ends parted with a zero of `order` above 1: nothing where
+        rounding of that brought them back, and a rest, in doubt, where a plastic one closes no faster than
+        rounding of the forces can have made it. None of others, which are met.
+        """
+        i = event.part
+        touch = self.blows.touching(state, status, i)
+        crossing, at = self.departures.crossing(state, status, event.key, order)
+        if crossing <= 0:
+            self.touch = touch
+            return status, [], {event.key: at}
+        after = status.with_stop(i, RESTING)
+        slow = self.stops[i].e == 0 and touch.rates[i] <= self.chatter.unsure(state, status, i)
+        if not slow or not self.settling.possible(self.maker.rows(after)):
+            return None
+        self.departures.doubt(state)
+        touch.catches += self.seats.join(state, [i])
+        self.seats.seat(state, [i])
+        self.touch = touch
+        return after, [("rest_begin", i)], {}
 
     def at_start(self, state: State[N], met: Container[int]) -> tuple[dict[int, bool], list[int]]:
         """Of the stops `met` at the start: ({stop: whether it parts} for those that do not close, those that
