@@ -126,3 +126,14 @@ def test_a_locus_ends_at_the_end_of_the_first_range_too():
     amplitude, w = locus["parameter"][-1], locus["second"][-1]
     assert amplitude == pytest.approx(4.2, rel=1e-15) and locus.ends[1] == "end of the range"
     assert amplitude == pytest.approx(hypot(1 - w * w, 0.1 * w), rel=1e-12)
+
+
+def test_a_bend_beside_a_graze_is_followed():
+    """The drifting capsule's branch bends by 160 degrees within 1e-6 Hz as a contact with its anvil goes. A
+    step went over the bend, took the way back for the way on, and told four places that were not resolved.
+    """
+    branch = continue_branch("gallery/drifting-capsule", "push.omega=reaction.omega", "2:5.1 Hz")
+    assert "unresolved" not in {one.kind for one in branch.specials}
+    (graze,) = [one for one in branch.specials if one.kind == "grazing" and 2.045 < one.parameter < 2.048]
+    assert graze.parameter == pytest.approx(2.0465430544027, rel=1e-11) and graze.jump == 0
+    assert len(graze.before) != len(graze.after)

@@ -157,7 +157,8 @@ class Walk:
                 turned = turn(self.node.tangent, node.tangent)
                 chord = node.z - self.node.z
                 reason = "the branch turns too sharply"
-                if turned <= SHARP and self.node.tangent @ chord > 0.9 * length_of(chord):
+                straight = self.node.tangent @ chord > 0.9 * length_of(chord)
+                if turned <= SHARP and straight and not turned_over(self.node, node):
                     again = ROUNDING if self._beside_a_graze(node) else repetition(self.family, node)
                     if again is None:
                         return node, self.pace.following(length, turned, node.iterations, length_of(node.z))
@@ -286,6 +287,18 @@ class Walk:
             X = landed(once, X).image
             starts.append(np.array([*(X / self.family.scale[: len(X)]), *z[len(X) :]]))
         return starts
+
+
+def turned_over(one: Node, other: Node) -> bool:
+    """Whether a step has gone over a bend that turns the branch by more than a right angle, so that the
+    tangent behind it points back: dp/ds has another sign, and det(P' - I), whose sign changes with it at a
+    fold (Keller 1977), has not. Told of where a contact comes or goes, beside which a branch bends so, and
+    under a source of known period; at a pitchfork, seen from its prongs, and at rest both are zero.
+    """
+    timed = one.point.end.coordinates.section.timed
+    if one.word == other.word or not timed or one.in_family or other.in_family:
+        return False
+    return one.ahead * other.ahead < 0 < one.fold * other.fold
 
 
 def is_joint(special: Special) -> bool:
