@@ -39,7 +39,9 @@ if TYPE_CHECKING:
     )
     from vibsim.branches import Branch as Branch
     from vibsim.branches import BranchError as BranchError
+    from vibsim.branches import Locus as Locus
     from vibsim.branches import continue_branch as continue_branch
+    from vibsim.branches import continue_locus as continue_locus
     from vibsim.cases import Case as Case
     from vibsim.cases import CaseError as CaseError
     from vibsim.cases import load_case as load_case
@@ -74,7 +76,7 @@ __getattr__, __dir__, __all__ = lazy_names(
     __name__,
     {
         "vibsim.analysis": ["Analysis", "Lyapunov", "analyse", "lyapunov"],
-        "vibsim.branches": ["Branch", "BranchError", "continue_branch"],
+        "vibsim.branches": ["Branch", "BranchError", "Locus", "continue_branch", "continue_locus"],
         "vibsim.cases": ["Case", "CaseError", "load_case"],
         "vibsim.engine.errors": ["EngineError"],
         "vibsim.fitting": ["FitError", "FitResult", "fit"],

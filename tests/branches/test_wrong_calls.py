@@ -2,8 +2,9 @@
 
 import pytest
 
-from vibsim.branches import BranchError, continue_branch
+from vibsim.branches import BranchError, continue_branch, continue_locus
 from vibsim.branches.branch import SpecialPoint
+from vibsim.branches.curve.arclength import ContinuationError
 from vibsim.branches.loci.locus_plan import locus_plan
 from vibsim.orbits.search.seeking import orbit
 
@@ -55,3 +56,30 @@ def test_why_no_locus_of_an_order_is_followed(branch, monkeypatch):
         locus_plan(branch, "OR1", ("mass.m",), "kg", (0.5, 2.0))
     with pytest.raises(BranchError, match="OR1 is a change of the order of events alone: branches leave"):
         continue_branch(branch, switch="OR1")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ((3, "PD1", "c", "1:2"), r"a locus needs a branch or the file of one, got 3"),
+        ((None, "ZZ9", "bodies.mass", (0.5, 2)), "ZZ9 is not on this branch; its special points are"),
+        ((None, "PD1", None, None), r'a range is a text such as "3:9 Hz"'),
+        ((None, "PD1", None, "1:2"), "name what is to vary"),
+        ((None, "PD1", "bodies.mass", (0.5, 2), {"out": 3}), "out is the name of a file"),
+        ((None, "PD1", "bodies.mass", (0.5, 2), {"max_points": 1}), "max_points must be"),
+    ],
+)
+def test_of_a_locus(branch, arguments, words):
+    start, *rest = arguments
+    options = rest.pop() if isinstance(rest[-1], dict) else {}
+    with pytest.raises(ValueError, match=words):
+        continue_locus(branch if start is None else start, *rest, **options)
+
+
+def test_what_is_not_found_is_a_branch_error(branch, monkeypatch):
+    def lost(*_):
+        raise ContinuationError("Newton's method came to no end")
+
+    monkeypatch.setattr("vibsim.branches.continuing.trace", lost)
+    with pytest.raises(BranchError, match="Newton's method came to no end"):
+        continue_branch(orbit(CASE), "drive.A", "1.4:1.6 N")

@@ -98,7 +98,9 @@ def test_files_that_do_not_exist(tmp_path, monkeypatch):
     (tmp_path / "trial").write_text("")
     assert problems_of("II-B.yaml") == ["II-B.yaml: no such file; the shipped case is called II-B"]
     assert problems_of("other/trial.yml") == ["other/trial.yml: no such file"]
-    assert problems_of("folder.yaml") == ["folder.yaml: is a folder, not a case file"]
+    (tmp_path / "machines").mkdir()
+    for name in ("folder.yaml", "machines"):
+        assert problems_of(name) == [f"{name}: is a folder, not a case file"]
     [line] = problems_of("trial")
     assert line.startswith("trial: is no shipped case; for the file write ./trial; shipped are I-A, ")
     [line] = problems_of("IIB")

@@ -26,6 +26,10 @@ def test_a_run(result, on_file, tmp_path):
     assert all(np.array_equal(again[name], result[name]) for name in result)
     assert all(np.array_equal(again.events[name], result.events[name]) for name in result.events)
     assert again.at(1.0) == result.at(1.0)
+    events = there_and_back(run.events)
+    assert list(events) == list(run.events)
+    assert all(np.array_equal(events[name], result.events[name]) for name in result.events)
+    assert events.words("part").tolist() == result.events.words("part").tolist()
 
 
 def test_the_digits_of_a_run(tmp_path):

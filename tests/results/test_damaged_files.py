@@ -11,8 +11,6 @@ import pytest
 import vibsim
 from tests.results.damages import OF_ATTRIBUTES, OF_DATASETS, damage_attribute, datasets
 from tests.results.made import short_case
-from vibsim.branches.loci.locus_plan import locus_plan
-from vibsim.branches.span import read_span
 from vibsim.branches.store.branch_store import BranchFileStore
 from vibsim.branches.store.locus_file import LocusStore
 from vibsim.branches.store.structure import ATTRIBUTES as OF_BRANCH
@@ -65,8 +63,7 @@ def whole(tmp_path_factory):
     captured = vibsim.orbit("II-B", {"c": "0.03 N s/m", "Omega0": "5.7 Hz"})
     captured.save(folder / "orbit.h5")
     omega0 = vibsim.continue_branch(captured, "excitation.Omega0", "5.6:5.8 Hz", out=folder / "branch.h5")
-    plan = locus_plan(omega0, "F1", *read_span(omega0.case, "c", "0.028:0.032"))
-    LocusStore(plan, folder / "locus.h5").complete(most=3)
+    vibsim.continue_locus(omega0, "F1", "c", "0.028:0.032", max_points=3, out=folder / "locus.h5")
     from vibsim.command_line.main import group
 
     group.main(
@@ -150,6 +147,15 @@ def test_numbers_that_cannot_be_right(whole, tmp_path, name, value, said):
         read(path)
     else:
         assert refusal(path) == said
+
+
+@pytest.mark.parametrize("kind", [kind for kind in ATTRIBUTES if kind != "bench"])
+def test_an_engine_that_there_is_not(whole, tmp_path, kind):
+    path = shutil.copy(whole[kind], tmp_path / "copy.h5")
+    with h5py.File(path, "r+") as file:
+        file.attrs["engine"] = "steam"
+    with pytest.raises(ResultFileError, match="the attribute engine is steam; allowed: c, python"):
+        vibsim.open_result(path)
 
 
 def test_times_that_go_back(whole, tmp_path):

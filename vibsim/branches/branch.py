@@ -158,7 +158,8 @@ class Branch(Along, Labelled):
         from vibsim.branches.description import branch_lines
 
         what = branch_lines(self)[0][1]
-        return f"{what}, {len(self)} points, {len(self.specials)} special points"
+        special = f"{len(self.specials)} special point" + "s" * (len(self.specials) != 1)
+        return f"{what}, {len(self)} points, {special}"
 
     def lines(self) -> list[tuple[str, str]]:
         """Points, ends, special points, and the names of the arrays."""

@@ -1,15 +1,22 @@
-"""The Python call that continues a branch."""
+"""The Python calls that continue a branch, and a special point of one in two parameters."""
 
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from vibsim.branches.branch import Branch
+from vibsim.branches.curve.arclength import ContinuationError
+from vibsim.branches.loci.locus_plan import locus_plan
+from vibsim.branches.loci.locus_result import MOST_POINTS as MOST_LOCUS_POINTS
+from vibsim.branches.loci.locus_result import Locus
 from vibsim.branches.plan import BranchError, parameter_within, plan_from
 from vibsim.branches.span import read_span
 from vibsim.branches.store.branch_file import read_branch
 from vibsim.branches.store.branch_store import BranchFileStore, BranchStore
+from vibsim.branches.store.locus_file import LocusStore
 from vibsim.branches.switching import switched
 from vibsim.branches.tracing.tracing import MOST_POINTS, Watch, trace
 from vibsim.orbits.errors import check_count
@@ -56,7 +63,7 @@ def continue_branch(
     _check_out(out)
     if switch is not None:
         _leave_out("switch: its branch says what is followed, and how far", key=key, span=span, energy=energy)
-        plan = switched(_branch(orbit), switch)
+        plan = switched(_branch(orbit, "switch"), switch)
     elif energy is not None:
         _leave_out("energy: it is what varies", key=key, span=span)
         from vibsim.branches.backbone import energy_plan
@@ -70,7 +77,59 @@ def continue_branch(
     store = BranchStore(plan, engine) if out is None else BranchFileStore(plan, Path(out), engine, force)
     for note in store.notes:
         warnings.warn(note, stacklevel=2)
-    return complete(store, max_points, engine)[0]
+    with _as_branch_error():
+        return complete(store, max_points, engine)[0]
+
+
+def continue_locus(
+    branch: Branch | str | PathLike[str],
+    label: str,
+    key: str,
+    span: str | Span,
+    *,
+    max_points: int = MOST_LOCUS_POINTS,
+    engine: str = "auto",
+    out: str | PathLike[str] | None = None,
+    force: bool = False,
+) -> Locus:
+    """Follow a special point of a branch in the branch's parameter and a second one, both ways.
+
+    Parameters
+    ----------
+    branch : a Branch, or its file
+    label : of a fold, doubling, Neimark-Sacker point, grazing or begin of sticking on it, such as "PD1"
+    key, span : the second parameter and its range, as in `continue_branch`
+    max_points : of the locus, on both sides of the start together
+    out : HDF5 file; one that holds a part of this very locus is completed, any other is an error unless
+        `force`
+
+    Returns a `Locus`. Raises BranchError, UnknownKeyError, ResultFileError.
+
+    >>> import vibsim
+    >>> orbit = vibsim.orbit("I-C", {"omega": "4.2 Hz"}, period=1)
+    >>> branch = vibsim.continue_branch(orbit, "omega", "4:4.3 Hz")
+    >>> locus = vibsim.continue_locus(branch, "PD1", "c", "0.001:0.003 N s/m", max_points=8)
+    >>> bool(locus["second"][-1] > locus["second"][0]), locus.kind
+    (True, 'doubling')
+    """
+    check_count("max_points", max_points, 2)
+    _check_out(out)
+    start = _branch(branch, "a locus")
+    plan = locus_plan(start, label, *read_span(start.case, key, _as_text(span)))
+    store = LocusStore(plan, None if out is None else Path(out), engine, force)
+    for note in store.notes:
+        warnings.warn(note, stacklevel=2)
+    with _as_branch_error():
+        return store.complete(max_points)[0]
+
+
+@contextmanager
+def _as_branch_error() -> Iterator[None]:
+    """What is not found where a branch or a locus begins is told as a BranchError."""
+    try:
+        yield
+    except ContinuationError as error:
+        raise BranchError(str(error)) from error
 
 
 def _check_out(out: Any) -> None:
@@ -95,12 +154,12 @@ def _shown(source: Any) -> str:
     return repr(source).partition("\n")[0][:60]
 
 
-def _branch(source: Any) -> Branch:
-    """A branch, or the one in a file. Raises BranchError, ResultFileError."""
+def _branch(source: Any, what: str) -> Branch:
+    """A branch, or the one in a file, for what needs one. Raises BranchError, ResultFileError."""
     if isinstance(source, Branch):
         return source
     if not isinstance(source, str | PathLike):
-        raise BranchError(f"switch needs a branch or the file of one, got {_shown(source)}")
+        raise BranchError(f"{what} needs a branch or the file of one, got {_shown(source)}")
     return read_branch(Path(source))
 
 

@@ -165,5 +165,5 @@ def _numbers(value: Any, rank: int) -> bool:
     return not np.isnan(value).any()
 
 
-def _listed(values: Iterable[int]) -> str:
+def _listed(values: Iterable[object]) -> str:
     return ", ".join(map(str, values))

@@ -93,7 +93,7 @@ class Attribute:
     kind: str
     optional: bool = False
     where: str = ""
-    allowed: tuple[int, ...] = ()
+    allowed: tuple[int | str, ...] = ()
 
 
 TEXT, WHOLE, NUMBER, EXTENDED = "a text", "a whole number", "a finite number", "a number"

@@ -16,6 +16,7 @@ FORMAT = 1  # raised when an older reader would misread a newer file
 CASE = ("case_name", "case_yaml", "case_resolved_json", "case_sha256")
 MACHINE = ("date_created", "platform", "python_version", "numpy_version")
 PROVENANCE = [Attribute(name, TEXT) for name in ("title", "vibsim_version", *CASE, *MACHINE)]
+ENGINE = Attribute("engine", TEXT, allowed=("c", "python"))  # that made it
 
 
 def provenance(kind: str, case: "Case", title: str = "") -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """The events of a run as a table: when, of which kind, of which part, and the state then."""
 
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,6 +32,10 @@ class Events(Labelled, Mapping[str, np.ndarray]):
     def __init__(self, table: Mapping[str, np.ndarray], case: "Callable[[], Case]"):
         self._table: Mapping[str, np.ndarray] = table._table if isinstance(table, Events) else table
         self._case = case
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """For pickle: with all columns, so that what comes out needs no file."""
+        return Events, (dict(self), partial(_itself, self._case()))
 
     def __getitem__(self, name: str) -> np.ndarray:
         self._check(name)
@@ -103,6 +108,10 @@ class Events(Labelled, Mapping[str, np.ndarray]):
         left = len(self.column("t")) - SHOWN
         more = f"<div>and {left} more</div>" if left > 0 else ""
         return f"<div><b>Events {escape(self.heading())}</b><table><tr>{head}</tr>{body}</table>{more}</div>"
+
+
+def _itself(case: "Case") -> "Case":
+    return case
 
 
 def _row(values: tuple[Any, ...]) -> str:

@@ -2,11 +2,12 @@
 
 from vibsim.branches.special.special import LABELS
 from vibsim.files.declarations import TEXT, WHOLE, Attribute, Column, Dataset
-from vibsim.files.provenance import PROVENANCE
+from vibsim.files.provenance import ENGINE, PROVENANCE
 
 ATTRIBUTES = [
     *PROVENANCE,
-    *(Attribute(name, TEXT) for name in ("branch_settings_json", "branch_sha256", "engine", "names_json")),
+    *(Attribute(name, TEXT) for name in ("branch_settings_json", "branch_sha256", "names_json")),
+    ENGINE,
     *(Attribute(name, WHOLE) for name in ("points", "special_points", "unresolved")),
     Attribute("complete", WHOLE, allowed=(0, 1)),
 ]
@@ -50,7 +51,8 @@ def datasets_of(unit: str) -> list[Dataset]:
 
 LOCUS_ATTRIBUTES = [
     *PROVENANCE,
-    *(Attribute(name, TEXT) for name in ("locus_settings_json", "locus_sha256", "engine")),
+    *(Attribute(name, TEXT) for name in ("locus_settings_json", "locus_sha256")),
+    ENGINE,
     Attribute("points", WHOLE),
     Attribute("complete", WHOLE, allowed=(0, 1)),
 ]

@@ -15,6 +15,7 @@ ASCII_TEXT = re.compile("[\t\n\r -~]*")
 CONTROL = "[^\t\n\r -~\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"  # what YAML forbids
 SUFFIXES = (".yaml", ".yml")
 RESULTS = (".h5", ".hdf5", ".partial")
+FOLDER = "is a folder, not a case file"
 HARD, GALLERY = "hard/", "gallery/"  # folders of shipped cases, and how their names begin
 
 
@@ -107,7 +108,7 @@ def called_as_result(source: str) -> bool:
 def _no_case_but(source: str) -> str:
     """What a source with the name of a result file is instead of a case."""
     if isdir(source):
-        return "is a folder, not a case file"
+        return FOLDER
     if not isfile(source):
         return "no such file"
     try:
@@ -125,6 +126,8 @@ def _no_such_case(source: str) -> str:
         return _no_case_but(source)
     names = shipped_case_names()
     hint = did_you_mean(source, names)
+    if isdir(source):
+        return FOLDER
     if isfile(source):  # False too for what no file can be called
         hint = f"; for the file write ./{source}"
     elif isfile(f"{source}.yaml"):
@@ -149,7 +152,7 @@ def _unreadable(path: Path, error: Exception) -> str:
             near = did_you_mean(str(path), [*hard_case_names(), *gallery_case_names()])
         return f"no such file{near}"
     if isinstance(error, IsADirectoryError):
-        return "is a folder, not a case file"
+        return FOLDER
     return f"cannot be read: {getattr(error, 'strerror', None) or error}"
 
 

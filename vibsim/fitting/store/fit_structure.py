@@ -1,14 +1,15 @@
 """What a fit file holds."""
 
 from vibsim.files.declarations import TEXT, WHOLE, Attribute, Column, Dataset
-from vibsim.files.provenance import PROVENANCE
+from vibsim.files.provenance import ENGINE, PROVENANCE
 from vibsim.fitting.goals.free_parameter import FreeParameter
 from vibsim.fitting.goals.plan import FitPlan
 from vibsim.sweeps.statistics.columns import STATUS_FLAGS
 
 ATTRIBUTES = [
     *PROVENANCE,
-    *(Attribute(name, TEXT) for name in ("cases_resolved_json", "fit_settings_json", "fit_sha256", "engine")),
+    *(Attribute(name, TEXT) for name in ("cases_resolved_json", "fit_settings_json", "fit_sha256")),
+    ENGINE,
     *(Attribute(name, WHOLE) for name in ("runs", "n_fresh")),
     Attribute("complete", WHOLE, allowed=(0, 1)),
 ]

@@ -13,7 +13,7 @@ from vibsim.files.declarations import (
     Column,
     Dataset,
 )
-from vibsim.files.provenance import PROVENANCE
+from vibsim.files.provenance import ENGINE, PROVENANCE
 from vibsim.results.columns import TIMES, Tables
 from vibsim.results.stored.orbit_structure import ATTRIBUTES as ORBIT_ATTRIBUTES
 
@@ -25,7 +25,7 @@ NUMBERS = ("rest_distance_needed", "wall_time_s", "taylor_tolerance", "lyapunov_
 ATTRIBUTES = [
     *PROVENANCE,
     Attribute("method", TEXT),
-    Attribute("engine", TEXT),
+    ENGINE,
     Attribute("t_end_s", NUMBER),
     Attribute("complete", WHOLE, allowed=(0, 1)),
     Attribute("t_reached_s", NUMBER, optional=True, where="complete"),

@@ -1,7 +1,7 @@
 """What a sweep file holds, told from its plan."""
 
 from vibsim.files.declarations import NUMBER, TEXT, WHOLE, Attribute, Column, Dataset
-from vibsim.files.provenance import PROVENANCE
+from vibsim.files.provenance import ENGINE, PROVENANCE
 from vibsim.sweeps.plan.axis import Axis
 from vibsim.sweeps.plan.members import Members
 from vibsim.sweeps.plan.spread import Spread
@@ -11,7 +11,8 @@ from vibsim.sweeps.statistics.columns import STATUS_FLAGS
 COUNTS = ("points", "points_done", "points_failed")
 ATTRIBUTES = [
     *PROVENANCE,
-    *(Attribute(name, TEXT) for name in ("sweep_settings_json", "sweep_sha256", "method", "engine")),
+    *(Attribute(name, TEXT) for name in ("sweep_settings_json", "sweep_sha256", "method")),
+    ENGINE,
     *(Attribute(name, WHOLE) for name in COUNTS),
     Attribute("complete", WHOLE, allowed=(0, 1)),
     Attribute("wall_time_s", NUMBER),
