@@ -129,3 +129,65 @@ def test_shaw_and_holmes_orbits_of_n_periods(n, gap):
     assert ratio * orbit.end.carried.times[0] % (2 * pi) == pytest.approx(phase, rel=1e-12)
     assert np.sum(orbit.multipliers).real == pytest.approx(trace, rel=1e-11)
     assert np.prod(orbit.multipliers).real == pytest.approx(e**2, rel=1e-11)
+
+
+def impacting_times(ratio, e, n, start):
+    """Times and velocities behind the impacts of an orbit of x'' + x = cos(ratio t) before a wall at
+    x = 0, and the derivative of its map of (time, velocity): in 30 digits, from (times, velocities) nearby.
+    """
+    gain, count = 1 / (1 - ratio**2), len(start[0])
+
+    def flight(t, v, end):
+        """Displacement, velocity and acceleration at the end of a free flight from the wall."""
+        x, u, s = -gain * mpmath.cos(ratio * t), v + gain * ratio * mpmath.sin(ratio * t), end - t
+        c, sine = mpmath.cos(s), mpmath.sin(s)
+        place = x * c + u * sine + gain * mpmath.cos(ratio * end)
+        return place, u * c - x * sine - gain * ratio * mpmath.sin(ratio * end)
+
+    def end(times, i):
+        return times[i + 1] if i + 1 < count else times[0] + 2 * mpmath.pi * n / ratio
+
+    def equations(*unknowns):
+        times, speeds = unknowns[:count], unknowns[count:]
+        ends = [flight(times[i], speeds[i], end(times, i)) for i in range(count)]
+        blows = [-e * v - speeds[(i + 1) % count] for i, (_, v) in enumerate(ends)]
+        return [x for x, _ in ends] + blows
+
+    found = list(mpmath.findroot(equations, [*start[0], *start[1]], tol=1e-50))
+    times, speeds = found[:count], found[count:]
+    matrix = mpmath.eye(2)
+    for i in range(count):
+        t, v, stop = times[i], speeds[i], end(times, i)
+        by = [
+            [
+                mpmath.diff(lambda *z, k=k: flight(*z)[k], (t, v, stop), order)
+                for order in np.eye(3, dtype=int)
+            ]
+            for k in (0, 1)
+        ]
+        (xt, xv, xs), (ut, uv, us) = by
+        later = [-xt / xs, -xv / xs]  # of the next impact
+        matrix = mpmath.matrix([later, [-e * (ut + us * later[0]), -e * (uv + us * later[1])]]) * matrix
+    return times, speeds, mpmath.eig(matrix, left=False, right=False)
+
+
+@pytest.mark.parametrize(
+    ("n", "X"),
+    [
+        (2, (-0.2680737344283769, 0.03198610176966447)),
+        (3, (-0.5313794348393579, 0.08229179998842609)),
+        (3, (-0.39938470165712825, -0.052730717157750816)),
+    ],
+)
+def test_several_unlike_impacts_in_several_periods(n, X):
+    """Peterka's regimes of p impacts in n periods, p = n: unstable ones beside those of one impact."""
+    orbit = find_orbit(impacting(2.8, 0.0, 0.8), {"x_m": X[0], "v_m": X[1]}, n)
+    carried = orbit.end.carried
+    assert orbit.spelled == "i" * n and orbit.n == n and not orbit.stable
+    with mpmath.workdps(30):
+        start = [mpmath.mpf(t) for t in carried.times], [mpmath.mpf(v) for v in carried.states[:, 1]]
+        times, speeds, exact = impacting_times(mpmath.mpf(2.8), mpmath.mpf(0.8), n, start)
+    np.testing.assert_allclose(carried.times, np.array(times, dtype=float), rtol=1e-13)
+    np.testing.assert_allclose(carried.states[:, 1], np.array(speeds, dtype=float), rtol=1e-13)
+    multipliers = sorted(map(complex, exact), key=abs, reverse=True)
+    np.testing.assert_allclose(orbit.multipliers, multipliers, rtol=1e-11)
