@@ -138,6 +138,26 @@ def test_a_style_sheet_that_must_not_be_read(unreadable):
     assert (done.exit_code, done.stderr) == (2, f"Error: {said}\n")
 
 
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (
+            "lines.linewidth: many\n",
+            "line 1 ('lines.linewidth: many'): Key lines.linewidth: Could not convert",
+        ),
+        ("font.size: 9\nfoo.bar: 3\n", "Bad key foo.bar in file a.mplstyle, line 2 ('foo.bar: 3')"),
+        ("font.size 9\n", "line 1"),
+    ],
+)
+def test_a_style_sheet_of_which_a_part_would_be_left_out(tmp_path, monkeypatch, text, said):
+    monkeypatch.chdir(tmp_path)
+    Path("a.mplstyle").write_text(text)
+    done = call("plot", "I-A", "--style", "a.mplstyle", "-o", "a.png")
+    assert done.exit_code == 2 and not Path("a.png").exists()
+    assert done.stderr.startswith("Error: a.mplstyle is no style sheet of matplotlib: ")
+    assert said in done.stderr and done.stderr.count("\n") == 1
+
+
 @pytest.mark.parametrize("line", [line for line in READ if "--truth" not in line])  # which is a bench's
 def test_a_result_of_a_later_kind_is_named_by_every_command(stored, tmp_path, monkeypatch, line):
     monkeypatch.chdir(tmp_path)

@@ -37,6 +37,8 @@ def test_unknown_kind_names_the_nearest():
         PlotError, match=r"unknown kind 'motor_sped': did you mean motor-speed\? The kinds are overview,"
     ):
         kind_named("motor_sped")
+    with pytest.raises(PlotError, match="unknown kind 'zzzz': the kinds are overview,"):
+        kind_named("zzzz")
 
 
 def test_unfit_kind_names_those_that_fit(subject):

@@ -320,8 +320,8 @@ def kind_named(name: str) -> Kind:
             return kind
     names = [kind.name for kind in KINDS]
     near = nearest(name, [*names, "all"])
-    hint = f"did you mean {near}? " if near else ""
-    raise PlotError(f"unknown kind {name!r}: {hint}The kinds are {', '.join(names)}")
+    hint = f"did you mean {near}? The" if near else "the"
+    raise PlotError(f"unknown kind {name!r}: {hint} kinds are {', '.join(names)}")
 
 
 def choose(names: Sequence[str] | None, subjects: Sequence[Subject]) -> list[Kind]:

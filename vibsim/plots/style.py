@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -88,8 +89,9 @@ def _lay_over(sheet: str | PathLike[str]) -> None:
     """Lay a style sheet over the settings in force."""
     from matplotlib import style
 
+    complaints: list[str] = []
     try:
-        with warnings.catch_warnings():
+        with _complaints_of_matplotlib(complaints), warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of keys that this matplotlib has given up
             if Path(sheet).is_file():
                 open(sheet).close()  # of one that must not be read matplotlib says only that it is no style
@@ -100,6 +102,24 @@ def _lay_over(sheet: str | PathLike[str]) -> None:
                 f"{sheet}: no such file, and matplotlib has no style of that name, such as ggplot"
             ) from None
         raise PlotError(f"{sheet} is no style sheet of matplotlib: {reason(error):.120}") from None
+    if complaints:
+        raise PlotError(f"{sheet} is no style sheet of matplotlib: {complaints[0]:.160}")
+
+
+@contextmanager
+def _complaints_of_matplotlib(complaints: list[str]) -> Iterator[None]:
+    """Collect the first lines of what matplotlib logs of keys and values that it leaves out, in silence."""
+
+    def collected(record: logging.LogRecord) -> bool:
+        complaints.append(record.getMessage().strip().partition("\n")[0])
+        return False
+
+    log = logging.getLogger("matplotlib")
+    log.addFilter(collected)
+    try:
+        yield
+    finally:
+        log.removeFilter(collected)
 
 
 def points(size: float) -> float:
