@@ -24,7 +24,7 @@ from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.status import OPEN, RESTING, Status
 from vibsim.engine.state import State
 from vibsim.physics.arithmetic.numbers import N, abs
-from vibsim.physics.parts import RigidStop, Scene
+from vibsim.physics.parts import RigidStop, Scene, Stop
 
 IN_TURN = 32  # blows one after the other that are tried where the order is in doubt
 
@@ -84,7 +84,7 @@ class Blows(Generic[N]):
         rates = {c.stop: rate_of(kit, c, v) for c in contacts}
         return Touch(contacts, dict(rates), rates, v, state.w, together)
 
-    def size(self, stop: RigidStop[N], state: State[N]) -> N:
+    def size(self, stop: Stop[N] | RigidStop[N], state: State[N]) -> N:
         xP, xQ = self.relative.ends(stop, state, "x")
         return abs(xP) + abs(xQ) + abs(stop.gap)
 

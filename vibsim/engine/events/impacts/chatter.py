@@ -15,7 +15,9 @@ Resolution of length: where a friction turns round at the top of a hop, the moti
 displacements, and the return is lost in that where the height w^2 / (2 a) is. So the sequence ends below
 LOWEST of their rounding, at e = 1 too. With the acceleration b of the return it would have lasted for another
 w (1 / a + 1 / sqrt(a b)) / (1 - e sqrt(b / a)), some 1e-7 s, which is told. A friction that holds from where
-it comes to rest, after s, takes from the hop as well: it returns from w s - a s^2 / 2 on at b.
+it comes to rest, after s, takes from the hop as well: it returns from w s - a s^2 / 2 on at b. So too where
+an elastic stop closes with each hop and lets go by force within it, at e < 1: its force is next to none, and
+b is a.
 """
 
 from __future__ import annotations
@@ -35,9 +37,10 @@ from vibsim.engine.modes.rows import SLIDE, STRIKE
 from vibsim.engine.modes.status import OPEN, RESTING, STICK, Status
 from vibsim.engine.state import State
 from vibsim.physics.arithmetic.numbers import N, abs
-from vibsim.physics.parts import Scene
+from vibsim.physics.parts import AT_FORCE, Scene
 
 TURNING = 4  # times the speed of a hop: what slips faster does not turn round in it
+BESIDE = 32  # of displacements: how near a stop closes to where another is struck; blows.c asks for 64
 LOWEST = 1024  # of displacements; event functions near zero are watched to some hundred
 
 
@@ -101,7 +104,7 @@ class Chatter(Generic[N]):
             if rubbing:
                 lasting = self._lasting(state, status, c, rubbing, speed, drive)
                 soon, last = lasting is not None, last if lasting is None else lasting
-            if soon:
+            if soon or (low and c.e < 1 and self._switches(state, status, c, speed)):
                 self.cut_off.add(state.t, last, speed, speed * after / 4)
                 touch.rates |= dict.fromkeys(self.blows.twins(touch, c.stop), self.kit.number(0))
                 touch.ended[c.stop] = hidden
@@ -158,9 +161,7 @@ class Chatter(Generic[N]):
         """Frictions at an end of a stop, or at what moves with it, that slip so slowly that a hop which
         begins with a speed [m/s] turns them round, or come to rest before the next blow, `after` [s].
         """
-        leader, n = self.maker.ties(status)[0], self.maker.n
-        hopping = {leader[column] for column in (contact.P, contact.Q) if leader[column] < n}
-        ends = {column for column in range(n) if leader[column] in hopping}
+        ends = self._hopping(status, contact)
         return [
             i
             for i, one in enumerate(self.scene.frictions)
@@ -171,6 +172,25 @@ class Chatter(Generic[N]):
                 or 0 < self._halt(state, status, i) <= after
             )
         ]
+
+    def _switches(self, state: State[N], status: Status, contact: Contact[N], speed: N) -> bool:
+        """Whether an elastic stop at an end of a stop, or at what moves with it, closes just where that is
+        struck, and lets go by force, so that it does within each hop of a speed [m/s].
+        """
+        ends = self._hopping(status, contact)
+        for _, stop in self.scene.elastic_stops:
+            if stop.c > 0 and stop.release == AT_FORCE and ends & set(self.maker.ends(stop)):
+                vP, vQ = self.relative.ends(stop, state, "v")
+                lost = BESIDE * self.kit.eps * self.blows.size(stop, state)
+                if abs(self.relative.depth(stop, state)) <= lost and abs(vP - vQ) <= TURNING * speed:
+                    return True
+        return False
+
+    def _hopping(self, status: Status, contact: Contact[N]) -> set[int]:
+        """The bodies at the ends of a stop, and all that move with them."""
+        leader, n = self.maker.ties(status)[0], self.maker.n
+        hopping = {leader[column] for column in (contact.P, contact.Q) if leader[column] < n}
+        return {column for column in range(n) if leader[column] in hopping}
 
     def _is_low(self, state: State[N], j: int, height: N) -> bool:
         """Whether rounding of displacements hides a hop of some height [m]."""
