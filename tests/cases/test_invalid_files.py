@@ -105,6 +105,9 @@ def test_files_that_do_not_exist(tmp_path, monkeypatch):
     assert line.startswith("trial: is no shipped case; for the file write ./trial; shipped are I-A, ")
     [line] = problems_of("IIB")
     assert line.startswith("IIB: is no shipped case (did you mean II-B?); shipped are")
+    for name in ("gallery/bouncing-ball", "hard/zeno-ball"):
+        [line] = problems_of(name.partition("/")[2])
+        assert f": is no shipped case (did you mean {name}?); shipped are I-A, " in line
     (tmp_path / "mine.yaml").write_text("")
     [line] = problems_of("mine")
     assert line.startswith("mine: is no shipped case; did you mean the file mine.yaml?; shipped are I-A, ")

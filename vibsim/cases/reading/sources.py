@@ -125,7 +125,8 @@ def _no_such_case(source: str) -> str:
     if called_as_result(source):
         return _no_case_but(source)
     names = shipped_case_names()
-    hint = did_you_mean(source, names)
+    inner = [f"{folder}{source}" for folder in (GALLERY, HARD) if f"{folder}{source}" in _names_in(folder)]
+    hint = f" (did you mean {inner[0]}?)" if inner else did_you_mean(source, names)
     if isdir(source):
         return FOLDER
     if isfile(source):  # False too for what no file can be called
