@@ -350,6 +350,22 @@ static void forget_slips(Run *r, const Blow *done)
     }
 }
 
+/* What rests or sticks on the base has its velocity, which that of the stretch has but for rounding. */
+static void carry(Run *r, double V)
+{
+    const Mode *m = r->mode;
+    int c;
+    for (c = 0; c < r->bodies; c++)
+        if (m->leader[c] == r->columns - 1)
+            r->next.v[c] = V + m->drift[c];
+}
+
+static void undo(Run *r)
+{
+    memcpy(r->next.v, r->before_v, sizeof(double) * (size_t)r->bodies);
+    r->next.w = r->before_w;
+}
+
 /* Take the blow of the pending event at r->next; 0 where Python has to decide, and nothing is changed then. */
 int blow_take(Run *r, const Event *event, Blow *done)
 {
@@ -357,13 +373,15 @@ int blow_take(Run *r, const Event *event, Blow *done)
     if (s == NULL || s->e == 0 || r->next.t == 0)
         return 0;
     base_motion_at(r, r->next.t, &done->X, &done->V);
+    carry(r, done->V);
     done->before = rate_of(r, s, done->V);
-    if (!(done->before > 0) || !alone(r, done))
+    if (!(done->before > 0) || !alone(r, done)) {
+        undo(r);
         return 0;
+    }
     strike(r, done);
     if (!turned(r, done) || !departs(r, event, done)) {
-        memcpy(r->next.v, r->before_v, sizeof(double) * (size_t)r->bodies);
-        r->next.w = r->before_w;
+        undo(r);
         return 0;
     }
     forget_slips(r, done);
