@@ -73,7 +73,7 @@ class Departures(Generic[N]):
         """
         order = leading(values, first)
         bounds = TaylorRounding(self.flow, order + 1, state.t == 0).derivatives(event, order)
-        if order > 0 and all(term.kind == DIFFERENCE for term in event.terms):
+        if order > 0 and event.is_made_of(DIFFERENCE):
             bounds[1] = self.kit.number(0)
             for term in event.terms:
                 bounds[1] = (
@@ -86,8 +86,8 @@ class Departures(Generic[N]):
 
     def _derivatives(self, state: State[N], event: Event[N], first: int) -> list[N]:
         """Derivatives of an event function of the mode entered last at `state`, see `as_far_as_needed`."""
-        direct = all(term.kind == DIFFERENCE for term in event.terms)
-        return self.as_far_as_needed(event, first, {1: self._direct_rate(state, event)} if direct else {})
+        direct = {1: self._direct_rate(state, event)} if event.is_made_of(DIFFERENCE) else {}
+        return self.as_far_as_needed(event, first, direct)
 
     def as_far_as_needed(self, event: Event[N], first: int, direct: Mapping[int, N]) -> list[N]:
         """Derivatives of an event function of the mode entered last: at least up to the first, from order
@@ -115,18 +115,18 @@ class Departures(Generic[N]):
         came from, the first derivative beyond that decides, in doubt; where there is none it stands on, and
         is no more than its rounding as far as a series reaches.
         """
-        event = self.event(self.maker.rows(status), key)
-        if all(term.kind == DIFFERENCE for term in event.terms):
+        rows = self.maker.rows(status)
+        event = self.event(rows, key)
+        if event.is_made_of(DIFFERENCE):
             rate = self._direct_rate(state, event)
             if rate != 0:
                 return -sign(rate), 1
-        values = self._derivatives(state, self.event(self.enter(state, status), key), self.jet)
+        self.flow.look(state, rows)
+        values = self._derivatives(state, event, self.jet)
         first = leading(values, order + 1)
         if first == 1:
             return -sign(values[first]), first
-        step = self.flow.step_length()
-        span = step if step < state.t else state.t
-        bounds = TaylorRounding(self.flow, self.jet + 1, state.t == 0, span).derivatives(event, self.jet)
+        bounds = self.bounds(state, event, self.jet)
         if 0 < bounds[first] >= abs(values[first]):
             self.doubt(state)
             plain = (n for n in range(first, self.jet) if abs(values[n]) > bounds[n])
@@ -134,6 +134,14 @@ class Departures(Generic[N]):
             if first == 0:
                 return 0, self.maker.scene.order + 1
         return -sign(values[first]), first
+
+    def bounds(self, state: State[N], event: Event[N], highest: int) -> list[N]:
+        """Bounds of the rounding of the derivatives of an event function of the mode entered last: of what
+        the state is made of, and of what the motion led through within a step before it, or since t = 0.
+        """
+        step = self.flow.step_length()
+        span = step if step < state.t else state.t
+        return TaylorRounding(self.flow, highest + 1, state.t == 0, span).derivatives(event, highest)
 
     def _direct_rate(self, state: State[N], event: Event[N]) -> N:
         """Rate of a function made of differences, from the velocities: no rounding of a flow in it."""
@@ -149,8 +157,8 @@ class Departures(Generic[N]):
         """Derivatives of a HOLD function, see `as_far_as_needed`; its value straight from the state where
         couplings alone make it.
         """
-        direct = event.terms and all(term.kind == COUPLING for term in event.terms)
-        return self.as_far_as_needed(event, 0, {0: self._direct_hold(state, rows, event)} if direct else {})
+        direct = {0: self._direct_hold(state, rows, event)} if event.is_made_of(COUPLING) else {}
+        return self.as_far_as_needed(event, 0, direct)
 
     def _direct_hold(self, state: State[N], rows: ModeRows[N], event: Event[N]) -> N:
         x = (*state.x, self.kit.number(0), self.relative.base(state, "x"))

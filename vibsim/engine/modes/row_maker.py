@@ -3,26 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Generic
-
-from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Status
-from vibsim.engine.modes.ties import Cut, Edge, Groups, Limits, Tie, cuts
-from vibsim.physics.arithmetic.numbers import Kit, N, abs
-from vibsim.physics.friction_laws import LAWS
-from vibsim.physics.parts import (
-    AT_GAP,
-    BASE,
-    EXTENSION,
-    GROUND,
-    Clearance,
-    Friction,
-    RigidStop,
-    Scene,
-    Stop,
-)
-
-if TYPE_CHECKING:
-    pass
+from typing import Generic
 
 from vibsim.engine.modes.rows import (
     ACCELERATION,
@@ -45,6 +26,21 @@ from vibsim.engine.modes.rows import (
     ModeRows,
     Term,
     Terms,
+)
+from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Status
+from vibsim.engine.modes.ties import Cut, Edge, Groups, Limits, Tie, cuts
+from vibsim.physics.arithmetic.numbers import Kit, N, abs
+from vibsim.physics.friction_laws import LAWS
+from vibsim.physics.parts import (
+    AT_GAP,
+    BASE,
+    EXTENSION,
+    GROUND,
+    Clearance,
+    Friction,
+    RigidStop,
+    Scene,
+    Stop,
 )
 
 
@@ -80,10 +76,6 @@ class RowMaker(Generic[N]):
             for i, stop in self.scene.elastic_stops
             if any(along == way(stop) and gap <= stop.gap for along, gap in rigid)
         }
-
-    def column(self, end: int) -> int:
-        """Column of an end of a part."""
-        return self.columns.get(end, end)
 
     def ends(self, part: Joined) -> Edge:
         """Columns of the ends of a part."""

@@ -115,6 +115,10 @@ class Event(Generic[N]):
     slope: tuple[Acceleration[N], ...] = ()
     turns: bool = False
 
+    def is_made_of(self, kind: int) -> bool:
+        """Whether all terms, and there are some, are of one kind."""
+        return bool(self.terms) and all(term.kind == kind for term in self.terms)
+
 
 @dataclass
 class ModeRows(Generic[N]):

@@ -366,6 +366,17 @@ static void undo(Run *r)
     r->next.w = r->before_w;
 }
 
+/* Whether the blow of `event` at r->next is clear; it has changed velocities there, if not all of them. */
+static int is_clear(Run *r, const Event *event, Blow *done)
+{
+    carry(r, done->V);
+    done->before = rate_of(r, done->stop, done->V);
+    if (!(done->before > 0) || !alone(r, done))
+        return 0;
+    strike(r, done);
+    return turned(r, done) && departs(r, event, done);
+}
+
 /* Take the blow of the pending event at r->next; 0 where Python has to decide, and nothing is changed then. */
 int blow_take(Run *r, const Event *event, Blow *done)
 {
@@ -373,14 +384,7 @@ int blow_take(Run *r, const Event *event, Blow *done)
     if (s == NULL || s->e == 0 || r->next.t == 0)
         return 0;
     base_motion_at(r, r->next.t, &done->X, &done->V);
-    carry(r, done->V);
-    done->before = rate_of(r, s, done->V);
-    if (!(done->before > 0) || !alone(r, done)) {
-        undo(r);
-        return 0;
-    }
-    strike(r, done);
-    if (!turned(r, done) || !departs(r, event, done)) {
+    if (!is_clear(r, event, done)) {
         undo(r);
         return 0;
     }

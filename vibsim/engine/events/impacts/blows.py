@@ -50,12 +50,11 @@ class Blows(Generic[N]):
         where a blow meets them, they do not close.
         """
         leader, drift = self.maker.ties(status)
-        for c in range(self.maker.n):
-            if leader[c] == self.maker.n + 1:
-                state.v[c] = self.relative.base(state, "v") + drift[c]
-
-    def contact(self, j: int) -> Contact[N]:
-        return self.contacts[j]
+        carried = [c for c in range(self.maker.n) if leader[c] == self.maker.n + 1]
+        if carried:
+            base = self.relative.base(state, "v")
+            for c in carried:
+                state.v[c] = base + drift[c]
 
     def touching(self, state: State[N], status: Status, i: int) -> Touch[N]:
         """The stops that rest, and those that meet stop `i` within the resolution of time and length.
@@ -131,7 +130,7 @@ class Blows(Generic[N]):
         """The stops that touch between the ends of stop `i` and on its side, itself first: their depths are
         one.
         """
-        one = self.contact(i)
+        one = self.contacts[i]
         ways = [(one.P, one.Q, one.sense), (one.Q, one.P, -one.sense)]
         return [i, *(c.stop for c in touch.contacts if c.stop != i and (c.P, c.Q, c.sense) in ways)]
 

@@ -31,7 +31,6 @@ from vibsim.engine.events.impacts.newton_moreau import Contact
 from vibsim.engine.events.impacts.touch import Touch
 from vibsim.engine.events.resolution import LAST, NEXT, ROUNDING, unit_of
 from vibsim.engine.events.settling import Settling
-from vibsim.engine.flows.series.taylor_rounding import TaylorRounding
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import SLIDE, STRIKE
 from vibsim.engine.modes.status import OPEN, RESTING, STICK, Status
@@ -132,7 +131,7 @@ class Chatter(Generic[N]):
             fading = [j for j in touch.rates if self._torn(touch, j)] if self.stops[i].e == 0 else []
         for j in fading:
             if status.stops[i] == RESTING == status.stops[j]:
-                v, c = self.blows.velocities(state), self.blows.contact(j)
+                v, c = self.blows.velocities(state), self.blows.contacts[j]
                 opened = status
                 for twin in self.blows.twins(touch, j):
                     opened = opened.with_stop(twin, OPEN)
@@ -146,10 +145,8 @@ class Chatter(Generic[N]):
     def _torn(self, touch: Touch[N], j: int) -> bool:
         """Whether blows moved an end of a stop that rested, and rounding hides what came of it."""
         ends = set(self.maker.ends(self.stops[j]))
-        idle = j == self.blows.foremost(touch, j) and j not in {
-            *touch.ended,
-            *(one.stop for one in touch.passed),
-        }
+        busy = {*touch.ended, *(one.stop for one in touch.passed)}
+        idle = j == self.blows.foremost(touch, j) and j not in busy
         return idle and bool(ends & touch.moved) and touch.before[j] == touch.rates[j] == 0
 
     def _leave_out(self, t: N, speed: N, drive: N, e: N) -> None:
@@ -257,8 +254,5 @@ class Chatter(Generic[N]):
         Bodies that pass where their springs are slack bring the rounding of where they came from.
         """
         rows = self.departures.enter(state, status)
-        event, flow = self.departures.event(rows, (STRIKE, j)), self.departures.flow
-        step = flow.step_length()
-        span = step if step < state.t else state.t
-        bounds = TaylorRounding(flow, 3, state.t == 0, span).derivatives(event, 2)
-        return bounds[2] * state.t
+        event = self.departures.event(rows, (STRIKE, j))
+        return self.departures.bounds(state, event, 2)[2] * state.t

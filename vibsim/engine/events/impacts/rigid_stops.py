@@ -116,7 +116,7 @@ class RigidStops(Generic[N]):
         standing: list[int] = []
         for j, _ in self.scene.rigid_stops:
             if j in met:
-                rate = rate_of(self.kit, self.blows.contact(j), self.blows.velocities(state))
+                rate = rate_of(self.kit, self.blows.contacts[j], self.blows.velocities(state))
                 if self.relative.turned_by_base(self.stops[j], rate, state):
                     self.departures.doubt(state)
                 if rate == 0:

@@ -7,14 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Generic
+from typing import Generic
 
 from vibsim.engine.modes.ties import Edge
 from vibsim.physics.arithmetic.numbers import N
 from vibsim.physics.parts import Harmonic, Scene
-
-if TYPE_CHECKING:
-    pass
 
 Pitch = tuple[N, N, N, N]  # omega, cycles, cycles_lo, phase
 Positions = tuple[tuple[int, int], ...]  # sum of sign times the position of a column at the start

@@ -50,44 +50,46 @@ class Loads(Generic[N]):
         self.scene, self.rows, self.harmonics, self.places, self.zero = scene, rows, harmonics, places, zero
         self.leader, self.moves = rows.leader, rows.groups.moves
 
-    def of(self, weights: list[N], of: Component[N]) -> tuple[N, list[N], list[N]]:
+    def of(self, weights: list[N], component: Component[N]) -> tuple[N, list[N], list[N]]:
         """load, sines, cosines of a coordinate, from the offsets of couplings, forces and the base."""
         load = self.zero
-        for q, stretch in zip(of.couplings, of.stretches, strict=True):
+        for q, stretch in zip(component.couplings, component.stretches, strict=True):
             if q.offset != 0:
-                load = load - _weight(weights, of.B, stretch, self.zero) * q.offset
+                load = load - _weight(weights, component.B, stretch, self.zero) * q.offset
         sines, cosines = [self.zero] * len(self.harmonics), [self.zero] * len(self.harmonics)
         for force in self.scene.forces:
-            share = self._force_weight(weights, of.edges, self.leader[force.on])
+            share = self._force_weight(weights, component.edges, self.leader[force.on])
             if share is not None:
                 load = load + _per_mass(force.constant, share)
                 for term in sounding(force.terms):
                     h = self.harmonics.index(pitch(term))
                     sines[h] = sines[h] + _per_mass(term.amplitude, share)
         for column, value in self.rows.constants:
-            share = self._force_weight(weights, of.edges, self.leader[column])
+            share = self._force_weight(weights, component.edges, self.leader[column])
             if share is not None:
                 load = load + _per_mass(value, share)
-        self._base_loads(weights, of, sines, cosines)
+        self._base_loads(weights, component, sines, cosines)
         return load, sines, cosines
 
-    def _base_loads(self, weights: list[N], of: Component[N], sines: list[N], cosines: list[N]) -> None:
+    def _base_loads(
+        self, weights: list[N], component: Component[N], sines: list[N], cosines: list[N]
+    ) -> None:
         """Loads from the base: inertia where the component is measured from it, else through links to it."""
-        rides = of.reference is not None and self.places[of.reference].base == 1
+        rides = component.reference is not None and self.places[component.reference].base == 1
         for term in sounding(self.scene.base):
             h = self.harmonics.index(pitch(term))
             X, V = term.amplitude, term.amplitude * term.omega
             if rides:
-                for weight, (P, Q) in zip(weights, of.edges, strict=True):
+                for weight, (P, Q) in zip(weights, component.edges, strict=True):
                     at_P, at_Q = (self.places[c].base if not self.moves(c) else None for c in (P, Q))
                     if at_P == 1 or at_Q == 1:  # y = u - X: y'' = u'' - X''
                         sign = 1 if at_Q == 1 else -1
                         sines[h] = sines[h] + sign * weight * (X * term.omega * term.omega)
-            for q, stretch in zip(of.couplings, of.stretches, strict=True):
+            for q, stretch in zip(component.couplings, component.stretches, strict=True):
                 ends = [self.places[c].base if not self.moves(c) else (1 if rides else 0) for c in (q.P, q.Q)]
                 sway = ends[0] - ends[1]
                 if sway != 0:
-                    share = sway * _weight(weights, of.B, stretch, self.zero)
+                    share = sway * _weight(weights, component.B, stretch, self.zero)
                     sines[h] = sines[h] - share * (q.k * X)
                     cosines[h] = cosines[h] - share * (q.c * V)
 
@@ -104,28 +106,28 @@ class Loads(Generic[N]):
                 total = part if total is None else total + part
         return None if total is None else (total, self.rows.own_mass(column))
 
-    def shifts(self, weights: list[N], of: Component[N]) -> list[Shift[N]]:
+    def shifts(self, weights: list[N], component: Component[N]) -> list[Shift[N]]:
         """Loads -k (distance of an end from the column that stands for it), by coupling: [(factor, plus,
         minus)].
         """
         shifts: list[Shift[N]] = []
-        for q, stretch in zip(of.couplings, of.stretches, strict=True):
+        for q, stretch in zip(component.couplings, component.stretches, strict=True):
             if q.k == 0:
                 continue
             for end, sign in ((q.P, 1), (q.Q, -1)):
-                stands = self.leader[end] if self.moves(end) else of.reference
+                stands = self.leader[end] if self.moves(end) else component.reference
                 if stands is None or end == stands:
                     continue
                 moved = self.places[end] if not self.moves(end) else None
                 if (
                     moved is not None
                     and not moved.fixed
-                    and of.reference is not None
-                    and not self.places[of.reference].fixed
-                    and moved.base == self.places[of.reference].base
+                    and component.reference is not None
+                    and not self.places[component.reference].fixed
+                    and moved.base == self.places[component.reference].base
                 ):
                     continue
-                factor = -(sign * _weight(weights, of.B, stretch, self.zero) * q.k)
+                factor = -(sign * _weight(weights, component.B, stretch, self.zero) * q.k)
                 shifts.append((factor, self._fixed(end), self._fixed(stands)))
         return [s for s in shifts if s[1] != s[2]]
 
