@@ -30,6 +30,8 @@ WITHIN = {
     "engine.events.roots": {"impacts"},
     "engine.flows.closed": {"series"},
     "engine.flows.series": {"closed"},
+    "engine.tangent.flows": {"events", "bundle"},
+    "engine.tangent.events": {"bundle"},
     "cases.values": {"schema", "parts", "reading"},
     "cases.schema": {"reading"},
     "cases.parts": {"reading"},

@@ -36,10 +36,10 @@ from vibsim.engine.modes.status import Status
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.resume import Point
 from vibsim.engine.state import State, start_of
-from vibsim.engine.tangent.impact_saltation import Undefined
+from vibsim.engine.tangent.events.impact_saltation import Undefined
+from vibsim.engine.tangent.events.saltation import released_frictions, saltation
+from vibsim.engine.tangent.events.tangencies import Tangencies
 from vibsim.engine.tangent.packing_tangent import DisturbancePacker, pack_bundle
-from vibsim.engine.tangent.saltation import released_frictions, saltation
-from vibsim.engine.tangent.tangencies import Tangencies
 from vibsim.engine.tangent.tangent_space import length, plainly_weighed_alike
 from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.modes import EVENT_KINDS

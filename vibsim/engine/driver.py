@@ -24,8 +24,8 @@ from vibsim.engine.modes.ties import Edge
 from vibsim.engine.resume import Point
 from vibsim.engine.section import StroboscopicSection
 from vibsim.engine.state import State, start_of
+from vibsim.engine.tangent.bundle.tangent_bundle import TangentBundle
 from vibsim.engine.tangent.disturbances import Disturbances
-from vibsim.engine.tangent.tangent_bundle import TangentBundle
 from vibsim.physics.arithmetic.numbers import Doubles, Kit, N
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene

@@ -30,9 +30,9 @@ from vibsim.engine.modes.status import LIFTED, Status
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.resume import Point, Row, resume_point
 from vibsim.engine.state import State
-from vibsim.engine.tangent.tangent_bundle import TangentBundle
+from vibsim.engine.tangent.bundle.tangent_bundle import TangentBundle
+from vibsim.engine.tangent.bundle.tangent_totals import tangent_totals
 from vibsim.engine.tangent.tangent_space import dimension
-from vibsim.engine.tangent.tangent_totals import tangent_totals
 from vibsim.engine.totals import ledger_totals, rigid_totals, totals_of
 from vibsim.physics.arithmetic.numbers import Doubles, Kit, N
 from vibsim.physics.modes import EVENT_KINDS, RIGID_KINDS

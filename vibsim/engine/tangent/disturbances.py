@@ -13,12 +13,12 @@ from vibsim.engine.flows.accelerations import joined
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.modes.rows import Event, ModeRows
 from vibsim.engine.state import State
-from vibsim.engine.tangent.impact_saltation import Undefined
-from vibsim.engine.tangent.saltation import Jump, resting, saltation
-from vibsim.engine.tangent.tangencies import Tangencies
-from vibsim.engine.tangent.tangent_closed_form import ClosedFormTangent
+from vibsim.engine.tangent.events.impact_saltation import Undefined
+from vibsim.engine.tangent.events.saltation import Jump, resting, saltation
+from vibsim.engine.tangent.events.tangencies import Tangencies
+from vibsim.engine.tangent.flows.tangent_closed_form import ClosedFormTangent
+from vibsim.engine.tangent.flows.tangent_taylor import TaylorTangent
 from vibsim.engine.tangent.tangent_space import seated
-from vibsim.engine.tangent.tangent_taylor import TaylorTangent
 from vibsim.physics.arithmetic.numbers import Kit, N
 from vibsim.physics.parts import Scene
 

@@ -30,8 +30,8 @@ from vibsim.engine.flows.series.taylor import Taylor
 from vibsim.engine.modes.rows import DIFFERENCE, GAP, HOLD, SLIDE, STRIKE, Event, ModeRows
 from vibsim.engine.modes.status import CONTACT, FORWARD, RESTING, STICK, Status
 from vibsim.engine.state import State
-from vibsim.engine.tangent.impact_saltation import Undefined, impact_saltation
-from vibsim.engine.tangent.tangent_taylor import TaylorTangent
+from vibsim.engine.tangent.events.impact_saltation import Undefined, impact_saltation
+from vibsim.engine.tangent.flows.tangent_taylor import TaylorTangent
 from vibsim.physics.arithmetic.numbers import Kit, N
 from vibsim.physics.parts import Friction, Scene, Stop
 

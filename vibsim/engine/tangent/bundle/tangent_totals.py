@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.engine.tangent.tangencies import CLOSE
+from vibsim.engine.tangent.events.tangencies import CLOSE
 from vibsim.engine.tangent.tangent_space import natural_rate
 from vibsim.physics.arithmetic.numbers import Kit, N
 from vibsim.physics.parts import Scene
@@ -25,7 +25,7 @@ def tangent_totals(
     tangent_pieces : stretches after which it was orthonormalised
     volume_residual : what is missing in the identity of Liouville [-]; NaN unless the bundle is complete
     tangencies, closest_tangency [-], closest_tangency_time [s] : events crossed almost tangentially, turns
-    almost in contact; see `vibsim.engine.tangent.tangencies`
+    almost in contact; see `vibsim.engine.tangent.events.tangencies`
     undefined_time : time [s] of the first event in the span that has no derivative; NaN without any
     """
     columns, lost = entries["columns"], np.array(entries["lost"])

@@ -15,8 +15,8 @@ from vibsim.engine.flows.harmonics import value_and_rate
 from vibsim.engine.modes.rows import GAP, HOLD, SLIDE, Event, Joined, ModeRows
 from vibsim.engine.modes.status import STICK
 from vibsim.engine.state import State
-from vibsim.engine.tangent.impact_saltation import ImpactSaltation, Undefined
-from vibsim.engine.tangent.saltation import (
+from vibsim.engine.tangent.events.impact_saltation import ImpactSaltation, Undefined
+from vibsim.engine.tangent.events.saltation import (
     Jump,
     event_rate,
     forced,

@@ -22,10 +22,10 @@ from typing import Any
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.state import State
+from vibsim.engine.tangent.bundle.tangent_volume import log_volume
 from vibsim.engine.tangent.disturbances import Disturbances
-from vibsim.engine.tangent.saltation import Jump
+from vibsim.engine.tangent.events.saltation import Jump
 from vibsim.engine.tangent.tangent_space import Gauge, TangentSpace, components, dimension, length, weights
-from vibsim.engine.tangent.tangent_volume import log_volume
 from vibsim.physics.arithmetic.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
 
