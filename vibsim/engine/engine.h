@@ -412,6 +412,7 @@ void closed_form_enter(Run *r, const State *state);
 int closed_form_dimension(const Run *r);
 void closed_form_evaluate(Run *r, double tau);
 void closed_form_jets(Run *r, int n);
+double harmonic_turned(const ClosedForm *f, const Harmonic *term, int quarters);
 void closed_form_state_after(Run *r, double tau, State *out);
 
 /* rounding.c */

@@ -35,16 +35,12 @@ static double load_derivative(const Run *r, int column, int n)
             total = total + force->constant;
         for (j = 0; j < force->count; j++) {
             const Harmonic *term = &force->terms[j];
-            double factor = term->amplitude, turns[4];
+            double factor = term->amplitude;
             if (term->harmonic < 0)
                 continue;
-            turns[0] = f->sines[term->harmonic];
-            turns[1] = f->cosines[term->harmonic];
-            turns[2] = -turns[0];
-            turns[3] = -turns[1];
             for (k = 0; k < n; k++)
                 factor = factor * term->omega;
-            total = total + factor * turns[n % 4];
+            total = total + factor * harmonic_turned(f, term, n);
         }
     }
     return total;

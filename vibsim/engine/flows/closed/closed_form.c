@@ -215,6 +215,13 @@ static inline void jet_of(const ClosedForm *f, const Coordinate *c, Motion *y, i
     }
 }
 
+/* Sine of a harmonic's angle here and so many quarters of a turn. */
+double harmonic_turned(const ClosedForm *f, const Harmonic *term, int quarters)
+{
+    double value = (quarters % 2 == 0 ? f->sines : f->cosines)[term->harmonic];
+    return quarters % 4 < 2 ? value : -value;
+}
+
 /* Derivatives of the coordinates as far as the event functions' n-th and a bound of it ask for them. */
 void closed_form_jets(Run *r, int n)
 {
@@ -230,15 +237,11 @@ void closed_form_jets(Run *r, int n)
         f->base[n] = 0.0;
     for (i = 0; i < r->base_count; i++) {
         const Harmonic *term = &r->base[i];
-        double factor = term->amplitude, turns[4];
+        double factor = term->amplitude;
         if (term->harmonic < 0)
             continue;
-        turns[0] = f->sines[term->harmonic];
-        turns[1] = f->cosines[term->harmonic];
-        turns[2] = -turns[0];
-        turns[3] = -turns[1];
         for (n = 0; n <= count; n++) {
-            f->base[n] = f->base[n] + factor * turns[n % 4];
+            f->base[n] = f->base[n] + factor * harmonic_turned(f, term, n);
             factor = factor * term->omega;
         }
     }
