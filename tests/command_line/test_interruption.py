@@ -160,6 +160,18 @@ def test_slow_run_tells_of_a_stiff_damper(capsys):
     assert "damper" not in noted([(2.0, 0.01)], 10.0, capsys, damping=("joint", 2e4))
 
 
+def test_a_run_that_gets_far_slower_is_told_again(capsys):
+    marks = [(2.0, 10.0), (4.0, 12.0), (6.0, 12.1), (8.0, 12.11)]
+    told = noted(marks, 1000.0, capsys, lossless=["floor", "wall"]).splitlines()
+    assert [line.split(";")[0] for line in told] == [
+        "case: slow: 5 s of the motion per second, about 3.3 minutes more",
+        "case: slow: 0.05 s of the motion per second, about 5.5 hours more",
+    ]
+    assert told[-1].endswith(
+        "; hops on floor, wall (e = 1) that die out come ever faster and never end; with e < 1 they end"
+    )
+
+
 def test_fastest_damper_is_that_of_the_lightest_ends():
     bodies = Body("a", 1.0, 0.0, 0.0), Body("b", 3.0, 0.0, 0.0)
     links = Link("held", 0, GROUND, 0.0, 4.0), Link("joint", 0, 1, 0.0, 6.0)

@@ -54,7 +54,13 @@ def _run_one(
     scene = job.case.scene()
     t_end = scene.t_end
     progress = Progress(not settings.quiet, PATIENCE)
-    slow = SlowRun(job.case.name, t_end, shown=not settings.quiet, damping=fastest_damping(scene))
+    slow = SlowRun(
+        job.case.name,
+        t_end,
+        shown=not settings.quiet,
+        damping=fastest_damping(scene),
+        lossless=[stop.name for _, stop in scene.rigid_stops if stop.e == 1],
+    )
 
     def watch(t: float) -> bool:
         progress.show(job.case.name, t, t_end)
