@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from matplotlib.figure import Figure
 
-from vibsim.plots.branches.curves import draw_branch, keys_to_marks, label_of, write_numbers
+from vibsim.plots.branches.curves import keys_to_marks
+from vibsim.plots.branches.numbered import draw_branches, write_numbers
 from vibsim.plots.branches.values import (
     amplitude_of,
     amplitude_words,
@@ -17,7 +18,7 @@ from vibsim.plots.branches.values import (
 )
 from vibsim.plots.page.quantities import Scale, scale_for
 from vibsim.plots.page.sheet import legend_above, legend_below, sheet
-from vibsim.plots.style import GREY, overlay
+from vibsim.plots.style import GREY
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweeps.axes import is_motor_speed
 from vibsim.plots.view import View
@@ -39,14 +40,11 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     values = [mean_speed_of(branch) if motor else amplitude_of(branch) for branch in branches]
     every = [[value(p.orbit) for p in b.points] for b, value in zip(branches, values, strict=True)]
     unit = Scale(1.0, "Hz") if motor else scale_for("m", *every)
-    names, colours = (
-        [subject.name for subject in subjects],
-        [overlay(i)["color"] for i in range(len(subjects))],
+    drawn = draw_branches(
+        axes,
+        subjects,
+        [(parameter_of(branch), scaled(value, unit)) for branch, value in zip(branches, values, strict=True)],
     )
-    drawn = [
-        draw_branch(axes, branch, parameter_of(branch), scaled(value, unit), colours[i], label_of(names, i))
-        for i, (branch, value) in enumerate(zip(branches, values, strict=True))
-    ]
     axes.margins(x=0.02)
     if view.window is not None:
         axes.set_xlim(*view.window)
@@ -59,5 +57,5 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
         legend_above(axes)
     keys = keys_to_marks(branches)
     legend_below(figure, keys, [str(key.get_label()) for key in keys])
-    write_numbers(axes, drawn, colours)
+    write_numbers(axes, drawn)
     return figure

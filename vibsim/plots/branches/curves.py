@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 
 from vibsim.branches.course import drawn, stretches
 from vibsim.branches.curve.energy import ENERGY
-from vibsim.plots.page.curve_labels import Named, write_names
+from vibsim.plots.branches.values import Value
 from vibsim.plots.style import BLACK
 
 WIDTH, DASHES = 1.0, (0, (3, 1.5))
@@ -28,11 +28,7 @@ MARKS = {  # kind: marker, size [pt], filled, name: each tells itself by its sha
     "grazing": ("^", 3.6, False, "grazing"),
     "sticking": ("1", 5.5, False, "stick begins or ends"),
 }
-PLACES, PARTS = 40, 4  # along a branch where its number may stand; of each piece between its corners
-APART = 12.0  # pt between a branch and others: enough for its number
 STROKES = ("x", "1")  # markers without an area
-
-Value = Callable[[Any], float]  # of an orbit record
 
 
 @dataclass(frozen=True)
@@ -95,45 +91,6 @@ def draw_branch(
                 gid=kind, zorder=6 if filled or marker in STROKES else 5,
             )  # fmt: skip
     return np.concatenate([np.column_stack([piece.x, piece.y]) for piece in parts])
-
-
-def label_of(names: Sequence[str], i: int) -> str:
-    """What the legend calls branch i of several: the number that it has in the picture, and its name; no
-    name for one alone.
-    """
-    return f"{i + 1}: {names[i]}" if len(names) > 1 else ""
-
-
-def write_numbers(axes: Axes, lines: Sequence[np.ndarray], colours: Sequence[Any]) -> None:
-    """Write the number of each of several branches where it ends, or else where it is apart from the others,
-    so that they are told apart in grey print too. Call it last.
-
-    lines : places along each branch (n, 2)
-    """
-    figure = axes.get_figure(root=True)
-    assert figure is not None
-    if len(lines) == 1:
-        return
-    figure.draw_without_rendering()
-    drawn = [axes.transData.transform(line) for line in lines]
-    named = []
-    for i, line in enumerate(drawn):
-        inside = line[[axes.bbox.contains(*place) for place in line.tolist()]]
-        if len(inside):
-            places = inside[np.linspace(len(inside) - 1, 0, PLACES).round().astype(int)]
-            others = np.concatenate([_dense(other) for j, other in enumerate(drawn) if j != i])
-            away = np.linalg.norm(places[:, None] - others, axis=2).min(axis=1) * 72 / figure.dpi
-            order = np.argsort(-np.minimum(away, APART), kind="stable")
-            x, y = axes.transData.inverted().transform(places[order]).T
-            named.append(Named(str(i + 1), x, y, {"color": colours[i], "gid": "number of a branch"}))
-    write_names(axes, named)
-
-
-def _dense(line: np.ndarray) -> np.ndarray:
-    """Places along a polygon, some between its corners."""
-    count = np.arange(len(line))
-    shares = np.linspace(0, len(line) - 1, PARTS * (len(line) - 1) + 1)
-    return np.column_stack([np.interp(shares, count, column) for column in line.T])
 
 
 def keys_to_marks(branches: Sequence[Any], kinds: Sequence[str] = tuple(MARKS)) -> list[Line2D]:

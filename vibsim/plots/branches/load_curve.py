@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from vibsim.plots.branches.curves import draw_branch, keys_to_marks, label_of, write_numbers
+from vibsim.plots.branches.curves import keys_to_marks
 from vibsim.plots.branches.leaps import draw_leap, leaps_of
 from vibsim.plots.branches.motor_lines import (
     Crossing,
@@ -26,11 +26,12 @@ from vibsim.plots.branches.motor_lines import (
     draw_motor_lines,
     torque_of,
 )
+from vibsim.plots.branches.numbered import draw_branches, write_numbers
 from vibsim.plots.branches.values import parameter_of
 from vibsim.plots.motion.natural_frequencies import motor_of
 from vibsim.plots.page.quantities import scale_for
 from vibsim.plots.page.sheet import legend_above, legend_below, sheet
-from vibsim.plots.style import BLACK, GREY, VERMILLION, overlay
+from vibsim.plots.style import BLACK, GREY, VERMILLION
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
 
@@ -61,14 +62,7 @@ def load_curve_panel(
     torques = [[torque_of(branch)(point.orbit) for point in branch.points] for branch in branches]
     scale = scale_for("N m", *torques)
     curves = [LoadCurve(branch, scale) for branch in branches]
-    names, colours = (
-        [subject.name for subject in subjects],
-        [overlay(i)["color"] for i in range(len(subjects))],
-    )
-    drawn = [
-        draw_branch(axes, one.branch, one.speed, one.torque, colours[i], label_of(names, i), MARKED)
-        for i, one in enumerate(curves)
-    ]
+    drawn = draw_branches(axes, subjects, [(curve.speed, curve.torque) for curve in curves], MARKED)
     _limit(axes, curves, view)
     speeds = no_load or _round_speeds(curves)
     leaps = leaps_of(curves, axes.get_xlim()) if no_load is None else []
@@ -88,7 +82,7 @@ def load_curve_panel(
         legend_above(axes)
     keys = [*keys_to_marks(branches, MARKED), *_keys(bool(leaps))]
     legend_below(figure, keys, [str(key.get_label()) for key in keys])
-    write_numbers(axes, drawn, colours)
+    write_numbers(axes, drawn)
 
 
 def _limit(axes: Axes, curves: Sequence[LoadCurve], view: View) -> None:

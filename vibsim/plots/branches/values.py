@@ -14,7 +14,7 @@ from vibsim.plots.page.quantities import Scale, symbol
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweeps.axes import is_speed, label_of
 
-Value = Callable[[Any], float]
+Value = Callable[[Any], float]  # of an orbit record
 
 
 class ParameterAxis:
