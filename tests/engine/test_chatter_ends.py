@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.engine.runs import differences, run
-from tests.engine.test_truth import exact_parts, truth
+from tests.engine.many_digits import exact_parts, truth
+from tests.engine.runs import run, run_both
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import (
     AT_FORCE,
@@ -37,8 +37,7 @@ def kinds(table):
 
 def worst(scene):
     """(run, largest error of a displacement [m]) against 40 digits; both engines are equal."""
-    fast, slow = run(scene, "c"), run(scene, "python")
-    assert differences(fast, slow) == []
+    fast = run_both(scene)
     samples, *_ = truth(exact_parts(scene), 40)
     columns = [name for name in samples if name.startswith("x_")]
     return fast, max(float(np.abs(fast.samples[name] - samples[name]).max()) for name in columns)
@@ -138,8 +137,7 @@ def test_the_ledgers_have_what_the_end_of_a_chatter_gives_to_the_ground(moved):
         every_num=1,
         every_den=50,
     )
-    fast, slow = (run(scene, engine, momentum=True) for engine in ("c", "python"))
-    assert differences(fast, slow) == []
+    fast = run_both(scene, momentum=True)
     assert fast.totals["chatter_speed"] > 1e-8
     assert abs(fast.totals["momentum_residual"]) < 1e-15 * len(fast.events["t"])
     assert abs(fast.totals["energy_residual"]) < 1e-17 * len(fast.events["t"])
@@ -165,8 +163,7 @@ def test_a_blow_is_in_doubt_where_the_order_of_two_makes_a_difference(restitutio
     """Struck one after the other, the first wall tells the speed behind; both at once, the harder one. Walls
     at one place are struck at once, whatever rounding does.
     """
-    fast, slow = (run(walls(restitutions, beyond), engine) for engine in ("c", "python"))
-    assert differences(fast, slow) == []
+    fast = run_both(walls(restitutions, beyond))
     assert (fast.totals["uncertified"] > 0) == doubted
 
 
@@ -182,8 +179,7 @@ def test_of_stops_at_one_place_the_hardest_decides(softer, first, friction):
     """
     restitutions = (0.7, *softer) if first else (*softer, 0.7)
     single = run(walls((0.7,), friction=friction), momentum=True)
-    fast, slow = (run(walls(restitutions, 0.0, friction), one, momentum=True) for one in ("c", "python"))
-    assert differences(fast, slow) == []
+    fast = run_both(walls(restitutions, 0.0, friction), momentum=True)
     assert fast.totals["uncertified"] == 0
     assert {name: fast.totals[name] for name in CUT_OFF} == {name: single.totals[name] for name in CUT_OFF}
     assert np.array_equal(fast.samples["v_ball"], single.samples["v_ball"])
@@ -206,8 +202,7 @@ def test_two_stops_at_one_place_act_as_one(e):
     forces = (Force("left", 0, 2.0, ()), Force("right", 1, -1.5, ()))
     alone = Scene(bodies, (), (one,), (), forces, t_end=0.4, every_num=1, every_den=50)
     scene = replace(alone, stops=(one, twin))
-    fast, slow = run(scene, "c"), run(scene, "python")
-    assert differences(fast, slow) == []
+    fast = run_both(scene)
     single = run(alone)
     for table in (single.events, fast.events, truth(exact_parts(scene), 40)[1]):
         assert table["t"][table["kind"] == EVENT_KINDS["chatter"]].size >= 1
@@ -228,8 +223,7 @@ def test_friction_on_a_body_that_rests_on_the_one_that_hops_ends_the_chatter_too
     )
     rubbing, push = Friction("f", 1, GROUND, 0.8, 0.8, 0.0), Force("F", 1, 3.0, ())
     scene = Scene(bodies, (), stops, (rubbing,), (push,), t_end=0.6, every_num=1, every_den=50)
-    fast, slow = run(scene, "c", most=1000), run(scene, "python", most=1000)
-    assert differences(fast, slow) == []
+    fast = run_both(scene, most=1000)
     assert fast.totals["chatters"] == 1 and fast.totals["uncertified"] == 0
     _, exact, *_ = truth(exact_parts(scene), 40)
     ends = [table["t"][table["kind"] == EVENT_KINDS["chatter"]][-1] for table in (fast.events, exact)]
@@ -246,8 +240,7 @@ def test_friction_alone_ends_a_chatter_on_a_stop_that_loses_nothing():
     rubbing, push = Friction("f", 0, GROUND, 0.5, 0.5, 0.0), Force("F", 0, 1.5, ())
     body = Body("a", 1.0, 0.0, 0.0)
     scene = Scene((body,), (), stops, (rubbing,), (push,), t_end=1.0, every_num=1, every_den=50)
-    fast, slow = run(scene, "c", most=1000), run(scene, "python", most=1000)
-    assert differences(fast, slow) == []
+    fast = run_both(scene, most=1000)
     assert fast.totals["chatters"] == 1 and fast.totals["uncertified"] == 0
     end = fast.events["t"][fast.events["kind"] == EVENT_KINDS["chatter"]][-1]
     share = np.sqrt((1.5 - 0.5) / (1.5 + 0.5))  # of the speed that a hop of 1 kg keeps
@@ -270,8 +263,7 @@ def test_a_chatter_ends_where_an_elastic_stop_lets_go(c):
         (Body("a", 1.0, 0.29, 0.1),), (), (wall, cushion), forces=(Force("F", 0, 1.5, ()),),
         t_end=2.0, every_num=1, every_den=50,
     )  # fmt: skip
-    fast, slow = run(scene, "c", most=1000), run(scene, "python", most=1000)
-    assert differences(fast, slow) == []
+    fast = run_both(scene, most=1000)
     samples, exact, *_ = truth(exact_parts(scene), 40)
     assert fast.totals["chatters"] == 1 and fast.totals["uncertified"] == 0
     ends = [table["t"][table["kind"] == EVENT_KINDS["chatter"]][-1] for table in (fast.events, exact)]
@@ -290,8 +282,7 @@ def test_a_chatter_ends_that_begins_with_the_run_on_a_moving_base(e):
     base = (Harmonic(top, omega, 7.3, 0.0, np.pi / 2),)
     ball, stop = Body("ball", 0.01, top, -leap), RigidStop("table", 0, BASE, 0.0, COMPRESSION, e)
     scene = Scene((ball,), (), (stop,), base=base, t_end=1.0, every_num=1, every_den=50)
-    fast, slow = run(scene, "c", most=1000), run(scene, "python", most=1000)
-    assert differences(fast, slow) == []
+    fast = run_both(scene, most=1000)
     assert fast.totals["uncertified"] == 0 and fast.totals["chatters"] >= 1
     end = fast.events["t"][fast.events["kind"] == EVENT_KINDS["chatter"]][0]
     assert end == pytest.approx(2 * leap / (top * omega**2) / (1 - e), rel=1e-6)

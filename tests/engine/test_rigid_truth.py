@@ -3,9 +3,9 @@
 import pytest
 from hypothesis import given, settings
 
+from tests.engine.many_digits import exact_parts, truth
 from tests.engine.random_parts import rigid_scenes
 from tests.engine.runs import Run, outcome
-from tests.engine.test_truth import exact_parts, truth
 from tests.engine.whole_truth import faults
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import (

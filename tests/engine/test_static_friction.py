@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tests.engine.bundles import totals
+from tests.engine.many_digits import exact_parts, truth
 from tests.engine.runs import differences, run
 from tests.engine.test_published_numbers import oscillator
 from tests.engine.test_restart import assert_restarts
@@ -14,7 +15,6 @@ from vibsim.engine.columns import part_columns, state_columns
 from vibsim.engine.driver import Driver
 from vibsim.engine.modes.rows import SLIDE
 from vibsim.engine.resume import resume_point
-from vibsim.engine.truth import open_truth
 from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.modes import EVENT_KINDS, EVENT_NAMES
 from vibsim.physics.parts import (
@@ -79,26 +79,13 @@ def test_block_on_a_belt(method, engine, sign):
 def test_block_on_a_belt_in_many_digits():
     """The same to 38 digits."""
     flint = pytest.importorskip("flint")
-    scene = block_on_belt()
-
-    def exact(number, _pi):
-        def converted(part):
-            named = {k: number(v) for k, v in vars(part).items() if isinstance(v, float)}
-            return replace(part, **named)
-
-        parts = {
-            name: tuple(map(converted, getattr(scene, name))) for name in ("bodies", "links", "frictions")
-        }
-        return replace(scene, **parts, t_end=number(scene.t_end))
-
-    trajectory = open_truth(exact, 40)
-    blocks = list(trajectory.blocks())
-    digits = [d for b in blocks for k, d in zip(b.events["kind"], b.event_digits["t"], strict=True)
-              if k == EVENT_KINDS["stick_end"]]  # fmt: skip
+    _, events, digits, _ = truth(exact_parts(block_on_belt()), 40)
+    ends = digits["t"][events["kind"] == EVENT_KINDS["stick_end"]]
+    assert len(ends) >= 6
     drop = flint.arb(HOLD - SLIP) / K
     belt = flint.arb(BELT)
     period = (2 * flint.arb.pi() - 2 * (5 * drop / belt).atan()) / 5 + 2 * drop / belt
-    for n, text in enumerate(digits):
+    for n, text in enumerate(ends):
         assert abs(flint.arb(text.decode()) - (flint.arb(HOLD) / K / belt + n * period)) < 1e-37
 
 

@@ -4,8 +4,8 @@ from collections import defaultdict
 
 import numpy as np
 
+from tests.engine.many_digits import exact_parts, truth
 from tests.engine.random_parts import LENGTH
-from tests.engine.test_truth import exact_parts, truth
 from vibsim.engine.errors import EngineError
 from vibsim.physics.modes import EVENT_KINDS, EVENT_NAMES
 

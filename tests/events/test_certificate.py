@@ -12,6 +12,7 @@ from tests.random_scenes import scenes
 from tests.scenes import fixed_block, harmonic, scene
 from tests.trajectories import ENGINES, run
 
+pytest.importorskip("flint")
 EPS = 2.0**-53
 METHODS = ("closed_form", "taylor")
 SAME_INSTANT = 1e-13  # of the run: events this close may come in either order

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, fields, replace
 from math import pi
 
-from tests.engine.test_truth import exact_parts, sine, touches, touching
+from tests.engine.many_digits import exact_parts, sine, touches, touching
 from vibsim.engine.driver import Driver
 from vibsim.engine.state import State
 from vibsim.engine.truth import bare
