@@ -1,11 +1,14 @@
 """Runs with rigid stops against the exact flow in 40 digits: none missed, none invented where certified."""
 
+from math import sqrt
+
 import pytest
 from hypothesis import given, settings
 
+from tests.engine.impacts import GRAVITY, ball, times
 from tests.engine.many_digits import exact_parts, truth
 from tests.engine.random_parts import rigid_scenes
-from tests.engine.runs import Run, outcome
+from tests.engine.runs import Run, outcome, run
 from tests.engine.whole_truth import faults
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import (
@@ -40,6 +43,16 @@ def test_doubles_follow_the_truth(scene):
 @given(rigid_scenes(radians=4.0))
 def test_doubles_follow_the_truth_often(scene):
     test_doubles_follow_the_truth.hypothesis.inner_test(scene)
+
+
+def test_a_ball_comes_to_rest_in_many_digits():
+    """After 9 sqrt(2 h / g) at e = 0.8, in as many digits as are asked for; in doubles to their rounding."""
+    case = ball(0.8, t_end=5.0)
+    _, events, _, totals = truth(exact_parts(case), 40)
+    rest = events["t"][events["kind"] == EVENT_KINDS["rest_begin"]]
+    assert rest == pytest.approx([sqrt(2 / GRAVITY) * 9], rel=2e-16)
+    assert totals["chatter_time"] < 1e-38
+    assert abs(times(run(case), "rest_begin")[0] - rest[0]) < 4e-14
 
 
 def test_bodies_at_rest_on_each_other_meet_the_wall_in_many_digits():
