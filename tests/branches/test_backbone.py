@@ -67,7 +67,7 @@ def test_on_file_gone_on_with_and_drawn(machine, tmp_path):
     assert whole.points == branch.points
     assert call("plot", path, "-o", tmp_path / "backbone.png").exit_code == 0
     shown = call("info", path).stdout
-    assert "orbits of 1 swing over energy from 8e-05 to 0.0006 J" in shown and "frequency" in shown
+    assert "orbits of 1 swing over energy from 8e-5 to 0.0006 J" in shown and "frequency" in shown
     run = vibsim.simulate(branch.case_at(0))
     assert run["x1"][0] - run["x2"][0] == pytest.approx(branch["x1-x2"][0], rel=1e-12)
 

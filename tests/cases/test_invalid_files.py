@@ -84,6 +84,25 @@ def test_deep_nesting_ends_quickly_with_a_problem(text, tmp_path):
     assert problems_of(path)
 
 
+def test_a_folder_is_told_with_what_is_in_it(tmp_path, monkeypatch):
+    """Where the folder of shipped models is meant, and is not here, its models are named."""
+    monkeypatch.chdir(tmp_path)
+    for source, begin in (
+        ("gallery/", "gallery: no such file; shipped are gallery/ball-on-shaken-table, "),
+        ("gallery", "gallery: is no shipped case; shipped are gallery/ball-on-shaken-table, "),
+        ("hard/", "hard: no such file; shipped are hard/a-million-seconds, "),
+    ):
+        (line,) = problems_of(source)
+        assert line.startswith(begin)
+    folder = tmp_path / "mine"
+    folder.mkdir()
+    assert problems_of("mine/") == ["mine: is a folder, not a case file"]
+    (folder / "a.yml").touch()
+    assert problems_of("mine") == ["mine: is a folder, not a case file; for those in it write mine/*.yml"]
+    (folder / "b.yaml").touch()
+    assert problems_of("mine/")[0].endswith("; for those in it write mine/*.yaml mine/*.yml")
+
+
 def test_a_strange_key_stays_on_one_line(tmp_path):
     path = tmp_path / "trial.yaml"
     path.write_text('blocks: {m1: 1 kg, m2: 1 kg, "a\\nb\\e' + "c" * 200 + '": 1}\ncoupling: {k1: 1 N/m}\n')

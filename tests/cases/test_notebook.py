@@ -6,6 +6,7 @@ import pytest
 
 from vibsim import load_case
 from vibsim.cases.derived_facts import derived_facts
+from vibsim.cases.number import number
 
 
 class Tags(HTMLParser):
@@ -33,7 +34,7 @@ def test_a_case_says_what_it_is(name):
     assert page.open == []
     assert page.text.startswith(repr(case)[1:-1]) and case.title in page.text and case.to_yaml() in page.text
     for fact in derived_facts(case.scene()):
-        assert fact.meaning in page.text and f"{fact.value:.6g} {fact.unit}".strip() in page.text
+        assert fact.meaning in page.text and f"{number(fact.value, 6)} {fact.unit}".strip() in page.text
 
 
 def test_what_a_user_wrote_is_no_mark_up():

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from vibsim.cases.number import number
 from vibsim.cases.plain_text import one_line, plain_text
 
 
@@ -36,3 +37,13 @@ def test_nothing_is_left_to_obey(text):
     assert {unicodedata.category(ch)[0] for ch in plain} <= set("LMNPSZ")
     assert not {"\u2028", "\u2029"} & set(plain)
     plain.encode("utf-8")
+
+
+@pytest.mark.parametrize(
+    ("x", "digits", "text"),
+    [(1e-6, 2, "1e-6"), (-8.5165e-5, 4, "-8.517e-5"), (0.0025, 2, "0.0025"), (2.34e8, 2, "2.3e8"),
+     (1e-12, 1, "1e-12"), (1e100, 3, "1e100"), (0.0, 3, "0"), (float("inf"), 2, "inf"), (12.5, 6, "12.5")],
+)  # fmt: skip
+def test_exponents_are_as_short_as_can_be(x, digits, text):
+    assert number(x, digits) == text
+    assert float(text) == float(f"{x:.{digits}g}")

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.command_line.made import call
+from vibsim.cases.number import number
 from vibsim.engine.choice import compiled
 from vibsim.evidence.benchmark import open_bench
 from vibsim.evidence.benchmark.families import FAMILIES
@@ -36,7 +37,7 @@ def test_a_small_bench_from_end_to_end():
     assert lines[0].startswith("II-B  ") and "30 digits carried" in done.stdout
     for row in bench.rows:
         (line,) = [line for line in lines if line.startswith(f"  {row.setting} ")]
-        assert f"{row.error_until(bench['time'], 1.0):.1e}" in line and f" {row.steps} " in line
+        assert number(row.error_until(bench["time"], 1.0), 2) in line and f" {row.steps} " in line
     assert sum("fastest" in line for line in lines) == sum("most accurate" in line for line in lines) == 1
     assert re.search(
         r"beside it +DOP853 with events, rtol \S+ +\d\S* x the time, \S+ x the error", done.stdout

@@ -70,6 +70,32 @@ def test_no_command_lets_a_terminal_obey_user_text(words):
     assert "Traceback" not in done.stderr
 
 
+BROKEN = "a\nError: b"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("run", "I-A", "-o", f"{BROKEN}.h5"),
+        ("run", f"{BROKEN}.yaml"),
+        ("plot", f"{BROKEN}.h5", "-o", f"{BROKEN}.png"),
+        ("animate", f"{BROKEN}.h5", "--window", "0:0.1", "-o", f"{BROKEN}.gif"),
+        ("export", f"{BROKEN}.h5", "-o", f"{BROKEN}.csv"),
+        ("new", BROKEN),
+        ("cases", "--draw", "I-A", "-o", f"{BROKEN}.svg"),
+        ("sweep", "I-A", "--omega", "3,4", "--t-end", "1s", "--section", "0", "-o", f"{BROKEN}.sweep.h5"),
+    ],
+    ids=lambda words: words[0],
+)
+def test_a_line_end_in_a_name_begins_no_line(words):
+    """Neither where the command does its work nor where it finds the file in the way."""
+    assert call("run", "I-A", "--t-end", "1s", "-o", f"{BROKEN}.h5", "-q", "--force").exit_code == 0
+    for done in (call(*words), call(*words)):
+        lines = f"{done.stdout}{done.stderr}".splitlines()
+        assert any("a\\nError: b" in line for line in lines)
+        assert not any(line.startswith("Error: b") for line in lines)
+
+
 def test_runs_and_files_of_hostile_cases():
     assert call("run", "nasty.yaml", "-q").exit_code == 0
     for words in (

@@ -115,7 +115,7 @@ def test_what_a_user_writes_is_no_markup(tmp_path):
 def test_reprs_are_a_few_lines(sweep):
     run, events = repr(short_run("II-B")), repr(short_run("II-B").events)
     assert run.startswith("<Result II-B: 0 to 5 s, 1001 samples, ")
-    assert "right           to 1e-06 m over the whole run" in run
+    assert "right           to 1e-6 m over the whole run" in run
     assert events.startswith("<Events of II-B: ") and "1 start" in events
     assert repr(sweep).startswith("<SweepResult II-B: 2 omega0 5 to 6 Hz x 3 c 0.01 to 0.03 N s/m x 2 m")
     assert all(len(text.splitlines()) <= 10 for text in (run, events, repr(sweep)))

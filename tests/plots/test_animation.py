@@ -20,7 +20,7 @@ from vibsim.plots.animation.display_list import moving_shapes
 from vibsim.plots.animation.film import Film
 from vibsim.plots.animation.sketch import display_list, sketch
 from vibsim.plots.animation.stage import NOSE_CM, attached
-from vibsim.plots.animation.writing import SIZES
+from vibsim.plots.animation.writing import SIZES, comfortable
 from vibsim.plots.errors import PlotError
 from vibsim.plots.subject import open_subject, subject_of
 
@@ -115,7 +115,10 @@ def test_a_gif_has_its_frames(runs, tmp_path):
 
     out = tmp_path / "a.gif"
     done = call("animate", runs["motor"], "-o", str(out), "--window", "10:10.4", "--speed", "0.5")
-    assert (done.exit_code, done.stdout) == (0, f"{out}: 17 frames; --speed 0.08 makes it some 5 s long\n")
+    assert (done.exit_code, done.stdout) == (
+        0,
+        f"{out}: 17 frames, 2 times slower; --speed 0.08 makes it some 5 s long\n",
+    )
     with Image.open(out) as picture:
         assert picture.n_frames == 17 and picture.info["loop"] == 0 and picture.info["duration"] == 50
         first = np.asarray(picture.convert("RGB"), int)
@@ -126,7 +129,10 @@ def test_a_gif_has_its_frames(runs, tmp_path):
 def test_an_mp4_has_its_frames(runs, tmp_path):
     encoder = shutil.which("ffmpeg") or pytest.importorskip("imageio_ffmpeg").get_ffmpeg_exe()
     out = tmp_path / "a.mp4"
-    assert call("animate", runs["motor"], "-o", str(out), "--window", "10:10.5", "-q").exit_code == 0
+    assert (
+        call("animate", runs["motor"], "-o", str(out), "--window", "10:10.5", "--speed", "1", "-q").exit_code
+        == 0
+    )
     told = subprocess.run([encoder, "-i", str(out), "-f", "null", "-"], capture_output=True, text=True)
     assert "1280x720" in told.stderr and re.findall(r"frame=\s*(\d+)", told.stderr)[-1] == "16"
 
@@ -191,7 +197,10 @@ def test_a_page_holds_the_motion(runs, tmp_path):
 @pytest.mark.parametrize("width", [pytest.param(1200, marks=pytest.mark.slow), 400])
 def test_a_page_goes_stops_and_slows(runs, tmp_path, width):
     out = tmp_path / "a.html"
-    assert call("animate", runs["motor"], "-o", str(out), "--window", "10:12", "-q").exit_code == 0
+    assert (
+        call("animate", runs["motor"], "-o", str(out), "--window", "10:12", "--speed", "1", "-q").exit_code
+        == 0
+    )
     browser = Browser(tmp_path / "browser")
     try:
         browser.open(out, width)
@@ -223,12 +232,68 @@ def test_a_film_that_is_too_short_says_how_to_make_it_longer(tmp_path, monkeypat
     monkeypatch.chdir(tmp_path)
     vibsim.simulate("gallery/chain-with-gaps").save("chain.h5")
     vibsim.simulate("gallery/three-balls").save("balls.h5")
-    done = call("animate", "chain.h5", "-o", "chain.gif")
+    done = call("animate", "chain.h5", "-o", "chain.gif", "--speed", "1")
     said = "chain.gif: 0.04 s are one frame at this speed; --speed 0.008 makes it some 5 s long"
     assert (done.exit_code, done.stderr) == (2, f"Error: {said}\n") and not (tmp_path / "chain.gif").exists()
-    done = call("animate", "balls.h5", "-o", "balls.gif")
-    assert done.stdout.startswith("balls.gif: 6 frames; --speed 0.05 makes it some 5 s long")
-    assert call("animate", "balls.h5", "-o", "b.gif", "--speed", "0.05").stdout == "b.gif: 121 frames\n"
+    done = call("animate", "balls.h5", "-o", "balls.gif", "--speed", "1")
+    assert done.stdout.startswith("balls.gif: 6 frames, real time; --speed 0.05 makes it some 5 s long")
+    assert (
+        call("animate", "balls.h5", "-o", "b.gif", "--speed", "0.05").stdout
+        == "b.gif: 121 frames, 20 times slower\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("length", "slower"),
+    [(0.04, 200), (0.3, 20), (1.0, 5), (2.5, 2), (4.9, 2), (5.0, 1), (300.0, 1), (0.0, 1), (5e-9, 1e9)],
+)
+def test_a_film_of_a_short_run_is_slowed_until_it_can_be_looked_at(length, slower):
+    """To 5 s at least, and by one step of 1, 2, 5, 10 no more than that takes."""
+    assert comfortable(length) == pytest.approx(1 / slower, rel=1e-12)
+    if 0 < length < 5:
+        assert 5 * (1 - 1e-12) <= length / comfortable(length) < 12.5
+
+
+def test_a_short_film_is_slowed_unless_its_speed_is_given(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    vibsim.simulate("gallery/chain-with-gaps").save("chain.h5")
+    done = call("animate", "chain.h5", "-o", "chain.html")
+    assert done.stdout.endswith(" frames, 200 times slower\n")
+    data = data_of(tmp_path / "chain.html")
+    assert data["speed"] == 0.005 and data["step"] <= 0.005 / 60 and data["decimals"] == 5
+    told = json.loads(call("animate", "chain.h5", "-o", "b.gif", "--json").stdout)
+    assert told == {"written": ["b.gif"], "frames": 161, "speed": 0.005}
+    call("animate", "chain.h5", "-o", "real.html", "--speed", "1")
+    assert data_of(tmp_path / "real.html")["speed"] == 1
+
+
+@pytest.mark.skipif(program() is None, reason="no Chromium on this machine")
+def test_a_narrow_page_names_all_of_many_bodies(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    vibsim.simulate("gallery/chain-with-gaps").save("chain.h5")
+    assert call("animate", "chain.h5", "-o", "film.html", "-q").exit_code == 0
+    assert call("plot", "chain.h5", "-o", "run.html", "-q").exit_code == 0
+    browser = Browser(tmp_path / "browser")
+    try:
+        for page, axes in (("film.html", "history_"), ("run.html", "panels[0].axes")):
+            browser.open(tmp_path / page, 400)
+            browser.settle()
+            ends = browser.value(
+                f"(() => {{const a = {axes}, at = a._places(a.g); return a.legend.map(([name], i) => "
+                "[name, at[i][0] + 28 + a.g.measureText(name).width, at[i][1]])})()"
+            )
+            assert [name for name, _, _ in ends] == [
+                f"x_{n}" for n in ("one", "two", "three", "four", "five")
+            ]
+            room = browser.value(f"{axes}.width")
+            assert all(end <= room for _, end, _ in ends) and ends[0][2] < ends[-1][2] < browser.value(
+                f"{axes}.top"
+            )
+            browser.size(1200)
+            browser.settle()
+            assert browser.value(f"{axes}.rows") == 1 and browser.said == []
+    finally:
+        browser.close()
 
 
 @pytest.mark.parametrize(("name", "speed"), [("chain-with-gaps", 0.01), ("energy-sink", 1.0)])

@@ -16,6 +16,7 @@ import numpy as np
 from vibsim.analysis.cycles import cycle_ends
 from vibsim.analysis.span import Span, steady_span
 from vibsim.analysis.verdicts import FrequenciesVerdict, name_verdict
+from vibsim.cases.number import number
 from vibsim.physics.arithmetic import elementary
 from vibsim.physics.arithmetic.sines import sine_cosine
 from vibsim.physics.arithmetic.sums import dot, mean
@@ -105,7 +106,7 @@ def find_frequencies(
         return DominantFrequencies("undecided", reason, span, of, source_hz=source)
     x = displacement(result, rows, of)
     lines, resolution = lines_of(x, every, source)
-    verdict, reason = "lines", f"{rows.stop - rows.start} samples, resolution {resolution:.2g} Hz"
+    verdict, reason = "lines", f"{rows.stop - rows.start} samples, resolution {number(resolution, 2)} Hz"
     if not lines and is_still(x):
         verdict = "still"
     elif not lines:

@@ -20,6 +20,7 @@ import numpy as np
 from vibsim.analysis.discard import transient
 from vibsim.analysis.regime.largest_exponent import exponent_of
 from vibsim.cases.arguments import whole_number
+from vibsim.cases.number import number
 from vibsim.engine.tangent.lyapunov import LyapunovExponents, lyapunov_exponents
 from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.labelled.shown import Shown
@@ -76,9 +77,14 @@ class Lyapunov(Shown):
     def lines(self) -> list[tuple[str, str]]:
         """The exponents with their intervals, and what speaks against them."""
         pairs = zip(self.exponents, self.half_widths, strict=True)
-        lines = [("exponents", ", ".join(f"{one:.4g} +- {half:.2g}" for one, half in pairs) + " 1/s")]
+        lines = [
+            (
+                "exponents",
+                ", ".join(f"{number(one, 4)} +- {number(half, 2)}" for one, half in pairs) + " 1/s",
+            )
+        ]
         if not np.isnan(self.volume_residual):
-            lines.append(("volume", f"residual {self.volume_residual:.2g}"))
+            lines.append(("volume", f"residual {number(self.volume_residual, 2)}"))
         return [*lines, *(("warning", text) for text in self.warnings)]
 
 
@@ -178,8 +184,8 @@ def _warnings(lyapunov: LyapunovExponents, tolerance: float) -> Iterator[str]:
     bound = PIECE * max(tolerance, UNIT_ROUNDOFF) * lyapunov.tangent_pieces
     if abs(lyapunov.volume_residual) > bound:
         yield (
-            f"volumes grow by exp({lyapunov.volume_residual:.1e}) more than the equations of motion let them:"
-            " the exponents are not right"
+            f"volumes grow by exp({number(lyapunov.volume_residual, 2)}) more than the equations of motion"
+            " let them: the exponents are not right"
         )
 
 
@@ -193,6 +199,6 @@ def _trend(times: np.ndarray, growth: np.ndarray) -> Iterator[str]:
     by_chance = hypot(halves[0].half_width, halves[1].half_width)
     if apart > max(CLEARLY * by_chance, 2 * SETTLED / (times[-1] - times[0])):
         yield (
-            f"the largest exponent is {halves[0].value:.3g} 1/s before {times[middle]:.4g} s and"
-            f" {halves[1].value:.3g} 1/s after it: the motion has not settled"
+            f"the largest exponent is {number(halves[0].value, 3)} 1/s before {times[middle]:.4g} s and"
+            f" {number(halves[1].value, 3)} 1/s after it: the motion has not settled"
         )

@@ -17,6 +17,7 @@ from vibsim.branches.curve.reciprocal import Reciprocal, restricted
 from vibsim.branches.plan import BranchError, BranchPlan
 from vibsim.branches.span import read_energy_span
 from vibsim.cases import Case
+from vibsim.cases.number import number
 from vibsim.engine.errors import EngineError
 from vibsim.once import once
 from vibsim.orbits import OrbitError, ReturnMap
@@ -164,8 +165,8 @@ def energy_plan(source: Any, span: str, engine: str = "auto") -> BranchPlan:
     energy = conserved.energy(X)
     if not low <= energy <= high:
         raise BranchError(
-            f"the start has an energy of {energy:.6g} J, outside the range {low:g}:{high:g}; begin from an "
-            "orbit, or an initial state, within it"
+            f"the start has an energy of {number(energy, 6)} J, outside the range "
+            f"{number(low, 6)}:{number(high, 6)}; begin from an orbit, or an initial state, within it"
         )
     end = return_map(X, T)
     travel = end.coordinates.travel(end.carried) or end.coordinates.size(X)

@@ -17,6 +17,7 @@ from vibsim.branches.special.special import LABELS
 from vibsim.branches.store.structure import POINT
 from vibsim.branches.tracing.records import OrbitRecord, PointRecord, SpecialRecord
 from vibsim.branches.tracing.tracing import CLOSED
+from vibsim.cases.number import number
 from vibsim.files.declarations import Column, Dataset
 from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.labelled import Labelled, few
@@ -67,7 +68,7 @@ class SpecialPoint:
         return np.array(self.orbit.multipliers)
 
     def __repr__(self) -> str:
-        where = f"{self.kind} at {self.parameter:.10g}, period {self.period:.8g} s"
+        where = f"{self.kind} at {number(self.parameter, 10)}, period {self.period:.8g} s"
         return f"<SpecialPoint {self.label}: {where}, between points {self.between[0]} and {self.between[1]}>"
 
 
@@ -165,7 +166,9 @@ class Branch(Along, Labelled):
         """Points, ends, special points, and the names of the arrays."""
         from vibsim.branches.description import branch_lines
 
-        special = few(f"{one.label} at {one.parameter:.6g} {self.unit}".strip() for one in self.specials)
+        special = few(
+            f"{one.label} at {number(one.parameter, 6)} {self.unit}".strip() for one in self.specials
+        )
         return [*branch_lines(self)[1:], ("special", special or "none"), ("arrays", few(self.keys()))]
 
     def case_at(self, point: int) -> Any:

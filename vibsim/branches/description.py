@@ -7,6 +7,7 @@ from vibsim.branches.curve.energy import ENERGY
 from vibsim.branches.loci.locus_plan import LocusPlan
 from vibsim.branches.loci.locus_result import Locus
 from vibsim.branches.special.special import BIFURCATIONS, UNRESOLVED
+from vibsim.cases.number import number
 
 DIGITS = 12  # of a parameter: special points are located to 1e-11 of it
 
@@ -14,7 +15,7 @@ DIGITS = 12  # of a parameter: special points are located to 1e-11 of it
 def branch_lines(branch: Branch) -> list[tuple[str, str]]:
     """Lines (name, text) about a branch."""
     low, high = reach(branch)
-    span = f"{branch.key} from {low:.6g} to {high:.6g} {branch.unit}".rstrip()
+    span = f"{branch.key} from {number(low, 6)} to {number(high, 6)} {branch.unit}".rstrip()
     count = int(branch["stable"].sum())
     stable = "without a multiplier outside the unit circle" if branch.key == ENERGY else "stable"
     turns = branch.map.section.of_return.partition(" ")[0] + "s" * (branch.plan.n > 1)
@@ -26,7 +27,7 @@ def branch_lines(branch: Branch) -> list[tuple[str, str]]:
     if branch.key == ENERGY:
         lines.append(("frequency", frequencies(branch)))
     unresolved = [one for one in branch.specials if one.kind == UNRESOLVED]
-    where = ", ".join(f"{one.parameter:.8g}" for one in unresolved)
+    where = ", ".join(f"{number(one.parameter, 8)}" for one in unresolved)
     held = "holds everywhere" if not unresolved else f"does not hold at {where} {branch.unit}".rstrip()
     return [*lines, ("index check", held)]
 
@@ -34,7 +35,7 @@ def branch_lines(branch: Branch) -> list[tuple[str, str]]:
 def frequencies(branch: Branch) -> str:
     """Of its first and its last orbit."""
     rates = 1.0 / branch["period"]
-    return f"{rates[0]:.8g} Hz at the least energy, {rates[-1]:.8g} Hz at the greatest"
+    return f"{number(rates[0], 8)} Hz at the least energy, {number(rates[-1], 8)} Hz at the greatest"
 
 
 def reach(branch: Branch) -> tuple[float, float]:
@@ -88,7 +89,8 @@ def locus_lines(locus: Locus) -> list[tuple[str, str]]:
 
 def _place(plan: LocusPlan, first: float, second: float, end: str) -> str:
     place = (
-        f"{first:.8g} {plan.branch.unit}".rstrip() + f", {plan.keys[0]} = {second:.8g} {plan.unit}".rstrip()
+        f"{number(first, 8)} {plan.branch.unit}".rstrip()
+        + f", {plan.keys[0]} = {number(second, 8)} {plan.unit}".rstrip()
     )
     return f"{place} ({end})"
 

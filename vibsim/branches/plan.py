@@ -14,6 +14,7 @@ from vibsim.branches.curve.family import Family
 from vibsim.branches.curve.node import Node, node_at
 from vibsim.branches.curve.step_size import Pace
 from vibsim.cases import Case
+from vibsim.cases.number import number
 
 PACE = Pace()
 FIRST_STEP = 0.1  # scaled, that the first correction of the start may have
@@ -147,11 +148,11 @@ def parameter_within(case: Case, keys: Sequence[str], unit: str, span: tuple[flo
     parameter = value_in(case.quantity(keys[0]), unit)
     low, high = sorted(span)
     if not low < high:
-        raise BranchError(f"the range {span[0]:g}:{span[1]:g} is empty")
+        raise BranchError(f"the range {number(span[0], 6)}:{number(span[1], 6)} is empty")
     if not low <= parameter <= high:
         raise BranchError(
-            f"the orbit is at {keys[0]} = {parameter:g} {unit}".rstrip()
-            + f", outside the range {low:g}:{high:g}; begin from an orbit within it"
+            f"the orbit is at {keys[0]} = {number(parameter, 6)} {unit}".rstrip()
+            + f", outside the range {number(low, 6)}:{number(high, 6)}; begin from an orbit within it"
         )
     return parameter
 

@@ -4,6 +4,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from vibsim.cases.derived_facts import derived_facts
+from vibsim.cases.number import number
 
 if TYPE_CHECKING:
     from vibsim.cases.case import Case
@@ -16,7 +17,7 @@ def html_of_case(case: "Case") -> str:
     the page's own.
     """
     rows = "".join(
-        _row(fact.name, f"{fact.value:.6g} {fact.unit}".strip(), fact.meaning)
+        _row(fact.name, f"{number(fact.value, 6)} {fact.unit}".strip(), fact.meaning)
         for fact in derived_facts(case.scene())
     )
     return (

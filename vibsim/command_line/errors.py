@@ -52,7 +52,7 @@ def exit_code_of(action: Callable[[], Any], as_json: bool = False) -> int:
             sys.stdout.flush()
     except click.ClickException as error:
         if type(error).__name__ == "NoArgsIsHelpError":  # click 8.2 and later: its message is the help
-            return told(error.format_message(), error.exit_code, as_json)
+            return told(error.format_message().splitlines(), error.exit_code, as_json)
         _say_usage(error)
         return told(f"Error: {_message(error)}", error.exit_code, as_json)
     except (click.Abort, KeyboardInterrupt):
@@ -109,18 +109,22 @@ def report(error: Exception, code: int, as_json: bool) -> int:
     if not isinstance(error, CaseError):
         return told(f"Error: {error}", code, as_json)
     problems = [problem_in_shell(problem) for problem in error.problems]
-    return told("\n".join(map(str, problems)), code, as_json, problems=[vars(one) for one in problems])
+    return told(list(map(str, problems)), code, as_json, problems=[vars(one) for one in problems])
 
 
-def told(text: str, code: int, as_json: bool, **more: Any) -> int:
-    """Print an error on stderr, and as JSON on stdout where that is asked for; returns its exit code."""
+def told(text: str | list[str], code: int, as_json: bool, **more: Any) -> int:
+    """Print an error on stderr, and as JSON on stdout where that is asked for; returns its exit code.
+
+    text : its line, or its lines
+    """
     from vibsim.command_line.terminal.printing import print_json, say
     from vibsim.command_line.text.in_shell import in_shell
 
-    text = in_shell(text)
-    say(text, err=True)
+    lines = [in_shell(line) for line in ([text] if isinstance(text, str) else text)]
+    for line in lines:
+        say(line, err=True)
     if as_json:
-        message = text.removeprefix("Error: ")
+        message = "\n".join(lines).removeprefix("Error: ")
         with broken_pipe_named():
             print_json({"error": {"message": message, "exit_code": code, **more}})
             sys.stdout.flush()
@@ -133,7 +137,7 @@ def _say_usage(error: click.ClickException) -> None:
 
     ctx = getattr(error, "ctx", None)
     if ctx is not None:
-        say(f"{ctx.get_usage()}\nTry '{ctx.command_path} --help' for help.\n", err=True)
+        say(f"{ctx.get_usage()}\nTry '{ctx.command_path} --help' for help.\n", err=True, lines=True)
 
 
 def _message(error: click.ClickException) -> str:

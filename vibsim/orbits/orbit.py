@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibsim.cases.number import number
 from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.labelled import Labelled, few
 from vibsim.orbits.measures import energy_of, points_of
@@ -173,16 +174,21 @@ class Orbit(Labelled):
 
     def lines(self) -> list[tuple[str, str]]:
         """Unknowns on the section, events, multipliers and margin."""
-        start = ", ".join(f"{name} = {value:.6g}" for name, value in self.coordinates.items())
-        multipliers = few(f"{mu.real:.5g}{mu.imag:+.5g}i" for mu in self.multipliers.tolist())
+        start = ", ".join(f"{name} = {number(value, 6)}" for name, value in self.coordinates.items())
+        multipliers = few(_text(mu) for mu in self.multipliers.tolist())
         return [
             ("section", start),
             ("events", self.spelled or "none"),
             ("multipliers", multipliers or "none"),
-            ("margin", "no turn of a gap" if self.margin == inf else f"{self.margin:.5g} m"),
+            ("margin", "no turn of a gap" if self.margin == inf else f"{number(self.margin, 5)} m"),
         ]
 
     @property
     def certified(self) -> bool:
         """Whether it is sure that no event was missed on it."""
         return self.end.uncertified == 0
+
+
+def _text(mu: complex) -> str:
+    sign = "-" if mu.imag < 0 else "+"
+    return f"{number(mu.real, 5)}{sign}{number(abs(mu.imag), 5)}i"

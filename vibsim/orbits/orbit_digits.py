@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from math import log10
 from typing import Any
 
+from vibsim.cases.number import number
 from vibsim.engine.driver import Driver
 from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.state import State
@@ -90,7 +91,9 @@ def _refined(orbit: Orbit, digits: int) -> OrbitDigits:
         if correction == 0 or log10(correction) < -digits - GUARD // 3:
             break
     else:
-        raise OrbitError(f"the orbit does not come to {digits} digits: the last step was {correction:.1e}")
+        raise OrbitError(
+            f"the orbit does not come to {digits} digits: the last step was {number(correction, 2)}"
+        )
     if exact.word != orbit.events:
         raise OrbitError(
             f"in many digits the orbit has other events, {_brief(orbit, exact.word)} in place of "

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from vibsim.cases.number import number
 from vibsim.orbits.multipliers import ON_CIRCLE
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ class Neighbour:
     def text(self) -> str:
         if self.kind == "family":
             return "a multiplier is 1: one of a family of orbits, or a fold"
-        shown = f"{self.mu.real:.6g}" if self.mu.imag == 0 else f"magnitude {abs(self.mu):.6g}"
+        shown = number(self.mu.real, 6) if self.mu.imag == 0 else f"magnitude {number(abs(self.mu), 6)}"
         article = "a Neimark-Sacker point" if self.kind == "Neimark-Sacker" else f"a {self.kind}"
         return f"{article} is near (multiplier {'of ' * (self.mu.imag != 0)}{shown})"
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibsim.cases.number import number
 from vibsim.files.declarations import Dataset
 from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.labelled import Labelled, few
@@ -117,5 +118,5 @@ def _itself(case: "Case") -> "Case":
 def _row(values: tuple[Any, ...]) -> str:
     from html import escape
 
-    texts = (f"{value:.6g}" if isinstance(value, float) else str(value) for value in values)
+    texts = (number(value, 6) if isinstance(value, float) else str(value) for value in values)
     return "<tr>" + "".join(f"<td>{escape(text)}</td>" for text in texts) + "</tr>"

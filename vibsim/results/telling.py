@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from vibsim.cases.number import number
 from vibsim.cases.plain_text import one_line
 from vibsim.labelled.labelled import few
 
@@ -30,7 +31,7 @@ def _counted(count: int, word: str) -> str:
 
 
 def _trust(result: "Result") -> str:
-    tolerance = f"to {result.attrs['trust_tolerance_m']:.2g} m"
+    tolerance = f"to {number(result.attrs['trust_tolerance_m'], 2)} m"
     horizon = result.trust_horizon
     assert horizon is not None
     if horizon < result.t_reached:

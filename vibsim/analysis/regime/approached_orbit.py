@@ -17,6 +17,7 @@ import numpy as np
 from vibsim.analysis.regime.points import Judged
 from vibsim.analysis.regime.recurrence import EXACT, MOSTLY, NEAR, SHRINKS, TOLERANCE
 from vibsim.analysis.regime.section import Coordinates
+from vibsim.cases.number import number
 from vibsim.engine.errors import EngineError
 from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.orbit import Orbit
@@ -109,7 +110,7 @@ def _settled(judged: Judged, orbit: Orbit, distances: np.ndarray) -> Judged:
     }
     if judged.verdict == "periodic" and judged.period == orbit.n:
         return replace(judged, **known)
-    reason = f"a stable orbit is there, {distances[-1]:.2g} of the vibration from the last point"
+    reason = f"a stable orbit is there, {number(distances[-1], 2)} of the vibration from the last point"
     return replace(
         judged,
         verdict="periodic",

@@ -27,6 +27,7 @@ from vibsim.analysis.regime.recurrence import (
 )
 from vibsim.analysis.regime.zero_one_test import zero_one
 from vibsim.analysis.verdicts import RegimeVerdict, name_verdict
+from vibsim.cases.number import number
 
 REGULAR, CHAOTIC = 0.1, 0.9  # |K| of the 0-1 test below, K above
 FEWEST = 200  # points that the 0-1 test needs: with fewer, K of a regular motion strays up to 0.5
@@ -85,11 +86,12 @@ def judge_points(points: np.ndarray, exponent: Exponent | None = None) -> Judged
     repeated = find_period(points)
     if repeated is not None:
         lasted = len(points) - repeated.onset
-        reason = f"the section repeats itself within {TOLERANCE:g}, over {lasted} cycles"
+        reason = f"the section repeats itself within {number(TOLERANCE, 6)}, over {lasted} cycles"
         return Judged("periodic", reason, repeated.period, repeated.onset, repeated.step)
     near = approached_period(points)
     if near is not None:
-        reason = f"points a period apart come closer, from {near.step / near.trend:.2g} to {near.step:.2g}"
+        before, now = number(near.step / near.trend, 2), number(near.step, 2)
+        reason = f"points a period apart come closer, from {before} to {now}"
         return Judged("transient", reason, near.period, step=near.step)
     if len(points) < FEWEST:
         reason = f"no period up to {min(LONGEST, len(points) // 5)}, and {len(points)} cycles are too few"

@@ -11,6 +11,7 @@ from fractions import Fraction
 from typing import Any
 
 from vibsim.cases import Case, CaseError
+from vibsim.cases.number import number
 from vibsim.cases.parts.building import build_parts, rebuild_parts
 from vibsim.cases.schema.keys import measured_at
 from vibsim.cases.values.quantities import Quantity, decimal_text, parse_quantity
@@ -58,7 +59,7 @@ class ScenePath:
         quantity = self._quantity(float(value))
         broken = self._measured.broken_bound(quantity.value) if self._measured else None
         if broken:
-            raise ValueError(f"{self.keys[0]} must be {broken}, got {value:g} {self.unit}".rstrip())
+            raise ValueError(f"{self.keys[0]} must be {broken}, got {number(value, 6)} {self.unit}".rstrip())
         values, scene = self._values, self._scene
         for place in self._places:
             values = replaced(values, place, quantity)

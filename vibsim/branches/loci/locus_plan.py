@@ -16,6 +16,7 @@ from vibsim.branches.plan import BranchError, BranchPlan, must_matter, value_in
 from vibsim.branches.special.holding import held
 from vibsim.branches.special.special import BRANCHING, GRAZING, NAMES, STICKING, TORUS
 from vibsim.branches.special.touching import CONTACTS
+from vibsim.cases.number import number
 from vibsim.orbits.returns.word import changes
 
 FIRST_STEP = 0.1  # scaled, that the first correction may have
@@ -141,7 +142,8 @@ def locus_plan(
     low, high = sorted(span)
     if not low <= value <= high or low == high:
         raise BranchError(
-            f"the branch is at {keys[0]} = {value:g} {unit}, outside the range {low:g}:{high:g}"
+            f"the branch is at {keys[0]} = {number(value, 6)} {unit}, outside the range "
+            f"{number(low, 6)}:{number(high, 6)}"
         )
     pair = min(special.orbit.multipliers, key=lambda mu: abs(abs(mu) - 1) + (mu.imag <= 0) * 1e3)
     orbit = special.orbit

@@ -15,7 +15,6 @@ ASCII_TEXT = re.compile("[\t\n\r -~]*")
 CONTROL = "[^\t\n\r -~\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"  # what YAML forbids
 SUFFIXES = (".yaml", ".yml")
 RESULTS = (".h5", ".hdf5", ".partial")
-FOLDER = "is a folder, not a case file"
 HARD, GALLERY = "hard/", "gallery/"  # folders of shipped cases, and how their names begin
 
 
@@ -108,7 +107,7 @@ def called_as_result(source: str) -> bool:
 def _no_case_but(source: str) -> str:
     """What a source with the name of a result file is instead of a case."""
     if isdir(source):
-        return FOLDER
+        return _no_case_but_a_folder(Path(source))
     if not isfile(source):
         return "no such file"
     try:
@@ -121,14 +120,28 @@ def _no_case_but(source: str) -> str:
     return "is a result and no case file; vibsim info --case prints its case"
 
 
+def _no_case_but_a_folder(path: Path) -> str:
+    inside = [f"{path}/*{suffix}" for suffix in SUFFIXES if any(True for _ in path.glob(f"*{suffix}"))]
+    others = f"; for those in it write {' '.join(inside)}" if inside else _shipped_in(path)
+    return f"is a folder, not a case file{others}"
+
+
+def _shipped_in(path: Path) -> str:
+    """The shipped cases whose names begin as a folder is called; empty for other folders."""
+    names = _names_in(f"{path}/") if f"{path}/" in (GALLERY, HARD) else []
+    return f"; shipped are {', '.join(names)}" if names else ""
+
+
 def _no_such_case(source: str) -> str:
     if called_as_result(source):
         return _no_case_but(source)
+    if isdir(source):
+        return _no_case_but_a_folder(Path(source))
+    if f"{source}/" in (GALLERY, HARD):
+        return f"is no shipped case{_shipped_in(Path(source))}"
     names = shipped_case_names()
     inner = [f"{folder}{source}" for folder in (GALLERY, HARD) if f"{folder}{source}" in _names_in(folder)]
     hint = f" (did you mean {inner[0]}?)" if inner else did_you_mean(source, names)
-    if isdir(source):
-        return FOLDER
     if isfile(source):  # False too for what no file can be called
         hint = f"; for the file write ./{source}"
     elif isfile(f"{source}.yaml"):
@@ -148,12 +161,12 @@ def _file(path: Path, name: str) -> SourceText:
 def _unreadable(path: Path, error: Exception) -> str:
     if isinstance(error, FileNotFoundError):
         names = shipped_case_names()
-        near = f"; the shipped case is called {path.stem}" if path.stem in names else ""
+        near = f"; the shipped case is called {path.stem}" if path.stem in names else _shipped_in(path)
         if str(path).startswith((HARD, GALLERY)):
             near = did_you_mean(str(path), [*hard_case_names(), *gallery_case_names()])
         return f"no such file{near}"
     if isinstance(error, IsADirectoryError):
-        return FOLDER
+        return _no_case_but_a_folder(path)
     return f"cannot be read: {getattr(error, 'strerror', None) or error}"
 
 

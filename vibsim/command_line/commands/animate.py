@@ -24,8 +24,9 @@ from vibsim.command_line.terminal.printing import print_json, say
     "--window", type=WINDOW, metavar="A:B", help="Show only this span [s]. [default: the last 10 s]"
 )
 @click.option(
-    "--speed", type=FiniteRange(1e-5, 1e4), default=1.0, show_default=True, metavar="S",
-    help="Seconds of motion per second of the film: 1 is real time, 0.1 ten times slower.",
+    "--speed", type=FiniteRange(1e-5, 1e4), metavar="S",
+    help="Seconds of motion per second of the film: 1 is real time, 0.1 ten times slower. "
+    "[default: real time, or so much slower that the film lasts 5 s]",
 )  # fmt: skip
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 @click.pass_context
@@ -34,7 +35,7 @@ def command(
     file: str,
     output: str,
     window: tuple[float, float] | None,
-    speed: float,
+    speed: float | None,
     force: bool,
 ) -> None:
     """Write a moving picture of the run in FILE: the machine beside its phase portrait and time history.
@@ -46,18 +47,19 @@ def command(
     from vibsim.command_line.terminal.progress import PATIENCE, Progress
     from vibsim.files.output_file import check_output
     from vibsim.files.signals import interrupted_with
+    from vibsim.plots.animation.channels import speed_text
     from vibsim.plots.animation.writing import Wish, animate, too_short
 
     check_output(output, force)
     progress = Progress(not ctx.obj.quiet, PATIENCE)
     try:
         with interrupted_with(lambda: f"{output} is not written"):
-            count = animate(
+            written = animate(
                 file, output, Wish(window, speed), force, lambda n, of: progress.show(output, n, of)
             )
     finally:
         progress.close()
     if ctx.obj.json:
-        print_json({"written": [output], "frames": count})
+        print_json({"written": [output], "frames": written.frames, "speed": written.speed})
     elif not ctx.obj.quiet:
-        say(f"{output}: {count} frames{too_short(output, count, speed)}")
+        say(f"{output}: {written.frames} frames, {speed_text(written.speed)}{too_short(output, written)}")

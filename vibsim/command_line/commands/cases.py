@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from vibsim.cases.number import number
 from vibsim.command_line.options.examples import examples
 from vibsim.command_line.options.parameters import CASE, FILE
 from vibsim.command_line.options.settings import Settings
@@ -58,7 +59,7 @@ def command(
         print_json([_described(case) for case in cases], indent=2)
     elif names:
         texts = [case.long_text() if resolved else case.text for case in cases]
-        say("---\n".join(texts), nl=False)
+        say("---\n".join(texts), nl=False, lines=True)
     else:
         _print_table(cases)
 
@@ -95,7 +96,8 @@ def _draw(settings: Settings, cases: dict[str, Case], output: str | None, force:
     if settings.json:
         print_json({"written": written})
     elif not settings.quiet:
-        say("\n".join(written))
+        for path in written:
+            say(path)
 
 
 def _described(case: Case) -> dict[str, Any]:
@@ -123,8 +125,8 @@ def _short_frequency(case: Case) -> str:
     frequency = case.frequency()
     if frequency is None:
         return "-"
-    number, _, unit = str(frequency).partition(" ")
-    return f"{float(number):.6g} {unit}"
+    value, _, unit = str(frequency).partition(" ")
+    return f"{number(float(value), 6)} {unit}"
 
 
 def _print_table(cases: Iterable[Case]) -> None:

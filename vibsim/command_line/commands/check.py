@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from vibsim.cases.number import number
 from vibsim.command_line.errors import INVALID_CASE
 from vibsim.command_line.options.examples import examples
 from vibsim.command_line.options.settings import Settings
@@ -83,7 +84,7 @@ def _summary(case: Case) -> str:
 
 def _print_facts(case: Case) -> None:
     for fact in _facts(case):
-        say(f"  {fact.name:<22} {fact.value:>12.6g} {fact.unit:<3} {fact.meaning}")
+        say(f"  {fact.name:<22} {number(fact.value, 6):>12} {fact.unit:<3} {fact.meaning}")
 
 
 def _facts(case: Case) -> Sequence[Fact]:

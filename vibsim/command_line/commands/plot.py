@@ -159,4 +159,5 @@ def _report(settings: Settings, written: list[str]) -> None:
     if settings.json:
         print_json({"written": written})
     elif not settings.quiet:
-        say("\n".join(written))
+        for path in written:
+            say(path)

@@ -7,6 +7,7 @@ from itertools import groupby
 from math import isfinite
 from typing import Any
 
+from vibsim.cases.number import number
 from vibsim.command_line.errors import RUN_FAILED
 from vibsim.command_line.options.settings import Settings
 from vibsim.command_line.terminal.interruption import Interruption
@@ -85,7 +86,7 @@ def print_table(rows: Sequence[Row], titles: dict[str, str], settings: Settings)
 
 def _cells(row: Row) -> tuple[str, ...]:
     verdict = "ok" if row.passed else "FALLS SHORT"
-    return row.what, row.expected, row.obtained, f"{row.error:.1e}", f"{row.bound:.1e}", verdict
+    return row.what, row.expected, row.obtained, number(row.error, 2), number(row.bound, 2), verdict
 
 
 def _line(cells: Sequence[str], widths: Sequence[int], row: Row | None = None) -> str:

@@ -23,11 +23,15 @@ def style(text: object, **look: Any) -> str:
     return click.style(plain_text(text), **look).replace("\x1b", _OWN)
 
 
-def say(text: str = "", err: bool = False, nl: bool = True) -> None:
-    """Print a text; control characters in it are written out (\\x1b), but for line ends and `style`."""
+def say(text: str = "", err: bool = False, nl: bool = True, lines: bool = False) -> None:
+    """Print a line; control characters in it are written out (\\x1b), but for `style`.
+
+    lines : whether the text may have line ends of its own; in a line they come from a name of the user's
+    """
     from vibsim.cases.plain_text import plain_text
 
-    parts = [plain_text(part, allowed="\n\t") for part in text.split(_OWN)]
+    allowed = "\n\t" if lines else "\t"
+    parts = [plain_text(part, allowed) for part in text.split(_OWN)]
     click.echo("\x1b".join(parts), err=err, nl=nl)
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from vibsim.cases.plain_text import plain_text
 from vibsim.command_line.terminal.printing import say
 
 PATIENCE = 1.0  # seconds before a bar appears of work that is often done sooner
@@ -60,9 +61,10 @@ class Progress:
 
     def _new_bar(self, total: float, item: str) -> Any:
         counted = isinstance(total, int)
+        label = plain_text(self._step)
         bar: Any = click.progressbar(
             length=int(total) if counted else FINE,
-            label=f"{self._step:{WIDTH}}" if self._listed else self._step,
+            label=f"{label:{WIDTH}}" if self._listed else label,
             file=sys.stderr,
             show_eta=not item,
             show_pos=counted,

@@ -5,10 +5,11 @@ from typing import TypeVar
 
 from vibsim.analysis import Analysis, Capture, DominantFrequencies, Drift, ImpactsPerCycle, Regime
 from vibsim.analysis.impacts_per_cycle import Spread
+from vibsim.cases.number import number
 from vibsim.command_line.terminal.printing import style
 from vibsim.command_line.text.multipliers import multiplier_text
 from vibsim.command_line.text.quantities import metres
-from vibsim.command_line.text.summary import short, trust_text
+from vibsim.command_line.text.summary import trust_text
 from vibsim.results import Result
 
 COLORS = {"undecided": "yellow", "captured": "green", "chaotic": "magenta"}
@@ -77,9 +78,8 @@ def drift_text(drift: Drift) -> str:
     """Verdict, rate and interval."""
     if drift.rate is None or drift.half_width is None:
         return f"{_verdict(drift.verdict)}: {drift.reason}"
-    return (
-        f"{_verdict(drift.verdict)}: {_number(drift.rate)} +- {short(drift.half_width)} m/s ({drift.reason})"
-    )
+    rate = f"{number(drift.rate, 4)} +- {number(drift.half_width, 2)} m/s"
+    return f"{_verdict(drift.verdict)}: {rate} ({drift.reason})"
 
 
 def impact_lines(impacts: ImpactsPerCycle, verbose: bool) -> list[Line]:
@@ -111,11 +111,11 @@ def regime_lines(regime: Regime) -> list[Line]:
     if regime.multipliers is not None and regime.exponents is not None:
         shown = ", ".join(multiplier_text(complex(*pair)) for pair in regime.multipliers if pair[1] >= 0)
         lines.append(("", f"multipliers {shown}"))
-        rates = ("-inf" if value is None else f"{value:.4g}" for value in regime.exponents)
+        rates = ("-inf" if value is None else number(value, 4) for value in regime.exponents)
         lines.append(("", f"exponents {', '.join(rates)} 1/s"))
     if regime.exponent and regime.verdict != "periodic":
         value, half_width = regime.exponent.value, regime.exponent.half_width
-        lines.append(("", f"largest Lyapunov exponent {value:.3g} +- {short(half_width)} 1/s"))
+        lines.append(("", f"largest Lyapunov exponent {number(value, 3)} +- {number(half_width, 2)} 1/s"))
     return lines
 
 
@@ -132,11 +132,7 @@ def frequency_lines(frequencies: DominantFrequencies) -> Iterator[Line]:
     yield "frequencies", ", ".join(parts)
     orders = " (orders in brackets)" if any(line.order for line in frequencies.lines[:SHOWN]) else ""
     source = f"source {frequencies.source_hz:.4g} Hz{orders}, " if frequencies.source_hz else ""
-    yield "", f"{source}resolution {short(frequencies.resolution_hz or 0.0)} Hz"
-
-
-def _number(x: float) -> str:
-    return f"{x:.4g}".replace("e-0", "e-")
+    yield "", f"{source}resolution {number(frequencies.resolution_hz or 0.0, 2)} Hz"
 
 
 def _verdict(word: str, words: dict[str, str] | None = None) -> str:
@@ -157,4 +153,5 @@ def _trusted(trusted: bool | None) -> str:
 
 
 def _spread(spread: Spread) -> str:
-    return f"{spread.least:.4g} to {spread.greatest:.4g} {spread.unit}, mean {spread.mean:.4g} {spread.unit}"
+    least, greatest, mean = (number(x, 4) for x in (spread.least, spread.greatest, spread.mean))
+    return f"{least} to {greatest} {spread.unit}, mean {mean} {spread.unit}"

@@ -6,6 +6,7 @@ from itertools import groupby
 from math import isfinite
 from pathlib import Path
 
+from vibsim.cases.number import number
 from vibsim.command_line.terminal.printing import say, style
 from vibsim.command_line.text.quantities import seconds, size
 from vibsim.command_line.text.summary import heading, print_lines
@@ -55,7 +56,7 @@ def head_lines(bench: BenchResult) -> list[tuple[str, str]]:
         ("span", f"{seconds(float(time[-1]))}, compared at {len(time)} instants"),
         ("truth", f"{truth}; {attrs['truth_library']}, {attrs['truth_wall_time_s']:.3g} s"),
         ("times", "milliseconds per second of motion, medians; impacts per second of computing"),
-        ("faithful", f"errors within {1e3 * bench.faithful_error:.3g} mm"),
+        ("faithful", f"errors within {number(1e3 * bench.faithful_error, 3)} mm"),
         ("machine", f"{attrs['processor']}, {attrs['cores']} cores; {attrs['platform']}"),
         ("versions", f"vibsim {attrs['vibsim_version']}, {', '.join(versions)}"),
     ]
@@ -151,16 +152,16 @@ def verdict_lines(bench: BenchResult) -> list[tuple[str, str]]:
 
 
 def _ratio(x: float) -> str:
-    return f"{x:.2g}" if x < 100 or x >= 1e5 else f"{float(f'{x:.2g}'):.0f}"
+    return number(x, 2) if x < 100 or x >= 1e5 else f"{float(f'{x:.2g}'):.0f}"
 
 
 def _short(x: float) -> str:
     """Three digits without an exponent: 0.0512, 12.3, 2036."""
-    return f"{x:.3g}" if x < 1000 else f"{x:.0f}"
+    return number(x, 3) if x < 1000 else f"{x:.0f}"
 
 
 def _error_text(x: float) -> str:
-    return f"{x:.1e}" if isfinite(x) else NOTHING
+    return number(x, 2) if isfinite(x) else NOTHING
 
 
 def _rate_text(rate: float | None) -> str:

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 from vibsim.analysis.block_averages import Average
 from vibsim.analysis.comparison import WORDS, ComparedStatistic, Comparison
+from vibsim.cases.number import number
 from vibsim.command_line.terminal.printing import style
-from vibsim.command_line.text.summary import short
 from vibsim.results import Result
 
 COLORS = {"identical": "green", "agree": "green", "differ": "red"}
@@ -35,7 +35,7 @@ def _run_text(run: Result, path: str) -> str:
 
 
 def _agreement_text(comparison: Comparison) -> str:
-    within = f"within {short(comparison.tolerance)} m"
+    within = f"within {number(comparison.tolerance, 2)} m"
     if comparison.verdict == "agree":
         return f"{within} to the end, {comparison.span:g} s"
     if comparison.agree_until is None:
@@ -49,7 +49,7 @@ def _statistic_text(statistic: ComparedStatistic) -> str:
 
 
 def _interval(value: Average) -> str:
-    return f"{value.mean:.5g} +- {value.half_width:.1g}"
+    return f"{number(value.mean, 5)} +- {number(value.half_width, 1)}"
 
 
 def _reason(comparison: Comparison) -> str:

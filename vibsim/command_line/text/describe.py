@@ -21,7 +21,7 @@ def print_case(path: str, settings: Settings) -> None:
     if settings.json:
         print_json({"file": path, "case_yaml": text})
     else:
-        say(text, nl=False)
+        say(text, nl=False, lines=True)
 
 
 def print_description(path: str, settings: Settings) -> None:

@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 from vibsim.analysis.exponents import Lyapunov, stored_exponents
+from vibsim.cases.number import number
 from vibsim.command_line.terminal.printing import style
 from vibsim.results import Result
 
@@ -36,7 +37,8 @@ def exponent_text(value: float, half_width: float) -> str:
         return "none"
     if math.isinf(value):
         return "-inf"
-    return f"{value:.3g}" if math.isnan(half_width) else f"{value:.3g} +- {half_width:.2g}"
+    text = number(value, 3)
+    return text if math.isnan(half_width) else f"{text} +- {number(half_width, 2)}"
 
 
 def checks(lyapunov: Lyapunov, rests: bool) -> str:
@@ -46,5 +48,5 @@ def checks(lyapunov: Lyapunov, rests: bool) -> str:
         losses = f"{lyapunov.rank_losses} rank loss{'' if lyapunov.rank_losses == 1 else 'es'}"
         parts.append(f"{losses} by {'sticking, rest and blows' if rests else 'sticking'}")
     if not math.isnan(lyapunov.volume_residual):
-        parts.append(f"volume residual {lyapunov.volume_residual:.1e}")
+        parts.append(f"volume residual {number(lyapunov.volume_residual, 2)}")
     return "".join(f", {part}" for part in parts)

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from math import inf
 from typing import Any
 
+from vibsim.cases.number import number
 from vibsim.command_line.terminal.printing import style
 from vibsim.command_line.text.multipliers import multiplier_text
 from vibsim.command_line.text.quantities import counted, metres
@@ -22,14 +23,17 @@ def orbit_lines(orbit: Orbit, digits: Any = None) -> Lines:
         ("period", period_text(orbit)),
         *_drift(orbit),
         ("events", events_text(orbit)),
-        ("state", ", ".join(f"{name} {value:.10g}" for name, value in orbit.coordinates.items())),
+        ("state", ", ".join(f"{name} {number(value, 10)}" for name, value in orbit.coordinates.items())),
         ("", f"in {', '.join(orbit.end.coordinates.units)}, on the section {section_text(orbit)}"),
         ("multipliers", multipliers_text(orbit)),
         ("stability", stability_text(orbit)),
-        ("exponents", f"{', '.join(f'{value:.5g}' for value in orbit.exponents)} 1/s"),
+        ("exponents", f"{', '.join(number(value, 5) for value in orbit.exponents)} 1/s"),
         ("margins", margins_text(orbit)),
         ("energy", energy_text(orbit.energy)),
-        ("residual", f"{orbit.residual:.1e} m/s after {counted(orbit.solution.steps, 'Newton step')}"),
+        (
+            "residual",
+            f"{number(orbit.residual, 2)} m/s after {counted(orbit.solution.steps, 'Newton step')}",
+        ),
         ("certificate", certificate_text(orbit)),
     ]
     return lines + (digits.lines() if digits is not None else [])
@@ -95,7 +99,7 @@ def margins_text(orbit: Orbit) -> str:
     force = (
         "no sliding velocity at 0"
         if orbit.sliding == inf
-        else f"{orbit.sliding:.4g} N between slip and stick"
+        else f"{number(orbit.sliding, 4)} N between slip and stick"
     )
     return f"{gap}; {force}"
 
@@ -106,7 +110,9 @@ def energy_text(energy: dict[str, float]) -> str:
     names |= {"loss_viscous": "dampers", "loss_stops": "stops", "loss_friction": "friction"}
     parts = {
         kind: [
-            f"{name} {energy[key]:.5g}" for key, name in names.items() if key.startswith(kind) and energy[key]
+            f"{name} {number(energy[key], 5)}"
+            for key, name in names.items()
+            if key.startswith(kind) and energy[key]
         ]
         for kind in ("work", "loss")
     }
@@ -123,9 +129,9 @@ def orbit_row(orbit: Orbit) -> str:
     """One orbit of a list."""
     of = orbit.return_map.section.of_return.partition(" ")[0]
     stability = "stable" if orbit.stable else "unstable"
-    largest = abs(orbit.multipliers).max(initial=0.0)
+    largest = number(abs(orbit.multipliers).max(initial=0.0), 6)
     return (
-        f"{counted(orbit.n, of)}, {orbit.period:.10g} s, {stability} (largest multiplier {largest:.6g}), "
+        f"{counted(orbit.n, of)}, {orbit.period:.10g} s, {stability} (largest multiplier {largest}), "
         f"{orbit.spelled or 'no events'}"
     )
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from math import pi
 from typing import Any
 
+from vibsim.cases.number import number
 from vibsim.command_line.terminal.printing import style
 from vibsim.command_line.text.quantities import counted, metres
 from vibsim.physics.parts import Harmonic, Motor, Scene
@@ -16,7 +17,7 @@ Lines = Iterator[tuple[str, str]]
 
 def scene_lines(scene: Scene) -> Lines:
     """Label and text of what a scene is made of."""
-    yield "bodies", listed([f"{body.name} {body.m:.6g} kg" for body in scene.bodies])
+    yield "bodies", listed([f"{body.name} {number(body.m, 6)} kg" for body in scene.bodies])
     parts = [f"{word} {part.name}" for word, section in KINDS for part in getattr(scene, section)]
     if parts:
         yield "parts", listed(parts)
@@ -38,8 +39,8 @@ def shortened(texts: Sequence[str]) -> list[str]:
 def source_texts(scene: Scene) -> Iterator[str]:
     """Each force, the base and the motor, with its frequency in Hz and in rad/s."""
     for force in scene.forces:
-        constant = [f"{force.constant:g} N"] if force.constant or not force.terms else []
-        terms = [harmonic_text(term, f"{term.amplitude:.6g} N") for term in force.terms]
+        constant = [f"{number(force.constant, 6)} N"] if force.constant or not force.terms else []
+        terms = [harmonic_text(term, f"{number(term.amplitude, 6)} N") for term in force.terms]
         yield f"force {force.name} on {scene.end_name(force.on)}: {' + '.join([*terms, *constant])}"
     if scene.base:
         yield "base: " + " + ".join(harmonic_text(term, metres(term.amplitude)) for term in scene.base)
@@ -56,7 +57,7 @@ def harmonic_text(term: Harmonic, amplitude: str) -> str:
 def motor_text(motor: Motor) -> str:
     """No-load speed and torque of a motor."""
     hertz = motor.Omega0 / (2 * pi)
-    return f"no-load speed {hertz:.7g} Hz ({motor.Omega0:.6g} rad/s), torque {motor.M0:g} N m"
+    return f"no-load speed {hertz:.7g} Hz ({motor.Omega0:.6g} rad/s), torque {number(motor.M0, 6)} N m"
 
 
 def count_lines(counts: Mapping[str, Mapping[str, int]]) -> Lines:

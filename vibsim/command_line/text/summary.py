@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from vibsim.cases.number import number
 from vibsim.cases.plain_text import one_line
 from vibsim.command_line.terminal.printing import say, style
 from vibsim.command_line.text.quantities import counted, metres, seconds
@@ -102,21 +103,18 @@ def certificate_text(attrs: Mapping[str, Any]) -> str:
 
 def energy_text(attrs: Mapping[str, Any]) -> str:
     """Closure of the energy ledger, absolute and relative to its largest entry."""
-    return f"{attrs['energy_residual']:.1e} J ({attrs['energy_residual_relative']:.1e} relative)"
+    absolute, relative = (number(attrs[f"energy_residual{of}"], 2) for of in ("", "_relative"))
+    return f"{absolute} J ({relative} relative)"
 
 
 def trust_text(result: Result) -> str:
     """To what and until when a trajectory is right; its estimated error where it is to the end."""
     attrs = result.attrs
-    tolerance, horizon = f"right to {short(attrs['trust_tolerance_m'])} m", attrs["trust_horizon_s"]
+    tolerance, horizon = f"right to {number(attrs['trust_tolerance_m'], 2)} m", attrs["trust_horizon_s"]
     if horizon < result.t_reached:
         return f"{tolerance} until {horizon:.4g} s"
-    return f"{tolerance} over the whole run; estimated error up to {short(attrs['error_estimate_max'])} m"
-
-
-def short(x: float) -> str:
-    """A number to two digits: 1e-6, 0.0025."""
-    return f"{x:.2g}".replace("e-0", "e-")
+    error = number(attrs["error_estimate_max"], 2)
+    return f"{tolerance} over the whole run; estimated error up to {error} m"
 
 
 def last_sample(result: Result) -> float:
@@ -130,9 +128,9 @@ def source_text(scene: Scene) -> str:
         return f"motor, {motor_text(scene.motor)}"
     for force in scene.forces:
         (term,) = force.terms
-        constant = f" + {force.constant:g} N" if force.constant else ""
+        constant = f" + {number(force.constant, 6)} N" if force.constant else ""
         frequency = f"{term.cycles + term.cycles_lo:.7g} Hz ({term.omega:.6g} rad/s)"
-        return f"harmonic force, {term.amplitude:.6g} N{constant} at {frequency}"
+        return f"harmonic force, {number(term.amplitude, 6)} N{constant} at {frequency}"
     return "none"
 
 
@@ -145,7 +143,7 @@ def engine_text(attrs: dict[str, Any]) -> str:
     if "taylor_order" in attrs:
         method += f" series of order {attrs['taylor_order']}"
     if "taylor_tolerance" in attrs:
-        method += f", tolerance {attrs['taylor_tolerance']:.2g}"
+        method += f", tolerance {number(attrs['taylor_tolerance'], 2)}"
     return f"{engine}, {method}"
 
 
@@ -183,8 +181,7 @@ def rest_distance_text(attrs: dict[str, Any], scene: Scene) -> str:
 def print_lines(lines: Iterable[tuple[str, str]]) -> None:
     """Print labelled lines, the texts in one column."""
     for label, text in lines:
-        shown = text.replace("\n", "\\n")  # of a user's; no text of vibsim's has line ends
-        say(f"  {style(f'{label:{LABEL_WIDTH}}', dim=True)}{shown}")
+        say(f"  {style(f'{label:{LABEL_WIDTH}}', dim=True)}{text}")
 
 
 def summary_object(result: Result, path: str | Path) -> dict[str, Any]:

@@ -4,6 +4,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from math import inf
 
+from vibsim.cases.number import number
+
 
 @dataclass(frozen=True)
 class Point:
@@ -63,8 +65,8 @@ def number_row(check: str, point: Point, because: str, points: Iterable[Point] =
     return Row(
         check,
         point.what,
-        f"{point.expected:.10g}{unit}",
-        f"{point.obtained:.10g}{unit}",
+        f"{number(point.expected, 10)}{unit}",
+        f"{number(point.obtained, 10)}{unit}",
         point.error,
         point.bound,
         point.unit,

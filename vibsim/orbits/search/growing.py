@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from vibsim.cases.number import number
 from vibsim.orbits.returns.coordinates import Coordinates
 from vibsim.physics.body_sets import body_sets
 from vibsim.physics.parts import RigidStop, Scene, Stop
@@ -35,7 +36,9 @@ def growing(points: np.ndarray, coordinates: Coordinates, n: int = 1) -> str | N
         return None
     rates, grown = behind * n / third, np.flatnonzero(steady)
     speeds = [i for i in grown if coordinates.units[i] != "m"]
-    told = [f"{coordinates.names[i]} by {rates[i]:.4g} {coordinates.units[i]}" for i in speeds or grown]
+    told = [
+        f"{coordinates.names[i]} by {number(rates[i], 4)} {coordinates.units[i]}" for i in speeds or grown
+    ]
     every = "period" if n == 1 else f"{n} periods"
     changes = f"the run does not repeat itself: in each {every} it changes {' and '.join(told)}"
     if speeds:

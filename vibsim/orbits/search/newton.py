@@ -12,6 +12,7 @@ from math import isfinite, isnan
 
 import numpy as np
 
+from vibsim.cases.number import number
 from vibsim.engine.errors import EngineError
 from vibsim.orbits.errors import NotConverged, OrbitError
 from vibsim.orbits.returns.return_map import Return, ReturnMap
@@ -111,8 +112,9 @@ def _bound(end: Return) -> float:
 def _failure(return_map: ReturnMap, end: Return, steps: int) -> NotConverged:
     periods = f"{return_map.n} period{'s' * (return_map.n > 1)}"
     return NotConverged(
-        f"no orbit of {periods} near the start: Newton's method came to a residual of {end.residual:.2g} m/s "
-        f"after {steps} steps; start from a run that has settled more, or an orbit at a parameter nearby",
+        f"no orbit of {periods} near the start: Newton's method came to a residual of "
+        f"{number(end.residual, 2)} m/s after {steps} steps; start from a run that has settled more, "
+        "or an orbit at a parameter nearby",
         end.residual,
     )
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibsim.cases.number import number
 from vibsim.engine.errors import EngineError
 from vibsim.orbits.errors import NotConverged, OrbitError, check_count
 from vibsim.orbits.orbit import Orbit
@@ -168,6 +169,6 @@ def _nowhere(failure: OrbitError | EngineError, distances: list[float] | None) -
         return failure
     n = int(np.argmin(distances)) + 1
     return OrbitError(
-        f"the run does not come near itself: nearest after {n} periods, to {min(distances):.2g} of its "
-        "spread; look for orbits that it leaves (search_orbits), or give period=N"
+        f"the run does not come near itself: nearest after {n} periods, to {number(min(distances), 2)} of "
+        "its spread; look for orbits that it leaves (search_orbits), or give period=N"
     )

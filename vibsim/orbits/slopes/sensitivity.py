@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibsim.cases.number import number
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.labelled.shown import Shown
 from vibsim.orbits.errors import OrbitError
@@ -58,10 +59,12 @@ class Monodromy(Shown):
     def lines(self) -> list[tuple[str, str]]:
         """Components, magnitudes of the multipliers, events on the way, errors of difference quotients."""
         multipliers = np.sort(np.abs(np.linalg.eigvals(self.matrix)))[::-1]
-        quotients = [f"{key} {np.max(error):.1g}" for key, error in self.error.items() if np.any(error)]
+        quotients = [
+            f"{key} {number(np.max(error), 1)}" for key, error in self.error.items() if np.any(error)
+        ]
         lines = [
             ("components", ", ".join(self.columns)),
-            ("multipliers", f"magnitudes {', '.join(f'{each:.5g}' for each in multipliers)}"),
+            ("multipliers", f"magnitudes {', '.join(number(each, 5) for each in multipliers)}"),
             ("events", str(len(self.events))),
         ]
         return [*lines, ("errors", ", ".join(quotients))] if quotients else lines

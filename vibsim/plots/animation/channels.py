@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -143,3 +144,9 @@ def speed_text(speed: float) -> str:
     if speed == 1:
         return "real time"
     return f"{1 / speed:g} times slower" if speed < 1 else f"{speed:g} times faster"
+
+
+def decimals_of(times: np.ndarray) -> int:
+    """Of a clock that shows another time [s] at each frame; three at least."""
+    step = float(times[1] - times[0]) if len(times) > 1 else 1.0
+    return max(3, -math.floor(math.log10(step)))

@@ -10,7 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from vibsim.plots.animation.channels import Channels, speed_text
+from vibsim.plots.animation.channels import Channels, decimals_of, speed_text
 from vibsim.plots.animation.display_list import Moving
 from vibsim.plots.animation.sketch import display_list, frame_of
 from vibsim.plots.motion.dense import dense
@@ -45,7 +45,7 @@ class Film:
         self._dot = self._portrait.plot([], [], "o", color=VERMILLION, markersize=5, animated=True)[0]
         self._line = self._history.axvline(channels.times[0], color=VERMILLION, linewidth=1.0, animated=True)
         self._clock = self.figure.text(0.01, 0.99, "", va="top", fontsize=CLOCK_PT, animated=True)
-        self._said = speed_text(speed)
+        self._said, self._decimals = speed_text(speed), decimals_of(channels.times)
         self.canvas.draw()
         self._fit_words(dpi)
         self._background = self.canvas.copy_from_bbox(self.figure.bbox)
@@ -98,7 +98,7 @@ class Film:
         self._portrait.draw_artist(self._dot)
         self._line.set_xdata([channels.times[number]] * 2)
         self._history.draw_artist(self._line)
-        self._clock.set_text(f"t = {channels.times[number]:.3f} s, {self._said}")
+        self._clock.set_text(f"t = {channels.times[number]:.{self._decimals}f} s, {self._said}")
         self.figure.draw_artist(self._clock)
         return np.asarray(self.canvas.buffer_rgba())[..., :3].copy()
 

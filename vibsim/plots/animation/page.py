@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.files.output_file import output_file
-from vibsim.plots.animation.channels import Channels, channels_of
+from vibsim.plots.animation.channels import Channels, channels_of, decimals_of
 from vibsim.plots.animation.display_list import Moving
 from vibsim.plots.animation.sketch import display_list, frame_of
 from vibsim.plots.live.html_file import packed, page
@@ -21,6 +21,7 @@ KEYS = (
     "Space: go or stop. Arrows: a step back or forth. + and -: faster or slower. 0: from the beginning. "
     "d: light or dark."
 )
+FRAMES = 60  # that a browser shows in a second
 PER_PERIOD = 16  # instants to the shortest period; between them the page goes along straight lines
 MOST = 40_000  # instants
 NOTHING = 1e-12
@@ -28,7 +29,7 @@ NOTHING = 1e-12
 
 def write_moving_page(subject: Subject, window: Span, speed: float, out: str, force: bool) -> int:
     """Write the page; the number of instants in it. Raises ResultFileError."""
-    step = min((shortest_period(subject.scene) or 1.0) / PER_PERIOD, 1 / 60)
+    step = min((shortest_period(subject.scene) or 1.0) / PER_PERIOD, min(speed, 1.0) / FRAMES)
     step = max(step, (window[1] - window[0]) / MOST)
     channels = channels_of(subject, window, step, speed)
     text = page(subject, ("animate.js",), KEYS, moving_data(subject, channels, step, speed))
@@ -47,6 +48,7 @@ def moving_data(subject: Subject, channels: Channels, step: float, speed: float)
     return {
         "begin": float(channels.times[0]),
         "step": step,
+        "decimals": decimals_of(channels.times),
         "count": len(channels.times),
         "speed": speed,
         "channels": len(channels.names),

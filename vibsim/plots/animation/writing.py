@@ -6,6 +6,7 @@ import os
 import subprocess
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from math import floor, log10
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -34,14 +35,22 @@ Watch = Callable[[int, int], None]
 
 @dataclass(frozen=True)
 class Wish:
-    """What to show: the span [s], and how many seconds of it per second of the film."""
+    """What to show: the span [s], and how many seconds of it per second of the film (None: `comfortable`)."""
 
     window: Span | None = None
-    speed: float = 1.0
+    speed: float | None = None
 
 
-def animate(path: str, out: str, wish: Wish, force: bool = False, watch: Watch | None = None) -> int:
-    """Write the moving picture of the run in a file; the number of frames.
+@dataclass(frozen=True)
+class Written:
+    """What a film came to: the number of its frames, and the seconds of motion per second of it."""
+
+    frames: int
+    speed: float
+
+
+def animate(path: str, out: str, wish: Wish, force: bool = False, watch: Watch | None = None) -> Written:
+    """Write the moving picture of the run in a file; what it came to.
 
     watch : called with the number of frames written and of all
 
@@ -56,15 +65,16 @@ def animate(path: str, out: str, wish: Wish, force: bool = False, watch: Watch |
         raise PlotError(f"{path} is a {subject.reads}, and a moving picture shows a run")
     encoder = _encoder(out) if suffix == ".mp4" else ""
     window = window_of(subject, wish.window)
+    speed = comfortable(window[1] - window[0]) if wish.speed is None else wish.speed
     if wish.window is None:
-        window = max(window[0], window[1] - SHOWN * max(wish.speed, 1.0)), window[1]
+        window = max(window[0], window[1] - SHOWN * max(speed, 1.0)), window[1]
     from vibsim.plots.animation.channels import channels_of
 
-    step = wish.speed / FRAMES_PER_SECOND[suffix]
+    step = speed / FRAMES_PER_SECOND[suffix]
     if suffix == ".html":
         from vibsim.plots.animation.page import write_moving_page
 
-        return write_moving_page(subject, window, wish.speed, out, force)
+        return Written(write_moving_page(subject, window, speed, out, force), speed)
     if window[1] - window[0] < step:
         raise PlotError(
             f"{out}: {window[1] - window[0]:.3g} s are one frame at this speed; {slower_advice(window)}"
@@ -72,13 +82,23 @@ def animate(path: str, out: str, wish: Wish, force: bool = False, watch: Watch |
     with style.applied():
         from vibsim.plots.animation.film import Film
 
-        film = Film(subject, channels_of(subject, window, step, wish.speed), wish.speed, *SIZES[suffix])
+        film = Film(subject, channels_of(subject, window, step, speed), speed, *SIZES[suffix])
         frames = _watched(film, watch)
         if suffix == ".mp4":
             _write_mp4(frames, film, out, force, encoder)
         else:
             _write_gif(frames, out, force)
-    return len(film.channels.times)
+    return Written(len(film.channels.times), speed)
+
+
+def comfortable(length: float) -> float:
+    """Real time for what lasts at least COMFORTABLE [s]; for less, so much slower (2, 5, 10, 20 ... times)
+    that the film does.
+    """
+    if not 0 < length < COMFORTABLE:
+        return 1.0
+    power = 10.0 ** floor(log10(COMFORTABLE / length))
+    return 1 / next(factor * power for factor in (1, 2, 5, 10) if factor * power * length >= COMFORTABLE)
 
 
 def slower_advice(window: Span) -> str:
@@ -86,12 +106,12 @@ def slower_advice(window: Span) -> str:
     return f"--speed {(window[1] - window[0]) / COMFORTABLE:.1g} makes it some {COMFORTABLE:g} s long"
 
 
-def too_short(out: str, count: int, speed: float) -> str:
+def too_short(out: str, written: Written) -> str:
     """What makes a film of less than a second longer, in words; empty for a longer one, and for a page."""
     suffix = Path(out).suffix.lower()
-    if suffix == ".html" or count >= FRAMES_PER_SECOND[suffix]:
+    if suffix == ".html" or written.frames >= FRAMES_PER_SECOND[suffix]:
         return ""
-    return f"; {slower_advice((0.0, (count - 1) * speed / FRAMES_PER_SECOND[suffix]))}"
+    return f"; {slower_advice((0.0, (written.frames - 1) * written.speed / FRAMES_PER_SECOND[suffix]))}"
 
 
 def _watched(film: Film, watch: Watch | None) -> Iterator[np.ndarray]:

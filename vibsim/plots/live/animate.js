@@ -46,7 +46,7 @@ function drawStage(i, s) {
     const at = shape.at.slice();
     for (const [c, by] of shape.moved) for (let k = 0; k < at.length; k++) at[k] += by[k] * channel[c];
     if (shape.kind === "text") {
-      g.font = `${shape.style || ""} ${shape.weight || ""} ${Math.max(shape.size * thick, 9)}px system-ui, sans-serif`;
+      g.font = `${shape.style || ""} ${shape.weight || ""} ${Math.max(shape.size * thick, 7)}px system-ui, sans-serif`;
       g.fillStyle = ink(shape.colour); g.textAlign = shape.ha === "left" ? "left" : "center"; g.textBaseline = "middle";
       g.fillText(shape.text, px(at[0]), py(at[1]));
       continue;
@@ -64,6 +64,7 @@ function drawStage(i, s) {
 }
 
 function drawAxes(i, s) {
+  history_.legend = curves.map((curve, k) => [curve.name, colour("c" + (k % 7)), curves.length > 1 && dashOf(k)]);
   history_.x = [DATA.begin, end]; history_.fit(...historyRange); align([history_]);
   const g = history_.begin();
   curves.forEach((curve, k) => {
@@ -73,7 +74,6 @@ function drawAxes(i, s) {
   });
   g.strokeStyle = colour("mark"); g.beginPath(); g.moveTo(history_.px(now), history_.top); g.lineTo(history_.px(now), history_.top + history_.inside); g.stroke();
   history_.end();
-  history_.names(curves.map((curve, k) => [curve.name, colour("c" + (k % 7)), curves.length > 1 && dashOf(k)]));
   portrait.x = portraitRange[0]; portrait.y = portraitRange[1]; align([portrait]);
   const p = portrait.begin();
   for (const stop of DATA.portrait.stops) { p.strokeStyle = colour("dim"); p.setLineDash([5, 3]); p.beginPath(); p.moveTo(portrait.px(stop), portrait.top); p.lineTo(portrait.px(stop), portrait.top + portrait.inside); p.stroke(); p.setLineDash([]); }
@@ -91,7 +91,7 @@ function redraw() {
   const [i, s] = place();
   drawStage(i, s); drawAxes(i, s);
   slider.value = String(now);
-  tell([["t", now.toFixed(4) + " s"], ["speed", speed === 1 ? "real time" : shortNumber(speed) + " s per s"],
+  tell([["t", now.toFixed(DATA.decimals) + " s"], ["speed", speed === 1 ? "real time" : shortNumber(Math.max(speed, 1 / speed)) + (speed < 1 ? " times slower" : " times faster")],
     ...curves.map((curve, k) => [curve.name, shortNumber(mixed(curve.values, i, s)) + " " + DATA.history.unit, colour("c" + (k % 7))])]);
   main.dataset.now = now; main.dataset.going = going; main.dataset.speed = speed;
 }
@@ -106,7 +106,7 @@ function tick(stamp) {
 
 function go() { going = !going; if (going) requestAnimationFrame((stamp) => { last = stamp; tick(stamp); }); redraw(); }
 function step(way) { now = Math.min(Math.max(now + way * Math.max(DATA.step, speed / 60), DATA.begin), end); redraw(); }
-function faster(factor) { speed = Math.min(Math.max(speed * factor, 1 / 1024), 64); redraw(); }
+function faster(factor) { speed = Math.min(Math.max(speed * factor, Math.min(DATA.speed, 1) / 1024), Math.max(DATA.speed, 1) * 64); redraw(); }
 function begin() { now = DATA.begin; redraw(); }
 
 buttons([["▶ / ❚❚", "go or stop (space)", go], ["slower", "(-)", () => faster(0.5)], ["faster", "(+)", () => faster(2)], ["start", "from the beginning (0)", begin]]);

@@ -35,7 +35,7 @@ function align(list) {
   const left = Math.max(LEFT, ...list.map((axes) => axes.room()));
   for (const axes of list) axes.left = left;
 }
-const LEFT = 62, FONT = "11px system-ui, sans-serif";
+const LEFT = 62, ROW = 14, FONT = "11px system-ui, sans-serif"; // ROW: height of a row of the legend
 
 function ticksOf(low, high, most) {
   const rough = (high - low) / Math.max(most, 1), power = Math.pow(10, Math.floor(Math.log10(rough)));
@@ -74,22 +74,27 @@ class Axes {
     this.canvas.setAttribute("aria-label", spoken);
     this.height = height; this.xLabel = xLabel; this.yLabel = yLabel;
     this.x = [0, 1]; this.y = [0, 1]; this.xLog = this.yLog = false;
-    this.left = LEFT; this.right = 10; this.top = 18; this.bottom = xLabel ? 34 : 18;
+    this.left = LEFT; this.right = 10; this.bottom = xLabel ? 34 : 18;
+    this.legend = []; this.rows = 1; // name, colour and dashes of what is drawn; in so many rows above the frame
   }
   begin() {
     const ratio = window.devicePixelRatio || 1, width = this.canvas.parentElement.clientWidth;
+    const g = this.g = this.canvas.getContext("2d");
+    this.width = width;
+    const places = this._places(g);
+    this.height += (places.rows - this.rows) * ROW; this.rows = places.rows;
     this.canvas.width = Math.round(width * ratio); this.canvas.height = Math.round(this.height * ratio);
     this.canvas.style.height = this.height + "px";
-    this.width = width;
-    const g = this.g = this.canvas.getContext("2d");
     g.setTransform(ratio, 0, 0, ratio, 0, 0);
     g.clearRect(0, 0, width, this.height);
     g.font = FONT; g.lineWidth = 1;
     this._grid(g);
+    this._names(g, places);
     g.save(); g.beginPath(); g.rect(this.left, this.top, this.inner, this.inside); g.clip();
     return g;
   }
   get inner() { return Math.max(this.width - this.left - this.right, 10); }
+  get top() { return 18 + (this.rows - 1) * ROW; }
   get inside() { return this.height - this.top - this.bottom; }
   px(x) { return this.left + (x - this.x[0]) / (this.x[1] - this.x[0]) * this.inner; }
   py(y) { return this.top + (this.y[1] - y) / (this.y[1] - this.y[0]) * this.inside; }
@@ -108,7 +113,7 @@ class Axes {
     for (const [value, text] of (this.xLog ? powersOf : ticksOf)(this.x[0], this.x[1], this.inner / 90)) {
       const x = this.px(value);
       g.beginPath(); g.moveTo(x, this.top); g.lineTo(x, this.top + this.inside); g.stroke();
-      if (this.bottom > 15) g.fillText(text, x, this.top + this.inside + 4);
+      if (this.bottom > 15) g.fillText(text, Math.min(x, this.width - g.measureText(text).width / 2), this.top + this.inside + 4);
     }
     g.textAlign = "right"; g.textBaseline = "middle";
     for (const [value, text] of this._ticksUp()) {
@@ -125,17 +130,27 @@ class Axes {
     g.restore();
     g.strokeStyle = colour("frame"); g.strokeRect(this.left, this.top, this.inner, this.inside);
   }
-  names(list) {
-    const g = this.g;
-    g.textAlign = "left"; g.textBaseline = "alphabetic";
-    let x = this.left + 2;
-    for (const [name, shade, dash] of list) {
-      if (dash) {
-        g.strokeStyle = shade; g.lineWidth = 1.6; g.setLineDash(dash); g.beginPath(); g.moveTo(x, this.top - 9); g.lineTo(x + 24, this.top - 9); g.stroke(); g.setLineDash([]);
-        x += 28;
-      }
-      g.fillStyle = shade; g.fillText(name, x, this.top - 5); x += g.measureText(name).width + 14;
+  // places of the names of the legend [px], in as many rows as they need
+  _places(g) {
+    g.font = FONT;
+    const places = [], most = this.width - this.right;
+    let x = this.left + 2, row = 0;
+    for (const [name, , dash] of this.legend) {
+      const long = (dash ? 28 : 0) + g.measureText(name).width;
+      if (x + long > most && x > this.left + 2) { x = this.left + 2; row++; }
+      places.push([x, 13 + row * ROW]); x += long + 14;
     }
+    places.rows = row + 1;
+    return places;
+  }
+  _names(g, places) {
+    g.textAlign = "left"; g.textBaseline = "alphabetic";
+    this.legend.forEach(([name, shade, dash], i) => {
+      const [x, y] = places[i];
+      if (dash) { g.strokeStyle = shade; g.lineWidth = 1.6; g.setLineDash(dash); g.beginPath(); g.moveTo(x, y - 4); g.lineTo(x + 24, y - 4); g.stroke(); g.setLineDash([]); }
+      g.fillStyle = shade; g.fillText(name, x + (dash ? 28 : 0), y);
+    });
+    g.lineWidth = 1;
   }
   // a range about the values, with a margin
   fit(low, high) {

@@ -54,6 +54,7 @@ function redraw() {
   const xs = columns[x.value], shadeOf = shades();
   panels.forEach((axes, k) => {
     const ys = columns[y[k].value], width = ys.width;
+    axes.legend = k === 0 ? legend() : [];
     axes.x = view.range; axes.yLabel = label(ys); axes.xLabel = k ? label(xs) : "";
     axes.xLog = Boolean(xs.log); axes.yLog = Boolean(ys.log);
     axes.words = ys.words && Object.entries(ys.words).map(([code, word]) => [Number(code), word]);
@@ -87,7 +88,6 @@ function redraw() {
       for (let m = 0; m < width; m++) { g.beginPath(); g.arc(axes.px(at[0][row]), axes.py(at[1][row * width + m]), 8, 0, 7); g.stroke(); }
     }
     axes.end();
-    if (k === 0) axes.names(legend());
   });
   main.dataset.from = view.range[0]; main.dataset.to = view.range[1]; main.dataset.chosen = chosen;
 }

@@ -130,6 +130,7 @@ function redraw() {
   const visible = rows(view.range);
   for (const panel of panels) {
     const axes = panel.axes;
+    axes.legend = panel.curves.map((curve, i) => [curve.name, shade(curve.colour), panel.curves.length > 1 && dashOf(i)]);
     axes.x = view.range;
     const [low, high] = extremes(panel.curves.map((curve) => curve.column), visible);
     axes.fit(low * panel.factor, high * panel.factor);
@@ -143,7 +144,6 @@ function redraw() {
     ticksOfImpacts(axes);
     if (cursor !== null) { const g = axes.g, x = axes.px(cursor); g.strokeStyle = colour("mark"); g.beginPath(); g.moveTo(x, axes.top); g.lineTo(x, axes.top + axes.inside); g.stroke(); }
     axes.end();
-    axes.names(panel.curves.map((curve, i) => [curve.name, shade(curve.colour), panel.curves.length > 1 && dashOf(i)]));
   }
   drawPortrait(visible);
   main.dataset.from = view.range[0]; main.dataset.to = view.range[1];

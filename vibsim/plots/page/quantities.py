@@ -9,6 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from vibsim.cases.number import number
+
 # Prefix per power of 1000; what is smaller or larger keeps the last one.
 _PREFIXES = {3: "G", 2: "M", 1: "k", 0: "", -1: "m", -2: "µ", -3: "n"}
 LARGEST_POWER = {"m": 1}  # nobody measures displacements in megametres
@@ -67,7 +69,7 @@ def rounded(values: Sequence[float]) -> list[str]:
 def _positional(value: float) -> str:
     if value == 0 or POSITIONAL[0] <= abs(value) < POSITIONAL[1]:
         return np.format_float_positional(value, trim="-")
-    return f"{value:g}"
+    return number(value, 6)
 
 
 def symbol(column: str) -> str:
