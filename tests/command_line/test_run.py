@@ -11,7 +11,7 @@ from tests.command_line.made import call
 from vibsim.engine.choice import compiled
 from vibsim.engine.errors import EngineError
 from vibsim.engine.state import State
-from vibsim.engine.trajectory import PythonTrajectory
+from vibsim.engine.trajectories.python_trajectory import PythonTrajectory
 
 
 @pytest.fixture(autouse=True)

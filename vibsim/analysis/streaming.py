@@ -7,7 +7,7 @@ from vibsim.analysis.regime.approached_orbit import decided
 from vibsim.analysis.regime.points import Exponent, Judged, judge_points
 from vibsim.analysis.regime.section import MOST, Coordinates
 from vibsim.analysis.span import Span
-from vibsim.engine.trajectory import Block
+from vibsim.engine.trajectories.blocks import Block
 from vibsim.physics.parts import Scene
 from vibsim.results.motion.closing_velocity import IMPACT_CODES
 

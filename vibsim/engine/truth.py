@@ -16,7 +16,8 @@ import numpy as np
 from vibsim.engine.columns import state_columns
 from vibsim.engine.errors import EngineError
 from vibsim.engine.state import State
-from vibsim.engine.trajectory import Block, PythonTrajectory
+from vibsim.engine.trajectories.blocks import Block
+from vibsim.engine.trajectories.python_trajectory import PythonTrajectory
 from vibsim.physics.arithmetic.exact_decimals import text_width
 from vibsim.physics.arithmetic.number_kits import DigitsKit, number_kit, one_precision
 from vibsim.physics.arithmetic.numbers import Number

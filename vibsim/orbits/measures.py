@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibsim.engine.trajectory import Trajectory, open_trajectory
+from vibsim.engine.trajectories.blocks import Trajectory
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.orbits.returns.start import placed
 from vibsim.orbits.returns.turning import returns
 

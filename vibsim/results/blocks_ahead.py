@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from queue import Empty, SimpleQueue
 from typing import Generic, TypeVar
 
-from vibsim.engine.trajectory import Block, Trajectory
+from vibsim.engine.trajectories.blocks import Block, Trajectory
 
 PATIENCE = 0.1  # seconds between two questions whether to wait on
 MOST_AHEAD = 2  # blocks that wait; bounds the memory of a run that is faster than the disk

@@ -9,7 +9,8 @@ import numpy as np
 
 from vibsim.engine.choice import flow_of
 from vibsim.engine.errors import EngineError
-from vibsim.engine.trajectory import Block, Trajectory, open_trajectory
+from vibsim.engine.trajectories.blocks import Block, Trajectory
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.files.declarations import Column
 from vibsim.results.blocks_ahead import BlocksAhead
 from vibsim.results.columns import Tables, tables_of

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from vibsim.engine.trajectory import part_offsets
+from vibsim.engine.trajectories.blocks import part_offsets
 from vibsim.files.declarations import Column
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Clearance, Scene

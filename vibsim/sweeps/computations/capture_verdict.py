@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.engine.trajectory import Block
+from vibsim.engine.trajectories.blocks import Block
 from vibsim.files.declarations import Column
 from vibsim.physics.modes import EVENT_KINDS, IMPACTS
 from vibsim.sweeps.computations.task import Task

@@ -5,7 +5,7 @@ In a scene of named parts each stop has a section of its own.
 
 from typing import Any
 
-from vibsim.engine.trajectory import Block
+from vibsim.engine.trajectories.blocks import Block
 from vibsim.files.declarations import Column
 from vibsim.sweeps.computations.contacts import Contacts
 from vibsim.sweeps.computations.task import Task

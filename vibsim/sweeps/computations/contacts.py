@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from vibsim.engine.columns import part_columns, stop_column
-from vibsim.engine.trajectory import Block
+from vibsim.engine.trajectories.blocks import Block
 from vibsim.physics.modes import EVENT_KINDS, IMPACTS
 from vibsim.physics.period import Period, common_period
 from vibsim.sweeps.computations.task import Task

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.engine.trajectory import Block
+from vibsim.engine.trajectories.blocks import Block
 from vibsim.files.declarations import Column
 from vibsim.physics.modes import EVENT_KINDS, IMPACTS
 from vibsim.physics.parts import columns_of

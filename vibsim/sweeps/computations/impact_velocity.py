@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.engine.trajectory import Block
+from vibsim.engine.trajectories.blocks import Block
 from vibsim.files.declarations import Column
 from vibsim.physics.arithmetic.sums import mean
 from vibsim.sweeps.computations.contacts import Contacts

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.engine.tangent.tangent_space import dimension
-from vibsim.engine.trajectory import Block
+from vibsim.engine.trajectories.blocks import Block
 from vibsim.files.declarations import Column
 from vibsim.sweeps.computations.task import Task
 from vibsim.sweeps.statistics.columns import Columns

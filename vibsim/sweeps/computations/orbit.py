@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.engine.trajectory import Block
+from vibsim.engine.trajectories.blocks import Block
 from vibsim.files.declarations import Column
 from vibsim.physics.parts import Scene
 from vibsim.sweeps.computations.task import Task

@@ -9,7 +9,8 @@ from dataclasses import replace
 from typing import Any
 
 from vibsim.engine.resume import Row, rows_of_instant
-from vibsim.engine.trajectory import Block, open_trajectory
+from vibsim.engine.trajectories.blocks import Block
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.files.declarations import Column
 from vibsim.sweeps.computations.task import Task
 from vibsim.sweeps.statistics.columns import Columns

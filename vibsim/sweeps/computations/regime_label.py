@@ -3,7 +3,7 @@
 import math
 from typing import TYPE_CHECKING, Any
 
-from vibsim.engine.trajectory import Block
+from vibsim.engine.trajectories.blocks import Block
 from vibsim.files.declarations import Column
 from vibsim.sweeps.computations.lyapunov import HALF_WIDTH, LARGEST
 from vibsim.sweeps.computations.task import Task

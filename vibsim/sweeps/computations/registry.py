@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from vibsim.cases.spelling import did_you_mean
 from vibsim.engine.tangent.tangent_space import dimension as exponents
-from vibsim.engine.trajectory import Block
+from vibsim.engine.trajectories.blocks import Block
 from vibsim.physics.parts import Scene
 from vibsim.sweeps.computations import (
     capture_verdict,

@@ -13,7 +13,7 @@ from vibsim.cases import CaseError
 from vibsim.engine.columns import state_columns
 from vibsim.engine.errors import EngineError
 from vibsim.engine.section import has_section
-from vibsim.engine.trajectory import Block
+from vibsim.engine.trajectories.blocks import Block
 from vibsim.physics.parts import Scene
 from vibsim.physics.rates import source_rates
 from vibsim.sweeps.computations.registry import COMPUTATIONS, Computation

@@ -13,7 +13,8 @@ import numpy as np
 
 from vibsim.engine.columns import section_columns
 from vibsim.engine.resume import Row, rows_of_instant
-from vibsim.engine.trajectory import Block, open_trajectory, state_at
+from vibsim.engine.trajectories.blocks import Block
+from vibsim.engine.trajectory import open_trajectory, state_at
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene
 from vibsim.sweeps.statistics.quantities import Quantities

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from vibsim.engine.columns import part_columns, section_columns, stop_column
-from vibsim.engine.trajectory import Block
+from vibsim.engine.trajectories.blocks import Block
 from vibsim.physics.arithmetic.sums import dot, mean
 from vibsim.physics.modes import EVENT_KINDS, IMPACTS
 from vibsim.physics.parts import Scene

@@ -1,0 +1,1 @@
+"""Runs of a scene on either engine, as blocks of columns by name."""
