@@ -5,8 +5,9 @@ A build of the site fails where one is off by more than its bound, and a test sa
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from decimal import ROUND_CEILING, Decimal, localcontext
 from functools import partial
-from math import acos, atan2, log10, pi, sin, sqrt
+from math import acos, atan2, floor, log10, pi, sin, sqrt
 
 import numpy as np
 
@@ -398,9 +399,11 @@ NUMBERS: dict[str, tuple[Number, ...]] = {
 
 
 def agreement(number: Number, value: float) -> str:
-    """How well two values agree, in words."""
+    """How well two values agree, in words that do not say more than they do."""
     if value == number.published:
         return "to the last bit"
     if number.published == 0:
-        return f"within {abs(value):.0e}"
-    return f"{-log10(abs(value / number.published - 1)):.0f} digits"
+        with localcontext() as context:
+            context.rounding = ROUND_CEILING
+            return f"within {Decimal(abs(value)):.0e}"
+    return f"{floor(-log10(abs(value / number.published - 1)))} digits"

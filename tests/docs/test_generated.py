@@ -8,7 +8,7 @@ import vibsim
 from from_code import PAGES
 from from_code.attribute_meanings import MEANINGS
 from from_code.gallery import comment
-from from_code.gallery_numbers import NUMBERS, Number
+from from_code.gallery_numbers import NUMBERS, Number, agreement
 from from_code.markdown import plain
 from tests.docs.pages import DOCS
 from vibsim.branches.store import structure as branch_structure
@@ -86,6 +86,32 @@ def test_a_number_that_is_off_stops_the_build():
     off = Number("rest", 4.0, "s", "nobody", lambda run: run().attrs["t_reached_s"], 1e-3, "no reason")
     with pytest.raises(ArithmeticError, match=r"bouncing-ball: rest: 5\.0, published 4\.0"):
         off.measured("bouncing-ball")
+
+
+@pytest.mark.parametrize(
+    ("published", "ours", "said"),
+    [(0.0, 1.338e-15, "within 2e-15"), (0.0, 4.5e-16, "within 5e-16"), (0.0, 9.1e-16, "within 1e-15"),
+     (2.0, 2.0, "to the last bit"), (1.0, 1 + 2e-7, "6 digits"), (1.0, 1 + 0.9e-7, "7 digits")],
+)  # fmt: skip
+def test_pages_say_no_more_agreement_than_there_is(published, ours, said):
+    number = Number("it", published, "m", "nobody", lambda run: ours, 1.0, "no reason")
+    assert agreement(number, ours) == said
+
+
+def test_names_of_functions_stand_apart_from_their_arguments():
+    pytest.importorskip("latex2mathml")
+    from from_code.mathml import mathml
+
+    assert mathml(r"A \sin\omega t").count("<mspace") == 2
+    assert mathml(r"(\sin(x) + \max(0, x))").count("<mspace") == 0
+
+
+def test_no_formula_in_a_line_is_wider_than_a_narrow_page():
+    """It does not break; 74 characters of LaTeX go into 400 px."""
+    for path in sorted(DOCS.rglob("*.md")):
+        lines = [line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("|")]
+        formulas = re.findall(r"(?<!\$)\$([^$`]+)\$(?!\$)", re.sub(r"`[^`]*`", "", "\n".join(lines)))
+        assert not [formula for formula in formulas if len(formula) > 74], path
 
 
 def test_what_markdown_would_read_as_markup_is_escaped():
