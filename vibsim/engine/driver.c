@@ -3,7 +3,6 @@
 
 #include "certificate.h"
 #include "event_functions.h"
-#include "numbers.h"
 
 #define EVENTS_AT_ONE_INSTANT 64
 #define MOST_STRETCHES 50000
@@ -73,62 +72,9 @@ static void copy_state(const Run *r, const State *from, State *to)
     memcpy(to->v, from->v, size);
 }
 
-static double sample_time(const Run *r, long long i)
-{
-    return ((double)i * r->every_num) / r->every_den;
-}
-
-/* Index of the first sample at or after t. */
-static long long sample_index(const Run *r, double t)
-{
-    long long i = (long long)(t * r->every_den / r->every_num);
-    while (i > 0 && sample_time(r, i - 1) >= t)
-        i--;
-    while (sample_time(r, i) < t)
-        i++;
-    return i;
-}
-
-void write_state(const Run *r, double *row, long room, const State *s)
-{
-    int c;
-    row[0] = s->t;
-    for (c = 0; c < r->bodies; c++) {
-        row[(1 + 2 * c) * room] = s->x[c];
-        row[(2 + 2 * c) * room] = s->v[c];
-    }
-    row += (1 + 2 * r->bodies) * room;
-    row[0] = unwind(s->phase, s->turns);
-    row[room] = s->w;
-}
-
-static void write_codes(const Run *r, signed char *row, long room, int count)
-{
-    int i;
-    for (i = 0; i < r->parts; i++)
-        memset(row + i * room, (signed char)r->mode->codes[i], (size_t)count);
-}
-
-/* Keep an event; v, w: velocities of the bodies and speed of the rotor in front of it. */
-static void record(Run *r, Buffers *b, int kind, int part, const double *v, double w)
-{
-    long i = b->event_count++, room = b->event_room;
-    double *before = b->events + (4 + 2 * r->bodies) * room + i;
-    int c;
-    r->counts[kind] += 1;
-    write_state(r, b->events + i, room, &r->state);
-    b->events[(3 + 2 * r->bodies) * room + i] = r->state.phase;
-    for (c = 0; c < r->bodies; c++)
-        before[c * room] = v[c];
-    before[r->bodies * room] = w;
-    b->event_codes[i] = (signed char)kind;
-    b->event_codes[room + i] = (signed char)part;
-    write_codes(r, b->event_codes + 2 * room + i, room, 1);
-}
-
 static void finish(Run *r, Buffers *b)
 {
-    record(r, b, END, -1, r->state.v, r->state.w);
+    record_event(r, b, END, -1, r->state.v, r->state.w);
     r->finished = 1;
 }
 
@@ -163,7 +109,7 @@ void run_start(Run *r, int mode, Buffers *b)
     r->known_since = r->milestone = r->state.t;
     r->stretches = 0;
     section_start(r);
-    record(r, b, START, -1, r->state.v, r->state.w);
+    record_event(r, b, START, -1, r->state.v, r->state.w);
     if (violated(r))
         note_violation(r, b);
     tangent_open(r);
@@ -214,7 +160,7 @@ void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, cons
     r->known_since = r->state.t;
     ledger_cross(r, &r->state, before, r->mode->codes);
     for (i = 0; i < happened; i++) {
-        record(r, b, kinds[i], parts[i], r->before_v, r->before_w);
+        record_event(r, b, kinds[i], parts[i], r->before_v, r->before_w);
         if (kinds[i] == VIOLATION_BEGIN)
             note_violation(r, b);
     }
@@ -222,65 +168,6 @@ void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, cons
         enter(r, &r->state);
     if (!r->finished && r->pending_end >= r->t_end)
         finish(r, b);
-}
-
-/* The first sample may be where the closed form was evaluated last. */
-static void sample_closed_form(Run *r, const double *times, const double *tau, int count, double *row, long room)
-{
-    const int here = tau[0] == r->closed_form.tau, n = r->bodies;
-    double X[TIMES_AT_ONCE], V[TIMES_AT_ONCE];
-    int i, c;
-    if (here) {
-        flow_state(r, times[0], &r->scratch);
-        write_state(r, row, room, &r->scratch);
-    }
-    if (count == here)
-        return;
-    closed_form_many(r, tau + here, count - here);
-    closed_form_base(r, X, V);
-    for (c = 0; c < n; c++)
-        closed_form_body(r, c, X, V, row + here + (1 + 2 * c) * room, row + here + (2 + 2 * c) * room);
-    for (i = here; i < count; i++) {
-        row[i] = times[i];
-        row[i + (1 + 2 * n) * room] = row[i + (2 + 2 * n) * room] = 0.0;
-    }
-}
-
-static void sample_at(Run *r, Buffers *b, const double *times, int count)
-{
-    double tau[TIMES_AT_ONCE], *row = b->samples + b->sample_count;
-    int i;
-    for (i = 0; i < count; i++)
-        tau[i] = times[i] - r->t0;
-    if (r->closed) {
-        sample_closed_form(r, times, tau, count, row, b->sample_room);
-    } else {
-        memcpy(row, times, sizeof(double) * (size_t)count);
-        taylor_samples(r, tau, count, row, b->sample_room);
-    }
-    write_codes(r, b->sample_modes + b->sample_count, b->sample_room, count);
-    b->sample_count += count;
-    r->next_sample += count;
-}
-
-/* Samples in [now, end), or up to and including the end of the run; 0 when the buffer is full before that. */
-static int sample(Run *r, Buffers *b)
-{
-    const double end = r->pending_end;
-    const int last = end >= r->t_end;
-    double times[TIMES_AT_ONCE], t = sample_time(r, r->next_sample);
-    while (t < end || (last && t <= end)) {
-        long space = b->sample_room - b->sample_count;
-        int count = 0;
-        while (count < TIMES_AT_ONCE && count < space && (t < end || (last && t <= end))) {
-            times[count++] = t;
-            t = sample_time(r, r->next_sample + count);
-        }
-        if (count == 0)
-            return 0;
-        sample_at(r, b, times, count);
-    }
-    return 1;
 }
 
 static int is_finite(const Run *r, const State *s)
@@ -376,7 +263,7 @@ static int stretch(Run *r, Buffers *b)
         int done = 1;
         switch (r->stage) {
         case ADVANCE: open_stretch(r); break;
-        case SAMPLE: done = sample(r, b); break;
+        case SAMPLE: done = record_samples(r, b); break;
         case SECTION: done = section_gather(r, b, r->pending_end); break;
         case ARRIVE: done = arrive(r); break;
         case EXTREMES: done = extremes_until(r, r->next.t, 1); break;

@@ -433,7 +433,7 @@ void closed_form_body(const Run *r, int c, const double *X, const double *V, dou
 void closed_form_open(Run *r);
 double closed_form_advance(Run *r, double limit, int *event);
 
-/* driver.c */
+/* recording.c; samples returns 0 when the buffer is full before the end of the stretch */
 typedef struct {
     double *samples;           /* rows of sample_room: time, x, v of each body, phi, w */
     signed char *sample_modes; /* rows of sample_room: one per part */
@@ -443,9 +443,14 @@ typedef struct {
     long sample_room, event_room, section_room, sample_count, event_count, section_count;
 } Buffers;
 
+long long sample_index(const Run *r, double t);
+void write_state(const Run *r, double *row, long room, const State *s);
+void record_event(Run *r, Buffers *b, int kind, int part, const double *v, double w);
+int record_samples(Run *r, Buffers *b);
+
+/* driver.c */
 void flow_enter(Run *r, const State *state);
 void flow_state(Run *r, double t, State *out);
-void write_state(const Run *r, double *row, long room, const State *s);
 void run_rewind(Run *r, double t_end);
 void run_start(Run *r, int mode, Buffers *b);
 void run_advance(Run *r, Buffers *b);
