@@ -21,12 +21,13 @@ COUNTED = ["-O0", "-g", "--coverage"]
 EXTRA = {"": [], "strict": STRICT, "sanitize": STRICT + SANITIZED, "coverage": COUNTED}
 
 kind = os.environ.get("VIBSIM_BUILD", "")
+headers = sorted(glob(f"{ROOM}/**/*.h", recursive=True))
 
 engine = Extension(
     "vibsim.engine._engine",
     sources=sorted(glob(f"{ROOM}/**/*.c", recursive=True)),
-    depends=sorted(glob(f"{ROOM}/**/*.h", recursive=True)),
-    include_dirs=sorted(glob(f"{ROOM}/**/", recursive=True)),
+    depends=headers,
+    include_dirs=sorted({os.path.dirname(header) for header in headers}),
     extra_compile_args=MSVC_FLAGS if os.name == "nt" else GCC_FLAGS + EXTRA[kind],
     extra_link_args=[flag for flag in EXTRA[kind] if flag.startswith(("-fsanitize", "--coverage"))],
     optional=not kind,
