@@ -46,26 +46,27 @@ def cpu_seconds(pid):
     return (int(fields[11]) + int(fields[12])) / TICK
 
 
+class CountedWorkers(cluster.ClusterWorkers):
+    """Workers that count the batches that they are handed."""
+
+    handed = 0
+
+    def submit(self, pieces):
+        self.handed += 1
+        return super().submit(pieces)
+
+
 def measured(running, plan: Plan, folder: Path, batch_seconds: float):
     """Run a plan; CPU times of client, scheduler and workers [s], batches and wall time."""
     cluster.ClusterWorkers.batch_seconds = batch_seconds
-    handed = 0
-    with cluster.ClusterWorkers(plan.recipe, running.address) as workers:
-        submit = workers.submit
-
-        def counted(pieces):
-            nonlocal handed
-            handed += 1
-            return submit(pieces)
-
-        workers.submit = counted  # type: ignore[method-assign]
+    with CountedWorkers(plan.recipe, running.address) as workers:
         pids = [running.scheduler.pid, *(worker.pid for worker in running.workers)]
         before, began, own = [cpu_seconds(pid) for pid in pids], time.perf_counter(), time.process_time()
         complete(FileStore(plan, folder / f"{plan.count}-{batch_seconds}.h5"), workers)
         wall, own = time.perf_counter() - began, time.process_time() - own
         after = [cpu_seconds(pid) for pid in pids]
     scheduler, *others = (b - a for a, b in zip(before, after, strict=True))
-    return own, scheduler, sum(others), handed, wall
+    return own, scheduler, sum(others), workers.handed, wall
 
 
 def main():
