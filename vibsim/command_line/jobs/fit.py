@@ -11,6 +11,7 @@ from vibsim.command_line.options.settings import Settings
 from vibsim.command_line.terminal.interruption import Interruption
 from vibsim.command_line.terminal.printing import print_json, say
 from vibsim.command_line.terminal.progress import Progress
+from vibsim.command_line.text.going_on import goes_on
 from vibsim.command_line.text.quantities import size
 from vibsim.command_line.text.summary import print_lines
 from vibsim.files.signals import interrupted_with
@@ -62,7 +63,7 @@ def run_job(
 ) -> int:
     """Run or complete a fit; returns the exit code."""
     began, steps = time.perf_counter(), Progress(not settings.quiet, listed=True)
-    remedy = f"{output} holds what was done; the same command goes on from there"
+    remedy = goes_on(output)
     with Interruption() as interruption, interrupted_with(lambda: remedy):
 
         def watch(step: str, done: int, total: int) -> bool:

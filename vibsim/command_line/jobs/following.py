@@ -10,7 +10,7 @@ from vibsim.command_line.options.settings import Settings
 from vibsim.command_line.terminal.interruption import Interruption
 from vibsim.command_line.terminal.printing import print_json, say
 from vibsim.command_line.terminal.progress import PATIENCE, Progress
-from vibsim.command_line.text.quantities import size
+from vibsim.command_line.text.going_on import completed_file, goes_on
 from vibsim.files.signals import interrupted_with
 
 Watch = Callable[..., bool]  # told the number of points; whether to go on
@@ -50,7 +50,7 @@ class Following:
         if settings.json:
             print_json({"file": str(path), **self.facts(followed)})
         elif not settings.quiet:
-            self.show(followed, _file_text(path, len(followed), had, time.perf_counter() - began))
+            self.show(followed, completed_file(path, len(followed), had, time.perf_counter() - began))
         if not finished:
             say(f"interrupted: {_kept(path, store)}", err=True)
             return interruption.exit_code
@@ -60,11 +60,4 @@ class Following:
 def _kept(path: Path, store: Any) -> str:
     if store is None or not store.points:
         return "no point was done; nothing is kept"
-    return f"{path} holds what was done; the same command goes on from there"
-
-
-def _file_text(path: Path, count: int, had: int, took: float) -> str:
-    text = f"{path} ({size(path)})"
-    if had == count:
-        return f"{text}, was complete: nothing to compute"
-    return f"{text}, {took:.2f} s" + (f", {had} points were there" if had else "")
+    return goes_on(path)

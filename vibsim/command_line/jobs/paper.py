@@ -11,6 +11,7 @@ from vibsim.command_line.options.settings import Settings
 from vibsim.command_line.terminal.interruption import Interruption
 from vibsim.command_line.terminal.printing import print_json, say
 from vibsim.command_line.terminal.progress import Progress
+from vibsim.command_line.text.going_on import goes_on
 from vibsim.command_line.text.quantities import size
 from vibsim.command_line.text.summary import print_lines
 from vibsim.evidence.reports.measured.paper_runs import Interrupted
@@ -22,7 +23,7 @@ def write_report(folder: str, formats: tuple[str, ...], fresh: bool, settings: S
     """Write the report into the folder; returns the exit code."""
     began = time.perf_counter()
     steps = Progress(not settings.quiet, listed=True)
-    remedy = f"{folder} holds what was done; the same command goes on from there"
+    remedy = goes_on(folder)
     with Interruption() as interruption, interrupted_with(lambda: remedy):
 
         def tell(step: str, done: int, total: int) -> bool:

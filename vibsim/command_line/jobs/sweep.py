@@ -14,7 +14,7 @@ from vibsim.command_line.options.settings import Settings
 from vibsim.command_line.terminal.interruption import Interruption
 from vibsim.command_line.terminal.printing import print_json, say
 from vibsim.command_line.terminal.progress import PATIENCE, Progress
-from vibsim.command_line.text.quantities import size
+from vibsim.command_line.text.going_on import completed_file, goes_on
 from vibsim.command_line.text.summary import print_lines
 from vibsim.files.signals import interrupted_with
 from vibsim.sweeps.computations.registry import COMPUTATIONS
@@ -131,7 +131,7 @@ def run_sweep(plan: Plan, output: str, workers: Workers, engine: str, force: boo
     """Run or complete a sweep; returns the exit code."""
     path = Path(output)
     began = time.perf_counter()
-    with Interruption() as interruption, interrupted_with(lambda: _kept(path)), workers:
+    with Interruption() as interruption, interrupted_with(lambda: goes_on(path)), workers:
         store = FileStore(plan, path, engine, force)
         for note in store.notes:
             say(f"Warning: {note}", err=True)
@@ -150,23 +150,12 @@ def run_sweep(plan: Plan, output: str, workers: Workers, engine: str, force: boo
     if settings.json:
         print_json({"file": str(path), **facts(result)})
     elif not settings.quiet:
-        lines = [*sweep_lines(result), ("file", _file_text(path, had, plan.count, took))]
+        lines = [*sweep_lines(result), ("file", completed_file(path, plan.count, had, took))]
         print_lines(lines)
     if not result.complete and interruption.signum is not None:
-        say(f"interrupted: {_kept(path)}", err=True)
+        say(f"interrupted: {goes_on(path)}", err=True)
         return interruption.exit_code
     failed = result.table.count(FAILED)
     if failed:
         say(f"Error: {failed} of {plan.count} points failed; the same command tries them again", err=True)
     return FAILED_POINTS if failed else 0
-
-
-def _kept(path: Path) -> str:
-    return f"{path} holds what was done; the same command goes on from there"
-
-
-def _file_text(path: Path, had: int, count: int, took: float) -> str:
-    text = f"{path} ({size(path)})"
-    if had == count:
-        return f"{text}, was complete: nothing to compute"
-    return f"{text}, {took:.2f} s" + (f", {had} points were there" if had else "")
