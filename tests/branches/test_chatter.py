@@ -1,11 +1,13 @@
 """Orbits with infinite sequences of impacts: how many of them are told one by one is no event."""
 
 import numpy as np
+import pytest
 
 from vibsim.branches import continue_branch
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
 from vibsim.orbits.returns.word import LETTERS, circle
+from vibsim.orbits.search.seeking import orbit
 
 KINDS = {letter: kind for kind, letter in LETTERS.items()}
 
@@ -18,6 +20,9 @@ def test_a_sequence_is_one_letter_wherever_the_section_cuts_it():
     assert circle(word("iiichoii")) == circle(word("choiiiii")) == circle(word("cho")) == word("cho")
     assert circle(word("ichsoiu")) == circle(word("chsoiu")) == word("chsoiu")
     assert len(circle(word("iii"))) == 3
+    assert circle(word("cuhso" + "ius" * 9)) == circle(word("cuhso" + "ius" * 8)) == circle(word("cuhso"))
+    assert circle(word("siuscuhsoiu")) == circle(word("cuhsoiusius")) == circle(word("cuhso"))
+    assert len(circle(word("cuhsoiuisius"))) == len(circle(word("cuhsoiuis"))) == 9
     assert circle((("impact", 1), ("chatter", 0))) == (("chatter", 0), ("impact", 1))
 
 
@@ -44,3 +49,29 @@ def test_blows_at_a_moving_face():
     """Drifting oscillator: four grazings were told that were one impact more before the chatter's end."""
     branch = continue_branch("gallery/drifting-oscillator", "drive.A", "4:8 N", max_points=40)
     assert branch.specials == [] and len(set(branch["word"])) == 1
+
+
+def test_a_rest_on_a_shaken_base_across_the_section_goes_on():
+    """A plastic ball rests on the table at phase 0: a period later its gap and their rate are rounding. It
+    began with a flight of that and came to rest at once, here and there along the branch. Of itself it rests
+    for ever up to a w^2 = g, and is thrown up once a period beyond.
+    """
+    set_up = {"stops.table.e": "0", "base.phase": "0 deg", "base.a": "1.2 mm", "initial.ball.x": "10 mm"}
+    start = orbit(load_case("gallery/ball-on-shaken-table", set_up))
+    branch = continue_branch(start, "base.a", "0.9:2 mm")
+    words = [(branch.spelled(one.before), branch.spelled(one.after)) for one in branch.specials]
+    assert words == [("", "ho"), ("ho", "iho")]  # at first it lands as softly as rounding
+    for special, error in zip(branch.specials, (1e-13, 1e-9), strict=True):
+        assert special.parameter == pytest.approx(9.81e3 / 99.045444115315068**2, rel=error)
+
+
+def test_slips_between_the_impacts_of_a_sequence_are_part_of_it():
+    """Each blow moves the slider on, which sticks before the next: how many such slips are told depends on
+    rounding. Where it does not stick any more before the next, from the first pair of impacts to the last,
+    places accumulate by the factor 1/e; behind them it slides as the chatter ends.
+    """
+    branch = continue_branch("gallery/drifting-oscillator", "drive.F0", "0.019:2.1 N")
+    assert [one.kind for one in branch.specials] == ["sticking"] * 9 + ["doubling"]
+    assert branch.spelled(branch.specials[0].before) == "cuhso" and branch.specials[8].after == word("chsoiu")
+    places = np.array([one.parameter for one in branch.specials[:8]])
+    np.testing.assert_allclose((np.diff(places)[:-1] / np.diff(places)[1:])[3:], 1 / 0.3, rtol=0.005)

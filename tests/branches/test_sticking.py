@@ -136,3 +136,17 @@ def test_orbits_at_rest_are_followed_in_long_steps():
     resting = branch["word"] == ""
     assert branch["parameter"].min() == pytest.approx(0.9) and 2 <= resting.sum() < 20
     assert np.abs(branch["parameter"][resting]).max() <= 1.0
+
+
+def test_what_sticks_on_a_shaken_base_across_the_section_goes_on_sticking():
+    """A period later the lower block has the velocity of the table but for rounding. It began with a slip of
+    that, and stuck at once: 14 places where such a stick came or went were told. Of itself it sticks until
+    the table's acceleration, with the friction of the upper block, asks more than friction holds.
+    """
+    start = orbit(load_case("gallery/stack-of-blocks", {"base.a": "6.5 mm"}))
+    branch = continue_branch(start, "base.a", "5:8.5 mm")
+    first, second = branch.specials
+    held = (0.35 * 58.86 - 0.1 * 9.81) / 5 / (8 * np.pi) ** 2
+    assert first.parameter * 1e-3 == pytest.approx(held, rel=1e-11) and first.kind == "sticking"
+    assert [branch.spelled(word) for word in (first.before, first.after)] == ["r3 r3", "r3 u1 s1 r3 u1 s1"]
+    assert second.kind == "order" and not any(one.kind == "unresolved" for one in branch.specials)

@@ -1,9 +1,10 @@
 """What happens on a branch between two of its points, and how it is called."""
 
+from collections import Counter
 from dataclasses import dataclass
 
 from vibsim.branches.curve.node import Node
-from vibsim.orbits.returns.word import Word, changes
+from vibsim.orbits.returns.word import Word, changes, without_sequences
 
 FOLD, DOUBLING, TORUS, BRANCHING = "fold", "doubling", "neimark-sacker", "branch point"
 GRAZING, STICKING, TURNING, ORDER, CORNER = "grazing", "sticking", "turn", "order", "corner"
@@ -65,10 +66,12 @@ class Special:
 
 def kind_of_change(before: Word, after: Word) -> str:
     """What a change of the order of events is: contacts or sticks that come or go, reversals, or the order
-    alone.
+    alone. A stick goes where impacts that a chatter ends follow each other without one between.
     """
-    gone, come = changes(before, after)
+    gone, come = changes(without_sequences(before), without_sequences(after))
     changed = {kind for kind, _ in gone + come}
+    if not changed and Counter(before) != Counter(after):
+        return STICKING
     if changed & {"contact_begin", "contact_end", "impact", "transmitted"}:
         return GRAZING
     if changed & {"stick_begin", "stick_end", "rest_begin", "rest_end"}:

@@ -49,11 +49,28 @@ class RelativeMotion(Generic[N]):
         place, rate = series_rounding(self.kit, base, state.t, 2)
         return place, zero if self._base_turns(state, value_and_rate(self.kit, base, state.t)[1]) else rate
 
-    def turned_by_base(self, part: Joined, rate: N, state: State[N]) -> bool:
-        """Whether the rounding of the base's velocity could turn the sign of a relative one. What is zero in
-        doubles moves with the base.
+    def turned_by_base(self, part: Joined, rate: N) -> bool:
+        """Whether a relative velocity may be all rounding of the base's, here or a period before. What is
+        zero in doubles moves with the base.
         """
-        return 0 < abs(rate) <= self.base_rounding(self.maker.ends(part), state)[1]
+        return 0 < abs(rate) <= START_ROUNDING * self.kit.eps * self._fastest(part)
+
+    def _fastest(self, part: Joined) -> N:
+        """The sum of the velocities of the base, where a part has an end there; else 0."""
+        on_base = self.maker.n + 1 in self.maker.ends(part)
+        terms = self.scene.base if on_base else ()
+        return sum((abs(one.amplitude * one.omega) for one in terms), self.kit.number(0))
+
+    def rests_on_base(self, stop: Stop[N] | RigidStop[N], g: N, state: State[N]) -> bool:
+        """Whether rounding may be all of the gap of a rigid stop of a moving base and of its rate, as of a
+        body a period after a start at rest on it.
+        """
+        if not isinstance(stop, RigidStop) or self._fastest(stop) == 0:
+            return False
+        (vP, vQ), (xP, xQ) = self.ends(stop, state, "v"), self.ends(stop, state, "x")
+        travel = sum((abs(one.amplitude) for one in self.scene.base), abs(xP) + abs(xQ) + abs(stop.gap))
+        near = abs(g) <= START_ROUNDING * self.kit.eps * travel
+        return near and abs(vP - vQ) <= START_ROUNDING * self.kit.eps * self._fastest(stop)
 
     def depth(self, stop: Stop[N] | RigidStop[N], state: State[N]) -> N:
         xP, xQ = self.ends(stop, state, "x")

@@ -13,7 +13,7 @@ from vibsim.engine.modes.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, STRIKE, 
 from vibsim.engine.modes.status import CONTACT, KEPT, LIFTED, OPEN, STICK, VIOLATED, Status
 from vibsim.engine.state import State
 from vibsim.physics.arithmetic.numbers import N
-from vibsim.physics.parts import AT_FORCE, Scene, Stop
+from vibsim.physics.parts import AT_FORCE, Friction, Scene, Stop
 
 
 class Starts(Generic[N]):
@@ -32,7 +32,8 @@ class Starts(Generic[N]):
         scene = self.scene
         depths = [self.relative.depth(stop, state) for stop in scene.stops]
         met = [
-            self.relative.met(stop, g, state, stop.gap) for stop, g in zip(scene.stops, depths, strict=True)
+            self.relative.met(stop, g, state, stop.gap) or self.relative.rests_on_base(stop, g, state)
+            for stop, g in zip(scene.stops, depths, strict=True)
         ]
         deep = [
             g > 0 and not at and isinstance(s, Stop)
@@ -41,12 +42,7 @@ class Starts(Generic[N]):
         stops = tuple(CONTACT if inside else OPEN for inside in deep)
         slacks = [self.relative.excess(c, state) for c in scene.clearances]
         clearances = tuple(VIOLATED if over > 0 else KEPT for over in slacks)
-        rates = [self.relative.slip(f, state) for f in scene.frictions]
-        if any(
-            self.relative.turned_by_base(f, rate, state)
-            for f, rate in zip(scene.frictions, rates, strict=True)
-        ):
-            self.departures.doubt(state)
+        rates = [self._slip(friction, state) for friction in scene.frictions]
         frictions = tuple(sign(rate) for rate in rates)
         status = self._pressing(state, Status(stops, frictions, clearances), met)
         known: Known = {}
@@ -80,6 +76,16 @@ class Starts(Generic[N]):
                 status = status.with_clearance(i, VIOLATED if sense < 0 else KEPT)
                 known[CLEARANCE, i] = order
         return status, known | self._held(state, status)
+
+    def _slip(self, friction: Friction[N], state: State[N]) -> N:
+        """The sliding velocity at the start: none, in doubt, where the base's rounding may be all of it. A
+        period after a start that sticks on the base a body has the base's velocity but for that.
+        """
+        rate = self.relative.slip(friction, state)
+        if not self.relative.turned_by_base(friction, rate):
+            return rate
+        self.departures.doubt(state)
+        return self.relative.kit.number(0)
 
     def _held(self, state: State[N], status: Status) -> Known:
         """Orders of the zeros from which what ties may carry begins to grow."""

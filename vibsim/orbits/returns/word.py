@@ -25,6 +25,7 @@ LETTERS = {
 }
 TOGETHER = 1e-12  # of the period, between events of one kind at different parts
 NEAR = 1e-3  # the same of events that may come together although slowness keeps their times apart
+STICKS = ("stick_begin", "stick_end")
 OF_FRICTION = ("reversal", "stick_begin", "stick_end")
 
 
@@ -58,21 +59,51 @@ def in_order(
 
 
 def counted(events: Sequence[tuple[str, int]]) -> list[bool]:
-    """Which events of a circle its word has: all but the impacts that a chatter brings to an end.
+    """Which events of a circle its word has: all but the impacts that a chatter brings to an end, and the
+    slips that each of them begins and that end before the next.
 
     There are infinitely many of them; how many are told one by one depends on rounding alone, and that number
     changes along a branch without anything happening.
     """
     kept, ending = [True] * len(events), set[int]()
+    slips: list[int] = []  # behind the impact that is looked for
     for i in reversed(range(-len(events), len(events))):  # twice round: the section may cut a sequence
         kind, part = events[i]
         if kind == "chatter":
-            ending = {part}
-        elif kind == "impact" and part in ending:
-            kept[i] = False
+            ending, slips = {part}, []
+        elif kind == "impact" and part in ending and _over([events[j] for j in reversed(slips)]):
+            for j in (i, *slips):
+                kept[j] = False
+            slips = []
+        elif kind in STICKS:
+            slips.append(i)
         else:
             ending = set()
     return kept
+
+
+def without_sequences(word: Word) -> Word:
+    """A word without the impacts that a chatter brings to an end, and what sticks and slips among them."""
+    kept, ending = [True] * len(word), set[int]()
+    for i in reversed(range(-len(word), len(word))):
+        kind, part = word[i]
+        if kind == "chatter":
+            ending = {part}
+        elif (kind == "impact" and part in ending) or (kind in STICKS and ending):
+            kept[i] = False
+        else:
+            ending = set()
+    return tuple(event for event, told in zip(word, kept, strict=True) if told)
+
+
+def _over(slips: Iterable[tuple[str, int]]) -> bool:
+    """Whether slips among ends and beginnings of sticks all begin and end among them."""
+    sliding = set[int]()
+    for kind, part in slips:
+        if (kind == "stick_end") == (part in sliding):
+            return False
+        sliding ^= {part}
+    return not sliding
 
 
 def circle(events: Word) -> Word:

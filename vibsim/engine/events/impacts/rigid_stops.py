@@ -117,12 +117,13 @@ class RigidStops(Generic[N]):
         for j, _ in self.scene.rigid_stops:
             if j in met:
                 rate = rate_of(self.kit, self.blows.contacts[j], self.blows.velocities(state))
-                if self.relative.turned_by_base(self.stops[j], rate, state):
+                turned = self.relative.turned_by_base(self.stops[j], rate)
+                if turned:
                     self.departures.doubt(state)
-                if rate == 0:
+                if turned or rate == 0:
                     standing.append(j)
-                if rate <= 0:
-                    parting[j] = rate < 0
+                if turned or rate <= 0:
+                    parting[j] = rate < 0 and not turned
         if standing:
             self.seats.join(state, standing)
             self.seats.seat(state, standing)
