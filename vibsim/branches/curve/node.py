@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.curve.arclength import correct, kernel, length_of, tangent
+from vibsim.branches.curve.arclength import kernel, length_of, tangent
+from vibsim.branches.curve.correction import correct
 from vibsim.branches.curve.family import Family, FamilyPoint
 from vibsim.once import once
 from vibsim.orbits.multipliers import ON_CIRCLE

@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.curve.arclength import ContinuationError, NoCase, correct, kernel, tangent
+from vibsim.branches.curve.arclength import ContinuationError, NoCase, kernel, tangent
+from vibsim.branches.curve.correction import correct
 from vibsim.branches.curve.family import SHIFT, STEEP, Family, FamilyPoint
 from vibsim.branches.curve.node import LEAST_LIMIT, Node
 from vibsim.branches.curve.step_size import SHARP, Pace, turn
@@ -113,7 +114,7 @@ class Plane:
 
 
 class PlanePoint:
-    """A motion over one return, as a point of a locus; see `vibsim.branches.curve.arclength.Point`."""
+    """A motion over one return, as a point of a locus; see `vibsim.branches.curve.correction.Point`."""
 
     settled = rounded = True
     first_slope: np.ndarray | None = None  # each point has its own

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from vibsim.branches.branch import Branch, SpecialPoint
-from vibsim.branches.curve.arclength import correct, tangent
+from vibsim.branches.curve.arclength import tangent
+from vibsim.branches.curve.correction import correct
 from vibsim.branches.loci.locus import KINDS, WATCHED, Plane, PlanePoint, follow_pair
 from vibsim.branches.plan import BranchError, BranchPlan, must_matter, value_in
 from vibsim.branches.special.holding import held

@@ -6,7 +6,8 @@ the branch gets there. Past the touch the orbits go on smoothly, and the graze i
 
 import numpy as np
 
-from vibsim.branches.curve.arclength import CLOSE, ContinuationError
+from vibsim.branches.curve.arclength import ContinuationError
+from vibsim.branches.curve.correction import CLOSE
 from vibsim.branches.curve.family import Family, FamilyPoint
 from vibsim.branches.curve.node import Node
 from vibsim.branches.special.special import GRAZING, Special
