@@ -3,10 +3,11 @@
 import numpy as np
 
 from vibsim.cases import load_case
-from vibsim.sweeps.plan.sweep_plan import DIRECTIONS
+from vibsim.sweeps import sweeping
+from vibsim.sweeps.schedule.workers import LocalWorkers
 from vibsim.sweeps.statistics.columns import DONE, NOT_REPRODUCIBLE
 from vibsim.sweeps.store.point_store import FileStore, Store
-from vibsim.sweeps.sweeping import make_plan, run_stored
+from vibsim.sweeps.sweeping import make_plan
 
 OMEGA0 = "excitation.Omega0"
 
@@ -33,6 +34,12 @@ def assert_same_points(got, expected):
         np.testing.assert_array_equal(getattr(got, name), getattr(expected, name), err_msg=name)
 
 
+def run_stored(store, jobs, engine="auto", watch=None):
+    """Complete a store on this machine; the result, and whether every point was reached."""
+    with LocalWorkers(store.plan.recipe, jobs, engine) as workers:
+        return sweeping.complete(store, workers, watch)
+
+
 def complete(plan, path, **options):
     """Run what is missing in a file; the indices computed by this call."""
     store = FileStore(plan, path, **options)
@@ -45,6 +52,3 @@ def complete(plan, path, **options):
 def in_memory(plan):
     """All points of a plan, nothing on file."""
     return run_stored(Store(plan), 2)[0].table
-
-
-__all__ = ["DIRECTIONS", "OMEGA0", "assert_same_points", "complete", "in_memory", "short_case", "short_plan"]

@@ -11,13 +11,13 @@ import pytest
 
 from tests.command_line.made import call
 from tests.sweeps.clusters import loopback_cluster
-from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
+from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
 from vibsim.opening import open_result
 from vibsim.sweeps.plan.sweep_plan import STATISTICS
 from vibsim.sweeps.schedule.cluster import DIED, ClusterError, ClusterWorkers
 from vibsim.sweeps.statistics.columns import FAILED
 from vibsim.sweeps.store.point_store import FileStore, Store
-from vibsim.sweeps.sweeping import complete, run_stored
+from vibsim.sweeps.sweeping import complete
 
 pytest.importorskip("distributed")
 CARRIED = {"carry_state": True, "direction": "both"}

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.scenes import fixed_block, harmonic, motor, paper
-from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
+from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
 from tests.trajectories import opened
 from vibsim.analysis.discard import parse_discard
 from vibsim.cases.loading import load_case_text
@@ -23,7 +23,6 @@ from vibsim.sweeps.statistics import measured_run
 from vibsim.sweeps.statistics.quantities import of_two_blocks
 from vibsim.sweeps.statistics.resolution import sampled_for_statistics
 from vibsim.sweeps.store.point_store import FileStore, Store
-from vibsim.sweeps.sweeping import run_stored
 
 
 def computed(scene, *names, discard="50 %", section=10):

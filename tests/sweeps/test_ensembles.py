@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
+from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
 from vibsim.cases import CaseError
 from vibsim.opening import open_result
 from vibsim.sweeps import describe, sweep
@@ -16,7 +16,7 @@ from vibsim.sweeps.plan.members import Members, read_members
 from vibsim.sweeps.plan.spread import SpreadError, read_spread
 from vibsim.sweeps.plan.sweep_plan import PlanError
 from vibsim.sweeps.store.point_store import FileStore, Store
-from vibsim.sweeps.sweeping import make_plan, run_stored
+from vibsim.sweeps.sweeping import make_plan
 
 CARRIED = {"carry_state": True, "direction": "both"}
 SPREAD = {"phi": "0:360 deg", "x1": "normal 0.1 mm"}

@@ -2,10 +2,17 @@
 
 import numpy as np
 
-from tests.sweeps.made import OMEGA0, assert_same_points, complete, in_memory, short_case, short_plan
+from tests.sweeps.made import (
+    OMEGA0,
+    assert_same_points,
+    complete,
+    in_memory,
+    run_stored,
+    short_case,
+    short_plan,
+)
 from vibsim.sweeps.statistics.columns import DONE, FAILED
 from vibsim.sweeps.store.point_store import Store
-from vibsim.sweeps.sweeping import run_stored
 
 
 def test_a_failed_point_is_kept_with_its_reason_and_tried_again(tmp_path, monkeypatch):

@@ -4,10 +4,9 @@ from itertools import pairwise
 
 import pytest
 
-from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
+from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
 from vibsim.sweeps.statistics.columns import DONE
 from vibsim.sweeps.store.point_store import Store
-from vibsim.sweeps.sweeping import run_stored
 
 SETTINGS = {
     "fresh": {},

@@ -10,13 +10,21 @@ import h5py
 import numpy as np
 import pytest
 
-from tests.sweeps.made import OMEGA0, assert_same_points, complete, in_memory, short_case, short_plan
+from tests.sweeps.made import (
+    OMEGA0,
+    assert_same_points,
+    complete,
+    in_memory,
+    run_stored,
+    short_case,
+    short_plan,
+)
 from vibsim.opening import open_result
 from vibsim.results import ResultFileError
 from vibsim.sweeps.statistics.columns import DONE, MISSING
 from vibsim.sweeps.store.journal import Journal, journal_path
 from vibsim.sweeps.store.point_store import FileStore
-from vibsim.sweeps.sweeping import run_stored, sweep
+from vibsim.sweeps.sweeping import sweep
 
 CARRIED = {"carry_state": True, "direction": "both"}
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from tests.command_line.made import call
-from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
+from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
 from vibsim.opening import open_result
 from vibsim.results import ResultFileError
 from vibsim.sweeps import join
@@ -14,7 +14,7 @@ from vibsim.sweeps.plan.members import read_members
 from vibsim.sweeps.plan.shard import read_shard, shard
 from vibsim.sweeps.plan.sweep_plan import PlanError
 from vibsim.sweeps.store.point_store import FileStore, Store
-from vibsim.sweeps.sweeping import make_plan, run_stored
+from vibsim.sweeps.sweeping import make_plan
 
 CASE = short_case(t_end="1 s")
 GRID = [(OMEGA0, "3:5:0.5 Hz", ""), ("c", "0.01:0.07/7", "")]

@@ -7,14 +7,13 @@ import h5py
 import numpy as np
 import pytest
 
-from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
+from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
 from vibsim.opening import open_result
 from vibsim.results import ResultFileError
 from vibsim.sweeps import describe, sweep
 from vibsim.sweeps.statistics.columns import DEFINITIONS, always, section
 from vibsim.sweeps.statistics.quantities import quantities_of
 from vibsim.sweeps.store.point_store import FileStore
-from vibsim.sweeps.sweeping import run_stored
 
 SECTIONS = 7
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
+from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
 from vibsim.analysis import capture, judge_capture, judge_regime
 from vibsim.analysis.streaming import StreamedVerdicts
 from vibsim.engine.trajectory import open_trajectory
@@ -16,7 +16,6 @@ from vibsim.physics.modes import EVENT_KINDS
 from vibsim.sweeps.computations import capture_verdict, regime_label
 from vibsim.sweeps.plan.sweep_plan import PlanError
 from vibsim.sweeps.store.point_store import FileStore, Store
-from vibsim.sweeps.sweeping import run_stored
 
 
 def swept(case, *names, key="c", values=None, **settings):

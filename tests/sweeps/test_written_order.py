@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.command_line.made import call
-from tests.sweeps.made import OMEGA0, assert_same_points, short_plan
+from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_plan
 from vibsim.opening import open_result
 from vibsim.plots.subject import open_subjects
 from vibsim.plots.sweeps.curves import curves
@@ -15,7 +15,6 @@ from vibsim.sweeps import join
 from vibsim.sweeps.plan.shard import shard
 from vibsim.sweeps.plan.sweep_plan import DOWN, UP, PlanError
 from vibsim.sweeps.store.point_store import FileStore, Store
-from vibsim.sweeps.sweeping import run_stored
 
 CARRIED = {"carry_state": True}
 

@@ -162,14 +162,6 @@ def read_ensemble(case: Case, count: int, seed: int, spread: Mapping[str, str]) 
         raise PlanError(str(error)) from None
 
 
-def run_stored(
-    store: Store, jobs: int, engine: str = "auto", watch: Watch | None = None
-) -> tuple[SweepResult, bool]:
-    """Complete a store on this machine; the result, and whether every point was reached."""
-    with LocalWorkers(store.plan.recipe, jobs, engine) as workers:
-        return complete(store, workers, watch)
-
-
 def open_workers(plan: Plan, jobs: int | None, scheduler: str | None, engine: str) -> Workers:
     """Workers here, or those of a scheduler; to be entered. Raises PlanError for wishes that do not fit."""
     if scheduler is not None and jobs is not None:
