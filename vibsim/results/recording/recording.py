@@ -109,7 +109,7 @@ class Recording:
         for block, missing in self._ahead.blocks(goes_on, judge_what_waits):
             times = block.samples["time"][-1:].tolist()
             self._known_to = max(float(block.t_reached), *times, self._known_to)
-            self._worked_to = getattr(block, "worked_to", self._known_to)
+            self._worked_to = block.worked_to
             tag = block.events, self._known_to
             self._hand_on(sink, self._trust.judged(block.samples, missing, tag, go_on, going))
             if not goes_on():
