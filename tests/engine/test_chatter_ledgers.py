@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from mpmath import mp
 
+from tests.engine.impacts import GRAVITY as G
+from tests.engine.impacts import METHODS
 from tests.engine.runs import run
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import (
@@ -19,10 +21,8 @@ from vibsim.physics.parts import (
     Scene,
 )
 
-G = 9.81  # m/s^2
 RETURNED = 0.03  # of the last hops, which return within the rounding of displacements
 WATCHED = 100  # roundings of displacements, within which blows are found
-METHODS = ("auto", "taylor")
 everywhere = pytest.mark.parametrize("method", METHODS)
 
 
