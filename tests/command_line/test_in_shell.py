@@ -72,6 +72,15 @@ def test_a_picture_that_needs_another_sweep(tmp_path):
     assert "(sweep with --compute regime)" in done.stderr
 
 
+def test_starts_without_a_spread():
+    with pytest.raises(
+        vibsim.FitError, match=r'such as spread=\{"x1": "1 mm"\}, or ask for none: ensemble=0$'
+    ):
+        vibsim.fit("II-B", {"c": "0.001:0.05"}, ["chaotic"], ensemble=4)
+    done = call("fit", "II-B", "--free", "c=0.001:0.05", "--want", "chaotic", "--ensemble", "4", "-o", "a.h5")
+    assert done.stderr.endswith("such as --spread x1=1mm, or ask for none: --ensemble 0\n")
+
+
 def test_no_command_shows_the_help_alone():
     done = subprocess.run([sys.executable, "-m", "vibsim"], capture_output=True, text=True)
     assert done.returncode in (0, 2)  # click before 8.2 takes it for a question

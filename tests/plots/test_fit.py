@@ -1,10 +1,13 @@
 """The picture of a fit: every candidate judged from all starts, the best ringed."""
 
+from itertools import combinations
+
 import pytest
 
 from tests.fitting.made import done, light_motor, plan_of
 from vibsim.plots import style
 from vibsim.plots.errors import PlotError
+from vibsim.plots.page.log_axis import Powers
 from vibsim.plots.picture import draw_files
 from vibsim.plots.registry import fitting
 from vibsim.plots.subject import Subject
@@ -61,3 +64,30 @@ def test_it_is_drawn_from_its_file(tmp_path, monkeypatch):
     assert draw_files(["found.h5"], None, View(), None, False)[0].endswith("-fit.png")
     with pytest.raises(PlotError, match=r"it shows a sweep, and found\.h5 is a fit"):
         draw_files(["found.h5"], ["sommerfeld"], View(), None, False)
+
+
+def test_points_are_whole_and_ticks_stand_apart():
+    """Of ranges of one, two and four decades."""
+    figure = drawn(subject_of({"J": "0.2:5 g m^2", "M0": "0.01:100 mN m"}))
+    figure.draw_without_rendering()
+    axes = figure.axes[0]
+    (low, high), (left, right) = axes.get_ylim(), axes.get_xlim()
+    x, y = artist(figure, "price").get_offsets().T
+    assert left < x.min() and x.max() < right and low < y.min() and y.max() < high
+    for axis in (axes.xaxis, axes.yaxis):
+        shown = [tick.label1 for tick in (*axis.get_major_ticks(), *axis.get_minor_ticks())]
+        boxes = [text.get_window_extent() for text in shown if text.get_text() and text.get_visible()]
+        inside = [box for box in boxes if box.width]
+        assert len(inside) >= 2
+        assert not any(one.overlaps(other) for one, other in combinations(inside, 2))
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["best", "as printed"]
+
+
+@pytest.mark.parametrize(
+    ("span", "ticks"),
+    [((0.9, 5.5), [1, 2, 5]), ((0.5, 2e3), [1, 10, 100, 1000]), ((1.02, 1.9), [1.2, 1.4, 1.6, 1.8]),
+     ((1e-6, 2e-5), [1e-6, 2e-6, 5e-6, 1e-5, 2e-5])],
+)  # fmt: skip
+def test_ticks_of_a_logarithmic_axis(span, ticks):
+    within = [x for x in Powers().tick_values(*span) if span[0] * (1 - 1e-9) <= x <= span[1] * (1 + 1e-9)]
+    assert within == pytest.approx(ticks)

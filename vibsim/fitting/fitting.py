@@ -145,7 +145,9 @@ def _members(cases: list[Case], ensemble: int, seed: int, spread: Mapping[str, s
     if not ensemble and not spread:
         return None
     if not spread and not cases[0].scene().has_motor:
-        raise FitError("say what varies over the starts, such as spread x1=1mm, or ask for none: ensemble 0")
+        raise FitError(
+            'say what varies over the starts, such as spread={"x1": "1 mm"}, or ask for none: ensemble=0'
+        )
     try:
         (members,) = read_ensemble(cases[0], ensemble, seed, spread)
         for case in cases[1:]:

@@ -13,13 +13,15 @@ from vibsim.fitting.fit_result import FitResult
 from vibsim.fitting.goals.free_parameter import FreeParameter
 from vibsim.fitting.judgement import Judgement
 from vibsim.fitting.store.fit_file import number_of
-from vibsim.plots.page.sheet import note, sheet
+from vibsim.plots.page.log_axis import draw_by_ratio
+from vibsim.plots.page.sheet import legend_below, note, sheet
 from vibsim.plots.style import BLUE, GREY
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
 
 HEIGHT_CM = 7.0
 SIZE = 26  # of a point [pt^2]
+ROOM = 0.04  # of the range, beside the first and last point
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
@@ -34,6 +36,8 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     else:
         _plane(figure, axes, fit, judged, free)
     note(axes, f"{len(judged)} of {len(fit.candidates)} candidates")
+    marks = [mark for mark in axes.get_lines() if mark.get_gid() in ("best", "printed")]
+    legend_below(figure, marks, [str(mark.get_label()) for mark in marks], markerscale=0.7)
     return figure
 
 
@@ -89,12 +93,19 @@ def _value(judged: Judgement, free: FreeParameter) -> float:
 
 def _mark(axes: Axes, best: Any, printed: Any) -> None:
     axes.plot(
-        *best, "o", color="black", markersize=9, markerfacecolor="none", markeredgewidth=1.3, gid="best"
-    )
+        *best, "o", color="black", markersize=9, markerfacecolor="none", markeredgewidth=1.3, gid="best",
+        label="best",
+    )  # fmt: skip
     if printed is not None:
-        axes.plot(*printed, "x", color="black", markersize=6, markeredgewidth=1.3, gid="printed")
+        axes.plot(
+            *printed, "x", color="black", markersize=6, markeredgewidth=1.3, gid="printed",
+            label="as printed",
+        )  # fmt: skip
 
 
 def _axis(axes: Axes, which: str, free: FreeParameter) -> None:
     label = f"{free.name} ({free.unit})" if free.unit else free.name
-    axes.set(**{f"{which}label": label, f"{which}scale": "log" if free.by_ratio else "linear"})
+    axes.set(**{f"{which}label": label})
+    if free.by_ratio:
+        draw_by_ratio(axes, which)
+    axes.margins(*((ROOM, None) if which == "x" else (None, ROOM)))

@@ -20,6 +20,7 @@ BLUE, ORANGE, BLACK, SKY, VERMILLION, PINK, GREEN = (
     "#0072B2", "#E69F00", "#000000", "#56B4E9", "#D55E00", "#CC79A7", "#009E73",
 )  # fmt: skip
 YELLOW = "#F0E442"  # of theirs too, for areas alone
+PALE = "#A9D7F2"  # SKY half way to white, for areas alone
 GREY = "0.45"
 SHADE = "0.90"
 

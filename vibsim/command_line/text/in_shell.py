@@ -23,6 +23,7 @@ PHRASES = (
     (r'\(continue_branch\(orbit, "Omega0", "FROM:TO"\)\)', "(vibsim continue --omega0)"),
     (r"\(search_orbits\), or give period=N$", "(--search), or give --period"),
     (r'such as spread=\{"x1": "1 mm"\}', "such as --spread x1=1mm"),
+    (r"ask for none: ensemble=0$", "ask for none: --ensemble 0"),
 )
 
 

@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from vibsim.cases.schema.forms import LONG
 from vibsim.cases.values.units import UNITS
 from vibsim.plots.errors import PlotError
+from vibsim.plots.page.log_axis import draw_by_ratio
 from vibsim.plots.page.quantities import rounded
 from vibsim.plots.page.user_text import as_text
 from vibsim.plots.subject import Subject
@@ -166,7 +167,7 @@ def show_span(axes: Axes, span: Span, room: float, by_ratio: bool, view: View) -
     """Show a span of the axis along, and this share of it on either side, or what the view's window shows."""
     low, high = span
     if by_ratio:
-        axes.set_xscale("log")
+        draw_by_ratio(axes, "x")
         beyond = (high / low) ** room
         axes.set_xlim(*shown(low / beyond, high * beyond, view))
         return

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from vibsim.plots.page.quantities import rounded
 from vibsim.plots.page.sheet import say_inside
-from vibsim.plots.style import BLUE, ORANGE, SKY, YELLOW
+from vibsim.plots.style import BLUE, ORANGE, PALE, VERMILLION
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweeps.map_sheet import map_sheet
 from vibsim.plots.sweeps.plane import plane_of
@@ -17,7 +17,7 @@ from vibsim.plots.view import View
 from vibsim.sweeps.computations.capture_verdict import VERDICTS
 
 COLOURS = {
-    "undecided": YELLOW, "not met": "0.87", "passed": SKY, "escaped": ORANGE, "captured": BLUE,
+    "undecided": VERMILLION, "not met": "0.93", "passed": PALE, "escaped": ORANGE, "captured": BLUE,
 }  # fmt: skip
 SHADES = [Shade(name, COLOURS[name]) for name in VERDICTS]
 CLASSES = 8  # of speeds

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vibsim.plots.page.sheet import note, sheet
-from vibsim.plots.style import BLUE, VERMILLION, YELLOW
+from vibsim.plots.style import BLUE, ORANGE, VERMILLION
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweeps.axes import along, ascending, draws_by_ratio, label_of, numbers, show_span
 from vibsim.plots.sweeps.ensemble_pictures import Pictures, share_map
@@ -24,7 +24,7 @@ from vibsim.sweeps.ensemble import Share
 HEIGHT_CM = 6.8
 UNDRAWN = 0.005  # greatest share of a curve that would lie on the axis
 EDGE = 0.02  # of the range, beside the first and last mark
-COLOURS = {"undecided": YELLOW, "rest": BLUE, "vibration": VERMILLION}
+COLOURS = {"undecided": VERMILLION, "rest": BLUE, "vibration": ORANGE}
 SHADES = [Shade(name, COLOURS[name]) for name in VERDICTS]
 MARKS = {"undecided": "^", "rest": "o", "vibration": "s"}
 

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from vibsim.plots.motion.frequency_marks import mark_frequencies
+from vibsim.plots.page.log_axis import draw_by_ratio
 from vibsim.plots.page.sheet import letter_panels, note, sheet
 from vibsim.plots.sweeps.axes import is_speed, shown
 from vibsim.plots.sweeps.curves import DIRECTION_NAMES, frequencies
@@ -26,7 +27,8 @@ def map_sheet(plane: Plane, each: int, view: View) -> tuple[Figure, np.ndarray]:
     figure = sheet(view, min(PANEL_CM, (PAGE_CM - NAMES_CM) / rows) * rows + NAMES_CM)
     grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
     x, y = plane.edges()
-    grid[0, 0].set(xscale=plane.scales[0], yscale=plane.scales[1])
+    for which in plane.by_ratio:
+        draw_by_ratio(grid[0, 0], which)
     grid[0, 0].set(xlim=shown(x[0], x[-1], view), ylim=(y[0], y[-1]))
     finish(grid, count, *plane.labels())
     panels = grid.ravel()[:count]

@@ -51,12 +51,10 @@ class Plane:
         return across, up
 
     @property
-    def scales(self) -> tuple[str, str]:
-        """Scales of matplotlib across and up: log where the values are spaced by ratio."""
-        across, up = (
-            "log" if draws_by_ratio(self.subject.result.axes[i]) else "linear" for i in (self.across, self.up)
-        )
-        return across, up
+    def by_ratio(self) -> str:
+        """Which of its axes x and y are logarithmic, their values spaced by ratio: x, y, xy or none."""
+        axes = self.subject.result.axes
+        return "".join(which for which, i in (("x", self.across), ("y", self.up)) if draws_by_ratio(axes[i]))
 
     def labels(self) -> tuple[str, str]:
         """Labels of the axes across and up."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,7 +13,7 @@ from matplotlib.figure import Figure
 from vibsim.plots.motion.frequency_marks import mark_frequencies
 from vibsim.plots.page.quantities import Scale, scale_for
 from vibsim.plots.page.sheet import legend_below, note
-from vibsim.plots.style import BLACK, GREEN, GREY, ORANGE, PINK, SKY
+from vibsim.plots.style import BLACK, GREEN, GREY, ORANGE, PALE, PINK
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweeps.axes import along, axis_label, is_speed
 from vibsim.plots.sweeps.curves import Curve, curves, draw_bands, frequencies, limit
@@ -24,11 +25,11 @@ PANEL_WIDTH_CM = 5.4
 MARGINS_CM = 4.4  # names of frequencies above, label and legend below
 GIVERS = ("power_source", "power_base", "power_belts")
 TAKERS = {
-    "power_damper": ("damper", SKY),
-    "power_stops": ("stops", GREEN),
-    "power_friction": ("friction", ORANGE),
-    "power_stored": ("stored (beyond the line: released)", PINK),
-}
+    "power_damper": ("damper", PALE, ""),
+    "power_stops": ("stops", GREEN, ""),
+    "power_friction": ("friction", ORANGE, ""),
+    "power_stored": ("stored (beyond the line: released)", PINK, "////"),
+}  # words, colour and hatches
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
@@ -82,9 +83,10 @@ def absorbed_powers(curve: Curve) -> dict[str, np.ndarray]:
 def _panel(axes: Axes, curve: Curve, scale: Scale) -> None:
     below = np.zeros(len(curve.x))
     for name, values in absorbed_powers(curve).items():
-        words, colour = TAKERS[name]
+        words, colour, hatch = TAKERS[name]
         above = below + scale(values)
-        axes.fill_between(curve.x, below, above, color=colour, linewidth=0, label=words, gid=name)
+        look: dict[str, Any] = {"facecolor": colour, "edgecolor": "0.25", "hatch": hatch, "linewidth": 0}
+        axes.fill_between(curve.x, below, above, label=words, gid=name, **look)
         below = above
     source = replace(curve, colour=BLACK)
     single = [

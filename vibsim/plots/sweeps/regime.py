@@ -17,9 +17,9 @@ from vibsim.sweeps.computations.regime_label import VERDICTS
 
 PERIODS = 4  # told apart; longer ones share a colour
 SHADES = [
-    Shade("period 1", BLUE), Shade("period 2", SKY), Shade("period 3", GREEN), Shade("period 4", YELLOW),
-    Shade("longer period", PINK), Shade("quasi-periodic", ORANGE), Shade("chaotic", VERMILLION),
-    Shade("transient", "0.78"), Shade("undecided", "0.92"),
+    Shade("period 1", BLUE), Shade("period 2", SKY), Shade("period 3", GREEN, "\\\\\\\\"),
+    Shade("period 4", YELLOW), Shade("longer period", PINK, "...."), Shade("quasi-periodic", ORANGE, "////"),
+    Shade("chaotic", VERMILLION, "xxxx"), Shade("transient", "0.78", "||||"), Shade("undecided", "0.95"),
 ]  # fmt: skip
 CLASSES = {shade.name: code for code, shade in enumerate(SHADES)}
 
