@@ -76,8 +76,8 @@ def test_starts_without_a_spread():
     with pytest.raises(
         vibsim.FitError, match=r'such as spread=\{"x1": "1 mm"\}, or ask for none: ensemble=0$'
     ):
-        vibsim.fit("II-B", {"c": "0.001:0.05"}, ["chaotic"], ensemble=4)
-    done = call("fit", "II-B", "--free", "c=0.001:0.05", "--want", "chaotic", "--ensemble", "4", "-o", "a.h5")
+        vibsim.fit("gallery/impact-oscillator", {"drive.omega": "3:5 rad/s"}, ["chaotic"], ensemble=4)
+    done = call("fit", "gallery/impact-oscillator", "--free", "drive.omega=3:5 rad/s", "--want", "chaotic")
     assert done.stderr.endswith("such as --spread x1=1mm, or ask for none: --ensemble 0\n")
 
 
