@@ -65,7 +65,6 @@ def part_scenes(draw, motor=None, radians=12.0, bodies=4):
     count = draw(st.integers(0, 2))
     damped = draw(st.booleans())
     base = draw(harmonics(LENGTH, 1)) if draw(st.booleans()) else ()
-    outer = [GROUND, BASE] if base else [GROUND]
     parts = []
     for i in range(n):
         x = draw(signed(LENGTH))
@@ -73,71 +72,58 @@ def part_scenes(draw, motor=None, radians=12.0, bodies=4):
 
     def ends():
         P = draw(st.integers(0, n - 1))
-        Q = draw(st.sampled_from([*[k for k in range(n) if k != P], *outer]))
+        Q = draw(st.sampled_from([*[k for k in range(n) if k != P], GROUND, *([BASE] if base else [])]))
         return (P, Q) if draw(st.booleans()) else (Q, P)
 
-    links = [
+    links = tuple(
         Link(f"l{i}", *ends(), RATE**2 * draw(decades(-0.5, 0.5)), draw(decades(-2, 0)) * RATE * damped)
         for i in range(draw(st.integers(0, n + 1)))
-    ]
-    stops = [
-        Stop(
-            f"s{i}",
-            *ends(),
-            draw(st.sampled_from((0.0, 0.3, 1.0, -0.2))) * LENGTH,
-            draw(st.sampled_from((EXTENSION, COMPRESSION))),
-            RATE**2 * draw(decades(0, 1.5)),
-            draw(st.sampled_from((0.0, 0.5, 3.0))) * RATE * damped,
-            draw(st.sampled_from((AT_GAP, AT_FORCE))),
-        )
-        for i in range(draw(st.integers(0, 2)))
-    ]
-    frictions = []
-    for i in range(count):
-        N = draw(decades(-1.5, 0)) * RATE**2 * LENGTH
-        belt = draw(st.sampled_from((0.0, 0.0, 0.2))) * RATE * LENGTH
-        slip = N, N * draw(st.sampled_from((1.0, 0.5)))
-        laws = draw(falls(slip)) if draw(st.booleans()) else tuple(draw(holds(force)) for force in slip)
-        frictions.append(Friction(f"f{i}", *ends(), *slip, belt, *laws))
-    forces = tuple(
-        Force(
-            f"F{i}",
-            draw(st.integers(0, n - 1)),
-            draw(signed(RATE**2 * LENGTH)),
-            draw(harmonics(RATE**2 * LENGTH)),
-        )
-        for i in range(draw(st.integers(0, 2)))
     )
+    stops = tuple(elastic_stop(draw, f"s{i}", ends(), damped) for i in range(draw(st.integers(0, 2))))
+    frictions = tuple(friction(draw, f"f{i}", ends) for i in range(count))
+    forces = tuple(force(draw, f"F{i}", n) for i in range(draw(st.integers(0, 2))))
     with_motor = draw(st.booleans()) if motor is None else motor
-    engine = None
-    if with_motor:
-        m3, e = draw(decades(-1, 0)), LENGTH * draw(decades(0, 1))
-        inertia = m3 * e * e
-        engine = Motor(
-            draw(st.integers(0, n - 1)),
-            m3,
-            e,
-            inertia,
-            inertia * RATE**2,
-            1.5 * RATE,
-            0.5,
-            draw(signed(RATE)),
-        )
-    t_end = radians / (4 * RATE)
+    source = one_motor(draw, n) if with_motor else None
     return Scene(
-        tuple(parts),
-        tuple(links),
-        tuple(stops),
-        tuple(frictions),
-        forces,
-        base,
-        engine,
-        (),
-        False,
-        t_end,
-        1,
-        40,
+        tuple(parts), links, stops, frictions, forces, base, source,
+        t_end=radians / (4 * RATE), every_num=1, every_den=40,
+    )  # fmt: skip
+
+
+def elastic_stop(draw, name, ends, damped):
+    """A stop with a spring, and with a damper where there are some."""
+    return Stop(
+        name,
+        *ends,
+        draw(st.sampled_from((0.0, 0.3, 1.0, -0.2))) * LENGTH,
+        draw(st.sampled_from((EXTENSION, COMPRESSION))),
+        RATE**2 * draw(decades(0, 1.5)),
+        draw(st.sampled_from((0.0, 0.5, 3.0))) * RATE * damped,
+        draw(st.sampled_from((AT_GAP, AT_FORCE))),
     )
+
+
+def friction(draw, name, ends):
+    """A friction on a belt or none, with laws that fall or limits while sticking; ends: draws them."""
+    N = draw(decades(-1.5, 0)) * RATE**2 * LENGTH
+    belt = draw(st.sampled_from((0.0, 0.0, 0.2))) * RATE * LENGTH
+    slip = N, N * draw(st.sampled_from((1.0, 0.5)))
+    laws = draw(falls(slip)) if draw(st.booleans()) else tuple(draw(holds(limit)) for limit in slip)
+    return Friction(name, *ends(), *slip, belt, *laws)
+
+
+def force(draw, name, n):
+    """A force on one of n bodies, constant, harmonic or both."""
+    on = draw(st.integers(0, n - 1))
+    return Force(name, on, draw(signed(RATE**2 * LENGTH)), draw(harmonics(RATE**2 * LENGTH)))
+
+
+def one_motor(draw, n):
+    """A motor on one of n bodies."""
+    m3, e = draw(decades(-1, 0)), LENGTH * draw(decades(0, 1))
+    inertia = m3 * e * e
+    on = draw(st.integers(0, n - 1))
+    return Motor(on, m3, e, inertia, inertia * RATE**2, 1.5 * RATE, 0.5, draw(signed(RATE)))
 
 
 @st.composite
