@@ -121,7 +121,7 @@ def _no_case_but(source: str) -> str:
 
 
 def _no_case_but_a_folder(path: Path) -> str:
-    inside = [f"{path}/*{suffix}" for suffix in SUFFIXES if any(True for _ in path.glob(f"*{suffix}"))]
+    inside = [f"{path}/*{suffix}" for suffix in SUFFIXES if any(path.glob(f"*{suffix}"))]
     others = f"; for those in it write {' '.join(inside)}" if inside else _shipped_in(path)
     return f"is a folder, not a case file{others}"
 
