@@ -21,7 +21,7 @@ def test_up_to_the_graze_of_a_rigid_stop(case, key, span):
 
 def test_beside_the_graze_of_an_elastic_stop():
     """Newton's method was ended where its steps grew no shorter, to and fro across the graze, and left 5e-8.
-    Multipliers are up to 7,000 there: by so much the residual is larger than what is wrong with the orbit.
+    Multipliers are up to 7,000: the residual of a point is by the largest one larger than its error.
     """
     branch = continue_branch("gallery/impact-damper", "drive.A", "0.2:1.185 N")
     assert {one.kind for one in branch.specials} >= {"grazing", "branch point", "fold", "neimark-sacker"}
