@@ -80,4 +80,4 @@ def test_a_slip_that_comes_up_slowly_is_told_once():
     branch = continue_branch("gallery/two-masses-with-friction", "drive.A", "0.9:1 N")
     (special,) = branch.specials
     assert special.parameter == pytest.approx(0.5 * (2 - 0.3**2), abs=1e-6)
-    assert special.before == () and special.after != () and special.jump == 0
+    assert special.before == () and special.after != () and special.jump == 0 and special.kind == "sticking"

@@ -11,11 +11,11 @@ from vibsim.branches.curve.correction import CLOSE
 from vibsim.branches.curve.family import Family, FamilyPoint
 from vibsim.branches.curve.node import Node
 from vibsim.branches.special.special import GRAZING, Special
-from vibsim.branches.special.touching import TouchFamily, window_of
+from vibsim.branches.special.touching import TouchFamily, windows_of
 from vibsim.orbits.returns.word import Word, circle
 
 STEPS = 12
-DIFFERENCE = 2.0**-20  # of a scaled unknown
+DIFFERENCE = 2.0**-30  # of a scaled unknown: hops that an incomplete chatter ends with are as short as 1e-8
 NEAR = 0.1  # scaled distance from the last orbit of the branch
 
 
@@ -23,10 +23,10 @@ def grazing_end(family: Family, node: Node) -> Special | None:
     """The graze of a rigid stop near the last orbit of a branch; None where there is none."""
     scene = node.point.end.coordinates.scene
     for stop, _ in scene.rigid_stops:
-        try:
-            point, middle = _graze(family, node, stop)
-        except ContinuationError:
+        found = _graze(family, node, stop)
+        if found is None:
             continue
+        point, middle = found
         at = Node(point, node.heading, 0)
         impacting = _impacts(node.word, stop) > _impacts(at.word, stop)
         touched = node.word if impacting else _with(point, middle, stop)
@@ -35,25 +35,40 @@ def grazing_end(family: Family, node: Node) -> Special | None:
     return None
 
 
-def _graze(family: Family, node: Node, stop: int) -> tuple[FamilyPoint, float]:
-    """The orbit that grazes, and when [s / period]. Raises ContinuationError."""
-    window = window_of(family.map(node.parameter), node.point.end.X, node.point.period, stop)
-    past, z = TouchFamily(family, window), node.z
-    for _ in range(STEPS):
-        point = past(z)
-        beside = [past(z + shift).end.clearance for shift in DIFFERENCE * np.eye(len(z))]
-        gradient = (np.array(beside) - point.end.clearance) / DIFFERENCE
-        size = float(np.linalg.norm(gradient)) or 1.0
-        matrix = np.vstack([point.jacobian(), gradient / size])
-        if not np.isfinite(matrix).all():  # another stop is grazed
-            break
-        step = -np.linalg.lstsq(matrix, np.append(point.residual, point.end.clearance / size), rcond=None)[0]
-        z = z + step
-        if np.linalg.norm(z - node.z) > NEAR:
-            break
-        if np.linalg.norm(step) <= CLOSE:
-            return past(z), window.middle
-    raise ContinuationError("no graze is near")
+def _graze(family: Family, node: Node, stop: int) -> tuple[FamilyPoint, float] | None:
+    """The nearest orbit that grazes a stop, and when [s / period]; None without any."""
+    try:
+        for window in windows_of(family.map(node.parameter), node.point.end.X, node.point.period, stop):
+            point = _touched(TouchFamily(family, window), node)
+            if point is not None:
+                return point, window.middle
+    except ContinuationError:
+        pass
+    return None
+
+
+def _touched(past: TouchFamily, node: Node) -> FamilyPoint | None:
+    """The orbit near a node that grazes in a window; None where there is none."""
+    z = node.z
+    try:
+        for _ in range(STEPS):
+            point = past(z)
+            beside = [past(z + shift).end.clearance for shift in DIFFERENCE * np.eye(len(z))]
+            gradient = (np.array(beside) - point.end.clearance) / DIFFERENCE
+            size = float(np.linalg.norm(gradient)) or 1.0
+            matrix = np.vstack([point.jacobian(), gradient / size])
+            if not np.isfinite(matrix).all():  # another stop is grazed
+                return None
+            missing = np.append(point.residual, point.end.clearance / size)
+            step = -np.linalg.lstsq(matrix, missing, rcond=None)[0]
+            z = z + step
+            if np.linalg.norm(z - node.z) > NEAR:
+                return None
+            if np.linalg.norm(step) <= CLOSE:
+                return past(z)
+    except ContinuationError:
+        pass
+    return None
 
 
 def _impacts(word: Word, stop: int) -> int:

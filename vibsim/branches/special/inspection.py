@@ -72,12 +72,18 @@ def _gathered(specials: Iterator[Special]) -> Iterator[Special]:
 
 def _as_one(run: list[Special]) -> list[Special]:
     """Special points side by side, or what there is between the first and the last where they are many and
-    some are not resolved, or events come and go and come again.
+    some are not resolved, or events come and go and come again: the change of order from one end to the
+    other, as where rounding hides when a slip begins, or a chatter that is complete no more loses one impact
+    after the other, infinitely many.
     """
     orders = [each.after.word for each in run if each.before.word != each.after.word]
     if len(run) < MANY or (len(set(orders)) == len(orders) and all(each.kind != UNRESOLVED for each in run)):
         return run
-    return [Special(UNRESOLVED, run[-1].after, run[0].before, run[-1].after)]
+    before, after = run[0].before, run[-1].after
+    chatters = [node for node in (before, after) if any(kind == "chatter" for kind, _ in node.word)]
+    ordinary = all(each.kind not in SMOOTH for each in run) or len(chatters) == 1
+    kind = kind_of_change(before.word, after.word) if ordinary and before.word != after.word else UNRESOLVED
+    return [Special(kind, chatters[0] if len(chatters) == 1 else after, before, after)]
 
 
 def _parted(family: Family, one: Node, other: Node, parts: Iterator[int]) -> Iterator[Special]:

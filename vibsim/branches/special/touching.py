@@ -6,6 +6,7 @@ touch without that stop, and how far from the stop it turns there, below zero in
 both are those of the motion.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import floor, log2
@@ -29,7 +30,13 @@ SAMPLES = 4096  # of a period, among which the touch is looked for
 SAME = 1e-4  # share of the period within which events of the stop belong to the touch
 WIDEST, SHARE = 0.05, 0.5  # half of the window: of the period, and of the way to the nearest event
 AT_SECTION = 1e-4  # of the period: a touch so near to the section has no window
+AT_EVENT = 1e-5  # the same of another event: hops that an incomplete chatter ends with are short
+FEW = 3  # of a motion's touches, that may be the graze
 TURNS = 12  # Newton steps to the turn
+CLOSE, ROUGH = (
+    1e-12,
+    1e-8,
+)  # of the window, of the last of them, and where rounding keeps it from growing shorter
 CONTACTS = ("contact_begin", "contact_end", "impact", "transmitted")
 OF_STOPS = [EVENT_KINDS[kind] for kind in ("contact_begin", "contact_end", *RIGID_KINDS)]
 
@@ -90,7 +97,7 @@ class MapPastTouch(ReturnMap):
     def _clearance(self, past: Carrier, state: np.ndarray, window: tuple[float, float]) -> float:
         """The gap where it turns within the window [m]. Raises OrbitError."""
         begin, end = window
-        s = (end - begin) / 2
+        s, last = (end - begin) / 2, end - begin
         for _ in range(TURNS):
             there = past.carry(state, s, [])
             gap, rate, bend = gap_of(self.scene, self.window.stop, begin + s, there.state, there.rate)
@@ -100,8 +107,9 @@ class MapPastTouch(ReturnMap):
             s -= step
             if not 0 < s < end - begin:
                 break
-            if abs(step) <= 1e-12 * (end - begin):
+            if abs(step) <= CLOSE * (end - begin) or last / 2 <= abs(step) <= ROUGH * (end - begin):
                 return gap - rate * step / 2
+            last = abs(step)
         raise OrbitError("the motion does not turn before the stop where it did")
 
 
@@ -148,25 +156,41 @@ def joined(parts: list[tuple[float, Carried]], stop: int) -> Carried:
 
 
 def window_of(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> Window:
-    """The window about the touch of a stop on an orbit of the full map: where the gap turns nearest to 0.
+    """The window about the touch of a stop on an orbit of the full map that is nearest to a graze.
 
     Raises ContinuationError where there is none, or it lies on the section.
     """
-    middle = _touch(return_map, X, T, stop) / T
-    end = return_map(X, None if return_map.section.timed else T)
+    return _about(return_map, X, T, stop, touches(return_map, X, T, stop)[0])
+
+
+def windows_of(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> Iterator[Window]:
+    """The windows about what is nearest to a graze of a stop, the nearest first."""
+    for touch in touches(return_map, X, T, stop)[:FEW]:
+        try:
+            yield _about(return_map, X, T, stop, touch)
+        except ContinuationError:
+            continue
+
+
+def _about(return_map: ReturnMap, X: np.ndarray, T: float, stop: int, touch: float) -> Window:
+    """The window about a touch at a time [s]. Raises ContinuationError."""
+    middle, end = touch / T, return_map(X, None if return_map.section.timed else T)
     shares = [
         t / T
         for (kind, part), t in zip(end.carried.events, end.carried.times, strict=True)
         if not (part == stop and kind in CONTACTS and abs(t / T - middle) < SAME)
     ]
-    nearest = min((abs(share - middle) for share in (0.0, 1.0, *shares)), default=1.0)
-    if nearest < AT_SECTION:
+    others = min((abs(share - middle) for share in shares), default=1.0)
+    nearest = min(middle, 1 - middle, others)
+    if min(middle, 1 - middle) < AT_SECTION or others < AT_EVENT:
         raise ContinuationError("the graze comes to the section, or to another event")
     return Window(stop, round(middle * 2**20) / 2**20, 2.0 ** floor(log2(min(WIDEST, SHARE * nearest))))
 
 
-def _touch(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> float:
-    """When the gap of a stop turns nearest to 0 [s]."""
+def touches(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> list[float]:
+    """When an orbit is near to graze a stop [s], the nearest first: turns of the gap by what is left of it,
+    blows by how deep the motion would go if the stop were not there. Raises ContinuationError without any.
+    """
     scene = placed(return_map.scene, return_map.coordinates.state(X), T)
     step = Fraction(T / SAMPLES).limit_denominator(10**9)
     sampled = replace(scene, every_num=step.numerator, every_den=step.denominator)
@@ -175,10 +199,22 @@ def _touch(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> float:
         np.concatenate([block[name] for block in blocks])
         for name in ("time", *return_map.coordinates.columns)
     )
+    start = return_map.coordinates.lifted(X)
+    carried = return_map.carrier.carry(start, T, [])
+    blows = [i for i, event in enumerate(carried.events) if event == ("impact", stop)]
     gap, rate, _ = gap_of(scene, stop, times, np.array(columns))
     turns = np.flatnonzero((rate[:-1] < 0) & (rate[1:] >= 0))
-    if not len(turns):
+    struck = np.searchsorted(times, carried.times[blows]) - 1
+    near = []
+    for at in np.setdiff1d(turns, struck):
+        share = rate[at] / (rate[at] - rate[at + 1])
+        near.append((abs(float(gap[at])), float(times[at] + share * (times[at + 1] - times[at]))))
+    for i in blows:
+        t = float(carried.times[i])
+        there = return_map.carrier.carry(start, t, [])
+        _, rate, bend = gap_of(scene, stop, t, carried.states[i], there.rate)
+        if bend > 0:
+            near.append((float(rate**2 / (2 * bend)), t))
+    if not near:
         raise ContinuationError("no turn before the stop is left of the graze")
-    at = turns[np.argmin(np.abs(gap[turns]))]
-    share = rate[at] / (rate[at] - rate[at + 1])
-    return float(times[at] + share * (times[at + 1] - times[at]))
+    return [t for _, t in sorted(near)]

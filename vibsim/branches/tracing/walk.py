@@ -46,6 +46,10 @@ KINKS = (1e-7, 1e-6, 1e-5, 1e-4)  # scaled lengths of steps across a kink
 SAME = 1e-8  # scaled distance of a closed branch from its start
 
 
+class NoBound(ContinuationError):
+    """A node at the end of the range that was not found; from nearer it may be."""
+
+
 @dataclass(frozen=True)
 class Step:
     """One step of a walk.
@@ -84,7 +88,13 @@ class Walk:
                 corner = self._corner(self.node) if loose else None
                 if corner is None and self.crosses and from_section(node) < AT_SECTION:
                     raise ContinuationError(BLOCKED)
+                shrunk, ended = hopf_point(self.family, self.node, node), ""
+                if corner is None and shrunk is None:
+                    node, ended = self._ended(node)
             except ContinuationError as error:
+                if isinstance(error, NoBound) and self.step > self.pace.least:
+                    self.step /= 2
+                    continue
                 beyond = beyond_the_impact(self) if self.crosses else None
                 if beyond is not None:
                     yield self._across(beyond)
@@ -97,12 +107,10 @@ class Walk:
                 ended = self._stuck(error) if graze is None else TOUCHED
                 yield Step(self.node, () if graze is None else (graze,), self.step, ended)
                 return
-            shrunk = hopf_point(self.family, self.node, node)
             if shrunk is not None:
                 yield Step(self.node, (shrunk,), self.step, AT_REST)
                 return
             if corner is None:
-                node, ended = self._ended(node)
                 specials = with_pitchfork(self.family, self.node, node, inspect(self.family, self.node, node))
                 at_corner = next((each.before for each in specials if each.kind == CORNER), None)
                 corner = None if at_corner is None else self._corner(at_corner)
@@ -245,12 +253,15 @@ class Walk:
         return node, END if self._is_at_bound(node) else ""
 
     def _at_bound(self, node: Node, bound: float) -> Node:
-        """The node at the end of the range, between the last one and one beyond."""
+        """The node at the end of the range, between the last one and one beyond. Raises NoBound."""
         here, there = self.node.z[-1], node.z[-1]
         target = bound / self.family.scale[-1]
         start = self.node.z + (node.z - self.node.z) * ((target - here) / (there - here))
         start[-1] = target
-        return node_at(self.family, start, None, node, float(np.linalg.norm(node.z - self.node.z)))
+        try:
+            return node_at(self.family, start, None, node, float(np.linalg.norm(node.z - self.node.z)))
+        except ContinuationError as error:
+            raise NoBound(str(error)) from error
 
     def _closed(self, node: Node) -> Node | None:
         """The node where the branch comes back to its start between the last node and this one, if it does.
