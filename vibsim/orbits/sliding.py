@@ -17,7 +17,7 @@ from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.status import BACKWARD, FORWARD, Status
 from vibsim.engine.state import State
-from vibsim.engine.tangent.monodromy import Carried
+from vibsim.engine.tangent.carried import Carried
 from vibsim.orbits.returns.word import OF_FRICTION
 from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.parts import Scene

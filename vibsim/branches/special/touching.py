@@ -17,7 +17,8 @@ import numpy as np
 from vibsim.branches.curve.arclength import ContinuationError
 from vibsim.branches.curve.family import Family
 from vibsim.engine.modes.status import OPEN
-from vibsim.engine.tangent.monodromy import Carried, Carrier
+from vibsim.engine.tangent.carried import Carried
+from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.orbits import OrbitError, ReturnMap
 from vibsim.orbits.returns.gaps import gap_of

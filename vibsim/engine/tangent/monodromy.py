@@ -10,8 +10,8 @@ rigid stop, or strikes several at one instant, has no such derivative: that is t
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from dataclasses import replace
+from functools import partial
 from math import isfinite, nan
 from typing import TYPE_CHECKING, Any
 
@@ -27,78 +27,16 @@ from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.modes.packing import scene_doubles, voices
 from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.state import State
+from vibsim.engine.tangent.carried import Carried
 from vibsim.engine.tangent.tangent_space import length
 from vibsim.once import once
 from vibsim.physics.arithmetic.numbers import Doubles
-from vibsim.physics.modes import EVENT_NAMES
 from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:
     from vibsim.engine.c_engine import CRun
 
 PIECES = 4096  # of the Python engine at once
-
-
-@dataclass(eq=False)
-class Carried:
-    """A motion from a start to a time, and disturbances of its start. Not frozen: there are several in each
-    point of a branch, and they would take five times as long to make.
-
-    state : components at the end [m, m/s, rad, rad/s]; rate_there : their rates of change there, or what
-        tells them
-    vectors : the disturbances at the end, one per row
-    happened : kind and number of the part among its sort of what happened on the way, -1 for none, and the
-        states of the parts behind it (`Status.codes`), one row each
-    table : when [s], and the components behind it, one row each
-    uncertified : number of doubts of the certificate; 0 where it is sure that no event was missed
-    margin : smallest gap at a turn without contact [m], inf without any
-    undefined_at : time [s] of the first event that has no derivative, a grazing touch of a rigid stop say;
-        NaN where all have one. `vectors` are NaN then
-    """
-
-    state: np.ndarray
-    rate_there: np.ndarray | Callable[[], np.ndarray]
-    vectors: np.ndarray
-    happened: np.ndarray
-    table: np.ndarray
-    uncertified: int
-    margin: float
-    undefined_at: float = nan
-
-    def __reduce__(self) -> tuple[object, ...]:
-        """For pickle: with the rates, which need no run then."""
-        counted = self.uncertified, self.margin, self.undefined_at
-        return Carried, (self.state, self.rate, self.vectors, self.happened, self.table, *counted)
-
-    @once
-    def rate(self) -> np.ndarray:
-        """Rates of change of the components at the end."""
-        return self.rate_there() if callable(self.rate_there) else self.rate_there
-
-    @once
-    def events(self) -> tuple[tuple[str, int], ...]:
-        """(kind, part) of what happened on the way, in order."""
-        return _named(self.happened[:, :2].tobytes())
-
-    @property
-    def times(self) -> np.ndarray:
-        """When these happened [s]."""
-        return self.table[:, 0]
-
-    @property
-    def states(self) -> np.ndarray:
-        """The components behind them, one row each."""
-        return self.table[:, 1:]
-
-    @property
-    def codes(self) -> np.ndarray:
-        """The states of the parts behind them (`Status.codes`), one row each."""
-        return self.happened[:, 2:]
-
-    @property
-    def matrix(self) -> np.ndarray:
-        """Column j: what became of disturbance j. The monodromy matrix where these were the unit ones."""
-        return self.vectors.T
 
 
 class _Shared:
@@ -302,13 +240,6 @@ class Carrier:
             certificate[1],
             undefined_time if count else nan,
         )
-
-
-@lru_cache(maxsize=1024)
-def _named(happened: bytes) -> tuple[tuple[str, int], ...]:
-    """(kind, part) of events by two signed bytes each: branches meet few orders of them."""
-    numbers = np.frombuffer(happened, dtype="i1").reshape(-1, 2)
-    return tuple((EVENT_NAMES[kind], part) for kind, part in numbers.tolist())
 
 
 def _finite(values: np.ndarray) -> bool:

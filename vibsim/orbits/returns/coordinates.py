@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibsim.engine.tangent.monodromy import Carried
+from vibsim.engine.tangent.carried import Carried
 from vibsim.engine.tangent.tangent_space import length, plainly_weighed_alike, weights
 from vibsim.once import once
 from vibsim.orbits.errors import OrbitError

@@ -15,7 +15,8 @@ from math import inf, isfinite
 
 import numpy as np
 
-from vibsim.engine.tangent.monodromy import Carried, Carrier
+from vibsim.engine.tangent.carried import Carried
+from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.once import once
 from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.returns.coordinates import Coordinates

@@ -1,0 +1,82 @@
+"""What a motion from a start to a time, with disturbances of that start, has come to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from math import nan
+
+import numpy as np
+
+from vibsim.once import once
+from vibsim.physics.modes import EVENT_NAMES
+
+
+@dataclass(eq=False)
+class Carried:
+    """A motion from a start to a time, and disturbances of its start. Not frozen: there are several in each
+    point of a branch, and they would take five times as long to make.
+
+    state : components at the end [m, m/s, rad, rad/s]; rate_there : their rates of change there, or what
+        tells them
+    vectors : the disturbances at the end, one per row
+    happened : kind and number of the part among its sort of what happened on the way, -1 for none, and the
+        states of the parts behind it (`Status.codes`), one row each
+    table : when [s], and the components behind it, one row each
+    uncertified : number of doubts of the certificate; 0 where it is sure that no event was missed
+    margin : smallest gap at a turn without contact [m], inf without any
+    undefined_at : time [s] of the first event that has no derivative, a grazing touch of a rigid stop say;
+        NaN where all have one. `vectors` are NaN then
+    """
+
+    state: np.ndarray
+    rate_there: np.ndarray | Callable[[], np.ndarray]
+    vectors: np.ndarray
+    happened: np.ndarray
+    table: np.ndarray
+    uncertified: int
+    margin: float
+    undefined_at: float = nan
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """For pickle: with the rates, which need no run then."""
+        counted = self.uncertified, self.margin, self.undefined_at
+        return Carried, (self.state, self.rate, self.vectors, self.happened, self.table, *counted)
+
+    @once
+    def rate(self) -> np.ndarray:
+        """Rates of change of the components at the end."""
+        return self.rate_there() if callable(self.rate_there) else self.rate_there
+
+    @once
+    def events(self) -> tuple[tuple[str, int], ...]:
+        """(kind, part) of what happened on the way, in order."""
+        return _named(self.happened[:, :2].tobytes())
+
+    @property
+    def times(self) -> np.ndarray:
+        """When these happened [s]."""
+        return self.table[:, 0]
+
+    @property
+    def states(self) -> np.ndarray:
+        """The components behind them, one row each."""
+        return self.table[:, 1:]
+
+    @property
+    def codes(self) -> np.ndarray:
+        """The states of the parts behind them (`Status.codes`), one row each."""
+        return self.happened[:, 2:]
+
+    @property
+    def matrix(self) -> np.ndarray:
+        """Column j: what became of disturbance j. The monodromy matrix where these were the unit ones."""
+        return self.vectors.T
+
+
+@lru_cache(maxsize=1024)
+def _named(happened: bytes) -> tuple[tuple[str, int], ...]:
+    """(kind, part) of events by two signed bytes each: branches meet few orders of them."""
+    numbers = np.frombuffer(happened, dtype="i1").reshape(-1, 2)
+    return tuple((EVENT_NAMES[kind], part) for kind, part in numbers.tolist())
