@@ -75,3 +75,16 @@ def test_slips_between_the_impacts_of_a_sequence_are_part_of_it():
     assert branch.spelled(branch.specials[0].before) == "cuhso" and branch.specials[8].after == word("chsoiu")
     places = np.array([one.parameter for one in branch.specials[:8]])
     np.testing.assert_allclose((np.diff(places)[:-1] / np.diff(places)[1:])[3:], 1 / 0.3, rtol=0.005)
+
+
+def test_bodies_at_rest_on_each_other_across_the_section_stay_so():
+    """A period later their gap is rounding: flights of that came and went along the branch. From F0 = A on
+    the force presses the mass on the slider all the time.
+    """
+    start = orbit(load_case("gallery/drifting-oscillator", {"drive.F0": "5.5 N"}))
+    branch = continue_branch(start, "drive.F0", "4.9:7 N")
+    words = [branch.spelled(branch.specials[0].before)] + [
+        branch.spelled(one.after) for one in branch.specials
+    ]
+    assert words == ["chsusoiu", "cuhsuso", "hsusou", "su"]
+    assert branch.specials[-1].parameter == pytest.approx(5.0, rel=1e-11)

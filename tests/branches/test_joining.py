@@ -78,3 +78,13 @@ def test_the_last_orbit_is_not_one_of_those_that_are_joined():
     assert branch.plan.family().n == 2
     assert "joins the orbits of 1 period" in dict(branch.lines())["ends"]
     assert min(apart(branch)) > 1e-8
+
+
+def test_a_branch_that_comes_back_to_where_it_was_ends_there():
+    """Beyond 3.9287 N a step leads onto a branch that crosses this one within 1e-6 N, which is told as not
+    resolved; that one leads back, and the branch went round its loops a second and a third time.
+    """
+    branch = vibsim.continue_branch("gallery/impact-damper", "drive.A", "0.1:6 N")
+    assert branch.ends[1] == "comes back to a Neimark-Sacker point that it has passed"
+    places = [(one.kind, round(one.parameter, 9)) for one in branch.specials if one.kind == "neimark-sacker"]
+    assert len(set(places)) == len(places) > 4

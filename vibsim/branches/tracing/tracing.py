@@ -1,19 +1,24 @@
 """A branch traced both ways from its start, each point kept as it comes."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
 
+from vibsim.branches.curve.arclength import length_of
 from vibsim.branches.curve.family import Family
 from vibsim.branches.curve.node import Node
 from vibsim.branches.plan import BranchPlan
+from vibsim.branches.special.special import DOUBLING, FOLD, NAMES, TORUS
 from vibsim.branches.tracing.records import PointRecord, SpecialRecord, point_record, records_of
 from vibsim.branches.tracing.walk import Walk
 
 MOST_POINTS = 5000
 CLOSED = "closed"
+ALONE = (FOLD, DOUBLING, TORUS)
+FAR, SAME = 10, 1e-7  # points between, and scaled distance of two places that are one
 REMEMBERED = 3  # points that the next step goes by
 
 Watch = Callable[[int, list[SpecialRecord]], bool]
@@ -23,6 +28,7 @@ class Keeper(Protocol):
     """Where points of a branch are kept."""
 
     points: list[PointRecord]
+    specials: list[SpecialRecord]
 
     def add(self, point: PointRecord, specials: list[SpecialRecord]) -> None:
         """Keep a point, and the special points in front of it."""
@@ -54,12 +60,25 @@ def trace(
         walk = _walk(plan, family, _turned(start, way), done, way)
         for step in walk.steps():
             point, specials = records_of(step, way, walk.count)
+            again = next((each for each in specials if _passed(keeper.specials, each)), None)
+            if again is not None:  # as where a step has led onto a branch that crosses this one
+                point = replace(point, ended=f"comes back to {NAMES[again.kind]} that it has passed")
+                specials = specials[: specials.index(again)]
             keeper.add(point, specials)
             if watch is not None and not watch(len(keeper.points), specials):
                 return False
-            if not step.ended and len(keeper.points) >= share:
+            if point.ended or len(keeper.points) >= share:
                 break
     return True
+
+
+def _passed(specials: list[SpecialRecord], special: SpecialRecord) -> bool:
+    """Whether a bifurcation that one branch alone goes through is among those behind a walk."""
+    if special.kind not in ALONE:
+        return False
+    behind = (one for one in specials if one.way == special.way and special.number - one.number > FAR)
+    z = np.array(special.unknowns)
+    return any(one.kind == special.kind and length_of(one.unknowns - z) <= SAME for one in behind)
 
 
 def _turned(start: Node, way: int) -> Node:

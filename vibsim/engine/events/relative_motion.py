@@ -61,16 +61,16 @@ class RelativeMotion(Generic[N]):
         terms = self.scene.base if on_base else ()
         return sum((abs(one.amplitude * one.omega) for one in terms), self.kit.number(0))
 
-    def rests_on_base(self, stop: Stop[N] | RigidStop[N], g: N, state: State[N]) -> bool:
-        """Whether rounding may be all of the gap of a rigid stop of a moving base and of its rate, as of a
-        body a period after a start at rest on it.
+    def rests(self, stop: Stop[N] | RigidStop[N], g: N, state: State[N]) -> bool:
+        """Whether rounding may be all of the gap of a rigid stop and of its rate, as of bodies a period after
+        a start at rest on each other or on a base that moves.
         """
-        if not isinstance(stop, RigidStop) or self._fastest(stop) == 0:
+        if not isinstance(stop, RigidStop):
             return False
         (vP, vQ), (xP, xQ) = self.ends(stop, state, "v"), self.ends(stop, state, "x")
         travel = sum((abs(one.amplitude) for one in self.scene.base), abs(xP) + abs(xQ) + abs(stop.gap))
-        near = abs(g) <= START_ROUNDING * self.kit.eps * travel
-        return near and abs(vP - vQ) <= START_ROUNDING * self.kit.eps * self._fastest(stop)
+        near, still = START_ROUNDING * self.kit.eps * travel, START_ROUNDING * self.kit.eps
+        return abs(g) <= near and abs(vP - vQ) <= still * (abs(vP) + abs(vQ) + self._fastest(stop))
 
     def depth(self, stop: Stop[N] | RigidStop[N], state: State[N]) -> N:
         xP, xQ = self.ends(stop, state, "x")

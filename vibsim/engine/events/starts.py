@@ -32,7 +32,7 @@ class Starts(Generic[N]):
         scene = self.scene
         depths = [self.relative.depth(stop, state) for stop in scene.stops]
         met = [
-            self.relative.met(stop, g, state, stop.gap) or self.relative.rests_on_base(stop, g, state)
+            self.relative.met(stop, g, state, stop.gap) or self.relative.rests(stop, g, state)
             for stop, g in zip(scene.stops, depths, strict=True)
         ]
         deep = [
