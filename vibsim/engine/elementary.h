@@ -17,6 +17,7 @@
 #define LN_2 0.6931471803691238
 #define LN_2_LO 1.9082149292705877e-10
 #define FLAT_EXPONENT 1400.0
+#define UNIT_ROUNDING 0x1p-53
 #define ROOT_HALF 0.7071067811865476
 
 static inline uint64_t bits_of(double x)
@@ -54,6 +55,15 @@ static inline void sine_cosine(double angle, double *sine, double *cosine)
     if (!(-LARGEST_ANGLE < angle && angle < LARGEST_ANGLE))
         angle = isfinite(angle) ? fmod(angle, TWO_PI) : NAN;
     moderate_sine_cosine(angle, sine, cosine);
+}
+
+/* Of an angle that is rounded: 0 where rounding hides them, as at quarter turns, which are none of the numbers. */
+static inline void rounded_sine_cosine(double angle, double *sine, double *cosine)
+{
+    double lost = UNIT_ROUNDING * fabs(angle);
+    sine_cosine(angle, sine, cosine);
+    *sine = fabs(*sine) > lost ? *sine : 0.0;
+    *cosine = fabs(*cosine) > lost ? *cosine : 0.0;
 }
 
 static inline double sine_of(double angle)

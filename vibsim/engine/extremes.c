@@ -16,19 +16,6 @@ typedef struct {
     double t, value, rate;
 } Node;
 
-static void base_motion(const Run *r, double t, double *X, double *V)
-{
-    int i;
-    *X = *V = 0.0;
-    for (i = 0; i < r->base_count; i++) {
-        const Harmonic *term = &r->base[i];
-        double sine, cosine;
-        sine_cosine(turn_angle(term->cycles, term->cycles_lo, t) + term->phase, &sine, &cosine);
-        *X = *X + term->amplitude * sine;
-        *V = *V + term->amplitude * term->omega * cosine;
-    }
-}
-
 static double column(const Run *r, const double *values, int c, double base)
 {
     return c < r->bodies ? values[c] : c == r->bodies ? 0.0 : base;
@@ -42,7 +29,7 @@ static void measure(Run *r, double t, int only, double *values, double *rates)
     int q;
     flow_state(r, t, &r->scratch);
     if (e->based)
-        base_motion(r, t, &X, &V);
+        base_motion_at(r, t, &X, &V);
     for (q = only < 0 ? 0 : only; q < (only < 0 ? e->count : only + 1); q++) {
         if (q < e->pairs) {
             values[q] = column(r, r->scratch.x, e->P[q], X) - column(r, r->scratch.x, e->Q[q], X);

@@ -22,6 +22,8 @@ from vibsim.physics.parts import Scene
 
 FEW = 2  # derivatives behind the first that is asked for: most often enough
 LEAST_JET, MOST_JET = 7, 21  # of bounds of `highest_derivative`
+# of what a rate changes by within a step: rounding may have left so little; rules.c asks for 256 times that
+GRAZING = 2.0**-28
 
 
 def highest_derivative(scene: Scene[N]) -> int:
@@ -111,9 +113,9 @@ class Departures(Generic[N]):
         order : of a zero here from which it was taken to rise, and fell back within the grid of time: its
             derivatives up to that order are rounding
 
-        Where the function stood at zero and what sets it into motion meets it with the rounding of where it
-        came from, the first derivative beyond that decides, in doubt; where there is none it stands on, and
-        is no more than its rounding as far as a series reaches.
+        Where the function stood at zero, or just grazes it, and what sets it into motion meets it with the
+        rounding of where it came from, the first derivative beyond that decides, in doubt; where there is
+        none it stands on, and is no more than its rounding as far as a series reaches.
         """
         rows = self.maker.rows(status)
         event = self.event(rows, key)
@@ -124,7 +126,7 @@ class Departures(Generic[N]):
         self.flow.look(state, rows)
         values = self._derivatives(state, event, self.jet)
         first = leading(values, order + 1)
-        if first == 1:
+        if first == 1 and abs(values[1]) > GRAZING * self._span(state) * abs(values[2]):
             return -sign(values[first]), first
         bounds = self.bounds(state, event, self.jet)
         if 0 < bounds[first] >= abs(values[first]):
@@ -139,9 +141,13 @@ class Departures(Generic[N]):
         """Bounds of the rounding of the derivatives of an event function of the mode entered last: of what
         the state is made of, and of what the motion led through within a step before it, or since t = 0.
         """
+        rounding = TaylorRounding(self.flow, highest + 1, state.t == 0, self._span(state))
+        return rounding.derivatives(event, highest)
+
+    def _span(self, state: State[N]) -> N:
+        """A step of the mode entered last, as far as there is motion before `state` [s]."""
         step = self.flow.step_length()
-        span = step if step < state.t else state.t
-        return TaylorRounding(self.flow, highest + 1, state.t == 0, span).derivatives(event, highest)
+        return step if step < state.t else state.t
 
     def _direct_rate(self, state: State[N], event: Event[N]) -> N:
         """Rate of a function made of differences, from the velocities: no rounding of a flow in it."""

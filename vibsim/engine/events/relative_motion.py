@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Generic
 
-from vibsim.engine.flows.harmonics import TURN_ROUNDING, series_rounding, value_and_rate
+from vibsim.engine.flows.harmonics import series_rounding, value_and_rate
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import Joined
 from vibsim.engine.state import State
@@ -30,24 +30,19 @@ class RelativeMotion(Generic[N]):
         return self.kit.number(0) if column == self.maker.n else self.base(state, of)
 
     def base(self, state: State[N], of: str) -> N:
-        """Displacement or velocity of the base, which is 0 where it turns round at the start: cos(90 deg)."""
+        """Displacement or velocity of the base."""
         value, rate = value_and_rate(self.kit, self.scene.base, state.t)
-        if of == "x":
-            return value
-        return self.kit.number(0) if self._base_turns(state, rate) else rate
-
-    def _base_turns(self, state: State[N], rate: N) -> bool:
-        """Whether the velocity `rate` of the base is what is left of none at the start."""
-        fastest = sum((abs(one.amplitude * one.omega) for one in self.scene.base), self.kit.number(0))
-        return state.t == 0 and abs(rate) <= TURN_ROUNDING * self.kit.eps * fastest
+        return value if of == "x" else rate
 
     def base_rounding(self, columns: tuple[int, int], state: State[N]) -> tuple[N, N]:
-        """What rounding of the base leaves open of a difference of two columns and of its rate."""
+        """What rounding of the base leaves open of a difference of two columns and of its rate: nothing of
+        that where the base turns round at the start, as at 90 deg.
+        """
         zero, base = self.kit.number(0), self.scene.base
         if not base or self.maker.n + 1 not in columns:
             return zero, zero
         place, rate = series_rounding(self.kit, base, state.t, 2)
-        return place, zero if self._base_turns(state, value_and_rate(self.kit, base, state.t)[1]) else rate
+        return place, zero if state.t == 0 and self.base(state, "v") == 0 else rate
 
     def turned_by_base(self, part: Joined, rate: N) -> bool:
         """Whether a relative velocity may be all rounding of the base's, here or a period before. What is

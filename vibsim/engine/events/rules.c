@@ -9,6 +9,7 @@
 #include "numbers.h"
 
 #define TOUCHING 64 /* roundings: beyond those within which Python says that ends just touch */
+#define GRAZING 0x1p-20 /* of what a rate changes by within a step: Python looks closely at less */
 #define NEAR_LIMIT 0x1p-40 /* of all forces of a mode: nearer to its limit than that Python measures the force of a tie closely */
 
 /* Rate of a function made of differences, from the velocities: no rounding of a flow in it. */
@@ -25,17 +26,32 @@ static double direct_rate(const Run *r, const Event *e)
     return total;
 }
 
-/* Value, or first derivative, of an event function of mode m at r->next, by Taylor series as the automaton's. */
-static double flow_derivative(Run *r, const Mode *m, const Event *e, int order)
+/* An event function of mode m from r->next on, as a Taylor series as the automaton's. */
+static void flow_series(Run *r, const Mode *m, const Event *e, double *series)
 {
     const Mode *before = r->mode;
-    double series[SERIES], steps = r->steps;
+    double steps = r->steps;
     r->mode = m;
     taylor_enter(r, &r->next);
     taylor_polynomial(r, e, series);
     r->mode = before;
     r->steps = steps;
+}
+
+/* Value, or first derivative, of an event function of mode m at r->next. */
+static double flow_derivative(Run *r, const Mode *m, const Event *e, int order)
+{
+    double series[SERIES];
+    flow_series(r, m, e, series);
     return series[order];
+}
+
+/* Rate of an event function at r->next; 0 where it is next to nothing of what it changes by within a step. */
+static double clear_rate(Run *r, const Event *e)
+{
+    double series[SERIES];
+    flow_series(r, r->mode, e, series);
+    return fabs(series[1]) <= GRAZING * r->taylor.h * fabs(series[2]) ? 0.0 : series[1];
 }
 
 static const Event *event_of_key(const Mode *m, int key)
@@ -128,7 +144,7 @@ static int stands(Run *r, const Mode *m, int hold)
 {
     double X = 0.0, V = 0.0, forces;
     int i, answer = 1;
-    if (r->base_count > 0 && r->next.t == 0) /* where it turns round, Python knows better than its cosine */
+    if (r->base_count > 0 && r->next.t == 0) /* of a start Python knows more, as that the base turns round */
         return 0;
     if (r->base_count > 0)
         base_motion_at(r, r->next.t, &X, &V);
@@ -221,7 +237,7 @@ int rule_take(Run *r, Buffers *b)
     for (k = 0; k < r->key_count; k++)
         r->behind[k] = -1;
     if (e->rule == CROSS || e->rule == BEAR) {
-        double rate = e->kind == HOLD || e->kind == PUSH ? flow_derivative(r, r->mode, e, 1) : direct_rate(r, e);
+        double rate = e->kind == HOLD || e->kind == PUSH ? clear_rate(r, e) : direct_rate(r, e);
         int again = r->known[e->key] > 0 && r->pending_tau == 0;
         if (rate == 0 || rate != rate || again || (e->kind == HOLD && touches(r)))
             return 0;

@@ -9,7 +9,7 @@ static void value_and_rate(const Harmonic *terms, int count, double t, double *v
     for (i = 0; i < count; i++) {
         const Harmonic *term = &terms[i];
         double sine, cosine;
-        sine_cosine(turn_angle(term->cycles, term->cycles_lo, t) + term->phase, &sine, &cosine);
+        rounded_sine_cosine(turn_angle(term->cycles, term->cycles_lo, t) + term->phase, &sine, &cosine);
         *value = *value + term->amplitude * sine;
         *rate = *rate + term->amplitude * term->omega * cosine;
     }
@@ -26,7 +26,8 @@ static double base_acceleration(const Run *r, double t)
     int i;
     for (i = 0; i < r->base_count; i++) {
         const Harmonic *term = &r->base[i];
-        double sine = sine_of(turn_angle(term->cycles, term->cycles_lo, t) + term->phase);
+        double sine, cosine;
+        rounded_sine_cosine(turn_angle(term->cycles, term->cycles_lo, t) + term->phase, &sine, &cosine);
         total = total - term->amplitude * term->omega * term->omega * sine;
     }
     return total;

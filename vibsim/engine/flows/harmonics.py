@@ -6,13 +6,12 @@ from vibsim.physics.arithmetic.numbers import Kit, N, abs
 from vibsim.physics.parts import Harmonic
 
 ROUNDING = 16  # of a product of an amplitude, powers of a rate and a sine, in units of eps
-TURN_ROUNDING = 4  # in units of eps: of a phase, which is at most pi, and of its cosine
 
 
 def sine_and_cosine(kit: Kit[N], term: Harmonic[N], t: N) -> tuple[N, N]:
     """sin and cos of omega t + phase, without forming a large product."""
     angle = kit.turn_angle(term.cycles, term.cycles_lo, t) + term.phase
-    return kit.sine_cosine(angle)
+    return kit.rounded_sine_cosine(angle)
 
 
 def quarter_turns(sine: N, cosine: N) -> tuple[N, N, N, N]:
@@ -42,7 +41,7 @@ def series_rounding(kit: Kit[N], terms: Iterable[Harmonic[N]], t: N, count: int)
         size = ROUNDING * kit.eps * abs(term.amplitude)
         for n in range(count):
             turn, other = turns[n % 4], turns[(n + 1) % 4]
-            if n > 0 or turn != 1 or other > TURN_ROUNDING * kit.eps:
+            if n > 0 or turn != 1 or other != 0:
                 bounds[n] = bounds[n] + size * (turn + angle * other)
             size = size * term.omega / (n + 1)
     return bounds

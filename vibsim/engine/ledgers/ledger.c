@@ -202,7 +202,9 @@ static double base_place(const Run *r, double t)
     int i;
     for (i = 0; i < r->base_count; i++) {
         const Harmonic *term = &r->base[i];
-        X = X + term->amplitude * sine_of(turn_angle(term->cycles, term->cycles_lo, t) + term->phase);
+        double sine, cosine;
+        rounded_sine_cosine(turn_angle(term->cycles, term->cycles_lo, t) + term->phase, &sine, &cosine);
+        X = X + term->amplitude * sine;
     }
     return X;
 }

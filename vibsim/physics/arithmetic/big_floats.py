@@ -9,7 +9,7 @@ from typing import Any
 
 import mpmath
 
-from vibsim.physics.arithmetic.numbers import Number
+from vibsim.physics.arithmetic.numbers import Number, beyond
 from vibsim.physics.arithmetic.working_precision import GUARD_BITS, WorkingPrecision
 
 
@@ -35,6 +35,10 @@ class BigFloats(WorkingPrecision[Number]):
         """Sine and cosine of an angle [rad]."""
         cosine, sine = self.context.cos_sin(x)
         return sine, cosine
+
+    def rounded_sine_cosine(self, angle: Number) -> tuple[Number, Number]:
+        """Sine and cosine of an angle [rad] that is rounded: 0 where rounding hides them."""
+        return beyond(self.eps * abs(angle), self.sine_cosine(angle), self.number(0))
 
     def activate(self) -> None:
         """Nothing to do: the precision belongs to the numbers' context."""

@@ -11,6 +11,7 @@ from fractions import Fraction
 
 import flint
 
+from vibsim.physics.arithmetic.numbers import beyond
 from vibsim.physics.arithmetic.working_precision import GUARD_BITS, WorkingPrecision
 
 
@@ -60,6 +61,10 @@ class Balls(WorkingPrecision[flint.arb]):
     sinh = staticmethod(lambda x: x.sinh())
     cosh = staticmethod(lambda x: x.cosh())
     finite = staticmethod(lambda x: x.is_finite())
+
+    def rounded_sine_cosine(self, angle: flint.arb) -> tuple[flint.arb, flint.arb]:
+        """Sine and cosine of an angle [rad] that is rounded: 0 where rounding hides them."""
+        return beyond(self.eps * abs(angle), angle.sin_cos(), self.number(0))
 
     @staticmethod
     def sqrt(x: flint.arb) -> flint.arb:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     def abs(x: Any, /) -> Any: ...  # of any N; the built-in's declaration forgets which
 
 else:
-    from builtins import abs  # noqa: F401
+    from builtins import abs
     from typing import TypeVar
 
     N = TypeVar("N")
@@ -81,6 +81,7 @@ class Kit(Protocol[N]):
     def sin(self, x: N, /) -> N: ...
     def cos(self, x: N, /) -> N: ...
     def sine_cosine(self, x: N, /) -> tuple[N, N]: ...
+    def rounded_sine_cosine(self, angle: N, /) -> tuple[N, N]: ...
     def exp(self, x: N, /) -> N: ...
     def expm1(self, x: N, /) -> N: ...
     def log(self, x: N, /) -> N: ...
@@ -102,6 +103,12 @@ class Kit(Protocol[N]):
     def rounded(self, values: Iterable[N], /) -> list[float]: ...
 
 
+def beyond(lost: N, values: tuple[N, N], zero: N) -> tuple[N, N]:
+    """Two values, `zero` in place of those that are no larger than `lost`."""
+    one, other = values
+    return one if abs(one) > lost else zero, other if abs(other) > lost else zero
+
+
 class Doubles:
     """IEEE double precision, whose elementary functions have the same bits everywhere."""
 
@@ -121,6 +128,13 @@ class Doubles:
     sqrt = staticmethod(math.sqrt)
     next_after = staticmethod(math.nextafter)
     finite = staticmethod(math.isfinite)
+
+    @staticmethod
+    def rounded_sine_cosine(angle: float) -> tuple[float, float]:
+        """Sine and cosine of an angle [rad] that is rounded: 0 where rounding hides them, as at quarter
+        turns, which are none of the numbers.
+        """
+        return beyond(Doubles.eps * abs(angle), elementary.sine_cosine(angle), 0.0)
 
     @staticmethod
     def order(scene: Scene) -> int:

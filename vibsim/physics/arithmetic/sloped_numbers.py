@@ -119,6 +119,13 @@ class SlopedNumbers(Doubles):
         return SlopedNumbers.sin(x), SlopedNumbers.cos(x)
 
     @staticmethod
+    def rounded_sine_cosine(angle: Any) -> tuple[Any, Any]:
+        sine, cosine = Doubles.rounded_sine_cosine(float(angle))
+        if not isinstance(angle, Sloped):
+            return sine, cosine
+        return Sloped(sine, cosine * angle.slope), Sloped(cosine, -sine * angle.slope)
+
+    @staticmethod
     def tolerance_exponent(scene: Any) -> float:
         return elementary.log2(float(scene.tol))
 

@@ -79,7 +79,7 @@ void closed_form_enter(Run *r, const State *state)
     for (h = 0; h < r->harmonic_count; h++) {
         const Harmonic *one = &r->harmonics[h];
         double angle = turn_angle(one->cycles, one->cycles_lo, state->t) + one->phase;
-        sine_cosine(angle, &f->sin0[h], &f->cos0[h]);
+        rounded_sine_cosine(angle, &f->sin0[h], &f->cos0[h]);
         f->sines[h] = f->sin0[h];
         f->cosines[h] = f->cos0[h];
     }

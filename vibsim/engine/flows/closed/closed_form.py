@@ -135,7 +135,7 @@ class ClosedForm(Generic[N]):
         self.cos0: list[N] = []
         for _, cycles, cycles_lo, phase in self.harmonics:
             angle = self.kit.turn_angle(cycles, cycles_lo, t) + phase
-            sine, cosine = self.kit.sine_cosine(angle)
+            sine, cosine = self.kit.rounded_sine_cosine(angle)
             self.sin0.append(sine)
             self.cos0.append(cosine)
 

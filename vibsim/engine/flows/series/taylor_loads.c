@@ -7,7 +7,7 @@
 static void sine_and_cosine(const Harmonic *term, double t, double *turns)
 {
     double angle = turn_angle(term->cycles, term->cycles_lo, t) + term->phase;
-    sine_cosine(angle, &turns[0], &turns[1]);
+    rounded_sine_cosine(angle, &turns[0], &turns[1]);
     turns[2] = -turns[0];
     turns[3] = -turns[1];
 }
