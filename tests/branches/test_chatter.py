@@ -70,7 +70,9 @@ def test_slips_between_the_impacts_of_a_sequence_are_part_of_it():
     rounding. Where it does not stick any more before the next, from the first pair of impacts to the last,
     places accumulate by the factor 1/e; behind them it slides as the chatter ends.
     """
-    branch = continue_branch("gallery/drifting-oscillator", "drive.F0", "0.019:2.1 N")
+    branch = continue_branch("gallery/drifting-oscillator", "drive.F0", "0.01:2.1 N")
+    assert branch.ends == ("end of the range", "end of the range")  # the multiplier goes like 1 / F0
+    assert branch["parameter"].min() == pytest.approx(0.01)
     assert [one.kind for one in branch.specials] == ["sticking"] * 9 + ["doubling"]
     assert branch.spelled(branch.specials[0].before) == "cuhso" and branch.specials[8].after == word("chsoiu")
     places = np.array([one.parameter for one in branch.specials[:8]])

@@ -33,6 +33,7 @@ from vibsim.orbits.search.newton import EPS
 END = "end of the range"
 BEHIND = 4  # steps before a branch can have come back to its start
 INFINITE = 200.0  # multiplier of orbits that all but graze a rigid stop, where it goes like 1 / impact speed
+UNBOUNDED = "a multiplier is beyond 200, as beside the graze of a rigid stop, but none is found near by"
 GRAZED = "a multiplier grows without bound: a rigid stop is grazed near by"
 TOUCHED = "a rigid stop is grazed: beyond, orbits strike it, and a multiplier is infinite at first"
 AT_SECTION = 1e-6  # share of the period
@@ -121,6 +122,8 @@ class Walk:
                 specials = tuple(each for each in specials if not is_joint(each))
             self.go_on(self.node, node, following, self.count + 1)
             graze = grazing_end(self.family, node) if ended == GRAZED else None
+            if ended == GRAZED and graze is None:
+                ended = UNBOUNDED
             yield Step(node, specials if graze is None else (*specials, graze), following, ended)
             if ended:
                 return
@@ -244,12 +247,12 @@ class Walk:
             shorter = joining(self.family, self.node, node)
             if shorter is not None:
                 return shorter
-        if node.point.end.coordinates.scene.rigid_stops and abs(node.multipliers).max() > INFINITE:
-            return node, GRAZED
         low, high = sorted(self.span)
         bound = low if node.parameter < low else high if node.parameter > high else None
         if bound is not None:
             return self._at_bound(node, bound), END
+        if node.point.end.coordinates.scene.rigid_stops and abs(node.multipliers).max() > INFINITE:
+            return node, GRAZED
         return node, END if self._is_at_bound(node) else ""
 
     def _at_bound(self, node: Node, bound: float) -> Node:
