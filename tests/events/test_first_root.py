@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from vibsim.engine.events.roots.first_root import deflated_step, leading_order, safe_step
@@ -109,6 +109,9 @@ def test_leading_order():
 
 
 @given(roots_ahead, complex_pairs, st.integers(0, 2), st.integers(0, 10**6))
+@example(
+    [1.85, 1.9, 2.2, 2.4], [(0, 500), (136, 501)], 0, 0
+)  # whose coefficients' rounding moves it by 3e-12
 def test_polynomial_search_finds_the_first_root(roots, pairs, order, t0):
     p, h = polynomial(roots, pairs, order), 3.5
     search = PolynomialSearch(Doubles)
@@ -117,11 +120,16 @@ def test_polynomial_search_finds_the_first_root(roots, pairs, order, t0):
     q = polynomial(roots, pairs)
     total = float(np.polynomial.Polynomial(np.abs(q.coef))(h))
     first, tau = min(roots), found - t0
-    assert tau <= first * (1 + 1e-12) + 2 * EPS * t0
+    moved = (
+        16 * EPS * total / max(abs(float(q.deriv()(first))), 1e-6 * total)
+    )  # by rounding of the coefficients
+    assert tau <= first * (1 + 1e-12) + 2 * EPS * t0 + moved
     # taken for zero: what lies within the rounding bound 4 eps sum |b_n| h^n, or one grid step of time away
     reach = float(np.max(np.abs(q.deriv()(np.linspace(tau, first, 20)))))
     assert abs(float(q(tau))) <= 16 * EPS * total + 4 * EPS * (t0 + h) * reach
-    assert search.certificate.uncertified == 0
+    assert (
+        search.certificate.uncertified == 0 or moved > 1e-9
+    )  # where rounding hides the zero, it may be in doubt
 
 
 @given(complex_pairs.filter(bool))
