@@ -5,7 +5,7 @@ where these differ, in 40 digits.
 import pytest
 
 from tests.events.oddities import oddity
-from tests.events.whole_runs import judge, wrong_by_digits, wrong_by_series
+from tests.events.whole_runs import in_batches, judge, wrong_by_digits, wrong_by_series
 
 pytest.importorskip("flint")
 
@@ -19,9 +19,10 @@ def test_oddities_in_many_digits():
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(7200)
-def test_many_oddities_by_two_methods():
-    judge(wrong_by_series, oddity, range(800))
+@pytest.mark.timeout(3600)
+@in_batches(range(800), 100)
+def test_many_oddities_by_two_methods(seeds):
+    judge(wrong_by_series, oddity, seeds)
 
 
 @pytest.mark.slow

@@ -5,7 +5,7 @@ these differ, in 40 digits.
 import pytest
 
 from tests.events.chains import chain
-from tests.events.whole_runs import judge, wrong_by_series
+from tests.events.whole_runs import in_batches, judge, wrong_by_series
 
 pytest.importorskip("flint")
 
@@ -16,5 +16,6 @@ def test_chains_at_rest():
 
 @pytest.mark.slow
 @pytest.mark.timeout(3600)
-def test_many_chains_at_rest():
-    judge(wrong_by_series, chain, range(3000))
+@in_batches(range(3000), 250)
+def test_many_chains_at_rest(seeds):
+    judge(wrong_by_series, chain, seeds)

@@ -8,7 +8,7 @@ import pytest
 
 from tests.engine.runs import run
 from tests.events.struck import at_once, with_motor
-from tests.events.whole_runs import judge, wrong_by_digits
+from tests.events.whole_runs import in_batches, judge, wrong_by_digits
 from tests.trajectories import ENGINES
 
 pytest.importorskip("flint")
@@ -42,11 +42,13 @@ def test_a_rest_whose_force_only_grazes_zero_goes_on(engine):
 
 @pytest.mark.slow
 @pytest.mark.timeout(3600)
-def test_a_motor_under_many_rigid_impacts():
-    judge(wrong_by_digits, with_motor, range(1000))
+@in_batches(range(1000), 100)
+def test_a_motor_under_many_rigid_impacts(seeds):
+    judge(wrong_by_digits, with_motor, seeds)
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(3600)
-def test_several_bodies_struck_at_once_often():
-    judge(wrong_by_digits, at_once, range(2000))
+@in_batches(range(2000), 250)
+def test_several_bodies_struck_at_once_often(seeds):
+    judge(wrong_by_digits, at_once, seeds)

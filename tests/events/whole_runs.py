@@ -4,6 +4,7 @@ import random
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from tests.engine.runs import Run, whole
 from tests.engine.test_no_room import is_jammed
@@ -63,6 +64,13 @@ def wrong_by_digits(scene):
     """The faults of a certified run."""
     run = finished(scene)
     return faults(scene, run, ALIKE) if certified(run) else []
+
+
+def in_batches(seeds, size):
+    """A parameter `seeds` of a test: those of a range, so many at a time."""
+    return pytest.mark.parametrize(
+        "seeds", [seeds[i : i + size] for i in range(0, len(seeds), size)], ids=str
+    )
 
 
 def judge(wrong, make, seeds):
