@@ -107,8 +107,9 @@ def test_a_chain_that_is_struck_leaves_or_presses_the_stop_that_it_touches(count
         assert np.array_equal(run(scene, "python")[1], x)
 
 
-@pytest.mark.parametrize("order", [4, 6, 20])
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(
+    ("engine", "order"), [("c", 4), *((engine, n) for engine in ENGINES for n in (6, 20))]
+)
 def test_few_terms_of_a_series_hold_no_known_zero(engine, order):
     """The zero is of an order beyond the last of the series."""
     scene = replace(chain(3, "elastic", EXTENSION, "base"), method="taylor", order=order, t_end=0.9)

@@ -265,7 +265,7 @@ def test_what_rounding_of_doubles_leaves_inside_a_rigid_stop_touches_it(tmp_path
     path.write_text(started(gap, ram, base))
     pushed = {"run.t_end": "0.1 s", "forces.push.on": "ram", "forces.push.F0": "-10 N"}
     result = simulate(load_case(path, pushed))
-    assert result.attrs["rests"] + result.attrs["impacts"] > 0
+    assert abs(result["x_ram"][-1] - result["x_ram"][0]) < 2e-3  # 50 mm without a stop
     path.write_text(started(gap, f"{float(ram.split()[0]) - 1e-9} m", base))
     with pytest.raises(CaseError, match="inside this rigid stop"):
         load_case(path)
