@@ -13,7 +13,8 @@ import pytest
 
 import vibsim
 from tests.command_line.made import SLOW_SOURCE
-from vibsim.command_line.terminal.interruption import Interruption
+from vibsim.command_line.errors import exit_code_of
+from vibsim.command_line.terminal.interruption import Interruption, heard_from_now_on
 from vibsim.command_line.terminal.slow_run import SlowRun
 from vibsim.files.signals import Terminated
 from vibsim.physics.parts import COMPRESSION, GROUND, Body, Link, Scene, Stop
@@ -116,6 +117,21 @@ def test_a_second_signal_interrupts_at_once():
         with pytest.raises(KeyboardInterrupt):
             signal.raise_signal(signal.SIGINT)
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no alarms there")
+def test_no_alarm_goes_off_behind_a_command_that_a_signal_met_as_it_began(capsys):
+    """It was raised again 0.2 s later, in whatever ran by then."""
+    before = {each: signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)}
+    heard_from_now_on()
+    try:
+        code = exit_code_of(lambda: signal.raise_signal(signal.SIGINT))
+        assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        for each, handler in before.items():
+            signal.signal(each, handler)
+    assert code == 130 and capsys.readouterr().err == "interrupted\n"
 
 
 def test_a_slow_run_is_told_with_its_rate_and_an_estimate(tmp_path):

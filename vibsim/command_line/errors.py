@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from vibsim.command_line.terminal.interruption import Interrupted
+from vibsim.command_line.terminal.interruption import Interrupted, forget_alarm
 
 INVALID_CASE, RUN_FAILED, FAILED_POINTS, FILE_TROUBLE = 3, 4, 5, 6
 INTERRUPTED, BROKEN_PIPE, TERMINATED = 130, 141, 143
@@ -56,6 +56,7 @@ def exit_code_of(action: Callable[[], Any], as_json: bool = False) -> int:
         _say_usage(error)
         return told(f"Error: {_message(error)}", error.exit_code, as_json)
     except (click.Abort, KeyboardInterrupt):
+        forget_alarm()
         return told("interrupted", INTERRUPTED, as_json)
     except Interrupted as error:
         return told(str(error), TERMINATED if error.by_sigterm else INTERRUPTED, as_json)

@@ -90,7 +90,7 @@ def interruption_named() -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt as error:
-        _set_alarm(0)
+        forget_alarm()
         raise Interrupted(str(error), isinstance(error, Terminated)) from error
 
 
@@ -106,8 +106,14 @@ def heard_from_now_on() -> None:
     sys.unraisablehook = tell
 
 
+def forget_alarm() -> None:
+    """Raise nothing again: it is known that the command was interrupted."""
+    _set_alarm(0)
+
+
 def ended_by_signals() -> None:
     """SIGINT and SIGTERM end the process as the system does it: nothing is left to be kept."""
+    forget_alarm()
     _handle({signal.SIGINT: signal.SIG_DFL, signal.SIGTERM: signal.SIG_DFL})
 
 
