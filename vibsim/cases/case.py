@@ -33,6 +33,11 @@ class Case:
     model : the validated sections, of the short form or of the long one; every number an exact Quantity
     text : the YAML text as given, without overrides
     source : the file that it came from, for messages
+
+    >>> import vibsim
+    >>> case = vibsim.load_case("II-B", overrides={"Omega0": "6.5 Hz"})
+    >>> case.name, round(case.number("Omega0"), 3)  # in rad/s
+    ('II-B', 40.841)
     """
 
     model: CaseHead

@@ -21,6 +21,10 @@ class Labelled(Shown):
     """A result made of labelled arrays.
 
     A kind of result says three things: `arrays()`, `heading()` and `lines()`; the rest follows.
+
+    >>> import vibsim
+    >>> isinstance(vibsim.simulate("I-A", overrides={"run.t_end": "2 s"}), vibsim.Labelled)
+    True
     """
 
     def arrays(self) -> Arrays:

@@ -30,6 +30,11 @@ class Result(Labelled):
     `result.digits["x1"]` and `result.digits.events["t"]` are the decimal texts of a run with digits; `digits`
     is None for a run in doubles. `result.orbit["multiplier_real"]` is what the file of a periodic orbit knows
     besides; `orbit` is None for any other run.
+
+    >>> import vibsim
+    >>> result = vibsim.simulate("I-A", overrides={"run.t_end": "2 s"})
+    >>> result["x1"].shape, result.attrs["uncertified"]
+    ((401,), 0)
     """
 
     def __init__(

@@ -31,6 +31,11 @@ class SweepResult(Labelled):
     has the stroboscopic points as one more dimension. What was not computed, or does not apply, is NaN.
     `sweep.attrs` says where it comes from and what came of it. What lies on file is read, column by column,
     when it is asked for.
+
+    >>> import vibsim
+    >>> sweep = vibsim.sweep("II-B", {"Omega0": "3:4:0.5 Hz"}, overrides={"run.t_end": "5 s"})
+    >>> sweep["mean_speed"].shape  # values of Omega0, directions
+    (3, 1)
     """
 
     def __init__(
