@@ -60,7 +60,7 @@ def _alike(one: Any, other: Any, place: Place, numbers: Numbers) -> bool:
         if same_bits(one, other):
             return True
         numbers[place] = other
-        return (one > 0) == (other > 0) and (one < 0) == (other < 0)
+        return bool((one > 0) == (other > 0) and (one < 0) == (other < 0))
     if isinstance(one, tuple):
         if len(one) != len(other):
             return False

@@ -72,7 +72,7 @@ class Carried:
     @property
     def matrix(self) -> np.ndarray:
         """Column j: what became of disturbance j. The monodromy matrix where these were the unit ones."""
-        return self.vectors.T
+        return np.transpose(self.vectors)
 
 
 @lru_cache(maxsize=1024)

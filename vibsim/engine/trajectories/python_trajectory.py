@@ -96,7 +96,7 @@ class PythonTrajectory(Trajectory[N]):
     def _states(self, states: Iterable[State[N]], phase: bool = False) -> np.ndarray:
         rows = [self.kit.rounded(self._row(state, phase)) for state in states]
         width = 3 + 2 * len(self.scene.bodies) + phase
-        return np.array(rows, dtype="f8").reshape(-1, width).T
+        return np.transpose(np.array(rows, dtype="f8").reshape(-1, width))
 
     def _row(self, s: State[N], phase: bool = False) -> tuple[N, ...]:
         """Numbers of the engine: time, x and v of each body, phi, phidot and phase."""
@@ -107,11 +107,11 @@ class PythonTrajectory(Trajectory[N]):
         """Velocities of bodies and rotor in front of events, one row each; none where nothing is struck."""
         count = len(before_columns(self.scene))
         rows = [self.kit.rounded([*v, w])[:count] for *_, (v, w) in events]
-        return np.array(rows, dtype="f8").reshape(len(events), count).T
+        return np.transpose(np.array(rows, dtype="f8").reshape(len(events), count))
 
     def _codes(self, statuses: Sequence[Status]) -> np.ndarray:
-        parts = len(self.parts)
-        return np.array([status.codes for status in statuses], dtype="i1").reshape(len(statuses), parts).T
+        codes = np.array([status.codes for status in statuses], dtype="i1")
+        return np.transpose(codes.reshape(len(statuses), len(self.parts)))
 
     @property
     def totals(self) -> dict[str, Any]:

@@ -9,8 +9,10 @@ from typing import Any
 
 import mpmath
 
-from vibsim.physics.arithmetic.numbers import Number, beyond
+from vibsim.physics.arithmetic.numbers import beyond
 from vibsim.physics.arithmetic.working_precision import GUARD_BITS, WorkingPrecision
+
+Number = Any  # mpf: mpmath tells no types
 
 
 class BigFloats(WorkingPrecision[Number]):

@@ -24,7 +24,8 @@ def total(values: np.ndarray) -> np.ndarray:
 
 def mean(values: np.ndarray) -> np.ndarray:
     """Mean over the last axis of an array (..., n), n > 0."""
-    return total(values) / np.shape(values)[-1]
+    means: np.ndarray = total(values) / np.shape(values)[-1]
+    return means
 
 
 def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
