@@ -28,6 +28,7 @@ env: $(STAMP) ## set up .venv with vibsim, its C engine and the development tool
 $(STAMP): pyproject.toml setup.py $(ENGINE)
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	VIBSIM_BUILD=strict $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	$(BIN)/python -m compileall -q vibsim
 	touch $@
 
 run: $(STAMP) ## run case II-B and plot it: results/II-B.h5, results/II-B.png
