@@ -277,3 +277,18 @@ def test_words_of_hdf5_stand_without_quotes():
     with pytest.raises(ResultFileError) as caught, damage_named(Path("a.h5")):
         raise KeyError("bad object header")
     assert str(caught.value) == "a.h5: damaged: bad object header"
+
+
+TEXT_TYPE = b"\x19\x01\x01\x00\x10\x00\x00\x00"  # of variable length, in UTF-8: class and version, kind, size
+
+
+@pytest.mark.parametrize("name", ["run", "sweep", "branch"])
+@pytest.mark.parametrize("kind", [0x00, 0x2B])
+def test_a_text_whose_type_has_lost_a_byte_is_not_read(whole, tmp_path, name, kind):
+    """As a list of unknown things of unknown length, of which HDF5 takes any bytes for addresses."""
+    data, path = whole[name].read_bytes(), tmp_path / "damaged.h5"
+    for attribute in ("case_yaml", "platform"):
+        at = data.index(TEXT_TYPE, data.index(attribute.encode() + b"\0"))
+        path.write_bytes(data[: at + 1] + bytes([kind]) + data[at + 2 :])
+        with pytest.raises(ResultFileError, match=f"damaged: the attribute {attribute} is missing"):
+            vibsim.open_result(path)

@@ -8,6 +8,7 @@ import numpy as np
 from h5py import h5a, h5s, h5t
 
 TEXT = h5py.string_dtype()
+PLAIN = (h5t.TypeStringID, h5t.TypeIntegerID, h5t.TypeFloatID)
 
 
 def write_attrs(location: Any, attrs: Mapping[str, Any]) -> None:
@@ -20,9 +21,26 @@ def write_attrs(location: Any, attrs: Mapping[str, Any]) -> None:
 def read_attrs(location: Any) -> dict[str, Any]:
     """Attributes of a file, group or dataset as plain values: str, int, float, or an array.
 
-    A name that is no UTF-8, which h5py gives as bytes, is none of ours, and left out.
+    A name that is no UTF-8, which h5py gives as bytes, is none of ours, and left out, as is what is neither
+    text nor numbers.
     """
-    return {name: _plain(value) for name, value in location.attrs.items() if isinstance(name, str)}
+    attrs = location.attrs
+    return {
+        name: _plain(attrs[name]) for name in attrs if isinstance(name, str) and _of_plain_type(attrs, name)
+    }
+
+
+def read_attr(location: Any, name: str, otherwise: Any = None) -> Any:
+    """One attribute as h5py gives it; `otherwise` where there is none of text or numbers."""
+    attrs = location.attrs
+    return attrs[name] if name in attrs and _of_plain_type(attrs, name) else otherwise
+
+
+def _of_plain_type(attrs: Any, name: str) -> bool:
+    """Whether an attribute is text or numbers. Others are not even read: by a byte of it that another program
+    or a disk has changed a text becomes a list of nothing known, over which HDF5 ends the process.
+    """
+    return isinstance(attrs.get_id(name).get_type(), PLAIN)
 
 
 def _write(location: Any, name: bytes, value: Any) -> None:

@@ -32,10 +32,12 @@ def held_until(partial: Path) -> float:
     """Time [s] of the last sample in an unfinished trajectory file; 0 without one, or without such a file."""
     import h5py
 
+    from vibsim.files.attributes import read_attr
+
     try:
         with h5py.File(partial, "r") as file:
             time = file["time"]
-            is_run = file.attrs.get("vibsim_kind", "trajectory") == "trajectory"
+            is_run = read_attr(file, "vibsim_kind", "trajectory") == "trajectory"
             return float(time[-1]) if is_run and len(time) else 0.0
     except (OSError, KeyError, RuntimeError, TypeError, ValueError):
         return 0.0

@@ -8,7 +8,7 @@ from typing import Any
 import h5py
 
 from vibsim import __version__
-from vibsim.files.attributes import read_attrs
+from vibsim.files.attributes import read_attr, read_attrs
 from vibsim.files.checking import check_datasets, check_values, checked_attributes, damaged
 from vibsim.files.declarations import Attribute, Dataset
 from vibsim.files.errors import ResultFileError
@@ -37,7 +37,7 @@ def open_hdf5(path: Path) -> h5py.File:
 def opened(path: Path, kind: str) -> Iterator[h5py.File]:
     """The open file of a kind, such as "sweep"; ResultFileError for everything that is not one."""
     with damage_named(path), open_hdf5(path) as file:
-        stored = file.attrs.get("vibsim_kind", "trajectory")
+        stored = read_attr(file, "vibsim_kind", "trajectory")
         if stored != kind:
             raise ResultFileError(f"{path}: holds a {stored}, not a {kind}")
         yield file
@@ -67,13 +67,13 @@ def read_values(file: h5py.File, dataset: Dataset) -> Any:
 
 
 def _check_format(path: Path, file: h5py.File) -> None:
-    written = file.attrs.get("vibsim_format")
+    written = read_attr(file, "vibsim_format")
     if written is None:
         raise ResultFileError(f"{path}: is an HDF5 file, but not one that vibsim wrote")
     if getattr(written, "shape", None) != () or written.dtype.kind not in "iu" or written < 1:
         raise damaged(path, "the attribute vibsim_format is not a whole number from 1 on")
     if written > FORMAT:
-        version = file.attrs.get("vibsim_version", "a newer version")
+        version = read_attr(file, "vibsim_version", "a newer version")
         newer = f"has format {int(written)}, written by vibsim {version}"
         raise ResultFileError(f"{path}: {newer}; this is vibsim {__version__}, which reads up to {FORMAT}")
 

@@ -12,10 +12,11 @@ KINDS = ("trajectory", "sweep", "fit", "branch", "locus", "bench")
 @ended_at_once()
 def kind_of(path: str | Path) -> str:
     """What a result file holds, one of KINDS; raises as `vibsim.open_result`."""
+    from vibsim.files.attributes import read_attr
     from vibsim.files.reading import damage_named, open_hdf5
 
     with damage_named(Path(path)), open_hdf5(Path(path)) as file:
-        kind = str(file.attrs.get("vibsim_kind", "trajectory"))
+        kind = str(read_attr(file, "vibsim_kind", "trajectory"))
     if kind not in KINDS:
         raise ResultFileError(f"{path}: holds a {kind!r:.60}, which this vibsim does not read")
     return kind
