@@ -212,7 +212,9 @@ def _between_samples(a: Result, b: Result, names: list[str], count: int) -> Iter
 def _apart(ours: Table, theirs: Table, names: list[str]) -> np.ndarray:
     """The largest |dx| [m]; a body missing from a run counts as at 0."""
     still = np.zeros(len(next(iter(ours.values()))))
-    return np.max([np.abs(ours.get(name, still) - theirs.get(name, still)) for name in names], axis=0)
+    return np.asarray(
+        np.max([np.abs(ours.get(name, still) - theirs.get(name, still)) for name in names], axis=0)
+    )
 
 
 def _picked(result: Result, names: list[str], rows: np.ndarray) -> dict[str, np.ndarray]:

@@ -58,4 +58,4 @@ def _passages(t: np.ndarray, phi: np.ndarray, reached: float) -> np.ndarray:
     left = np.maximum(right - 1, 0)  # the first sample itself may end a turn
     rise = phi[right] - phi[left]
     share = np.divide(turns - phi[left], rise, out=np.zeros_like(rise), where=rise > 0)
-    return t[left] + share * (t[right] - t[left])
+    return np.asarray(t[left] + share * (t[right] - t[left]))

@@ -156,7 +156,7 @@ def _window(count: int) -> np.ndarray:
     """The window of `count` values, whose mean is its first term."""
     cosine = sine_cosine(2 * np.pi * (np.arange(count) + 0.5) / count)[1]
     twice = 2 * cosine * cosine - 1  # cosines of the double and the triple angle
-    return TERMS[0] + TERMS[1] * cosine + TERMS[2] * twice + TERMS[3] * cosine * (2 * twice - 1)
+    return np.asarray(TERMS[0] + TERMS[1] * cosine + TERMS[2] * twice + TERMS[3] * cosine * (2 * twice - 1))
 
 
 def is_still(x: np.ndarray) -> bool:
@@ -168,7 +168,7 @@ def without_line(x: np.ndarray) -> np.ndarray:
     """x less its line of least squares."""
     place = np.linspace(-1.0, 1.0, len(x))
     apart = x - mean(x)
-    return apart - place * (dot(place, apart) / dot(place, place))
+    return np.asarray(apart - place * (dot(place, apart) / dot(place, place)))
 
 
 def _peaks(spectrum: np.ndarray, lobe: float, least: float) -> list[int]:
@@ -220,4 +220,4 @@ def displacement(result: Result, rows: slice, of: str) -> np.ndarray:
     motions = motions_of(scene)
     motion = RelativeMotion(scene, next(iter(motions.values())) if of == RELATIVE else motions[of])
     columns = {name: np.asarray(result.column(name)[rows]) for name in ("time", *motion.columns)}
-    return motion(columns, "time")[1]
+    return np.asarray(motion(columns, "time")[1])

@@ -161,7 +161,7 @@ class Case:
         if key in ("A", "excitation.A") and isinstance(self.model, CaseFile):
             source = self.model.excitation
             if isinstance(source, Harmonic):
-                return DOUBLES.convert(*amplitude_value(source))
+                return float(DOUBLES.convert(*amplitude_value(source)))
         return self.quantity(key).number()
 
     @property
@@ -179,7 +179,8 @@ class Case:
         """Omega0 of the motor, or omega of all forces and the base where they share one; else None."""
         values = self.long_values()
         if "motor" in values:
-            return values["motor"]["Omega0"]
+            no_load: Quantity = values["motor"]["Omega0"]
+            return no_load
         sources = [*values.get("forces", {}).values(), *([values["base"]] if "base" in values else [])]
         terms = [term for source in sources for term in [source, *source.get("terms", {}).values()]]
         rates = {term["omega"].value: term["omega"] for term in terms if "omega" in term}

@@ -132,4 +132,4 @@ def sobol(dimension: int, count: int, seed: Sequence[int]) -> np.ndarray:
     engine = qmc.Sobol(dimension, scramble=True, seed=np.random.default_rng(list(seed)))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # balanced or not: each point stands for itself
-        return engine.random(count)
+        return np.asarray(engine.random(count))

@@ -23,7 +23,7 @@ def determinant(matrix: np.ndarray) -> float:
         return 1.0
     factors, pivots, _ = lapack.dgetrf(matrix)
     swaps = sum(place != row for row, place in enumerate(pivots.tolist()))
-    return prod(factors.diagonal().tolist()) * (-1.0) ** swaps
+    return float(prod(factors.diagonal().tolist()) * (-1.0) ** swaps)
 
 
 def eigenvalues(matrix: np.ndarray) -> list[complex]:

@@ -58,7 +58,10 @@ class Kind:
     @property
     def draw(self) -> Callable[..., Any]:
         """The function that draws it; its module (and matplotlib) is imported here."""
-        return named(f"vibsim.plots.{ROOMS.get(self.reads, '')}{self.name.replace('-', '_')}:draw")
+        function: Callable[..., Any] = named(
+            f"vibsim.plots.{ROOMS.get(self.reads, '')}{self.name.replace('-', '_')}:draw"
+        )
+        return function
 
 
 KINDS = (

@@ -142,7 +142,7 @@ def dashed(index: int) -> dict[str, Any]:
 
 def dot_size(count: int) -> float:
     """Diameter of each of `count` points of a panel [pt]: few are large enough to be found."""
-    return min(max(LARGEST_PT * (FEW / max(count, 1)) ** 0.5, SMALLEST_PT), LARGEST_PT)
+    return float(min(max(LARGEST_PT * (FEW / max(count, 1)) ** 0.5, SMALLEST_PT), LARGEST_PT))
 
 
 def nested(index: int, count: int, narrowest: float = THIN) -> dict[str, Any]:

@@ -53,7 +53,8 @@ class Subject:
     @cached_property
     def scene(self) -> Scene:
         """The scene behind it, made of parts."""
-        return self.case.scene()
+        scene: Scene = self.case.scene()
+        return scene
 
     @cached_property
     def tables(self) -> Tables:

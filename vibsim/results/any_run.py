@@ -20,5 +20,6 @@ def as_result(run: "Result | Case | str | PathLike[str]") -> Result:
     if isinstance(run, Result):
         return run
     if isinstance(run, str | PathLike) and names_a_result(Path(run)):
-        return open_trajectory_file(Path(run))
+        stored: Result = open_trajectory_file(Path(run))
+        return stored
     return simulate(run)

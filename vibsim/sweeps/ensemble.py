@@ -75,7 +75,7 @@ def _quantile(ordered: np.ndarray, count: np.ndarray, dimension: int, q: float) 
     place = q * np.maximum(count - 1, 0)
     ends = [np.expand_dims(edge(place).astype(int), dimension) for edge in (np.floor, np.ceil)]
     low, high = (np.take_along_axis(ordered, end, dimension).squeeze(dimension) for end in ends)
-    return low + (place - np.floor(place)) * (high - low)
+    return np.asarray(low + (place - np.floor(place)) * (high - low))
 
 
 def share(condition: np.ndarray, counts: np.ndarray, dimension: int) -> Share:

@@ -33,7 +33,7 @@ def prediction_error(points: np.ndarray) -> float:
 
 def _lengths(vectors: np.ndarray) -> np.ndarray:
     """Euclidean lengths of vectors (n, d)."""
-    return np.sqrt(total(vectors * vectors))
+    return np.asarray(np.sqrt(total(vectors * vectors)))
 
 
 def _nearest(points: np.ndarray, start: int) -> np.ndarray:
@@ -42,4 +42,4 @@ def _nearest(points: np.ndarray, start: int) -> np.ndarray:
     squares = sum(np.subtract.outer(piece[:, i], points[:, i]) ** 2 for i in range(points.shape[1]))
     places = np.arange(start, start + len(piece))
     squares[np.abs(places[:, np.newaxis] - np.arange(len(points))[np.newaxis, :]) < APART] = np.inf
-    return np.argmin(squares, axis=1)
+    return np.asarray(np.argmin(squares, axis=1))

@@ -73,7 +73,7 @@ def distance_to_last(points: np.ndarray, period: int) -> np.ndarray:
     """Greatest difference of each point (n) from the last one that is a multiple of the period after it."""
     last = points[len(points) - period :]
     place = (np.arange(len(points)) - len(points)) % period
-    return np.abs(points - last[place]).max(axis=1)
+    return np.asarray(np.abs(points - last[place]).max(axis=1))
 
 
 def onset_of(points: np.ndarray, period: int) -> int:

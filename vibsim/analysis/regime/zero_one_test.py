@@ -38,7 +38,7 @@ def zero_one(series: np.ndarray) -> float:
 def frequencies() -> np.ndarray:
     """Values of c that fill the range evenly and are no fractions of pi."""
     places = (0.5 + GOLDEN * np.arange(FREQUENCIES)) % 1.0
-    return LOWEST + (HIGHEST - LOWEST) * places
+    return np.asarray(LOWEST + (HIGHEST - LOWEST) * places)
 
 
 def square_displacements(p: np.ndarray, q: np.ndarray, steps: np.ndarray) -> np.ndarray:
@@ -52,7 +52,7 @@ def square_displacements(p: np.ndarray, q: np.ndarray, steps: np.ndarray) -> np.
     products = _lagged_products(p, starts, steps) + _lagged_products(q, starts, steps)
     sums = np.cumsum(p * p + q * q, axis=1)
     later = sums[:, steps + starts - 1] - sums[:, steps - 1]
-    return (later + sums[:, starts - 1 : starts] - 2 * products) / starts
+    return np.asarray((later + sums[:, starts - 1 : starts] - 2 * products) / starts)
 
 
 def _lagged_products(x: np.ndarray, starts: int, steps: np.ndarray) -> np.ndarray:
@@ -73,4 +73,4 @@ def correlations(steps: np.ndarray, displacements: np.ndarray) -> np.ndarray:
     a = steps - mean(steps)
     b = displacements - mean(displacements)[:, np.newaxis]
     size = np.sqrt(dot(a, a) * dot(b, b))
-    return np.divide(dot(b, a), size, out=np.zeros(len(b)), where=size > 0)
+    return np.asarray(np.divide(dot(b, a), size, out=np.zeros(len(b)), where=size > 0))

@@ -67,6 +67,6 @@ def nearest(vectors: np.ndarray, along: np.ndarray) -> np.ndarray:
     """The unit vector nearest to `along` of those that orthonormal vectors, one per row, span."""
     shares = vectors @ along
     if not shares.any():
-        return vectors[-1]
+        return np.asarray(vectors[-1])
     direction = shares @ vectors
-    return direction / length_of(direction)
+    return np.asarray(direction / length_of(direction))

@@ -328,9 +328,9 @@ class FamilyPoint:
             if slope is None or self._forgotten:  # another orbit's slope may not have forgotten
                 slope = self.slope
             z[:count] += slope[:count] * step[-1]
-        return z
+        return np.asarray(z)
 
 
 def steepness_of(slope: np.ndarray) -> float:
     """The largest derivative by the scaled parameter."""
-    return max(map(abs, slope.tolist()))
+    return float(max(map(abs, slope.tolist())))

@@ -101,7 +101,7 @@ class Node:
     @once
     def own_multipliers(self) -> list[complex]:
         """The multipliers without those that are 1 because the orbit belongs to a family."""
-        every = self.multipliers.tolist()
+        every: list[complex] = self.multipliers.tolist()
         distances = [abs(mu - 1) for mu in every]
         if not any(distance < UNIT for distance in distances):
             return every

@@ -25,9 +25,11 @@ class Pace:
         """
         by_angle = TURN / turned if turned > 0 else GROWTH
         by_count = 2.0 ** ((COUNT - iterations) / 2)
-        return min(
-            self.most * max(1.0, size),
-            max(self.least, step * min(GROWTH, max(SHRINK, min(by_angle, by_count)))),
+        return float(
+            min(
+                self.most * max(1.0, size),
+                max(self.least, step * min(GROWTH, max(SHRINK, min(by_angle, by_count)))),
+            )
         )
 
 

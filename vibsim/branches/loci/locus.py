@@ -349,7 +349,10 @@ def _onto_bound(
     start = here.z + away * direction
     for start[-1] in (bound, np.nextafter(bound, here.z[-1])):  # one may be beyond by rounding
         try:
-            return correct(plane, start, np.eye(len(start))[-1], max(4 * away, LEAST_LIMIT)).point
+            point: PlanePoint = correct(
+                plane, start, np.eye(len(start))[-1], max(4 * away, LEAST_LIMIT)
+            ).point
+            return point
         except ContinuationError:
             continue
     return None

@@ -109,7 +109,7 @@ class MapPastTouch(ReturnMap):
             if not 0 < s < end - begin:
                 break
             if abs(step) <= CLOSE * (end - begin) or last / 2 <= abs(step) <= ROUGH * (end - begin):
-                return gap - rate * step / 2
+                return float(gap - rate * step / 2)
             last = abs(step)
         raise OrbitError("the motion does not turn before the stop where it did")
 

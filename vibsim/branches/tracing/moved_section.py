@@ -119,7 +119,7 @@ def quiet_share(node: Node) -> float:
     """The middle of the longest stretch without events within a period, as a share of it."""
     times = [0.0, *(node.point.end.carried.times / node.point.period).tolist(), 1.0]
     gaps = [(b - a, (a + b) / 2) for a, b in pairwise(times)]
-    return max(gaps)[1]
+    return float(max(gaps)[1])
 
 
 def beyond_the_impact(walk: Any) -> Node | None:

@@ -201,7 +201,8 @@ def kind_of(annotation: Any) -> Kind:
     if annotation is str:
         return Single(Text())
     if hasattr(annotation, "as_kind"):
-        return annotation.as_kind()
+        kind: Kind = annotation.as_kind()
+        return kind
     raise TypeError(f"no kind of value is known for {annotation}")
 
 

@@ -92,6 +92,7 @@ FREE = Pair("KEY=FROM:TO, such as J=0.5:20g.m^2", some_text)
 @click.pass_context
 def command(
     ctx: click.Context,
+    /,
     sources: tuple[str, ...],
     statements: tuple[str, ...],
     free: tuple[tuple[str, str], ...],

@@ -101,6 +101,7 @@ DEFAULT_CASE = "II-B"
 @click.pass_context
 def command(
     ctx: click.Context,
+    /,
     source: str | None,
     omega0: str | None,
     omega: str | None,

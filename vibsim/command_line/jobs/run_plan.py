@@ -64,7 +64,7 @@ def read_case(source: str, changes: dict[str, str]) -> "Case":
         allowed = "a case, or the file of a run, sweep, branch or locus"
         raise ResultFileError(f"{source}: holds no run; give {allowed}")
     result = open_result(source)
-    case = replace(result.case, text=result.attrs["case_yaml"])
+    case: Case = replace(result.case, text=result.attrs["case_yaml"])
     return case.with_values(changes) if changes else case
 
 

@@ -122,7 +122,7 @@ class DigitCount(click.ParamType):
         from vibsim.physics.arithmetic.working_precision import FEWEST_DIGITS, MOST_DIGITS
 
         if value == "auto":
-            return value
+            return "auto"
         try:
             digits = int(value)
         except ValueError:
@@ -148,7 +148,9 @@ class ExponentCount(click.ParamType):
     name = "exponents"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int | str:
-        if value == "all" or isinstance(value, int):
+        if value == "all":
+            return "all"
+        if isinstance(value, int):
             return value
         if not value.isdecimal() or int(value) == 0:
             self.fail(f"{value!r} is neither a whole number above 0 nor all", param, ctx)

@@ -47,7 +47,7 @@ def displacements_of(scene: Scene) -> list[str]:
 def displacement_error(states: np.ndarray, truth: Truth, names: Sequence[str]) -> np.ndarray:
     """Largest error [m] of the displacements `names` in the states (rows, at the truth's first instants)."""
     apart = [np.abs(states[:, 2 * i] - truth.samples[name][: len(states)]) for i, name in enumerate(names)]
-    return np.maximum.reduce(apart)
+    return np.asarray(np.maximum.reduce(apart))
 
 
 def faithful_error(truth: Truth, scene: Scene) -> float:

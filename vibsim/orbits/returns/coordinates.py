@@ -72,11 +72,12 @@ class Coordinates:
 
     def of(self, state: ArrayLike) -> np.ndarray:
         """Unknowns of state components, the last axis of `state`: sums and differences, rounded once."""
-        return np.asarray(state) @ self._take
+        unknowns: np.ndarray = np.asarray(state) @ self._take
+        return unknowns
 
     def lifted(self, X: np.ndarray) -> np.ndarray:
         """State components on the section, references at x = 0."""
-        return self.put @ X
+        return np.asarray(self.put @ X)
 
     @once
     def disturbances(self) -> np.ndarray:

@@ -54,7 +54,7 @@ class Return:
     @once
     def flow_matrix(self) -> np.ndarray:
         """M = d X(T) / dX at the same T (m x m)."""
-        return self.coordinates.of(self.carried.vectors).T
+        return np.asarray(self.coordinates.of(self.carried.vectors).T)
 
     @once
     def rate(self) -> np.ndarray:
@@ -85,7 +85,7 @@ class Return:
     @once
     def difference(self) -> np.ndarray:
         """image - X, what Newton's method brings to 0."""
-        return self.image - self.X
+        return np.asarray(self.image - self.X)
 
     @once
     def residual(self) -> float:

@@ -152,7 +152,7 @@ def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     try:
         return np.linalg.solve(matrix, right)
     except np.linalg.LinAlgError:
-        return np.linalg.lstsq(matrix, right, rcond=SINGULAR)[0]
+        return np.asarray(np.linalg.lstsq(matrix, right, rcond=SINGULAR)[0])
 
 
 def _next(return_map: ReturnMap, end: Return) -> Return | None:
@@ -181,7 +181,7 @@ def _next(return_map: ReturnMap, end: Return) -> Return | None:
 def _moved(end: Return, change: np.ndarray, longer: float) -> np.ndarray:
     """X + change, as the image of the linearised map."""
     moved = end.flow_matrix @ change
-    return end.image + (moved if end.tilt is None else moved + end.rate * longer)
+    return np.asarray(end.image + (moved if end.tilt is None else moved + end.rate * longer))
 
 
 def _motion(return_map: ReturnMap, X: np.ndarray, T: float) -> Return | None:

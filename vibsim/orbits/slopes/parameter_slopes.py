@@ -191,4 +191,4 @@ def _with_slopes(there: Any, state: Any, count: int) -> Any:
 
 def _components(state: Any, count: int, motor: bool) -> np.ndarray:
     parts: Sequence[Any] = [*state.x, *state.v, *((state.phase, state.w) if motor else ())]
-    return np.array([slope_of(part, count) for part in parts]).T
+    return np.transpose([slope_of(part, count) for part in parts])

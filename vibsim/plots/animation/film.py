@@ -100,7 +100,7 @@ class Film:
         self._history.draw_artist(self._line)
         self._clock.set_text(f"t = {channels.times[number]:.{self._decimals}f} s, {self._said}")
         self.figure.draw_artist(self._clock)
-        return np.asarray(self.canvas.buffer_rgba())[..., :3].copy()
+        return np.array(np.asarray(self.canvas.buffer_rgba())[..., :3])
 
 
 def _still(

@@ -72,7 +72,7 @@ def _values(orbit: Any) -> list[float]:
 def in_order_of(before: np.ndarray, multipliers: Sequence[complex]) -> np.ndarray:
     """Multipliers in the order of those of the orbit before, each the nearest on the whole."""
     there = np.array(multipliers)
-    return there[linear_sum_assignment(abs(before[:, None] - there))[1]]
+    return np.asarray(there[linear_sum_assignment(abs(before[:, None] - there))[1]])
 
 
 def _rows(stretch: Any, sizes: np.ndarray, before: np.ndarray, behind: np.ndarray) -> np.ndarray:

@@ -41,4 +41,4 @@ def root_time(
         value, derivative = _cubic(s, h, f0, f1, d0, d1)
         steep = np.where(derivative == 0, 1.0, derivative)
         s = np.clip(s - np.where(derivative == 0, 0.0, (value - target) / (steep * h)), 0.0, 1.0)
-    return t0 + s * h
+    return np.asarray(t0 + s * h)

@@ -34,7 +34,7 @@ def turn_times(result: Any, span: Span) -> np.ndarray:
         return np.empty(0)
     rate = period.cycles / period.turns
     first, last = math.ceil(span[0] * rate - 1e-9), math.floor(span[1] * rate + 1e-9)
-    return np.clip(period.end(np.arange(first, last + 1)), *span)
+    return np.asarray(np.clip(period.end(np.arange(first, last + 1)), *span))
 
 
 def _joined_blocks(result: Any, names: tuple[str, ...], span: Span) -> Iterator[dict[str, np.ndarray]]:

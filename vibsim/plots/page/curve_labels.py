@@ -75,7 +75,7 @@ def _along(axes: Axes, curve: Named) -> np.ndarray:
 
 
 def _inside(box: Bbox, frame: Bbox) -> bool:
-    return box.x0 > frame.x0 and box.x1 < frame.x1 and box.y0 > frame.y0 and box.y1 < frame.y1
+    return bool(box.x0 > frame.x0 and box.x1 < frame.x1 and box.y0 > frame.y0 and box.y1 < frame.y1)
 
 
 def _overlaps(box: Bbox, others: Iterable[Bbox]) -> bool:

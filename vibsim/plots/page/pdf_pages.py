@@ -16,7 +16,7 @@ class _File(PdfFile):
     """A file that copies bitmaps cut out of others."""
 
     def imageObject(self, image: Any) -> Any:
-        return super().imageObject(image if image.base is None else image.copy())
+        return PdfFile.imageObject(self, image if image.base is None else image.copy())
 
 
 class LeanPages(PdfPages):
@@ -24,5 +24,6 @@ class LeanPages(PdfPages):
 
     def _ensure_file(self) -> PdfFile:
         if self._file is None:
-            self._file = _File(self._filename, metadata=self._metadata)
+            untyped: Any = _File
+            self._file = untyped(self._filename, metadata=self._metadata)
         return self._file

@@ -148,9 +148,9 @@ def numbers(axis: Any) -> np.ndarray:
     """Values of one axis (n), a speed of the source in Hz, everything else in its unit."""
     values = axis.numbers()
     if not is_speed(axis.key):
-        return values
+        return np.asarray(values)
     unit = UNITS[axis.unit]
-    return values * float(unit.factor) / (1.0 if unit.per_turn else 2 * math.pi)
+    return np.asarray(values * float(unit.factor) / (1.0 if unit.per_turn else 2 * math.pi))
 
 
 def draws_by_ratio(axis: Any) -> bool:

@@ -80,7 +80,7 @@ class Curve:
 
     def every(self, name: str) -> np.ndarray:
         """The same with all members of an ensemble: (n, members), or (n, members, section)."""
-        return self.subject.result[name][self._at]
+        return np.asarray(self.subject.result[name][self._at])
 
     def mean(self, name: str) -> np.ndarray:
         """The same, of an ensemble the mean: what adds up goes on to do so."""
@@ -173,7 +173,7 @@ def _tones(subjects: Sequence[Subject], count: int) -> np.ndarray:
     values = np.arange(count, dtype=float) if axis is None else numbers(axis)
     if axis is not None and draws_by_ratio(axis):
         values = np.log(values)
-    return (values - values.min()) / (np.ptp(values) or 1.0)
+    return np.asarray((values - values.min()) / (np.ptp(values) or 1.0))
 
 
 def _toned_axis(subjects: Sequence[Subject]) -> Any | None:

@@ -31,13 +31,16 @@ class Plane:
         """Values of the shape of the sweep, without members, as rows of the picture (n_up, n_across)."""
         plane = np.moveaxis(values[..., direction], (self.up, self.across), (0, 1))
         axes = self.subject.result.axes
-        return plane.reshape(plane.shape[:2])[np.ix_(ascending(axes[self.up]), ascending(axes[self.across]))]
+        return np.asarray(
+            plane.reshape(plane.shape[:2])[np.ix_(ascending(axes[self.up]), ascending(axes[self.across]))]
+        )
 
     @property
     def directions(self) -> tuple[int, ...]:
         """Codes of the directions that make a difference."""
         result = self.subject.result
-        return result.directions if result.plan.carry else result.directions[:1]
+        directions: tuple[int, ...] = result.directions
+        return directions if result.plan.carry else directions[:1]
 
     def lay(self, axes: Axes, cells: np.ndarray, **look: Any) -> Any:
         """Draw cells (n_up, n_across), each about its point; what has no value stays blank."""

@@ -147,7 +147,7 @@ def left_out(trajectory: Trajectory[float], block: Block) -> np.ndarray | float:
     if not ends:
         return 0.0
     times, distances = np.array([(-np.inf, 0.0), *ends]).T
-    return distances[np.searchsorted(times, block.samples["time"], side="right") - 1]
+    return np.asarray(distances[np.searchsorted(times, block.samples["time"], side="right") - 1])
 
 
 class MemorySink:

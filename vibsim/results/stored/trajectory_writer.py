@@ -182,7 +182,7 @@ class TrajectoryWriter:
     def _needed(self, more: Iterable[int] = repeat(0)) -> int:
         """Size of the file [bytes] with what waits, `more` rows per stream, and what is written besides."""
         rows = sum(stream.waiting_bytes(extra) for stream, extra in zip(self.streams, more, strict=False))
-        return int(self._file.id.get_filesize()) + rows + self._besides
+        return int(self._file.id.get_filesize() + rows + self._besides)
 
     def _make_room(self, more: Iterable[int] = repeat(0)) -> bool:
         """Reserve what is needed; False where there is no room for it."""

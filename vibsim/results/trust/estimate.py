@@ -102,7 +102,7 @@ def held(time: np.ndarray, values: np.ndarray, fading: float) -> np.ndarray:
     ticks = np.rint(time * (fading * UNIT / log(2)))
     age = (ticks - ticks[0]).astype("i8")
     faded = np.maximum.accumulate(logarithm(values) + age) - age
-    return (faded << BITS_BELOW).view("f8")
+    return np.asarray((faded << BITS_BELOW).view("f8"))
 
 
 def logarithm(values: np.ndarray) -> np.ndarray:
@@ -117,7 +117,7 @@ def widened(distance: np.ndarray, rounding: np.ndarray) -> np.ndarray:
     """Estimate [m] from the distance and the rounding of the states, both [m]."""
     grown = np.maximum(distance, rounding)
     growth = np.where(rounding > 0, logarithm(grown) - logarithm(rounding), 0)  # to 0.09 of a power of two
-    return grown * (1 + growth * (log10(2) / UNIT / DECADES))
+    return np.asarray(grown * (1 + growth * (log10(2) / UNIT / DECADES)))
 
 
 def rounded_up(values: np.ndarray) -> np.ndarray:

@@ -107,7 +107,9 @@ class ClusterWorkers:
 
     def submit(self, pieces: Pieces) -> "Future[list[Point]]":
         """The points of a batch, some time."""
-        future = self._executor.submit(compute_there, self.recipe, pieces, self.engine, self._signature)
+        future: Future[list[Point]] = self._executor.submit(
+            compute_there, self.recipe, pieces, self.engine, self._signature
+        )
         self._handed[future] = pieces
         return future
 

@@ -54,7 +54,7 @@ def read_sweep(path: Path) -> tuple[dict[str, Any], Plan]:
 def _settings(path: Path, attrs: Mapping[str, Any]) -> Mapping[str, Any]:
     """The settings as plain data, with a list of axes."""
     with understood(path, f"{SETTINGS} is not that of a sweep"):
-        settings = json.loads(attrs["sweep_settings_json"])
+        settings: Mapping[str, Any] = json.loads(attrs["sweep_settings_json"])
         for axis in settings["axes"]:
             _length(axis)
         return settings

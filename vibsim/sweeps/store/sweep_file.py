@@ -60,4 +60,4 @@ def read_column(path: Path, plan: Plan, name: str) -> np.ndarray:
         values = read_values(file, declared)
         if name not in TEXTS:
             check_values(path, declared, values)
-        return values
+        return np.asarray(values)

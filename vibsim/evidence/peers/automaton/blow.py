@@ -48,7 +48,8 @@ def _of_several(at: Instant, touching: Sequence[int], rates: Sequence[float]) ->
     velocities = [*range(1, 2 * len(scene.bodies), 2), *([2 * len(scene.bodies) + 1] if rotor else [])]
     for place, step in zip(velocities, (-mobility @ rows.T @ impulses).tolist(), strict=True):
         at.state[place] += step
-    return impulses.tolist()
+    passed: list[float] = impulses.tolist()
+    return passed
 
 
 def _mass_matrix(scene: Scene, state: Sequence[float]) -> np.ndarray:

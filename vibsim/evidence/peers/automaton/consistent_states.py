@@ -66,8 +66,8 @@ def _agrees(at: Instant, i: int, state: str, values: Sequence[float], scale: flo
         return at.tie_force(i, values) >= -ZERO * scale
     if state == STICK:
         forwards, backwards = at.switches[i].part.limits
-        return -HELD * forwards <= at.tie_force(i, values) <= HELD * backwards
+        return bool(-HELD * forwards <= at.tie_force(i, values) <= HELD * backwards)
     force = min(at.compiled.masses) * at.second_rate(i, values)
     if state == OPEN:
-        return force <= ZERO * scale
-    return (force if state == FORWARD else -force) >= -SLACK * scale
+        return bool(force <= ZERO * scale)
+    return bool((force if state == FORWARD else -force) >= -SLACK * scale)

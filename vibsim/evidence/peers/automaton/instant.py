@@ -29,11 +29,13 @@ class Instant:
     def contact_force(self, i: int) -> float:
         """k g + c g' of elastic stop i [N]."""
         part = self.switches[i].part
-        return part.k * self.depth(i) + part.c * self.rate(i)
+        return float(part.k * self.depth(i) + part.c * self.rate(i))
 
     def balance(self, states: Sequence[str]) -> tuple[float, ...]:
         """d state/dt, and behind it the force in each part that can tie [N], were the parts in `states`."""
-        return self.compiled.balance(self.t, self.state, self.compiled.parameters(states))
+        parameters = self.compiled.parameters(states)
+        rates: tuple[float, ...] = self.compiled.balance(self.t, self.state, parameters)
+        return rates
 
     def tie_force(self, i: int, values: Sequence[float]) -> float:
         """The force in part i [N], from a `balance`."""
@@ -44,7 +46,7 @@ class Instant:
         total = self.compiled.of_base[i] * self.compiled.base_acceleration(self.t)
         for body, sign in self.compiled.rows[i]:
             total += sign * values[2 * body + 1]
-        return -total if isinstance(self.switches[i].part, RigidStop) else total
+        return float(-total if isinstance(self.switches[i].part, RigidStop) else total)
 
     def halt(self, parts: Sequence[int]) -> None:
         """Take the rates of these parts to zero, or what rounding left of them."""

@@ -58,7 +58,8 @@ class Tape:
         lines = ["def function(t, state, parameters=()):", *self._lines, f"return ({answer})"]
         scope: dict[str, Any] = {}
         exec("\n    ".join(lines), dict(NAMES), scope)
-        return scope["function"]
+        function: Callable[..., Any] = scope["function"]
+        return function
 
 
 class Noted:

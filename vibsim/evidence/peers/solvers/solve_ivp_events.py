@@ -107,7 +107,8 @@ class _EventRun:
 
     def _motion(self, t: float, state: np.ndarray) -> tuple[float, ...]:
         self.evaluations += 1
-        return self.compiled.motion(t, state.tolist(), self.mode.parameters)
+        rates: tuple[float, ...] = self.compiled.motion(t, state.tolist(), self.mode.parameters)
+        return rates
 
     def _ends(self) -> tuple[list[int], list[Callable[..., float]]]:
         """The event functions of the mode, terminal and falling, and the part of each."""

@@ -10,10 +10,9 @@ def watched(method: str, taken: Callable[[Any], None]) -> Any:
     """The solver class `method` of scipy that calls taken(solver) after every step."""
     base: Any = getattr(scipy.integrate, method)
 
-    class Watched(base):
-        def step(self) -> Any:
-            message = super().step()
-            taken(self)
-            return message
+    def step(solver: Any) -> Any:
+        message = base.step(solver)
+        taken(solver)
+        return message
 
-    return Watched
+    return type("Watched", (base,), {"step": step})

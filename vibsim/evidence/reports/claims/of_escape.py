@@ -188,7 +188,7 @@ def peaks_late(outcome: Numbers) -> bool:
     if "peak" not in outcome:
         return False
     peak = outcome["peak"]
-    return ABOUT_170[0] <= peak["time"] <= ABOUT_170[1] and peak["end"] <= (1 - FALLEN) * peak["height"]
+    return bool(ABOUT_170[0] <= peak["time"] <= ABOUT_170[1] and peak["end"] <= (1 - FALLEN) * peak["height"])
 
 
 def _peak_line(numbers: Numbers, name: str) -> str:

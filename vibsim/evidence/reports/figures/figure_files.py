@@ -164,4 +164,4 @@ def _pixels(path: Path) -> Any:
 
 
 def _height_cm(image: Any) -> float:
-    return image.shape[0] / PNG_DPI / CM
+    return float(image.shape[0] / PNG_DPI / CM)

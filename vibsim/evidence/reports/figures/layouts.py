@@ -129,7 +129,7 @@ def reach_by_second(result: Any) -> tuple[np.ndarray, np.ndarray]:
 def _centred(sheet: Figure) -> Axes:
     """Axes in the middle of the sheet."""
     side = (1 - NARROW) / 2
-    axes: Any = sheet.subfigures(1, 3, width_ratios=(side, NARROW, side), squeeze=False)[0, 1].subplots()
+    axes: Axes = sheet.subfigures(1, 3, width_ratios=(side, NARROW, side), squeeze=False)[0, 1].subplots()
     return axes
 
 

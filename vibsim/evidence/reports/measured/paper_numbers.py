@@ -164,4 +164,5 @@ def _long_run(case: Case) -> Numbers:
 
 def regime_of(result: Result) -> Numbers:
     """The verdict on the regime, the largest Lyapunov exponent among its evidence."""
-    return plain(judge_regime(result, exponent=largest_exponent(result)))
+    regime: Numbers = plain(judge_regime(result, exponent=largest_exponent(result)))
+    return regime

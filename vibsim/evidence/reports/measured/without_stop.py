@@ -38,4 +38,5 @@ def _measured(case: Case) -> Numbers:
 
 
 def _regime(result: Result) -> Numbers:
-    return plain(judge_regime(result))
+    regime: Numbers = plain(judge_regime(result))
+    return regime

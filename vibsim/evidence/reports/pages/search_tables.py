@@ -109,7 +109,7 @@ def is_captured(outcome: Numbers) -> bool:
 
 def _solved(outcome: Numbers) -> str:
     if "failed" in outcome:
-        return outcome["failed"]
+        return str(outcome["failed"])
     held = ""
     if outcome["since"] is not None:
         until = "the end" if outcome["until"] is None else seconds(outcome["until"])

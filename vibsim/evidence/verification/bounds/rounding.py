@@ -19,7 +19,7 @@ def roundings(result: Result, memory: float = inf) -> float:
     memory : time [s] in which the motion forgets an error but for the part 1/e; older ones do not count
     """
     steps = result.attrs["steps"] if result.attrs["method"] == "taylor" else 0
-    return 1 + (result.attrs["events"] + steps) * min(1.0, memory / result.t_reached)
+    return float(1 + (result.attrs["events"] + steps) * min(1.0, memory / result.t_reached))
 
 
 def relative_rounding(result: Result, conditioning: float = 1.0, memory: float = inf) -> float:

@@ -81,7 +81,7 @@ def cycle(engine: str) -> Iterator[Row]:
 
 def times(result: Result, kind: str) -> np.ndarray:
     """Times of events of one kind [s]."""
-    return result.events["t"][result.events["kind"] == EVENT_KINDS[kind]]
+    return np.asarray(result.events["t"][result.events["kind"] == EVENT_KINDS[kind]])
 
 
 def mu(speed: float) -> float:

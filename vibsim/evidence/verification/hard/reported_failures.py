@@ -37,7 +37,7 @@ def checks() -> list[Check]:
 
 def times(result: Result, kind: str) -> np.ndarray:
     """Times of the events of a kind [s]."""
-    return result.events["t"][result.events["kind"] == EVENT_KINDS[kind]]
+    return np.asarray(result.events["t"][result.events["kind"] == EVENT_KINDS[kind]])
 
 
 def stays(result: Result, column: str, since: float, place: float) -> Point:

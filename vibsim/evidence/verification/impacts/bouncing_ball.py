@@ -74,11 +74,8 @@ def rest(engine: str) -> Iterator[Row]:
 def rest_bound(result: Result, end: float, e: float) -> float:
     """An impact late by half a unit of t strikes g times that faster, and all flights behind it with it."""
     grid = ulp(end) * (0.5 + 1 / (1 - e)) * result.attrs["impacts"]
-    return (
-        grid
-        + end * UNIT * (SCENE_UNITS * (1 + 2 / (1 - e * e)) + STATE_UNITS / (1 - e))
-        + result.attrs["chatter_time"]
-    )
+    rounding = SCENE_UNITS * (1 + 2 / (1 - e * e)) + STATE_UNITS / (1 - e)
+    return float(grid + end * UNIT * rounding + result.attrs["chatter_time"])
 
 
 def speed_points(result: Result, e: float, end: float) -> list[Point]:

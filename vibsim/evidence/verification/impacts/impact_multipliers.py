@@ -61,7 +61,7 @@ def monodromy(sigma: float, step: float, engine: str) -> np.ndarray:
     for direction in np.eye(2):
         ahead, behind = (carried(sigma, sign * step * direction, engine) for sign in (1, -1))
         columns.append((ahead - behind) / (2 * step))
-    return np.array(columns).T
+    return np.transpose(columns)
 
 
 def carried(sigma: float, push: np.ndarray, engine: str) -> np.ndarray:

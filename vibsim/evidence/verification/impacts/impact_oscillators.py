@@ -77,7 +77,7 @@ def conditioning_of(sigma: float) -> float:
 
 def speeds_of(result: Result) -> np.ndarray:
     """Speeds at all impacts [m/s]."""
-    return result.events["before_v_mass"][result.events["kind"] == EVENT_KINDS["impact"]]
+    return np.asarray(result.events["before_v_mass"][result.events["kind"] == EVENT_KINDS["impact"]])
 
 
 def settled(engine: str) -> Iterator[Row]:

@@ -116,15 +116,15 @@ def smooth_logarithm(scene: TwoBlocks, result: Result, begin: float, end: float)
     """Logarithm of the growth of a volume between the events."""
     grown = -scene.c / scene.m2 * (end - begin)
     if not scene.has_motor:
-        return grown - scene.c / scene.m1 * (end - begin)
+        return float(grown - scene.c / scene.m1 * (end - begin))
     ends = mass_determinant(scene, result.at(np.array([begin, end]))["phi"])
-    return grown - damped(scene, result, begin, end) - log(ends[1] / ends[0])
+    return float(grown - damped(scene, result, begin, end) - log(ends[1] / ends[0]))
 
 
 def mass_determinant(scene: TwoBlocks, phi: np.ndarray) -> np.ndarray:
     """det M = (m1 + m3)(J + m3 e^2) - (m3 e sin phi)^2."""
     coupling = scene.m3 * scene.e * np.sin(phi)
-    return (scene.m1 + scene.m3) * (scene.J + scene.m3 * scene.e**2) - coupling**2
+    return np.asarray((scene.m1 + scene.m3) * (scene.J + scene.m3 * scene.e**2) - coupling**2)
 
 
 def damped(scene: TwoBlocks, result: Result, begin: float, end: float) -> float:

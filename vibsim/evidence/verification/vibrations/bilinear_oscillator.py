@@ -22,7 +22,7 @@ def relative_displacement(t: np.ndarray) -> np.ndarray:
     contact = quarter + pi / CONTACT_RATE
     pressed = -FREE_RATE / CONTACT_RATE * np.sin(CONTACT_RATE * (phase - quarter))
     apart = np.cos(FREE_RATE * np.where(phase < contact, phase, PERIOD - phase))
-    return np.where((phase < quarter) | (phase > contact), apart, pressed)
+    return np.asarray(np.where((phase < quarter) | (phase > contact), apart, pressed))
 
 
 def contacts(t_end: float) -> int:
@@ -39,4 +39,4 @@ def energy(result: Result, k2: float = K2) -> np.ndarray:
     """Kinetic and elastic energy [J] at every sample, from the states alone."""
     y = result["x1"] - result["x2"]
     kinetic = (M1 * result["v1"] ** 2 + M2 * result["v2"] ** 2) / 2
-    return kinetic + (K1 + np.where(y < 0, k2, 0.0)) * y**2 / 2
+    return np.asarray(kinetic + (K1 + np.where(y < 0, k2, 0.0)) * y**2 / 2)
