@@ -7,6 +7,7 @@ gigabyte for nine panels. A copy of a cut lets go of its sheet.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from matplotlib.backends.backend_pdf import PdfFile, PdfPages
@@ -24,6 +25,7 @@ class LeanPages(PdfPages):
 
     def _ensure_file(self) -> PdfFile:
         if self._file is None:
-            untyped: Any = _File
-            self._file = untyped(self._filename, metadata=self._metadata)
-        return self._file
+            make: Callable[..., PdfFile] = _File
+            self._file = make(self._filename, metadata=self._metadata)
+        file: PdfFile = self._file
+        return file
