@@ -126,10 +126,13 @@ def test_the_users_matplotlib_settings_do_not_matter(runs, here):
     assert (here / "a.png").read_bytes() == (here / "b.png").read_bytes()
 
 
-def test_a_picture_without_room_is_refused(runs, here):
-    """matplotlib warns, with lines of its source, and draws panels of no size over each other."""
+@pytest.mark.parametrize("size", [(6.0, 4.0), (8.0, 5.0), (8.0, 6.0)])
+def test_a_picture_without_room_is_refused(runs, here, size):
+    """matplotlib warns, with lines of its source, and draws panels of no size over each other; or the solver
+    of its layout gives up.
+    """
     with pytest.raises(PlotError, match=r"^x\.png: too small for what it shows: make it larger"):
-        draw_files([runs["quiet"]], ["overview"], View(size_cm=(6.0, 4.0)), "x.png")
+        draw_files([runs["quiet"]], ["overview"], View(size_cm=size), "x.png")
     assert list(here.iterdir()) == []
 
 

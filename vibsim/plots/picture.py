@@ -134,11 +134,13 @@ def _draw(
 @contextmanager
 def _room_enough(target: str) -> Iterator[None]:
     """PlotError where words leave no room for axes, which matplotlib warns of and draws over each other."""
+    from kiwisolver import UnsatisfiableConstraint  # matplotlib's, which lays out the axes by it
+
     with warnings.catch_warnings():
         warnings.filterwarnings("error", "constrained_layout not applied", UserWarning)
         try:
             yield
-        except UserWarning:
+        except (UserWarning, UnsatisfiableConstraint):
             advice = "make it larger (--size, --width page) or its text smaller (--font-size)"
             raise PlotError(f"{target}: too small for what it shows: {advice}") from None
 
