@@ -9,6 +9,7 @@ from vibsim.orbits import find_orbit
 from vibsim.orbits.returns.word import LETTERS, circle
 from vibsim.orbits.search.seeking import orbit
 
+OMEGA = 99.045444115315068  # [rad/s]
 KINDS = {letter: kind for kind, letter in LETTERS.items()}
 
 
@@ -62,7 +63,7 @@ def test_a_rest_on_a_shaken_base_across_the_section_goes_on():
     words = [(branch.spelled(one.before), branch.spelled(one.after)) for one in branch.specials]
     assert words == [("", "ho"), ("ho", "iho")]  # at first it lands as softly as rounding
     for special, error in zip(branch.specials, (1e-13, 1e-9), strict=True):
-        assert special.parameter == pytest.approx(9.81e3 / 99.045444115315068**2, rel=error)
+        assert special.parameter == pytest.approx(9.81e3 / OMEGA**2, rel=error)
 
 
 def test_slips_between_the_impacts_of_a_sequence_are_part_of_it():
@@ -90,3 +91,92 @@ def test_bodies_at_rest_on_each_other_across_the_section_stay_so():
     ]
     assert words == ["chsusoiu", "cuhsuso", "hsusou", "su"]
     assert branch.specials[-1].parameter == pytest.approx(5.0, rel=1e-11)
+
+
+def test_a_chatter_that_passes_the_section_is_followed():
+    """Between two of its blows nothing holds, and all is forgotten: the last bit goes to and fro, and
+    Newton's method took more than 8 steps. Seen from another phase nothing comes to the section, and the
+    slider begins to stick between two blows at the same place.
+    """
+    places = []
+    for phase in ("0 deg", "90 deg"):
+        start = orbit(load_case("gallery/drifting-oscillator", {"drive.F0": "4.35 N", "drive.phase": phase}))
+        branch = continue_branch(start, "drive.F0", "4.34:4.45 N")
+        assert branch.ends == ("end of the range", "end of the range")
+        (special,) = branch.specials
+        assert special.kind == "sticking" and special.before == word("chsoiu")
+        places.append(special.parameter)
+    assert places[0] == pytest.approx(places[1], rel=1e-9)
+
+
+def test_a_branch_ends_where_friction_takes_no_more_of_the_static_force():
+    """Mass and slider move as one, and rest for ever shorter: at 8 N nothing is left to slow them down. They
+    speed up from rest and come to it again just then, by A (1 - cos w t) / (m w).
+    """
+    start = orbit(load_case("gallery/drifting-oscillator", {"drive.F0": "6 N"}))
+    branch = continue_branch(start, "drive.F0", "5.5:9 N")
+    assert branch.ends == (
+        "end of the range",
+        "friction takes the static force on mass and slider up to 8 N: beyond, it speeds them up without end",
+    )
+    assert branch["parameter"][-1] == pytest.approx(8.0, abs=1e-8) and branch.specials == []
+    assert branch["drift"][-1] == pytest.approx(5.0 / (1.5 * 4 * np.pi) * 0.5, rel=1e-6)
+
+
+def test_a_flight_of_rounding_from_a_rest_is_told_once():
+    """Seen from 200 deg the plastic ball is thrown up, rests by rounding, and is thrown up again, within
+    2e-10 of a w^2 = g.
+    """
+    set_up = {"stops.table.e": "0", "base.phase": "200 deg", "base.a": "1.5 mm"}
+    branch = continue_branch(orbit(load_case("gallery/ball-on-shaken-table", set_up)), "base.a", "0.9:2 mm")
+    words = [(branch.spelled(one.before), branch.spelled(one.after)) for one in branch.specials]
+    assert words == [("", "ho"), ("ho", "iho")]
+    for special in branch.specials:
+        assert special.parameter == pytest.approx(9.81e3 / OMEGA**2, rel=1e-9)
+
+
+def test_blows_that_a_chatter_loses_one_by_one_are_told_one_by_one():
+    """A ball of e = 0.2: each last blow is lost in a graze, where a multiplier is infinite on the side with
+    it and the branch has a corner, sharper than a right angle. The parameter runs on from the first graze
+    (those of a chatter of more than 9 blows are told at once) to the last but one.
+    """
+    set_up = {"stops.table.e": "0.2", "base.a": "2 mm", "initial.ball.x": "9 mm"}
+    branch = continue_branch(
+        orbit(load_case("gallery/ball-on-shaken-table", set_up)), "base.a", "1.9:2.19 mm"
+    )
+    assert all(one.kind != "unresolved" for one in branch.specials)
+    lost = [one for one in branch.specials if one.kind in ("grazing", "corner")]
+    assert [len(one.after) for one in lost] == [9, 8, 7, 6, 5, 4]
+    for one in lost[1:]:
+        gap, scale = last_turn(one.parameter * 1e-3, *one.orbit.state, len(one.after))
+        assert abs(gap) < 1e-12 * scale
+
+
+def last_turn(a, x, v, blows):
+    """The gap where it turns last in a period of a ball of e = 0.2 that begins so at phase 60 deg [m], and
+    the amplitude of the table: flights under g, blows by bisection.
+    """
+
+    def gap(t):
+        return x + v * (t - begin) - 9.81 * (t - begin) ** 2 / 2 - a * np.sin(OMEGA * t + np.pi / 3)
+
+    def rate(t):
+        return v - 9.81 * (t - begin) - a * OMEGA * np.cos(OMEGA * t + np.pi / 3)
+
+    def bisected(of, low, high):
+        for _ in range(200):
+            middle = (low + high) / 2
+            low, high = (middle, high) if of(middle) * of(low) > 0 else (low, middle)
+        return low
+
+    begin, period = 0.0, 2 * np.pi / OMEGA
+    for _ in range(blows):
+        t = begin + period * np.arange(1, 2**18) / 2**18
+        below = int(np.flatnonzero(gap(t) < 0)[0])
+        hit = bisected(gap, float(t[below - 1]), float(t[below])) if below else float(t[0])
+        arrived, table = v - 9.81 * (hit - begin), a * OMEGA * np.cos(OMEGA * hit + np.pi / 3)
+        x, v, begin = a * np.sin(OMEGA * hit + np.pi / 3), table - 0.2 * (arrived - table), hit
+    t = begin + period * np.arange(1, 2**18) / 2**18
+    at = int(np.flatnonzero((rate(t[:-1]) < 0) & (rate(t[1:]) >= 0))[0])
+    turn = bisected(rate, float(t[at]), float(t[at + 1]))
+    return gap(turn), a

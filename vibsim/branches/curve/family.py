@@ -303,16 +303,16 @@ class FamilyPoint:
 
     @property
     def settled(self) -> bool:
-        """Whether what the motion has forgotten at its end is to the bit what it began with, or as near as
-        scaled unknowns tell.
+        """Whether ends that hold on each other at the end of a motion that has forgotten its start have the
+        velocity and the distance that they began with, to the bit or as near as scaled unknowns tell.
 
         A body that sticks across the section would else begin with a speed of rounding, and stick once more.
+        All else may go to and fro by rounding.
         """
-        forgotten = self._forgotten
-        if not (forgotten and self.end.difference[forgotten].any()):
+        if not (self._forgotten and self.end.difference[self._forgotten].any()):
             return True
-        nearest = self.end.image / self.family.scale[: len(self.end.X)]
-        return bool((nearest == self.z[: len(nearest)])[forgotten].all())
+        nearest = self.end.image / self.family.scale[: len(self.end.X)] == self.z[: len(self.end.X)]
+        return all(row @ self.end.difference == 0.0 or nearest[row != 0].all() for row in self.end.held)
 
     def moved(self, step: np.ndarray, slope: np.ndarray | None = None) -> np.ndarray:
         """z after a Newton step.

@@ -1,5 +1,6 @@
 """A point of a branch: an orbit, the tangent of the branch there, and its test values."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -16,6 +17,7 @@ STEADY = 4.0  # times that the share of the parameter in the tangent may change 
 CLOSE = 1e-3  # scaled distance of a node whose derivative by the parameter Newton's method may begin with
 STEEP = 1e-3  # share of the parameter in the tangent, below which it is not held
 STRAIGHT = 0.9  # cosine of the angle between a step and the tangent behind it
+BENT = 0.7  # cosine of the angle between tangents, below which it does not tell the way
 LONGEST = 2.0  # steps, as long as the last one, that the cubic through two nodes is taken ahead
 TELLING = 1e-9  # of the sum in a product, over its terms: rounding is a millionth of it
 LEAST_LIMIT = 1e-6  # scaled length that a Newton step may have, however near two nodes are
@@ -30,11 +32,13 @@ class Node:
     point : the orbit; along : unit vector about along the branch; iterations : of Newton's method
     trend : change of `slope` per length on the way from the node before, and that length; None where none is
         told
+    like : the node that tells which way the tangent goes, where it is not `along` that does
     """
 
     def __init__(self, point: FamilyPoint, along: np.ndarray, iterations: int):
         self.point, self.along, self.iterations = point, along, iterations
         self.trend: tuple[np.ndarray, float] | None = None
+        self.like: Node | None = None
 
     @staticmethod
     def of(point: FamilyPoint, tangent: np.ndarray, iterations: int) -> "Node":
@@ -45,8 +49,23 @@ class Node:
 
     @once
     def tangent(self) -> np.ndarray:
-        """Unit vector along the branch, scaled, the way that `along` points."""
-        return tangent(self.point.jacobian(), self.along)
+        """Unit vector along the branch, scaled, the way that `along` points or `like` goes: beyond a corner,
+        or where it is bent much since, dp/ds has changed its sign if det(P' - I) has.
+        """
+        like, self.like = self.like, None
+        along = tangent(self.point.jacobian(), self.along if like is None else like.heading)
+        if like is None or (like.word == self.word and along @ like.tangent > BENT):
+            return along
+        sense = like.fold * self.fold  # no number where a rigid stop is grazed
+        if not abs(sense) > 0 or self.point.family.conservative or self.in_family or like.in_family:
+            return along
+        return -along if along[-1] * like.ahead * sense < 0 else along
+
+    def go_like(self, known: Sequence["Node"]) -> None:
+        """Have the tangent go the way of others, the nearest first: of one with the same order of events, if
+        there is one.
+        """
+        self.like = next((each for each in known if each.word == self.word), known[0])
 
     @once
     def kernel(self) -> np.ndarray:
@@ -297,7 +316,10 @@ def between(family: Family, one: Node, other: Node, share: float) -> Node:
     """
     chord = chord_of(one, other)
     start = start_between(one, other, share, chord)
-    return node_at(family, start, chord.across, one if share < 0.5 else other, chord.limit)
+    near, far = (one, other) if share < 0.5 else (other, one)
+    node = node_at(family, start, chord.across, near, chord.limit)
+    node.go_like((near, far))
+    return node
 
 
 def start_between(one: Node, other: Node, share: float, chord: Chord) -> np.ndarray:

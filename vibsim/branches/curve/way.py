@@ -35,15 +35,16 @@ class Way:
         """The node at a share; word: the order of events that it will have, where only nodes with this one
         tell where it is. Raises ContinuationError.
         """
-        near = min(self.known, key=lambda pair: abs(pair[0] - share))[1]
+        known = [node for _, node in sorted(self.known, key=lambda pair: abs(pair[0] - share))]
         across = self.chord.across
         start = self.chord.placed(self._told(share, word), share)
         limit = self.chord.limit
         try:
-            node = node_at(self.family, start, across, near, limit)
+            node = node_at(self.family, start, across, known[0], limit)
         except ContinuationError:
             start = start_between(self.one, self.other, share, self.chord)
-            node = node_at(self.family, start, across, near, limit)
+            node = node_at(self.family, start, across, known[0], limit)
+        node.go_like(known)
         self.known.append((share, node))
         return node
 

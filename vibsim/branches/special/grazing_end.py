@@ -7,7 +7,7 @@ the branch gets there. Past the touch the orbits go on smoothly, and the graze i
 import numpy as np
 
 from vibsim.branches.curve.arclength import ContinuationError
-from vibsim.branches.curve.correction import CLOSE
+from vibsim.branches.curve.correction import CLOSE, ROUGH
 from vibsim.branches.curve.family import Family, FamilyPoint
 from vibsim.branches.curve.node import Node
 from vibsim.branches.special.special import GRAZING, Special
@@ -49,7 +49,7 @@ def _graze(family: Family, node: Node, stop: int) -> tuple[FamilyPoint, float] |
 
 def _touched(past: TouchFamily, node: Node) -> FamilyPoint | None:
     """The orbit near a node that grazes in a window; None where there is none."""
-    z = node.z
+    z, last = node.z, np.inf
     try:
         for _ in range(STEPS):
             point = past(z)
@@ -64,8 +64,11 @@ def _touched(past: TouchFamily, node: Node) -> FamilyPoint | None:
             z = z + step
             if np.linalg.norm(z - node.z) > NEAR:
                 return None
-            if np.linalg.norm(step) <= CLOSE:
-                return past(z)
+            length = float(np.linalg.norm(step))
+            if length <= CLOSE or last / 2 <= length <= ROUGH:
+                point = past(z)
+                return point if np.isfinite(point.matrix).all() else None
+            last = length
     except ContinuationError:
         pass
     return None

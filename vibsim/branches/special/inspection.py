@@ -11,6 +11,7 @@ circle, where two pairs meet on it two do.
 """
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from itertools import combinations, pairwise
 
 import numpy as np
@@ -78,12 +79,28 @@ def _as_one(run: list[Special]) -> list[Special]:
     """
     orders = [each.after.word for each in run if each.before.word != each.after.word]
     if len(run) < MANY or (len(set(orders)) == len(orders) and all(each.kind != UNRESOLVED for each in run)):
-        return run
+        return _without_returns(run)
     before, after = run[0].before, run[-1].after
     chatters = [node for node in (before, after) if any(kind == "chatter" for kind, _ in node.word)]
     ordinary = all(each.kind not in SMOOTH for each in run) or len(chatters) == 1
     kind = kind_of_change(before.word, after.word) if ordinary and before.word != after.word else UNRESOLVED
     return [Special(kind, chatters[0] if len(chatters) == 1 else after, before, after)]
+
+
+def _without_returns(run: list[Special]) -> list[Special]:
+    """Changes of order side by side without those that are undone there, as where rounding tells whether a
+    flight from a rest has begun; bifurcations among them stay.
+    """
+    if any(each.kind in BIFURCATIONS for each in run):
+        return run
+    left: list[Special] = []
+    for each in run:
+        words = [run[0].before.word, *(one.after.word for one in left)]
+        if each.after.word in words:
+            del left[words.index(each.after.word) :]
+        else:
+            left.append(replace(each, before=left[-1].after) if left else each)
+    return left
 
 
 def _parted(family: Family, one: Node, other: Node, parts: Iterator[int]) -> Iterator[Special]:
@@ -118,28 +135,43 @@ def _unparted(
         special = None
     if isinstance(special, Special):
         yield from _with_sides(family, special, one, other, parts)
-    else:
-        yield _graze_between(family, one, other) or Special(UNRESOLVED, other, one, other)
+        return
+    graze = _graze_between(family, one, other)
+    if graze is None and one.word != other.word and length_of(other.z - one.z) <= _told_within(one, other):
+        graze = _change_of(one, other)
+    yield graze or Special(UNRESOLVED, other, one, other)
+
+
+def _told_within(one: Node, other: Node) -> float:
+    """Scaled distance of two nodes within which a change of order between them that no node parts is told:
+    where a chatter ends to be complete infinitely many are.
+    """
+    chatters = [any(kind == "chatter" for kind, _ in node.word) for node in (one, other)]
+    return SHORT if chatters[0] == chatters[1] else SPREAD
 
 
 def _graze_between(family: Family, one: Node, other: Node) -> Special | None:
-    """The graze of a rigid stop between two nodes whose words differ by its blow; None where there is none.
+    """The graze of a rigid stop between two nodes whose words differ by its blow, and the slip that it brings
+    about; None where there is none.
 
     A multiplier is infinite there on one side, so that no bracket of orbits closes in on it.
     """
     gone, come = changes(one.word, other.word)
-    if [kind for kind, _ in (gone + come).elements()] != ["impact"]:
+    kinds = [kind for kind, _ in (gone + come).elements()]
+    if kinds.count("impact") != 1 or not {"impact", "stick_begin", "stick_end"} >= set(kinds):
         return None
-    chord = other.z - one.z
     for node in (one, other):
         graze = grazing_end(family, node)
-        if graze is None:
-            continue
-        away = graze.node.z - one.z
-        share = float(away @ chord / (chord @ chord))
-        if 0 <= share <= 1 and length_of(away - share * chord) <= length_of(chord):
-            return Special(GRAZING, graze.node, one, other)
+        if graze is not None and _around_corner(one, graze.node, other):
+            turns = one.fold * other.fold < 0
+            return Special(CORNER if turns else GRAZING, graze.node, one, other)
     return None
+
+
+def _around_corner(one: Node, corner: Node, other: Node) -> bool:
+    """Whether the way between two nodes may go by another: with a turn of up to 120 degrees there."""
+    way = length_of(corner.z - one.z) + length_of(other.z - corner.z)
+    return way <= 2 * length_of(other.z - one.z)
 
 
 def _with_sides(

@@ -27,7 +27,7 @@ from vibsim.orbits.returns.start import placed
 from vibsim.physics.modes import EVENT_KINDS, RIGID_KINDS
 from vibsim.physics.parts import Scene
 
-SAMPLES = 4096  # of a period, among which the touch is looked for
+SAMPLES = 65536  # of a period, among which the touch is looked for: hops may be as short as 1e-4 of it
 SAME = 1e-4  # share of the period within which events of the stop belong to the touch
 WIDEST, SHARE = 0.05, 0.5  # half of the window: of the period, and of the way to the nearest event
 AT_SECTION = 1e-4  # of the period: a touch so near to the section has no window

@@ -20,6 +20,7 @@ from vibsim.branches.curve.node import (
     trend,
 )
 from vibsim.branches.curve.step_size import SHARP, Pace, turn
+from vibsim.branches.special.carried_off import carried_off
 from vibsim.branches.special.grazing_end import grazing_end
 from vibsim.branches.special.hopf import hopf_point
 from vibsim.branches.special.inspection import NEAR, detect, inspect
@@ -157,7 +158,10 @@ class Walk:
         """Why there is no next node."""
         if from_section(self.node) < AT_SECTION:
             return BLOCKED
-        return str(error) if str(error).startswith((JOINS, END)) else f"stuck: {error}"
+        if str(error).startswith((JOINS, END)):
+            return str(error)
+        sense = 1.0 if self.node.ahead > 0 else -1.0
+        return carried_off(self.family, self.node, sense) or f"stuck: {error}"
 
     def _next(self) -> tuple[Node, float]:
         """The next node, and the length of the step behind it. Raises ContinuationError."""
@@ -230,6 +234,7 @@ class Walk:
                 )
             except ContinuationError:
                 continue
+            node.go_like((self.node,))
             near = np.linalg.norm(node.z - self.node.z) < 8 * length
             if near and self.node.ahead * node.ahead > 0 and repetition(self.family, node) is None:
                 return node, self.pace.first * KINKS[-1]

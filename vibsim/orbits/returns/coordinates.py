@@ -79,6 +79,12 @@ class Coordinates:
         """State components on the section, references at x = 0."""
         return np.asarray(self.put @ X)
 
+    def between(self, part: Any, speed: bool) -> np.ndarray:
+        """The velocity of the ends of a part against each other, or their distance, by the unknowns (m)."""
+        first = len(self.scene.bodies) if speed else 0
+        ends = [self.put[first + end] if end >= 0 else np.zeros(self.count) for end in (part.P, part.Q)]
+        return np.asarray(ends[0] - ends[1])
+
     @once
     def disturbances(self) -> np.ndarray:
         """A disturbance of the state for each unknown, one per row."""

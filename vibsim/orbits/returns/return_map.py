@@ -15,6 +15,7 @@ from math import inf, isfinite
 
 import numpy as np
 
+from vibsim.engine.modes.status import RESTING, STICK
 from vibsim.engine.tangent.carried import Carried
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.once import once
@@ -118,6 +119,26 @@ class Return:
         """Whether event i is due with the one before it but for rounding."""
         (kind, part), carried = self.carried.events[i], self.carried
         return at_once(self.coordinates.scene, kind, part, float(carried.times[i - 1]), carried.states[i - 1])
+
+    @property
+    def held(self) -> np.ndarray:
+        """By the unknowns (k, m): velocities of ends against each other that stick or rest behind the last
+        event, and distances of those that rest.
+        """
+        if not len(self.carried.codes):
+            return np.empty((0, len(self.X)))
+        scene, at = self.coordinates.scene, self.coordinates
+        codes = self.carried.codes[-1].tolist()
+        resting = [stop for stop, code in zip(scene.stops, codes, strict=False) if code == RESTING]
+        sticking = [
+            part
+            for part, code in zip(scene.frictions, codes[len(scene.stops) :], strict=False)
+            if code == STICK
+        ]
+        return np.array(
+            [at.between(part, speed=True) for part in (*resting, *sticking)]
+            + [at.between(part, speed=False) for part in resting]
+        )
 
     @property
     def drift(self) -> dict[str, float]:
