@@ -5,6 +5,7 @@ import pytest
 
 import vibsim
 from vibsim.branches.curve.node import Node
+from vibsim.branches.tracing import walk
 from vibsim.branches.tracing.joining import shift
 from vibsim.cases import load_case
 from vibsim.cases.loading import load_case_text
@@ -80,11 +81,28 @@ def test_the_last_orbit_is_not_one_of_those_that_are_joined():
     assert min(apart(branch)) > 1e-8
 
 
-def test_a_branch_that_comes_back_to_where_it_was_ends_there():
-    """Beyond 3.9287 N a step leads onto a branch that crosses this one within 1e-6 N, which is told as not
-    resolved; that one leads back, and the branch went round its loops a second and a third time.
+def test_a_branch_that_comes_back_to_where_it_was_ends_there(monkeypatch):
+    """Beyond 3.9287 N a step leads onto a branch that crosses this one within 1e-6 N, if it is not taken
+    again; that one leads back, and the branch went round its loops a second and a third time.
     """
+    monkeypatch.setattr(walk, "TRIES", 0)
     branch = vibsim.continue_branch("gallery/impact-damper", "drive.A", "0.1:6 N")
     assert branch.ends[1] == "comes back to a Neimark-Sacker point that it has passed"
     places = [(one.kind, round(one.parameter, 9)) for one in branch.specials if one.kind == "neimark-sacker"]
     assert len(set(places)) == len(places) > 4
+
+
+def test_a_step_onto_a_branch_beside_is_taken_again():
+    """Symmetric orbits of the impact damper are born in folds with one more blow on both sides each, which
+    bring the next branch point with them. Their map is that of half a period twice, so no real multiplier is
+    below 0, but by rounding.
+    """
+    branch = vibsim.continue_branch("gallery/impact-damper", "drive.A", "0.1:6 N")
+    assert branch.ends == ("end of the range", "end of the range")
+    assert not [one for one in branch.specials if one.kind in ("unresolved", "doubling")]
+    for word in branch["word"][:: len(branch) // 50]:
+        assert word.count("b1") == word.count("b2")
+    assert max(word.count("b1") for word in branch["word"]) == 5
+    multipliers = branch["multipliers"]
+    real = multipliers[multipliers.imag == 0].real
+    assert real.min() > -1e-6

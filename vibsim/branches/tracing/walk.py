@@ -45,6 +45,7 @@ BLOCKED = "an impact on a rigid stop comes to the section: shift the phase of th
 LOOSE = 1e-10  # residual, scaled, of what is no orbit where the branch turns back
 POLISH = 3  # Newton steps of a time of return that is known to 1e-9
 KINKS = (1e-7, 1e-6, 1e-5, 1e-4)  # scaled lengths of steps across a kink
+SHORTER, TRIES = 8, 3  # times shorter a step is that is taken again, and how often
 SAME = 1e-8  # scaled distance of a closed branch from its start
 
 
@@ -74,7 +75,7 @@ class Walk:
         self.start = self.node = start
         self.before: Node | None = None
         self.step, self.count, self.bend = pace.first, 0, 0.0
-        self.crosses = True  # impacts that come to the section
+        self.crosses, self.tries = True, 0  # impacts that come to the section; steps taken again in a row
 
     def go_on(self, before: Node, node: Node, step: float, count: int) -> None:
         """Go on from a node that a walk came to after `count` steps; before: the one before that."""
@@ -114,6 +115,10 @@ class Walk:
                 return
             if corner is None:
                 specials = with_pitchfork(self.family, self.node, node, inspect(self.family, self.node, node))
+                if self._left(specials):
+                    self.step, self.tries = self.step / SHORTER, self.tries + 1
+                    continue
+                self.tries = 0
                 at_corner = next((each.before for each in specials if each.kind == CORNER), None)
                 corner = None if at_corner is None else self._corner(at_corner)
             if corner is not None:
@@ -128,6 +133,15 @@ class Walk:
             yield Step(node, specials if graze is None else (*specials, graze), following, ended)
             if ended:
                 return
+
+    def _left(self, specials: tuple[Special, ...]) -> bool:
+        """Whether a step may have led to another branch near by. Multipliers tell it, but not where a rigid
+        stop is grazed between: they go beyond all bounds there.
+        """
+        torn = [each for each in specials if each.kind == UNRESOLVED]
+        if self.node.point.end.coordinates.scene.rigid_stops:
+            torn = [each for each in torn if each.before.word == each.after.word]
+        return bool(torn) and self.tries < TRIES and self.step > SHORTER * self.pace.least
 
     def _across(self, node: Node) -> Step:
         """The step over an impact that was on the section."""
