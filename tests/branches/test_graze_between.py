@@ -59,16 +59,23 @@ LOST = {
 }  # by the impacts in front, see below
 
 
-def test_a_chatter_that_is_complete_no_more_loses_one_impact_after_the_other():
+@pytest.mark.parametrize(
+    ("begun", "span", "counts"),
+    [
+        ("2.18427 mm", "2.1842:2.18427 mm", (8,)),
+        pytest.param("2.1845 mm", "2.184:2.1847 mm", (8, 7, 6), marks=pytest.mark.slow),
+    ],
+)
+def test_a_chatter_that_is_complete_no_more_loses_one_impact_after_the_other(begun, span, counts):
     """A ball thrown up by a table bounces ever less until it is thrown again. Each impact is lost in a graze,
     with a multiplier without bound on the side that has it; the last ones, between which there is no room for
     doubles, are told as one. Known from flights of a ball alone: parabolas and a sine, solved by MINPACK for
     a period with a turn of the gap at zero.
     """
-    set_up = {"stops.table.e": "0.2", "base.phase": "0 deg", "base.a": "2.1845 mm", "initial.ball.x": "10 mm"}
+    set_up = {"stops.table.e": "0.2", "base.phase": "0 deg", "base.a": begun, "initial.ball.x": "10 mm"}
     start = orbit(load_case("gallery/ball-on-shaken-table", set_up), period=1)
-    branch = continue_branch(start, "base.a", "2.184:2.1847 mm")
+    branch = continue_branch(start, "base.a", span)
     lost = {branch.spelled(one.before): one.parameter for one in branch.specials if one.kind == "grazing"}
     assert lost["cho"] == pytest.approx(2.184239668, rel=1e-9)
-    for count, truth in LOST.items():
-        assert lost["i" * count] == pytest.approx(truth, rel=1e-12)
+    for count in counts:
+        assert lost["i" * count] == pytest.approx(LOST[count], rel=1e-12)

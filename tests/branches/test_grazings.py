@@ -120,11 +120,12 @@ def test_a_graze_among_other_contacts():
 
 
 def test_a_locus_ends_at_the_end_of_the_first_range_too():
-    """Amplitudes to 4.2 N, four times those of the branch: the last point was up to a step beyond."""
-    branch = continue_branch("gallery/impact-oscillator-coco", "drive.A", "0.05:1.05 N")
-    locus = locus_of(branch, "drive.omega", "0.9:3 rad/s")
+    """Amplitudes to 12.4 N, four times those of the branch: the last point was up to a step beyond."""
+    case = load_case("gallery/impact-oscillator-coco", {"drive.A": "3.1 N", "drive.omega": "2 rad/s"})
+    branch = continue_branch(case, "drive.A", "3:3.1 N")
+    locus = locus_of(branch, "drive.omega", "1.99:30 rad/s")
     amplitude, w = locus["parameter"][-1], locus["second"][-1]
-    assert amplitude == pytest.approx(4.2, rel=1e-15) and locus.ends[1] == "end of the range"
+    assert amplitude == pytest.approx(12.4, rel=1e-15) and locus.ends[1] == "end of the range"
     assert amplitude == pytest.approx(hypot(1 - w * w, 0.1 * w), rel=1e-12)
 
 

@@ -193,13 +193,13 @@ def assert_same(of):
         assert differences(one, other) == []
 
 
-@settings(max_examples=25)
+@settings(max_examples=12)
 @given(rigid_scenes(radians=10.0, bodies=3, motor=False), st.sampled_from(METHODS))
 def test_random_scenes_without_friction(of, method):
     assert_same(replace(of, method=method, frictions=()))
 
 
-@settings(max_examples=25)
+@settings(max_examples=12)
 @given(rigid_scenes(radians=10.0, bodies=3), st.sampled_from(METHODS))
 def test_random_scenes(of, method):
     assert_same(replace(of, method=method))

@@ -68,13 +68,13 @@ def test_engines_agree_on_the_papers_cases(name, method):
     assert len(result.totals["growth"]) > 50 and result.totals["rank_losses"] > 0
 
 
-@settings(max_examples=120)
+@settings(max_examples=50)
 @given(part_scenes(motor=False))
 def test_random_scenes_by_the_flow_that_suits_each_mode(scene):
     assert_engines_agree(scene)
 
 
-@settings(max_examples=120)
+@settings(max_examples=50)
 @given(part_scenes())
 def test_random_scenes_by_taylor(scene):
     assert_engines_agree(replace(scene, method="taylor"))

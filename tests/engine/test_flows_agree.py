@@ -33,7 +33,7 @@ def assert_flows_agree(scene):
         assert np.abs(closed.samples[name] - taylor.samples[name]).max() < CLOSE
 
 
-@settings(max_examples=100)
+@settings(max_examples=50)
 @given(part_scenes(motor=False))
 def test_random_scenes(scene):
     assert_flows_agree(scene)

@@ -281,7 +281,7 @@ def ends(of, most=MOST):
         return False
 
 
-@settings(max_examples=12)
+@settings(max_examples=6)
 @given(rigid_scenes(radians=3.0, bodies=2))
 def test_difference_quotients_of_random_scenes(of):
     if ends(apart(of), 100):
@@ -321,7 +321,7 @@ def assert_bundles_agree(of):
         assert np.isnan(residual) or abs(residual) < PER_PIECE * (found.totals["tangent_pieces"] + 1)
 
 
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(rigid_scenes(radians=4.0), st.sampled_from(METHODS))
 def test_bundles_agree_and_keep_liouvilles_identity(of, method):
     assert_bundles_agree(replace(of, method=method))

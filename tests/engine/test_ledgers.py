@@ -45,13 +45,13 @@ def assert_closed(scene):
         assert abs(result.totals["momentum_residual"]) < MOMENTUM
 
 
-@settings(max_examples=150)
+@settings(max_examples=60)
 @given(part_scenes())
 def test_random_scenes_close(scene):
     assert_closed(scene)
 
 
-@settings(max_examples=100)
+@settings(max_examples=40)
 @given(part_scenes())
 def test_random_scenes_close_by_taylor(scene):
     assert_closed(replace(scene, method="taylor"))

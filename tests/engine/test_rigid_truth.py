@@ -28,7 +28,7 @@ pytest.importorskip("flint")
 IMPACT = EVENT_KINDS["impact"]
 
 
-@settings(max_examples=25)
+@settings(max_examples=12)
 @given(rigid_scenes(radians=4.0))
 def test_doubles_follow_the_truth(scene):
     doubles = outcome(scene, "auto")

@@ -150,7 +150,7 @@ def test_chosen_scenes(label):
     assert columns >= 3 and kinds >= expected
 
 
-@settings(max_examples=6)
+@settings(max_examples=3)
 @given(part_scenes(radians=8.0, bodies=3))
 def test_random_scenes(scene):
     assert_derivative(scene)

@@ -274,7 +274,7 @@ def test_a_rest_whose_force_touches_zero_once_a_period_goes_on(engine, e):
 
 
 def test_coincidences_of_two_blocks():
-    judge(two_blocks, range(100, 160))
+    judge(two_blocks, range(100, 130))
 
 
 @pytest.mark.slow

@@ -145,13 +145,13 @@ def assert_none_missed(scene):
     assert not wrong or certificate.uncertified > 0, (scene, wrong)
 
 
-@settings(max_examples=60)
+@settings(max_examples=25)
 @given(scenes(sources=("none", "harmonic"), features=False))
 def test_random_scenes_by_closed_form(scene):
     assert_none_missed(replace(scene, method="closed_form"))
 
 
-@settings(max_examples=60)
+@settings(max_examples=25)
 @given(scenes(features=False, radians=20.0))
 def test_random_scenes_by_taylor(scene):
     assert_none_missed(replace(scene, method="taylor"))

@@ -64,14 +64,14 @@ def test_papers_cases(name, method):
     assert result.totals["impacts"] > 5
 
 
-@settings(max_examples=200)
+@settings(max_examples=80)
 @given(scenes(sources=("none", "harmonic"), radians=100.0))
 def test_random_scenes_by_closed_form(scene):
     scene = dense(scene)
     assert violations(scene, run(scene).samples) == set()
 
 
-@settings(max_examples=200)
+@settings(max_examples=80)
 @given(scenes(radians=100.0))
 def test_random_scenes_by_taylor(scene):
     scene = dense(replace(scene, method="taylor"))

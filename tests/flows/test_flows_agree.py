@@ -53,7 +53,7 @@ def assert_same_trajectory(scene):
     return one, other
 
 
-@settings(max_examples=250)
+@settings(max_examples=100)
 @given(scenes(sources=("none", "harmonic")))
 def test_random_ideal_scenes(scene):
     assume(transversal(scene))

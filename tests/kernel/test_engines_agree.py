@@ -59,13 +59,13 @@ def test_long_runs_of_the_papers_cases(name, method):
     assert_engines_agree(paper(name, method=method, t_end=100.0))
 
 
-@settings(max_examples=200)
+@settings(max_examples=80)
 @given(scenes(sources=("none", "harmonic")))
 def test_random_scenes_by_closed_form(scene):
     assert_engines_agree(scene)
 
 
-@settings(max_examples=100)
+@settings(max_examples=40)
 @given(scenes())
 def test_random_scenes_by_taylor(scene):
     assert_engines_agree(with_method(scene, "taylor"))
