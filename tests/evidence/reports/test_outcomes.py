@@ -1,5 +1,7 @@
 """Many short looks at runs: the same verdicts as a run of its own, in order, and stoppable."""
 
+import subprocess
+import sys
 import threading
 from dataclasses import replace
 from functools import partial
@@ -70,3 +72,32 @@ def test_work_stops_when_told():
         run_all([lambda: {}] * 2 + [lambda: {"waited": never.wait(60)}] * 7, advance)
     never.set()
     assert seen[-1] == (2, 9)
+
+
+INTERRUPTED_WITH_A_FILE_IN_USE = """
+import time
+from threading import Event
+from h5py._objects import phil
+from vibsim.evidence.reports.measured.outcomes import run_all
+from vibsim.evidence.reports.measured.paper_runs import Interrupted
+
+held = Event()
+
+def job():
+    with phil:  # as every call of h5py
+        held.set()
+        time.sleep(0.5)
+    return {}
+
+try:
+    run_all([job], lambda done, total: not held.is_set())
+except Interrupted:
+    print("interrupted")
+"""
+
+
+def test_a_process_ends_though_a_job_under_way_uses_a_file():
+    """Python ended the job's thread within h5py, whose lock nobody gave back: the process never ended."""
+    command = [sys.executable, "-c", INTERRUPTED_WITH_A_FILE_IN_USE]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "interrupted\n", "")

@@ -27,12 +27,13 @@ def run_all(jobs: Sequence[Callable[[], Numbers]], advance: Advance) -> list[Num
     """What each job returns, all cores at work: the C engine lets go of the interpreter while it computes.
 
     Raises Interrupted when `advance` returns False. Nobody waits then for the jobs under way, which may take
-    seconds: their threads end with the process.
+    seconds, but the process at its end: a daemon thread, which Python ends wherever it is, may hold the lock
+    of h5py, for which the end of the process would wait for ever.
     """
     results: list[Future[Numbers]] = [Future() for _ in jobs]
     waiting = deque(zip(jobs, results, strict=True))
     for _ in range(available_cores()):
-        Thread(target=_work_off, args=(waiting,), daemon=True).start()
+        Thread(target=_work_off, args=(waiting,)).start()
     try:
         while pending := wait(results, PATIENCE).not_done:
             if not advance(len(jobs) - len(pending), len(jobs)):
