@@ -7,7 +7,7 @@ from platform import libc_ver
 
 import pytest
 
-RUNS = 8
+RUNS = 3
 SCRIPT = f"""
 import resource
 from vibsim import load_case, simulate
