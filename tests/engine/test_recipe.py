@@ -13,6 +13,7 @@ from vibsim.engine import c_engine
 from vibsim.engine.modes.likeness import differences
 from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.state import start_of
+from vibsim.engine.tangent.carrying_run import CarryingRun
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.arithmetic.recorded_numbers import NotRecorded, Record, RecordedNumbers
@@ -41,7 +42,7 @@ def with_links(scene, c, k=1.0):
 def test_modes_follow_from_their_recipes(name, repeats):
     """Where Jacobi's rotations take other steps, as with two masses on two springs, they are made anew."""
     of = load_case(name).scene()
-    first = c_engine.CRun(of, carries=True)
+    first = CarryingRun(of)
     other = with_links(of, 1.37, 1.01)
     numbers = differences(of, other)
     assert numbers
@@ -50,7 +51,7 @@ def test_modes_follow_from_their_recipes(name, repeats):
     start = first.automaton.initial(start_of(of, Doubles))[0]
     statuses = {start, *(start.with_stop(i, 1) for i, _ in of.elastic_stops)}
     statuses |= {start.with_frictions(dict.fromkeys(range(len(of.frictions)), s)) for s in (-1, 0, 1)}
-    fresh = c_engine.CRun(other, carries=True)
+    fresh = CarryingRun(other)
     for status in statuses:
         first.table.packed(status, lambda: first.scout)  # the order of keys
         packed = table.packed(status, lambda: pytest.fail("made anew") if repeats else fresh.scout)

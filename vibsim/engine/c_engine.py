@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable, Iterator, Sequence
-from functools import cached_property, partial
+from collections.abc import Iterator, Sequence
+from functools import cached_property
 from time import monotonic
-from typing import Any, NamedTuple
+from typing import Any
 from weakref import ref
 
 import numpy as np
@@ -18,7 +18,6 @@ from vibsim.engine.events.automaton import Automaton
 from vibsim.engine.events.certificate import Certificate
 from vibsim.engine.events.departures import scout
 from vibsim.engine.events.impacts.chatter import LOWEST
-from vibsim.engine.events.plain_start import PlainStart
 from vibsim.engine.events.rule_maker import RuleMaker
 from vibsim.engine.extremes import Gap
 from vibsim.engine.flows.closed.modal import pitches
@@ -27,7 +26,7 @@ from vibsim.engine.flows.harmonics import value_and_rate
 from vibsim.engine.ledgers.ledger import struck_entries
 from vibsim.engine.ledgers.meters import jumps_of
 from vibsim.engine.ledgers.packing_meters import pack_blows, pack_extremes, pack_ledger
-from vibsim.engine.modes.mode_table import ModeTable, mode_table
+from vibsim.engine.modes.mode_table import mode_table
 from vibsim.engine.modes.packing import pack_scene, pack_state
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import HOLD, STRIKE, Event, Known, ModeRows
@@ -39,8 +38,8 @@ from vibsim.engine.state import State, start_of
 from vibsim.engine.tangent.events.impact_saltation import Undefined
 from vibsim.engine.tangent.events.saltation import released_frictions, saltation
 from vibsim.engine.tangent.events.tangencies import Tangencies
-from vibsim.engine.tangent.packing_tangent import DisturbancePacker, pack_bundle
-from vibsim.engine.tangent.tangent_space import length, plainly_weighed_alike
+from vibsim.engine.tangent.packing_tangent import pack_bundle
+from vibsim.engine.tangent.tangent_space import length
 from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene
@@ -49,7 +48,6 @@ from vibsim.physics.period import common_period
 SAMPLE_ROOM, EVENT_ROOM, SECTION_ROOM = 65536, 4096, 1024  # at most
 MOST_RECALLED = 16  # modes that a run is told of before it meets them
 SECONDS = 0.1  # between two blocks where Python decides: Ctrl-C is heard there
-OF_OUTCOME = 5  # numbers that an outcome tells before the state
 ACCUMULATION, DIVERGED, UNDECIDED, STANDSTILL = 1, 2, 3, 5
 REASONS = {ACCUMULATION: "accumulation", DIVERGED: "diverged", STANDSTILL: "standstill"}
 
@@ -74,21 +72,6 @@ class Doubts(Certificate[float]):
         """Scouts find no turns."""
 
 
-class Outcome(NamedTuple):
-    """What a motion that carries disturbances has come to.
-
-    told : doubts, margin, number of the mode, events without a derivative, when the first was
-    state : t, x and v of each body, phase, turns, w
-    rates : of change of the components; empty where no disturbances were carried
-    vectors : disturbances (count, components)
-    """
-
-    told: list[float]
-    state: np.ndarray
-    rates: np.ndarray
-    vectors: np.ndarray
-
-
 # rows of samples, sample modes, events, event codes, section; time reached, time worked out to [s]
 Filled = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, tuple[float, float]]
 
@@ -96,8 +79,8 @@ Filled = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, tuple
 class CRun:
     """A run of a scene made of parts on the C engine.
 
-    carries : whether disturbances are carried as they are; such a run begins with `restart`; lowest : as of
-    `open_trajectory`
+    carries : whether disturbances are carried as they are (`CarryingRun`); such a run is begun later
+    lowest : as of `open_trajectory`
     """
 
     def __init__(
@@ -121,8 +104,6 @@ class CRun:
         self.numbers: dict[Status, int] = {}
         self.statuses: list[Status] = []
         self.ruled: set[tuple[int, int]] = set()
-        self.packer: DisturbancePacker | None = None
-        self.plain: PlainStart | None = None
         self.meters = self.table.meter_maker(momentum) if ledger or momentum else None
         if self.meters:
             names = self.meters.names
@@ -173,40 +154,6 @@ class CRun:
         """The rows of a mode by its number in C."""
         return self.maker.rows(self.statuses[number])
 
-    def rates_of(self, number: int) -> Callable[[], ModeRows]:
-        """What makes the rows of a mode for its vector field, which no closed form and so no frequency has a
-        say in.
-        """
-        return partial(self.table.maker.rows, self.statuses[number])
-
-    def retune(self, scene: Scene, doubles: bytes, table: ModeTable) -> None:
-        """Go over to a scene whose modes have the same form (`likeness.differences`); a restart has to
-        follow.
-
-        doubles : of the packed scene; table : of its modes
-        """
-        for name in ("scout", "automaton", "tangencies", "maker"):
-            self.__dict__.pop(name, None)
-        before, self.scene = self.scene, scene
-        if doubles != self._doubles:
-            self.run.retune(doubles)
-            self._doubles = doubles
-        if table is not self.table:
-            self.table = table
-            for number, status in enumerate(self.statuses):
-                self.run.renew_mode(number, *table.packed(status, lambda: self.scout))
-        self._renew_starts(before, scene)
-
-    def _renew_starts(self, before: Scene, scene: Scene) -> None:
-        """Renew what starts, disturbances and blows are told by, where that has changed."""
-        touching = before.stops is not scene.stops or before.frictions is not scene.frictions
-        if touching:
-            self.plain = None
-        if self.packer and (touching or not plainly_weighed_alike(before, scene)):
-            self.packer = self.packer.of(scene)
-        if touching and scene.rigid_stops:
-            self.run.keep_blows(*pack_blows(scene, [], self.maker.ends, self.lowest))
-
     def _begin(self, state: State, status: Status, known: Known) -> None:
         self.first = state.copy(), status
         self._set_off(state, status, known)
@@ -222,34 +169,6 @@ class CRun:
     def _set_off(self, state: State, status: Status, known: Known) -> None:
         number = self._mode(status)  # which may know more keys
         self.run.start(number, pack_state(state), self._known(known, 0))
-
-    def restart(self, state: State, end: float, vectors: np.ndarray) -> None:
-        """Begin anew from `state` at t = 0 and run to `end` [s], with disturbances to be carried as they are:
-        an array of one per row.
-        """
-        self.run.rewind(end)
-        self.moving = len(vectors) > 0
-        if self.moving:
-            self.packer = self.packer or DisturbancePacker(self.scene, self.maker.ends)
-            self.run.keep_tangent(*self.packer.packed(vectors))
-        self.plain = self.plain or PlainStart(self.scene, self.maker.ends)
-        status = self.plain.status(state) if self.plain.known else None
-        self._set_off(*(self._begun(state) if status is None else (state, status, {})))
-
-    def run_out(self) -> tuple[np.ndarray, np.ndarray]:
-        """Run to the end: (states, codes) of the events, one row per column, which hold until a restart.
-        Raises EngineError.
-        """
-        first = self.run.advance()
-        *counts, finished, status = first
-        if finished and status != UNDECIDED and status not in REASONS:
-            _, _, states, codes, _ = self.arrays
-            return states[:, : counts[1]], codes[:, : counts[1]]
-        blocks = [(states, codes) for _, _, states, codes, *_ in self.blocks(first)]
-        return (
-            np.concatenate([states for states, _ in blocks], axis=1),
-            np.concatenate([codes for _, codes in blocks], axis=1),
-        )
 
     def _begun(self, state: State) -> Point:
         """A state at t = 0 with the mode that the motion starts in, and the known zeros there."""
@@ -421,25 +340,6 @@ class CRun:
         entries = self.run.disturbances()
         near = *entries["near"], max(entries["fastest"], default=0)
         return entries | {"lost": [bool(one) for one in entries["lost"]], "near": near}
-
-    @cached_property
-    def _room(self) -> np.ndarray:
-        """Room for what a motion with all disturbances comes to."""
-        return np.empty(9 + 2 * self.n + self.size * (1 + self.size))
-
-    def outcome(self, count: int) -> Outcome:
-        """What the motion with `count` disturbances has come to."""
-        if count > self.size:
-            self._room = np.empty(9 + 2 * self.n + self.size * (1 + count))
-        numbers = self._room[: self.run.outcome(self._room)].copy()
-        told, state = OF_OUTCOME, 9 + 2 * self.n
-        rates = state + self.size
-        return Outcome(
-            numbers[:told].tolist(),
-            numbers[told:state],
-            numbers[state:rates],
-            numbers[rates:].reshape(-1, self.size),
-        )
 
     @property
     def tally(self) -> dict[str, Any]:

@@ -34,7 +34,7 @@ from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:
-    from vibsim.engine.c_engine import CRun
+    from vibsim.engine.tangent.carrying_run import CarryingRun
 
 PIECES = 4096  # of the Python engine at once
 
@@ -51,10 +51,10 @@ class _Shared:
         self.on: Scene | None = None
 
     @once
-    def run(self) -> CRun:
-        from vibsim.engine.c_engine import CRun
+    def run(self) -> CarryingRun:
+        from vibsim.engine.tangent.carrying_run import CarryingRun
 
-        return CRun(self.first, carries=True)
+        return CarryingRun(self.first)
 
     @once
     def table(self) -> ModeTable:
@@ -146,7 +146,7 @@ class Carrier:
         n, (t, *values) = len(self.scene.bodies), numbers.tolist()
         return self._rate(State(t, values[:n], values[n : 2 * n], *values[2 * n :]), rows())
 
-    def _tuned(self) -> CRun:
+    def _tuned(self) -> CarryingRun:
         """The run on the C engine, on the numbers of this scene."""
         shared = self._shared
         if shared.on is not self.scene:

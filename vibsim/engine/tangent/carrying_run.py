@@ -1,0 +1,126 @@
+"""A run on the C engine that goes from one start after another, and carries disturbances as they are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property, partial
+from typing import NamedTuple
+
+import numpy as np
+
+from vibsim.engine.c_engine import REASONS, UNDECIDED, CRun
+from vibsim.engine.events.plain_start import PlainStart
+from vibsim.engine.ledgers.packing_meters import pack_blows
+from vibsim.engine.modes.mode_table import ModeTable
+from vibsim.engine.modes.rows import ModeRows
+from vibsim.engine.state import State
+from vibsim.engine.tangent.packing_tangent import DisturbancePacker
+from vibsim.engine.tangent.tangent_space import plainly_weighed_alike
+from vibsim.physics.parts import Scene
+
+OF_OUTCOME = 5  # numbers that an outcome tells before the state
+
+
+class Outcome(NamedTuple):
+    """What a motion that carries disturbances has come to.
+
+    told : doubts, margin, number of the mode, events without a derivative, when the first was
+    state : t, x and v of each body, phase, turns, w
+    rates : of change of the components; empty where no disturbances were carried
+    vectors : disturbances (count, components)
+    """
+
+    told: list[float]
+    state: np.ndarray
+    rates: np.ndarray
+    vectors: np.ndarray
+
+
+class CarryingRun(CRun):
+    """A run of a scene made of parts, each motion of which begins with `restart`."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.packer: DisturbancePacker | None = None
+        self.plain: PlainStart | None = None
+        super().__init__(scene, carries=True)
+
+    def rates_of(self, number: int) -> Callable[[], ModeRows]:
+        """What makes the rows of a mode for its vector field, which no closed form and so no frequency has a
+        say in.
+        """
+        return partial(self.table.maker.rows, self.statuses[number])
+
+    def retune(self, scene: Scene, doubles: bytes, table: ModeTable) -> None:
+        """Go over to a scene whose modes have the same form (`likeness.differences`); a restart has to
+        follow.
+
+        doubles : of the packed scene; table : of its modes
+        """
+        for name in ("scout", "automaton", "tangencies", "maker"):
+            self.__dict__.pop(name, None)
+        before, self.scene = self.scene, scene
+        if doubles != self._doubles:
+            self.run.retune(doubles)
+            self._doubles = doubles
+        if table is not self.table:
+            self.table = table
+            for number, status in enumerate(self.statuses):
+                self.run.renew_mode(number, *table.packed(status, lambda: self.scout))
+        self._renew_starts(before, scene)
+
+    def _renew_starts(self, before: Scene, scene: Scene) -> None:
+        """Renew what starts, disturbances and blows are told by, where that has changed."""
+        touching = before.stops is not scene.stops or before.frictions is not scene.frictions
+        if touching:
+            self.plain = None
+        if self.packer and (touching or not plainly_weighed_alike(before, scene)):
+            self.packer = self.packer.of(scene)
+        if touching and scene.rigid_stops:
+            self.run.keep_blows(*pack_blows(scene, [], self.maker.ends, self.lowest))
+
+    def restart(self, state: State, end: float, vectors: np.ndarray) -> None:
+        """Begin anew from `state` at t = 0 and run to `end` [s], with disturbances to be carried as they are:
+        an array of one per row.
+        """
+        self.run.rewind(end)
+        self.moving = len(vectors) > 0
+        if self.moving:
+            self.packer = self.packer or DisturbancePacker(self.scene, self.maker.ends)
+            self.run.keep_tangent(*self.packer.packed(vectors))
+        self.plain = self.plain or PlainStart(self.scene, self.maker.ends)
+        status = self.plain.status(state) if self.plain.known else None
+        self._set_off(*(self._begun(state) if status is None else (state, status, {})))
+
+    def run_out(self) -> tuple[np.ndarray, np.ndarray]:
+        """Run to the end: (states, codes) of the events, one row per column, which hold until a restart.
+        Raises EngineError.
+        """
+        first = self.run.advance()
+        *counts, finished, status = first
+        if finished and status != UNDECIDED and status not in REASONS:
+            _, _, states, codes, _ = self.arrays
+            return states[:, : counts[1]], codes[:, : counts[1]]
+        blocks = [(states, codes) for _, _, states, codes, *_ in self.blocks(first)]
+        return (
+            np.concatenate([states for states, _ in blocks], axis=1),
+            np.concatenate([codes for _, codes in blocks], axis=1),
+        )
+
+    @cached_property
+    def _room(self) -> np.ndarray:
+        """Room for what a motion with all disturbances comes to."""
+        return np.empty(9 + 2 * self.n + self.size * (1 + self.size))
+
+    def outcome(self, count: int) -> Outcome:
+        """What the motion with `count` disturbances has come to."""
+        if count > self.size:
+            self._room = np.empty(9 + 2 * self.n + self.size * (1 + count))
+        numbers = self._room[: self.run.outcome(self._room)].copy()
+        told, state = OF_OUTCOME, 9 + 2 * self.n
+        rates = state + self.size
+        return Outcome(
+            numbers[:told].tolist(),
+            numbers[told:state],
+            numbers[state:rates],
+            numbers[rates:].reshape(-1, self.size),
+        )
