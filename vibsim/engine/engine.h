@@ -464,7 +464,8 @@ void base_motion_at(const Run *r, double t, double *X, double *V); /* accelerati
 /* blows.c; take returns 0 where Python has to decide */
 int blow_take(Run *r, const Event *event, Blow *done);
 void blow_count(Run *r, const Blow *done);
-void blows_free(Blows *b);
+
+void blows_free(Blows *b); /* reading_blows.c */
 
 /* rules.c; take returns 0 where Python has to decide */
 int rule_take(Run *r, Buffers *b);

@@ -268,29 +268,6 @@ static PyObject *state_at(RunObject *self, PyObject *args)
     return state_tuple(r, &r->scratch);
 }
 
-/* What the pending event does to the disturbances, where Python takes it: those that it left, and whether it moved them. */
-static PyObject *hand_jump(RunObject *self, PyObject *args)
-{
-    Tangent *b = self->run.tangent;
-    Py_buffer v;
-    Handed h = {1, 0, 0, 0, 1.0, 1.0};
-    int i, k, fits;
-    if (!PyArg_ParseTuple(args, "pdidpy*", &h.jumps, &h.determinant, &h.tangencies, &h.closest, &h.undefined, &v))
-        return NULL;
-    fits = run_is_ready(self) && b && self->run.status == UNDECIDED && v.len == (Py_ssize_t)sizeof(double) * b->possible * b->size;
-    for (i = 0; fits && i < b->possible; i++)
-        for (k = 0; k < b->size; k++)
-            b->vectors[k * b->stride + i] = ((const double *)v.buf)[i * b->size + k];
-    PyBuffer_Release(&v);
-    if (!fits) {
-        if (!PyErr_Occurred())
-            PyErr_SetString(PyExc_ValueError, "no event that waits for its jump");
-        return NULL;
-    }
-    b->handed = h;
-    Py_RETURN_NONE;
-}
-
 /* Without the GIL two threads may call one Run: each call holds it, and while it computes `busy` turns others away. */
 #if PY_VERSION_HEX < 0x030D0000
 #define Py_BEGIN_CRITICAL_SECTION(object) {
@@ -327,7 +304,7 @@ ALONE(state_at)
 ALONE(run_extremes)
 ALONE(run_disturbances)
 ALONE(run_outcome)
-ALONE(hand_jump)
+ALONE(run_hand_jump)
 ALONE(run_tally)
 
 static PyMethodDef methods[] = {
@@ -366,7 +343,7 @@ static PyMethodDef methods[] = {
     {"disturbances", (PyCFunction)run_disturbances_alone, METH_NOARGS, "disturbances() -> dict of what a TangentBundle tells"},
     {"outcome", (PyCFunction)run_outcome_alone, METH_VARARGS,
      "outcome(out) -> how many numbers: fills `out` with what a motion that carries disturbances has come to"},
-    {"hand_jump", (PyCFunction)hand_jump_alone, METH_VARARGS,
+    {"hand_jump", (PyCFunction)run_hand_jump_alone, METH_VARARGS,
      "hand_jump(jumps, determinant, tangencies, closest, undefined, vectors): what the pending event, which Python takes, did to disturbances"},
     {"tally", (PyCFunction)run_tally_alone, METH_NOARGS, "tally() -> dict of state, counts and margins"},
     {NULL, NULL, 0, NULL},

@@ -18,7 +18,7 @@ typedef struct {
     int started, busy, view_count;
 } RunObject;
 
-/* run_setup.c: what a run is told of before its start, and modes as they are met; 0 of run_is_idle: an error is set */
+/* run_setup.c: what a run is told of before its start, modes as they are met, and jumps; 0 of run_is_idle: an error is set */
 int reader_of(const Py_buffer *ints, const Py_buffer *doubles, Reader *in);
 int run_is_idle(RunObject *self);
 PyObject *run_add_mode(RunObject *self, PyObject *args);
@@ -30,6 +30,7 @@ PyObject *run_keep_extremes(RunObject *self, PyObject *args);
 PyObject *run_keep_blows(RunObject *self, PyObject *args);
 PyObject *run_keep_section(RunObject *self, PyObject *args);
 PyObject *run_set_rule(RunObject *self, PyObject *args);
+PyObject *run_hand_jump(RunObject *self, PyObject *args);
 
 /* run_outcome.c: what a run has come to; 0 of run_is_ready: an error is set */
 int run_is_ready(RunObject *self);

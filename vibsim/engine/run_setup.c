@@ -202,3 +202,26 @@ PyObject *run_set_rule(RunObject *self, PyObject *args)
     e->order = v[7];
     Py_RETURN_NONE;
 }
+
+/* What the pending event does to the disturbances, where Python takes it: those that it left, and whether it moved them. */
+PyObject *run_hand_jump(RunObject *self, PyObject *args)
+{
+    Tangent *b = self->run.tangent;
+    Py_buffer v;
+    Handed h = {1, 0, 0, 0, 1.0, 1.0};
+    int i, k, fits;
+    if (!PyArg_ParseTuple(args, "pdidpy*", &h.jumps, &h.determinant, &h.tangencies, &h.closest, &h.undefined, &v))
+        return NULL;
+    fits = run_is_ready(self) && b && self->run.status == UNDECIDED && v.len == (Py_ssize_t)sizeof(double) * b->possible * b->size;
+    for (i = 0; fits && i < b->possible; i++)
+        for (k = 0; k < b->size; k++)
+            b->vectors[k * b->stride + i] = ((const double *)v.buf)[i * b->size + k];
+    PyBuffer_Release(&v);
+    if (!fits) {
+        if (!PyErr_Occurred())
+            PyErr_SetString(PyExc_ValueError, "no event that waits for its jump");
+        return NULL;
+    }
+    b->handed = h;
+    Py_RETURN_NONE;
+}

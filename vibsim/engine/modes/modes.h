@@ -28,7 +28,7 @@ int tangent_room_for_falls(struct Tangent *b, int count);
 int ledger_read(Run *r, Reader *in);
 int meters_read(Run *r, Mode *m, Reader *in);
 int extremes_read(Run *r, Reader *in); /* extremes.c */
-int blows_read(Run *r, Reader *in);    /* blows.c */
+int blows_read(Run *r, Reader *in);    /* reading_blows.c */
 void ledger_free(Ledger *l);
 void meters_free(Meters *m);
 

@@ -112,7 +112,7 @@ int space_outside(const Run *r, const Mode *m);
 int space_held(const Run *r, const Mode *m);
 void gauge_apply(Tangent *b);
 
-/* tangent_closed_form.c, tangent_taylor.c: the end of the piece from t that is moved at once; a piece */
+/* tangent_closed_form.c, tangent_taylor.c, tangent_reach.c: the end of the piece from t that is moved at once; a piece */
 double closed_form_piece_end(const Run *r, double t, double end, double mark);
 void closed_form_move(Run *r, double tau);
 double taylor_piece_end(const Run *r, double t, double end);

@@ -5,79 +5,9 @@
 #include "inlining.h"
 #include "tangent.h"
 
-#define REACH 1.25
 #define SHAPE APART void /* one function each, as in taylor_expansion.c */
 
 typedef double Lane[2]; /* one number of two disturbances */
-
-/* Bound of the largest eigenvalue of stiffness (stiff) or damping of the couplings' differences. */
-static double fastest(const Run *r, int stiff)
-{
-    const Mode *m = r->mode;
-    double *strength = r->tangent->force, largest = 0.0;
-    int i;
-    for (i = 0; i < r->columns; i++)
-        strength[i] = 0.0;
-    for (i = 0; i < m->coupling_count; i++) {
-        const Coupling *q = &m->couplings[i];
-        double value = stiff ? q->k : q->c;
-        if (q->to_P == q->to_Q)
-            continue;
-        strength[q->to_P] = strength[q->to_P] + value;
-        strength[q->to_Q] = strength[q->to_Q] + value;
-    }
-    for (i = 0; i < m->coupling_count; i++) {
-        const Coupling *q = &m->couplings[i];
-        if (q->to_P != q->to_Q && (stiff ? q->k : q->c) > 0) {
-            double row = strength[q->to_P] * m->mobility[q->to_P] + strength[q->to_Q] * m->mobility[q->to_Q];
-            largest = row > largest ? row : largest;
-        }
-    }
-    return largest;
-}
-
-/* Rate at which the motor's drag damps the rotor, at most. */
-static double dragging(const Run *r)
-{
-    const Taylor *f = &r->taylor;
-    double mass;
-    if (r->mode->carried == 0)
-        return f->drag / f->inertia;
-    mass = r->mode->carried + r->m3;
-    return f->drag * mass / (mass * f->inertia - f->unbalance * f->unbalance);
-}
-
-/* Rate at which falling friction k makes disturbances grow, at the start or the end of the stretch. */
-static double rising(const Run *r, int k, double end)
-{
-    const Mode *m = r->mode;
-    const Falling *one = &m->falls[k];
-    const double *f = r->taylor.falls[k];
-    double start = fabs(law_slope(one->law, f[0]));
-    double last = fabs(law_slope(one->law, horner(f, r->taylor.order, end - r->t0)));
-    double mobility = m->mobility[one->to_P] + m->mobility[one->to_Q];
-    return fabs(one->on_P * one->rate) * (start > last ? start : last) * mobility;
-}
-
-double taylor_piece_end(const Run *r, double t, double end)
-{
-    double rates[4], rate, ahead;
-    int count = 2, i;
-    rates[0] = sqrt(fastest(r, 1)) / REACH;
-    rates[1] = fastest(r, 0);
-    for (i = 0; i < r->mode->fall_count; i++)
-        rates[1] = rates[1] + rising(r, i, end);
-    if (r->has_motor) {
-        rates[2] = dragging(r);
-        rates[3] = fabs(r->taylor.w_back[r->taylor.order]) / REACH;
-        count = 4;
-    }
-    rate = rates[0];
-    for (i = 1; i < count; i++)
-        rate = rates[i] > rate ? rates[i] : rate;
-    ahead = rate > 0 ? t + r->tangent->taylor.reach / rate : end;
-    return t < ahead && ahead < end ? ahead : end;
-}
 
 /* Series c w = s' and c a1 of the flow, and its mass matrix, as it is expanded now. */
 static void prepare_motor(Run *r)
