@@ -5,9 +5,11 @@ terminal.
 VIBSIM_HYPOTHESIS=search draws afresh, for hunting.
 """
 
+import gc
 import os
 import signal
 
+import pytest
 from hypothesis import HealthCheck, settings
 
 COMMON = {"deadline": None, "database": None, "suppress_health_check": [HealthCheck.too_slow]}
@@ -20,6 +22,13 @@ settings.load_profile(os.environ.get("VIBSIM_HYPOTHESIS", "repeatable"))
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-    # a suite started in the background inherits this, and its children would never hear Ctrl-C
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """No search for garbage while tests are collected (a third of it), nor later among what is there."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
+        gc.freeze()
