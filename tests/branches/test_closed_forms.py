@@ -159,6 +159,18 @@ def test_a_ball_on_a_shaken_table(bounces):
     assert (np.diff(bounces["arclength"]) > 0).all()
 
 
+def test_orbits_within_chaos_are_followed_with_multipliers_of_any_size():
+    """Beyond 200 a multiplier may be that of a graze, and a graze is looked for; here there is none. Each
+    bounce takes areas by e^2, so the two multipliers of four bounces multiply to e^8.
+    """
+    once = continue_branch(load_case("gallery/ball-on-shaken-table"), "base.a", "0.7:2.4 mm")
+    twice = continue_branch(once, switch="PD1")
+    four = continue_branch(twice, switch="PD1")
+    assert four.ends == ("leaves another branch", "end of the range")
+    assert four["parameter"].max() == 2.4 and abs(four["multipliers"]).max() > 500
+    np.testing.assert_allclose(np.prod(four["multipliers"], axis=1).real, 0.8**8, rtol=1e-9)
+
+
 def test_over_an_impact_on_the_section_it_goes_on_where_it_was_stopped(bounces, tmp_path):
     path = tmp_path / "bounces.h5"
     jump = int(np.argmax(np.abs(np.diff(bounces["v_ball"]))))

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from math import frexp
 from typing import Any
 
 import numpy as np
@@ -34,7 +35,6 @@ from vibsim.orbits.search.newton import EPS
 END = "end of the range"
 BEHIND = 4  # steps before a branch can have come back to its start
 INFINITE = 200.0  # multiplier of orbits that all but graze a rigid stop, where it goes like 1 / impact speed
-UNBOUNDED = "a multiplier is beyond 200, as beside the graze of a rigid stop, but none is found near by"
 GRAZED = "a multiplier grows without bound: a rigid stop is grazed near by"
 TOUCHED = "a rigid stop is grazed: beyond, orbits strike it, and a multiplier is infinite at first"
 AT_SECTION = 1e-6  # share of the period
@@ -129,7 +129,7 @@ class Walk:
             self.go_on(self.node, node, following, self.count + 1)
             graze = grazing_end(self.family, node) if ended == GRAZED else None
             if ended == GRAZED and graze is None:
-                ended = UNBOUNDED
+                ended = ""
             yield Step(node, specials if graze is None else (*specials, graze), following, ended)
             if ended:
                 return
@@ -270,9 +270,17 @@ class Walk:
         bound = low if node.parameter < low else high if node.parameter > high else None
         if bound is not None:
             return self._at_bound(node, bound), END
-        if node.point.end.coordinates.scene.rigid_stops and abs(node.multipliers).max() > INFINITE:
-            return node, GRAZED
-        return node, END if self._is_at_bound(node) else ""
+        if self._is_at_bound(node):
+            return node, END
+        return node, GRAZED if self._may_graze(node) else ""
+
+    def _may_graze(self, node: Node) -> bool:
+        """Whether a graze of a rigid stop is to be looked for at the next node: a multiplier has gone beyond
+        `INFINITE`, or another power of two there. Orbits within chaos have such too.
+        """
+        before, now = (float(abs(each.multipliers).max()) for each in (self.node, node))
+        larger = before <= INFINITE or frexp(now)[1] > frexp(before)[1]
+        return bool(node.point.end.coordinates.scene.rigid_stops) and now > INFINITE and larger
 
     def _at_bound(self, node: Node, bound: float) -> Node:
         """The node at the end of the range, between the last one and one beyond. Raises NoBound."""
