@@ -8,9 +8,11 @@ import pytest
 
 from tests.orbits.truths import STORED
 from vibsim.cases import load_case
+from vibsim.cases.loading import load_case_text
 from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.orbit_digits import refine
 from vibsim.orbits.search.finding import find_orbit
+from vibsim.orbits.search.seeking import orbit
 from vibsim.orbits.small_matrices import characteristic_polynomial, product, refined_roots, solved
 from vibsim.physics.arithmetic.number_kits import number_kit
 from vibsim.physics.arithmetic.numbers import Doubles
@@ -104,3 +106,23 @@ def test_matrices_of_any_kit(kit):
     np.testing.assert_allclose([complex(float(a), float(b)) for a, b in roots], values, rtol=1e-14)
     squared = [[float(value) for value in row] for row in product(kit, numbers, numbers)]
     np.testing.assert_allclose(squared, np.array(matrix) @ matrix, rtol=1e-14)
+
+
+CHATTERING = """
+bodies: {a: 1.036 kg, b: 1.621 kg}
+links:
+  w: {between: [a, ground], k: 88.55 N/m, c: 0.433 N s/m}
+  l: {between: [a, b], k: 169.67 N/m, c: 0.932 N s/m}
+stops: {s: {between: [a, b], law: rigid, e: 0.37, gap: 12.3 mm, acts: compression}}
+friction: {f: {between: [b, ground], N: 0.795 N, mu: 0.495}}
+forces: {p: {on: a, A: 2.997 N, omega: 5.2472 rad/s, phase: 11.5 deg}}
+run: {t_end: 100 s, every: 50 ms}
+"""
+
+
+def test_an_orbit_that_chatters_is_known_in_doubles_only():
+    """Newton's step was no number, and the next motion ended with "the state is no longer finite"."""
+    found = orbit(load_case_text(CHATTERING))
+    assert "c" in found.spelled
+    with pytest.raises(OrbitError, match="orbits that chatter or graze are known in doubles only"):
+        refine(found, 30)

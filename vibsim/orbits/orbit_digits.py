@@ -7,7 +7,7 @@ the same digits, so the multipliers are as right as the orbit, but for their con
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import log10
+from math import isfinite, log10
 from typing import Any
 
 from vibsim.cases.number import number
@@ -29,6 +29,7 @@ GUARD = 15  # digits beyond those asked for: what components much smaller than t
 PIECES = 4096
 LONGEST = 40  # events of a word that is spelled
 STEPS = 14  # 15 digits doubled so often are more than there can be
+DOUBLES_ONLY = "orbits that chatter or graze are known in doubles only"
 
 
 @dataclass(frozen=True)
@@ -85,6 +86,8 @@ def _refined(orbit: Orbit, digits: int) -> OrbitDigits:
     size = max(abs(x) for x in orbit.X.tolist()) or 1.0
     for _ in range(STEPS):
         step, longer, derivative = exact.step(X, T)
+        if not all(isfinite(float(dx)) for dx in step):
+            raise OrbitError(f"in many digits the motion has no derivative; {DOUBLES_ONLY}")
         X = [kit.exact(x + dx) for x, dx in zip(X, step, strict=True)]
         T = kit.exact(T + longer)
         correction = max(abs(float(dx)) for dx in step) / size
@@ -97,7 +100,7 @@ def _refined(orbit: Orbit, digits: int) -> OrbitDigits:
     if exact.word != orbit.events:
         raise OrbitError(
             f"in many digits the orbit has other events, {_brief(orbit, exact.word)} in place of "
-            f"{_brief(orbit, orbit.events)}; orbits that chatter or graze are known in doubles only"
+            f"{_brief(orbit, orbit.events)}; {DOUBLES_ONLY}"
         )
     roots = _multipliers(kit, derivative, orbit.multipliers.tolist())
     return OrbitDigits(
