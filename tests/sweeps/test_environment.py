@@ -36,7 +36,10 @@ json.dump(found, sys.stdout)
 
 def environments():
     """numpy tells which vector units it has code for."""
-    from numpy._core._multiarray_umath import __cpu_dispatch__
+    try:
+        from numpy._core._multiarray_umath import __cpu_dispatch__
+    except ImportError:  # before numpy 2
+        from numpy.core._multiarray_umath import __cpu_dispatch__
 
     yield {"OPENBLAS_NUM_THREADS": "2"}
     yield {

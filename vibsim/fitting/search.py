@@ -117,6 +117,7 @@ def _evolution(evaluation: Evaluation, subset: Subset, number: int) -> list[Judg
         init=sobol(len(subset), size, [plan.search.seed, number]),
         maxiter=max(1, budget // size - 1),
         tol=0.0,
+        atol=-1.0,  # a population whose members are all as bad as each other has not arrived
         polish=False,
         vectorized=True,
         updating="deferred",
