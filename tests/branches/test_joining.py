@@ -1,12 +1,15 @@
 """Orbits of two periods beside a grazing: where they join those of one, and leave them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import vibsim
 from vibsim.branches.curve.node import Node
-from vibsim.branches.tracing import walk
+from vibsim.branches.store.branch_store import BranchStore
 from vibsim.branches.tracing.joining import shift
+from vibsim.branches.tracing.tracing import trace
 from vibsim.cases import load_case
 from vibsim.cases.loading import load_case_text
 from vibsim.orbits import find_orbit
@@ -81,15 +84,22 @@ def test_the_last_orbit_is_not_one_of_those_that_are_joined():
     assert min(apart(branch)) > 1e-8
 
 
-def test_a_branch_that_comes_back_to_where_it_was_ends_there(monkeypatch):
-    """Beyond 3.9287 N a step leads onto a branch that crosses this one within 1e-6 N, if it is not taken
-    again; that one leads back, and the branch went round its loops a second and a third time.
+@pytest.mark.parametrize(
+    ("earlier", "same_way", "ends"), [(11, True, True), (10, True, False), (11, False, False)]
+)
+def test_a_branch_that_comes_back_to_where_it_was_ends_there(earlier, same_way, ends):
+    """Told by a bifurcation that it alone goes through, met again more than ten points later on one way: here
+    the doubling of the ball, which is said to have been met before.
     """
-    monkeypatch.setattr(walk, "TRIES", 0)
-    branch = vibsim.continue_branch("gallery/impact-damper", "drive.A", "0.1:6 N")
-    assert branch.ends[1] == "comes back to a Neimark-Sacker point that it has passed"
-    places = [(one.kind, round(one.parameter, 9)) for one in branch.specials if one.kind == "neimark-sacker"]
-    assert len(set(places)) == len(places) > 4
+    plan = vibsim.continue_branch("gallery/ball-on-shaken-table", "base.a", "0.5:1.2 mm").plan
+    whole, again = BranchStore(plan), BranchStore(plan)
+    trace(plan, whole)
+    (doubling,) = whole.specials
+    way = doubling.way if same_way else -doubling.way
+    again.specials.append(replace(doubling, number=doubling.number - earlier, way=way))
+    trace(plan, again)
+    assert ("comes back to a doubling that it has passed" in [one.ended for one in again.points]) == ends
+    assert (len(again.points) < len(whole.points)) == ends and len(again.specials) == 1 + (not ends)
 
 
 def test_a_step_onto_a_branch_beside_is_taken_again():
