@@ -63,7 +63,8 @@ class RelativeMotion(Generic[N]):
         if not isinstance(stop, RigidStop):
             return False
         (vP, vQ), (xP, xQ) = self.ends(stop, state, "v"), self.ends(stop, state, "x")
-        travel = sum((abs(one.amplitude) for one in self.scene.base), abs(xP) + abs(xQ) + abs(stop.gap))
+        base = self.scene.base if self.maker.n + 1 in self.maker.ends(stop) else ()
+        travel = sum((abs(one.amplitude) for one in base), abs(xP) + abs(xQ) + abs(stop.gap))
         near, still = START_ROUNDING * self.kit.eps * travel, START_ROUNDING * self.kit.eps
         return abs(g) <= near and abs(vP - vQ) <= still * (abs(vP) + abs(vQ) + self._fastest(stop))
 

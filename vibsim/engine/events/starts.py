@@ -13,7 +13,7 @@ from vibsim.engine.modes.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, STRIKE, 
 from vibsim.engine.modes.status import CONTACT, KEPT, LIFTED, OPEN, STICK, VIOLATED, Status
 from vibsim.engine.state import State
 from vibsim.physics.arithmetic.numbers import N
-from vibsim.physics.parts import AT_FORCE, Friction, Scene, Stop
+from vibsim.physics.parts import AT_FORCE, Friction, RigidStop, Scene, Stop
 
 
 class Starts(Generic[N]):
@@ -32,7 +32,7 @@ class Starts(Generic[N]):
         scene = self.scene
         depths = [self.relative.depth(stop, state) for stop in scene.stops]
         met = [
-            self.relative.met(stop, g, state, stop.gap) or self.relative.rests(stop, g, state)
+            self.relative.met(stop, g, state, stop.gap) or self._rests(stop, g, state)
             for stop, g in zip(scene.stops, depths, strict=True)
         ]
         deep = [
@@ -76,6 +76,13 @@ class Starts(Generic[N]):
                 status = status.with_clearance(i, VIOLATED if sense < 0 else KEPT)
                 known[CLEARANCE, i] = order
         return status, known | self._held(state, status)
+
+    def _rests(self, stop: Stop[N] | RigidStop[N], g: N, state: State[N]) -> bool:
+        """Whether a start that does not meet a rigid stop rests on it all the same, in doubt."""
+        rests = self.relative.rests(stop, g, state)
+        if rests:
+            self.departures.doubt(state)
+        return rests
 
     def _slip(self, friction: Friction[N], state: State[N]) -> N:
         """The sliding velocity at the start: none, in doubt, where the base's rounding may be all of it. A

@@ -40,7 +40,7 @@ class Computation(Protocol):
     def values(self, window: Window, run: MeasuredRun, measured: dict[str, Any]) -> dict[str, Any]:
         """By column a float, or an array where the column has a further dimension.
 
-        found : what the computations before this one have come to
+        measured : what the computations before this one have come to
         """
 
 
