@@ -15,7 +15,8 @@
 #define JET (JET_ORDER + 4)
 #define SERIES (MAX_ORDER + 2)
 #define SERIES_TERMS 26
-#define NODE_COUNT 12 /* of the quadrature */
+#define NODE_COUNT 12 /* most of a quadrature */
+#define FEW_NODES 8
 #define TIMES_AT_ONCE 32
 #define WORK_AT_ONCE 100000 /* evaluations of the motion of two bodies between two returns to Python */
 #define UNHURRIED 1e100 /* window of a free mass [s] */
@@ -202,7 +203,7 @@ typedef struct {
     double (*arguments)[SERIES], (*falls)[SERIES]; /* of falling frictions: what the recurrence takes of s, and f */
     double inverse[SERIES + 1], sine[SERIES], cosine[SERIES], w_back[SERIES], a1_back[SERIES]; /* w_back[order - n]: order n */
     double unbalance, inertia, drag, h, turns, longest; /* longest: piece of a step that one quadrature rule takes [s] */
-    int order, rates, stride, *loaded, loaded_count;
+    int order, rates, stride, *loaded, loaded_count, few_nodes;
 } Taylor;
 
 /* Of an event function: the rest of a known zero, and its reach. */

@@ -19,6 +19,7 @@ from vibsim.engine.flows.series.taylor import Taylor
 from vibsim.engine.ledgers.meters import Meters, Node
 from vibsim.engine.modes.rows import STRIKE, Event, Known, ModeRows
 from vibsim.engine.state import State
+from vibsim.physics.arithmetic.gauss_nodes import Quadrature
 from vibsim.physics.arithmetic.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
 
@@ -127,6 +128,10 @@ class Flow(Generic[N]):
 
     def longest_piece(self, tau: N) -> N:
         return self.now.longest_piece(tau)
+
+    @property
+    def quadrature(self) -> Quadrature:
+        return self.now.quadrature
 
     def open_nodes(self, meters: Meters[N]) -> None:
         self.now.open_nodes(meters)

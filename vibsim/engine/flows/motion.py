@@ -8,6 +8,7 @@ from vibsim.engine.events.certificate import Certificate
 from vibsim.engine.ledgers.meters import Meters, Node
 from vibsim.engine.modes.rows import Event, Known, ModeRows
 from vibsim.engine.state import State
+from vibsim.physics.arithmetic.gauss_nodes import Quadrature
 from vibsim.physics.arithmetic.numbers import N
 
 Advance = tuple[N, Event[N] | None]  # a time [s], and the event that is met there
@@ -24,6 +25,8 @@ class Motion(Protocol[N]):
     def method(self) -> str: ...
     @property
     def certificate(self) -> Certificate[N]: ...
+    @property
+    def quadrature(self) -> Quadrature: ...
     @property
     def evaluations(self) -> int: ...
     @property

@@ -3,27 +3,38 @@
 
 #include "event_functions.h"
 #include "gauss_nodes.h"
+#include "inlining.h"
 #include "numbers.h"
 #include "wide.h"
 
-/* A series of `count` coefficients `stride` apart at all nodes: `horner` node by node, side by side. */
-WIDE static void series_at_nodes(const double *c, int count, int stride, const double *tau, const double *square, double *out)
+/* A series of `count` coefficients `stride` apart at `nodes` times: `horner` time by time, side by side. */
+INLINE void series_at(const double *c, int count, int stride, const double *tau, const double *square, double *out, const int nodes)
 {
     double high[NODE_COUNT], low[NODE_COUNT];
     int n, i;
-    for (i = 0; i < NODE_COUNT; i++) {
+    for (i = 0; i < nodes; i++) {
         high[i] = c[(count - 1) * stride];
         low[i] = c[(count - 2) * stride];
     }
     for (n = count - 3; n > 0; n -= 2) {
         double a = c[n * stride], b = c[(n - 1) * stride];
-        for (i = 0; i < NODE_COUNT; i++)
+        for (i = 0; i < nodes; i++)
             high[i] = high[i] * square[i] + a;
-        for (i = 0; i < NODE_COUNT; i++)
+        for (i = 0; i < nodes; i++)
             low[i] = low[i] * square[i] + b;
     }
-    for (i = 0; i < NODE_COUNT; i++)
+    for (i = 0; i < nodes; i++)
         out[i] = count % 2 == 0 ? low[i] + tau[i] * high[i] : (high[i] * square[i] + c[0]) + tau[i] * low[i];
+}
+
+WIDE static void series_at_all(const double *c, int count, int stride, const double *tau, const double *square, double *out)
+{
+    series_at(c, count, stride, tau, square, out, NODE_COUNT);
+}
+
+WIDE static void series_at_few(const double *c, int count, int stride, const double *tau, const double *square, double *out)
+{
+    series_at(c, count, stride, tau, square, out, FEW_NODES);
 }
 
 static double force_at(const Run *r, const Force *force, double tau)
@@ -49,14 +60,15 @@ static double force_here(const Run *r, const Force *force)
     return total;
 }
 
-static void taylor_nodes(Run *r, const Meters *m, const double *tau)
+static void taylor_nodes(Run *r, const Meters *m, const double *tau, int count)
 {
     Taylor *f = &r->taylor;
     Nodes *at = &r->ledger.nodes;
     const double *rates = f->table + f->rates;
+    void (*series_at_nodes)(const double *, int, int, const double *, const double *, double *) = count == FEW_NODES ? series_at_few : series_at_all;
     int rows = f->order + 2, i, n;
     double squares[NODE_COUNT];
-    for (n = 0; n < NODE_COUNT; n++)
+    for (n = 0; n < count; n++)
         squares[n] = tau[n] * tau[n];
     for (i = 0; i < m->column_count; i++) {
         int c = m->columns[i];
@@ -66,7 +78,7 @@ static void taylor_nodes(Run *r, const Meters *m, const double *tau)
     if (m->spins)
         series_at_nodes(rates + r->bodies, rows, f->stride, tau, squares, at->w);
     for (i = 0; m->forces && i < r->force_count; i++)
-        for (n = 0; n < NODE_COUNT; n++)
+        for (n = 0; n < count; n++)
             at->force[i][n] = force_at(r, &r->forces[i], tau[n]);
     for (i = 0; i < m->function_count; i++)
         series_at_nodes(at->series[i], at->lengths[i], 1, tau, squares, at->function[i]);
@@ -135,42 +147,44 @@ static void closed_form_nodes(Run *r, const Meters *m, const double *tau)
 }
 
 /* The integral of a meter over the nodes, by the length of the piece. */
-static double integral(const Run *r, const Meter *m)
+static double integral(const Run *r, const Meter *m, const Quadrature *rule)
 {
     const Nodes *at = &r->ledger.nodes;
+    const double *weights = rule->weights;
+    const int count = rule->count;
     double total = 0.0;
     int n;
     switch (m->kind) {
     case SQUARE:
-        for (n = 0; n < NODE_COUNT; n++) {
+        for (n = 0; n < count; n++) {
             double u = at->v[m->P][n] - at->v[m->Q][n];
-            total = total + WEIGHTS[n] * (u * u);
+            total = total + weights[n] * (u * u);
         }
         return total;
     case WORK:
-        for (n = 0; n < NODE_COUNT; n++)
-            total = total + WEIGHTS[n] * (at->force[m->source][n] * at->v[m->P][n]);
+        for (n = 0; n < count; n++)
+            total = total + weights[n] * (at->force[m->source][n] * at->v[m->P][n]);
         return total;
     case TORQUE:
-        for (n = 0; n < NODE_COUNT; n++)
-            total = total + WEIGHTS[n] * (r->M0 * (1 - at->w[n] / r->Omega0) * at->w[n]);
+        for (n = 0; n < count; n++)
+            total = total + weights[n] * (r->M0 * (1 - at->w[n] / r->Omega0) * at->w[n]);
         return total;
     case SLIP:
-        for (n = 0; n < NODE_COUNT; n++)
-            total = total + WEIGHTS[n] * ((at->v[m->P][n] - at->v[m->Q][n]) - m->drift);
+        for (n = 0; n < count; n++)
+            total = total + weights[n] * ((at->v[m->P][n] - at->v[m->Q][n]) - m->drift);
         return total;
     case RUB:
-        for (n = 0; n < NODE_COUNT; n++)
-            total = total + WEIGHTS[n] * (at->function[m->source][n] * ((at->v[m->P][n] - at->v[m->Q][n]) - m->drift));
+        for (n = 0; n < count; n++)
+            total = total + weights[n] * (at->function[m->source][n] * ((at->v[m->P][n] - at->v[m->Q][n]) - m->drift));
         return total;
     case IMPULSE:
-        for (n = 0; n < NODE_COUNT; n++)
-            total = total + WEIGHTS[n] * at->force[m->source][n];
+        for (n = 0; n < count; n++)
+            total = total + weights[n] * at->force[m->source][n];
         return total;
     default:
-        for (n = 0; n < NODE_COUNT; n++) {
+        for (n = 0; n < count; n++) {
             double value = at->function[m->source][n];
-            total = total + WEIGHTS[n] * (m->P < 0 ? value : value * at->v[m->P][n]);
+            total = total + weights[n] * (m->P < 0 ? value : value * at->v[m->P][n]);
         }
         return total;
     }
@@ -178,16 +192,17 @@ static double integral(const Run *r, const Meter *m)
 
 static void integrate(Run *r, const Meters *m, double tau, double length)
 {
+    const Quadrature *rule = r->closed || !r->taylor.few_nodes ? &TWELVE : &EIGHT;
     double offsets[NODE_COUNT], *entries = r->ledger.open;
     int i;
-    for (i = 0; i < NODE_COUNT; i++)
-        offsets[i] = tau + NODES[i] * length;
+    for (i = 0; i < rule->count; i++)
+        offsets[i] = tau + rule->nodes[i] * length;
     if (r->closed)
         closed_form_nodes(r, m, offsets);
     else
-        taylor_nodes(r, m, offsets);
+        taylor_nodes(r, m, offsets, rule->count);
     for (i = 0; i < m->count; i++)
-        entries[m->meters[i].entry] = entries[m->meters[i].entry] + length * (m->meters[i].factor * integral(r, &m->meters[i]));
+        entries[m->meters[i].entry] = entries[m->meters[i].entry] + length * (m->meters[i].factor * integral(r, &m->meters[i], rule));
 }
 
 /* Displacement of a column at `state`. */

@@ -35,7 +35,6 @@ from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.modes.status import CONTACT, Status
 from vibsim.engine.state import State
-from vibsim.physics.arithmetic.gauss_nodes import NODES, WEIGHTS
 from vibsim.physics.arithmetic.numbers import Kit, N
 from vibsim.physics.parts import Scene, Stop
 
@@ -75,7 +74,7 @@ class Ledger(Generic[N]):
         the sums.
         """
         totals = [self.kit.number(0)] * len(meters.meters)
-        for node, weight in zip(NODES, WEIGHTS, strict=True):
+        for node, weight in zip(*self.flow.quadrature, strict=True):
             point = self.flow.node(tau + node * length, meters)
             for i, meter in enumerate(meters.meters):
                 totals[i] = totals[i] + weight * self._rate(meter, point)

@@ -19,6 +19,7 @@ from vibsim.engine.flows.motion import Advance
 from vibsim.engine.ledgers.meters import Meters, Node
 from vibsim.engine.modes.rows import Event, EventKey, Known, ModeRows
 from vibsim.engine.state import State
+from vibsim.physics.arithmetic.gauss_nodes import TWELVE
 from vibsim.physics.arithmetic.numbers import Kit, N, abs
 from vibsim.physics.parts import Force, Harmonic, Scene
 
@@ -66,6 +67,7 @@ class ClosedForm(Generic[N]):
     """Flow by modal coordinates; time is absolute, the anchor is the last event."""
 
     method = "closed_form"
+    quadrature = TWELVE
     modal: ModalMotion[N]
 
     def __init__(self, scene: Scene[N], kit: Kit[N], certificate: Certificate[N]) -> None:

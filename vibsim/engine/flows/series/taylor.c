@@ -7,6 +7,7 @@
 #include "pair.h"
 
 #define LEADING 4
+#define FEW_NODES_ORDER 20
 
 void taylor_set(Run *r)
 {
@@ -18,6 +19,7 @@ void taylor_set(Run *r)
     f->longest = INFINITY;
     for (n = 0; n < r->harmonic_count; n++)
         f->longest = 3 / r->harmonics[n].omega < f->longest ? 3 / r->harmonics[n].omega : f->longest;
+    f->few_nodes = f->order <= FEW_NODES_ORDER && f->longest == INFINITY;
     f->inverse[0] = 0.0;
     for (n = 1; n <= f->order + 2; n++)
         f->inverse[n] = 1 / (double)n;

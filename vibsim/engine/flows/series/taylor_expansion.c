@@ -9,7 +9,8 @@
 #include "numbers.h"
 #include "pair.h"
 
-#define SHAPE APART void /* one function each: inlined into one they lose a quarter */
+#include "wide.h"
+#define SHAPE WIDE APART void /* one function each: inlined into one they lose a quarter */
 
 typedef struct {
     double *sine, *cosine, *w_back, *a1_back; /* w_back[p - n] = w[n], a1_back[p - n] = a1[n] */

@@ -83,17 +83,17 @@ static double with_rotor(const Run *r, double mass, double inertia, double dampi
     double share = 0.0, damped, start = t - r->t0, points[POINTS], values[POINTS];
     int i;
     for (i = 0; i < NODE_COUNT; i++)
-        points[i] = start + NODES[i] * tau;
+        points[i] = start + TWELVE.nodes[i] * tau;
     points[NODE_COUNT] = start + tau;
     points[NODE_COUNT + 1] = start;
     determinants(r, mass, inertia, points, values);
     for (i = 0; i < NODE_COUNT; i++)
-        share = share + WEIGHTS[i] / values[i];
+        share = share + TWELVE.weights[i] / values[i];
     damped = (damping * inertia + drag * mass) * (tau * share);
     if (r->mode->fall_count > 0) {
         double mean = 0.0;
         for (i = 0; i < NODE_COUNT; i++)
-            mean = mean + WEIGHTS[i] * (slowed_with_rotor(r, points[i], r->mode->leader[r->motor_on]) / values[i]);
+            mean = mean + TWELVE.weights[i] * (slowed_with_rotor(r, points[i], r->mode->leader[r->motor_on]) / values[i]);
         damped = damped + inertia * (tau * mean);
     }
     return -damped - logarithm(values[NODE_COUNT] / values[NODE_COUNT + 1]);
@@ -120,7 +120,7 @@ double log_volume(const Run *r, double t, double end)
     if (m->fall_count > 0) {
         double mean = 0.0;
         for (i = 0; i < NODE_COUNT; i++)
-            mean = mean + WEIGHTS[i] * slowed(r, (t - r->t0) + NODES[i] * tau, on);
+            mean = mean + TWELVE.weights[i] * slowed(r, (t - r->t0) + TWELVE.nodes[i] * tau, on);
         fixed = fixed - tau * mean;
     }
     if (!r->has_motor)

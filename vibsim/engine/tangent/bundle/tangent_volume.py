@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from vibsim.engine.flows.closed.closed_form import ClosedForm
 from vibsim.engine.flows.series.taylor import Taylor
 from vibsim.engine.modes.rows import Falling
-from vibsim.physics.arithmetic.gauss_nodes import NODES, WEIGHTS
+from vibsim.physics.arithmetic.gauss_nodes import TWELVE
 from vibsim.physics.arithmetic.numbers import Kit, N, horner
 from vibsim.physics.parts import Motor, Scene
 
@@ -45,7 +45,7 @@ def log_volume(scene: Scene[N], kit: Kit[N], flow: Taylor[N] | ClosedForm[N], t:
 def _mean(kit: Kit[N], value: Callable[[N], N], tau: N) -> N:
     """Mean over a piece of length tau."""
     total = kit.number(0)
-    for node, weight in zip(NODES, WEIGHTS, strict=True):
+    for node, weight in zip(*TWELVE, strict=True):
         total = total + weight * value(node * tau)
     return total
 
@@ -85,7 +85,7 @@ def _with_rotor(kit: Kit[N], flow: Taylor[N], motor: Motor[N], numbers: tuple[N,
         return total / determinant(at)
 
     share = kit.number(0)
-    for node, weight in zip(NODES, WEIGHTS, strict=True):
+    for node, weight in zip(*TWELVE, strict=True):
         share = share + weight / determinant(node * tau)
     damped = (damping * inertia + drag * mass) * (tau * share)
     if flow.rows.falls:
