@@ -15,7 +15,7 @@ from statistics import median
 
 from vibsim.evidence.benchmark.provenance import processor
 from vibsim.files.output_file import output_file
-from vibsim.sweeps.schedule.workers import available_cores
+from vibsim.results.cores import available_cores
 
 FORMAT = 1
 ROOT = Path(__file__).resolve().parents[2]

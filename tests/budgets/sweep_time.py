@@ -8,7 +8,7 @@ from tests.budgets.engine_clock import EngineClock
 from tests.budgets.processes import VIBSIM, seconds
 from tests.budgets.row import Row
 from vibsim.cases import load_case
-from vibsim.sweeps.schedule.workers import available_cores
+from vibsim.results.cores import available_cores
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
 from vibsim.sweeps.statistics.quantities import quantities_of
 from vibsim.sweeps.statistics.resolution import sampled_for_statistics

@@ -20,9 +20,10 @@ from vibsim.fitting.goals.reading import read_reading
 from vibsim.fitting.search import search
 from vibsim.fitting.store.fit_file import origin
 from vibsim.fitting.store.run_store import FileRunStore, RunStore
+from vibsim.results.cores import available_cores
 from vibsim.sweeps.plan.members import Members, read_members
 from vibsim.sweeps.plan.sweep_plan import PlanError
-from vibsim.sweeps.schedule.workers import LocalWorkers, available_cores
+from vibsim.sweeps.schedule.workers import LocalWorkers
 from vibsim.sweeps.sweeping import read_ensemble
 
 CaseLike = Case | str | PathLike[str]

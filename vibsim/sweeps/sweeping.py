@@ -11,12 +11,13 @@ from vibsim.cases import Case
 from vibsim.cases.arguments import by_key, texts, whole_number
 from vibsim.cases.loading import load_case
 from vibsim.cases.values.quantities import parse_quantity
+from vibsim.results.cores import available_cores
 from vibsim.sweeps.computations.registry import read_computations
 from vibsim.sweeps.plan.axis import Axis, range_and_unit, read_axis
 from vibsim.sweeps.plan.members import Members, read_members
 from vibsim.sweeps.plan.sweep_plan import Plan, PlanError, read_directions
 from vibsim.sweeps.schedule.runner import Watch, run
-from vibsim.sweeps.schedule.workers import LocalWorkers, Workers, available_cores
+from vibsim.sweeps.schedule.workers import LocalWorkers, Workers
 from vibsim.sweeps.statistics.quantities import quantities_of
 from vibsim.sweeps.store.point_store import FileStore, Store
 from vibsim.sweeps.sweep_result import SweepResult

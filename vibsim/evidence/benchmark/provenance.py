@@ -7,7 +7,7 @@ from typing import Any
 
 from vibsim.evidence.benchmark.plan import Plan
 from vibsim.files.provenance import provenance
-from vibsim.sweeps.schedule.workers import available_cores
+from vibsim.results.cores import available_cores
 
 PACKAGES = ("scipy", "heyoka")
 

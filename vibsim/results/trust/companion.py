@@ -11,7 +11,7 @@ data, would be missed: after 10,000 s it is 70 times the distance of two runs fr
 
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import fields, is_dataclass, replace
 from fractions import Fraction
 from math import inf, nextafter
@@ -23,10 +23,12 @@ import numpy as np
 from vibsim.cases.values.pi import FIRST_BITS, two_pi_bounds
 from vibsim.engine.choice import flow_of
 from vibsim.engine.events.impacts.chatter import LOWEST
+from vibsim.engine.trajectories.blocks import Block
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import Scene
 from vibsim.results.blocks_ahead import PATIENCE
 from vibsim.results.columns import tables_of
+from vibsim.results.cores import Cores
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -102,11 +104,18 @@ class Beside:
     """A run of `scene` in a thread of its own, of which only the displacements at the samples are used.
 
     The C engine lets go of the interpreter while it computes: on two cores it costs hardly any time.
-    tell_news : called in that thread whenever it has come further
+    tell_news : called in that thread whenever it has come further; cores : asked for one, block by block
     """
 
-    def __init__(self, scene: Scene, engine: str, tell_news: Callable[[], None] = lambda: None):
+    def __init__(
+        self,
+        scene: Scene,
+        engine: str,
+        tell_news: Callable[[], None] = lambda: None,
+        cores: Cores | None = None,
+    ):
         self._scene, self._engine, self._tell_news = scene, engine, tell_news
+        self._cores = cores or Cores(1)
         self._names = tables_of(scene).displacements
         self._closed = False
         self.t_reached = 0.0  # [s]; infinite once it has ended
@@ -128,8 +137,7 @@ class Beside:
 
         error: BaseException | None = None
         try:
-            trajectory = open_trajectory(self._scene, self._engine, lowest=HIGHER * LOWEST)
-            for block in trajectory.blocks():
+            for block in self._blocks():
                 self._hand_on(np.stack([block.samples[name] for name in self._names]))
                 if self._closed:
                     return
@@ -143,6 +151,16 @@ class Beside:
         self.t_reached = inf
         self._tell_news()
 
+    def _blocks(self) -> Iterator[Block]:
+        with self._cores:
+            blocks = open_trajectory(self._scene, self._engine, lowest=HIGHER * LOWEST).blocks()
+        while True:
+            with self._cores:
+                block = next(blocks, None)
+            if block is None:
+                return
+            yield block
+
     def _hand_on(self, piece: np.ndarray) -> None:
         """Take the next samples, shape (blocks that move, samples)."""
         raise NotImplementedError
@@ -155,8 +173,14 @@ class Beside:
 class Companion(Beside):
     """A run beside the first, which may be as far ahead of it as a few blocks."""
 
-    def __init__(self, scene: Scene, engine: str, tell_news: Callable[[], None] = lambda: None):
-        super().__init__(scene, engine, tell_news)
+    def __init__(
+        self,
+        scene: Scene,
+        engine: str,
+        tell_news: Callable[[], None] = lambda: None,
+        cores: Cores | None = None,
+    ):
+        super().__init__(scene, engine, tell_news, cores)
         self._queue: SimpleQueue[np.ndarray | BaseException | None] = SimpleQueue()
         self._room = threading.Semaphore(BLOCKS_AHEAD)
         self._ended = False

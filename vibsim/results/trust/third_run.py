@@ -8,6 +8,7 @@ import numpy as np
 
 from vibsim.physics.parts import Scene
 from vibsim.results.blocks_ahead import PATIENCE
+from vibsim.results.cores import Cores
 from vibsim.results.trust.companion import OTHER_ORDER, PARTS, USUAL_ORDER, Beside, GoOn, with_numbers
 
 ORDERS = (22, OTHER_ORDER, USUAL_ORDER)
@@ -46,8 +47,16 @@ class Sides:
 class LastSamples(Beside):
     """The `last` of the first `count` samples of a run of `scene`, which ends with them."""
 
-    def __init__(self, scene: Scene, engine: str, count: int, last: int, tell_news: Callable[[], None]):
-        super().__init__(scene, engine, tell_news)
+    def __init__(
+        self,
+        scene: Scene,
+        engine: str,
+        count: int,
+        last: int,
+        tell_news: Callable[[], None] = lambda: None,
+        cores: Cores | None = None,
+    ):
+        super().__init__(scene, engine, tell_news, cores)
         self._first, self._last, self._seen = count - last, last, 0
         self._parts: list[np.ndarray] = []
         self._error: BaseException | None = None
@@ -77,11 +86,14 @@ class LastSamples(Beside):
 class ThirdRun:
     """A third run beside a run of `scene` and its companion, set off when it is asked for the first time.
 
-    tell_news : as of `Beside`
+    tell_news, cores : as of `Beside`
     """
 
-    def __init__(self, companion: Scene, scene: Scene, engine: str, tell_news: Callable[[], None]):
-        self._companion, self._scene, self._engine, self._tell_news = companion, scene, engine, tell_news
+    def __init__(
+        self, companion: Scene, scene: Scene, engine: str, tell_news: Callable[[], None], cores: Cores
+    ):
+        self._companion, self._scene, self._engine = companion, scene, engine
+        self._tell_news, self._cores = tell_news, cores
         self._run: LastSamples | None = None
 
     @property
@@ -93,7 +105,7 @@ class ThirdRun:
         """What `LastSamples` of a run up to `until` [s] tells; None where it goes on when `go_on` says no."""
         if self._run is None:
             third = replace(third_scene(self._companion, self._scene), t_end=until)
-            self._run = LastSamples(third, self._engine, count, last, self._tell_news)
+            self._run = LastSamples(third, self._engine, count, last, self._tell_news, self._cores)
             self._run.start()
         while (told := self._run.told(PATIENCE if go_on() else 0.0)) is None and go_on():
             pass

@@ -12,6 +12,7 @@ import numpy as np
 
 from vibsim.physics.parts import Scene
 from vibsim.results.columns import tables_of
+from vibsim.results.cores import Cores, available_cores
 from vibsim.results.trust.companion import Companion, GoOn, companion_scene, described
 from vibsim.results.trust.estimate import ErrorEstimate
 from vibsim.results.trust.share import NotYet
@@ -85,6 +86,7 @@ class Trust(NoTrust[Tag]):
         self._estimate = ErrorEstimate(scene, case.number("run.trust_tolerance"))
         self._names = tables_of(scene).displacements
         self._held: deque[Unjudged[Tag]] = deque()
+        self._cores = Cores(max(available_cores() - 1, 1))  # one is for the run itself, until that has ended
 
     @cached_property
     def _other(self) -> Scene:
@@ -93,11 +95,11 @@ class Trust(NoTrust[Tag]):
 
     @cached_property
     def _companion(self) -> Companion:
-        return Companion(self._other, self._engine, self._tell_news)
+        return Companion(self._other, self._engine, self._tell_news, self._cores)
 
     @cached_property
     def _third(self) -> ThirdRun:
-        return ThirdRun(self._other, self._scene, self._engine, self._tell_news)
+        return ThirdRun(self._other, self._scene, self._engine, self._tell_news, self._cores)
 
     def start(self) -> None:
         """Let the companion begin, where that has not been done."""
@@ -134,6 +136,7 @@ class Trust(NoTrust[Tag]):
         """Yield the blocks that wait, judged. A second after `go_on` says no, nothing is known of where the
         companion has not been, or from where a third run was asked that has not ended.
         """
+        self._cores.add()
         until = time.monotonic() + GRACE
         yield from self._released(lambda: go_on() or time.monotonic() < until, 0)
 

@@ -3,7 +3,6 @@
 `vibsim.sweeps.schedule.cluster` has workers of the same kind on other machines.
 """
 
-import os
 import signal
 import threading
 from collections.abc import Callable
@@ -41,11 +40,6 @@ class Workers(Protocol):
     def __enter__(self) -> "Workers": ...
 
     def __exit__(self, kind: Any, error: Any, trace: Any) -> None: ...
-
-
-def available_cores() -> int:
-    """Number of cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 class LocalWorkers:

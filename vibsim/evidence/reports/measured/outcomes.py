@@ -17,7 +17,7 @@ from vibsim.analysis import judge_capture, measure_drift
 from vibsim.evidence.reports.measured.measurements import Numbers, displacement_peak
 from vibsim.evidence.reports.measured.paper_runs import Interrupted
 from vibsim.results import Result
-from vibsim.sweeps.schedule.workers import available_cores
+from vibsim.results.cores import available_cores
 
 PATIENCE = 0.1  # [s] until an interruption is noticed
 Advance = Callable[[int, int], bool]  # given how many are done, and of how many; False to stop

@@ -20,7 +20,7 @@ from vibsim.evidence.reports.measured.outcomes import Advance, outcome_of
 from vibsim.evidence.reports.measured.paper_runs import Interrupted
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.results import Result
-from vibsim.sweeps.schedule.workers import available_cores
+from vibsim.results.cores import available_cores
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
