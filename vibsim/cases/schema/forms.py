@@ -116,6 +116,6 @@ def mixed_problems(values: Mapping[str, Any], place: Any) -> Iterator[Problem]:
         at: Place = place(name)
         message = (
             f"belongs to the {(SHORT if form is LONG else LONG).called} form of a case, and this one has the "
-            f"{form.called} form{did_you_mean(name, form.sections)}; allowed: {', '.join(form.sections)}"
+            f"{form.called} form{did_you_mean(name, form.sections)}; allowed: {', '.join(form.model.keys)}"
         )
         yield at.problem(name, message)
