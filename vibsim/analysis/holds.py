@@ -60,7 +60,7 @@ def mean_speeds(turn_times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def run_up_time(motor: Motor) -> float:
     """Time constant of the motor without vibration [s]: Omega0 (J + m3 e^2)/M0; inf without torque."""
-    return motor.Omega0 * (motor.J + motor.m3 * motor.e * motor.e) / motor.M0 if motor.M0 else inf
+    return motor.Omega0 * motor.inertia / motor.M0 if motor.M0 else inf
 
 
 def holds_of(times: np.ndarray, speeds: np.ndarray, motor: Motor) -> list[Hold]:

@@ -202,7 +202,7 @@ typedef struct {
     double *load, **loaded_on; /* series of the forces, by column; NULL where there is none */
     double (*arguments)[SERIES], (*falls)[SERIES]; /* of falling frictions: what the recurrence takes of s, and f */
     double inverse[SERIES + 1], sine[SERIES], cosine[SERIES], w_back[SERIES], a1_back[SERIES]; /* w_back[order - n]: order n */
-    double unbalance, inertia, drag, h, turns, longest; /* longest: piece of a step that one quadrature rule takes [s] */
+    double h, turns, longest; /* longest: piece of a step that one quadrature rule takes [s] */
     int order, rates, stride, *loaded, loaded_count, few_nodes;
 } Taylor;
 
@@ -334,7 +334,7 @@ typedef struct {
 typedef struct Run {
     int bodies, columns, parts, clearances, harmonic_count, key_count, mode_count, force_count, base_count;
     int fall_room, has_motor, motor_on, rest_columns, force_taylor, stop_on_violation, closed; /* closed: the flow in use */
-    double m3, e, J, M0, Omega0, tolerance_exponent, t_end, every_num, every_den;
+    double m3, e, M0, unbalance, inertia, drag, tolerance_exponent, t_end, every_num, every_den;
     Harmonic *harmonics, *base;
     Force *forces;
     Mode **modes;

@@ -181,6 +181,25 @@ class Motor(Generic[N]):
     phi: N
     phidot: N
 
+    @property
+    def unbalance(self) -> N:
+        """m3 e [kg m]."""
+        return self.m3 * self.e
+
+    @property
+    def inertia(self) -> N:
+        """Of rotor and unbalanced mass about the shaft [kg m^2]."""
+        return self.J + self.unbalance * self.e
+
+    @property
+    def drag(self) -> N:
+        """By how much the torque falls with the speed [N m s]."""
+        return self.M0 / self.Omega0
+
+    def torque(self, w: N) -> N:
+        """Torque [N m] at the speed w [rad/s] of the rotor, Eq. (2.10): M0 (1 - w / Omega0)."""
+        return self.M0 - self.drag * w
+
 
 @dataclass(frozen=True)
 class Clearance(Generic[N]):

@@ -135,7 +135,7 @@ double forces_of(const Run *r, const Mode *m, double X, double V)
     for (i = 0; i < r->base_count; i++)
         total += inertia * fabs(r->base[i].amplitude * r->base[i].omega * r->base[i].omega);
     if (r->has_motor)
-        total += r->m3 * r->e * r->next.w * r->next.w + r->M0 * (1 + fabs(r->next.w) / r->Omega0) / r->e;
+        total += r->unbalance * (r->next.w * r->next.w) + (fabs(r->M0) + r->drag * fabs(r->next.w)) / r->e;
     return total;
 }
 

@@ -156,7 +156,7 @@ class Settling(Generic[N]):
         rotor = self.flow.rotor
         assert rotor is not None  # there is a motor
         w = abs(rotor.w[0])
-        return motor.m3 * motor.e * (w * w) + motor.M0 * (1 + w / motor.Omega0) / motor.e
+        return motor.unbalance * (w * w) + (abs(motor.M0) + motor.drag * w) / motor.e
 
     def _slips_as_said(self, state: State[N], status: Status, slipping: Sequence[int]) -> bool:
         """Whether the ties that let go do so in the direction of their status, and stops part."""

@@ -87,8 +87,8 @@ double accelerations(const Run *r, const Mode *m, const State *state, double *ou
     }
     if (r->has_motor) {
         int on = m->leader[r->motor_on];
-        F[on] = F[on] + r->m3 * r->e * (state->w * state->w * cosine_of(state->phase));
-        torque = r->M0 - r->M0 / r->Omega0 * state->w;
+        F[on] = F[on] + r->unbalance * (state->w * state->w * cosine_of(state->phase));
+        torque = r->M0 - r->drag * state->w;
     }
     return response(r, m, state, F, torque, base_acceleration(r, state->t), out);
 }
@@ -101,7 +101,7 @@ double response(const Run *r, const Mode *m, const State *state, const double *F
         if (m->leader[c] == c)
             out[c] = c == r->columns - 1 ? base : F[c] * m->mobility[c];
     if (on >= 0) {
-        double inertia = r->J + r->m3 * r->e * r->e, coupling = r->m3 * r->e * sine_of(state->phase);
+        double inertia = r->inertia, coupling = r->unbalance * sine_of(state->phase);
         own = out[on];
         if (m->carried == 0) {
             rotor = (torque + coupling * own) / inertia;
@@ -127,7 +127,7 @@ static void join_disturbance(const Run *r, const Mode *m, const State *state, do
     for (c = 0; c < n; c++)
         P[m->leader[c]] = P[m->leader[c]] + r->masses[c] * dv[c];
     if (r->has_motor) {
-        double inertia = r->J + r->m3 * r->e * r->e, coupling = r->m3 * r->e * sine_of(state->phase), dw = vector[2 * n + 1];
+        double inertia = r->inertia, coupling = r->unbalance * sine_of(state->phase), dw = vector[2 * n + 1];
         P[m->leader[on]] = P[m->leader[on]] + (r->m3 * dv[on] - coupling * dw);
         turning = inertia * dw - coupling * dv[on];
     }

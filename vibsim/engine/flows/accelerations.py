@@ -45,8 +45,8 @@ def accelerations(scene: Scene[N], kit: Kit[N], rows: ModeRows[N], state: State[
     motor = scene.motor
     if motor is not None:
         on = leader[motor.on]
-        F[on] = F[on] + motor.m3 * motor.e * (state.w * state.w * kit.cos(state.phase))
-        torque = motor.M0 - motor.M0 / motor.Omega0 * state.w
+        F[on] = F[on] + motor.unbalance * (state.w * state.w * kit.cos(state.phase))
+        torque = motor.torque(state.w)
     return response(scene, kit, rows, state, F, torque, base_acceleration(scene, kit, state.t))
 
 
@@ -62,8 +62,7 @@ def response(
     rotor = zero
     if motor is not None:
         on = leader[motor.on]
-        inertia = motor.J + motor.m3 * motor.e * motor.e
-        coupling = motor.m3 * motor.e * kit.sin(state.phase)
+        inertia, coupling = motor.inertia, motor.unbalance * kit.sin(state.phase)
         carried = rows.mass[on]
         if carried is None:
             rotor = (torque + coupling * own[on]) / inertia
@@ -87,8 +86,7 @@ def joined(scene: Scene[N], kit: Kit[N], rows: ModeRows[N], state: State[N], vec
     for c in range(n):
         P[leader[c]] = P[leader[c]] + scene.bodies[c].m * vector[n + c]
     if motor is not None:
-        inertia = motor.J + motor.m3 * motor.e * motor.e
-        coupling = motor.m3 * motor.e * kit.sin(state.phase)
+        inertia, coupling = motor.inertia, motor.unbalance * kit.sin(state.phase)
         dv, dw, on = vector[n + motor.on], vector[-1], leader[motor.on]
         P[on] = P[on] + (motor.m3 * dv - coupling * dw)
         turning = inertia * dw - coupling * dv

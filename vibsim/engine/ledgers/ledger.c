@@ -167,7 +167,7 @@ static double integral(const Run *r, const Meter *m, const Quadrature *rule)
         return total;
     case TORQUE:
         for (n = 0; n < count; n++)
-            total = total + weights[n] * (r->M0 * (1 - at->w[n] / r->Omega0) * at->w[n]);
+            total = total + weights[n] * ((r->M0 - r->drag * at->w[n]) * at->w[n]);
         return total;
     case SLIP:
         for (n = 0; n < count; n++)

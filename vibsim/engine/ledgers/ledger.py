@@ -156,7 +156,7 @@ def motor_power(scene: Scene[N], w: N) -> N:
     """Power of the motor [W] at the speed w [rad/s] of its rotor, Eq. (2.10)."""
     motor = scene.motor
     assert motor is not None
-    return motor.M0 * (1 - w / motor.Omega0) * w
+    return motor.torque(w) * w
 
 
 def stop_energy(stop: Stop[N], places: Sequence[N], ground: int) -> N:
@@ -190,7 +190,7 @@ def rotor_energy(scene: Scene[N], kit: Kit[N], state: State[N]) -> N:
     motor = scene.motor
     assert motor is not None
     v = state.v[motor.on]
-    energy = motor.m3 * (v * v) / 2 + (motor.J + motor.m3 * motor.e * motor.e) * (state.w * state.w) / 2
+    energy = motor.m3 * (v * v) / 2 + motor.inertia * (state.w * state.w) / 2
     return energy - motor.m3 * (v * (motor.e * state.w * kit.sin(state.phase)))
 
 

@@ -76,7 +76,9 @@ def voices(scene: Scene, harmonics: Sequence[Pitch]) -> list[int]:
 def scene_doubles(scene: Scene, harmonics: Sequence[Pitch]) -> bytes:
     """The doubles of `pack_scene`."""
     motor = scene.motor
-    doubles = [motor.m3, motor.e, motor.J, motor.M0, motor.Omega0] if motor else [0.0] * 5
+    doubles = [0.0] * 6
+    if motor:
+        doubles = [motor.m3, motor.e, motor.M0, motor.unbalance, motor.inertia, motor.drag]
     doubles += (tolerance_exponent(scene.tol), scene.t_end, scene.every_num, scene.every_den)
     doubles += [body.m for body in scene.bodies]
     for one in harmonics:

@@ -105,9 +105,10 @@ static void scene_numbers(Run *r, Reader *in)
     int i, j;
     r->m3 = read_double(in);
     r->e = read_double(in);
-    r->J = read_double(in);
     r->M0 = read_double(in);
-    r->Omega0 = read_double(in);
+    r->unbalance = read_double(in);
+    r->inertia = read_double(in);
+    r->drag = read_double(in);
     r->tolerance_exponent = read_double(in);
     r->t_end = read_double(in);
     r->every_num = read_double(in);

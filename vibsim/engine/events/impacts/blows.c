@@ -112,8 +112,8 @@ static double mobility(const Run *r, int c, double *turning)
         return 0.0;
     if (!r->has_motor || c != r->motor_on)
         return 1 / r->masses[c];
-    inertia = r->J + r->m3 * r->e * r->e;
-    coupling = r->m3 * r->e * sine_of(r->next.phase);
+    inertia = r->inertia;
+    coupling = r->unbalance * sine_of(r->next.phase);
     determinant = (r->masses[c] + r->m3) * inertia - coupling * coupling;
     *turning = coupling / determinant;
     return inertia / determinant;

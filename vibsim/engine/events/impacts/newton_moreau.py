@@ -61,8 +61,7 @@ def masses(scene: Scene[N], kit: Kit[N], phase: N) -> Masses[N]:
     motor = scene.motor
     if motor is None:
         return Masses(mobility)
-    inertia = motor.J + motor.m3 * motor.e * motor.e
-    coupling = motor.m3 * motor.e * kit.sin(phase)
+    inertia, coupling = motor.inertia, motor.unbalance * kit.sin(phase)
     determinant = (scene.bodies[motor.on].m + motor.m3) * inertia - coupling * coupling
     mobility[motor.on] = inertia / determinant
     return Masses(mobility, motor.on, coupling / determinant)
@@ -72,8 +71,7 @@ def motor_body(motor: Motor[N], m: N, kit: Kit[N], phase: N) -> tuple[N, N]:
     """What a blow meets on the body, of mass m, that the motor is on, while its rotor stands at the angle
     `phase`: (mass [kg], speed that the rotor gains per speed that the body gains [1/m]).
     """
-    inertia = motor.J + motor.m3 * motor.e * motor.e
-    coupling = motor.m3 * motor.e * kit.sin(phase)
+    inertia, coupling = motor.inertia, motor.unbalance * kit.sin(phase)
     return m + motor.m3 - coupling * coupling / inertia, coupling / inertia
 
 

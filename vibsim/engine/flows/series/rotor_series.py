@@ -23,9 +23,7 @@ class RotorSeries(Generic[N]):
 
     def __init__(self, kit: Kit[N], motor: Motor[N], order: int, inverse: Sequence[N]) -> None:
         self.kit, self.motor, self.order, self.inverse = kit, motor, order, inverse
-        self.unbalance = motor.m3 * motor.e
-        self.drag = motor.M0 / motor.Omega0
-        self.inertia = motor.J + self.unbalance * motor.e
+        self.unbalance, self.drag, self.inertia = motor.unbalance, motor.drag, motor.inertia
 
     def expand(self, state: State[N], rows: ModeRows[N]) -> None:
         """Start of the series at `state`, and the mass matrix there."""
@@ -60,7 +58,7 @@ class RotorSeries(Generic[N]):
         self.s[1] = self.c[0] * w0
         self.pull = self.unbalance * self.s[1]
         self.tail = self.s[1] * w0
-        self.torque = self.motor.M0 - self.drag * w0
+        self.torque = self.motor.torque(w0)
         return self.unbalance * self.tail
 
     def _rotate_on(self, n: int) -> N:

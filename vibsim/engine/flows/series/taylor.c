@@ -15,7 +15,6 @@ void taylor_set(Run *r)
     int n;
     f->rates = r->bodies + 1 + r->rest_columns;
     f->stride = 2 * f->rates;
-    f->unbalance = r->has_motor ? r->m3 * r->e : 0.0;
     f->longest = INFINITY;
     for (n = 0; n < r->harmonic_count; n++)
         f->longest = 3 / r->harmonics[n].omega < f->longest ? 3 / r->harmonics[n].omega : f->longest;
@@ -23,10 +22,6 @@ void taylor_set(Run *r)
     f->inverse[0] = 0.0;
     for (n = 1; n <= f->order + 2; n++)
         f->inverse[n] = 1 / (double)n;
-    if (r->has_motor) {
-        f->drag = r->M0 / r->Omega0;
-        f->inertia = r->J + f->unbalance * r->e;
-    }
 }
 
 /* Binary exponent of the summed rates of one order: of the bodies, and of the base where it moves. */

@@ -25,9 +25,9 @@ INLINE Rotor rotor_of(Run *r, const State *state)
     o.cosine = f->cosine;
     o.w_back = f->w_back;
     o.a1_back = f->a1_back;
-    o.unbalance = f->unbalance;
-    o.drag = f->drag;
-    o.inertia = f->inertia;
+    o.unbalance = r->unbalance;
+    o.drag = r->drag;
+    o.inertia = r->inertia;
     o.stall = r->M0;
     f->table[r->bodies] = state->phase;
     f->table[f->rates + r->bodies] = o.w_back[f->order] = state->w;

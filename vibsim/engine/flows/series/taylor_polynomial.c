@@ -21,7 +21,7 @@ static void load_on(const Run *r, int column, double *out)
             sw[n] = sw[n] + f->sine[i] * f->w_back[f->order - (n - i)];
     }
     for (n = 0; n < f->order; n++)
-        out[n] = out[n] + (f->unbalance * ((n + 1) * sw[n + 1]) - r->m3 * f->a1_back[f->order - n]);
+        out[n] = out[n] + (r->unbalance * ((n + 1) * sw[n + 1]) - r->m3 * f->a1_back[f->order - n]);
 }
 
 /* factor (a - b), where a column without place in the table is zero throughout. */

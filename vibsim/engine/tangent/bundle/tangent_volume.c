@@ -35,7 +35,7 @@ static void determinants(const Run *r, double mass, double inertia, const double
     int i;
     angles(r, tau, out);
     for (i = 0; i < POINTS; i++) {
-        double coupling = r->m3 * r->e * sine_of(reduce_angle(out[i], &turns));
+        double coupling = r->unbalance * sine_of(reduce_angle(out[i], &turns));
         out[i] = mass * inertia - coupling * coupling;
     }
 }
@@ -125,8 +125,8 @@ double log_volume(const Run *r, double t, double end)
     }
     if (!r->has_motor)
         return fixed;
-    drag = r->M0 / r->Omega0;
-    inertia = r->J + r->m3 * r->e * r->e;
+    drag = r->drag;
+    inertia = r->inertia;
     if (m->carried == 0)
         return fixed - drag / inertia * tau;
     return fixed + with_rotor(r, m->group_mass[on] + r->m3, inertia, damping, drag, t, tau);

@@ -35,7 +35,7 @@ def log_volume(scene: Scene[N], kit: Kit[N], flow: Taylor[N] | ClosedForm[N], t:
     if motor is None or on is None:
         return fixed
     assert isinstance(flow, Taylor)  # no closed form moves a rotor
-    drag, inertia = motor.M0 / motor.Omega0, motor.J + motor.m3 * motor.e * motor.e
+    drag, inertia = motor.drag, motor.inertia
     carried = rows.mass[on]
     if carried is None:
         return fixed - drag / inertia * tau
@@ -73,7 +73,7 @@ def _with_rotor(kit: Kit[N], flow: Taylor[N], motor: Motor[N], numbers: tuple[N,
 
     def determinant(at: N) -> N:
         """det M = (m + m3)(J + m3 e^2) - (m3 e sin phi)^2."""
-        coupling = motor.m3 * motor.e * kit.sin(flow.state_after((t - flow.t0) + at).phase)
+        coupling = motor.unbalance * kit.sin(flow.state_after((t - flow.t0) + at).phase)
         return mass * inertia - coupling * coupling
 
     def falling(at: N) -> N:

@@ -117,9 +117,9 @@ class LinearBlow(Generic[N]):
         """How mobilities change with the angle of the rotor."""
         motor = scene.motor
         assert motor is not None
-        inertia = motor.J + motor.m3 * motor.e * motor.e
+        inertia = motor.inertia
         sine, cosine = kit.sine_cosine(phase)
-        s, c = motor.m3 * motor.e * sine, motor.m3 * motor.e * cosine
+        s, c = motor.unbalance * sine, motor.unbalance * cosine
         determinant = (scene.bodies[motor.on].m + motor.m3) * inertia - s * s
         change = 2 * s * c / determinant  # of 1 / determinant, in units of that
         self.mobility_slope = self.bodies.mobility[self.on] * change

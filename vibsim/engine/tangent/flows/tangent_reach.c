@@ -35,12 +35,11 @@ static double fastest(const Run *r, int stiff)
 /* Rate at which the motor's drag damps the rotor, at most. */
 static double dragging(const Run *r)
 {
-    const Taylor *f = &r->taylor;
     double mass;
     if (r->mode->carried == 0)
-        return f->drag / f->inertia;
+        return r->drag / r->inertia;
     mass = r->mode->carried + r->m3;
-    return f->drag * mass / (mass * f->inertia - f->unbalance * f->unbalance);
+    return r->drag * mass / (mass * r->inertia - r->unbalance * r->unbalance);
 }
 
 /* Rate at which falling friction k makes disturbances grow, at the start or the end of the stretch. */

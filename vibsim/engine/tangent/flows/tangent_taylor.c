@@ -30,9 +30,9 @@ static void prepare_motor(Run *r)
         of->joint[n].pull[0] = of->joint[n].pull[1] = sum_of_pair(sums);
     }
     if (r->mode->carried > 0) {
-        double mass = r->mode->carried + r->m3, coupling = f->unbalance * f->sine[0];
-        double inverse_det = 1 / (mass * f->inertia - coupling * coupling);
-        of->to_a1 = f->inertia * inverse_det;
+        double mass = r->mode->carried + r->m3, coupling = r->unbalance * f->sine[0];
+        double inverse_det = 1 / (mass * r->inertia - coupling * coupling);
+        of->to_a1 = r->inertia * inverse_det;
         of->to_w = mass * inverse_det;
         of->cross = coupling * inverse_det;
     }
@@ -141,7 +141,7 @@ static Law law_of(const Run *r)
 {
     const Taylor *f = &r->taylor;
     const TaylorTangent *of = &r->tangent->taylor;
-    Law law = {f->inverse, f->unbalance, f->drag, f->inertia, of->to_a1, of->to_w, of->cross, r->mode->small.k, r->mode->small.c,
+    Law law = {f->inverse, r->unbalance, r->drag, r->inertia, of->to_a1, of->to_w, of->cross, r->mode->small.k, r->mode->small.c,
                r->mode->mobility[0], r->bodies > 1 ? r->mode->mobility[1] : 0.0, f->order};
     return law;
 }
