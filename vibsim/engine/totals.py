@@ -4,12 +4,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from math import inf, nan
 from typing import Any
 
-from vibsim.engine.flows.closed.closed_form import total_of
 from vibsim.engine.ledgers.ledger import momenta, stored_energy
 from vibsim.engine.ledgers.meters import Entry
 from vibsim.engine.modes.status import Status
 from vibsim.engine.state import State
-from vibsim.physics.arithmetic.numbers import Kit, N, abs
+from vibsim.physics.arithmetic.numbers import Kit, N, abs, total_of
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene
 

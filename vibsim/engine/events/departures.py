@@ -14,10 +14,10 @@ from vibsim.engine.events.relative_motion import RelativeMotion
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.flows.series.taylor_rounding import TaylorRounding
 from vibsim.engine.modes.row_maker import RowMaker
-from vibsim.engine.modes.rows import COUPLING, DIFFERENCE, Event, EventKey, ModeRows
+from vibsim.engine.modes.rows import COUPLING, DIFFERENCE, Event, EventKey, ModeRows, Term
 from vibsim.engine.modes.status import Status
 from vibsim.engine.state import State
-from vibsim.physics.arithmetic.numbers import Kit, N, abs
+from vibsim.physics.arithmetic.numbers import Kit, N, abs, total_of
 from vibsim.physics.parts import Scene
 
 FEW = 2  # derivatives behind the first that is asked for: most often enough
@@ -152,12 +152,7 @@ class Departures(Generic[N]):
     def _direct_rate(self, state: State[N], event: Event[N]) -> N:
         """Rate of a function made of differences, from the velocities: no rounding of a flow in it."""
         v = (*state.v, self.kit.number(0), self.relative.base(state, "v"))
-        total = None
-        for term in event.terms:
-            part = term.coefficient * (v[term.P] - v[term.Q])
-            total = part if total is None else total + part
-        assert total is not None  # no event function is made of nothing
-        return total
+        return total_of(self.kit, (term.coefficient * (v[term.P] - v[term.Q]) for term in event.terms))
 
     def hold_values(self, state: State[N], rows: ModeRows[N], event: Event[N]) -> list[N]:
         """Derivatives of a HOLD function, see `as_far_as_needed`; its value straight from the state where
@@ -169,14 +164,13 @@ class Departures(Generic[N]):
     def _direct_hold(self, state: State[N], rows: ModeRows[N], event: Event[N]) -> N:
         x = (*state.x, self.kit.number(0), self.relative.base(state, "x"))
         v = (*state.v, self.kit.number(0), self.relative.base(state, "v"))
-        total = None
-        for term in event.terms:
+
+        def part(term: Term[N]) -> N:
             one = rows.couplings[term.P]
             force = one.k * (x[one.P] - x[one.Q]) + one.c * (v[one.P] - v[one.Q]) + one.offset
-            part = term.coefficient * force
-            total = part if total is None else total + part
-        assert total is not None
-        return total + event.constant
+            return term.coefficient * force
+
+        return total_of(self.kit, map(part, event.terms)) + event.constant
 
 
 def leading(values: Sequence[N], first: int) -> int:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Generic
 
-from vibsim.engine.modes.rows import ACCELERATION, COUPLING, DIFFERENCE, LOAD, RATE, Event, Term
-from vibsim.physics.arithmetic.numbers import N, abs
+from vibsim.engine.modes.rows import ACCELERATION, COUPLING, DIFFERENCE, LOAD, RATE, Acceleration, Event, Term
+from vibsim.physics.arithmetic.numbers import N, abs, total_of
 from vibsim.physics.parts import Harmonic
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ class EventFunctions(Generic[N]):
     def difference(self, P: int, Q: int, n: int) -> N:
         """n-th derivative of x_P - x_Q."""
         pair = self.flow.modal.pairs[P, Q]
-        total = None
+        total = None  # a loop of its own: events are looked for by many of these
         for m, coefficient in pair.terms:
             part = coefficient * self.jets[m][n]
             total = part if total is None else total + part
@@ -42,21 +42,19 @@ class EventFunctions(Generic[N]):
     def derivative(self, event: Event[N], n: int) -> N:
         """n-th time derivative of an event function, n >= 0."""
         if n > 0 and event.slope:
-            total = None
-            for one in event.slope:
-                force = self._sum(one.terms, n - 1)
-                if n == 1:
-                    for constant in one.constants:
-                        force = force + constant
-                part = one.factor * force / one.mass
-                total = part if total is None else total + part
-            assert total is not None
-            return self.kit.exact(total)
+            return self.kit.exact(total_of(self.kit, (self._slope(one, n) for one in event.slope)))
         value = self._sum(event.terms, n)
         return self.kit.exact(value + event.constant if n == 0 else value)
 
+    def _slope(self, one: Acceleration[N], n: int) -> N:
+        force = self._sum(one.terms, n - 1)
+        if n == 1:
+            for constant in one.constants:
+                force = force + constant
+        return one.factor * force / one.mass
+
     def _sum(self, terms: Iterable[Term[N]], n: int) -> N:
-        total = None
+        total = None  # a loop, as above
         for term in terms:
             part = term.coefficient * self._term(term, n)
             total = part if total is None else total + part
@@ -86,20 +84,14 @@ class EventFunctions(Generic[N]):
     def bound(self, event: Event[N], n: int, reach: N) -> N:
         """Bound of the absolute n-th derivative of an event function up to `reach` ahead [s], n >= 2."""
         if event.slope:
-            total = None
-            for one in event.slope:
-                part = abs(one.factor) * self._bound_of_sum(one.terms, n - 1, reach) / one.mass
-                total = part if total is None else total + part
-            assert total is not None
-            return total
+            bounds = [self._bound_of_sum(one.terms, n - 1, reach) for one in event.slope]
+            slopes = zip(event.slope, bounds, strict=True)
+            return total_of(self.kit, (abs(one.factor) * bound / one.mass for one, bound in slopes))
         return self._bound_of_sum(event.terms, n, reach)
 
     def _bound_of_sum(self, terms: Iterable[Term[N]], n: int, reach: N) -> N:
-        total = None
-        for term in terms:
-            part = abs(term.coefficient) * self._bound_of_term(term, n, reach)
-            total = part if total is None else total + part
-        return self.kit.number(0) if total is None else total
+        bounds = (abs(term.coefficient) * self._bound_of_term(term, n, reach) for term in terms)
+        return total_of(self.kit, bounds)
 
     def _bound_of_term(self, term: Term[N], n: int, reach: N) -> N:
         if term.kind == DIFFERENCE:
@@ -130,11 +122,8 @@ class EventFunctions(Generic[N]):
 
     def _bound_of_difference(self, P: int, Q: int, n: int, reach: N) -> N:
         pair = self.flow.modal.pairs[P, Q]
-        total = None
-        for m, coefficient in pair.terms:
-            part = abs(coefficient) * self._bound_of_coordinate(m, n, reach)
-            total = part if total is None else total + part
-        total = self.kit.number(0) if total is None else total
+        bounds = (abs(coefficient) * self._bound_of_coordinate(m, n, reach) for m, coefficient in pair.terms)
+        total = total_of(self.kit, bounds)
         return total + self._bound_of_harmonics(self.flow.scene.base, n) if pair.base else total
 
     def _bound_of_coordinate(self, m: int, n: int, reach: N) -> N:
@@ -195,11 +184,7 @@ class EventFunctions(Generic[N]):
 
     def _scale_of_difference(self, P: int, Q: int, scales: Sequence[N], places: bool) -> N:
         pair = self.flow.modal.pairs[P, Q]
-        total = None
-        for m, coefficient in pair.terms:
-            part = abs(coefficient) * scales[m]
-            total = part if total is None else total + part
-        total = self.kit.number(0) if total is None else total
+        total = total_of(self.kit, [abs(coefficient) * scales[m] for m, coefficient in pair.terms])
         if places:
             for _, c in pair.fixed:
                 total = total + abs(self.flow.x0[c])

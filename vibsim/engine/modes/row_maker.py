@@ -29,7 +29,7 @@ from vibsim.engine.modes.rows import (
 )
 from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Status
 from vibsim.engine.modes.ties import Cut, Edge, Groups, Limits, Tie, cuts
-from vibsim.physics.arithmetic.numbers import Kit, N, abs
+from vibsim.physics.arithmetic.numbers import Kit, N, abs, total_of
 from vibsim.physics.friction_laws import LAWS
 from vibsim.physics.parts import (
     AT_GAP,
@@ -167,11 +167,7 @@ class RowMaker(Generic[N]):
         mobility = [self.zero] * (self.n + 2)
         for c in range(self.n):
             if groups.leader[c] == c:
-                total: N | None = None
-                for member in groups.members[c]:
-                    m = self.scene.bodies[member].m
-                    total = m if total is None else total + m
-                assert total is not None  # the leader itself is a member
+                total = total_of(self.kit, (self.scene.bodies[member].m for member in groups.members[c]))
                 mass[c], mobility[c] = total, 1 / total
         return mass, mobility
 

@@ -219,3 +219,13 @@ def horner(coefficients: Sequence[N], t: N) -> N:
     if len(coefficients) % 2 == 0:
         return low + t * high
     return (high * square + coefficients[0]) + t * low
+
+
+def total_of(kit: Kit[N], values: Iterable[N]) -> N:
+    """Sum in order; 0 of nothing."""
+    rest = iter(values)
+    for total in rest:
+        for value in rest:
+            total = total + value
+        return total
+    return kit.number(0)

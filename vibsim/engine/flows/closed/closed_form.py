@@ -20,7 +20,7 @@ from vibsim.engine.ledgers.meters import Meters, Node
 from vibsim.engine.modes.rows import Event, EventKey, Known, ModeRows
 from vibsim.engine.state import State
 from vibsim.physics.arithmetic.gauss_nodes import TWELVE
-from vibsim.physics.arithmetic.numbers import Kit, N, abs
+from vibsim.physics.arithmetic.numbers import Kit, N, abs, total_of
 from vibsim.physics.parts import Force, Harmonic, Scene
 
 
@@ -53,14 +53,6 @@ class ModalMotion(Modal[N]):
     window: N
     pace: N
     reaches: dict[EventKey, Reach[N]]
-
-
-def total_of(kit: Kit[N], values: Iterable[N]) -> N:
-    """Sum in order; 0 of nothing."""
-    total = None
-    for value in values:
-        total = value if total is None else total + value
-    return kit.number(0) if total is None else total
 
 
 class ClosedForm(Generic[N]):
@@ -154,12 +146,8 @@ class ClosedForm(Generic[N]):
         self.load_cosine.append([s[h] * self.cos0[h] - c[h] * self.sin0[h] for h in constants.driven])
 
     def _weighted(self, sources: Iterable[Source[N]], values: Sequence[N]) -> N:
-        total = None
-        for (P, Q), weight in sources:
-            part = weight * (values[P] if Q is None else values[P] - values[Q])
-            total = part if total is None else total + part
-        assert total is not None  # no coordinate is made of nothing
-        return total
+        parts = [weight * (values[P] if Q is None else values[P] - values[Q]) for (P, Q), weight in sources]
+        return total_of(self.kit, parts)
 
     def _fixed(self, places: Iterable[tuple[int, int]]) -> N:
         return total_of(self.kit, [sign * self.x0[c] for sign, c in places])

@@ -27,12 +27,12 @@ from vibsim.engine.events.impacts.touch import Touch
 from vibsim.engine.flows.accelerations import accelerations, joined, response
 from vibsim.engine.flows.harmonics import value_and_rate
 from vibsim.engine.flows.series.taylor import Taylor
-from vibsim.engine.modes.rows import DIFFERENCE, GAP, HOLD, SLIDE, STRIKE, Event, ModeRows
+from vibsim.engine.modes.rows import DIFFERENCE, GAP, HOLD, SLIDE, STRIKE, Event, ModeRows, Term
 from vibsim.engine.modes.status import CONTACT, FORWARD, RESTING, STICK, Status
 from vibsim.engine.state import State
 from vibsim.engine.tangent.events.impact_saltation import Undefined, impact_saltation
 from vibsim.engine.tangent.flows.tangent_taylor import TaylorTangent
-from vibsim.physics.arithmetic.numbers import Kit, N
+from vibsim.physics.arithmetic.numbers import Kit, N, total_of
 from vibsim.physics.parts import Friction, Scene, Stop
 
 Forces = list[tuple[int, int, N | int]]  # of parts between P and Q: on P, the opposite on Q [N]
@@ -71,7 +71,7 @@ class Saltation(Generic[N]):
         return 1 + self._along(self.jump)
 
     def _along(self, vector: Sequence[N]) -> N:
-        return gradient(self.event, vector, self.bodies, self.kit.number(0))
+        return gradient(self.kit, self.event, vector, self.bodies)
 
 
 @dataclass
@@ -104,17 +104,17 @@ class Sticking(Generic[N]):
         return self.kit.number(0)
 
 
-def gradient(event: Event[N], vector: Sequence[N], bodies: int, zero: N) -> N:
+def gradient(kit: Kit[N], event: Event[N], vector: Sequence[N], bodies: int) -> N:
     """n^T times a disturbance: the change of a function made of differences or of their rates. Ground and
     base are not disturbed.
     """
-    total = None
-    for term in event.terms:
+
+    def part(term: Term[N]) -> N:
         shift = 0 if term.kind == DIFFERENCE else bodies
-        P, Q = (vector[shift + c] if c < bodies else zero for c in (term.P, term.Q))
-        part = term.coefficient * (P - Q)
-        total = part if total is None else total + part
-    return zero if total is None else total
+        P, Q = (vector[shift + c] if c < bodies else kit.number(0) for c in (term.P, term.Q))
+        return term.coefficient * (P - Q)
+
+    return total_of(kit, map(part, event.terms))
 
 
 def saltation(
@@ -234,12 +234,7 @@ def event_rate(scene: Scene[N], kit: Kit[N], state: State[N], rows: ModeRows[N],
         values = [*state.v, kit.number(0), value_and_rate(kit, scene.base, state.t)[1]]
     else:
         values, _ = accelerations(scene, kit, rows, state)
-    total = None
-    for term in event.terms:
-        part = term.coefficient * (values[term.P] - values[term.Q])
-        total = part if total is None else total + part
-    assert total is not None  # no event function is made of nothing
-    return total
+    return total_of(kit, (term.coefficient * (values[term.P] - values[term.Q]) for term in event.terms))
 
 
 def _general(

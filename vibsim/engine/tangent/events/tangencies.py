@@ -131,5 +131,5 @@ class Tangencies(Generic[N]):
         n = len(scene.bodies)
         forces = reversal(scene.frictions[i], before.status.frictions[i])
         gained, _ = forced(scene, kit, before, state, forces)
-        largest = gradient(event, [kit.number(0)] * n + gained[:n], n, kit.number(0))
+        largest = gradient(kit, event, [kit.number(0)] * n + gained[:n], n)
         return -event_rate(scene, kit, state, before, event) / largest if largest != 0 else kit.number(1)

@@ -18,7 +18,7 @@ from vibsim.engine.flows.series.rotor_series import RotorSeries
 from vibsim.engine.flows.series.taylor import Taylor
 from vibsim.engine.modes.rows import ACCELERATION, COUPLING, DIFFERENCE, FALL, LOAD, Coupling, Event, Term
 from vibsim.physics.arithmetic import elementary
-from vibsim.physics.arithmetic.numbers import Kit, N, abs, horner
+from vibsim.physics.arithmetic.numbers import Kit, N, abs, horner, total_of
 from vibsim.physics.parts import Scene
 
 REACH = 1.25  # how much further than exp(-t) of the same order the steps of ordinary vibrations go, at most
@@ -134,11 +134,7 @@ class TaylorTangent(Generic[N]):
         """How much `vector`, a disturbance at the expansion point, changes an event function there [N]."""
         self.prepare(self.flow.t0, self.flow.t0)
         self.moved(vector)
-        total = None
-        for term in event.terms:
-            part = term.coefficient * self._term(term)
-            total = part if total is None else total + part
-        return self.kit.number(0) if total is None else total
+        return total_of(self.kit, (term.coefficient * self._term(term) for term in event.terms))
 
     def _term(self, term: Term[N]) -> N:
         P, Q = term.P, term.Q
