@@ -42,7 +42,7 @@ class EventFunctions(Generic[N]):
     def derivative(self, event: Event[N], n: int) -> N:
         """n-th time derivative of an event function, n >= 0."""
         if n > 0 and event.slope:
-            return self.kit.exact(total_of(self.kit, (self._slope(one, n) for one in event.slope)))
+            return self.kit.exact(total_of(self.kit, [self._slope(one, n) for one in event.slope]))
         value = self._sum(event.terms, n)
         return self.kit.exact(value + event.constant if n == 0 else value)
 
@@ -90,7 +90,7 @@ class EventFunctions(Generic[N]):
         return self._bound_of_sum(event.terms, n, reach)
 
     def _bound_of_sum(self, terms: Iterable[Term[N]], n: int, reach: N) -> N:
-        bounds = (abs(term.coefficient) * self._bound_of_term(term, n, reach) for term in terms)
+        bounds = [abs(term.coefficient) * self._bound_of_term(term, n, reach) for term in terms]
         return total_of(self.kit, bounds)
 
     def _bound_of_term(self, term: Term[N], n: int, reach: N) -> N:
@@ -122,7 +122,7 @@ class EventFunctions(Generic[N]):
 
     def _bound_of_difference(self, P: int, Q: int, n: int, reach: N) -> N:
         pair = self.flow.modal.pairs[P, Q]
-        bounds = (abs(coefficient) * self._bound_of_coordinate(m, n, reach) for m, coefficient in pair.terms)
+        bounds = [abs(coefficient) * self._bound_of_coordinate(m, n, reach) for m, coefficient in pair.terms]
         total = total_of(self.kit, bounds)
         return total + self._bound_of_harmonics(self.flow.scene.base, n) if pair.base else total
 
