@@ -1,5 +1,5 @@
 """Commands on README and the pages run as printed, and print what is shown: all labels, and what follows from
-the motion alone to the last digit; not times, sizes, and what is left of cancelled sums.
+the motion alone to the last digit; not times and sizes.
 """
 
 import re
@@ -13,7 +13,8 @@ from tests.docs.pages import PAGES, README, ROOT, blocks, commands, files, name_
 
 LABEL = re.compile(r"^  (\w+(?: \w+)?)\s")
 MOTION = {
-    "span", "motion", "by part", "trust horizon", "certificate", "grazing margin", "rest distance", "points",
+    "span", "motion", "by part", "trust horizon", "certificate", "grazing margin", "energy residual",
+    "rest distance", "points",
     "section", "agreement", "amplitude", "drift rate", "motor speed", "impact rate", "verdict", "impacts",
 }  # fmt: skip
 INVALID_CASE = 3
