@@ -3,6 +3,7 @@
 Without a compiler the extension is left out (`optional=True`) and vibsim runs on its Python engine.
 `-ffp-contract=off` keeps every product and sum rounded by itself, so that both engines agree bit for bit;
 `-fno-trapping-math` says that no operation stops the program, so that loops become vectors: values stay.
+`-fvisibility=hidden` lets files of the engine call each other without a table: only its module is seen.
 VIBSIM_BUILD=strict takes warnings for errors, =sanitize watches addresses and undefined behaviour (`make
 sanitize`), =coverage counts lines (`make coverage`); all fail where the engine does not build.
 """
@@ -13,7 +14,8 @@ from glob import glob
 from setuptools import Extension, find_packages, setup
 
 ROOM = "vibsim/engine"
-GCC_FLAGS = ["-std=c99", "-O3", "-ffp-contract=off", "-fno-fast-math", "-fno-trapping-math", "-Wall"]
+ROUNDING = ["-ffp-contract=off", "-fno-fast-math", "-fno-trapping-math"]
+GCC_FLAGS = ["-std=c99", "-O3", *ROUNDING, "-fvisibility=hidden", "-Wall"]
 MSVC_FLAGS = ["/O2", "/fp:strict", "/std:c11"]  # C99's restrict is C11's to it
 STRICT = ["-Wextra", "-Werror"]
 SANITIZED = ["-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]

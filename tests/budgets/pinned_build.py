@@ -1,10 +1,12 @@
 """An older vibsim built beside this one, and processes of both that are timed by turns.
 
-The pinned commit is the last with an engine of its own for two blocks. Every process starts once, warms up
-and then does what it is asked, so that the two are measured within milliseconds of each other.
+The pinned commit is the last with an engine of its own for two blocks. A process warms up
+and then runs when it is asked, so that the two are measured within milliseconds of each other.
 """
 
 import io
+import os
+import random
 import subprocess
 import sys
 import tarfile
@@ -18,7 +20,6 @@ SERVER = """
 import sys, time
 {preparation}
 for line in sys.stdin:
-    what = line.strip()
     began = time.perf_counter()
     {work}
     print(time.perf_counter() - began, flush=True)
@@ -27,20 +28,20 @@ ENGINE = {
     "pinned": """
 from vibsim.cases import load_case
 from vibsim.kernel import open_trajectory
-scenes = {name: load_case(name).scene() for name in CASES}
+scene = load_case("{case}").scene()
 """,
     "current": """
 from vibsim.cases import load_case
 from vibsim.engine.trajectory import open_trajectory
-scenes = {name: load_case(name).scene() for name in CASES}
+scene = load_case("{case}").scene()
 """,
 }
-RUN_ENGINE = "for _ in open_trajectory(scenes[what], 'c').blocks(): pass"
+RUN_ENGINE = "for _ in open_trajectory(scene, 'c').blocks(): pass"
 SIMULATE = """
 from vibsim import load_case, simulate
-cases = {name: load_case(name) for name in CASES}
+case = load_case("{case}")
 """
-RUN_SIMULATE = "simulate(cases[what])"
+RUN_SIMULATE = "simulate(case)"
 
 
 def folder(which: str) -> Path:
@@ -58,10 +59,10 @@ def folder(which: str) -> Path:
 
 
 class Timed:
-    """A process of one build that does `work` when asked; `of(name)` is the time that takes [s]."""
+    """A process of one build that runs a case when asked, on the core `core` where one is given."""
 
-    def __init__(self, which: str, preparation: str, work: str, cases: tuple[str, ...]):
-        program = SERVER.format(preparation=f"CASES = {cases!r}\n{preparation}", work=work)
+    def __init__(self, which: str, preparation: str, work: str, case: str, core: int | None = None):
+        program = SERVER.format(preparation=preparation.format(case=case), work=work)
         self._process = subprocess.Popen(
             [sys.executable, "-c", program],
             cwd=folder(which),
@@ -69,13 +70,14 @@ class Timed:
             stdout=subprocess.PIPE,
             text=True,
         )
-        for name in cases:
-            self.of(name)
+        if core is not None:
+            os.sched_setaffinity(self._process.pid, {core})
+        self.run()
 
-    def of(self, name: str) -> float:
-        """Time [s] for one piece of work, by the clock on the wall: all threads of a run count."""
+    def run(self) -> float:
+        """Time [s] of one run, by the clock on the wall: all threads of a run count."""
         assert self._process.stdin and self._process.stdout
-        self._process.stdin.write(f"{name}\n")
+        self._process.stdin.write("run\n")
         self._process.stdin.flush()
         return float(self._process.stdout.readline())
 
@@ -83,13 +85,14 @@ class Timed:
         self._process.communicate()
 
 
-def engines(cases: tuple[str, ...]) -> tuple[Timed, Timed]:
-    """Engine runs by this build and by the pinned one."""
-    ours, theirs = (Timed(which, ENGINE[which], RUN_ENGINE, cases) for which in ("current", "pinned"))
+def engines(case: str) -> tuple[Timed, Timed]:
+    """Engine runs by this build and by the pinned one, on the same core: two cores are not equally fast."""
+    core = random.choice(sorted(os.sched_getaffinity(0))) if hasattr(os, "sched_getaffinity") else None
+    ours, theirs = (Timed(which, ENGINE[which], RUN_ENGINE, case, core) for which in ("current", "pinned"))
     return ours, theirs
 
 
-def simulations(cases: tuple[str, ...]) -> tuple[Timed, Timed]:
+def simulations(case: str) -> tuple[Timed, Timed]:
     """`vibsim.simulate` by this build and by the pinned one."""
-    ours, theirs = (Timed(which, SIMULATE, RUN_SIMULATE, cases) for which in ("current", "pinned"))
+    ours, theirs = (Timed(which, SIMULATE, RUN_SIMULATE, case) for which in ("current", "pinned"))
     return ours, theirs
