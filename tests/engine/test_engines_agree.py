@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from tests.engine.random_parts import part_scenes, rigid_scenes
 from tests.engine.runs import Run, differences, outcome, run
 from tests.scenes import CASE_NAMES, MOTORS, paper
-from vibsim.engine.c_engine import CRun
+from vibsim.engine.tangent.events.jumps import Jumps
 from vibsim.engine.tangent.tangent_space import dimension
 
 
@@ -90,7 +90,7 @@ def test_random_scenes_with_disturbances(scene, count, method):
 @given(part_scenes())
 def test_disturbances_that_python_takes_through_events(scene):
     """As where C knows no saltation: bit for bit what C does by itself."""
-    with patch.object(CRun, "_jumps_in_c", lambda *_: False):
+    with patch.object(Jumps, "in_c", lambda *_: False):
         assert_engines_agree(scene, dimension(scene))
 
 

@@ -6,7 +6,7 @@ from array import array
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from time import monotonic
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from weakref import ref
 
 import numpy as np
@@ -29,21 +29,20 @@ from vibsim.engine.ledgers.packing_meters import pack_blows, pack_extremes, pack
 from vibsim.engine.modes.mode_table import mode_table
 from vibsim.engine.modes.packing import pack_scene, pack_state
 from vibsim.engine.modes.row_maker import RowMaker
-from vibsim.engine.modes.rows import HOLD, STRIKE, Event, Known, ModeRows
+from vibsim.engine.modes.rows import Event, Known, ModeRows
 from vibsim.engine.modes.rule import Rule
 from vibsim.engine.modes.status import Status
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.resume import Point
 from vibsim.engine.state import State, start_of
-from vibsim.engine.tangent.events.impact_saltation import Undefined
-from vibsim.engine.tangent.events.saltation import released_frictions, saltation
-from vibsim.engine.tangent.events.tangencies import Tangencies
-from vibsim.engine.tangent.packing_tangent import pack_bundle
 from vibsim.engine.tangent.tangent_space import length
 from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene
 from vibsim.physics.period import common_period
+
+if TYPE_CHECKING:
+    from vibsim.engine.tangent.events.jumps import Jumps
 
 SAMPLE_ROOM, EVENT_ROOM, SECTION_ROOM = 65536, 4096, 1024  # at most
 MOST_RECALLED = 16  # modes that a run is told of before it meets them
@@ -114,6 +113,8 @@ class CRun:
         count, begin = tangent
         self.moving = count > 0
         if self.moving:
+            from vibsim.engine.tangent.packing_tangent import pack_bundle
+
             self.run.keep_tangent(*pack_bundle(scene, count, begin, self.maker.ends))
         if extremes:
             self.run.keep_extremes(*pack_extremes(*extremes))
@@ -146,9 +147,11 @@ class CRun:
         return automaton
 
     @cached_property
-    def tangencies(self) -> Tangencies:
-        """Judges the jumps of disturbances that Python takes."""
-        return Tangencies(self.scene, Doubles)
+    def jumps(self) -> Jumps:
+        """Takes disturbances through events that Python decides."""
+        from vibsim.engine.tangent.events.jumps import Jumps
+
+        return Jumps(self.scene, self.run, self.maker.rows)
 
     def rows_of(self, number: int) -> ModeRows:
         """The rows of a mode by its number in C."""
@@ -267,50 +270,19 @@ class CRun:
         """Let the automaton of the Python engine decide the pending event; order: as of `Automaton.take`."""
         rows = self.rows_of(number)
         status, happened, known = self.automaton.take(state, rows.status, rows.events[event], order)
-        target = self._mode(status)
+        target, touch = self._mode(status), self.automaton.touch(rows.events[event])
         if self.moving:
             after = self.rows_of(target)
-            if not self._jumps_in_c(rows, after, rows.events[event]):
-                self._hand_jump(rows.events[event], state, rows, after)
+            if not self.jumps.in_c(rows, after, rows.events[event]):
+                self.jumps.hand(rows.events[event], state, rows, after, touch)
         kinds = array("i", (EVENT_KINDS[kind] for kind, _ in happened)).tobytes()
         parts = array("i", (part for _, part in happened)).tobytes()
         taken = self.run.take(target, pack_state(state), self._known(known, -1), kinds, parts)
-        touch = self.automaton.touch(rows.events[event])
         if self.meters and touch:
             V = value_and_rate(Doubles, self.scene.base, state.t)[1]
             for entry, value in struck_entries(self.scene, self.meters.names, touch, V):
                 self.run.add_entry(entry, value)
         return taken
-
-    def _jumps_in_c(self, before: ModeRows, after: ModeRows, event: Event) -> bool:
-        """Whether C knows what `event` does to disturbances between the modes of two rows: saltation.c and
-        tangencies.c, against `saltation.py` and `tangencies.py`.
-        """
-        if event.kind == STRIKE:
-            return False
-        return event.kind != HOLD or not released_frictions(self.scene, before, after)
-
-    def _rule_jumps_in_c(self, rows: ModeRows, rule: Rule, event: Event) -> bool:
-        """The same for all that a rule may lead to."""
-        behind = [rule.target] if rule.other is None or rule.hold < 0 else [rule.target, rule.other]
-        return not self.carries or all(
-            self._jumps_in_c(rows, self.maker.rows(status), event) for status in behind
-        )
-
-    def _hand_jump(self, event: Event, state: State, before: ModeRows, after: ModeRows) -> None:
-        """Take disturbances from C through `event`, as `TangentBundle.cross` does."""
-        entries, near = self.run.disturbances(), self.tangencies
-        vectors = entries["vectors"]
-        near.forget()
-        near.fastest = entries["fastest"]
-        touch = self.automaton.touch(event)
-        jump = saltation(self.scene, Doubles, state, before, after, event, touch)
-        near.judge(event, state, before, after, jump)
-        jump = None if isinstance(jump, Undefined) else jump
-        determinant = jump.determinant if jump and before.leader == after.leader else 1.0
-        moved = array("d", (value for one in vectors for value in (jump.applied(one) if jump else one)))
-        lost = near.undefined > 0
-        self.run.hand_jump(jump is not None, determinant, near.count, near.closest, lost, moved.tobytes())
 
     def _set_rule(self, number: int, event: int) -> bool:
         """Tell C what follows an event, where that is simple; whether it is news."""
@@ -323,7 +295,7 @@ class CRun:
             return False
         behind = rule.target, rule.other
         target, other = (0 if status is None else self._mode(status) for status in behind)
-        if not self._rule_jumps_in_c(rows, rule, rows.events[event]):
+        if self.carries and not self.jumps.of_rule_in_c(rows, rule, rows.events[event]):
             return False
         kind = EVENT_KINDS[rule.happened]
         numbers = rule.kind, target, other, rule.hold, kind, rule.part, self.keys[rule.key], rule.order

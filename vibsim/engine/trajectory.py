@@ -19,7 +19,6 @@ from vibsim.engine.resume import Row, resume_point
 from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.engine.trajectories.blocks import Trajectory, Wishes
 from vibsim.engine.trajectories.c_trajectory import CTrajectory
-from vibsim.engine.trajectories.python_trajectory import PythonTrajectory
 from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.parts import Scene
 
@@ -73,6 +72,8 @@ def open_trajectory(
     }
     point = None if resume is None else resume_point(scene, resume)
     if engine_name(engine) == "python":
+        from vibsim.engine.trajectories.python_trajectory import PythonTrajectory
+
         return PythonTrajectory(scene, Doubles, point, **wishes)
     return CTrajectory(scene, point, **wishes)
 

@@ -6,7 +6,6 @@ later write succeed; when it cannot be reserved, nothing has been touched yet.
 
 import errno
 import os
-import tempfile
 from pathlib import Path
 
 DISK_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
@@ -33,7 +32,9 @@ def detach(descriptor: int) -> None:
 
     HDF5 insists on writing what it holds when a file is closed, and brings the process down when it cannot.
     """
-    with tempfile.TemporaryFile() as elsewhere:
+    from tempfile import TemporaryFile
+
+    with TemporaryFile() as elsewhere:
         os.dup2(elsewhere.fileno(), descriptor)
 
 

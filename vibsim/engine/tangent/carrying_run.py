@@ -56,7 +56,7 @@ class CarryingRun(CRun):
 
         doubles : of the packed scene; table : of its modes
         """
-        for name in ("scout", "automaton", "tangencies", "maker"):
+        for name in ("scout", "automaton", "jumps", "maker"):
             self.__dict__.pop(name, None)
         before, self.scene = self.scene, scene
         if doubles != self._doubles:

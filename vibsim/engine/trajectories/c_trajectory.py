@@ -11,10 +11,8 @@ import numpy as np
 from vibsim.engine.modes.status import LIFTED
 from vibsim.engine.resume import Point
 from vibsim.engine.state import State
-from vibsim.engine.tangent.bundle.tangent_totals import tangent_totals
 from vibsim.engine.totals import ledger_totals, rigid_totals, totals_of
 from vibsim.engine.trajectories.blocks import Block, Trajectory, Wishes
-from vibsim.engine.trajectories.python_trajectory import PythonTrajectory
 from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.parts import Scene
 
@@ -66,6 +64,8 @@ class CTrajectory(Trajectory[float]):
         cut = self.run.automaton.rigid.chatter.cut_off
         totals |= rigid_totals(self.scene, tally["counts"], (cut.time, cut.speed, cut.distance))
         if self.run.moving:
+            from vibsim.engine.tangent.bundle.tangent_totals import tangent_totals
+
             _, _, margin, margin_time = tally["certificate"]
             totals |= tangent_totals(self.scene, Doubles, self.run.disturbances, margin, margin_time)
         return totals
@@ -79,6 +79,8 @@ class CTrajectory(Trajectory[float]):
         times = list(times)
         rows = [] if self.point is not None and LIFTED in self.point[1].stops else self._rows_at(times)
         if len(rows) < len(times):
+            from vibsim.engine.trajectories.python_trajectory import PythonTrajectory
+
             return PythonTrajectory(self.scene, Doubles, self.point).state_at(times)
         width = 3 + 2 * len(self.scene.bodies)
         table = np.array(rows, dtype="f8").reshape(-1, width).T
