@@ -8,7 +8,7 @@ lists other than those of LISTS) is reported and left out.
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import yaml
 from yaml.events import (
@@ -38,8 +38,7 @@ FAST_PARSER = getattr(yaml, "CSafeLoader", None)
 BOTH_READ = re.compile(r"(?:[\n A-Za-z0-9:.,=+^_(){}\[\]'\"/<;~-]|(?<![^\n ])#[ -~]*$)*", re.MULTILINE)
 
 
-@dataclass(frozen=True, slots=True)
-class Place:
+class Place(NamedTuple):
     """A place in a file, counted from 1; no line for an override."""
 
     file: str
@@ -50,16 +49,14 @@ class Place:
         return Problem(self.file, self.line, self.column, key, message)
 
 
-@dataclass(frozen=True, slots=True)
-class Text:
+class Text(NamedTuple):
     """A value, as written."""
 
     text: str
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
-class Broken:
+class Broken(NamedTuple):
     """A value that has been reported already; it stands here so that its key is not called missing."""
 
     place: Place

@@ -5,14 +5,12 @@ place; any other may drift. Coordinates of a motion without its drift are those 
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from vibsim.physics.parts import GROUND, Scene
 
 
-@dataclass(frozen=True)
-class Pair:
+class Pair(NamedTuple):
     """Two ends, called after the first part between them; x = x_P - x_Q."""
 
     name: str
@@ -20,8 +18,7 @@ class Pair:
     Q: int
 
 
-@dataclass(frozen=True)
-class BodySet:
+class BodySet(NamedTuple):
     """Bodies, ascending, that parts join; `held` where the ground or the base is among their ends."""
 
     bodies: tuple[int, ...]

@@ -1,9 +1,8 @@
 """The period of what drives a scene from outside: of all its harmonics together, where there is one."""
 
-from dataclasses import dataclass
 from fractions import Fraction
 from math import lcm
-from typing import Any, overload
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 
@@ -13,8 +12,7 @@ MOST = 1000  # largest denominator of a ratio of frequencies that counts as exac
 EXACT = Fraction(1, 2**100)  # relative: a frequency is a double-double of 107 bits
 
 
-@dataclass(frozen=True)
-class Period:
+class Period(NamedTuple):
     """`turns` turns of a harmonic of cycles + cycles_lo [Hz], a double-double."""
 
     cycles: float

@@ -1,8 +1,7 @@
 """A case of parts as far as it can be read: what the rules look at before all of it is known to be right."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from vibsim.cases.parts.ends import Ends
 from vibsim.cases.values.quantities import Quantity
@@ -19,8 +18,7 @@ CALLED = {
 }
 
 
-@dataclass(frozen=True)
-class Finding:
+class Finding(NamedTuple):
     """What a rule finds wrong.
 
     Attributes

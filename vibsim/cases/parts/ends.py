@@ -1,7 +1,6 @@
 """The two ends of a part, as written: `between: [ram, ground]`."""
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from vibsim.cases.problems import shown
 from vibsim.cases.schema.kinds import Single
@@ -10,8 +9,7 @@ GROUND, BASE = "ground", "base"
 NO_BODIES = (GROUND, BASE)  # ends that are no bodies
 
 
-@dataclass(frozen=True, slots=True)
-class Ends:
+class Ends(NamedTuple):
     """Names of the ends P and Q of a part: a body, ground or base."""
 
     P: str

@@ -1,9 +1,8 @@
 """Laws of dry friction as a case writes them: the coefficients of each law, and the forces that they make."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 from vibsim.cases.parts.draft import Draft, Finding
 from vibsim.physics.friction_laws import EXPONENTIAL, HYPERBOLIC
@@ -12,8 +11,7 @@ COULOMB = "coulomb"
 SIDES = ("plus", "minus")  # of v_rel: keys that hold the coefficients of one direction each
 
 
-@dataclass(frozen=True)
-class Coefficients:
+class Coefficients(NamedTuple):
     """Keys of a law: those that it needs, and those that it may have."""
 
     needed: tuple[str, ...]
@@ -32,8 +30,7 @@ LAWS = {
 KEYS = tuple(dict.fromkeys(key for law in LAWS.values() for key in law.all))
 
 
-@dataclass(frozen=True)
-class Direction:
+class Direction(NamedTuple):
     """Friction in one direction of slip, exact; forces as multiples of the load.
 
     slip : what slips at all speeds; hold : the most that it holds; drop, rate : of what falls with speed, s/m

@@ -2,9 +2,9 @@
 
 import re
 import sys
-from dataclasses import dataclass
 from os.path import exists, isdir, isfile, normpath
 from pathlib import Path
+from typing import NamedTuple
 
 from vibsim.cases.problems import CaseError, Problem
 from vibsim.cases.spelling import did_you_mean
@@ -18,8 +18,7 @@ RESULTS = (".h5", ".hdf5", ".partial")
 HARD, GALLERY = "hard/", "gallery/"  # folders of shipped cases, and how their names begin
 
 
-@dataclass(frozen=True)
-class SourceText:
+class SourceText(NamedTuple):
     """The text of one case file.
 
     Attributes

@@ -1,8 +1,7 @@
 """The two forms of a case: the short one of the paper's two blocks, and the long one of named parts."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from vibsim.cases.problems import Problem
 from vibsim.cases.schema.schema import CaseFile, CaseHead
@@ -13,8 +12,7 @@ SWITCHED_OFF = "none"
 NAME = "*"  # stands for the name of a body or part in the keys of the long form
 
 
-@dataclass(frozen=True)
-class Form:
+class Form(NamedTuple):
     """One way to write a case.
 
     Attributes

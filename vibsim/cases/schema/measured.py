@@ -1,9 +1,8 @@
 """What one value of a case must be: its dimension and its range, as a note in the annotation of a key."""
 
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 from vibsim.cases.problems import shown
 from vibsim.cases.schema.kinds import kind_of_value
@@ -13,8 +12,7 @@ from vibsim.cases.values.units import si_unit, unit_names
 _exact = lru_cache(maxsize=64)(Fraction)  # of the few texts that bounds are written as
 
 
-@dataclass(frozen=True)
-class Measured:
+class Measured(NamedTuple):
     """A quantity of one dimension and its range, for use inside Annotated.
 
     Attributes

@@ -1,8 +1,8 @@
 """Quantities: decimal text to exact fraction to SI, with one rounding to a double at the very end."""
 
 import re
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 from vibsim.cases.problems import shown
 from vibsim.cases.spelling import nearest
@@ -22,8 +22,7 @@ class QuantityError(ValueError):
     """A text that is no quantity of the dimension asked for; the message says why and what is allowed."""
 
 
-@dataclass(frozen=True, slots=True)
-class Quantity:
+class Quantity(NamedTuple):
     """An exact value and the text that it came from.
 
     Attributes

@@ -5,13 +5,12 @@ of radians, so that 5.5 Hz stays 11/2 turns per second and pi enters in one roun
 """
 
 import re
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
+from typing import NamedTuple
 
 
-@dataclass(frozen=True)
-class Unit:
+class Unit(NamedTuple):
     """One unit: value [SI] = number * factor, or value [turns, turns per second] where per_turn."""
 
     name: str

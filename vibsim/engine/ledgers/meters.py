@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Generic
+from typing import Generic, NamedTuple
 
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import COUPLING, FALL, HOLD, Event, Falling, ModeRows, Term, Terms
@@ -80,8 +80,7 @@ class Node(Generic[N]):
     functions: list[N]
 
 
-@dataclass(frozen=True)
-class Jump:
+class Jump(NamedTuple):
     """A stop that may let go while it is pressed: what its spring holds then, k g^2 / 2, is lost there, and
     counts against the loss where it pushes again.
     """

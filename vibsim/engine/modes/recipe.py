@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.flows.closed.modal_maker import modal_of
@@ -22,8 +21,7 @@ from vibsim.physics.arithmetic.recorded_numbers import NotRecorded, Record, Reco
 from vibsim.physics.parts import Scene
 
 
-@dataclass(frozen=True)
-class Recipe:
+class Recipe(NamedTuple):
     """The packed numbers of a mode at first, and how those that change follow from the numbers of the scene.
 
     changing : by place among the doubles, the place in the record

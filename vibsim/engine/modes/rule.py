@@ -1,6 +1,6 @@
 """What C is told of an event beforehand: the mode behind it, where that is simple."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from vibsim.engine.modes.rows import EventKey
 from vibsim.engine.modes.status import Status
@@ -8,8 +8,7 @@ from vibsim.engine.modes.status import Status
 ASK, CROSS, STAND, STRUCK, BEAR = range(5)  # kinds of rules, as in rules.c; ASK: Python decides
 
 
-@dataclass(frozen=True)
-class Rule:
+class Rule(NamedTuple):
     """A rule of one event of a mode.
 
     target : the mode behind it; other : of STAND, the mode where HOLD event number `hold` of the target is

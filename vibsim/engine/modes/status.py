@@ -3,7 +3,7 @@ scene.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 OPEN, CONTACT, LIFTED = 0, 1, 2  # a stop; LIFTED: depth above zero, but the damper would have to pull
 RESTING = 3  # a rigid stop; the others of these are open
@@ -11,8 +11,7 @@ FORWARD, STICK, BACKWARD = 1, 0, -1  # a friction: sign of v_rel
 KEPT, VIOLATED = 0, 1  # a clearance
 
 
-@dataclass(frozen=True)
-class Status:
+class Status(NamedTuple):
     """A mode: the state of every part that has several."""
 
     stops: tuple[int, ...]
