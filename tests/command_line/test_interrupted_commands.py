@@ -2,6 +2,7 @@
 
 import importlib
 import os
+import pkgutil
 import re
 import shutil
 import signal
@@ -9,11 +10,13 @@ import subprocess
 import sys
 import threading
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 import vibsim
+import vibsim.command_line.main as main
 from tests.command_line.made import SLOW_SOURCE, call
 from vibsim.command_line.terminal.interruption import Interruption, ended_by_signals, heard_from_now_on
 from vibsim.opening import open_result
@@ -28,8 +31,8 @@ coupling: {k1: 1 N/m, c: 1e6 N s/m}
 initial: {x1: 1 mm}
 run: {t_end: 100 s}
 """
-# what is called; the file whose coming shows that it works, None: it listens for signals, or seconds from its
-# begin on; what is said; what is left
+# what is called; the file whose coming shows that it works, None: it listens for signals, or seconds since it
+# has begun; what is said; what is left
 COMMANDS = {
     "run": ("run II-B --t-end 1e6s", "II-B.h5.partial", "II-B.h5 holds the run until", ["II-B.h5"]),
     "digits": ("run II-B --digits 90", "II-B.h5.partial", "II-B.h5 holds the run until", ["II-B.h5"]),
@@ -63,14 +66,14 @@ COMMANDS = {
     "slow-digits": ("run slow-source.yaml --digits 1000 --t-end 1e6s", 0.5, "slow.h5 holds", ["slow.h5"]),
     "paper": ("paper -o p", None, f"p {GOES_ON}", ["p"]),
 }
-IMPORTED = ("plots.animation.film", "evidence.reports.paper", "evidence.verification.catalogue")
 
 
 @pytest.fixture(scope="module")
 def inputs(tmp_path_factory):
-    """Results that other commands read; what is slow to import is imported, and not interrupted there."""
-    for name in IMPORTED:
-        importlib.import_module(f"vibsim.{name}")
+    """Results that other commands read. All of vibsim is imported: no command is interrupted there."""
+    for module in pkgutil.walk_packages(vibsim.__path__, "vibsim."):
+        if module.name != "vibsim.__main__":
+            importlib.import_module(module.name)
     folder = tmp_path_factory.mktemp("inputs")
     vibsim.simulate("II-B", trust=False, overrides={"run.t_end": "600 s"}).save(folder / "long.h5")
     (folder / "slow-source.yaml").write_text(SLOW_SOURCE)
@@ -83,7 +86,7 @@ def inputs(tmp_path_factory):
 class Signal(threading.Thread):
     """Sends a signal to this process when a file is there, when it listens for signals, or after seconds."""
 
-    listening = threading.Event()
+    begun, listening = threading.Event(), threading.Event()
 
     def __init__(self, signum, sign):
         super().__init__(daemon=True)
@@ -96,6 +99,8 @@ class Signal(threading.Thread):
         elif isinstance(self.sign, str):
             while not Path(self.sign).exists() and not self.over:
                 time.sleep(0.002)
+        else:
+            self.begun.wait(60)
         time.sleep(self.sign if isinstance(self.sign, float) else 0.1)
         with self.lock:
             if not self.over:
@@ -107,12 +112,17 @@ class Signal(threading.Thread):
             self.over = True
 
 
+def begins(action):
+    Signal.begun.set()
+    return action()
+
+
 def interrupted(words, sign, signum, monkeypatch):
     """The outcome of a command that gets a signal, and how long it took to answer [s]."""
     before = {each: signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)}
     monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
     heard_from_now_on()
-    Signal.listening.clear()
+    Signal.begun.clear(), Signal.listening.clear()
     sender = Signal(signum, sign)
     sender.start()
     try:
@@ -133,6 +143,8 @@ def test_every_command_ends_at_once_and_says_what_is_kept(name, inputs, tmp_path
         os.link(path, tmp_path / path.name)
     enter = Interruption.__enter__
     monkeypatch.setattr(Interruption, "__enter__", lambda self: (enter(self), Signal.listening.set())[0])
+    code_of = main.exit_code_of
+    monkeypatch.setattr(main, "exit_code_of", lambda action, *wish: code_of(partial(begins, action), *wish))
     words, sign, said, left = COMMANDS[name]
     by_sigterm = len(name) % 2 == 1
     done, seconds = interrupted(words, sign, signal.SIGTERM if by_sigterm else signal.SIGINT, monkeypatch)
