@@ -157,7 +157,7 @@ def test_stable_orbits_are_drawn_solid(captured):
 
 
 def test_the_motor_gives_what_vibration_takes(captured):
-    """(J + m3 e^2) w' = m3 e x1'' sin phi + M, Eq. (2.10): over a period the two terms cancel.
+    """(J + m3 e^2) w' = m3 e x1'' sin phi + M, Eqs. (2.9), (2.10): over a period the two terms cancel.
 
     By the trapezoidal rule over 400 samples, x1'' by central differences: 1 in 400 and impacts.
     """

@@ -9,7 +9,7 @@ from vibsim.physics.two_blocks import TwoBlocks
 
 
 def gap_function(scene: TwoBlocks, y: N) -> N:
-    """g [m] of the relative displacement y [m]: contact while g >= 0 (below Eq. 2.5, or its mirror image)."""
+    """g [m] of the relative displacement y [m]: contact while g >= 0 (Eq. 2.2, or its mirror image)."""
     depth: N = -(scene.stop_sign * y) - scene.G
     return depth
 
@@ -27,7 +27,7 @@ def transmitted_force(scene: TwoBlocks, y: N, u: N, contact: bool) -> N:
 
 
 def source_force(scene: TwoBlocks, sine: N) -> N | float:
-    """Force of the ideal source on block 1 [N], A sin(omega t) + F0, Eq. (2.1), with sine = sin(omega t)."""
+    """Force of the ideal source on block 1 [N], A sin(omega t) + F0, Eq. (2.3), with sine = sin(omega t)."""
     if scene.source != "harmonic":
         return 0.0
     force: N = scene.A * sine + scene.F0
@@ -35,14 +35,14 @@ def source_force(scene: TwoBlocks, sine: N) -> N | float:
 
 
 def motor_torque(scene: TwoBlocks, w: N) -> N:
-    """Torque of the motor [N m] at the speed w [rad/s], Eq. (2.10): M0 (1 - w / Omega0)."""
+    """Torque of the motor [N m] at the speed w [rad/s], Eq. (2.8): M0 (1 - w / Omega0)."""
     torque: N = scene.M0 * (1.0 - w / scene.Omega0)
     return torque
 
 
 def motor_accelerations(scene: TwoBlocks, force: N, phi_sine: N, phi_cosine: N, w: N) -> tuple[N, N]:
-    """a1 [m/s^2] and dw/dt [rad/s^2] from Eqs. (2.8), (2.10), where block 1 passes on the force S = `force`
-    [N].
+    """a1 [m/s^2] and dw/dt [rad/s^2] from Eqs. (2.9), (2.10), where block 1 passes on the force
+    S = `force` [N].
 
     The 2x2 mass matrix is never singular: its determinant is at least m1 m3 e^2 + (m1 + m3) J.
     """

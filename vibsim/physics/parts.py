@@ -197,7 +197,7 @@ class Motor(Generic[N]):
         return self.M0 / self.Omega0
 
     def torque(self, w: N) -> N:
-        """Torque [N m] at the speed w [rad/s] of the rotor, Eq. (2.10): M0 (1 - w / Omega0)."""
+        """Torque [N m] at the speed w [rad/s] of the rotor, Eq. (2.8): M0 (1 - w / Omega0)."""
         return self.M0 - self.drag * w
 
 

@@ -153,7 +153,7 @@ def struck_entries(scene: Scene[N], names: Sequence[Entry], touch: Touch[N], V: 
 
 
 def motor_power(scene: Scene[N], w: N) -> N:
-    """Power of the motor [W] at the speed w [rad/s] of its rotor, Eq. (2.10)."""
+    """Power of the motor [W] at the speed w [rad/s] of its rotor: its torque, Eq. (2.8), times w."""
     motor = scene.motor
     assert motor is not None
     return motor.torque(w) * w
@@ -168,7 +168,7 @@ def stop_energy(stop: Stop[N], places: Sequence[N], ground: int) -> N:
 
 def stored_energy(scene: Scene[N], kit: Kit[N], state: State[N], status: Status) -> N:
     """Kinetic and elastic energy [J] of `state` in the mode `status`; the unbalanced mass moves with velocity
-    (v - e w sin phi, e w cos phi), Eqs. (2.8)-(2.10).
+    (v - e w sin phi, e w cos phi), from which Eqs. (2.9), (2.10) follow.
     """
     ground, energy = len(scene.bodies), kit.number(0)
     X = value_and_rate(kit, scene.base, state.t)[0] if scene.base else kit.number(0)

@@ -20,7 +20,7 @@ from vibsim.plots.view import View
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
-    """Motor torque M0 (1 - w / Omega0), Eq. (2.10), against the speed w, from standstill to no load."""
+    """Motor torque M0 (1 - w / Omega0), Eq. (2.8), against the speed w, from standstill to no load."""
     figure = sheet(view, 5.4)
     motor_panel(figure.subplots(), subjects)
     return figure

@@ -1,7 +1,7 @@
 """Taylor series of the rotor of a motor, beside those of its body.
 
 With s = sin phi, c = cos phi and w = dphi/dt three products of series are all, because
-    s dw/dt + w^2 c = d(s w)/dt,      s' = c w,      c' = -s w      (Eqs. 2.8-2.10 of the paper).
+    s dw/dt + w^2 c = d(s w)/dt,      s' = c w,      c' = -s w      (Eqs. 2.9, 2.10 of the paper).
 """
 
 from __future__ import annotations

@@ -92,7 +92,7 @@ class ModeEquations:
         )
 
     def _turn_rotor(self, forces: list[Number]) -> Number:
-        """The acceleration of the rotor, Eqs. (2.8)-(2.10), whose reaction on its body enters `forces`:
+        """The acceleration of the rotor, Eqs. (2.9), (2.10), whose reaction on its body enters `forces`:
 
         a = a0 + B m3 e sin(phi) w',  (J + m3 e^2) w' - m3 e sin(phi) a = M0 (1 - w / Omega0)
 
