@@ -7,6 +7,7 @@ import vibsim
 from tests.results.made import short_case, short_run
 from vibsim.analysis.drift import drift_of_blocks, measure_drift
 from vibsim.analysis.span import Span
+from vibsim.orbits.returns.start import case_on_orbit
 
 SPAN = Span(0.0, 300.0)
 T = np.arange(0, 300, 0.01)
@@ -28,8 +29,41 @@ def test_an_even_slide_under_a_vibration():
     assert drift_of(T, -x).verdict == "backward"
 
 
-def test_a_vibration_does_not_drift():
-    assert drift_of(T, 0.03 * np.sin(2 * np.pi * 5.03 * T)).verdict == "none"
+def test_an_interval_that_contains_0_and_more_is_undecided():
+    """5.03 Hz fits blocks of 12 s in no whole number: what is left of it scatters about 0."""
+    found = drift_of(T, 0.03 * np.sin(2 * np.pi * 5.03 * T))
+    assert abs(found.rate) <= found.half_width > 1e-9
+    assert (found.verdict, found.reason) == ("undecided", "95% interval from 25 blocks, which contains 0")
+
+
+def test_what_stays_where_it_is_does_not_drift():
+    """Less than 1e-12 m/s either way, 0.3 nm in the run."""
+    assert drift_of(T, np.full_like(T, 3.0)).verdict == "none"
+    assert drift_of(T, 3.0 + 1e-14 * T).verdict == "none"
+    assert drift_of(T, 3.0 + 1e-9 * T).verdict == "forward"
+
+
+def test_the_drift_of_an_orbit_that_is_known_is_exact():
+    """II-B is still on its way to an orbit that drifts, while the interval of its span contains 0; from the
+    orbit the drift of 150 periods is the same.
+    """
+    found = vibsim.analyse("II-B", what="drift").drift
+    assert abs(found.rate) < found.half_width
+    assert found.verdict == "forward"
+    orbit = vibsim.orbit("II-B")
+    t_end = 150 * orbit.period
+    run = vibsim.simulate(case_on_orbit(orbit.case, orbit.state, t_end), trust=False)
+    assert found.orbit_rate == pytest.approx((run.at([t_end])["x2"][0] - run["x2"][0]) / t_end, rel=1e-9)
+
+
+def test_the_file_of_an_orbit_tells_its_drift():
+    """One period is too short for blocks; what the orbit moves in it is known."""
+    orbit = vibsim.orbit("I-C")
+    found = vibsim.analyse(orbit.run, what="drift").drift
+    assert (found.verdict, found.rate) == ("backward", None)
+    assert found.orbit_rate == pytest.approx(orbit.drift["2"] / orbit.period, rel=1e-12)
+    centre = measure_drift(orbit.run, of="centre", orbit_rates=orbit.drift_rates)
+    assert centre.orbit_rate == pytest.approx(found.orbit_rate, rel=1e-12)
 
 
 @pytest.mark.parametrize("wander", ["white", "correlated", "walk"])

@@ -116,14 +116,16 @@ def analyse(
     verdicts: dict[str, Any] = {}
     if "capture" in what and scene.has_motor:
         verdicts["capture"] = judge_capture(result, span.window)
+    if "regime" in what:
+        verdicts["regime"] = _regime(result, steady, exponent)
     if "drift" in what and drifting(scene):
-        drifts = {name: measure_drift(result, steady, of) for name, of in drifting(scene).items()}
+        regime = verdicts["regime"] if "regime" in what else judge_regime(result, steady)
+        rates = regime.drift_rates
+        drifts = {name: measure_drift(result, steady, of, rates) for name, of in drifting(scene).items()}
         verdicts["drift"] = _one_or_named(drifts)
     if "impacts" in what and scene.has_stop:
         of_parts = {name: count_impacts(result, steady, name) for name in counted_parts(scene)}
         verdicts["impacts"] = of_parts or count_impacts(result, steady)
-    if "regime" in what:
-        verdicts["regime"] = _regime(result, steady, exponent)
     if "frequencies" in what:
         several = len(motions_of(scene)) > 1
         verdicts["frequencies"] = (

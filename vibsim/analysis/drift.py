@@ -4,10 +4,13 @@ The span is cut into blocks of a whole number of cycles; the mean displacements 
 by the drift over one block and by what the motion does besides. The mean of these differences is the
 drift rate, their scatter tells how well it is known, and correlation between them widens the interval (see
 `block_averages.average`). So the interval holds where the displacement vibrates about a line, and where a
-chaotic motion makes it wander.
+chaotic motion makes it wander. An interval that contains 0 says no way; only one that contains nothing else
+says that there is no drift. Where the motion is on a periodic orbit, or goes to one, the drift of the orbit
+is exact: its displacement in a period over the period.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -20,7 +23,7 @@ from vibsim.physics.arithmetic.sines import sine_cosine
 from vibsim.physics.arithmetic.sums import mean
 from vibsim.physics.body_sets import drifting_sets
 from vibsim.physics.parts import Scene, columns_of
-from vibsim.physics.rates import is_driven, source_period
+from vibsim.physics.rates import is_driven, masses, source_period
 from vibsim.results.columns import tables_of
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
@@ -37,12 +40,13 @@ class Drift:
 
     Attributes
     ----------
-    verdict : "forward", "backward", "none" (the interval holds 0) or "undecided"
+    verdict : "forward", "backward", "none" (less than STILL) or "undecided"; that of the orbit where it is known
     reason : in words
     span : transient left out
     of : column of the displacement of the body, such as "x2", or "centre"
     rate, half_width : [m/s]; the rate lies within +- half_width in 95 of 100 cases; None where undecided
     blocks : number of blocks that the interval rests on
+    orbit_rate : of the periodic orbit that the motion is on, or goes to [m/s]; None where none is known
     """
 
     verdict: DriftVerdict | str
@@ -52,6 +56,7 @@ class Drift:
     rate: float | None = None
     half_width: float | None = None
     blocks: int = 0
+    orbit_rate: float | None = None
 
     def __post_init__(self) -> None:
         name_verdict(self, DriftVerdict)
@@ -65,11 +70,18 @@ def drifting(scene: Scene) -> dict[str, str]:
     return {name: columns_of(name)[0] for name in names}
 
 
-def measure_drift(result: Result, window: Window | None = None, of: str | None = None) -> Drift:
+def measure_drift(
+    result: Result,
+    window: Window | None = None,
+    of: str | None = None,
+    orbit_rates: Mapping[str, float] | None = None,
+) -> Drift:
     """Drift rate within `window` [s], the second half of the run by default.
 
     of : column of the displacement of a body, "centre" for the centre of mass of everything that moves; None:
         the last one of `drifting`, x2 of two blocks
+    orbit_rates : mean velocity of each body [m/s], by name, on the periodic orbit that the motion is on or
+        goes to: `judge_regime(result).drift_rates`, where it knows one
 
     Raises ValueError where springs hold all bodies, for another `of` and a window outside the run.
     """
@@ -79,7 +91,23 @@ def measure_drift(result: Result, window: Window | None = None, of: str | None =
     if not free:
         raise ValueError("nothing can drift: springs hold every body")
     of = of or list(free.values())[-1]
-    span = steady_span(result, window)
+    measured = _measured(result, steady_span(result, window), of)
+    if orbit_rates is None:
+        return measured
+    rate = _rate_of(result.case.scene(), of, orbit_rates)
+    return replace(measured, verdict=_way(rate, 0.0), orbit_rate=rate)
+
+
+def _rate_of(scene: Scene, of: str, rates: Mapping[str, float]) -> float:
+    """The mean velocity of a body, or of the centre of mass, from those of all bodies [m/s]."""
+    values = [rates[body.name] for body in scene.bodies]
+    if of == CENTRE:
+        return float(np.average(values, weights=masses(scene)))
+    return values[[columns_of(body.name)[0] for body in scene.bodies].index(of)]
+
+
+def _measured(result: Result, span: Span, of: str) -> Drift:
+    """The drift within a span, from its samples."""
     edges = block_edges(result, span)
     if len(edges) - 1 < FEWEST_BLOCKS:
         reason = f"too short: {max(len(edges) - 1, 0)} blocks of {CYCLES} cycles, {FEWEST_BLOCKS} are needed"
@@ -97,9 +125,18 @@ def drift_of_blocks(means: np.ndarray, middles: np.ndarray, span: Span, of: str 
     """The drift from the mean displacements [m] of neighbouring blocks and their mean times [s]."""
     velocity = average(np.diff(means) / np.diff(middles), DOUBT)
     rate, half_width = velocity.mean, velocity.half_width
-    verdict = "none" if abs(rate) <= max(half_width, STILL) else "forward" if rate > 0 else "backward"
-    reason = f"{1 - DOUBT:.0%} interval from {len(means)} blocks"
+    verdict, reason = _way(rate, half_width), f"{1 - DOUBT:.0%} interval from {len(means)} blocks"
+    reason += ", which contains 0" if verdict == "undecided" else ""
     return Drift(verdict, reason, span, of, rate, half_width, len(means))
+
+
+def _way(rate: float, half_width: float) -> str:
+    """The verdict on a rate that lies within +- half_width [m/s]."""
+    if abs(rate) + half_width <= STILL:
+        return "none"
+    if abs(rate) <= half_width:
+        return "undecided"
+    return "forward" if rate > 0 else "backward"
 
 
 def block_edges(result: Result, span: Span) -> np.ndarray:

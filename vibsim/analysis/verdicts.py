@@ -28,7 +28,7 @@ class CaptureVerdict(Verdict):
 
 
 class DriftVerdict(Verdict):
-    """Which way a body drifts; none where the interval of the rate holds 0."""
+    """Which way a body drifts; undecided where the interval of the rate contains 0 and more."""
 
     FORWARD = "forward"
     BACKWARD = "backward"

@@ -115,6 +115,13 @@ class Orbit(Labelled):
         return self.end.drift
 
     @property
+    def drift_rates(self) -> dict[str, float]:
+        """By body: its displacement per period over the period [m/s], 0 where something holds it."""
+        bodies, reference, moved = self.scene.bodies, self.end.coordinates.reference, self.drift
+        shifts = [moved[bodies[reference[i]].name] if i in reference else 0.0 for i in range(len(bodies))]
+        return {body.name: shift / self.period for body, shift in zip(bodies, shifts, strict=True)}
+
+    @property
     def residual(self) -> float:
         """How far it is from closing [m/s]; displacements weigh by a natural rate."""
         return self.end.residual

@@ -107,6 +107,7 @@ def _settled(judged: Judged, orbit: Orbit, distances: np.ndarray) -> Judged:
     known: dict[str, Any] = {
         "multipliers": tuple((mu.real, mu.imag) for mu in orbit.multipliers.tolist()),
         "exponents": tuple(rate if isfinite(rate) else None for rate in orbit.exponents),
+        "drift_rates": orbit.drift_rates,
     }
     if judged.verdict == "periodic" and judged.period == orbit.n:
         return replace(judged, **known)

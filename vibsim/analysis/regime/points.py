@@ -63,6 +63,7 @@ class Judged:
     multipliers, exponents : of the orbit that a periodic motion is on, or goes to: (real, imaginary) of each
         Floquet multiplier, and the Lyapunov exponents [1/s] that follow from them, None where sticking took
         the direction
+    drift_rates : mean velocity of each body on that orbit [m/s], by name
     """
 
     verdict: RegimeVerdict | str
@@ -74,6 +75,7 @@ class Judged:
     prediction: float | None = None
     multipliers: tuple[tuple[float, float], ...] | None = None
     exponents: tuple[float | None, ...] | None = None
+    drift_rates: dict[str, float] | None = None
 
     def __post_init__(self) -> None:
         name_verdict(self, RegimeVerdict)

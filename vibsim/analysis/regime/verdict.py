@@ -16,6 +16,8 @@ from vibsim.analysis.verdicts import RegimeVerdict, name_verdict
 from vibsim.engine.columns import state_columns
 from vibsim.engine.section import has_section
 from vibsim.orbits.multipliers import exponents_of
+from vibsim.physics.body_sets import drifting_sets
+from vibsim.physics.parts import columns_of
 from vibsim.physics.rates import is_driven
 from vibsim.results.result import Result
 from vibsim.results.windows import Window, pieces, rows_within
@@ -42,6 +44,7 @@ class Regime:
     exponent : as it was given
     multipliers : of the periodic orbit that the motion is on or goes to, (real, imaginary) each
     exponents : that follow from them [1/s], the largest first; None where sticking took the direction
+    drift_rates : mean velocity of each body on that orbit [m/s], by name
     """
 
     verdict: RegimeVerdict | str
@@ -57,6 +60,7 @@ class Regime:
     exponent: Exponent | None = None
     multipliers: tuple[tuple[float, float], ...] | None = None
     exponents: tuple[float | None, ...] | None = None
+    drift_rates: dict[str, float] | None = None
 
     def __post_init__(self) -> None:
         name_verdict(self, RegimeVerdict)
@@ -96,11 +100,25 @@ def _stored_orbit(result: Result, span: Span) -> Regime:
     assert result.orbit is not None
     real, imaginary = (result.orbit[f"multiplier_{part}"].tolist() for part in ("real", "imaginary"))
     multipliers = tuple(zip(real, imaginary, strict=True))
-    rates = exponents_of([complex(*pair) for pair in multipliers], result.attrs["orbit_period_s"])
-    numbers = tuple(rate if isfinite(rate) else None for rate in rates)
+    period = result.attrs["orbit_period_s"]
+    rates = exponents_of([complex(*pair) for pair in multipliers], period)
+    known = {
+        "multipliers": multipliers,
+        "exponents": tuple(rate if isfinite(rate) else None for rate in rates),
+        "drift_rates": _shifts(result, period),
+    }
     n, kind = result.attrs["orbit_periods"], "a stable" if result.attrs["orbit_stable"] else "an unstable"
     reason = f"the file holds {kind} orbit"
-    return Regime("periodic", reason, span, n, n, 0.0, 0.0, multipliers=multipliers, exponents=numbers)
+    return Regime("periodic", reason, span, n, n, 0.0, 0.0, **known)
+
+
+def _shifts(result: Result, period: float) -> dict[str, float]:
+    """By body: how far the `period` [s] moves it, over the period [m/s]; exactly 0 where something holds it."""
+    scene = result.case.scene()
+    both = result.at([0.0, period])
+    free = {scene.bodies[body].name for one in drifting_sets(scene) for body in one.bodies}
+    ends = {body.name: both[columns_of(body.name)[0]] for body in scene.bodies}
+    return {name: float((x[1] - x[0]) / period) if name in free else 0.0 for name, x in ends.items()}
 
 
 def _since(result: Result, times: np.ndarray, judged: Judged) -> tuple[float | None, int | None]:

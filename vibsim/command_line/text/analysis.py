@@ -75,11 +75,14 @@ def capture_lines(capture: Capture, verbose: bool) -> list[Line]:
 
 
 def drift_text(drift: Drift) -> str:
-    """Verdict, rate and interval."""
+    """Verdict, rate of the orbit where it is known, rate in the span with its interval."""
+    exact = (
+        "" if drift.orbit_rate is None else f"{number(drift.orbit_rate, 4)} m/s on the periodic orbit, exact"
+    )
     if drift.rate is None or drift.half_width is None:
-        return f"{_verdict(drift.verdict)}: {drift.reason}"
-    rate = f"{number(drift.rate, 4)} +- {number(drift.half_width, 2)} m/s"
-    return f"{_verdict(drift.verdict)}: {rate} ({drift.reason})"
+        return f"{_verdict(drift.verdict)}: {exact or drift.reason}"
+    rate = f"{number(drift.rate, 4)} +- {number(drift.half_width, 2)} m/s ({drift.reason})"
+    return f"{_verdict(drift.verdict)}: {f'{exact}; in the span {rate}' if exact else rate}"
 
 
 def impact_lines(impacts: ImpactsPerCycle, verbose: bool) -> list[Line]:

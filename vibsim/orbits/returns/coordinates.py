@@ -29,6 +29,7 @@ class Coordinates:
     of each body, then phi and phidot with a motor).
 
     names, units : of the unknowns, e.g. "x1-x2" in m
+    reference : by body of a set that nothing holds: the body that its displacements count from
     take : X = take @ state (m x N); put : state = put @ X (N x m), references at 0
     weights : of the unknowns; each is measured as a velocity [m/s], displacements by a natural rate
     """
@@ -46,6 +47,7 @@ class Coordinates:
         self.names = tuple(self._name(i, reference.get(i)) for i in free)
         self.units = tuple(self._unit(i) for i in free)
         self.references = sorted(set(reference.values()))
+        self.reference = reference
         self.count, self._free = len(free), free
         self.one = np.eye(self.count)
         self._weigh(weights(scene, Doubles))

@@ -29,7 +29,7 @@ def _measured(case: Case) -> Numbers:
     run, settled = (simulate(case.with_values(changes), trust=False) for changes in (AS_LONG, SETTLED))
     capture = plain(judge_capture(run)) if case.two_blocks().has_motor else None
     return {
-        "drift": plain(measure_drift(run)),
+        "drift": plain(measure_drift(run, orbit_rates=judge_regime(run).drift_rates)),
         "overall": overall_rate(run),
         "impacts": int(run.attrs["impacts"]) + int(settled.attrs["impacts"]),
         "regime": _regime(settled),
