@@ -10,9 +10,13 @@ A hold (see `holds`) counts where it delays the motor by a factor of at least CA
 that is, where the vibration takes up at least 93 % of the driving torque; and where it lies at least FAR
 below the no-load speed, or NEAR a resonance. A motor that has settled above a resonance, under the load of a
 strong vibration, is neither.
+
+Whether a resonance was met is judged from the start of the run on: by the speed there, by means over single
+turns until there is a mean over TURNS turns, and then by these.
 """
 
 from dataclasses import dataclass, replace
+from math import floor
 
 import numpy as np
 
@@ -22,7 +26,7 @@ from vibsim.analysis.holds import BAND, DELAY, TURNS, Hold, holds_of, mean_speed
 from vibsim.analysis.resonances import Resonance, resonances
 from vibsim.analysis.span import Span, span_of
 from vibsim.analysis.verdicts import CaptureVerdict, name_verdict
-from vibsim.physics.parts import Scene
+from vibsim.physics.parts import Motor, Scene
 from vibsim.results.motion.closing_velocity import IMPACT_CODES
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
@@ -47,7 +51,7 @@ class Capture:
     final_speed_hz : mean over the last turns [Hz]
     no_load_speed_hz : Omega0 [Hz]
     holds : all stretches that delay the motor by a factor of at least 3
-    passages : when the mean speed last rose through each resonance that it ended well above
+    passages : when the speed last rose through each resonance that it ended well above
     """
 
     verdict: CaptureVerdict | str
@@ -68,7 +72,7 @@ class Capture:
 
 @dataclass(frozen=True)
 class Passage:
-    """Time [s] at which the mean speed last rose through a resonance."""
+    """Time [s] at which the speed last rose through a resonance."""
 
     resonance: Resonance
     time: float
@@ -96,7 +100,7 @@ def capture_of_turns(turn_times: np.ndarray, impact_times: np.ndarray, scene: Sc
         return Capture("undecided", f"{len(turn_times)} turns are too few to judge", span, no_load)
     times, speeds = mean_speeds(turn_times)
     holds = holds_of(times, speeds, motor)
-    passed = passages(times, speeds, scene)
+    passed = passages(*_from_start(turn_times, times, speeds, motor, span), scene)
     verdict, reason, hold = _verdict(holds, float(speeds[-1]), impact_times, scene, bool(passed))
     capture = Capture(
         verdict,
@@ -173,11 +177,35 @@ def all_resonances(scene: Scene) -> tuple[Resonance, ...]:
     return tuple(sorted(both, key=lambda one: one.hz))
 
 
+def _from_start(
+    turn_times: np.ndarray, times: np.ndarray, speeds: np.ndarray, motor: Motor, span: Span
+) -> tuple[np.ndarray, np.ndarray]:
+    """The mean speeds [Hz] at `times` [s], with the speeds before them where the span holds the start of the
+    run: that at the start itself, then the means over single turns, each in the middle of its turn.
+    """
+    if span.begin > 0:
+        return times, speeds
+    first = motor.phi / TURN
+    ends = turn_times[turn_times > 0][:TURNS]
+    edges = np.concatenate([[0.0], ends])
+    angles = np.concatenate([[first], floor(first) + 1 + np.arange(len(ends))])
+    middles, means = (edges[1:] + edges[:-1]) / 2, np.diff(angles) / np.diff(edges)
+    early = middles < times[0]
+    return (
+        np.concatenate([[0.0], middles[early], times]),
+        np.concatenate([[motor.phidot / TURN], means[early], speeds]),
+    )
+
+
 def passages(times: np.ndarray, speeds: np.ndarray, scene: Scene) -> tuple[Passage, ...]:
-    """When the mean speed last rose through each resonance that it ended well above."""
+    """When the speed [Hz] at `times` [s] last rose through each resonance that it ended well above, on the
+    line between two of these times.
+    """
     crossings = []
     for one in all_resonances(scene):
         below = np.flatnonzero(speeds < one.hz)
         if len(below) and speeds[-1] > one.hz * (1 + BAND):
-            crossings.append(Passage(one, float(times[below[-1] + 1])))
+            last = slice(int(below[-1]), int(below[-1]) + 2)
+            (begin, end), (low, high) = times[last].tolist(), speeds[last].tolist()
+            crossings.append(Passage(one, begin + (one.hz - low) / (high - low) * (end - begin)))
     return tuple(crossings)

@@ -40,7 +40,7 @@ class Drift:
 
     Attributes
     ----------
-    verdict : "forward", "backward", "none" (less than STILL) or "undecided"; that of the orbit where it is known
+    verdict : "forward", "backward", "none" (less than STILL) or "undecided"; by `orbit_rate` where known
     reason : in words
     span : transient left out
     of : column of the displacement of the body, such as "x2", or "centre"

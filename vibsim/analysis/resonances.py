@@ -18,11 +18,12 @@ class Resonance:
 def resonances(scene: Scene, impacting: bool) -> tuple[Resonance, ...]:
     """Where the vibration answers most, ascending; numbered where there are several of a kind.
 
-    Without impacts its natural frequencies f1, all stops open. With impacts, in the limit of large
-    amplitudes, the bilinear frequencies 2 f1 f2/(f1 + f2), f2 with all stops closed, and half of them:
-    superharmonic resonances, in which the bodies vibrate and strike twice in a turn of the rotor.
+    Without impacts, and with those on rigid stops alone, its natural frequencies f1, all stops open. With
+    impacts on elastic stops, in the limit of large amplitudes, the bilinear frequencies 2 f1 f2/(f1 + f2), f2
+    with all stops closed, and half of them: superharmonic resonances, in which the bodies vibrate and strike
+    twice in a turn of the rotor.
     """
-    if not (impacting and scene.has_stop):
+    if not (impacting and scene.elastic_stops):
         return _named("free", [rate / (2 * pi) for rate in natural_rates(scene)])
     bilinear = bilinear_frequencies(scene)
     frequencies = _named("half bilinear", [hz / 2 for hz in bilinear]) + _named("bilinear", bilinear)

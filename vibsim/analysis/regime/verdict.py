@@ -113,7 +113,7 @@ def _stored_orbit(result: Result, span: Span) -> Regime:
 
 
 def _shifts(result: Result, period: float) -> dict[str, float]:
-    """By body: how far the `period` [s] moves it, over the period [m/s]; exactly 0 where something holds it."""
+    """By body: how far the `period` [s] moves it, over the period [m/s]; 0 where something holds it."""
     scene = result.case.scene()
     both = result.at([0.0, period])
     free = {scene.bodies[body].name for one in drifting_sets(scene) for body in one.bodies}
