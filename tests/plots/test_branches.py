@@ -8,12 +8,14 @@ from tests.branches.test_backbone_bifurcations import trace, twins
 from tests.branches.test_families import STUCK
 from tests.plots.artists import clipped_texts, lines, points
 from vibsim import orbit
+from vibsim.analysis import judge_capture, judge_regime
 from vibsim.branches import continue_branch
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
 from vibsim.orbits.returns.start import case_on_orbit
 from vibsim.plots.branches.curves import MARKS, pieces
 from vibsim.plots.branches.leaps import dead_ends, leaps_of
+from vibsim.plots.branches.load_curve import LEAVES, NEAR, STAYS
 from vibsim.plots.branches.motor_lines import LoadCurve, crossings, torque_of
 from vibsim.plots.branches.over_sweep import belongs
 from vibsim.plots.branches.values import amplitude_of, mean_speed_of, parameter_of
@@ -118,6 +120,7 @@ def test_marks_are_told_apart_in_black_and_white(captured):
     looks = [(marker, filled) for marker, _, filled, _ in MARKS.values()]
     ours = {(one.get_marker(), one.get_markerfacecolor() != "white") for one in places}
     assert ours == {("o", True), ("o", False)}
+    assert len({(mark.fill, mark.face) for mark in (STAYS, NEAR, LEAVES)}) == 3
     assert len({*looks, *ours}) == len(MARKS) + 2 and len({marker for marker, _ in looks}) == len(MARKS)
     (fold,) = lines(figure, "fold")
     assert fold.get_marker() == MARKS["fold"][0]
@@ -230,6 +233,35 @@ def test_an_operating_point_stays_up_to_the_neimark_sacker_point_and_no_further(
     assert [place.stable for place in crossings(curve, 5.79400)] == [True, False]
     assert [place.stable for place in crossings(curve, 5.79405)] == [False, False]
     assert crossings(curve, 5.79410) == []
+
+
+@pytest.fixture(scope="module")
+def slow():
+    """Orbits of one turn about a no-load speed of 3 Hz, which double at 3.067 Hz."""
+    case = load_case("II-B", {"c": "0.03", "excitation.Omega0": "3.1 Hz"})
+    return continue_branch(orbit(case), "excitation.Omega0", "2.95:3.15 Hz")
+
+
+def test_a_motor_stays_where_its_orbit_is_only_doubled(slow):
+    """At 3 Hz the run settles on an orbit of two turns, with the mean speed of the unstable one to 1e-3."""
+    (place,) = crossings(LoadCurve(slow, Scale(1e3, "mN m")), 3.0)
+    assert (place.stable, place.stays) == (False, True)
+    settled = simulate(load_case("II-B", {"c": "0.03", "excitation.Omega0": "3 Hz"}), trust=False)
+    regime, capture = judge_regime(settled), judge_capture(settled)
+    assert (regime.verdict, regime.period) == ("periodic", 2)
+    assert capture.final_speed_hz == pytest.approx(place.speed, rel=1e-3)
+    figure = kind_named("load-curve").draw([Subject("s.h5", "s", "branch", slow.case, slow)], View())
+    looks = [one.get_fillstyle() for one in lines(figure, "operating point")]
+    assert set(looks) <= {STAYS.fill, NEAR.fill} and NEAR.fill in looks
+    assert LEAVES.face not in {one.get_markerfacecolor() for one in lines(figure, "operating point")}
+
+
+def test_a_motor_leaves_behind_a_fold_and_behind_the_loss_to_a_growing_beat(captured):
+    """5.5 Hz on the two sides of the fold; 5.79405 Hz between the Neimark-Sacker point and the fold."""
+    curve = LoadCurve(captured.result, Scale(1e3, "mN m"))
+    held, folded = crossings(curve, 5.5)
+    assert (held.stays, folded.stays) == (True, False)
+    assert [place.stays for place in crossings(curve, 5.79405)] == [False, False]
 
 
 def test_the_motor_leaps_along_its_line_from_where_captures_end(captured):

@@ -102,20 +102,19 @@ def _stored_orbit(result: Result, span: Span) -> Regime:
     multipliers = tuple(zip(real, imaginary, strict=True))
     period = result.attrs["orbit_period_s"]
     rates = exponents_of([complex(*pair) for pair in multipliers], period)
-    known = {
-        "multipliers": multipliers,
-        "exponents": tuple(rate if isfinite(rate) else None for rate in rates),
-        "drift_rates": _shifts(result, period),
-    }
+    numbers = tuple(rate if isfinite(rate) else None for rate in rates)
     n, kind = result.attrs["orbit_periods"], "a stable" if result.attrs["orbit_stable"] else "an unstable"
     reason = f"the file holds {kind} orbit"
-    return Regime("periodic", reason, span, n, n, 0.0, 0.0, **known)
+    return Regime(
+        "periodic", reason, span, n, n, 0.0, 0.0,
+        multipliers=multipliers, exponents=numbers, drift_rates=_shifts(result, period),
+    )  # fmt: skip
 
 
 def _shifts(result: Result, period: float) -> dict[str, float]:
     """By body: how far the `period` [s] moves it, over the period [m/s]; 0 where something holds it."""
     scene = result.case.scene()
-    both = result.at([0.0, period])
+    both = result.at(np.array([0.0, period]))
     free = {scene.bodies[body].name for one in drifting_sets(scene) for body in one.bodies}
     ends = {body.name: both[columns_of(body.name)[0]] for body in scene.bodies}
     return {name: float((x[1] - x[0]) / period) if name in free else 0.0 for name, x in ends.items()}

@@ -3,13 +3,15 @@
 Over a periodic orbit the rotor comes back to its speed, so the mean torque of the motor is the mean torque
 that the vibration takes; and as the motor's torque falls linearly with its speed, Eq. (2.8), that is
 M0 (1 - <phi'> / Omega0) with the mean speed <phi'> = 2 pi n / T. Where the line of a no-load speed meets the
-curve, the motor can run: at the solid parts it stays, from the dashed ones it leaves. Where a solid part ends
-and the curve turns back, the motor has to leave along its line.
+curve, the motor can run. On a solid part it stays. On a dashed one the orbit is unstable, and a run from
+beside it tells what the motor does: behind a doubling it mostly stays near, on the orbit of twice the period;
+behind a fold it leaves. Where the curve turns back, the motor has to leave along its line.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -37,6 +39,29 @@ from vibsim.plots.view import View
 
 HEIGHT_CM = 8.0
 LINES = 6  # of the motor, about
+
+
+class OperatingMark(NamedTuple):
+    """How a place at which the motor can run is drawn, by what the motor does there."""
+
+    label: str
+    size: float
+    fill: str
+    face: str
+
+    @property
+    def look(self) -> dict[str, Any]:
+        """Keywords of a line of matplotlib."""
+        return {
+            "color": BLACK, "linestyle": "none", "marker": "o", "markersize": self.size,
+            "fillstyle": self.fill, "markerfacecolor": self.face, "markerfacecoloralt": "white",
+            "markeredgecolor": BLACK, "markeredgewidth": 0.6,
+        }  # fmt: skip
+
+
+STAYS = OperatingMark("motor stays", 2.6, "full", BLACK)
+NEAR = OperatingMark("motor stays near", 4.4, "left", BLACK)
+LEAVES = OperatingMark("motor leaves", 4.2, "full", "white")
 MARKED = ("fold", "doubling", "neimark-sacker", "branch point", "corner")
 
 
@@ -102,21 +127,16 @@ def _round_speeds(curves: Sequence[LoadCurve]) -> list[float]:
 
 
 def _mark(axes: Axes, place: Crossing) -> None:
-    """A dot where the motor stays, a ring where it leaves; they nearly meet where a branch turns back."""
+    """What the motor does; a dot and a ring nearly meet where a branch turns back."""
+    mark = STAYS if place.stable else NEAR if place.stays else LEAVES
     axes.plot(
-        place.speed, place.torque, "o", markersize=2.6 if place.stable else 4.2,
-        markerfacecolor=BLACK if place.stable else "white", markeredgecolor=BLACK, markeredgewidth=0.6,
-        zorder=6.5 if place.stable else 6, gid="operating point",
-    )  # fmt: skip
+        place.speed, place.torque, zorder=6.5 if place.stable else 6, gid="operating point", **mark.look
+    )
 
 
 def _keys(leaps: bool) -> list[Line2D]:
     keys = [Line2D([], [], color=GREY, linewidth=0.5, label="motor (no-load Hz)")]
-    for label, face, size in (("motor stays", BLACK, 2.6), ("motor leaves", "white", 4.2)):
-        key = Line2D([], [], color=BLACK, marker="o", markersize=size, linestyle="none", label=label)
-        key.set_markerfacecolor(face)
-        key.set_markeredgewidth(0.6)
-        keys.append(key)
+    keys += [Line2D([], [], label=mark.label, **mark.look) for mark in (STAYS, NEAR, LEAVES)]
     if leaps:
         keys.append(Line2D([], [], color=VERMILLION, linewidth=1.2, label="held no longer"))
     return keys

@@ -11,12 +11,18 @@ import numpy as np
 from matplotlib.axes import Axes
 from scipy.optimize import brentq
 
+from vibsim.analysis.holds import BAND
 from vibsim.branches.course import Stretch, stretches
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.orbits.returns.start import placed
 from vibsim.plots.branches.values import Value, mean_speed_of, parameter_of
 from vibsim.plots.motion.natural_frequencies import motor_of
 from vibsim.plots.page.quantities import Scale
 from vibsim.plots.style import GREY, points
 
+RUN = 3000  # periods of an orbit that a motor has to stay or leave
+ASIDE = 1e-3  # by which share the velocities are off the orbit at the start of that run
+MULTIPLIER = 1e-6  # rounding of a multiplier
 FONT_SIZE = 6.5
 PLACES = 120  # on a line that are tried for its name
 CLEAR_PT, LEAST_PT = 14.0, 5.0  # between a name and a curve or the frame: enough, and the least
@@ -56,11 +62,48 @@ class LoadCurve:
 
 @dataclass(frozen=True)
 class Crossing:
-    """Where a line of the motor meets a load curve: mean speed [Hz], torque as drawn."""
+    """Where a line of the motor meets a load curve: mean speed [Hz], torque as drawn, the orbit there."""
 
-    speed: float
-    torque: float
-    stable: bool
+    curve: LoadCurve
+    stretch: Stretch
+    orbit: Any
+
+    @property
+    def speed(self) -> float:
+        return self.curve.speed(self.orbit)
+
+    @property
+    def torque(self) -> float:
+        return self.curve.torque(self.orbit)
+
+    @property
+    def stable(self) -> bool:
+        """Whether the orbit is."""
+        return self.stretch.stable
+
+    @cached_property
+    def stays(self) -> bool:
+        """Whether the motor keeps its mean speed: on the orbit where that is stable; on a motion near it, as
+        on one of twice the period, where a run from beside the orbit ends within 3 % of its speed. Where
+        disturbances grow without turning round (a real multiplier above 1: behind a fold) it leaves.
+        """
+        return self.stable or not (self._is_saddle() or self._departs())
+
+    def _is_saddle(self) -> bool:
+        ends = (self.stretch.one, self.stretch.other)
+        multipliers = [mu for end in ends for mu in end.multipliers]
+        return any(mu.imag == 0 and mu.real > 1 + MULTIPLIER for mu in multipliers)
+
+    def _departs(self) -> bool:
+        """Whether a run that starts beside the orbit ends with another mean speed."""
+        family = self.curve.branch.plan.family()
+        state = family.map(self.orbit.parameter).coordinates.state(np.array(self.orbit.state))
+        beside = {name: x * (1 + ASIDE) if name[0] == "v" else x for name, x in state.items()}
+        scene = placed(family.at(self.orbit.parameter).scene(), beside, RUN * self.orbit.period)
+        trajectory = open_trajectory(scene.without_samples(), section=True)
+        times = np.concatenate([block.section["time"] for block in trajectory.blocks()])
+        late = times[len(times) // 2 :]
+        return len(late) < 2 or abs((len(late) - 1) / (late[-1] - late[0]) / self.speed - 1) > BAND
 
 
 def crossings(curve: LoadCurve, no_load: float) -> list[Crossing]:
@@ -69,8 +112,7 @@ def crossings(curve: LoadCurve, no_load: float) -> list[Crossing]:
     for stretch in curve.stretches:
         share = _share(parameter_of(curve.branch), stretch, no_load)
         if share is not None:
-            orbit = stretch.at(share)
-            met.append(Crossing(curve.speed(orbit), curve.torque(orbit), stretch.stable))
+            met.append(Crossing(curve, stretch, stretch.at(share)))
     return met
 
 

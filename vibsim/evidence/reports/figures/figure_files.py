@@ -76,7 +76,8 @@ def write_load_curves(branches: Mapping[str, Branch], folder: Path, formats: Seq
         "Load curves",
         "Fig. 4 completed: mean torque that the vibration takes against the mean speed, along the branch of "
         "orbits of one turn, for the motor as printed and for the reading; grey: the motors of 3.5, 5.5 and "
-        "6.5 Hz. Where a line meets a solid part the motor stays, where it meets a dashed one it leaves.",
+        "6.5 Hz. Dots: the motor stays there; half dots: it stays near, though that orbit is unstable; "
+        "rings: it leaves.",
         "Two curves that rise steeply near 3.7 Hz and turn back. That of the printed motor turns back far "
         "below the lines of 5.5 and 6.5 Hz; that of the reading reaches just above the line of 5.5 Hz.",
     )
