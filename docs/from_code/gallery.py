@@ -1,4 +1,4 @@
-"""The gallery's pages: every case is run and drawn while the site is built, and its number measured."""
+"""The gallery's pages: every case is run and drawn while the site is built, and its numbers measured."""
 
 import re
 from collections.abc import Callable
@@ -16,8 +16,10 @@ from vibsim.plots.view import View
 HEAD = """# Gallery
 
 Models of the literature and of mechanics, each run while this site was built. A page has the source, the
-case, the picture of a run, and what was published or follows from a law beside what this run measured; the
-build fails where the two differ by more than the bound that the page states.
+case, the picture of a run, and a number that this run measured beside what it must be; the build fails where
+the two differ by more than the bound that the page states. What it must be is of one of four kinds: a formula
+that the cited publication states, a closed form of mechanics, what an independent solver found at the
+parameters of the source, or, where no number comes from elsewhere, a law of conservation.
 
 """
 Write = Callable[[Path, str], None]
@@ -53,12 +55,13 @@ def _index(cases: list[Case], measured: dict[str, list[tuple[Number, float]]]) -
             f"[{plain(case.name)}]({case.name}.md)",
             plain(case.title),
             "; ".join(f"{plain(number.what)}: {agreement(number, value)}" for number, value in rows),
+            "; ".join(dict.fromkeys(number.kind.value for number, _ in rows)),
         )
         for case, rows in ((case, measured[case.name]) for case in cases)
     ]
     names = "\n".join(case.name for case in cases)
     contents = f"```{{toctree}}\n:hidden:\n\n{names}\n```\n"
-    return HEAD + table(("case", "", "published and ours agree"), lines) + "\n" + contents
+    return HEAD + table(("case", "", "agreement with what it must be", "which is"), lines) + "\n" + contents
 
 
 def _page(case: Case, measured: list[tuple[Number, float]]) -> str:
@@ -91,11 +94,11 @@ def _numbers(measured: list[tuple[Number, float]]) -> str:
     rows = [
         (
             plain(number.what),
-            code(f"{number.published:.14g} {number.unit}".strip()),
+            code(f"{number.expected:.14g} {number.unit}".strip()),
             code(f"{value:.14g} {number.unit}".strip()),
             f"{agreement(number, value)}; bound "
             f"{plain(f'{number.within:g} {number.unit}')}: {number.because}",
-            plain(number.origin),
+            f"{number.kind.value}: {plain(number.origin)}",
         )
         for number, value in measured
     ]

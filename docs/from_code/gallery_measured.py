@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from enum import Enum
 from functools import partial
 from math import acos, atan2, pi, sin, sqrt
 
@@ -14,6 +15,15 @@ G = 9.81
 Run = Callable[..., Result]
 
 
+class Kind(str, Enum):
+    """What a number of ours is held against."""
+
+    PUBLISHED = "published formula"  # the origin cites where
+    CLOSED_FORM = "closed form"  # of mechanics, worked out here
+    INDEPENDENT = "independent solver"  # another program, at the parameters of the source
+    NONE = "no number from elsewhere"  # ours must keep a law of conservation, and no more
+
+
 @dataclass(frozen=True)
 class Number:
     """One number of a case.
@@ -21,14 +31,16 @@ class Number:
     Attributes
     ----------
     what : the quantity, in words
-    published : its value, in `unit`
+    kind : what the expected value is
+    expected : that value, in `unit`
     origin : who says so, or from which law it follows
     ours : measures it; gets a function that runs the case with changes, such as run({"run.t_end": "500 s"})
     within : by how much the two may differ, in `unit`, and `because` what
     """
 
     what: str
-    published: float
+    kind: Kind
+    expected: float
     unit: str
     origin: str
     ours: Callable[[Run], float]
@@ -38,8 +50,8 @@ class Number:
     def measured(self, name: str) -> float:
         """Our value in a run of the case `gallery/NAME`. Raises ArithmeticError where it is off."""
         value = float(self.ours(partial(run_case, name)))
-        if not abs(value - self.published) <= self.within:
-            raise ArithmeticError(f"gallery/{name}: {self.what}: {value!r}, published {self.published!r}")
+        if not abs(value - self.expected) <= self.within:
+            raise ArithmeticError(f"gallery/{name}: {self.what}: {value!r}, expected {self.expected!r}")
         return value
 
 
