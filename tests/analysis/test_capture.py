@@ -92,6 +92,13 @@ def test_a_hold_far_from_any_resonance_is_a_capture_too():
     assert (found.verdict, found.resonance) == ("captured", None)
 
 
+def test_a_motor_settles_at_its_final_speed():
+    """One number: the mean over the last turns, and what that lies below the no-load speed."""
+    found = judge_capture(short_run("II-C", "300 s"))
+    below = 100 * (1 - found.final_speed_hz / 6.5)
+    assert f"settled at {found.final_speed_hz:.3g} Hz, {below:.2g} % below no-load speed" in found.reason
+
+
 def test_a_motor_settled_under_load_above_the_resonance_has_passed():
     found = judged(held(4.98)[1], 200.0, IMPACTS)
     assert found.verdict == "passed"

@@ -1,6 +1,7 @@
 """The history of the budgets, and the page that is made from it."""
 
 import json
+import re
 from datetime import datetime, timezone
 
 import pytest
@@ -9,8 +10,10 @@ from from_code.benchmarks import HISTORY as STORED
 from from_code.benchmarks import NONE_YET, page
 from tests.budgets.history import HISTORY, append, commit, run_of, runs_in
 from tests.budgets.row import Row
+from tests.docs.pages import DOCS
 
 NOON = datetime(2026, 3, 1, 12, tzinfo=timezone.utc)
+MOTORS = ("II-A", "II-B", "II-C")
 ROWS = [
     Row("engine, I-A", "ms", 10.0, [9.0, 8.0, 9.5]),
     Row("DOP853 | vibsim", "x", 500.0, [400.0], at_least=True),
@@ -75,3 +78,16 @@ def test_a_page_without_runs(tmp_path):
 def test_the_stored_history_is_the_one_that_is_shown():
     assert STORED.resolve() == HISTORY and isinstance(runs_in(), list)
     assert page().startswith("# Benchmarks")
+
+
+def test_pages_say_of_heyoka_what_the_latest_stored_run_with_it_measured():
+    """Times of whole runs against vibsim's, to a tenth; the pages have no other number for it."""
+    stored = [{budget["name"]: budget["median"] for budget in run["budgets"]} for run in runs_in(STORED)]
+    latest = [run for run in stored if "II-B, vibsim / heyoka.py, 60,001 samples" in run][-1]
+    times = {name: f"{1 / latest[f'{name}, vibsim / heyoka.py, 60,001 samples']:.1f}" for name in MOTORS}
+    speed, comparison = ((DOCS / page).read_text(encoding="utf-8") for page in ("speed.md", "comparison.md"))
+    rows = re.findall(r"^\| (II-.), .* heyoka\.py.*: ([\d.]+) times", speed, flags=re.MULTILINE)
+    assert dict(rows) == times
+    for text in (speed, comparison):
+        said = re.findall(r"heyoka\.py[^.;|]{0,40}? ([\d.]+) times", text.partition("\n| II-A")[0])
+        assert said == [times["II-B"]]

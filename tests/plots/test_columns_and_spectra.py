@@ -111,7 +111,7 @@ def test_two_columns_of_events_and_of_a_sweep(runs, sweep):
         (["--size", "1x999"], "each 3 to 120 cm"),
         (["--size", "9x9", "--width", "page"], "--size and --width say the same"),
         (["--font-size", "nan"], "is no finite number"),
-        (["--style", "no.mplstyle"], "no.mplstyle: no such file, and matplotlib has no style"),
+        (["--style", "no.mplstyle"], "no.mplstyle: must be a file, or a style of matplotlib"),
     ],
 )
 def test_what_cannot_be_drawn_is_named(runs, words, message, tmp_path, monkeypatch):

@@ -152,7 +152,7 @@ def test_sheets_sizes_and_fonts(runs, tmp_path):
     with Image.open(tmp_path / "a.png") as picture:
         assert picture.size == (int(12 / 2.54 * 300), int(9 / 2.54 * 300))
         assert picture.getpixel((2, 2)) == (255, 255, 224)
-    with pytest.raises(PlotError, match="no such file, and matplotlib has no style of that name"):
+    with pytest.raises(PlotError, match="must be a file, or a style of matplotlib such as ggplot"):
         draw_files([runs["motor"]], ["relative"], View(), str(tmp_path / "b.png"), sheet="none.mplstyle")
     assert not (tmp_path / "b.png").exists()
 

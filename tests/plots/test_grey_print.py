@@ -37,14 +37,14 @@ def test_areas_differ_in_grey_or_in_their_hatches(kind):
 def test_hatches_lie_on_the_cells_of_their_class(tmp_path):
     case = load_case("II-B", {"run.t_end": "1 s"})
     path = str(tmp_path / "a.h5")
-    sweep(case, {"Omega0": "5, 5.5, 6 Hz", "c": "0.01, 0.02, 0.05"}, out=path)
+    sweep(case, {"Omega0": "5, 5.5, 6 Hz", "c": "0.01, 0.02, 0.03"}, out=path)
     classes = np.array([[0, 2, 6], [2, 5, np.nan], [0, 1, 6]], dtype=float)  # rows are dampings
     axes = Figure().subplots()
     lay_classes(axes, plane_of(open_subject(path)), classes, regime.SHADES, "regime")
     hatched = {patch.get_gid(): patch for patch in axes.patches}
     expected = {code: f"hatch {regime.SHADES[code].name}" for code in (2, 5, 6)}
     assert set(hatched) == set(expected.values())
-    edges = [4.75, 5.25, 5.75, 6.25], [0.005, 0.015, 0.035, 0.065]
+    edges = [4.75, 5.25, 5.75, 6.25], [0.005, 0.015, 0.025, 0.035]
     for code, name in expected.items():
         patch = hatched[name]
         assert patch.get_hatch() == regime.SHADES[code].hatch

@@ -83,18 +83,23 @@ def test_a_single_motor_constant_is_not_drawn_along(paths):
 
 
 def test_cells_do_not_reach_below_zero(paths):
-    _, up = plane_of(open_subject(paths["fractions"])).edges()
-    assert up[0] == 0.0 and (np.diff(up) > 0).all()
+    _, up = plane_of(open_subject(paths["fractions"])).spans()
+    assert up[0, 0] == 0.0 and (np.diff(up) > 0).all()
+    np.testing.assert_array_equal(up[1:, 0], up[:-1, 1])  # even values touch
 
 
-def test_classes_of_speeds_share_the_points_and_part_at_gaps():
-    near = np.linspace(3.60, 3.68, 161)
-    edges = speed_classes(np.concatenate([near, [4.9, 5.5]]))
-    counts, _ = np.histogram(near, edges)
-    assert (counts > 0).sum() >= 8 and counts.max() <= 161 / 8 + 4  # on a linear scale: one class
-    assert any(3.7 < edge < 4.9 for edge in edges)
-    assert len(speed_classes(np.array([3.6, 3.6]))) == 2
-    assert len(speed_classes(np.empty(0))) == 2
+def test_equal_steps_of_colour_are_equal_steps_of_speed():
+    """Most are held about one resonance: its range has the steps, what lies beyond has the end's colour."""
+    near = np.linspace(3.601, 3.679, 161)
+    edges, extend = speed_classes(np.concatenate([near, [4.9, 5.5]]))
+    steps = np.diff(edges)
+    assert len(steps) >= 5 and np.ptp(steps) < 1e-12
+    assert extend == "max" and edges[0] <= 3.605 and 3.675 <= edges[-1] < 4.9
+    for speeds, low, high in ((near, 3.601, 3.679), (np.array([3.6, 3.6]), 3.6, 3.6), (np.empty(0), 0, 1)):
+        edges, extend = speed_classes(speeds)
+        assert (
+            extend == "neither" and edges[0] <= low and edges[-1] >= high and np.ptp(np.diff(edges)) < 1e-12
+        )
 
 
 @pytest.mark.parametrize("kind", ["sommerfeld", "amplitude"])

@@ -47,6 +47,13 @@ def mesh(axes, gid):
     return found
 
 
+def cells(found, across=(3, 4, 6), up=(0.01, 0.02)):
+    """What a map shows at the points of the grid, as rows of the picture."""
+    corners = found.get_coordinates()
+    x, y = corners[0, :, 0], corners[:, 0, 1]
+    return found.get_array()[np.ix_(np.searchsorted(y, up) - 1, np.searchsorted(x, across) - 1)]
+
+
 def legend(figure):
     return [text.get_text() for text in figure.legends[0].get_texts()]
 
@@ -69,21 +76,34 @@ def test_a_map_without_capture_says_so(grid, none_held):
 def test_verdicts_on_capture(grid, width):
     figure = draw("capture", grid, width)
     classes = mesh(figure.axes[0], "capture")
-    np.testing.assert_array_equal(classes.get_array(), VERDICTS.T)
+    np.testing.assert_array_equal(cells(classes), VERDICTS.T)
     assert legend(figure) == ["not met (1)", "passed (1)", "escaped (1)", "captured (3)"]
 
 
-def test_cells_lie_about_their_points(grid):
+def test_cells_claim_no_area_between_values_that_are_far_apart(grid):
+    """3, 4 and 6 Hz, and two dampings: cells of a tenth of the whole, and nothing in between or beyond."""
     axes = draw("capture", grid).axes[0]
-    corners = mesh(axes, "capture").get_coordinates()
-    np.testing.assert_allclose(corners[0, :, 0], [2.5, 3.5, 5, 7])  # between and beyond 3, 4, 6 Hz
-    np.testing.assert_allclose(corners[:, 0, 1], [0.005, 0.015, 0.025])
-    assert (axes.get_xlim(), axes.get_ylim()) == ((2.5, 7), pytest.approx((0.005, 0.025)))
+    found = mesh(axes, "capture")
+    corners = found.get_coordinates()
+    np.testing.assert_allclose(corners[0, :, 0], [2.85, 3.15, 3.85, 4.15, 5.85, 6.15])
+    np.testing.assert_allclose(corners[:, 0, 1], [0.0095, 0.0105, 0.0195, 0.0205])
+    blank = np.ma.getmaskarray(found.get_array())
+    assert blank[1].all() and blank[:, [1, 3]].all() and blank.sum() == 9
+    assert (axes.get_xlim(), axes.get_ylim()) == ((2.85, 6.15), pytest.approx((0.0095, 0.0205)))
     assert "Omega_0" in axes.get_xlabel() and axes.get_ylabel() == "Damping $c$ (N s/m)"
 
 
+def test_cells_of_even_values_touch(tmp_path):
+    case = load_case("II-B", {"run.t_end": "1 s"})
+    sweep(case, {"Omega0": "3:5:1 Hz", "c": "0.001:0.003/3"}, out=tmp_path / "even.h5", compute=["regime"])
+    axes = draw("regime", str(tmp_path / "even.h5")).axes[0]
+    corners = mesh(axes, "regime").get_coordinates()
+    np.testing.assert_allclose(corners[0, :, 0], [2.5, 3.5, 4.5, 5.5])  # between and beyond
+    np.testing.assert_allclose(corners[:, 0, 1], [0.0005, 0.0015, 0.0025, 0.0035])
+
+
 def test_speed_only_where_the_motor_was_held(grid):
-    speeds = mesh(draw("capture", grid).axes[1], "capture_speed").get_array()
+    speeds = cells(mesh(draw("capture", grid).axes[1], "capture_speed"))
     held = np.isin(VERDICTS, [CAPTURED, ESCAPED]).T
     np.testing.assert_array_equal(~np.ma.getmaskarray(speeds), held)
     np.testing.assert_array_equal(speeds[held], SPEEDS.T[held])
@@ -91,7 +111,7 @@ def test_speed_only_where_the_motor_was_held(grid):
 
 def test_regimes_by_their_period(grid):
     figure = draw("regime", grid, "column")
-    classes = mesh(figure.axes[0], "regime").get_array()
+    classes = cells(mesh(figure.axes[0], "regime"))
     names = ["period 1", "period 2", "period 3", "period 4", "longer period", "quasi-periodic", "chaotic"]
     shown = [[[*names, "transient"][int(code)] for code in row] for row in classes]
     assert shown == [["period 1", "longer period", "transient"], ["period 2", "chaotic", "period 4"]]
@@ -105,7 +125,7 @@ def test_what_is_missing_stays_blank_and_is_said(grid, tmp_path):
         for name in ("capture", "capture_speed"):
             file[name][0, 0, 0] = file[name][2, 1, 0] = np.nan
     figure = draw("capture", str(path))
-    blank = np.ma.getmaskarray(mesh(figure.axes[0], "capture").get_array())
+    blank = np.ma.getmaskarray(cells(mesh(figure.axes[0], "capture")))
     np.testing.assert_array_equal(blank, [[True, False, False], [False, False, True]])
     assert figure.axes[1].get_title(loc="right") == "1 not computed yet, 1 failed"
 
@@ -131,7 +151,7 @@ def test_a_window_in_the_unit_of_the_axis(grid):
     for kind in ("capture", "regime"):
         figure = kind_named(kind).draw([open_subject(grid)], View(window=(3.5, 5)))
         assert figure.axes[0].get_xlim() == (3.5, 5)
-        with pytest.raises(PlotError, match=r"the window 8:9 lies outside the sweep, 2\.5 to 7"):
+        with pytest.raises(PlotError, match=r"the window 8:9 lies outside the sweep, 2\.85 to 6\.15"):
             kind_named(kind).draw([open_subject(grid)], View(window=(8, 9)))
 
 
@@ -153,7 +173,8 @@ def test_up_and_down_have_a_map_each(tmp_path):
         file["regime"][..., 0], file["regime"][..., 1] = CHAOTIC, TRANSIENT
     up, down = draw("regime", str(tmp_path / "both.h5")).axes
     assert (up.get_title(loc="left"), down.get_title(loc="left")) == ("up", "down")
-    assert set(mesh(up, "regime").get_array().ravel()) != set(mesh(down, "regime").get_array().ravel())
+    shown = [cells(mesh(axes, "regime"), (3, 4), (0.01, 0.02, 0.03)) for axes in (up, down)]
+    assert len({int(code) for each in shown for code in each.ravel()}) == 2
 
 
 def test_values_by_ratio_have_cells_by_ratio(tmp_path):

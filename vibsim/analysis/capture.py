@@ -133,12 +133,19 @@ def _verdict(
         return "undecided", f"the speed is still changing at the end, at {final:.3g} Hz", None
     if last.below_no_load >= FAR:
         return "undecided", f"the run ends while the motor lingers, {_evidence(last)}", last
-    return _settled(holds, last, scene, passed)
+    return _settled(holds, last, final, scene, passed)
 
 
-def _settled(holds: list[Hold], last: Hold, scene: Scene, passed: bool) -> tuple[str, str, Hold | None]:
-    """Verdict on a motor that ends near its no-load speed without having been captured."""
-    settled = f"settled at {last.speed_hz:.3g} Hz, {100 * last.below_no_load:.2g} % below no-load speed"
+def _settled(
+    holds: list[Hold], last: Hold, final: float, scene: Scene, passed: bool
+) -> tuple[str, str, Hold | None]:
+    """Verdict on a motor that ends near its no-load speed without having been captured.
+
+    final : the speed over the last turns [Hz], as `Capture.final_speed_hz` has it
+    """
+    assert scene.motor is not None
+    below = 1 - final / (scene.motor.Omega0 / TURN)
+    settled = f"settled at {final:.3g} Hz, {100 * below:.2g} % below no-load speed"
     if not passed:
         near = [f", near {one.name} {one.hz:.3g} Hz" for one in all_resonances(scene) if is_near(last, one)]
         return "not met", settled + "".join(near), None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from vibsim.plots.page.quantities import rounded
 from vibsim.plots.page.sheet import say_inside
@@ -20,9 +21,9 @@ COLOURS = {
     "undecided": VERMILLION, "not met": "0.93", "passed": PALE, "escaped": ORANGE, "captured": BLUE,
 }  # fmt: skip
 SHADES = [Shade(name, COLOURS[name]) for name in VERDICTS]
-CLASSES = 8  # of speeds
-WIDE_GAP = 0.15  # of the range of the speeds
-SPEED_DECIMALS, FINEST = 3, 1e-3  # [Hz]
+CLASSES = 8  # of speeds, at most
+MOST, WIDE = 0.9, 1.5  # share of the speeds that has classes; all have where they go little further
+FINEST = 1e-3  # [Hz]
 HELD = [VERDICTS["captured"], VERDICTS["escaped"]]
 
 
@@ -35,14 +36,15 @@ def draw_map(subject: Subject, view: View) -> Figure:
     speeds = np.where(np.isin(verdicts, HELD), result["capture_speed"], np.nan)
     for d in range(len(directions)):
         lay_classes(grid[2 * d], plane, plane.grid(verdicts, d), SHADES, "capture")
-        cells, edges = plane.grid(speeds, d), speed_classes(speeds[~np.isnan(speeds)])
-        norm = BoundaryNorm(edges, 256)
+        cells, known = plane.grid(speeds, d), speeds[~np.isnan(speeds)]
+        edges, extend = speed_classes(known)
+        norm = BoundaryNorm(edges, 256, extend=extend)
         held = plane.lay(grid[2 * d + 1], cells, cmap="viridis", norm=norm, gid="capture_speed")
         if np.isnan(cells).all():
             say_inside(grid[2 * d + 1], "no motor was captured")
             continue
         bar = figure.colorbar(
-            held, ax=grid[2 * d + 1], label="Mean speed while held (Hz)", pad=0.02, aspect=30, ticks=edges
+            held, ax=grid[2 * d + 1], label=_speed_label(known, extend), pad=0.02, aspect=30, ticks=edges
         )
         bar.ax.set_yticklabels(rounded(edges.tolist()))
         bar.ax.minorticks_off()
@@ -50,19 +52,27 @@ def draw_map(subject: Subject, view: View) -> Figure:
     return figure
 
 
-def speed_classes(speeds: np.ndarray) -> np.ndarray:
-    """Edges of classes of speeds [Hz] that hold equal numbers of the points; a wide gap parts classes too.
+def speed_classes(speeds: np.ndarray) -> tuple[np.ndarray, str]:
+    """Edges of classes of speeds [Hz], a round step apart, and at which ends speeds lie beyond: "neither",
+    "min", "max" or "both", as matplotlib has it.
 
-    Most motors are held within a tenth of a hertz of one resonance, and some at others far off: on a linear
-    scale nearly all would have one colour.
+    Most motors are held within a tenth of a hertz of one resonance, and some at others far off. Equal steps
+    of colour are equal steps of speed over MOST of the speeds; what lies beyond has the colours of the ends.
     """
     if not speeds.size:
-        return np.array([0.0, 1.0])
-    ordered = np.sort(speeds)
-    gaps = np.flatnonzero(np.diff(ordered) > WIDE_GAP * max(np.ptp(ordered), FINEST))
-    edges = [
-        *np.quantile(ordered, np.linspace(0, 1, CLASSES + 1)),
-        *((ordered[gaps] + ordered[gaps + 1]) / 2),
-    ]
-    distinct = np.unique(np.round(edges, SPEED_DECIMALS))
-    return distinct if len(distinct) > 1 else distinct[0] + np.array([-FINEST, FINEST])
+        return np.array([0.0, 1.0]), "neither"
+    low, high = np.quantile(speeds, [(1 - MOST) / 2, (1 + MOST) / 2])
+    wide = max(high - low, FINEST)
+    if np.ptp(speeds) <= WIDE * wide:
+        low, high = speeds.min(), speeds.max()
+    edges = MaxNLocator(CLASSES, steps=[1, 2, 2.5, 5, 10]).tick_values(low, max(high, low + FINEST))
+    below, above = bool(speeds.min() < edges[0]), bool(speeds.max() > edges[-1])
+    return edges, {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}[below, above]
+
+
+def _speed_label(speeds: np.ndarray, extend: str) -> str:
+    """What the bar shows, and how far speeds go beyond it."""
+    if extend == "neither":
+        return "Mean speed while held (Hz)"
+    least, greatest = rounded([float(speeds.min()), float(speeds.max())])
+    return f"Mean speed while held (Hz), {least} to {greatest}"

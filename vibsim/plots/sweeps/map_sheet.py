@@ -26,10 +26,10 @@ def map_sheet(plane: Plane, each: int, view: View) -> tuple[Figure, np.ndarray]:
     rows = -(-count // columns)
     figure = sheet(view, min(PANEL_CM, (PAGE_CM - NAMES_CM) / rows) * rows + NAMES_CM)
     grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
-    x, y = plane.edges()
+    x, y = plane.spans()
     for which in plane.by_ratio:
         draw_by_ratio(grid[0, 0], which)
-    grid[0, 0].set(xlim=shown(x[0], x[-1], view), ylim=(y[0], y[-1]))
+    grid[0, 0].set(xlim=shown(x[0, 0], x[-1, 1], view), ylim=(y[0, 0], y[-1, 1]))
     finish(grid, count, *plane.labels())
     panels = grid.ravel()[:count]
     for i, axes in enumerate(panels):

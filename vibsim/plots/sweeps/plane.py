@@ -12,6 +12,12 @@ from vibsim.plots.subject import Subject
 from vibsim.plots.sweeps.axes import along, ascending, draws_by_ratio, label_of, numbers
 from vibsim.sweeps.statistics.columns import FAILED, MISSING
 
+EVEN = 1e-6  # of the greatest distance between values: rounding of evenly spaced ones
+NARROW, LEAST = (
+    0.1,
+    0.01,
+)  # widths of a cell of uneven values, relative to all that is drawn: most, half of the least
+
 
 @dataclass(frozen=True)
 class Plane:
@@ -43,14 +49,17 @@ class Plane:
         return directions if result.plan.carry else directions[:1]
 
     def lay(self, axes: Axes, cells: np.ndarray, **look: Any) -> Any:
-        """Draw cells (n_up, n_across), each about its point; what has no value stays blank."""
-        return axes.pcolormesh(
-            *self.edges(), np.ma.masked_invalid(cells), zorder=0.5, rasterized=True, **look
-        )
+        """Draw cells (n_up, n_across), each about its point; what has no value, and what lies between values
+        that are far apart, stays blank.
+        """
+        (x, i), (y, k) = (_with_blanks(spans) for spans in self.spans())
+        laid = np.full((len(y) - 1, len(x) - 1), np.nan)
+        laid[np.ix_(k, i)] = cells
+        return axes.pcolormesh(x, y, np.ma.masked_invalid(laid), zorder=0.5, rasterized=True, **look)
 
-    def edges(self) -> tuple[np.ndarray, np.ndarray]:
-        """Edges of the cells across (n_across + 1) and up (n_up + 1)."""
-        across, up = (cell_edges(self.subject.result.axes[i]) for i in (self.across, self.up))
+    def spans(self) -> tuple[np.ndarray, np.ndarray]:
+        """From where to where the cells reach, across (n_across, 2) and up (n_up, 2)."""
+        across, up = (cell_spans(self.subject.result.axes[i]) for i in (self.across, self.up))
         return across, up
 
     @property
@@ -81,17 +90,41 @@ def missing_note(subject: Subject) -> str:
     return ", ".join(f"{count} {words}" for words, count in counts.items() if count)
 
 
-def cell_edges(axis: Any) -> np.ndarray:
-    """Edges (n + 1) of cells about the values of an axis; by ratio where its values are."""
-    centres = np.sort(numbers(axis))
-    return np.exp(_edges(np.log(centres), below_zero=True)) if draws_by_ratio(axis) else _edges(centres)
+def cell_spans(axis: Any) -> np.ndarray:
+    """From where to where cells about the ascending values of an axis reach (n, 2).
 
-
-def _edges(centres: np.ndarray, below_zero: bool = False) -> np.ndarray:
-    """Edges (n + 1) of cells about ascending points (n): half way between, and as far beyond the ends.
-
-    Cells of what is nowhere negative begin at 0 at the least, no damping below none, unless `below_zero`.
+    Evenly spaced values, three or more, have cells that touch half way between them; by ratio where the axis
+    is. Of others nothing is known in between: a cell reaches no further than half way, nor than half of the
+    median distance or than NARROW of the whole. Cells of what is nowhere negative begin at 0 at the least.
     """
-    middle = (centres[:-1] + centres[1:]) / 2
-    first, last = 2 * centres[0] - middle[0], 2 * centres[-1] - middle[-1]
-    return np.concatenate([[first if below_zero or centres[0] < 0 else max(first, 0.0)], middle, [last]])
+    centres = np.sort(numbers(axis))
+    if draws_by_ratio(axis):
+        return np.exp(_about(np.log(centres), np.inf))
+    gaps = np.diff(centres)
+    even = len(gaps) > 1 and np.ptp(gaps) <= EVEN * gaps.max()
+    whole = float(np.ptp(centres))
+    spans = _about(
+        centres, np.inf if even else max(min(float(np.median(gaps)), NARROW * whole) / 2, LEAST * whole)
+    )
+    return spans if centres[0] < 0 else np.maximum(spans, 0.0)
+
+
+def _about(centres: np.ndarray, most: float) -> np.ndarray:
+    """Spans (n, 2) about ascending points (n): half way to their neighbours, and `most` at the most."""
+    gaps = np.diff(centres)
+    below, above = np.concatenate([gaps[:1], gaps]) / 2, np.concatenate([gaps, gaps[-1:]]) / 2
+    middles = (centres[:-1] + centres[1:]) / 2
+    low = np.concatenate([[centres[0] - below[0]], middles])
+    high = np.concatenate([middles, [centres[-1] + above[-1]]])
+    return np.column_stack([np.maximum(low, centres - most), np.minimum(high, centres + most)])
+
+
+def _with_blanks(spans: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Edges (m + 1) of the cells of `spans` (n, 2) and of blanks between them; positions (n) of the cells."""
+    edges, places = [float(spans[0, 0])], []
+    for low, high in spans.tolist():
+        if low > edges[-1]:
+            edges.append(low)
+        places.append(len(edges) - 1)
+        edges.append(high)
+    return np.array(edges), np.array(places)

@@ -52,9 +52,11 @@ def lay_classes(axes: Axes, plane: Plane, classes: np.ndarray, shades: Sequence[
 
 
 def _hatch(axes: Axes, plane: Plane, cells: np.ndarray, shade: Shade) -> None:
-    x, y = plane.edges()
-    boxes = [Path([(x[i], y[k]), (x[i + 1], y[k]), (x[i + 1], y[k + 1]), (x[i], y[k + 1]), (x[i], y[k])])
-             for k, i in np.argwhere(cells)]  # fmt: skip
+    x, y = plane.spans()
+    boxes = [
+        Path([(x[i, a], y[k, b]) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1), (0, 0))])
+        for k, i in np.argwhere(cells)
+    ]
     look: dict[str, Any] = {
         "facecolor": "none",
         "edgecolor": HATCHES,
