@@ -157,7 +157,7 @@ def test_the_gradient_of_the_energy(tmp_path):
         (["I-A", "--energy", "1"], 2, "is not FROM:TO with an optional unit"),
         (["I-A", "--energy", "2:1 J"], 2, "energies must be above 0 and the first the lesser"),
         ([*FREE_WORDS, "x1=1mm", "--energy", "1:2"], 2, "the start has an energy of 0.0001 J, outside"),
-        ([*FREE_WORDS, "x1=0mm", "--energy", "1:2"], 4, "does not turn round"),
+        ([*FREE_WORDS, "x1=0mm", "--energy", "1:2"], 4, "on this run it comes to rest"),
     ],
 )
 def test_what_is_refused(words, code, message):

@@ -102,7 +102,9 @@ def test_a_stick_that_is_born_from_a_touch_is_refused_in_words(branch, monkeypat
     special = branch.special("ST1")
     monkeypatch.setitem(vars(special), "before", ())
     monkeypatch.setitem(vars(special), "after", (("stick_begin", 0), ("stick_end", 0)))
-    with pytest.raises(BranchError, match="ST1: no reversal of one friction becomes a stick there"):
+    with pytest.raises(
+        BranchError, match="ST1: loci are followed where a reversal of one friction becomes a stick"
+    ):
         locus_of(branch, "drive.omega", "0.6:0.8 rad/s", 3)
 
 

@@ -80,7 +80,7 @@ def test_short_keys_mean_what_the_case_has():
         ({"extends": "I-A"}, ["overrides extends: works in a case file only"]),
         (
             {"m2": "fixed"},
-            ["overrides blocks.m2: block 2 is fixed, so nothing slides; friction must be left out or none"],
+            ["overrides blocks.m2: block 2 is fixed and cannot slide; leave friction out, or write none"],
         ),
         (
             {"run.method": "closed_form"},

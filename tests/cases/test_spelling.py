@@ -1,11 +1,18 @@
 """What a misspelt word most likely stands for, and what it does not."""
 
+import re
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.docs.pages import ROOT
+from vibsim.cases import CaseError, load_case
+from vibsim.cases.loading import load_case_text
 from vibsim.cases.reading.sources import shipped_case_names
-from vibsim.cases.spelling import nearest, slips
+from vibsim.cases.schema.forms import LONG, SHORT
+from vibsim.cases.schema.keys import all_keys
+from vibsim.cases.spelling import LIMITS, LIMITS_PAGE, nearest, slips
 from vibsim.cases.values.units import UNITS
 from vibsim.command_line.main import COMMANDS
 
@@ -60,3 +67,36 @@ def test_the_distance_is_symmetric_and_a_letter_costs_one(a, b, letter):
     assert slips(a, b) == slips(b, a)
     assert slips(a, a + letter) == 1
     assert abs(len(a) - len(b)) <= slips(a, b) <= max(len(a), len(b))
+
+
+UNSUPPORTED = [word for limit in LIMITS for word in limit.words]
+
+
+@pytest.mark.parametrize("word", UNSUPPORTED)
+def test_what_is_not_supported_is_said_in_place_of_a_typo(word):
+    """As a key of a part, of a file and of an override, in both forms of case."""
+    sentence = next(limit.instead for limit in LIMITS if word in limit.words)
+    for text, place in (
+        (
+            f"bodies: {{a: 1 kg}}\nlinks: {{s: {{between: [a, ground], k: 1 N/m, {word}: 1}}}}",
+            f"links.s.{word}",
+        ),
+        (f"bodies: {{a: 1 kg}}\n{word}: 1", word),
+        (f"blocks: {{m1: 1 kg, m2: 2 kg}}\ncoupling: {{k1: 1 N/m, {word}: 1}}", f"coupling.{word}"),
+    ):
+        with pytest.raises(CaseError) as raised:
+            load_case_text(text)
+        assert f"{place}: is not supported: {sentence} (docs/scenes.md, What a scene" in str(raised.value)
+    with pytest.raises(CaseError, match=r"is not supported: .* a scene cannot have") as raised:
+        load_case("II-B", {f"excitation.{word}": "1"})
+    assert "did you mean" not in str(raised.value)
+
+
+def test_limits_are_on_their_page_and_no_keys():
+    page, title = LIMITS_PAGE.split(", ")
+    section = (ROOT / page).read_text(encoding="utf-8").partition(f"## {title}\n")[2].partition("\n## ")[0]
+    assert set(UNSUPPORTED) <= set(re.findall(r"`(\w+)`", section))
+    for limit in LIMITS:
+        assert limit.instead in section.replace("`", "")
+    keys = {part for form in (SHORT, LONG) for key in all_keys(form) for part in key.split(".")}
+    assert not keys & set(UNSUPPORTED)

@@ -146,7 +146,7 @@ def test_interruption_keeps_the_rows_done():
 def test_a_case_with_a_rigid_stop():
     done = call("bench", "gallery/ball-on-shaken-table", "--t-end", "1s", "--methods", "python,dop853,rk4")
     assert done.exit_code == 0
-    assert "RK4, sgn, no events  left out: without events there is no blow" in done.stdout
+    assert "RK4, sgn, no events  left out: the case has rigid stops, which need located events" in done.stdout
     bench = open_bench("ball-on-shaken-table-bench.h5")
     best = bench.rows[-1]
     assert {row.method for row in bench.rows} == {"python", "dop853"} and bench.complete

@@ -72,7 +72,7 @@ def test_what_a_statement_can_be_about_is_listed():
         ),
         (
             ["fit", "I-A", "--try", "c=1", "--want", "captured"],
-            "capture needs a motor, which I-A does not have",
+            "capture needs a motor; I-A lacks it",
         ),
     ],
 )

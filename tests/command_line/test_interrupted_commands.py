@@ -45,7 +45,12 @@ COMMANDS = {
     "continue": (f"continue {CAPTURED} --omega0 3:9 -o b.h5", "b.h5.journal", f"b.h5 {GOES_ON}", ["b.h5"]),
     "locus": ("continue all.h5 --locus NS1 --param c=0.001:0.1 -o l.h5", "l.h5.journal", GOES_ON, ["l.h5"]),
     "fit": (f"fit {CAPTURED} --free J=0.5:20gm^2 --want captured -o f.h5", "f.h5.journal", GOES_ON, ["f.h5"]),
-    "bench": ("bench II-B --methods rk4 -o b.h5", None, "the truth was not done; nothing is kept", []),
+    "bench": (
+        "bench II-B --methods rk4 -o b.h5",
+        None,
+        "stopped before the truth was computed; nothing is kept",
+        [],
+    ),
     "verify": ("verify V1 V7 V10", None, "interrupted after . of", []),
     "gif": ("animate long.h5 -o a.gif", 0.3, "a.gif is not written", []),
     "page": ("plot long.h5 -o p.html", 0.05, "(p.html is not written|interrupted)", []),

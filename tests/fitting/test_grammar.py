@@ -113,7 +113,7 @@ def test_share_weight_and_case():
         ("captured from 120 % of the starts", MOTOR, "above 0 and at most 100 %, got 120 %"),
         ("captured from 0 %", MOTOR, "above 0 and at most 100 %"),
         ("captured, weight 0", MOTOR, "the weight must be positive, got 0"),
-        ("captured", IDEAL, "capture needs a motor, which I-C does not have"),
+        ("captured", IDEAL, "capture needs a motor; I-C lacks it"),
         ("final speed below 3 Hz", IDEAL, "final speed needs a motor"),
     ],
 )
@@ -162,5 +162,5 @@ def test_statements_on_named_parts_are_those_that_need_no_numbered_blocks():
         "captured": "a motor",
         "sticks per cycle 1 to 2": "friction",
     }.items():
-        with pytest.raises(FitError, match=f"needs {needs}.*, which impact-damper does not have"):
+        with pytest.raises(FitError, match=f"needs {needs}.*; impact-damper lacks it"):
             parse_statement(text, drill)

@@ -112,7 +112,7 @@ def test_a_motion_that_never_turns_back(tmp_path):
         "forces: {torque: {on: top, F0: 1.8 N}}\nrun: {t_end: 40 s, every: 0.1 s}\n"
     )
     done = call("orbit", tmp_path / "string.yaml")
-    assert done.exit_code == 4 and "top does not turn round on the run: it comes to rest, " in done.stderr
+    assert done.exit_code == 4 and "found where top turns round; on this run it comes to rest" in done.stderr
 
 
 BESIDE_A_WALL = """

@@ -58,7 +58,10 @@ def test_from_a_stored_orbit_to_a_neighbour(tmp_path):
     assert call("orbit", "II-B", "--from", tmp_path / "run.h5").exit_code == 6
     other = call("orbit", "gallery/bilinear-oscillator", "--from", path)
     assert other.exit_code == 6
-    assert f"{path}: holds an orbit of II-B, which has no x_mass, v_mass to start bilinear-" in other.stderr
+    assert (
+        f"{path}: holds an orbit of II-B; to start from it, bilinear-oscillator also needs x_mass, v_mass"
+        in other.stderr
+    )
 
 
 def test_a_search_stores_each(tmp_path):
@@ -106,7 +109,7 @@ def test_digits(tmp_path):
 @pytest.mark.parametrize(
     ("words", "code", "message"),
     [
-        (["gallery/bouncing-ball"], 2, "nothing drives the scene with a period"),
+        (["gallery/bouncing-ball"], 2, "an orbit needs a periodic source"),
         (["I-C", "--seed", "3"], 2, "--seed draws the starts of --search"),
         (["I-C", "--search", "3", "--from", "x.h5"], 2, "leave --from out"),
         (["I-C", "--digits", "auto"], 2, "'auto' is for runs"),

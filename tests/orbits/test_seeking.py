@@ -114,9 +114,9 @@ def test_more_periods_than_points_are_looked_at():
 
 
 def test_what_has_no_orbit():
-    with pytest.raises(NoSection, match="nothing drives the scene"):
+    with pytest.raises(NoSection, match="an orbit needs a periodic source"):
         orbit("gallery/bouncing-ball")
-    with pytest.raises(NoSection, match="nothing drives the scene"):
+    with pytest.raises(NoSection, match="an orbit needs a periodic source"):
         orbit("gallery/three-balls")
     with pytest.raises(OrbitError, match="period must be a whole number"):
         orbit("I-C", start={"x1": 0, "x2": 0, "v1": 0, "v2": 0}, period=-1)

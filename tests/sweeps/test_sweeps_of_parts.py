@@ -329,8 +329,21 @@ def test_what_a_scene_has_not_is_not_computed():
         ("capture", "a motor"),
         ("regime", "a source"),
     ):
-        with pytest.raises(PlanError, match=f"{name} needs {needs}, which free does not have"):
+        with pytest.raises(
+            PlanError, match=f"{name} is for cases with {needs}; free is another kind of case"
+        ):
             short_plan({"s.k": "1, 2"}, free, compute=[name])
+
+
+def test_end_states_are_for_free_motion():
+    shaken = load_case_text(
+        "bodies: {tip: 1 kg}\nlinks: {s: {between: [tip, base], k: 1 N/m}}\nbase: {a: 1 mm, omega: 9 Hz}",
+        name="cantilever",
+    )
+    with pytest.raises(
+        PlanError, match="end-state is for cases that move freely, under constant forces alone; c"
+    ):
+        short_plan({"s.k": "1, 2"}, shaken, compute=["end-state"])
 
 
 def test_rigid_stops_have_impacts_with_the_velocity_in_front_of_them():

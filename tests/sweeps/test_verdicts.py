@@ -136,5 +136,5 @@ def test_verdicts_on_file(tmp_path):
 
 
 def test_capture_needs_a_motor():
-    with pytest.raises(PlanError, match="capture needs a motor, which I-B does not have"):
+    with pytest.raises(PlanError, match="capture is for cases with a motor; I-B is another kind of case"):
         short_plan({"c": "0.1"}, short_case("I-B"), compute=["capture"])

@@ -43,7 +43,9 @@ def test_a_list_runs_as_it_is_written_and_back():
     for before, after in pairwise(order):
         assert result.case_at(after).number("initial.x1") == result["end_x1"][before]
     for word in ("up", "down"):
-        with pytest.raises(PlanError, match="omega0 run neither up nor down"):
+        with pytest.raises(
+            PlanError, match="a direction needs values that rise or fall: sort those of omega0"
+        ):
             short_plan({OMEGA0: "4, 3, 5 Hz"}, direction=word, **CARRIED)
 
 

@@ -14,7 +14,7 @@ from vibsim.physics.arithmetic import number_kits
         (["--digits", "0"], "0 is not in the range 20 to 1000"),
         (["--digits", "-5"], "-5 is not in the range 20 to 1000"),
         (["--digits", "5000"], "5000 is not in the range 20 to 1000"),
-        (["--digits", "many"], "'many' is neither a whole number nor auto"),
+        (["--digits", "many"], "must be a whole number or auto, got 'many'"),
         (["--digits", "60", "--engine", "c"], "--digits needs the Python engine"),
     ],
 )

@@ -109,7 +109,7 @@ def analyse(
     what = texts("what", what)
     unknown = [name for name in what if name not in WHAT]
     if unknown:
-        raise ValueError(f"{unknown[0]!r} is not one of {', '.join(WHAT)}")
+        raise ValueError(f"what must be among {', '.join(WHAT)}, got {unknown[0]!r}")
     result, window = as_result(result), None if window is None else read_window(window)
     span, steady = span_of(result, window), later_part(result, window, discard)
     scene = result.case.scene()

@@ -58,7 +58,7 @@ def parse_discard(text: str) -> Discard:
         else:
             return _time(parse_quantity(word, "time").value, word)
     except QuantityError:
-        raise ValueError(f"{text!r} is no time and no fraction, such as 100s, 0.5 or 50%") from None
+        raise ValueError(f"must be a time or a fraction, such as 100s, 0.5 or 50%, got {text!r}") from None
     return _fraction(fraction, word)
 
 

@@ -173,8 +173,8 @@ def _warnings(lyapunov: LyapunovExponents, tolerance: float) -> Iterator[str]:
         yield from _trend(lyapunov.growth[:, 0], lyapunov.growth[:, 1])
     if isfinite(lyapunov.undefined_time):
         yield (
-            f"no exponents: at {lyapunov.undefined_time:.6g} s the motion grazes a rigid stop or strikes"
-            " several at one instant, where it has no derivative"
+            f"exponents are undefined: at {lyapunov.undefined_time:.6g} s the motion grazes a rigid stop or"
+            " strikes several at one instant"
         )
     if lyapunov.tangencies:
         yield (

@@ -7,9 +7,43 @@ letters of the shorter word, one at least, and one more where first and last let
 """
 
 from collections.abc import Iterable
+from typing import NamedTuple
 
 LETTERS_PER_SLIP = 3
 LONGEST = 60  # characters; nothing that is allowed is longer
+
+
+class Limit(NamedTuple):
+    """Something that users of other programs expect, by the words that they write, and what there is."""
+
+    words: tuple[str, ...]
+    instead: str
+
+
+LIMITS_PAGE = "docs/scenes.md, What a scene cannot have"
+LIMITS = (
+    Limit(
+        ("k3", "kc", "cubic", "quadratic", "nonlinear", "duffing", "hertz", "c3"),
+        "links and stops have linear springs and dampers",
+    ),
+    Limit(
+        ("pulse", "ramp", "square", "sawtooth", "chirp", "table", "formula", "expression", "function"),
+        "forces and the base are sums of sines, with A, omega and phase, or terms",
+    ),
+    Limit(("noise", "random", "stochastic"), "all that happens in a scene follows from its numbers"),
+    Limit(
+        ("delay", "control", "controller", "feedback", "pid"),
+        "forces and the base follow from the time alone",
+    ),
+    Limit(
+        ("gravity", "weight", "angle", "slope", "incline", "tilt"),
+        "weight, or its part along the line, is a constant force F0 on each body",
+    ),
+    Limit(
+        ("theta", "rotation", "torsion", "torque"), "bodies move along one line; only a motor's rotor turns"
+    ),
+    Limit(("voltage", "current", "resistance", "inductance"), "a motor has the torque M0 (1 - w / Omega0)"),
+)
 
 
 def nearest(word: str, allowed: Iterable[str]) -> str | None:
@@ -35,6 +69,12 @@ def did_you_mean(word: str, allowed: Iterable[str]) -> str:
     """ " (did you mean X?)", or an empty text where nothing allowed is near."""
     match = nearest(word, allowed)
     return f" (did you mean {match}?)" if match else ""
+
+
+def unsupported(word: str) -> str:
+    """What there is in place of something that no scene has, and where that is written; empty for others."""
+    limit = next((limit for limit in LIMITS if word.casefold() in limit.words), None)
+    return f"is not supported: {limit.instead} ({LIMITS_PAGE})" if limit else ""
 
 
 def slips(a: str, b: str) -> int:

@@ -200,7 +200,7 @@ NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
     "springs": ("springs or stops", lambda subject: bool(subject.scene.links or subject.scene.stops)),
     "excitation": ("a periodic source", lambda subject: _is_periodic(subject.scene)),
     "free blocks": (
-        "a block that neither springs nor stops hold at the ground or the base",
+        "a block that is free to drift away from the ground and the base",
         lambda subject: _drifts(subject.scene),
     ),
     "Omega0": (

@@ -99,9 +99,7 @@ def _lay_over(sheet: str | PathLike[str]) -> None:
             style.use(fspath(sheet))
     except (OSError, ValueError, UnicodeDecodeError) as error:
         if not Path(sheet).exists() and sheet not in style.library:
-            raise PlotError(
-                f"{sheet}: no such file, and matplotlib has no style of that name, such as ggplot"
-            ) from None
+            raise PlotError(f"{sheet}: must be a file, or a style of matplotlib such as ggplot") from None
         raise PlotError(f"{sheet} is no style sheet of matplotlib: {reason(error):.120}") from None
     if complaints:
         raise PlotError(f"{sheet} is no style sheet of matplotlib: {complaints[0]:.160}")

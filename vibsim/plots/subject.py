@@ -100,7 +100,7 @@ def subject_of(result: Any) -> Subject:
     result = getattr(result, "run", result)  # an orbit is shown by the run of one period
     attrs = getattr(result, "attrs", {})
     if "vibsim_kind" not in attrs:
-        raise PlotError(f"this is no result of vibsim and no case: {result!r:.80}")
+        raise PlotError(f"must be a result of vibsim or a case, got {result!r:.80}")
     case = result.case
     return Subject(case.name, as_text(case.name), str(attrs["vibsim_kind"]), case, result)
 

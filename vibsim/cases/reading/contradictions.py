@@ -36,7 +36,7 @@ def _friction_needs_block_2(flat: Flat) -> Iterator[Contradiction]:
     if flat.get("blocks.m2") == "fixed" and _present(flat, "friction"):
         yield (
             ("friction", "blocks.m2"),
-            "block 2 is fixed, so nothing slides; friction must be left out or none",
+            "block 2 is fixed and cannot slide; leave friction out, or write none",
         )
 
 

@@ -7,7 +7,7 @@ from vibsim.cases.reading.file_tree import BROKEN, Tree
 from vibsim.cases.schema.forms import Form
 from vibsim.cases.schema.keys import is_tag, section_at, sections_with
 from vibsim.cases.schema.kinds import Fault, Location
-from vibsim.cases.spelling import did_you_mean
+from vibsim.cases.spelling import did_you_mean, unsupported
 
 
 def model_problems(faults: list[Fault], tree: Tree, form: Form) -> list[Problem]:
@@ -54,6 +54,8 @@ def _unknown_key(location: Location, value: object, form: Form) -> str:
     if around == ["motor"] and isinstance(value, dict):
         return f"a scene has at most one motor, without a name; allowed: {_listed(allowed)}"
     elsewhere = sections_with(name, form)
+    if not elsewhere and (limit := unsupported(name)):
+        return limit
     hint = f" here; it belongs to {' or '.join(elsewhere)}" if elsewhere else did_you_mean(name, allowed)
     return f"unknown key{hint}; allowed: {_listed(allowed)}"
 
@@ -91,9 +93,8 @@ def _wrong_kind(value: object, key: str, tree: Tree) -> Problem:
     if isinstance(value["kind"], dict):
         return tree.place(key).problem(key, f"must be one of {_listed(allowed)}, got a mapping")
     kind = str(value["kind"])
-    return tree.place(key).problem(
-        key, f"must be one of {_listed(allowed)}, got {shown(kind)}{did_you_mean(kind, allowed)}"
-    )
+    choice = f"must be one of {_listed(allowed)}, got {shown(kind)}{did_you_mean(kind, allowed)}"
+    return tree.place(key).problem(key, unsupported(kind) or choice)
 
 
 def _no_mapping(location: Location, value: object, form: Form) -> str:

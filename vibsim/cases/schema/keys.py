@@ -8,7 +8,7 @@ from vibsim.cases.schema.forms import LONG, NAME, SHORT, Form
 from vibsim.cases.schema.kinds import Tag
 from vibsim.cases.schema.measured import Measured
 from vibsim.cases.schema.sections import Key, Section
-from vibsim.cases.spelling import did_you_mean, nearest
+from vibsim.cases.spelling import did_you_mean, nearest, unsupported
 
 
 class UnknownKeyError(KeyError):
@@ -153,6 +153,8 @@ def full_key(key: str, present: Iterable[str] = (), allowed: Iterable[str] | Non
             return matching[0]
         if matching:
             raise UnknownKeyError(f"is short for several keys: {', '.join(matching)}")
+    if limit := unsupported(key.rpartition(".")[2]):
+        raise UnknownKeyError(limit)
     example = "excitation.Omega0" if "excitation.Omega0" in allowed else "stops.wall.k"
     raise UnknownKeyError(f"unknown key{_hint(key, allowed)}; a key is written like {example} or run.t_end")
 

@@ -84,7 +84,7 @@ def run_jobs(
 def _kept(path: Path, rows_begun: bool) -> str:
     """What an interrupted bench leaves."""
     if not rows_begun:
-        return "the truth was not done; nothing is kept"
+        return "stopped before the truth was computed; nothing is kept"
     return f"{path} holds the rows that were done, and the truth; --truth {path} uses it again"
 
 

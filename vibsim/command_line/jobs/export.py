@@ -40,7 +40,9 @@ def export_any(
         export_run(result, file, output, window or (0.0, float("inf")), events, force)
         return
     if events or window:
-        raise click.UsageError(f"{'--events' if events else '--window'} is for runs, and {file} is none")
+        raise click.UsageError(
+            f"{'--events' if events else '--window'} is for runs, and {file} holds something else"
+        )
     export_table(result, file, output, along or "", force)
 
 
@@ -64,7 +66,9 @@ def export_table(result: Any, file: str, output: str, along: str, force: bool) -
     if not isinstance(result, Labelled):
         raise ResultFileError(f"{file}: holds a {result.attrs['vibsim_kind']}, which is no table")
     if suffix == ".mat":
-        raise click.UsageError(f"-o {output}: a MAT file takes a run, and {file} is none; try .csv")
+        raise click.UsageError(
+            f"-o {output}: a MAT file takes a run, and {file} holds something else; try .csv"
+        )
     try:
         table = Tidy(result.arrays(), along)
     except ValueError as error:

@@ -59,5 +59,5 @@ class Following:
 
 def _kept(path: Path, store: Any) -> str:
     if store is None or not store.points:
-        return "no point was done; nothing is kept"
+        return "stopped before the first point; nothing is kept"
     return goes_on(path)

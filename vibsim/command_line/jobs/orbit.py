@@ -70,8 +70,8 @@ class Wish:
         missing = [name for name in state_columns(case.scene()) if name not in stored]
         if missing:
             raise ResultFileError(
-                f"{self.start}: holds an orbit of {stored.case.name}, which has no {', '.join(missing)} "
-                f"to start {case.name} from"
+                f"{self.start}: holds an orbit of {stored.case.name}; to start from it, {case.name} also "
+                f"needs {', '.join(missing)}"
             )
 
 

@@ -126,7 +126,7 @@ class DigitCount(click.ParamType):
         try:
             digits = int(value)
         except ValueError:
-            self.fail(f"{value!r} is neither a whole number nor auto", param, ctx)
+            self.fail(f"must be a whole number or auto, got {value!r}", param, ctx)
         if not FEWEST_DIGITS <= digits <= MOST_DIGITS:
             allowed = f"{FEWEST_DIGITS} to {MOST_DIGITS}"
             self.fail(f"{digits} is not in the range {allowed}; doubles have 16", param, ctx)
@@ -153,7 +153,7 @@ class ExponentCount(click.ParamType):
         if isinstance(value, int):
             return value
         if not value.isdecimal() or int(value) == 0:
-            self.fail(f"{value!r} is neither a whole number above 0 nor all", param, ctx)
+            self.fail(f"must be a whole number above 0, or all, got {value!r}", param, ctx)
         return int(value)
 
 

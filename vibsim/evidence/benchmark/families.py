@@ -59,7 +59,7 @@ class Family:
         if scene.has_motor and not self.motor:
             return "left out: it needs an ideal source, and the case has a motor"
         if scene.rigid_stops and not self.rigid_stops:
-            return "left out: without events there is no blow, and the case has rigid stops"
+            return "left out: the case has rigid stops, which need located events"
         return None
 
     @property

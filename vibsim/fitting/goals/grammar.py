@@ -85,9 +85,7 @@ def _parsed(text: str, cases: Sequence[Case]) -> Statement:
     observable = OBSERVABLES[phrase.name]
     missing = missing_of(observable, cases[position])
     if missing:
-        raise FitError(
-            f"{phrase.name} needs {' and '.join(missing)}, which {cases[position].name} does not have"
-        )
+        raise FitError(f"{phrase.name} needs {' and '.join(missing)}; {cases[position].name} lacks it")
     tail, argument = _argument(claim[len(phrase.words) :].strip(), phrase, observable)
     tail, asked = _windowed(tail, Asked(phrase.name, argument), observable, cases[position])
     return Statement(rest, position, asked, _bounds(tail, phrase, observable), share, weight)

@@ -90,8 +90,8 @@ def section_of(scene: Scene) -> Section:
         if any(i in (part.P, part.Q) for part in _springs(scene)):
             return Section(pinned=len(scene.bodies) + i, body=body.name, sense=_freer_side(scene, i))
     raise NoSection(
-        "nothing drives the scene with a period: no harmonic force, moving base or motor; and no spring "
-        "brings a body back, so there is no section that a motion returns to"
+        "an orbit needs a periodic source (a harmonic force, a moving base or a motor), or a spring that "
+        "brings a body back; the scene has neither"
     )
 
 

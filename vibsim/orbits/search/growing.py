@@ -42,7 +42,7 @@ def growing(points: np.ndarray, coordinates: Coordinates, n: int = 1) -> str | N
     every = "period" if n == 1 else f"{n} periods"
     changes = f"the run does not repeat itself: in each {every} it changes {' and '.join(told)}"
     if speeds:
-        return f"{changes}; nothing keeps it from speeding up, so it comes to no orbit"
+        return f"{changes}; it speeds up for ever"
     return f"{changes}; {_released(coordinates, int(grown[0]))}"
 
 

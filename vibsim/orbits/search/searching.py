@@ -62,7 +62,9 @@ def _box(scene: Scene, return_map: ReturnMap, engine: str) -> tuple[np.ndarray, 
     """Least and greatest of the unknowns of the starts (m)."""
     course = course_of(scene, return_map.coordinates, engine)
     if not len(course.points):
-        raise OrbitError("the run of the case never meets the section, so there is no telling where to look")
+        raise OrbitError(
+            "the run of the case never meets the section, and starts are drawn from where it does"
+        )
     middle, half = (course.low + course.high) / 2, WIDER * (course.high - course.low) / 2
     low, high = middle - half, middle + half
     if not (return_map.section.timed or return_map.section.turning):  # the rotor turns forwards

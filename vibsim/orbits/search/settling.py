@@ -73,8 +73,8 @@ def _course_of_turns(
     times, states = returns(beyond, coordinates, engine, resume)
     if not len(times):
         raise OrbitError(
-            f"{coordinates.section.body} does not turn round on the run: it comes to rest, drifts away or "
-            "moves on one way for good, and an orbit without a source is looked for where it turns round"
+            f"an orbit without a source is found where {coordinates.section.body} turns round; on this run "
+            "it comes to rest, or keeps moving one way"
         )
     X = coordinates.of(states)
     return Course(times[-KEPT:], X[-KEPT:], X.min(axis=0), X.max(axis=0))

@@ -153,7 +153,7 @@ def _quotient(
     """d state(T) / d number of the case, and the estimate of its error."""
     value = case.number(key)
     if value == 0:
-        raise OrbitError(f"{key} is 0, so there is no telling how far to change it; give it a small value")
+        raise OrbitError(f"{key} is 0, which leaves open how far to change it; give it a small value")
     (wide, _), (narrow, rounding) = (
         _central(case, key, value, share, start, T, engine) for share in (WIDTH, WIDTH / 2)
     )

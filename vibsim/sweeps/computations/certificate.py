@@ -9,12 +9,12 @@ from vibsim.sweeps.statistics.columns import Columns
 from vibsim.sweeps.statistics.measured_run import MeasuredRun
 from vibsim.sweeps.statistics.quantities import Quantities
 
-TITLE = "stretches without proof that no event was missed"
+TITLE = "stretches in which an event may have been missed"
 
 
 def columns(of: Quantities) -> Columns:
     """The number of doubtful stretches."""
-    stretches = "stretches of the whole run without proof that no event was missed; 0: all are certified"
+    stretches = "stretches of the whole run in which an event may have been missed; 0: all are certified"
     return {"uncertified": Column("1", stretches)}
 
 

@@ -52,7 +52,7 @@ class Kind:
     ----------
     title : what it is, for the list
     columns : what it stores of a scene; nothing where it makes no sense
-    needs : what the scene must have for it to make sense, in words
+    suits : what the scene must have for it to make sense, in words
     make : the computation of one run
     ledger : whether the run must keep the energy ledger, which takes half as long again
     samples : whether it reads samples
@@ -60,35 +60,35 @@ class Kind:
 
     title: str
     columns: Callable[[Quantities], Columns]
-    needs: str
+    suits: str
     make: Callable[[Task], Computation]
     ledger: bool = False
     samples: bool = False
 
 
 COMPUTATIONS = {
-    "power": Kind(power.TITLE, power.columns, "a source", power.Power, ledger=True),
+    "power": Kind(power.TITLE, power.columns, "with a source", power.Power, ledger=True),
     "impact-velocity": Kind(
-        impact_velocity.TITLE, impact_velocity.columns, "a stop", impact_velocity.ImpactVelocity
+        impact_velocity.TITLE, impact_velocity.columns, "with a stop", impact_velocity.ImpactVelocity
     ),
     "contact-section": Kind(
-        contact_section.TITLE, contact_section.columns, "a stop", contact_section.ContactSection
+        contact_section.TITLE, contact_section.columns, "with a stop", contact_section.ContactSection
     ),
-    "grazing": Kind(grazing.TITLE, grazing.columns, "a stop", grazing.Grazing),
+    "grazing": Kind(grazing.TITLE, grazing.columns, "with a stop", grazing.Grazing),
     "certificate": Kind(certificate.TITLE, certificate.columns, "", certificate.Certificate),
     "capture": Kind(
-        capture_verdict.TITLE, capture_verdict.columns, "a motor", capture_verdict.CaptureVerdict
+        capture_verdict.TITLE, capture_verdict.columns, "with a motor", capture_verdict.CaptureVerdict
     ),
     "lyapunov": Kind(lyapunov.TITLE, lyapunov.columns, "", lyapunov.Lyapunov),
     "lyapunov-spectrum": Kind(lyapunov.SPECTRUM_TITLE, lyapunov.spectrum_columns, "", lyapunov.Spectrum),
     "regime": Kind(
-        regime_label.TITLE, regime_label.columns, "a source", regime_label.RegimeLabel, samples=True
+        regime_label.TITLE, regime_label.columns, "with a source", regime_label.RegimeLabel, samples=True
     ),
-    "orbit": Kind(orbit.TITLE, orbit.columns, "a source", orbit.Orbit, samples=True),
+    "orbit": Kind(orbit.TITLE, orbit.columns, "with a source", orbit.Orbit, samples=True),
     "end-state": Kind(
         end_state.TITLE,
         end_state.columns,
-        "no source that changes",
+        "that move freely, under constant forces alone",
         end_state.EndState,
         samples=True,
     ),

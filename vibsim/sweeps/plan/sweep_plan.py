@@ -85,7 +85,7 @@ class Plan:
         for name in self.compute:
             kind = COMPUTATIONS[name]
             if not kind.columns(self.recipe.of):
-                raise PlanError(f"{name} needs {kind.needs}, which {self.case.name} does not have")
+                raise PlanError(f"{name} is for cases {kind.suits}; {self.case.name} is another kind of case")
         if not self.discard.relative and self.discard.value >= self.case.quantity("run.t_end").value:
             raise PlanError(
                 f"a transient of {self.discard} leaves nothing of a run of {self.case.quantity('run.t_end')}"
@@ -223,7 +223,8 @@ def read_directions(word: str | None, axis: Axis | Members, carry: bool) -> tupl
         return own, -own
     if not axis.way:
         raise PlanError(
-            f"the values of {axis.name} run neither up nor down: leave the direction out, or both"
+            f"a direction needs values that rise or fall: sort those of {axis.name}, or leave the direction "
+            "out"
         )
     return (DIRECTION_FLAGS[word],)
 
