@@ -143,7 +143,7 @@ def test_what_has_none(words, code, message):
 def test_a_run_that_comes_to_rest():
     """A block that rubs itself to rest turns round no more."""
     of = replace(bilinear(0.1), frictions=(Friction("floor", 0, GROUND, 0.1, 0.1, 0.0),), t_end=30.0)
-    with pytest.raises(vibsim.OrbitError, match=r"where .* turns round|nothing swings"):
+    with pytest.raises(vibsim.OrbitError, match=r"does not turn round|turns round|nothing swings"):
         find_orbit(of, {"x_m": 0.05, "v_m": 0.0}, 1)
 
 

@@ -108,7 +108,7 @@ def test_pictures_run_from_left_to_right(tmp_path):
         np.testing.assert_array_equal(x, curve.x)
         np.testing.assert_array_equal(values, curve.values("mean_speed"))
     planes = plane_of(a), plane_of(b)
-    for mine, others in zip(planes[0].edges(), planes[1].edges(), strict=True):
+    for mine, others in zip(planes[0].spans(), planes[1].spans(), strict=True):
         np.testing.assert_array_equal(mine, others)
     cells = [plane.grid(s.result["mean_speed"]) for plane, s in zip(planes, (a, b), strict=True)]
     np.testing.assert_array_equal(*cells)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
@@ -24,6 +26,10 @@ SHADES = [Shade(name, COLOURS[name]) for name in VERDICTS]
 CLASSES = 8  # of speeds, at most
 MOST, WIDE = 0.9, 1.5  # share of the speeds that has classes; all have where they go little further
 FINEST = 1e-3  # [Hz]
+Extend = Literal["neither", "min", "max", "both"]
+BEYOND: dict[tuple[bool, bool], Extend] = {
+    (False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both",
+}  # fmt: skip
 HELD = [VERDICTS["captured"], VERDICTS["escaped"]]
 
 
@@ -52,7 +58,7 @@ def draw_map(subject: Subject, view: View) -> Figure:
     return figure
 
 
-def speed_classes(speeds: np.ndarray) -> tuple[np.ndarray, str]:
+def speed_classes(speeds: np.ndarray) -> tuple[np.ndarray, Extend]:
     """Edges of classes of speeds [Hz], a round step apart, and at which ends speeds lie beyond: "neither",
     "min", "max" or "both", as matplotlib has it.
 
@@ -65,9 +71,9 @@ def speed_classes(speeds: np.ndarray) -> tuple[np.ndarray, str]:
     wide = max(high - low, FINEST)
     if np.ptp(speeds) <= WIDE * wide:
         low, high = speeds.min(), speeds.max()
-    edges = MaxNLocator(CLASSES, steps=[1, 2, 2.5, 5, 10]).tick_values(low, max(high, low + FINEST))
-    below, above = bool(speeds.min() < edges[0]), bool(speeds.max() > edges[-1])
-    return edges, {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}[below, above]
+    ticks = MaxNLocator(CLASSES, steps=[1, 2, 2.5, 5, 10]).tick_values(low, max(high, low + FINEST))
+    edges = np.asarray(ticks)
+    return edges, BEYOND[bool(speeds.min() < edges[0]), bool(speeds.max() > edges[-1])]
 
 
 def _speed_label(speeds: np.ndarray, extend: str) -> str:

@@ -99,14 +99,14 @@ def cell_spans(axis: Any) -> np.ndarray:
     """
     centres = np.sort(numbers(axis))
     if draws_by_ratio(axis):
-        return np.exp(_about(np.log(centres), np.inf))
+        return np.asarray(np.exp(_about(np.log(centres), np.inf)))
     gaps = np.diff(centres)
     even = len(gaps) > 1 and np.ptp(gaps) <= EVEN * gaps.max()
     whole = float(np.ptp(centres))
     spans = _about(
         centres, np.inf if even else max(min(float(np.median(gaps)), NARROW * whole) / 2, LEAST * whole)
     )
-    return spans if centres[0] < 0 else np.maximum(spans, 0.0)
+    return spans if centres[0] < 0 else np.asarray(np.maximum(spans, 0.0))
 
 
 def _about(centres: np.ndarray, most: float) -> np.ndarray:
