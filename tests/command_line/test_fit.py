@@ -63,7 +63,7 @@ def test_what_a_statement_can_be_about_is_listed():
         (["fit", "II-B", "--spread", "x1=1mm", "--spread", "x1=2mm"], "x1 is given twice"),
         (["fit", "II-B", "--free", "Jay=1:2", "--want", "captured"], "free Jay: unknown key"),
         (["fit", "II-B", "--try", "Jay=1", "--want", "captured"], "Jay: unknown key"),
-        (["fit", "II-B", "--free", "c=5:1", "--want", "captured"], "range from 5 to 1 is upside down"),
+        (["fit", "II-B", "--free", "c=5:1", "--want", "captured"], "a range must rise, got 5 to 1"),
         (["fit", "II-B", "--free", "J=1:2g.m^2", "--want", "captrued"], "did you mean captured?"),
         (["fit", "II-B", "--leave", "J=dear", "--want", "captured"], "is not KEY=PRICE, such as J=0.05"),
         (

@@ -211,7 +211,7 @@ def test_sobol_points_fill_the_cube():
         ({"free": {"J": "1:2:3"}}, "a range is FROM:TO with a unit at the end"),
         ({"free": {"c": "log 0:0.1"}}, "by ratio must begin above 0"),
         ({"free": {"J": "1:2 g m^2", "excitation.J": "1:3 g m^2"}}, "excitation.J is free twice"),
-        ({"leave": {"c": 0.1}}, "leave c: no free parameter is written so; they are J"),
+        ({"leave": {"c": 0.1}}, "leave c: must name a free parameter: J"),
         ({"leave": {"J": -1.0}}, "a price is at least 0"),
         ({"readings": ["J"]}, "'J' is not KEY=VALUE"),
         ({"readings": ["Jay=1"]}, "unknown key"),

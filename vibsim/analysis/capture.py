@@ -85,7 +85,7 @@ def judge_capture(result: Result, window: Window | None = None) -> Capture:
     """
     scene, span = result.case.scene(), span_of(result, window)
     if not scene.has_motor:
-        raise ValueError("capture is a matter of motors, and this run has an ideal source or none")
+        raise ValueError("capture is judged of a motor; this run has an ideal source, or no source")
     events = events_within(result, span.window, "t", "kind")
     impacts = events["t"][np.isin(events["kind"], IMPACT_CODES)]
     return capture_of_turns(cycle_ends(result, span.window), impacts, scene, span)

@@ -114,9 +114,7 @@ def make_plan(
     prices = dict(leave)
     read = tuple(read_free(cases, key, text, prices.pop(key, None)) for key, text in free.items())
     if prices:
-        raise FitError(
-            f"leave {next(iter(prices))}: no free parameter is written so; they are {', '.join(free)}"
-        )
+        raise FitError(f"leave {next(iter(prices))}: must name a free parameter: {', '.join(free)}")
     plan = FitPlan(
         tuple(cases),
         read,

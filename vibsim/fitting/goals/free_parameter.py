@@ -111,7 +111,7 @@ def read_free(cases: list[Case], key: str, text: str, leave: float | None = None
     full, unit = axes[0].key, axes[0].unit
     low, high = (float(value) for value in axes[0].values)
     if low > high:
-        raise FitError(f"{key}={text}: the range from {low:g} to {high:g} is upside down")
+        raise FitError(f"{key}={text}: a range must rise, got {low:g} to {high:g}")
     if scale == "log" and low <= 0:
         raise FitError(f"{key}={text}: a range by ratio must begin above 0")
     by_ratio = scale == "log" or (not scale and low > 0 and high / low >= FAR_APART)

@@ -132,9 +132,7 @@ def _phrase_of(claim: str) -> Phrase:
             return phrase
     words = list(dict.fromkeys(phrase.words for phrase in PHRASES))
     near = did_you_mean(" ".join(re.split(r"\b(?:is|between|at|above|below)\b", lower)[0].split()), words)
-    raise FitError(
-        f"nothing is known by these words{near}; a statement is {FORM}, WHAT one of: {', '.join(words)}"
-    )
+    raise FitError(f"unknown words{near}; a statement is {FORM}, WHAT one of: {', '.join(words)}")
 
 
 def _argument(tail: str, phrase: Phrase, observable: Observable) -> tuple[str, float]:
@@ -192,7 +190,7 @@ def _ends(low: str, high: str, dimension: str) -> tuple[float, float]:
     bare = re.fullmatch(NUMBER, low.strip()) is not None
     ends = _number(f"{low} {unit}" if bare else low, dimension), _number(high, dimension)
     if ends[0] > ends[1]:
-        raise FitError(f"the range from {low} to {high} is upside down")
+        raise FitError(f"a range must rise, got {low} to {high}")
     return ends
 
 
