@@ -123,7 +123,7 @@ def test_several_results_and_cases(runs, pyplot):
     assert vibsim.plot(vibsim.load_case("II-B"), "motor").get_xlabel().startswith("Motor speed")
     assert vibsim.plot("II-B", "motor").lines and vibsim.plot(runs["motor"], "phase")
     for wrong in (3, [], [3]):
-        with pytest.raises(PlotError, match=r"no result of vibsim|nothing to draw"):
+        with pytest.raises(PlotError, match=r"must be a result of vibsim|nothing to draw"):
             vibsim.plot(wrong)
 
 

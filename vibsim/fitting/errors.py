@@ -9,7 +9,7 @@ class FitError(ValueError):
     ...     vibsim.fit("II-B", {"c": "0.05:0 N s/m"}, ["mean_speed > 4 Hz"])
     ... except vibsim.FitError as error:
     ...     print(error)
-    c=0.05:0 N s/m: the range from 0.05 to 0 is upside down
+    c=0.05:0 N s/m: a range must rise, got 0.05 to 0
     """
 
 

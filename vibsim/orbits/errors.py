@@ -10,8 +10,8 @@ class OrbitError(ValueError):
     >>> try:
     ...     vibsim.orbit("gallery/three-balls")
     ... except vibsim.OrbitError as error:
-    ...     print(str(error).partition(":")[0])
-    nothing drives the scene with a period
+    ...     print(str(error).partition(" (")[0])
+    an orbit needs a periodic source
     """
 
 
