@@ -74,5 +74,5 @@ def append(run, path=HISTORY):
     """Add a run at the end of a history: written beside it and renamed, so that none is ever lost."""
     history = {"format": FORMAT, "runs": [*runs_in(path), run]}
     path.parent.mkdir(parents=True, exist_ok=True)
-    with output_file(path, force=True) as partial:
-        partial.write_text(json.dumps(history, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    with output_file(path, force=True, encoding="utf-8") as file:
+        file.write(json.dumps(history, indent=1, ensure_ascii=False) + "\n")

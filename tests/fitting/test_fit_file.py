@@ -160,7 +160,7 @@ def test_another_fit_is_refused(tmp_path):
 def test_a_second_process_is_refused(tmp_path):
     path = tmp_path / "fit.h5"
     store = FileRunStore(small_plan(), path)
-    with pytest.raises(ResultFileError, match="another fit is writing it"):
+    with pytest.raises(ResultFileError, match="another command is writing it"):
         FileRunStore(small_plan(), path)
     store.close(written=True)
 

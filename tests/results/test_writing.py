@@ -145,12 +145,12 @@ def test_a_folder_without_permission(as_nobody):
 
 
 def test_other_outputs_are_whole_or_absent_too(tmp_path):
-    with pytest.raises(RuntimeError), output_file(tmp_path / "a.csv") as partial:
-        partial.write_text("half")
+    with pytest.raises(RuntimeError), output_file(tmp_path / "a.csv", encoding="ascii") as file:
+        file.write("half")
         raise RuntimeError
     assert files(tmp_path) == []
-    with output_file(tmp_path / "a.csv") as partial:
-        partial.write_text("whole")
+    with output_file(tmp_path / "a.csv", encoding="ascii") as file:
+        file.write("whole")
     assert files(tmp_path) == ["a.csv"]
 
 
@@ -173,7 +173,7 @@ def test_a_killed_run_leaves_a_partial_file_that_opens(tmp_path):
     with subprocess.Popen([sys.executable, "-c", ENDLESS], cwd=tmp_path, stdout=subprocess.PIPE) as run:
         assert run.stdout.readline() == b"going\n"
         run.send_signal(signal.SIGKILL)
-    assert files(tmp_path) == ["a.h5.partial"]
+    assert files(tmp_path) == ["a.h5.lock", "a.h5.partial"]
     result = vibsim.open_result(tmp_path / "a.h5.partial")
     assert not result.complete
     assert len(result) >= 4 * 16384
@@ -192,7 +192,7 @@ def test_a_second_run_does_not_disturb_the_first_one(tmp_path):
             command = [sys.executable, "-m", "vibsim", "run", "I-A", "-o", str(tmp_path / "a.h5")]
             done = subprocess.run(command, capture_output=True, text=True, check=False)
             assert done.returncode == 6
-            assert "another run is writing it" in done.stderr
+            assert f"a.h5: another command is writing it (process {os.getpid()} on " in done.stderr
         return True
 
     simulate_to_file(short_case(), tmp_path / "a.h5", watch=another)

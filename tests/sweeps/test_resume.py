@@ -178,7 +178,7 @@ def test_a_trajectory_is_not_overwritten(tmp_path):
 
 def test_a_second_process_is_refused(tmp_path):
     path = tmp_path / "sweep.h5"
-    with FileStore(short_plan(), path), pytest.raises(ResultFileError, match="another sweep is writing it"):
+    with FileStore(short_plan(), path), pytest.raises(ResultFileError, match="another command is writing it"):
         Journal(path)
     Journal(path).close(remove=True)
 

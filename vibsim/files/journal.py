@@ -3,8 +3,8 @@
 An HDF5 file that is changed in place may not open again after a kill; a file that is only appended to loses
 at most its last, unfinished line. Every line begins with a checksum of itself and of the task, and with its
 number: what was damaged afterwards is noticed and left out, and what stands behind it is not lost. The
-journal is merged into the HDF5 file whenever that is written anew, and removed at the end. It is also the
-lock: one process at a time holds it.
+journal is merged into the HDF5 file whenever that is written anew, and removed at the end. One process at a
+time writes it, and everybody may read it meanwhile.
 
 SQLite would need the checksums all the same: its pages have none, and a damaged one makes the database
 malformed as a whole. Its write-ahead log needs two more files, and shared memory that network disks lack.
@@ -20,24 +20,23 @@ from typing import Any
 from vibsim.files.disk_space import reserve
 from vibsim.files.errors import ResultFileError
 from vibsim.files.output_file import reason
-
-try:
-    import fcntl
-except ImportError:  # no such locks on this platform: there the user keeps two sweeps off one file
-    fcntl = None  # type: ignore[assignment]
+from vibsim.files.signals import held_back
+from vibsim.files.writers import Lock
 
 SUFFIX = ".journal"
 CHECKSUM = 16  # hex digits
 
 
 class Journal:
-    """The journal beside the file `target`, locked until it is closed; `what` is written there, for messages.
+    """The journal beside the file `target`, which is locked until the journal is closed.
 
-    `damaged` counts the records that `read` has left out. Raises ResultFileError when another process holds
-    the journal, or when it cannot be written.
+    what, shown : is written there, and into which file as the user calls it; for messages
+
+    `damaged` counts the records that `read` has left out. Raises ResultFileError where another writer has the
+    lock, or where the journal cannot be written.
     """
 
-    def __init__(self, target: Path, what: str):
+    def __init__(self, target: Path, what: str, shown: str | Path = ""):
         self.path = journal_path(target)
         self.damaged = 0
         self._what = what
@@ -45,7 +44,9 @@ class Journal:
         self._records = 0  # with the header
         self._whole = False  # whether everything on file can be gone on from
         try:
-            self._descriptor = _open_locked(self.path, target, what)
+            with held_back():
+                self._lock = Lock(target, shown or target)
+                self._descriptor = os.open(self.path, os.O_RDWR | os.O_CREAT, 0o666)
         except OSError as error:
             raise ResultFileError(f"{self.path}: cannot write: {reason(error)}") from error
         self._end = self._reserved = 0  # bytes written, and bytes that there is room for
@@ -146,9 +147,12 @@ class Journal:
 
     def close(self, remove: bool) -> None:
         """Let go of the lock; with `remove`, or where it is empty, of the file as well."""
-        if remove or not os.fstat(self._descriptor).st_size:
-            self.path.unlink(missing_ok=True)
-        os.close(self._descriptor)
+        with held_back():
+            empty = not os.fstat(self._descriptor).st_size
+            os.close(self._descriptor)
+            if remove or empty:
+                self.path.unlink(missing_ok=True)
+            self._lock.release()
 
 
 def _line(number: int, content: dict[str, Any], fingerprint: str) -> bytes:
@@ -175,19 +179,19 @@ def journal_path(target: Path) -> Path:
     return target.with_name(target.name + SUFFIX)
 
 
-def _open_locked(path: Path, target: Path, what: str) -> int:
-    """Open and lock; once more when the file was removed by its last owner in between."""
-    while True:
-        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
-        try:
-            if fcntl is not None:
-                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            if os.path.exists(path) and os.path.samestat(os.fstat(descriptor), os.stat(path)):
-                return descriptor
-        except BlockingIOError:
-            os.close(descriptor)
-            raise ResultFileError(f"{target}: another {what} is writing it") from None
-        os.close(descriptor)
+def waiting_records(target: Path, fingerprint: str) -> list[dict[str, Any]]:
+    """Records in the journal beside a file that wait for being taken into it, whoever is writing them.
+
+    None of another task, nor damaged ones. To be asked before the file itself is read: what is taken up in
+    between is then in both.
+    """
+    try:
+        header, *lines = _whole_lines(journal_path(target))
+    except (OSError, ValueError):  # no journal, or one without a line
+        return []
+    if _record(header, "") != {"fingerprint": fingerprint}:
+        return []
+    return [record for line in lines if (record := _record(line, fingerprint)) is not None]
 
 
 def _whole_lines(path: Path) -> Iterator[bytes]:

@@ -1,4 +1,4 @@
-"""Output that appears whole or not at all: written beside its target as NAME.partial, then renamed.
+"""Output that appears whole or not at all: written beside its target, then renamed.
 
 For every kind of output file: an existing one stays as it is unless `force`.
 """
@@ -7,10 +7,12 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import IO, Any
 
 from vibsim.files.disk_space import DISK_FULL
 from vibsim.files.errors import ResultFileError
-from vibsim.files.leftover import check_leftover, partial_path
+from vibsim.files.signals import held_back
+from vibsim.files.writers import check_leftover, open_partial
 
 RESULT_SUFFIXES = (".h5", ".hdf5")
 
@@ -36,9 +38,8 @@ def check_output(path: str | Path, force: bool = False) -> Path:
     Raises ResultFileError when it, or a part of a run beside it, exists and `force` is not given, when it is
     not a regular file or being written, or when its folder is missing or not writable.
     """
-    target = Path(path).absolute()
     try:
-        target = target.resolve()
+        target = Path(path).absolute().resolve()
         if target.exists():
             _check_existing(path, target, force)
         check_leftover(path, force)  # fails where that name is too long
@@ -62,31 +63,67 @@ def _check_existing(path: str | Path, target: Path, force: bool) -> None:
 
 
 def publish(partial: Path, target: Path, force: bool = False) -> None:
-    """Make a finished partial file durable and give it its name: fsync, rename, fsync of the folder."""
+    """Make a finished partial file durable and give it its name: fsync, rename, fsync of the folder.
+
+    Raises ResultFileError where that cannot be, or where another has come under that name and `force` is not
+    given.
+    """
     try:
-        _fsync(partial)
-        if target.exists() and not force:
-            raise ResultFileError(f"{target}: appeared meanwhile; kept (force=True replaces it)")
-        os.replace(partial, target)
-        if os.name == "posix":
-            _fsync(target.parent)
+        with held_back():
+            _fsync(partial)
+            if force or not _linked(partial, target):
+                os.replace(partial, target)
+            if os.name == "posix":
+                _fsync(target.parent)
     except OSError as error:
         raise ResultFileError(f"{target}: cannot write: {reason(error)}") from error
 
 
-@contextmanager
-def output_file(path: str | Path, force: bool = False) -> Iterator[Path]:
-    """Partial path to write to; published when the block ends, removed when it raises."""
-    target = check_output(path, force)
-    partial = partial_path(target)
+def _linked(partial: Path, target: Path) -> bool:
+    """Whether a partial file has got a name that nothing had; False on a disk without links, where nothing has
+    it yet.
+    """
     try:
-        yield partial
+        os.link(partial, target)
+    except OSError:
+        if os.path.lexists(target):
+            raise ResultFileError(f"{target}: appeared meanwhile; kept (force=True replaces it)") from None
+        return False
+    partial.unlink()
+    return True
+
+
+@contextmanager
+def output_file(path: str | Path, force: bool = False, encoding: str | None = None) -> Iterator[IO[Any]]:
+    """A file to write to, binary or of an encoding; published when the block ends, removed when it raises.
+
+    Other programs may write to the path that is its `name`. Two writers of one output have two such files.
+    """
+    target = check_output(path, force)
+    partial, file = target, None
+    try:
+        with held_back():
+            descriptor, partial = open_partial(target)
+            file = open(  # noqa: SIM115
+                partial,
+                "w+b" if encoding is None else "w+",
+                encoding=encoding,
+                newline=None if encoding is None else "",
+                opener=lambda *_: descriptor,
+            )
+        yield file
+        file.flush()
+        if os.name != "posix":  # what is open cannot be renamed there
+            file.close()
         publish(partial, target, force)
     except OSError as error:
         raise ResultFileError(f"{path}: cannot write: {reason(error)}") from error
     finally:
-        with suppress(OSError):  # what could not be made cannot be removed either
-            partial.unlink(missing_ok=True)
+        if file is not None:
+            with held_back(), suppress(OSError):
+                partial.unlink(missing_ok=True)
+            with held_back(), suppress(OSError):  # of a full disk, once more
+                file.close()
 
 
 def reason(error: BaseException) -> str:

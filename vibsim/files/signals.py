@@ -1,13 +1,15 @@
 """Ctrl-C while a file is opened or written.
 
 HDF5 can go round for ever in a file whose inner lists are damaged, and Python hears of no signal until
-it returns. While a file is opened nothing can be lost, so the command lets signals end it there and then.
+it returns. While a file is read nothing can be lost, so the command lets signals end it there and then. While
+one is created or published the command holds them back: what was opened is then always known to what closes it.
 """
 
 import signal
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from types import TracebackType
 
 
 class Terminated(KeyboardInterrupt):
@@ -32,6 +34,35 @@ def ended_at_once() -> Iterator[None]:
     finally:
         for signum, handler in before.items():
             signal.signal(signum, handler)
+
+
+class held_back:  # noqa: N801
+    """Signals that raise in the command raise at the end of this block; for what takes no time.
+
+    Between the call that opens a file and the name that it is given a KeyboardInterrupt would leave it open.
+    """
+
+    _depth = 0  # blocks that are entered; signals are handled by the main thread alone
+    _waiting: type[KeyboardInterrupt] | None = None
+
+    def __enter__(self) -> None:
+        if threading.current_thread() is threading.main_thread():
+            held_back._depth += 1
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if threading.current_thread() is not threading.main_thread():
+            return
+        held_back._depth -= 1
+        if held_back._depth == 0 and held_back._waiting is not None:
+            waiting, held_back._waiting = held_back._waiting, None
+            raise waiting
+
+
+def raise_interruption(error: type[KeyboardInterrupt]) -> None:
+    """Raise it here, or at the end of the block that holds signals back."""
+    if held_back._depth == 0:
+        raise error
+    held_back._waiting = error
 
 
 @contextmanager

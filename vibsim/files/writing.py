@@ -34,8 +34,8 @@ def write_hdf5(
         write_datasets(file, declared, values)
         file.flush()
         image = file.id.get_file_image()
-    with output_file(path, force=True) as partial:
-        partial.write_bytes(image)
+    with output_file(path, force=True) as file:
+        file.write(image)
 
 
 def write_datasets(file: h5py.File, declared: Iterable[Dataset], values: Mapping[str, Any]) -> None:

@@ -18,7 +18,7 @@ def write_table(table: Tidy, path: str | Path, force: bool = False) -> None:
 
     Raises ResultFileError when `path` exists and `force` is not given, or cannot be written.
     """
-    with output_file(path, force) as partial, open(partial, "w", encoding="utf-8", newline="") as file:
+    with output_file(path, force, "utf-8") as file:
         lines = csv.writer(file)
         lines.writerow(table.columns)
         for rows in table.pieces(PIECE):

@@ -22,10 +22,8 @@ def write_parquet(table: Tidy, path: str | Path, force: bool = False, rows: slic
         arrow.field(name, array.type, metadata=_described(table, name)) for name, array in arrays.items()
     ]
     about = {"vibsim": json.dumps(plain(table.arrays.attrs))}
-    with output_file(path, force) as partial:
-        parquet.write_table(
-            arrow.table(list(arrays.values()), arrow.schema(fields, metadata=about)), str(partial)
-        )
+    with output_file(path, force) as file:
+        parquet.write_table(arrow.table(list(arrays.values()), arrow.schema(fields, metadata=about)), file)
 
 
 def _array(arrow: Any, table: Tidy, name: str, rows: slice) -> Any:

@@ -1,10 +1,12 @@
 """An orbit as a run of one period, in memory or in a file for every command, with what is known of it."""
 
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibsim.files.signals import held_back
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.returns.start import case_on_orbit
 from vibsim.results.recording.recording import Recording
@@ -48,14 +50,14 @@ def save_orbit(
     case = case_on_orbit(orbit.case, orbit.state, orbit.period)
     recording = Recording(case, orbit.return_map.carrier.engine)
     start = {**recording.start, **_attributes(orbit, digits)}
-    writer = TrajectoryWriter(path, recording.tables, start, force)
-    try:
+    with ExitStack() as at_the_end:
+        with held_back():
+            writer = TrajectoryWriter(path, recording.tables, start, force)
+            at_the_end.callback(writer.close)
         recording.into(writer)
         values = {f"{GROUP}/{name}": value for name, value in _values(orbit, digits).items()}
         writer.attach(DATASETS + (DIGITS if digits else []), values)
         target = writer.finish(recording.end())
-    finally:
-        writer.close()
     file = TrajectoryFile(target)
     return Result(file.attrs, file.samples, file.events, case=file.case, orbit=file.orbit)
 

@@ -150,11 +150,11 @@ def write_figure(figure: Figure, target: str, force: bool) -> None:
     from vibsim.files.output_file import output_file
 
     suffix = picture_suffix(target)
-    with output_file(target, force) as partial:
+    with output_file(target, force) as file:
         if suffix == ".png":
-            _write_opaque(figure, partial)
+            _write_opaque(figure, file)
         else:
-            partial.write_bytes(drawn(figure, suffix, DPI[suffix]))
+            file.write(drawn(figure, suffix, DPI[suffix]))
 
 
 def drawn(figure: Figure, suffix: str, dpi: float) -> bytes:
@@ -193,8 +193,8 @@ def _write_opaque(figure: Figure, target: Any) -> None:
 def _write_pages(figures: Sequence[Figure], target: str, force: bool) -> None:
     from vibsim.files.output_file import output_file
 
-    with output_file(target, force) as partial:
-        partial.write_bytes(_pages(figures, DPI[".pdf"]))
+    with output_file(target, force) as file:
+        file.write(_pages(figures, DPI[".pdf"]))
 
 
 # No dates: the same picture is the same file, so pictures can be compared byte by byte.

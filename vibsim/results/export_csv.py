@@ -25,7 +25,7 @@ def write_csv(
     names = list(result.events) if events else result.keys()
     words = _words(result, events)
     columns = [result.event_column(name) if events else result.column(name) for name in names]
-    with output_file(path, force) as partial, open(partial, "w", encoding="ascii", newline="") as file:
+    with output_file(path, force, "ascii") as file:
         file.write(",".join(names) + "\r\n")
         for piece in pieces(rows_within(columns[0], window), PIECE):
             values = [

@@ -29,7 +29,7 @@ def write_mat(result: Result, path: str | Path, window: Window, force: bool = Fa
     contents: dict[str, object] = {name: column[samples] for name, column in columns.items()}
     contents["events"] = {name: result.event_column(name)[events] for name in result.events}
     contents["info"] = {name: _plain(value) for name, value in result.attrs.items()}
-    with output_file(path, force) as partial, open(partial, "wb") as file:
+    with output_file(path, force) as file:
         savemat(file, contents, do_compression=True, oned_as="column")
 
 

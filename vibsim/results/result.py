@@ -1,6 +1,7 @@
 """A trajectory as users meet it: arrays by name, events, attributes, and its state at any instant."""
 
 from collections.abc import Iterator, Mapping
+from contextlib import ExitStack
 from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -8,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.files.declarations import Dataset
+from vibsim.files.signals import held_back
 from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.labelled import Labelled
 from vibsim.results.events import Events
@@ -146,17 +148,17 @@ class Result(Labelled):
         """
         from vibsim.results.stored.trajectory_writer import TrajectoryWriter
 
-        if self.digits is None:
-            writer = TrajectoryWriter(path, self._tables(), {}, force)
-        else:
-            writer = self._truth_writer(path, self.digits, force)
-        try:
+        with ExitStack() as at_the_end:
+            with held_back():
+                if self.digits is None:
+                    writer = TrajectoryWriter(path, self._tables(), {}, force)
+                else:
+                    writer = self._truth_writer(path, self.digits, force)
+                at_the_end.callback(writer.close)
             writer.append({name: self[name] for name in self.keys()}, dict(self.events))
             if self.orbit is not None:
                 self._attach(writer, self.orbit)
             return writer.finish(self.attrs)
-        finally:
-            writer.close()
 
     def _attach(self, writer: "TrajectoryWriter", orbit: Table) -> None:
         """Write what is known of a periodic orbit."""

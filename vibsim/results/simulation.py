@@ -6,6 +6,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from vibsim.files.signals import held_back
 from vibsim.results.recording.recording import MemorySink, Recording, Watch
 from vibsim.results.result import Result
 
@@ -86,11 +87,14 @@ def simulate_to_file(
         from vibsim.results.stored.trajectory_file import TrajectoryFile
         from vibsim.results.stored.trajectory_writer import TrajectoryWriter
 
-        writer = TrajectoryWriter(path, recording.tables, recording.start, force)
+        writer: TrajectoryWriter | None = None
         try:
+            with held_back():
+                writer = TrajectoryWriter(path, recording.tables, recording.start, force)
             recording.into(writer, watch)
         except BaseException:
-            writer.keep(recording.end())
+            if writer is not None:
+                writer.keep(recording.end())
             raise
     end = recording.end()
     target = writer.finish(end)

@@ -9,7 +9,7 @@ from vibsim.branches.store.branch_file import origin, read_branch, write_branch
 from vibsim.branches.tracing.records import PointRecord, SpecialRecord, plain, read_record
 from vibsim.files.errors import ResultFileError
 from vibsim.files.journal import Journal
-from vibsim.files.leftover import check_leftover
+from vibsim.files.writers import check_leftover
 from vibsim.files.output_file import check_result_output
 
 
@@ -53,7 +53,7 @@ class BranchFileStore(BranchStore):
         self.path, self._shown = check_result_output(path, force=True), path
         check_leftover(path, force)
         self._on_file = (0, False)  # points, and whether they are all
-        self._journal = Journal(self.path, "branch")
+        self._journal = Journal(self.path, "branch", path)
         try:
             if not force:
                 self._go_on()

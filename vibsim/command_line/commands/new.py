@@ -46,8 +46,8 @@ def command(
         raise click.BadParameter(f"a file needs a name, such as capsule; got {name!r}", param_hint="NAME")
     path = name if Path(name).suffix.lower() in (".yaml", ".yml") else f"{name}.yaml"
     text = commented_text(load_case(source), path)
-    with output_file(path, force) as partial:
-        Path(partial).write_text(text, encoding="utf-8")
+    with output_file(path, force, "utf-8") as file:
+        file.write(text)
     if ctx.obj.json:
         print_json({"written": [path], "from": source})
     elif not ctx.obj.quiet:

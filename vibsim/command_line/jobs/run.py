@@ -13,7 +13,7 @@ from vibsim.command_line.terminal.slow_run import SlowRun
 from vibsim.command_line.text.quantities import size
 from vibsim.command_line.text.summary import heading, print_lines, result_lines, summary_object
 from vibsim.engine.errors import EngineError
-from vibsim.files.leftover import held_until, partial_path
+from vibsim.files.writers import held_until, partial_path
 from vibsim.files.signals import interrupted_with
 from vibsim.physics.rates import fastest_damping
 from vibsim.results import Result, simulate_to_file
@@ -81,13 +81,10 @@ def _run_one(
 
 
 def _left(job: Job) -> str:
-    """What a run that broke off has left; its file is removed where that is nothing."""
+    """What a run that broke off has left."""
     path = partial_path(job.output)
     reached = held_until(path)
-    if reached > 0.0:
-        return f"what came before is in {path}, until {reached:g} s"
-    path.unlink(missing_ok=True)
-    return "nothing came before"
+    return f"what came before is in {path}, until {reached:g} s" if reached > 0.0 else "nothing came before"
 
 
 def _print_summary(job: Job, result: Result, took: float, settings: Settings) -> None:

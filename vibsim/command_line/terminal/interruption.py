@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from types import FrameType, TracebackType
 from typing import Any
 
-from vibsim.files.signals import Terminated
+from vibsim.files.signals import Terminated, raise_interruption
 
 PATIENCE = 1.5  # seconds; nobody should have to wait for two
 AGAIN = 0.2  # seconds until a KeyboardInterrupt is raised again that has come to nothing
@@ -52,7 +52,8 @@ class Interruption:
     def _note(self, signum: int, frame: FrameType | None) -> None:
         if self._signum is not None:
             _set_alarm(AGAIN)
-            raise KeyboardInterrupt
+            raise_interruption(KeyboardInterrupt)
+            return
         self._signum = signum
         _set_alarm(PATIENCE)
 
@@ -67,7 +68,7 @@ def _raise_unless_under_way(error: type[KeyboardInterrupt]) -> None:
     forgotten by Python; so it is raised until it is on its way.
     """
     if not isinstance(sys.exc_info()[1], KeyboardInterrupt):
-        raise error
+        raise_interruption(error)
 
 
 def _set_alarm(seconds: float) -> None:
@@ -129,4 +130,4 @@ def _interrupt(signum: int, frame: FrameType | None) -> None:
     if hasattr(signal, "SIGALRM"):
         signal.signal(signal.SIGALRM, lambda *_: _raise_unless_under_way(error))
         _set_alarm(AGAIN)
-    raise error
+    raise_interruption(error)

@@ -77,8 +77,8 @@ def write_paper(
     document = paper_document(numbers, pictures, audit)
     pages = {root / "report.html": render_html(document), root / "report.txt": render_text(document)}
     for path, text in pages.items():
-        with output_file(path, force=True) as unfinished:
-            unfinished.write_text(text, encoding="utf-8")
+        with output_file(path, force=True, encoding="utf-8") as file:
+            file.write(text)
     return Report(root / "report.html", root / "report.txt", judge_claims(numbers), simulated)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from vibsim.files.errors import ResultFileError
-from vibsim.files.leftover import check_leftover
+from vibsim.files.writers import check_leftover
 from vibsim.files.output_file import check_result_output
 from vibsim.fitting.goals.measuring import Index
 from vibsim.fitting.goals.plan import FitPlan
@@ -54,7 +54,7 @@ class FileRunStore(RunStore):
         check_leftover(path, force)
         self._shown = path
         self._on_file = (-1, False)  # runs, and whether the search had come to its end; no file yet
-        self._journal = Journal(self.path, "fit")
+        self._journal = Journal(self.path, "fit", path)
         try:
             if force:
                 self._journal.restart(plan.fingerprint)

@@ -33,8 +33,8 @@ def write_moving_page(subject: Subject, window: Span, speed: float, out: str, fo
     step = max(step, (window[1] - window[0]) / MOST)
     channels = channels_of(subject, window, step, speed)
     text = page(subject, ("animate.js",), KEYS, moving_data(subject, channels, step, speed))
-    with output_file(out, force) as partial:
-        partial.write_text(text, encoding="utf-8")
+    with output_file(out, force, "utf-8") as file:
+        file.write(text)
     return len(channels.times)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from math import floor, log10
 from pathlib import Path
@@ -15,6 +16,7 @@ import numpy as np
 from vibsim.files.disk_space import DISK_FULL
 from vibsim.files.errors import ResultFileError
 from vibsim.files.output_file import output_file
+from vibsim.files.signals import held_back
 from vibsim.labelled.extras import MissingExtra, extra
 from vibsim.plots import style
 from vibsim.plots.errors import PlotError
@@ -140,21 +142,29 @@ def _write_mp4(frames: Iterator[np.ndarray], film: Film, out: str, force: bool, 
     width, height = film.canvas.get_width_height()
     source = f"-f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {FRAMES_PER_SECOND['.mp4']} -i -"
     target = "-an -c:v libx264 -crf 20 -pix_fmt yuv420p -movflags +faststart -map_metadata -1 -f mp4"
-    with output_file(out, force) as partial:
-        command = [encoder, "-y", "-loglevel", "error", *source.split(), *target.split(), str(partial)]
-        process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+    with output_file(out, force) as file, ExitStack() as at_the_end:
+        command = [encoder, "-y", "-loglevel", "error", *source.split(), *target.split(), str(file.name)]
+        with held_back():
+            process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+            at_the_end.callback(_end, process)
         assert process.stdin is not None
-        try:
+        with suppress(BrokenPipeError):  # it says on stderr why it ended
             for frame in frames:
                 process.stdin.write(frame.tobytes())
-        except BrokenPipeError:
-            pass  # it says on stderr why it ended
-        except BaseException:
-            process.kill()
-            raise
         _, messages = process.communicate()
         if process.returncode:
             raise ResultFileError(f"{out}: {_why_ffmpeg_failed(messages.decode('utf-8', 'replace'))}")
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End a process, and close its pipes."""
+    with held_back():
+        process.kill()
+        for pipe in (process.stdin, process.stderr):
+            with suppress(OSError):  # what waits in a pipe that nobody reads
+                if pipe is not None:
+                    pipe.close()
+        process.wait()
 
 
 def _why_ffmpeg_failed(messages: str) -> str:
@@ -170,8 +180,8 @@ def _write_gif(frames: Iterator[np.ndarray], out: str, force: bool) -> None:
 
     pictures = (Image.fromarray(frame).quantize(64, Image.Quantize.FASTOCTREE) for frame in frames)
     first = next(pictures)
-    with output_file(out, force) as partial:
+    with output_file(out, force) as file:
         first.save(
-            partial, format="GIF", save_all=True, append_images=pictures, loop=0,
+            file, format="GIF", save_all=True, append_images=pictures, loop=0,
             duration=1000 // FRAMES_PER_SECOND[".gif"],
         )  # fmt: skip

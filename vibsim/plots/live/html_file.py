@@ -41,8 +41,8 @@ def write_page(subjects: Sequence[Subject], out: str, force: bool = False) -> li
     else:
         shown = f"{subject.path} is a {subject.reads}"
         raise PlotError(f"{out}: a page shows a run or a table of points, and {shown}")
-    with output_file(out, force) as partial:
-        Path(partial).write_text(text, encoding="utf-8")
+    with output_file(out, force, "utf-8") as file:
+        file.write(text)
     return [out]
 
 

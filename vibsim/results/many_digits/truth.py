@@ -10,6 +10,7 @@ import numpy as np
 from vibsim.engine.choice import flow_of
 from vibsim.engine.columns import state_columns
 from vibsim.engine.truth import open_truth
+from vibsim.files.signals import held_back
 from vibsim.results.columns import tables_of
 from vibsim.results.digits import Digits
 from vibsim.results.many_digits.right_digits import DigitsPlan, EndState, end_of
@@ -144,8 +145,10 @@ def _run(case: "Case", digits: int | str, open_sink: Callable[..., Any], watch: 
     plan = DigitsPlan(case, digits, watch)
     while True:
         recording = TruthRecording(case, plan.digits)
-        sink = open_sink(recording)
+        sink = None
         try:
+            with held_back():
+                sink = open_sink(recording)
             recording.into(sink, watch)
             verdict = plan.verdict(recording.end_state, recording.events())
         except BaseException:

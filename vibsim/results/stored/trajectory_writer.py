@@ -21,7 +21,8 @@ from vibsim.files.dataset_stream import DatasetStream
 from vibsim.files.declarations import Dataset
 from vibsim.files.disk_space import detach, release, reserve
 from vibsim.files.errors import ResultFileError
-from vibsim.files.leftover import held_until, partial_path
+from vibsim.files.signals import held_back
+from vibsim.files.writers import Lock, check_leftover, held_until, partial_path
 from vibsim.files.output_file import check_result_output, publish, reason
 from vibsim.files.writing import write_datasets
 from vibsim.results.columns import Tables
@@ -54,6 +55,20 @@ class TrajectoryWriter:
         self.partial = partial_path(self.target)
         self.shown = f"{path}.partial"
         self.force = force
+        self._path = path
+        with held_back():
+            try:
+                self._lock = Lock(self.target, path)
+            except OSError as error:
+                raise self._unwritable(error) from error
+            try:
+                check_leftover(path, force)  # once more: another may have been killed in between
+                self._create(tables, attrs)
+            except BaseException:
+                self._lock.release()
+                raise
+
+    def _create(self, tables: Tables, attrs: Mapping[str, Any]) -> None:
         self._unflushed = 0
         self._flushed = time.monotonic()
         self._reserved = 0  # size [bytes] up to which there is room
@@ -62,13 +77,14 @@ class TrajectoryWriter:
         self._besides = FOR_FILE + _size_of(attrs) + FOR_COLUMN * count
         self.streams: list[Any] = []
         try:
+            self.partial.unlink(missing_ok=True)  # it may be another name of a whole file
             self._file = h5py.File(self.partial, "w", libver=LIBVER)
         except OSError as error:
-            raise ResultFileError(f"{self.shown}: cannot write: {reason(error)}") from error
+            raise self._unwritable(error) from error
         if not self._make_room():
             self._file.close()
             self.partial.unlink()
-            raise ResultFileError(f"{path}: disk full")
+            raise ResultFileError(f"{self._path}: disk full")
         self.update(attrs)
         self.samples = DatasetStream(self._file.id, tables.samples, SAMPLE_CHUNK)
         self.events = DatasetStream(self._file.create_group("events").id, tables.events, EVENT_CHUNK)
@@ -108,30 +124,53 @@ class TrajectoryWriter:
 
     def finish(self, attrs: Mapping[str, Any]) -> Path:
         """Write what waits and the last attributes, and give the file its name; returns that path."""
-        self.keep(attrs)
         try:
+            self._complete(attrs)
             publish(self.partial, self.target, self.force)
         except ResultFileError as error:
-            raise ResultFileError(f"{error}; the run is in {self.shown}") from error
+            if self.partial.exists() and self.shown not in str(error):
+                raise ResultFileError(f"{error}; the run is in {self.shown}") from error
+            raise
+        finally:
+            self._lock.release()
         return self.target
 
     def keep(self, attrs: Mapping[str, Any]) -> None:
-        """Write what waits and the last attributes, and close the file, leaving it under its partial name."""
+        """Write what waits and the last attributes, and close the file, leaving it under its partial name;
+        without a sample it is removed.
+        """
+        try:
+            self._complete(attrs)
+            if held_until(self.partial) == 0.0:
+                self.partial.unlink(missing_ok=True)
+        finally:
+            self._lock.release()
+
+    def _complete(self, attrs: Mapping[str, Any]) -> None:
         if self._file:
             self._besides += _size_of(attrs)
             if not self._make_room():
                 self._write_last()
             self._write(everything=True)
             self.update(attrs)
-            self.close()
+            self._close_file()
 
     def drop(self) -> None:
         """Close the file and remove it."""
-        self.close()
-        self.partial.unlink()
+        try:
+            self._close_file()
+            self.partial.unlink()
+        finally:
+            self._lock.release()
 
     def close(self) -> None:
-        """Close the file as it is."""
+        """Close the file as it is, and let others write it."""
+        try:
+            self._close_file()
+        finally:
+            self._lock.release()
+
+    def _close_file(self) -> None:
         if not self._file:
             return
         try:
@@ -161,8 +200,11 @@ class TrajectoryWriter:
         if self._needed() > self._reserved:
             raise self._lost(OSError(errno.ENOSPC, "no room for what waits"))
         self._write(everything=True)
-        self.close()
+        self._close_file()
         raise ResultFileError(self._ended_by("disk full"))
+
+    def _unwritable(self, error: OSError) -> ResultFileError:
+        return ResultFileError(f"{self._path}: cannot write: {reason(error)}")
 
     def _ended_by(self, cause: str) -> str:
         """Why the closed file is not finished, and what it holds; it is removed where that is nothing."""
@@ -176,7 +218,7 @@ class TrajectoryWriter:
         """Close the file as the last flush left it, after a write that has failed; what to raise."""
         detach(self._file.id.get_vfd_handle())
         with suppress(ResultFileError):
-            self.close()
+            self._close_file()
         return ResultFileError(self._ended_by(f"cannot write: {reason(error)}"))
 
     def _needed(self, more: Iterable[int] = repeat(0)) -> int:

@@ -17,8 +17,8 @@ TEXTS = 1500  # bytes of place, fingerprint and the reason of a failure
 class Journal(Records):
     """A journal whose records are points."""
 
-    def __init__(self, target: Path, what: str = "sweep"):
-        super().__init__(target, what)
+    def __init__(self, target: Path, what: str = "sweep", shown: str | Path = ""):
+        super().__init__(target, what, shown)
 
     def _plain(self, point: Point) -> dict[str, Any]:
         """A point as plain data. Arrays are the hex digits of their doubles, which is five times as fast as
@@ -30,10 +30,13 @@ class Journal(Records):
         }
 
     def _from_plain(self, plain: dict[str, Any]) -> Point:
-        arrays = {
-            name: np.frombuffer(bytes.fromhex(digits), "<f8") for name, digits in plain["arrays"].items()
-        }
-        return Point(**{**plain, "index": tuple(plain["index"]), "arrays": arrays})
+        return point_from(plain)
+
+
+def point_from(plain: dict[str, Any]) -> Point:
+    """The point that a journal wrote down."""
+    arrays = {name: np.frombuffer(bytes.fromhex(digits), "<f8") for name, digits in plain["arrays"].items()}
+    return Point(**{**plain, "index": tuple(plain["index"]), "arrays": arrays})
 
 
 def record_bytes(plan: Plan) -> int:

@@ -7,7 +7,7 @@ from types import TracebackType
 from typing import Any
 
 from vibsim.files.errors import ResultFileError
-from vibsim.files.leftover import check_leftover
+from vibsim.files.writers import check_leftover
 from vibsim.files.output_file import check_result_output
 from vibsim.sweeps.plan.capacity import check_memory
 from vibsim.sweeps.plan.sweep_plan import Plan
@@ -68,7 +68,7 @@ class FileStore(Store):
         check_leftover(path, force)
         self._shown = path
         self._record_bytes = record_bytes(plan)
-        self._journal = Journal(self.path)
+        self._journal = Journal(self.path, shown=path)
         self._next = 0.0  # when the file is written next
         self._on_file = False  # whether the file holds all that the table holds
         try:

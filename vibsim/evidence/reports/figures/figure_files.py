@@ -125,9 +125,9 @@ EVIDENCE = {
 def save(figure: Figure, stem: Path, formats: Sequence[str]) -> Path:
     """Write a figure in each format, PNG always; the PNG's path."""
     for kind in dict.fromkeys(("png", *formats)):
-        with output_file(f"{stem}.{kind}", force=True) as partial:
+        with output_file(f"{stem}.{kind}", force=True) as file:
             dpi = PNG_DPI if kind == "png" else DPI[f".{kind}"]
-            partial.write_bytes(drawn(figure, f".{kind}", dpi))
+            file.write(drawn(figure, f".{kind}", dpi))
     return stem.with_name(f"{stem.name}.png")
 
 

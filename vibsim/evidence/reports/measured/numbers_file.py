@@ -44,9 +44,8 @@ class NumbersFile:
         return self.sections[name]
 
     def _write(self) -> None:
-        with output_file(self.path, force=True) as partial:
-            text = json.dumps(self._stored, indent=1, allow_nan=False, ensure_ascii=False)
-            partial.write_text(text + "\n", encoding="utf-8")
+        with output_file(self.path, force=True, encoding="utf-8") as file:
+            file.write(json.dumps(self._stored, indent=1, allow_nan=False, ensure_ascii=False) + "\n")
 
 
 def fingerprint(made_of: object) -> str:
