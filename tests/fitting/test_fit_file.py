@@ -1,10 +1,10 @@
 """A fit on file: the same again, readable by others, resumed after any end, refused where it is another."""
 
 import errno
+import os
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import h5py
 import numpy as np
@@ -99,12 +99,12 @@ def test_a_finished_fit_computes_nothing_again(tmp_path):
 
 
 def test_a_fit_that_cannot_be_written_goes_on_from_its_journal(tmp_path, monkeypatch):
-    def full(path, data):
+    def full(*_):
         raise OSError(errno.ENOSPC, "full")
 
     plan, path = small_plan(), tmp_path / "fit.h5"
     with monkeypatch.context() as patched, pytest.raises(ResultFileError) as caught:
-        patched.setattr(Path, "write_bytes", full)
+        patched.setattr(os, "fsync", full)
         done(plan, path)
     kept = "what was computed is kept in fit.h5.journal, and the same command goes on from there"
     assert str(caught.value) == f"{path}: cannot write: disk full; {kept}"

@@ -18,8 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from vibsim.files.disk_space import reserve
-from vibsim.files.errors import ResultFileError
-from vibsim.files.output_file import reason
+from vibsim.files.errors import ResultFileError, reason
 from vibsim.files.signals import held_back
 from vibsim.files.writers import Lock
 
@@ -48,6 +47,7 @@ class Journal:
                 self._lock = Lock(target, shown or target)
                 self._descriptor = os.open(self.path, os.O_RDWR | os.O_CREAT, 0o666)
         except OSError as error:
+            self._lock.release()
             raise ResultFileError(f"{self.path}: cannot write: {reason(error)}") from error
         self._end = self._reserved = 0  # bytes written, and bytes that there is room for
 

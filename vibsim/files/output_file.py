@@ -9,8 +9,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any
 
-from vibsim.files.disk_space import DISK_FULL
-from vibsim.files.errors import ResultFileError
+from vibsim.files.errors import ResultFileError, reason
 from vibsim.files.signals import held_back
 from vibsim.files.writers import check_leftover, open_partial
 
@@ -80,8 +79,9 @@ def publish(partial: Path, target: Path, force: bool = False) -> None:
 
 
 def _linked(partial: Path, target: Path) -> bool:
-    """Whether a partial file has got a name that nothing had; False on a disk without links, where nothing has
-    it yet.
+    """Whether a partial file has got a name that nothing had.
+
+    False on a disk without links, where nothing has it yet. Raises ResultFileError where something has.
     """
     try:
         os.link(partial, target)
@@ -124,16 +124,6 @@ def output_file(path: str | Path, force: bool = False, encoding: str | None = No
                 partial.unlink(missing_ok=True)
             with held_back(), suppress(OSError):  # of a full disk, once more
                 file.close()
-
-
-def reason(error: BaseException) -> str:
-    """The cause of an error in one line, without errno numbers and paths."""
-    number = getattr(error, "errno", None)
-    if number in DISK_FULL:
-        return "disk full"
-    said = error.args[0] if isinstance(error, KeyError) and error.args else error  # str() quotes a key
-    text = os.strerror(number) if number else str(said) or type(error).__name__
-    return text.strip().splitlines()[0]
 
 
 def _fsync(path: Path) -> None:

@@ -11,8 +11,7 @@ from vibsim import __version__
 from vibsim.files.attributes import read_attr, read_attrs
 from vibsim.files.checking import check_datasets, check_values, checked_attributes, damaged
 from vibsim.files.declarations import Attribute, Dataset
-from vibsim.files.errors import ResultFileError
-from vibsim.files.output_file import reason
+from vibsim.files.errors import ResultFileError, reason
 from vibsim.files.provenance import FORMAT
 from vibsim.files.signature import check_signature
 

@@ -1,8 +1,8 @@
 """Ctrl-C while a file is opened or written.
 
 HDF5 can go round for ever in a file whose inner lists are damaged, and Python hears of no signal until
-it returns. While a file is read nothing can be lost, so the command lets signals end it there and then. While
-one is created or published the command holds them back: what was opened is then always known to what closes it.
+it returns. While a file is read nothing can be lost, so the command lets signals end it there and then.
+While one is created or published the command holds them back: what is open is known to what closes it.
 """
 
 import signal
@@ -36,7 +36,7 @@ def ended_at_once() -> Iterator[None]:
             signal.signal(signum, handler)
 
 
-class held_back:  # noqa: N801
+class held_back:
     """Signals that raise in the command raise at the end of this block; for what takes no time.
 
     Between the call that opens a file and the name that it is given a KeyboardInterrupt would leave it open.

@@ -4,8 +4,7 @@ import os
 import stat
 from pathlib import Path
 
-from vibsim.files.errors import ResultFileError
-from vibsim.files.output_file import reason
+from vibsim.files.errors import ResultFileError, reason
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 

@@ -1,9 +1,9 @@
 """Who writes an output, and what a writer that was killed has left beside it.
 
-What grows for long (a run, or the points that a journal keeps) is written by one process at a time, which holds
-NAME.lock. What is written in one go is first a file of a name of its own, NAME.xxxxxxxx.partial: of two who write
-one output at a time each publishes its own, whole. Neither needs the locks of HDF5, which many clusters switch
-off (HDF5_USE_FILE_LOCKING=FALSE).
+What grows for long (a run, or the points that a journal keeps) is written by one process at a time, which
+holds NAME.lock. What is written in one go is first a file of a name of its own, NAME.xxxxxxxx.partial: of two
+who write one output at a time each publishes its own, whole. Neither needs the locks of HDF5, which many
+clusters switch off (HDF5_USE_FILE_LOCKING=FALSE).
 """
 
 import errno
@@ -15,7 +15,7 @@ from contextlib import suppress
 from pathlib import Path
 from secrets import token_hex
 
-from vibsim.files.errors import ResultFileError
+from vibsim.files.errors import ResultFileError, reason
 from vibsim.files.signals import ended_at_once, held_back
 
 try:
@@ -31,18 +31,21 @@ OWNER_BYTES = 200  # of a lock file: process and machine of its owner
 class Lock:
     """The right to write an output, held until `release`, and no longer than this process lives.
 
-    Where the disk has flock, the system lets go of NAME.lock when its owner dies. Where it has none, NAME.lock
-    is the lock because it can be made by one process only; that of a dead process of this machine is removed.
+    Where the disk has flock, the system lets go of NAME.lock when its owner dies. Where it has none, that
+    NAME.lock can be made by one process only is the lock; that of a dead process of this machine is removed.
 
-    Raises ResultFileError where another writer has it, OSError where it cannot be made.
+    Raises ResultFileError where another writer has it, or where it cannot be made.
     """
 
     def __init__(self, target: Path, shown: str | Path):
         self.path = lock_path(target)
         self._descriptor = -1
         with held_back():
-            while self._descriptor < 0:
-                self._descriptor = _acquired(self.path, shown)
+            try:
+                while self._descriptor < 0:
+                    self._descriptor = _acquired(self.path, shown)
+            except OSError as error:
+                raise ResultFileError(f"{shown}: cannot write: {reason(error)}") from error
             with suppress(OSError):  # on a full disk it names nobody, and locks all the same
                 os.ftruncate(self._descriptor, 0)
                 os.write(self._descriptor, f"{os.getpid()} {socket.gethostname()}\n".encode())
@@ -167,8 +170,8 @@ def _is_at(descriptor: int, path: Path) -> bool:
 def open_partial(target: Path, folder: bool = False) -> tuple[int, Path]:
     """A new file, or folder, beside an output, under a name of its own: its descriptor and its path.
 
-    It is locked as long as it is open. Those that dead writers of the output have left are removed; where there
-    is no flock nothing says which are, and they stay. Raises OSError. Signals are to be held back.
+    It is locked as long as it is open. Those that dead writers of the output have left are removed; where
+    there is no flock nothing says which are, and they stay. Raises OSError. Signals are to be held back.
     """
     _remove_dead(target)
     while True:

@@ -12,7 +12,7 @@ from typing import Any
 
 import matplotlib
 
-from vibsim.files.output_file import reason
+from vibsim.files.errors import reason
 from vibsim.plots.errors import PlotError
 
 # Okabe and Ito, "Color Universal Design" (2008), dark and light in turn: they print in different greys.

@@ -9,8 +9,8 @@ from vibsim.branches.store.branch_file import origin, read_branch, write_branch
 from vibsim.branches.tracing.records import PointRecord, SpecialRecord, plain, read_record
 from vibsim.files.errors import ResultFileError
 from vibsim.files.journal import Journal
-from vibsim.files.writers import check_leftover
 from vibsim.files.output_file import check_result_output
+from vibsim.files.writers import check_leftover
 
 
 class BranchStore:

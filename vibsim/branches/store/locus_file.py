@@ -22,11 +22,11 @@ from vibsim.branches.tracing.records import plain_orbit, read_orbit
 from vibsim.engine.choice import engine_name
 from vibsim.files.errors import ResultFileError
 from vibsim.files.journal import Journal
-from vibsim.files.writers import check_leftover
 from vibsim.files.output_file import check_result_output
 from vibsim.files.provenance import provenance
 from vibsim.files.reading import opened, read_attributes, read_datasets
 from vibsim.files.stored_case import stored_case, understood
+from vibsim.files.writers import check_leftover
 from vibsim.files.writing import write_hdf5
 from vibsim.orbits.returns.word import spelled
 
@@ -125,7 +125,7 @@ class LocusStore:
         if path is not None:
             check_leftover(path, force)
         self._on_file = (0, False)  # points, and whether they are all
-        self._journal = None if self.path is None else Journal(self.path, "locus", path)
+        self._journal = None if self.path is None else Journal(self.path, "locus", path or "")
         if self._journal is not None:
             try:
                 self._go_on(path, force)

@@ -72,11 +72,10 @@ def command(
 
 def _crate(settings: Settings, file: str, folder: str, narrowed: bool, force: bool) -> None:
     from vibsim.command_line.jobs.ro_crate import write_crate
-    from vibsim.opening import open_result
 
     if narrowed:
         raise click.UsageError("--ro-crate takes the file whole; leave --events, --window and --along out")
-    written = write_crate(open_result(file), file, folder, force)
+    written = write_crate(file, folder, force)
     if settings.json:
         print_json({"file": file, "written": written})
     elif not settings.quiet:

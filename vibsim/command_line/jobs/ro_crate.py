@@ -4,14 +4,21 @@ RO-Crate 1.1 (w3id.org/ro/crate/1.1) with the profile Process Run Crate 0.5 (w3i
 the result file, the case, and `ro-crate-metadata.json`, in which an action joins them to the software.
 """
 
+import errno
 import hashlib
 import json
+import os
 import shutil
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
-from vibsim.files.errors import ResultFileError
-from vibsim.files.output_file import reason
+from vibsim.files.errors import ResultFileError, reason
+from vibsim.files.signals import held_back
+from vibsim.files.writers import open_partial
+from vibsim.opening import open_result
 
 CONTEXT = ["https://w3id.org/ro/crate/1.1/context", "https://w3id.org/ro/terms/workflow-run/context"]
 CRATE = "https://w3id.org/ro/crate/1.1"
@@ -20,37 +27,69 @@ METADATA = "ro-crate-metadata.json"
 CASE = "case.yaml"
 RESOLVED = "case-resolved.yaml"
 PIECE = 1 << 20  # bytes
+TRIES = 100  # to take the place of a crate that others replace meanwhile
 HDF5 = "application/x-hdf5"
 YAML = "application/yaml"
 
 
-def write_crate(result: Any, file: str, folder: str, force: bool = False) -> list[str]:
+def write_crate(file: str, folder: str, force: bool = False) -> list[str]:
     """Write the crate of the result in `file` as a folder; the names of the files in it.
 
-    The folder is made beside its name and renamed when it is whole. Raises ResultFileError where it is there
-    and `force` is not given, or cannot be written.
+    The folder is made beside its name and renamed when it is whole. Raises ResultFileError where the file
+    holds no result, and where the folder is there and `force` is not given, or cannot be written.
     """
-    target = Path(folder).absolute()
-    if target.exists() and not (force and _holds_nothing_else(target)):
-        why = "holds more than a crate" if force else "--force replaces a crate"
-        raise ResultFileError(f"{folder}: exists; kept ({why})")
-    partial = target.with_name(target.name + ".partial")
-    name = Path(file).name.removesuffix(".partial")
+    open_result(file)
     try:
-        shutil.rmtree(partial, ignore_errors=True)
-        partial.mkdir(parents=False)
-        shutil.copyfile(file, partial / name)
-        (partial / CASE).write_text(result.attrs["case_yaml"], encoding="utf-8")
-        (partial / RESOLVED).write_text(result.case.to_yaml(), encoding="utf-8")
-        metadata = json.dumps(_metadata(result, partial, name), indent=2, ensure_ascii=False)
-        (partial / METADATA).write_text(metadata + "\n", encoding="utf-8")
-        if target.exists():
-            shutil.rmtree(target)
-        partial.rename(target)
+        target = Path(folder).absolute()
+        _check_replaceable(target, folder, force)
+        name = Path(file).name.removesuffix(".partial")
+        with _new_folder(target) as partial:
+            shutil.copyfile(file, partial / name)
+            result = open_result(partial / name)  # the file may be another by now
+            (partial / CASE).write_text(result.attrs["case_yaml"], encoding="utf-8")
+            (partial / RESOLVED).write_text(result.case.to_yaml(), encoding="utf-8")
+            metadata = json.dumps(_metadata(result, partial, name), indent=2, ensure_ascii=False)
+            (partial / METADATA).write_text(metadata + "\n", encoding="utf-8")
+            _take_place(partial, target, folder, force)
     except OSError as error:
-        shutil.rmtree(partial, ignore_errors=True)
         raise ResultFileError(f"{folder}: cannot write: {reason(error)}") from error
     return [str(Path(folder) / each) for each in (METADATA, name, CASE, RESOLVED)]
+
+
+def _check_replaceable(target: Path, folder: str, force: bool) -> None:
+    if os.path.lexists(target) and not (force and _holds_nothing_else(target)):
+        why = "holds more than a crate" if force else "--force replaces a crate"
+        raise ResultFileError(f"{folder}: exists; kept ({why})")
+
+
+@contextmanager
+def _new_folder(target: Path) -> Iterator[Path]:
+    """A folder beside the target, removed at the end where it has got no other name."""
+    with ExitStack() as at_the_end:
+        with held_back():
+            descriptor, partial = open_partial(target, folder=True)
+            at_the_end.callback(os.close, descriptor)
+            at_the_end.callback(shutil.rmtree, partial, ignore_errors=True)
+        yield partial
+
+
+def _take_place(partial: Path, target: Path, folder: str, force: bool) -> None:
+    """Give a whole crate its name. One that is replaced is moved aside before, and removed afterwards."""
+    for _ in range(TRIES):
+        _check_replaceable(target, folder, force)
+        with _new_folder(target) as aside, held_back():
+            before = aside / target.name
+            with suppress(FileNotFoundError):  # there is none, or no more
+                target.rename(before)
+            try:
+                partial.rename(target)
+                return
+            except OSError as error:
+                if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):  # or another was faster
+                    if before.exists():
+                        before.rename(target)
+                    raise
+    raise ResultFileError(f"{folder}: is written by others all the time; kept")
 
 
 def _holds_nothing_else(folder: Path) -> bool:
@@ -58,9 +97,14 @@ def _holds_nothing_else(folder: Path) -> bool:
     try:
         described = json.loads((folder / METADATA).read_text(encoding="utf-8"))["@graph"]
         named = {METADATA, *(entity["@id"] for entity in described if entity["@type"] == "File")}
-        return {path.name for path in folder.iterdir()} <= named
+        return {_reference(path.name) for path in folder.iterdir()} <= named
     except (OSError, ValueError, KeyError, TypeError):
         return False
+
+
+def _reference(name: str) -> str:
+    """A file name as a URI path, which has ASCII characters only (RFC 3986)."""
+    return quote(os.fsencode(name))
 
 
 def _metadata(result: Any, folder: Path, name: str) -> dict[str, Any]:
@@ -113,7 +157,7 @@ def _action(attrs: dict[str, Any], name: str) -> dict[str, Any]:
         "actionStatus": {"@id": f"http://schema.org/{status}"},
         "instrument": {"@id": "#vibsim"},
         "object": [{"@id": CASE}, {"@id": RESOLVED}],
-        "result": {"@id": name},
+        "result": {"@id": _reference(name)},
         "description": f"engine {attrs.get('engine', 'unknown')}, case SHA-256 {attrs['case_sha256']}",
     }
 
@@ -140,9 +184,9 @@ def _package(name: str, version: str) -> dict[str, Any]:
 
 def _file(folder: Path, name: str, kind: str, what: str) -> dict[str, Any]:
     return {
-        "@id": name,
+        "@id": _reference(name),
         "@type": "File",
-        "name": name,
+        "name": name.encode("utf-8", "backslashreplace").decode(),
         "description": what,
         "encodingFormat": kind,
         "contentSize": str((folder / name).stat().st_size),

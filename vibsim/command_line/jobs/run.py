@@ -13,8 +13,8 @@ from vibsim.command_line.terminal.slow_run import SlowRun
 from vibsim.command_line.text.quantities import size
 from vibsim.command_line.text.summary import heading, print_lines, result_lines, summary_object
 from vibsim.engine.errors import EngineError
-from vibsim.files.writers import held_until, partial_path
 from vibsim.files.signals import interrupted_with
+from vibsim.files.writers import held_until, partial_path
 from vibsim.physics.rates import fastest_damping
 from vibsim.results import Result, simulate_to_file
 

@@ -35,7 +35,10 @@ from vibsim.evidence.reports.pages.document import Picture
 from vibsim.evidence.reports.pages.html_page import render_html
 from vibsim.evidence.reports.pages.paper_document import paper_document
 from vibsim.evidence.reports.pages.text_page import render_text
-from vibsim.files.output_file import output_file, reason
+from vibsim.files.errors import reason
+from vibsim.files.output_file import output_file
+from vibsim.files.signals import held_back
+from vibsim.files.writers import Lock
 from vibsim.plots import style
 from vibsim.plots.subject import Subject
 from vibsim.results import Result, ResultFileError
@@ -67,9 +70,18 @@ def write_paper(
 
     Otherwise runs and numbers that are there already and of the same cases are taken over. Raises
     EngineError when a run fails, ResultFileError when a file cannot be written, and Interrupted when `tell`
-    says to stop; what was finished before is kept.
+    says to stop; what was finished before is kept. One process at a time writes a report.
     """
     root = _made_folder(Path(folder))
+    with held_back():
+        lock = Lock(root / "report", folder)
+    try:
+        return _write_report(root, formats, tell, fresh)
+    finally:
+        lock.release()
+
+
+def _write_report(root: Path, formats: Sequence[str], tell: Tell, fresh: bool) -> Report:
     results, simulated = obtain_runs(root / "runs", tell, fresh)
     follow = cache(partial(obtain_branches, root / "branches", tell, fresh))
     numbers = measure_paper(results, follow, NumbersFile(root / "numbers.json", fresh), tell)

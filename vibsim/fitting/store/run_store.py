@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from vibsim.files.errors import ResultFileError
-from vibsim.files.writers import check_leftover
 from vibsim.files.output_file import check_result_output
+from vibsim.files.writers import check_leftover
 from vibsim.fitting.goals.measuring import Index
 from vibsim.fitting.goals.plan import FitPlan
 from vibsim.fitting.store.fit_file import write_fit

@@ -20,10 +20,10 @@ from vibsim.files.attributes import write_attrs
 from vibsim.files.dataset_stream import DatasetStream
 from vibsim.files.declarations import Dataset
 from vibsim.files.disk_space import detach, release, reserve
-from vibsim.files.errors import ResultFileError
+from vibsim.files.errors import ResultFileError, reason
+from vibsim.files.output_file import check_result_output, publish
 from vibsim.files.signals import held_back
 from vibsim.files.writers import Lock, check_leftover, held_until, partial_path
-from vibsim.files.output_file import check_result_output, publish, reason
 from vibsim.files.writing import write_datasets
 from vibsim.results.columns import Tables
 
@@ -57,10 +57,7 @@ class TrajectoryWriter:
         self.force = force
         self._path = path
         with held_back():
-            try:
-                self._lock = Lock(self.target, path)
-            except OSError as error:
-                raise self._unwritable(error) from error
+            self._lock = Lock(self.target, path)
             try:
                 check_leftover(path, force)  # once more: another may have been killed in between
                 self._create(tables, attrs)
@@ -80,7 +77,7 @@ class TrajectoryWriter:
             self.partial.unlink(missing_ok=True)  # it may be another name of a whole file
             self._file = h5py.File(self.partial, "w", libver=LIBVER)
         except OSError as error:
-            raise self._unwritable(error) from error
+            raise ResultFileError(f"{self._path}: cannot write: {reason(error)}") from error
         if not self._make_room():
             self._file.close()
             self.partial.unlink()
@@ -202,9 +199,6 @@ class TrajectoryWriter:
         self._write(everything=True)
         self._close_file()
         raise ResultFileError(self._ended_by("disk full"))
-
-    def _unwritable(self, error: OSError) -> ResultFileError:
-        return ResultFileError(f"{self._path}: cannot write: {reason(error)}")
 
     def _ended_by(self, cause: str) -> str:
         """Why the closed file is not finished, and what it holds; it is removed where that is nothing."""

@@ -7,8 +7,8 @@ from types import TracebackType
 from typing import Any
 
 from vibsim.files.errors import ResultFileError
-from vibsim.files.writers import check_leftover
 from vibsim.files.output_file import check_result_output
+from vibsim.files.writers import check_leftover
 from vibsim.sweeps.plan.capacity import check_memory
 from vibsim.sweeps.plan.sweep_plan import Plan
 from vibsim.sweeps.points.point import Point
