@@ -179,19 +179,23 @@ def journal_path(target: Path) -> Path:
     return target.with_name(target.name + SUFFIX)
 
 
-def waiting_records(target: Path, fingerprint: str) -> list[dict[str, Any]]:
-    """Records in the journal beside a file that wait for being taken into it, whoever is writing them.
+class Waiting:
+    """What waits in the journal beside a file for being taken into it, for those who only read.
 
-    None of another task, nor damaged ones. To be asked before the file itself is read: what is taken up in
-    between is then in both.
+    To be made before the file is read: what is taken up in between is then in both, and nothing in neither.
     """
-    try:
-        header, *lines = _whole_lines(journal_path(target))
-    except (OSError, ValueError):  # no journal, or one without a line
-        return []
-    if _record(header, "") != {"fingerprint": fingerprint}:
-        return []
-    return [record for line in lines if (record := _record(line, fingerprint)) is not None]
+
+    def __init__(self, path: str | Path):
+        try:
+            self._lines = list(_whole_lines(journal_path(Path(path).absolute().resolve())))
+        except (OSError, ValueError):  # most files have none
+            self._lines = []
+
+    def records(self, fingerprint: str) -> list[dict[str, Any]]:
+        """The records of the task of that fingerprint, as plain data; none that are damaged."""
+        if not self._lines or _record(self._lines[0], "") != {"fingerprint": fingerprint}:
+            return []
+        return [record for line in self._lines[1:] if (record := _record(line, fingerprint)) is not None]
 
 
 def _whole_lines(path: Path) -> Iterator[bytes]:

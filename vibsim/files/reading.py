@@ -36,10 +36,15 @@ def open_hdf5(path: Path) -> h5py.File:
 def opened(path: Path, kind: str) -> Iterator[h5py.File]:
     """The open file of a kind, such as "sweep"; ResultFileError for everything that is not one."""
     with damage_named(path), open_hdf5(path) as file:
-        stored = read_attr(file, "vibsim_kind", "trajectory")
-        if stored != kind:
-            raise ResultFileError(f"{path}: holds a {stored}, not a {kind}")
+        check_kind(path, file, kind)
         yield file
+
+
+def check_kind(path: Path, file: h5py.File, kind: str) -> None:
+    """Raise ResultFileError for an open file of another kind."""
+    stored = read_attr(file, "vibsim_kind", "trajectory")
+    if stored != kind:
+        raise ResultFileError(f"{path}: holds a {stored}, not a {kind}")
 
 
 def read_attributes(path: Path, file: h5py.File, declared: Sequence[Attribute]) -> dict[str, Any]:

@@ -22,7 +22,10 @@ Watch = Callable[[str, int, int], bool]  # what is done, how many runs of it, of
 class Evaluation:
     """What is known of the candidates of a plan, and the means to know more."""
 
-    def __init__(self, plan: FitPlan, store: RunStore, workers: LocalWorkers, watch: Watch | None = None):
+    def __init__(
+        self, plan: FitPlan, store: RunStore, workers: LocalWorkers | None, watch: Watch | None = None
+    ):
+        """workers : None where nothing is to be run; what is missing is then Interrupted"""
         self.plan, self.store, self._workers = plan, store, workers
         self._watch = watch or (lambda *_: True)
         self.candidates: list[Candidate] = []
@@ -63,13 +66,17 @@ class Evaluation:
 
     def _complete(self, tasks: Sequence[Task], step: str) -> None:
         waiting = deque(task for task in tasks if task.index not in self.store.runs)
+        if self._workers is None:
+            if waiting:
+                raise Interrupted
+            return
         active: dict[Future[list[Point]], Index] = {}
         while True:
             while waiting and len(active) < AHEAD * self._workers.count:
                 task = waiting.popleft()
                 active[self._workers.submit((task,))] = task.index
             if not self._watch(step, len(tasks) - len(waiting) - len(active), len(tasks)):
-                self._give_up(active)
+                self._give_up(self._workers, active)
                 raise Interrupted
             if not active:
                 return
@@ -77,8 +84,8 @@ class Evaluation:
                 del active[future]
                 self.store.add(self._workers.result(future))
 
-    def _give_up(self, active: Iterable[Future[list[Point]]]) -> None:
-        self._workers.stop()
+    def _give_up(self, workers: LocalWorkers, active: Iterable[Future[list[Point]]]) -> None:
+        workers.stop()
         running = [future for future in active if not future.cancel()]
         for future in wait(running).done:
-            self.store.add(self._workers.result(future))
+            self.store.add(workers.result(future))

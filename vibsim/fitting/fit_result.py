@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.cases import Case
+from vibsim.files.journal import Waiting
 from vibsim.files.output_file import check_result_output
 from vibsim.fitting.goals.measuring import HORIZON, TRUST, Index
 from vibsim.fitting.goals.plan import FitPlan
@@ -22,6 +23,7 @@ from vibsim.fitting.store.stored_fit import read_fit
 from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.labelled import Labelled
 from vibsim.sweeps.points.point import Point
+from vibsim.sweeps.store.journal import point_from
 
 
 class FitResult(Labelled):
@@ -159,7 +161,16 @@ class FitResult(Labelled):
 
 
 def open_fit(path: str | Path) -> FitResult:
-    """The FitResult in an HDF5 file. Raises ResultFileError where it holds none."""
+    """The FitResult in an HDF5 file, with the runs that wait in its journal.
+
+    Raises ResultFileError where it holds none.
+    """
+    waiting = Waiting(path)
     attrs, plan, candidates, points = read_fit(Path(path))
-    runs: dict[Index, Point] = {point.index: point for point in points}  # type: ignore[misc]
-    return FitResult(attrs, plan, candidates, runs)
+    more = list(map(point_from, waiting.records(attrs["fit_sha256"])))
+    runs: dict[Index, Point] = {point.index: point for point in [*points, *more]}  # type: ignore[misc]
+    if more and plan.fingerprint == attrs["fit_sha256"]:
+        from vibsim.fitting.search import candidates_within
+
+        return FitResult({**attrs, "runs": len(runs)}, plan, candidates_within(plan, runs), runs)
+    return FitResult(attrs, plan, candidates, {point.index: point for point in points})  # type: ignore[misc]

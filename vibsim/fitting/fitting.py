@@ -174,15 +174,23 @@ def run_fit(
     try:
         with LocalWorkers(plan.work, jobs or available_cores(), engine, measure_all) as workers:
             evaluation = Evaluation(plan, store, workers, watch)
+            if isinstance(store, FileRunStore):
+                store.begin(_result(evaluation, engine, False))
             complete = _searched(evaluation)
-        attrs = {**origin(plan, engine), **store.attrs, "complete": int(complete), "runs": len(store.runs)}
-        result = FitResult(attrs, plan, evaluation.candidates, store.runs)
+        result = _result(evaluation, engine, complete)
         if isinstance(store, FileRunStore):
             store.publish(result)
             written = True
         return result, complete
     finally:
         store.close(written)
+
+
+def _result(evaluation: Evaluation, engine: str, complete: bool) -> FitResult:
+    """What there is of a fit."""
+    plan, store = evaluation.plan, evaluation.store
+    attrs = {**origin(plan, engine), **store.attrs, "complete": int(complete), "runs": len(store.runs)}
+    return FitResult(attrs, plan, evaluation.candidates, store.runs)
 
 
 def _searched(evaluation: Evaluation) -> bool:

@@ -12,16 +12,19 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
+from contextlib import suppress
 from itertools import combinations
 from math import ceil
 
 import numpy as np
 
+from vibsim.fitting.errors import Interrupted
 from vibsim.fitting.evaluation import Evaluation
 from vibsim.fitting.goals.free_parameter import FreeParameter
 from vibsim.fitting.goals.plan import EVOLUTION, FitPlan
 from vibsim.fitting.goals.reading import PRINTED, READING, SEARCHED, Candidate, leaving_price
 from vibsim.fitting.judgement import Judgement
+from vibsim.fitting.store.run_store import Runs, RunStore
 
 GOES_ON = 4  # one of so many screened candidates is judged from all starts
 FEWEST = 5  # members of a population, the least that scipy takes
@@ -43,6 +46,16 @@ def search(evaluation: Evaluation) -> None:
     if plan.fresh_starts:
         evaluation.judge(chosen, plan.fresh_starts, "judging the best again")
     evaluation.tell_horizons(chosen, "telling trust horizons")
+
+
+def candidates_within(plan: FitPlan, runs: Runs) -> list[Candidate]:
+    """The candidates that a search has made which came as far as these runs: it goes that way once more."""
+    store = RunStore()
+    store.runs = dict(runs)
+    evaluation = Evaluation(plan, store, None)
+    with suppress(Interrupted):
+        search(evaluation)
+    return evaluation.candidates
 
 
 def best_of(judged: Sequence[Judgement], count: int) -> list[Judgement]:

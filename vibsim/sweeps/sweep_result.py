@@ -9,6 +9,7 @@ import numpy as np
 
 from vibsim.cases import Case
 from vibsim.files.declarations import Column
+from vibsim.files.journal import Waiting
 from vibsim.files.output_file import check_result_output
 from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.labelled import Labelled, few
@@ -19,6 +20,8 @@ from vibsim.sweeps.plan.recipe import Start
 from vibsim.sweeps.plan.sweep_plan import Index, Plan
 from vibsim.sweeps.points.table import TEXTS_AND_STATUS, Table
 from vibsim.sweeps.statistics.columns import DONE, MISSING
+from vibsim.sweeps.store.journal import point_from
+from vibsim.sweeps.store.provenance import outcome
 from vibsim.sweeps.store.stored_plan import read_sweep
 from vibsim.sweeps.store.sweep_file import coordinates, read_column, write_sweep
 from vibsim.sweeps.store.sweep_structure import datasets_of, dimensions
@@ -211,6 +214,18 @@ class SweepResult(Labelled):
 
 
 def open_sweep(path: str | Path) -> SweepResult:
-    """The SweepResult in an HDF5 file. Raises ResultFileError where it holds none."""
-    attrs, plan = read_sweep(Path(path))
-    return SweepResult(attrs, plan, partial(read_column, Path(path), plan))
+    """The SweepResult in an HDF5 file, with the points that wait in its journal.
+
+    Raises ResultFileError where it holds none.
+    """
+    waiting = Waiting(path)
+    attrs, plan, file = read_sweep(Path(path))
+    read = partial(read_column, Path(path), file, plan)
+    points = waiting.records(plan.fingerprint)
+    if not points:
+        return SweepResult(attrs, plan, read)
+    table = Table(plan)
+    table.fill(read)
+    for point in map(point_from, points):
+        table.put(point)
+    return SweepResult({**attrs, **outcome(table)}, plan, table.column, table)

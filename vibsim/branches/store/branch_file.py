@@ -1,10 +1,10 @@
 """A branch as an HDF5 file: written whole, read back to the bit."""
 
 import json
-from collections.abc import Callable, Sequence
-from itertools import starmap
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import chain, starmap
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -22,8 +22,9 @@ from vibsim.branches.store.structure import (
     UNKNOWN,
     datasets_of,
 )
-from vibsim.branches.tracing.records import OrbitRecord, PointRecord, SpecialRecord
+from vibsim.branches.tracing.records import OrbitRecord, PointRecord, SpecialRecord, read_record
 from vibsim.engine.choice import engine_name
+from vibsim.files.journal import Waiting
 from vibsim.files.provenance import provenance
 from vibsim.files.reading import opened, read_attributes, read_datasets
 from vibsim.files.stored_case import stored_case, understood
@@ -32,6 +33,8 @@ from vibsim.orbits.returns.word import LETTERS, Word
 
 KIND = "branch"
 KIND_NAMES = {code: kind for kind, code in KINDS.items()}
+Walked = TypeVar("Walked", bound=Any)  # a point with its way and its number on it
+Others = TypeVar("Others")
 EVENTS = {letter: kind for kind, letter in LETTERS.items()}
 
 
@@ -47,12 +50,18 @@ def origin(plan: BranchPlan, engine: str = "auto") -> dict[str, Any]:
 
 def write_branch(path: Path, branch: Branch, attrs: dict[str, Any], complete: bool) -> None:
     """Write a branch to `path`, replacing what is there in one instant. Raises ResultFileError."""
-    specials, orbits = branch.specials, branch.points
-    unresolved = sum(one.kind == UNRESOLVED for one in specials)
-    counts = {"points": len(orbits), "special_points": len(specials), "unresolved": unresolved}
-    counts["complete"] = int(complete)
-    names = {"names_json": json.dumps(branch.names)}
-    write_hdf5(path, {**attrs, **names, **counts}, datasets_of(branch.unit), values_of(branch))
+    names = {"names_json": json.dumps(branch.names), "complete": int(complete)}
+    write_hdf5(path, {**attrs, **names, **_counts(branch)}, datasets_of(branch.unit), values_of(branch))
+
+
+def _counts(branch: Branch) -> dict[str, int]:
+    """Attributes that count what there is."""
+    unresolved = sum(one.kind == UNRESOLVED for one in branch.specials)
+    return {
+        "points": len(branch.points),
+        "special_points": len(branch.specials),
+        "unresolved": unresolved,
+    }
 
 
 def values_of(branch: Branch) -> dict[str, Any]:
@@ -93,7 +102,23 @@ def orbit_values(prefix: str, spelled: Callable[[Word], str], records: Sequence[
 
 
 def read_branch(path: str | Path) -> Branch:
-    """The branch in a file, in which everything has been checked. Raises ResultFileError."""
+    """The branch in a file, in which everything has been checked, with the points that wait in its journal.
+
+    Raises ResultFileError.
+    """
+    waiting, branch = Waiting(path), stored_branch(path)
+    points, specials = branch.records
+    follows = follow_up(points, map(read_pair, waiting.records(branch.plan.fingerprint)))
+    if not follows:
+        return branch
+    points = [*in_order(points), *(point for point, _ in follows)]
+    specials = [*specials, *chain.from_iterable(others for _, others in follows)]
+    whole = Branch(branch.plan, points, specials)
+    return Branch(branch.plan, points, specials, {**branch.attrs, **_counts(whole)})
+
+
+def stored_branch(path: str | Path) -> Branch:
+    """The branch in a file as it stands there. Raises ResultFileError."""
     path = Path(path)
     with opened(path, KIND) as file:
         attrs = read_attributes(path, file, ATTRIBUTES)
@@ -108,6 +133,33 @@ def read_branch(path: str | Path) -> Branch:
             raise ValueError("no start")
         len(branch.specials)
     return branch
+
+
+def in_order(points: Iterable[Walked]) -> list[Walked]:
+    """Points of a file, where they stand along the branch, in the order in which they were made."""
+    return sorted(points, key=lambda point: (-point.way, point.number))
+
+
+def read_pair(record: Mapping[str, Any]) -> tuple[PointRecord, list[SpecialRecord]]:
+    """A point in a journal, and the special points in front of it."""
+    return read_record(record["point"]), [read_record(each) for each in record["specials"]]  # type: ignore[return-value]
+
+
+def follow_up(
+    points: Iterable[Walked], waiting: Iterable[tuple[Walked, Others]]
+) -> list[tuple[Walked, Others]]:
+    """What waits, each point with something, as far as each is the next one of its way behind the points that
+    are known: none that is known, nor what stands behind a damaged record.
+    """
+    last: dict[int, int] = {}
+    for point in points:
+        last[point.way] = max(point.number, last.get(point.way, 0))
+    follows = []
+    for point, others in waiting:
+        if point.number == last.get(point.way, 0 if last else -1) + 1:
+            last[point.way] = point.number
+            follows.append((point, others))
+    return follows
 
 
 def _plan(path: Path, attrs: dict[str, Any]) -> BranchPlan:

@@ -1,12 +1,20 @@
 """Where the points of a branch go while it is traced: memory, and the journal beside its file at once."""
 
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 
 from vibsim.branches.branch import Branch
 from vibsim.branches.plan import BranchPlan
-from vibsim.branches.store.branch_file import origin, read_branch, write_branch
-from vibsim.branches.tracing.records import PointRecord, SpecialRecord, plain, read_record
+from vibsim.branches.store.branch_file import (
+    follow_up,
+    in_order,
+    origin,
+    read_pair,
+    stored_branch,
+    write_branch,
+)
+from vibsim.branches.tracing.records import PointRecord, SpecialRecord, plain
 from vibsim.files.errors import ResultFileError
 from vibsim.files.journal import Journal
 from vibsim.files.output_file import check_result_output
@@ -66,26 +74,17 @@ class BranchFileStore(BranchStore):
     def _go_on(self) -> None:
         """Take over what the file and the journal hold; they must be of this branch."""
         if self.path.exists():
-            there = read_branch(self._shown)
+            there = stored_branch(self._shown)
             self._refuse(there)
             points, specials = there.records
-            self.points, self.specials = _as_they_came(points), specials
+            self.points, self.specials = in_order(points), specials
             self.attrs["date_created"] = there.attrs["date_created"]
             self._on_file = (len(points), bool(there.attrs["complete"]))
         waiting = list(self._journal.read(self.plan.fingerprint))
-        known = {(point.way, point.number) for point in self.points}
-        for record in waiting:
-            point = read_record(record["point"])
-            assert isinstance(point, PointRecord)
-            if (point.way, point.number) not in known and self._follows(point):
-                super().add(point, [read_record(each) for each in record["specials"]])  # type: ignore[misc]
+        for point, of_point in follow_up(self.points, map(read_pair, waiting)):
+            super().add(point, of_point)
         self.notes += self._journal.notes()
         self._journal.go_on(self.plan.fingerprint, waiting)
-
-    def _follows(self, point: PointRecord) -> bool:
-        """Whether a point is the next one of its way: behind a damaged record none is."""
-        last = max((p.number for p in self.points if p.way == point.way), default=0 if self.points else -1)
-        return point.number == last + 1
 
     def _refuse(self, there: Branch) -> None:
         if there.plan.fingerprint != self.plan.fingerprint:
@@ -98,21 +97,25 @@ class BranchFileStore(BranchStore):
             )
 
     def add(self, point: PointRecord, specials: list[SpecialRecord]) -> None:
+        """Keep a point on disk; with the first one the file is made, which holds the plan."""
         super().add(point, specials)
         self._journal.add([{"point": plain(point), "specials": [plain(each) for each in specials]}])
+        if self._on_file == (0, False):
+            with suppress(ResultFileError):  # the journal has it; what is wrong is told at the end
+                self._write()
+
+    def _write(self) -> None:
+        """Write the file, unless it holds all that there is."""
+        if (len(self.points), self.complete) > self._on_file:
+            write_branch(self.path, self.branch, self.attrs, self.complete)
+            self._on_file = (len(self.points), self.complete)
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
         published = False
         try:
-            if (len(self.points), self.complete) > self._on_file:
-                write_branch(self.path, self.branch, self.attrs, self.complete)
+            self._write()
             published = True
         except ResultFileError as failure:
             raise self._journal.kept_after(failure) from failure
         finally:
             self._journal.close(remove=published)
-
-
-def _as_they_came(points: list[PointRecord]) -> list[PointRecord]:
-    """Points of a file, where they stand along the branch, in the order in which they were made."""
-    return sorted(points, key=lambda point: (-point.way, point.number))

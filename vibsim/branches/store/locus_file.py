@@ -1,6 +1,7 @@
 """A locus as an HDF5 file, and where its points go while it is followed."""
 
 import json
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +9,7 @@ import numpy as np
 
 from vibsim.branches.loci.locus_plan import LocusPlan
 from vibsim.branches.loci.locus_result import MOST_POINTS, Locus, LocusRecord, trace_locus
-from vibsim.branches.store.branch_file import orbit_of, orbit_values, places_of
+from vibsim.branches.store.branch_file import follow_up, in_order, orbit_of, orbit_values, places_of
 from vibsim.branches.store.structure import (
     BODY,
     LOCUS_ATTRIBUTES,
@@ -21,7 +22,7 @@ from vibsim.branches.store.structure import (
 from vibsim.branches.tracing.records import plain_orbit, read_orbit
 from vibsim.engine.choice import engine_name
 from vibsim.files.errors import ResultFileError
-from vibsim.files.journal import Journal
+from vibsim.files.journal import Journal, Waiting
 from vibsim.files.output_file import check_result_output
 from vibsim.files.provenance import provenance
 from vibsim.files.reading import opened, read_attributes, read_datasets
@@ -67,7 +68,19 @@ def values_of(locus: Locus) -> dict[str, Any]:
 
 
 def read_locus(path: str | Path) -> Locus:
-    """The locus in a file, in which everything has been checked. Raises ResultFileError."""
+    """The locus in a file, in which everything has been checked, with the points that wait in its journal.
+
+    Raises ResultFileError.
+    """
+    waiting, locus = Waiting(path), stored_locus(path)
+    records = map(read_point, waiting.records(locus.plan.fingerprint))
+    follows = follow_up(locus.points, ((point, None) for point in records))
+    points = [*locus.points, *(point for point, _ in follows)]
+    return Locus(locus.plan, points, {**locus.attrs, "points": len(points)})
+
+
+def stored_locus(path: str | Path) -> Locus:
+    """The locus in a file as it stands there. Raises ResultFileError."""
     path = Path(path)
     with opened(path, KIND) as file:
         attrs = read_attributes(path, file, LOCUS_ATTRIBUTES)
@@ -139,29 +152,25 @@ class LocusStore:
             self._journal.restart(self.plan.fingerprint)
             return
         if self.path.exists():
-            there = read_locus(shown)
+            there = stored_locus(shown)
             if there.plan.fingerprint != self.plan.fingerprint:
                 raise ResultFileError(f"{shown}: holds another locus; kept (force=True replaces it)")
-            self.points = sorted(there.points, key=lambda point: (-point.way, point.number))
+            self.points = in_order(there.points)
             self.attrs["date_created"] = there.attrs["date_created"]
             self._on_file = (len(self.points), bool(there.attrs["complete"]))
         waiting = list(self._journal.read(self.plan.fingerprint))
-        known = {(point.way, point.number) for point in self.points}
-        for point in map(read_point, waiting):
-            if (point.way, point.number) not in known and self._follows(point):
-                self.points.append(point)
+        records = ((read_point(each), None) for each in waiting)
+        self.points += [point for point, _ in follow_up(self.points, records)]
         self.notes += self._journal.notes()
         self._journal.go_on(self.plan.fingerprint, waiting)
-
-    def _follows(self, point: LocusRecord) -> bool:
-        """Whether a point is the next one of its way: behind a damaged record none is."""
-        last = max((p.number for p in self.points if p.way == point.way), default=0 if self.points else -1)
-        return point.number == last + 1
 
     def _add(self, point: LocusRecord) -> None:
         self.points.append(point)
         if self._journal is not None:
             self._journal.add([plain(point)])
+            if self._on_file == (0, False):  # with the first point the file is made, which holds the plan
+                with suppress(ResultFileError):  # the journal has it; what is wrong is told at the end
+                    self._write(False)
 
     def complete(self, most: int = MOST_POINTS, watch: Any = None) -> tuple[Locus, bool]:
         """Follow what is missing; the locus, and whether that came to an end."""
@@ -177,13 +186,18 @@ class LocusStore:
             return
         published = False
         try:
-            if (len(self.points), finished) > self._on_file:
-                write_locus(self.path, self.locus, self.attrs, finished)
+            self._write(finished)
             published = True
         except ResultFileError as failure:
             raise self._journal.kept_after(failure) from failure
         finally:
             self._journal.close(remove=published)
+
+    def _write(self, finished: bool) -> None:
+        """Write the file, unless it holds all that there is."""
+        if self.path is not None and (len(self.points), finished) > self._on_file:
+            write_locus(self.path, self.locus, self.attrs, finished)
+            self._on_file = (len(self.points), finished)
 
     @property
     def locus(self) -> Locus:

@@ -24,8 +24,9 @@ SPAN = Pair("KEY=FROM:TO, such as c=0.01:0.1", some_text, several=True)
         "vibsim continue captured.h5 --switch PD1       # the branch that leaves there",
         "vibsim continue I-A -s excitation=none -s c=0 -s friction=none -s x1=5mm --energy 1e-5:0.1",
         "vibsim continue captured.h5 --locus NS1 --param c=0.02:0.1",
+        "vibsim continue captured.h5                   # complete it by the plan that it holds",
         "vibsim plot captured.h5",
-        before="An interrupted continuation goes on when the same command is given again.",
+        before="An interrupted continuation goes on when the same command is given again, or its file alone.",
     ),
 )
 @click.argument("source", metavar="ORBIT", type=CASE)
@@ -65,14 +66,22 @@ def command(
     """Follow the periodic orbit ORBIT over a parameter, both ways, through folds.
 
     ORBIT is a stored orbit, or a case or the HDF5 file of a run, whose end it is taken from; with --switch
-    or --locus a branch. The order of
-    events need not be told: where it changes is located, and listed beside folds, doublings and
-    Neimark-Sacker points.
+    or --locus a branch. The file of a branch or a locus, given alone, is completed. The order of events need
+    not be told: where it changes is located, and listed beside folds, doublings and Neimark-Sacker points.
     """
     from vibsim.command_line.jobs.continuation import read_energy_plan, read_plan, run_continuation
-    from vibsim.command_line.jobs.run_plan import check_engine
+    from vibsim.command_line.jobs.run_plan import check_engine, hdf5_name, to_be_completed
 
     check_engine(engine)
+    if not any((omega0, omega, param, energy, switch, locus)):
+        stored = to_be_completed(source, ("branch", "locus"), ctx)
+        if stored is not None:
+            output = hdf5_name(output or source)
+            if stored.attrs["vibsim_kind"] == "branch":
+                return run_continuation(stored.plan, output, max_points, engine, force, ctx.obj)
+            from vibsim.command_line.jobs.locus import run_locus
+
+            return run_locus(stored.plan, output, max_points, engine, force, ctx.obj)
     if locus is not None:
         from vibsim.command_line.jobs.locus import read_locus_plan, run_locus
 

@@ -28,9 +28,11 @@ FREE = Pair("KEY=FROM:TO, such as J=0.5:20g.m^2", some_text)
         "vibsim fit II-B --free J=0.5:20g.m^2 --free c=0.001:0.05 --at-most 1 --want 'held for at least 9 s'",
         "vibsim fit II-B --try 'J=0.006, c=0.005' --try J=0.01 --want 'captured until the end'",
         "vibsim fit I-C --free omega=5:8Hz --ensemble 0 --want 'chaotic' --want 'drift rate above 0.1 mm/s'",
+        "vibsim fit II-B-fit.h5                        # complete it by the plan that it holds",
         "vibsim plot II-B-fit.h5",
         before="A statement is [CASE:] WHAT [RANGE] [over A to B s] [from P % of the starts] [, weight N]; "
-        "--list names what it can be about. An interrupted fit goes on when the same command is given again.",
+        "--list names what it can be about. An interrupted fit goes on when the same command is given again, "
+        "or its file alone.",
     ),
 )
 @click.argument("sources", metavar="CASE...", nargs=-1, type=CASE)
@@ -113,16 +115,21 @@ def command(
     """Find values under which the runs of CASE do what statements say of them, judged from many starts.
 
     CASE is a YAML file, the name of a shipped case, - for standard input, or an HDF5 file of `vibsim run`. Of
-    several cases each statement names one; what is changed is changed in all of them.
+    several cases each statement names one; what is changed is changed in all of them. The file of a fit,
+    given alone, is completed.
     """
     from vibsim.command_line.jobs.fit import read_plan, run_job, words_listed
-    from vibsim.command_line.jobs.run_plan import check_engine
+    from vibsim.command_line.jobs.run_plan import check_engine, to_be_completed
 
     if list_words:
         return words_listed(ctx.obj)
     check_engine(engine)
     run_settings = {"run.t_end": t_end, "run.every": every}
     values = joined(changes, run_settings)
+    if len(sources) == 1 and not statements:
+        stored = to_be_completed(sources[0], ("fit",), ctx)
+        if stored is not None:
+            return run_job(stored.plan, output or sources[0], jobs, engine, force, ctx.obj)
     plan = read_plan(sources, values, statements, free, prices, readings, ensemble, spreads, settings)
     name = "-".join(case.name for case in plan.cases)
     return run_job(plan, output or f"{name}-fit.h5", jobs, engine, force, ctx.obj)

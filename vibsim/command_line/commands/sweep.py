@@ -32,11 +32,12 @@ DEFAULT_CASE = "II-B"
         "vibsim sweep II-B --omega0 3:7:0.1 --ensemble 20 --spread phi=0:360deg --spread x1=1mm",
         "vibsim sweep II-B --omega0 3:7:0.1 --compute power,capture,regime",
         "vibsim sweep II-B --omega0 3:7:0.001 --scheduler tcp://10.0.0.1:8786",
+        "vibsim sweep II-B-omega0.h5                   # complete it by the plan that it holds",
         "vibsim plot II-B-omega0.h5",
         before="Ranges: FROM:TO:STEP (both ends included), FROM:TO/COUNT, 'log FROM:TO/COUNT' (spaced by "
         "ratio), or A,B,C; with a unit at the end. "
         "Their order counts: 7:3:0.05 runs down. "
-        "An interrupted sweep goes on when the same command is given again.",
+        "An interrupted sweep goes on when the same command is given again, or its file alone.",
     ),
 )
 @click.argument("source", metavar="[CASE]", required=False, type=CASE)
@@ -124,9 +125,10 @@ def command(
 ) -> int:
     """Run CASE at every point of a grid and store statistics of each run.
 
-    CASE is a YAML file, the name of a shipped case, - for standard input, or an HDF5 file of `vibsim run`.
+    CASE is a YAML file, the name of a shipped case, - for standard input, or an HDF5 file of vibsim, whose
+    case is taken. The file of a sweep, given alone, is completed.
     """
-    from vibsim.command_line.jobs.run_plan import check_engine
+    from vibsim.command_line.jobs.run_plan import check_engine, hdf5_name, to_be_completed
     from vibsim.command_line.jobs.sweep import computations_listed, read_plan, run_sweep, sharded, workers_for
 
     if list_computations:
@@ -144,6 +146,10 @@ def command(
     settings["compute"] = [name.strip() for name in computed.split(",") if name.strip()]
     if seed is not None and not ensemble:
         raise click.UsageError("--seed draws the members of --ensemble, which is not given")
-    plan = read_plan(source, values, axes, (ensemble or 0, seed or 0, spreads), settings)
-    plan, output = sharded(plan, shard, output)
+    stored = None if axes or ensemble or spreads else to_be_completed(source, ("sweep",), ctx)
+    if stored is not None:
+        plan, output = stored.plan, hdf5_name(output or source)
+    else:
+        plan = read_plan(source, values, axes, (ensemble or 0, seed or 0, spreads), settings)
+        plan, output = sharded(plan, shard, output)
     return run_sweep(plan, output, workers_for(plan, jobs, scheduler, engine), engine, force, ctx.obj)

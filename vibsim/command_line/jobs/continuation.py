@@ -83,7 +83,9 @@ def _check_kind(source: str) -> None:
     """Usage error for a file that holds neither an orbit nor a run."""
     kind = kind_of(source) if names_a_result(source) else "trajectory"
     if kind == "branch":
-        raise click.UsageError(f"{source} holds a branch; --switch PD1 or --locus NS1 go on from one")
+        raise click.UsageError(
+            f"{source} holds a branch; --switch PD1 or --locus NS1 go on from one, and alone it is completed"
+        )
     if kind != "trajectory":
         raise click.UsageError(f"{source} holds a {kind}; give a case, or the file of an orbit or a run")
 

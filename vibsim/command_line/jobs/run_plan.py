@@ -4,9 +4,10 @@ import json
 import os
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from vibsim.command_line.options.settings import Settings
 from vibsim.command_line.terminal.printing import print_json, say
@@ -66,6 +67,27 @@ def read_case(source: str, changes: dict[str, str]) -> "Case":
     result = open_result(source)
     case: Case = replace(result.case, text=result.attrs["case_yaml"])
     return case.with_values(changes) if changes else case
+
+
+ASIDE = {"engine", "jobs", "scheduler", "max_points", "output", "force"}  # options that change no plan
+
+
+def to_be_completed(source: str, kinds: tuple[str, ...], ctx: click.Context) -> Any:
+    """The result of one of the kinds in a file that is given alone, to be completed by the plan in it.
+
+    None where the source is anything else. Raises UsageError for options that change a plan, ResultFileError.
+    """
+    if not names_a_result(source) or kind_of(source) not in kinds:
+        return None
+    given = [
+        option.opts[-1]
+        for option in ctx.command.params
+        if isinstance(option, click.Option) and option.expose_value and option.name not in ASIDE
+        and ctx.get_parameter_source(str(option.name)) is ParameterSource.COMMANDLINE
+    ]  # fmt: skip
+    if given:
+        raise click.UsageError(f"{source} is completed by the plan that it holds; leave {given[0]} out")
+    return open_result(source)
 
 
 def check_engine(engine: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -84,6 +85,12 @@ class FileRunStore(RunStore):
         batch = list(points)
         super().add(batch)
         self._journal.add(batch)
+
+    def begin(self, result: FitResult) -> None:
+        """Make the file, which holds the plan, before the first run; one that is there holds it."""
+        if self._on_file < (0, False):
+            with suppress(ResultFileError):  # the journal keeps the runs; what is wrong is told at the end
+                write_fit(self.path, result)
 
     def publish(self, result: FitResult) -> None:
         """Write the file of the fit, unless it is there; where that fails, the journal keeps its runs.

@@ -81,9 +81,10 @@ class FileStore(Store):
     def _go_on(self) -> None:
         """Take over what the file and the journal hold; they must be of this sweep."""
         if self.path.exists():
-            attrs, _ = read_sweep(Path(self._shown))
-            self._refuse(differences(self.plan, attrs))
-            self.table.fill(partial(read_column, Path(self._shown), self.plan))
+            attrs, _, file = read_sweep(Path(self._shown))
+            with file:
+                self._refuse(differences(self.plan, attrs))
+                self.table.fill(partial(read_column, Path(self._shown), file, self.plan))
             self.attrs["date_created"] = attrs["date_created"]
             self._on_file = True
         for point in self._journal.read(self.plan.fingerprint):

@@ -13,7 +13,7 @@ from vibsim.analysis.discard import parse_discard
 from vibsim.cases.schema.keys import measured_at
 from vibsim.cases.values.quantities import parse_quantity
 from vibsim.files.checking import check_datasets, damaged
-from vibsim.files.reading import opened, read_attributes
+from vibsim.files.reading import check_kind, damage_named, open_hdf5, read_attributes
 from vibsim.files.signals import ended_at_once
 from vibsim.files.stored_case import stored_case, understood
 from vibsim.sweeps.plan.members import axis_from_plain
@@ -34,18 +34,28 @@ SETTINGS = "the attribute sweep_settings_json"
 
 
 @ended_at_once()
-def read_sweep(path: Path) -> tuple[dict[str, Any], Plan]:
-    """Root attributes and plan of a sweep file, the file checked. Raises ResultFileError."""
-    with opened(path, KIND) as file:
-        attrs = read_attributes(path, file, ATTRIBUTES)
-        settings = _settings(path, attrs)
-        _check_count(path, file, settings["axes"])
-        case = stored_case(path, attrs)
-        with understood(path, f"{SETTINGS} describes no sweep of its case"):
-            plan = _plan(case, settings)
-            _check_axes(case, plan)
-        check_datasets(path, file, datasets_of(plan), lengths_of(plan))
-        _check_scales(path, file, plan)
+def read_sweep(path: Path) -> tuple[dict[str, Any], Plan, h5py.File]:
+    """Root attributes and plan of a sweep file, the file checked and left open. Raises ResultFileError."""
+    file = open_hdf5(path)
+    try:
+        with damage_named(path):
+            check_kind(path, file, KIND)
+            return *_checked(path, file), file
+    except BaseException:
+        file.close()
+        raise
+
+
+def _checked(path: Path, file: h5py.File) -> tuple[dict[str, Any], Plan]:
+    attrs = read_attributes(path, file, ATTRIBUTES)
+    settings = _settings(path, attrs)
+    _check_count(path, file, settings["axes"])
+    case = stored_case(path, attrs)
+    with understood(path, f"{SETTINGS} describes no sweep of its case"):
+        plan = _plan(case, settings)
+        _check_axes(case, plan)
+    check_datasets(path, file, datasets_of(plan), lengths_of(plan))
+    _check_scales(path, file, plan)
     if attrs["points"] != plan.count or not all(0 <= attrs[name] <= plan.count for name in COUNTS):
         raise damaged(path, f"the attribute points is {attrs['points']}, and its axes have {plan.count}")
     return attrs, plan

@@ -4,10 +4,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 
 from vibsim.files.checking import check_values
-from vibsim.files.reading import opened, read_values
+from vibsim.files.reading import damage_named, read_values
 from vibsim.files.writing import write_hdf5
 from vibsim.sweeps.computations.impact_velocity import QUANTILES
 from vibsim.sweeps.plan.members import Members
@@ -51,13 +52,16 @@ def _counted(dimension: str, count: int) -> np.ndarray:
     return np.arange(1, count + 1) if dimension in NUMBERED else np.arange(1 - count, 1)
 
 
-def read_column(path: Path, plan: Plan, name: str) -> np.ndarray:
-    """One column of the checked file of a sweep, or its status, sha256 or error; NaN where it has no room."""
-    with opened(path, KIND) as file:
-        declared = next((each for each in datasets_of(plan) if each.name == name), None)
-        if declared is None:
-            return np.full(plan.shape_of(name), np.nan)
+def read_column(path: Path, file: h5py.File, plan: Plan, name: str) -> np.ndarray:
+    """One column of the checked file of a sweep, or its status, sha256 or error; NaN where it has no room.
+
+    The file is read as it was when it was opened, though another may have its name by now.
+    """
+    declared = next((each for each in datasets_of(plan) if each.name == name), None)
+    if declared is None:
+        return np.full(plan.shape_of(name), np.nan)
+    with damage_named(path):
         values = read_values(file, declared)
-        if name not in TEXTS:
-            check_values(path, declared, values)
-        return np.asarray(values)
+    if name not in TEXTS:
+        check_values(path, declared, values)
+    return np.asarray(values)
