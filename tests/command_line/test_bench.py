@@ -54,7 +54,7 @@ def test_json():
     assert found["beside"][0]["method"] == "dop853"
 
 
-def test_compiling_is_told_apart():
+def test_compiling_of_heyoka_is_told_apart():
     pytest.importorskip("heyoka")
     done = call("bench", "I-A", "--t-end", "1s", "--methods", "heyoka,dop853")
     assert re.search(r"heyoka\.py with events  \(compiled beforehand in \d\.\d\d s at most\)", done.stdout)
