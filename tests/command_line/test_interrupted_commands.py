@@ -39,7 +39,7 @@ initial: {x1: 1 mm}
 run: {t_end: 100 s}
 """
 # what is called; when the signal comes: a moment after a file is there, or (None) after the command listens
-# for signals, or at once where it calls MODULE:FUNCTION; what is said; what is left. None of it depends on the
+# for signals, or at once where it calls MODULE:FUNCTION; what is said; what is left. Nothing depends on the
 # speed of the machine: what is waited for comes sooner or later, and no command is at its end in a minute
 COMMANDS = {
     "run": ("run II-B --t-end 1e6s", "II-B.h5.partial", "II-B.h5 holds the run until", ["II-B.h5"]),

@@ -69,14 +69,16 @@ def test_an_interruption_with_force_replaces_the_old_file_by_the_part(tmp_path):
 
 
 def on_a_terminal(folder, command, seconds=0.0, until=b""):
-    """What a command writes to a terminal in so many seconds, and until it has written that, before it gets
-    a Ctrl-C.
+    """What a run writes to a terminal in so many seconds from when it writes its file, or until it has written
+    that, before it gets a Ctrl-C.
     """
     terminal, its_end = pty.openpty()
     with subprocess.Popen(
         command, cwd=folder, stdout=its_end, stderr=its_end, env={**os.environ, "TERM": "xterm"}
     ) as run:
         os.close(its_end)
+        while not (folder / "II-B.h5.partial").exists() and run.poll() is None:
+            time.sleep(0.01)
         time.sleep(seconds)
         text = b""
         while until not in text:

@@ -159,7 +159,7 @@ def test_several_cases_into_a_folder(folder):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["I-A", "I-B", "-o", "one.h5"], "several cases need a folder that exists"),
+        (["I-A", "I-B", "-o", "one.h5"], "several cases need a folder, such as one/"),
         (["I-A", "I-A"], "two of the cases would be written to I-A.h5"),
         (["I-A", "I-B", "--plot", "a.png"], "--plot draws one run"),
         (["I-A", "-s", "c"], "'c' is not KEY=VALUE"),

@@ -57,6 +57,7 @@ COMPLETION = (
 # What numpy starts unless told otherwise: threads for large matrices, which vibsim lacks; they spin while
 # they wait (30 ms of a core).
 NOT_NEEDED = {"OPENBLAS_NUM_THREADS": "1"}
+WITHOUT_WINDOWS = {"MPLBACKEND": "agg"}  # whatever is set: matplotlib refuses to load with a name it has not
 
 
 class LazyGroup(click.Group):
@@ -148,6 +149,7 @@ def main() -> None:
     open_closed_streams()
     for name, value in NOT_NEEDED.items():
         os.environ.setdefault(name, value)
+    os.environ.update(WITHOUT_WINDOWS)
     gc.set_threshold(100_000)  # starting up makes many objects and no garbage; looking for it takes 30 ms
     heard_from_now_on()
     group.owns_the_process = True

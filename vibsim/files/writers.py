@@ -24,6 +24,7 @@ except ImportError:  # Windows, where a file that is open cannot be removed
     fcntl = None  # type: ignore[assignment]
 
 NO_LOCKS = {errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL}  # of disks that have none
+TRIES = 100  # to make a file whose name others make and remove at the same time
 ours: set[Path] = set()  # lock files that this process holds
 OWNER_BYTES = 200  # of a lock file: process and machine of its owner
 
@@ -42,8 +43,7 @@ class Lock:
         self._descriptor = -1
         with held_back():
             try:
-                while self._descriptor < 0:
-                    self._descriptor = _acquired(self.path, shown)
+                self._descriptor = _acquired(self.path, shown)
             except OSError as error:
                 raise ResultFileError(f"{shown}: cannot write: {reason(error)}") from error
             with suppress(OSError):  # on a full disk it names nobody, and locks all the same
@@ -79,22 +79,28 @@ def check_unlocked(target: Path, shown: str | Path) -> None:
     if path not in ours and path.exists():
         with suppress(OSError):
             descriptor = _acquired(path, shown)
-            if descriptor >= 0:
-                path.unlink(missing_ok=True)
-                os.close(descriptor)
+            path.unlink(missing_ok=True)
+            os.close(descriptor)
 
 
 def _acquired(path: Path, shown: str | Path) -> int:
-    """Descriptor of the lock file; -1 where it came or went in between."""
+    """Descriptor of the lock file, locked. Raises ResultFileError where another has it, OSError."""
+    for _ in range(TRIES):  # it may come and go meanwhile
+        descriptor = _try_to_acquire(path, shown)
+        if descriptor >= 0:
+            return descriptor
+    raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT))
+
+
+def _try_to_acquire(path: Path, shown: str | Path) -> int:
+    """As above; -1 where it came or went in between, or cannot be made."""
     try:
         if fcntl is None:
             path.unlink(missing_ok=True)
         made = not path.exists()
         descriptor = os.open(path, os.O_RDWR | (os.O_CREAT | os.O_EXCL if made else 0), 0o666)
     except (FileExistsError, FileNotFoundError):
-        if path.parent.is_dir():
-            return -1
-        raise
+        return -1
     except PermissionError:
         if fcntl is None:
             raise _refused(path, shown, "") from None
@@ -174,7 +180,7 @@ def open_partial(target: Path, folder: bool = False) -> tuple[int, Path]:
     there is no flock nothing says which are, and they stay. Raises OSError. Signals are to be held back.
     """
     _remove_dead(target)
-    while True:
+    for _ in range(TRIES):
         path = unique_path(target)
         try:
             if folder:
@@ -185,6 +191,7 @@ def open_partial(target: Path, folder: bool = False) -> tuple[int, Path]:
         if _locked(descriptor) is not False and _is_at(descriptor, path):
             return descriptor, path
         os.close(descriptor)  # taken for one that a dead writer has left, and removed
+    raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST))
 
 
 def unique_path(target: Path) -> Path:

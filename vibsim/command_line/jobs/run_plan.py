@@ -12,8 +12,8 @@ from click.core import ParameterSource
 from vibsim.command_line.options.settings import Settings
 from vibsim.command_line.terminal.printing import print_json, say
 from vibsim.command_line.text.summary import case_lines, heading, print_lines
-from vibsim.files.errors import ResultFileError
-from vibsim.files.output_file import check_output, check_result_name
+from vibsim.files.errors import ResultFileError, reason
+from vibsim.files.output_file import RESULT_SUFFIXES, check_output, check_result_name
 from vibsim.opening import open_result
 from vibsim.results import kind_of, names_a_result
 
@@ -27,6 +27,7 @@ class Job:
 
     case: "Case"
     output: Path
+    folder: Path | None = None  # of the file, where it is to be made if it is missing
     tangent: tuple[int, float] = (0, 0.0)  # number of Lyapunov exponents, and from when on [s]
 
 
@@ -37,11 +38,20 @@ def plan(sources: tuple[str, ...], changes: dict[str, str], output: str | None) 
     is called what an HDF5 file is not.
     """
     cases = [read_case(source, changes) for source in sources]
-    return [Job(case, path) for case, path in zip(cases, _outputs(cases, output), strict=True)]
+    folder, paths = _outputs(cases, output)
+    return [Job(case, path, folder) for case, path in zip(cases, paths, strict=True)]
 
 
 def check_outputs(jobs: list[Job], force: bool) -> None:
-    """Raise ResultFileError for an output that exists (unless `force`) or cannot be written."""
+    """Raise ResultFileError for an output that exists (unless `force`) or cannot be written.
+
+    The folder of several is made where it is missing.
+    """
+    for folder in {job.folder for job in jobs if job.folder is not None}:
+        try:
+            folder.mkdir(exist_ok=True)
+        except OSError as error:
+            raise ResultFileError(f"{folder}: cannot make the folder: {reason(error)}") from error
     for job in jobs:
         check_output(job.output, force)
 
@@ -180,16 +190,17 @@ def _in_the_way(job: Job) -> str:
     return "; it exists, and --force would replace it" if os.path.exists(job.output) else ""
 
 
-def _outputs(cases: list["Case"], output: str | None) -> list[Path]:
+def _outputs(cases: list["Case"], output: str | None) -> tuple[Path | None, list[Path]]:
+    """The folder that may have to be made, and the file of each case."""
     names = [f"{case.name}.h5" for case in cases]
     if len(set(names)) < len(names):
         repeated = next(name for name in names if names.count(name) > 1)
         raise click.UsageError(f"two of the cases would be written to {repeated}; run them one by one")
     if output is None:
-        return [Path(name) for name in names]
+        return None, [Path(name) for name in names]
     in_folder = os.path.isdir(output)  # no for what cannot be, such as too long a name
-    if len(cases) > 1 and not in_folder:
-        raise click.UsageError(f"-o {output}: several cases need a folder that exists")
-    if in_folder:
-        return [Path(output) / name for name in names]
-    return [Path(hdf5_name(output))]
+    if len(cases) > 1 and Path(output).suffix.lower() in RESULT_SUFFIXES and not in_folder:
+        raise click.UsageError(f"-o {output}: several cases need a folder, such as {Path(output).stem}/")
+    if in_folder or len(cases) > 1 or output.endswith(("/", os.sep)):
+        return Path(output), [Path(output) / name for name in names]
+    return None, [Path(hdf5_name(output))]
