@@ -69,8 +69,8 @@ def test_an_interruption_with_force_replaces_the_old_file_by_the_part(tmp_path):
 
 
 def on_a_terminal(folder, command, seconds=0.0, until=b""):
-    """What a run writes to a terminal in so many seconds from when it writes its file, or until it has written
-    that, before it gets a Ctrl-C.
+    """What a run writes to a terminal in so many seconds from when it writes its file, or until it has
+    written that, before it gets a Ctrl-C.
     """
     terminal, its_end = pty.openpty()
     with subprocess.Popen(

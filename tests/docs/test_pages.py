@@ -5,9 +5,11 @@ the motion alone to the last digit; not times and sizes.
 import re
 import shlex
 import shutil
+from pathlib import Path
 
 import pytest
 
+import vibsim
 from tests.command_line.made import call
 from tests.docs.pages import PAGES, README, ROOT, blocks, commands, files, name_of
 
@@ -19,6 +21,7 @@ MOTION = {
 }  # fmt: skip
 INVALID_CASE = 3
 WITH_COMMANDS = [path for path in PAGES if any(command.startswith("vibsim") for command, _ in commands(path))]
+IN_AN_EMPTY_FOLDER = [README, ROOT / "docs" / "start.md"]  # as somebody who has installed it begins
 WITH_PYTHON = [path for path in PAGES if blocks(path, "python")]
 
 
@@ -47,7 +50,8 @@ def test_pages_with_commands_are_tested():
 
 @pytest.mark.parametrize("path", WITH_COMMANDS, ids=name_of)
 def test_the_commands_run_as_printed(path, tmp_path, monkeypatch):
-    shutil.copytree(ROOT / "cases", tmp_path / "cases")
+    if path not in IN_AN_EMPTY_FOLDER:
+        shutil.copytree(ROOT / "cases", tmp_path / "cases")
     for name, text in files(path).items():
         (tmp_path / name).write_text(text, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
@@ -70,6 +74,20 @@ def run_python(path):
     names = {}
     for code in blocks(path, "python"):
         exec(compile(code, name_of(path), "exec"), names)
+
+
+def test_the_commands_in_the_text_of_readme_run_in_an_empty_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name, text in files(README).items():
+        Path(name).write_text(text, encoding="utf-8")
+    run("vibsim run II-B --t-end 20s")
+    text = " ".join(re.sub(r"```.*?```", "", README.read_text(encoding="utf-8"), flags=re.DOTALL).split())
+    inline = [each for each in re.findall(r"`(vibsim \w+ [^`]+)`", text) if "COMMAND" not in each]
+    assert {"vibsim run II-B.h5", "vibsim plot II-B.h5 -o II-B.html", "vibsim run hammer.yaml"} <= set(inline)
+    for command in inline:
+        run(command)
+    again = vibsim.open_result("II-B-again.h5")
+    assert again["x1"].tobytes() == vibsim.open_result("II-B.h5")["x1"].tobytes()
 
 
 def test_make_run_and_make_test_are_shown_and_exist():

@@ -183,14 +183,15 @@ def test_a_killed_run_leaves_a_partial_file_that_opens(tmp_path):
     assert result.t_reached == (result.events["t"][-1] if len(result.events["t"]) else 0.0)
 
 
-def test_a_second_run_does_not_disturb_the_first_one(tmp_path):
-    simulating = []
+@pytest.mark.parametrize("locks_of_hdf5", ["TRUE", "FALSE"])  # many clusters switch them off
+def test_a_second_run_does_not_disturb_the_first_one(tmp_path, locks_of_hdf5):
+    simulating, environment = [], {**os.environ, "HDF5_USE_FILE_LOCKING": locks_of_hdf5}
 
     def another(t):
         if not simulating:
             simulating.append(t)
             command = [sys.executable, "-m", "vibsim", "run", "I-A", "-o", str(tmp_path / "a.h5")]
-            done = subprocess.run(command, capture_output=True, text=True, check=False)
+            done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
             assert done.returncode == 6
             assert f"a.h5: another command is writing it (process {os.getpid()} on " in done.stderr
         return True

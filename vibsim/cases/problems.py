@@ -1,10 +1,12 @@
 """What is wrong with a case: one problem per line, all problems at once."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from vibsim.cases.plain_text import one_line, plain_text
+
+MOST_LISTED = 25  # problems of one case that are printed
 
 
 @dataclass(frozen=True)
@@ -46,10 +48,17 @@ class CaseError(Exception):
 
     def __init__(self, problems: Iterable[Problem]):
         self.problems = list(problems)
-        super().__init__("\n".join(map(str, self.problems)))
+        super().__init__("\n".join(listed(self.problems)))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return CaseError, (self.problems,)
+
+
+def listed(problems: Sequence[Problem]) -> list[str]:
+    """A line for each problem, of many for the first ones: a file that is no case is wrong in every line."""
+    more = len(problems) - MOST_LISTED
+    rest = [f"and {more} more problem{'s' if more > 1 else ''}"] if more > 0 else []
+    return [*map(str, problems[:MOST_LISTED]), *rest]
 
 
 def shown(text: object, limit: int = 60) -> str:

@@ -105,12 +105,13 @@ def code_for(error: Exception) -> int | None:
 def report(error: Exception, code: int, as_json: bool) -> int:
     """Tell an error of the user's: the lines of a CaseError as they are, others after `Error:`."""
     from vibsim.cases import CaseError
+    from vibsim.cases.problems import listed
     from vibsim.command_line.text.in_shell import problem_in_shell
 
     if not isinstance(error, CaseError):
         return told(f"Error: {error}", code, as_json)
     problems = [problem_in_shell(problem) for problem in error.problems]
-    return told(list(map(str, problems)), code, as_json, problems=[vars(one) for one in problems])
+    return told(listed(problems), code, as_json, problems=[vars(one) for one in problems])
 
 
 def told(text: str | list[str], code: int, as_json: bool, **more: Any) -> int:

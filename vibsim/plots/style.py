@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from os import PathLike, fspath
+from os.path import exists, isfile
 from pathlib import Path
 from typing import Any
 
@@ -94,11 +95,11 @@ def _lay_over(sheet: str | PathLike[str]) -> None:
     try:
         with _complaints_of_matplotlib(complaints), warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of keys that this matplotlib has given up
-            if Path(sheet).is_file():
+            if isfile(sheet):
                 open(sheet).close()  # of one that must not be read matplotlib says only that it is no style
             style.use(fspath(sheet))
     except (OSError, ValueError, UnicodeDecodeError) as error:
-        if not Path(sheet).exists() and sheet not in style.library:
+        if not exists(sheet) and sheet not in style.library:
             raise PlotError(f"{sheet}: must be a file, or a style of matplotlib such as ggplot") from None
         raise PlotError(f"{sheet} is no style sheet of matplotlib: {reason(error):.120}") from None
     if complaints:

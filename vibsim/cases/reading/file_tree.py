@@ -6,9 +6,11 @@ from typing import Any
 from vibsim.cases.problems import CaseError, Problem, shown
 from vibsim.cases.reading.alternatives import superseded
 from vibsim.cases.reading.sources import SourceText, find_source
+from vibsim.cases.schema.forms import LONG, SHORT
 from vibsim.cases.yaml_nodes import Broken, Mapping, Node, Place, Text, read_yaml
 
 LONGEST_CHAIN = 8  # files that extend one another
+FEW_KEYS = 3  # that may all be misspelt
 OWN_KEYS = ("name", "title", "extends")  # not inherited: they speak of one file
 BROKEN = object()  # a value that has been reported already
 
@@ -61,6 +63,10 @@ def read_tree(source: SourceText) -> Tree:
 def _read_chain(source: SourceText, chain: list[str], tree: Tree) -> Mapping | None:
     """The mapping of one file over that of its parent; None where nothing could be read."""
     own, problems = read_yaml(source.text, source.shown)
+    if own is not None and _is_no_case(own):
+        first, place = next(iter(own.key_places.items()))
+        count = f"none of its {len(own.values)} keys is one of a case"
+        own, problems = None, [place.problem("", f"is no case file: {count}, as {shown(first, 20)} is not")]
     tree.problems += problems
     extends = own.values.get("extends") if own else None
     parent = None
@@ -77,6 +83,12 @@ def _read_chain(source: SourceText, chain: list[str], tree: Tree) -> Mapping | N
         {key: parent.key_places[key] for key in inherited},
     )
     return _over(parent, own)
+
+
+def _is_no_case(mapping: Mapping) -> bool:
+    """Whether a file holds many keys, and none of a case: its lines are nobody's to be told one by one."""
+    known = {*OWN_KEYS, "vibsim_case", *SHORT.sections, *LONG.sections}
+    return len(mapping.values) > FEW_KEYS and known.isdisjoint(mapping.values)
 
 
 def _parent(extends: Text, source: SourceText, chain: list[str], tree: Tree) -> Mapping | None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from vibsim.cases.number import number
+from vibsim.cases.problems import listed
 from vibsim.command_line.errors import INVALID_CASE
 from vibsim.command_line.options.examples import examples
 from vibsim.command_line.options.settings import Settings
@@ -63,8 +64,8 @@ def _checked(source: str) -> Report:
 
 def _print(report: Report, settings: Settings) -> None:
     source, case, problems = report
-    for problem in problems:
-        say(str(problem))
+    for line in listed(problems):
+        say(line)
     if case is None:
         count = len(problems)
         say(f"{source}: {style('invalid', fg='red')}, {count} problem{'s' if count > 1 else ''}")

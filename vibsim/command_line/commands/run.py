@@ -19,12 +19,18 @@ METHODS = ["auto", "closed_form", "taylor"]
         "vibsim run II-B --t-end 20s --every 1ms --plot II-B.png",
         "vibsim run I-A --digits 60                    # the truth, 60 digits of it",
         "vibsim run II-B --lyapunov all --discard 100s # with its Lyapunov exponents from 100 s on",
-        "vibsim run II-B.h5 -o again.h5                # the same run again, bit for bit",
+        "vibsim run II-B.h5                            # the same run again, into II-B-again.h5",
         "cat my.yaml | vibsim run - --json",
     ),
 )
 @click.argument("sources", metavar="CASE...", nargs=-1, required=True, type=CASE)
-@click.option("-o", "--output", type=FILE, metavar="FILE", help="Output file or folder. [default: NAME.h5]")
+@click.option(
+    "-o",
+    "--output",
+    type=FILE,
+    metavar="FILE",
+    help="Output file, or folder, which is made. [default: NAME.h5]",
+)
 @set_option
 @click.option("--t-end", metavar="TIME", help="End of the run, such as 20s.")
 @click.option("--every", metavar="TIME", help="Time between samples, such as 5ms.")

@@ -38,7 +38,8 @@ def plan(sources: tuple[str, ...], changes: dict[str, str], output: str | None) 
     is called what an HDF5 file is not.
     """
     cases = [read_case(source, changes) for source in sources]
-    folder, paths = _outputs(cases, output)
+    names = [_name_of(case, source) for case, source in zip(cases, sources, strict=True)]
+    folder, paths = _outputs(names, output)
     return [Job(case, path, folder) for case, path in zip(cases, paths, strict=True)]
 
 
@@ -190,17 +191,23 @@ def _in_the_way(job: Job) -> str:
     return "; it exists, and --force would replace it" if os.path.exists(job.output) else ""
 
 
-def _outputs(cases: list["Case"], output: str | None) -> tuple[Path | None, list[Path]]:
+def _name_of(case: "Case", source: str) -> str:
+    """The file of a run unless it is given; the run of a file does not go into that file."""
+    name = f"{case.name}.h5"
+    same = names_a_result(source) and os.path.exists(name) and os.path.samefile(name, source)
+    return f"{case.name}-again.h5" if same else name
+
+
+def _outputs(names: list[str], output: str | None) -> tuple[Path | None, list[Path]]:
     """The folder that may have to be made, and the file of each case."""
-    names = [f"{case.name}.h5" for case in cases]
     if len(set(names)) < len(names):
         repeated = next(name for name in names if names.count(name) > 1)
         raise click.UsageError(f"two of the cases would be written to {repeated}; run them one by one")
     if output is None:
         return None, [Path(name) for name in names]
     in_folder = os.path.isdir(output)  # no for what cannot be, such as too long a name
-    if len(cases) > 1 and Path(output).suffix.lower() in RESULT_SUFFIXES and not in_folder:
+    if len(names) > 1 and Path(output).suffix.lower() in RESULT_SUFFIXES and not in_folder:
         raise click.UsageError(f"-o {output}: several cases need a folder, such as {Path(output).stem}/")
-    if in_folder or len(cases) > 1 or output.endswith(("/", os.sep)):
+    if in_folder or len(names) > 1 or output.endswith(("/", os.sep)):
         return Path(output), [Path(output) / name for name in names]
     return None, [Path(hdf5_name(output))]

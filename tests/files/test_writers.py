@@ -1,0 +1,165 @@
+"""Several who write one output: each file is that of one of them, whole, whatever HDF5 and the disk lock."""
+
+import errno
+import fcntl
+import os
+import subprocess
+import sys
+
+import pytest
+
+import vibsim
+from vibsim.files import writers
+from vibsim.files.errors import ResultFileError
+from vibsim.files.output_file import output_file
+from vibsim.files.writers import Lock, check_unlocked
+
+DEAD = "4194304 "  # a number that Linux gives to no process (pid_max is at most 2^22)
+
+
+def names(folder):
+    return sorted(os.listdir(folder))
+
+
+def test_two_who_write_at_once_publish_their_own(tmp_path):
+    path = tmp_path / "a.csv"
+    with output_file(path, force=True) as one:
+        one.write(b"1" * 10)
+        with output_file(path, force=True) as other:
+            other.write(b"2" * 4)
+        assert path.read_bytes() == b"2" * 4
+    assert path.read_bytes() == b"1" * 10 and names(tmp_path) == ["a.csv"]
+
+
+def test_what_came_meanwhile_is_kept(tmp_path):
+    path = tmp_path / "a.csv"
+    with pytest.raises(ResultFileError, match="appeared meanwhile; kept"), output_file(path) as file:
+        file.write(b"late")
+        path.write_bytes(b"early")
+    assert path.read_bytes() == b"early" and names(tmp_path) == ["a.csv"]
+
+
+@pytest.mark.parametrize("refused", [errno.EPERM, errno.EOPNOTSUPP])
+def test_a_disk_without_links(tmp_path, monkeypatch, refused):
+    def no_link(*_):
+        raise OSError(refused, "no links here")
+
+    monkeypatch.setattr(os, "link", no_link)
+    with output_file(tmp_path / "a.csv") as file:
+        file.write(b"whole")
+    assert (tmp_path / "a.csv").read_bytes() == b"whole" and names(tmp_path) == ["a.csv"]
+    with pytest.raises(ResultFileError, match="appeared meanwhile"), output_file(tmp_path / "b.csv") as file:
+        (tmp_path / "b.csv").write_bytes(b"early")
+
+
+def test_only_what_the_dead_have_left_is_removed(tmp_path):
+    dead, alive = (tmp_path / f"a.csv.{token}.partial" for token in ("0123abcd", "00000000"))
+    others = [
+        tmp_path / name for name in ("a.csv.partial", "a.csv.0123abcd.partial.txt", "b.csv.0123abcd.partial")
+    ]
+    for path in (dead, alive, *others):
+        path.write_text("half")
+    with open(alive) as writing:
+        fcntl.flock(writing, fcntl.LOCK_EX)
+        with output_file(tmp_path / "a.csv") as file:
+            file.write(b"whole")
+    assert names(tmp_path) == sorted(["a.csv", alive.name, *(path.name for path in others)])
+
+
+def test_one_writer_at_a_time_holds_the_lock(tmp_path):
+    path = tmp_path / "a.h5"
+    lock = Lock(path, "a.h5")
+    with pytest.raises(
+        ResultFileError, match=rf"^a.h5: another command is writing it \(process {os.getpid()} "
+    ):
+        Lock(path, "a.h5")
+    check_unlocked(path, "a.h5")  # by others, that is
+    lock.release()
+    assert names(tmp_path) == []
+    writers.lock_path(path).write_text(f"{DEAD}somewhere")  # left by a writer that was killed
+    check_unlocked(path, "a.h5")
+    assert names(tmp_path) == []
+    writers.lock_path(path).write_text("")
+    Lock(path, "a.h5").release()
+    assert names(tmp_path) == []
+
+
+@pytest.mark.parametrize("missing", [errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP])
+def test_a_disk_without_locks(tmp_path, monkeypatch, missing):
+    def no_flock(*_):
+        raise OSError(missing, "no locks here")
+
+    monkeypatch.setattr(fcntl, "flock", no_flock)
+    path, machine = tmp_path / "a.h5", writers.socket.gethostname()
+    lock = Lock(path, "a.h5")
+    with pytest.raises(ResultFileError, match=r"is writing it \(.*\); where it has ended, remove a.h5.lock"):
+        Lock(path, "a.h5")
+    lock.release()
+    writers.lock_path(path).write_text(f"{DEAD}{machine}")
+    Lock(path, "a.h5").release()
+    writers.lock_path(path).write_text(f"{DEAD}{machine}.elsewhere")  # nobody here knows whether it lives
+    with pytest.raises(ResultFileError, match="where it has ended, remove a.h5.lock"):
+        Lock(path, "a.h5")
+    with output_file(tmp_path / "a.csv") as file:
+        file.write(b"whole")
+    assert names(tmp_path) == ["a.csv", "a.h5.lock"]
+
+
+def test_a_folder_in_which_nothing_can_be_made():
+    with pytest.raises(ResultFileError, match=r"^x.h5: cannot write: "):
+        Lock(writers.Path("/proc/x.h5"), "x.h5")
+
+
+AT_ONCE = """
+import sys
+from tests.command_line.made import call
+words = sys.argv[1:]
+import vibsim.command_line.jobs.export, vibsim.command_line.jobs.ro_crate, vibsim.plots.picture
+print("ready", flush=True)
+for line in sys.stdin:
+    done = call(*words, *line.split())
+    print(done.exit_code, done.stderr.strip(), flush=True)
+"""
+
+
+def test_processes_that_export_at_once_publish_no_mixture(tmp_path):
+    """Windows of a run, by three processes, into one file of each kind: it is that of one of them."""
+    run = vibsim.simulate("II-B", trust=False, overrides={"run.t_end": "60 s"})
+    spans = ("0:60", "10:40", "20:30")
+    for span in spans:
+        run.save(tmp_path / f"{span[:2].strip(':')}.h5")
+    children = [
+        subprocess.Popen(
+            [sys.executable, "-c", AT_ONCE, "export", f"{span[:2].strip(':')}.h5"], cwd=tmp_path, text=True,
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, env={**os.environ, "PYTHONPATH": os.getcwd()},
+        )
+        for span in spans
+    ]  # fmt: skip
+    try:
+        assert all(child.stdout.readline() == "ready\n" for child in children)
+        for suffix in (".csv", ".parquet", ".mat"):
+            alone = []
+            for child, span in zip(children, spans, strict=True):
+                child.stdin.write(f"--window {span} -o alone{suffix} --force\n")
+                child.stdin.flush()
+                assert child.stdout.readline().startswith("0 ")
+                alone.append((tmp_path / f"alone{suffix}").read_bytes())
+            for _ in range(3):
+                for child, span in zip(children, spans, strict=True):
+                    child.stdin.write(f"--window {span} -o both{suffix} --force\n")
+                    child.stdin.flush()
+                assert all(child.stdout.readline().startswith("0 ") for child in children)
+                written = (tmp_path / f"both{suffix}").read_bytes()
+                # a MAT file begins with the time at which it was written
+                assert written[128:] in [each[128:] for each in alone]
+        for child in children:
+            child.stdin.write("--ro-crate -o crate --force\n")
+            child.stdin.flush()
+        assert all(child.stdout.readline().startswith("0 ") for child in children)
+        assert len(names(tmp_path / "crate")) == 4
+    finally:
+        for child in children:
+            child.stdin.close()
+            child.stdout.close()
+            child.wait()
+    assert not [name for name in names(tmp_path) if "partial" in name]
