@@ -98,7 +98,7 @@ def test_a_disk_without_locks(tmp_path, monkeypatch, missing):
     writers.lock_path(path).write_text(f"{DEAD}{machine}")
     Lock(path, "a.h5").release()
     writers.lock_path(path).write_text(f"{DEAD}{machine}.elsewhere")  # nobody here knows whether it lives
-    with pytest.raises(ResultFileError, match="where it has ended, remove a.h5.lock"):
+    with pytest.raises(ResultFileError, match=r"where it has ended, remove a\.h5\.lock"):
         Lock(path, "a.h5")
     with output_file(tmp_path / "a.csv") as file:
         file.write(b"whole")

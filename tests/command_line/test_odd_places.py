@@ -1,0 +1,127 @@
+"""Names, folders and settings as nobody plans them: one line that names what was given, never a traceback."""
+
+import json
+import os
+
+import pytest
+
+import vibsim
+from tests.command_line.made import call, process
+from tests.command_line.test_ro_crate import graph
+
+RUN = {"run.t_end": "2 s"}
+
+
+@pytest.fixture
+def files(tmp_path, monkeypatch):
+    """A folder with a run and a sweep in it, where commands are called."""
+    monkeypatch.chdir(tmp_path)
+    case = vibsim.load_case("II-B", RUN)
+    vibsim.simulate(case).save("a.h5")
+    vibsim.sweep(case, {"Omega0": "3,4 Hz"}, jobs=1, out="s.h5")
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", ["sur\udcffrogate.h5", "two words 50%.h5", "grüße.h5", "new\nline.h5"])
+def test_a_crate_of_a_file_of_any_name(files, name):
+    os.rename("a.h5", name)
+    for force in ([], ["--force"]):
+        done = call("export", name, "--ro-crate", "-o", "crate", *force)
+        assert (done.exit_code, done.stderr) == (0, "crate written\n")
+    assert sorted(os.listdir("crate")) == sorted(
+        ["case-resolved.yaml", "case.yaml", name, "ro-crate-metadata.json"]
+    )
+    (result,) = (each for each in graph("crate").values() if str(each.get("@id")).endswith(".h5"))
+    assert result["@id"].isascii() and "%" in result["@id"] and " " not in result["@id"]
+    assert vibsim.open_result(f"crate/{name}").complete
+
+
+OUTPUTS = [
+    "run I-A --t-end 1s -o {}.h5", "sweep I-A --omega 3,4 --t-end 1s -j 1 -o {}.h5", "plot FILE -o {}.png",
+    "plot FILE -o {}.html", "export FILE -o {}.csv", "export FILE -o {}.parquet", "export FILE -o {}.mat",
+    "export FILE --ro-crate -o {}", "animate FILE --window 0:0.2 -o {}.gif", "new {}",
+    "cases II-B --draw -o {}.pdf",
+    "orbit I-C -s omega=4.2Hz -o {}.h5", "bench I-A --t-end 0.1s --methods rk4 -o {}.h5", "paper -o {}",
+    "continue I-C -s omega=4.2Hz --omega 4:4.3 -o {}.h5",
+    "fit II-B --free c=0.001:0.05 --want captured -o {}.h5",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("words", OUTPUTS)
+def test_an_output_in_a_folder_that_was_deleted(files, words, monkeypatch):
+    os.mkdir("gone")
+    monkeypatch.chdir("gone")
+    os.rmdir(files / "gone")
+    try:
+        done = call(*words.replace("FILE", str(files / "a.h5")).format("x").split())
+    finally:
+        os.chdir(files)
+    assert done.exit_code == 6, done.stderr
+    assert done.stderr.splitlines()[-1].endswith(": cannot write: No such file or directory")
+
+
+@pytest.mark.parametrize("words", OUTPUTS[:11])
+def test_an_output_where_nothing_can_be_made_is_called_as_it_was_given(files, words):
+    given = words.replace("FILE", "a.h5").format("/proc/x").split()
+    done = call(*given)
+    assert done.exit_code == 6 and len(done.stderr.splitlines()) == 1
+    assert "/proc/x" in done.stderr and "partial" not in done.stderr and "lock" not in done.stderr
+
+
+def test_a_file_that_is_no_case_is_not_told_line_by_line(files):
+    with open("secrets", "w") as file:
+        file.write("".join(f"user{i}: secret{i}\n" for i in range(40)))
+    with open("a.yaml", "w") as file:
+        file.write("name: a\nextends: ./secrets\n")
+    for words in ("check a.yaml", "run a.yaml"):
+        done = call(*words.split())
+        assert done.exit_code == 3 and "secret0" not in done.output.replace("secrets", "")
+        assert "secrets:1:1: is no case file: none of its 40 keys is one of a case" in done.output
+    with open("b.yaml", "w") as file:
+        file.write("name: b\n" + "".join(f"key{i}: {i}\n" for i in range(40)))
+    done = call("check", "b.yaml")
+    assert len(done.stdout.splitlines()) == 27 and "and 17 more problems" in done.stdout
+    with pytest.raises(vibsim.CaseError) as caught:
+        vibsim.load_case("b.yaml")
+    assert len(caught.value.problems) == 42 and len(str(caught.value).splitlines()) == 26
+
+
+def test_several_runs_make_their_folder(files):
+    done = call("run", "I-A", "I-B", "-o", "runs/", "--t-end", "1s", "-q")
+    assert done.exit_code == 0, done.stderr
+    assert sorted(os.listdir("runs")) == ["I-A.h5", "I-B.h5"]
+    assert call("run", "I-C", "-o", "one/", "--t-end", "1s", "-q").exit_code == 0
+    assert os.listdir("one") == ["I-C.h5"]
+    done = call("run", "I-A", "-o", "no/folder/", "--t-end", "1s")
+    assert done.exit_code == 6 and "no/folder: cannot make the folder: No such file" in done.stderr
+
+
+def test_the_run_of_a_file_goes_into_another(files):
+    os.rename("a.h5", "II-B.h5")
+    before = (files / "II-B.h5").read_bytes()
+    assert call("run", "II-B.h5", "-q").exit_code == 0
+    assert (files / "II-B.h5").read_bytes() == before
+    again, one = vibsim.open_result("II-B-again.h5"), vibsim.open_result("II-B.h5")
+    assert again["x1"].tobytes() == one["x1"].tobytes()
+    assert "II-B-again.h5: exists; kept" in call("run", "II-B.h5", "-q").stderr
+
+
+def test_a_style_sheet_of_an_impossible_name(files):
+    done = call("plot", "a.h5", "--style", "x" * 300)
+    assert done.exit_code == 2 and "no such file" in done.stderr
+
+
+ENVIRONMENTS = {
+    "a backend that there is not": {"MPLBACKEND": "nosuch"},
+    "no home": {"HOME": None, "XDG_CONFIG_HOME": None, "XDG_CACHE_HOME": None, "MPLCONFIGDIR": None},
+    "a plain locale": {"LANG": "C", "LC_ALL": "C", "PYTHONUTF8": "0", "COLUMNS": "1"},
+}
+
+
+@pytest.mark.parametrize("name", ENVIRONMENTS)
+def test_pictures_in_any_environment(files, name):
+    changed = {**os.environ, **ENVIRONMENTS[name]}
+    environment = {key: value for key, value in changed.items() if value is not None}
+    done = process("plot", "a.h5", "--kind", "motor", "-o", "a.png", "--json", cwd=files, env=environment)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads(done.stdout) == {"written": ["a.png"]}
