@@ -142,7 +142,9 @@ def in_order(points: Iterable[Walked]) -> list[Walked]:
 
 def read_pair(record: Mapping[str, Any]) -> tuple[PointRecord, list[SpecialRecord]]:
     """A point in a journal, and the special points in front of it."""
-    return read_record(record["point"]), [read_record(each) for each in record["specials"]]  # type: ignore[return-value]
+    point: Any = read_record(record["point"])
+    specials: Any = [read_record(each) for each in record["specials"]]
+    return point, specials
 
 
 def follow_up(
