@@ -219,10 +219,12 @@ def test_a_result_file_runs_again_with_changes():
 
 def test_the_input_is_not_overwritten_by_its_own_run():
     run("I-A", *SHORT)
-    done = run("I-A.h5", code=6)
-    assert "I-A.h5: exists; kept" in done.stderr
+    before = Path("I-A.h5").read_bytes()
+    run("I-A.h5")
     run("I-A.h5", "--force")
-    assert len(vibsim.open_result("I-A.h5")) == 1001
+    assert Path("I-A.h5").read_bytes() == before
+    assert len(vibsim.open_result("I-A-again.h5")) == 1001
+    assert "I-A.h5: exists; kept" in run("I-A.h5", "-o", "I-A.h5", code=6).stderr
 
 
 def test_a_damaged_result_file_is_not_run_again():
