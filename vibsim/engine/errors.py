@@ -18,6 +18,10 @@ REASONS = {
         "bodies are caught between rigid stops whose ends close on each other",
         "make one of them elastic, or leave the bodies more room (a wider gap, a smaller motion of the base)",
     ),
+    "undecided": (
+        "which frictions and stops hold cannot be decided at double precision",
+        "change the start values or one of their limits slightly",
+    ),
     "diverged": (
         "the state is no longer finite",
         "check the parameters for values far outside each other's scale",

@@ -4,18 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import combinations, product
+from math import prod
 from typing import Generic
 
-from vibsim.engine.events.departures import Departures, first_sign
+from vibsim.engine.errors import EngineError
+from vibsim.engine.events.departures import Departures, first_sign, sign
+from vibsim.engine.flows.accelerations import accelerations, base_acceleration
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import HOLD, SLIDE, STRIKE, Event, ModeRows
 from vibsim.engine.modes.status import BACKWARD, FORWARD, STICK, Status
 from vibsim.engine.state import State
 from vibsim.physics.arithmetic.numbers import N, abs
-from vibsim.physics.parts import Motor, Scene
+from vibsim.physics.parts import Motor, RigidStop, Scene
 
 # of all forces of a mode: nearer to its limit than that the force of a tie is measured closely
 NEAR = 2.0**-40
+MOST_TRIED = 3**6  # combinations of ties that are tried one by one: those of six frictions
+STEPS_A_TIE = 16  # of a descent; some two were needed in random scenes
 
 
 class Settling(Generic[N]):
@@ -46,6 +51,9 @@ class Settling(Generic[N]):
         if settled is not None:
             return settled
         self.departures.doubt(state)
+        if combinations_count(standing, len(status.frictions)) > MOST_TRIED:
+            here = self._accelerations(state, status)
+            return self._decided(state, self._descend(state, after, standing, here), standing)
         consistent = self._first_consistent(state, after, standing, besides=status)
         return after if consistent is None else consistent
 
@@ -53,18 +61,24 @@ class Settling(Generic[N]):
         """The status in which the ties `standing` (frictions with v_rel = 0, rigid stops with g = g' = 0)
         hold or let go consistently.
         """
-        possible = self.possible(self.maker.rows(status.with_ties(dict.fromkeys(standing, STICK))))
+        tied = status.with_ties(dict.fromkeys(standing, STICK))
+        possible = self.possible(self.maker.rows(tied))
         if possible:
-            after = self._release(state, status.with_ties(dict.fromkeys(standing, STICK)), standing)
+            after = self._release(state, tied, standing)
             if after is not None:
                 return after
             self.departures.doubt(state)
+        if combinations_count(standing, len(status.frictions)) > MOST_TRIED:
+            start = (tied, self._accelerations(state, tied)) if possible else self._parted(state, tied)
+            return self._decided(
+                state, start and self._descend(state, start[0], standing, start[1]), standing
+            )
         consistent = self._first_consistent(state, status, standing)
         if consistent is not None:
             return consistent
         if not possible:
             self.departures.doubt(state)
-        return status.with_ties(dict.fromkeys(standing, STICK))
+        return tied
 
     def _first_consistent(
         self, state: State[N], status: Status, standing: Sequence[int], besides: Status | None = None
@@ -95,15 +109,103 @@ class Settling(Generic[N]):
             broken = self._overloaded(state, rows)
             if broken is None:
                 break
-            cut = rows.cuts[broken.part]
-            slips = {i: orientation * broken.direction for i, orientation in cut.ties}
-            candidate = candidate.with_ties(slips)
+            candidate = self._torn(candidate, rows, broken)
         else:
             return None
         slipping = self._apart(candidate, standing)
         if len(standing) == 1 or self._slips_as_said(state, candidate, slipping):
             return candidate
         return None
+
+    def _descend(
+        self, state: State[N], candidate: Status, standing: Sequence[int], here: Sequence[N]
+    ) -> Status | None:
+        """A consistent combination of many ties, by active sets; None where rounding keeps it from one.
+
+        Coulomb's accelerations minimise sum m (a - F/m)^2 / 2 + sum f |a_P - a_Q|, f the forces of slip of
+        the ties that stand, which is convex (Moreau 1966). The way leads from the accelerations `here`
+        [m/s^2] towards those of the mode `candidate`, up to where a tie that slips would turn round: it sticks
+        there. Where they are reached, the ties of the cut that is overloaded most let go. Each mode that is reached
+        has a smaller sum than those before it, so none comes twice, whatever ties hold above f.
+        """
+        for _ in range(STEPS_A_TIE * len(standing)):
+            there = self._accelerations(state, candidate)
+            share, turning = self._first_to_turn(candidate, standing, here, there)
+            if turning is None:
+                broken = self._overloaded(state, rows := self.departures.enter(state, candidate))
+                if broken is None:
+                    slips = self._slips_as_said(state, candidate, self._apart(candidate, standing))
+                    return candidate if slips and self.possible(rows) else None
+                candidate, here = self._torn(candidate, rows, broken), there
+            else:
+                here = [a + share * (b - a) for a, b in zip(here, there, strict=True)]
+                candidate = candidate.with_ties({turning: STICK})
+                candidate = self._with_kept(candidate, standing)
+        return None
+
+    def _accelerations(self, state: State[N], status: Status) -> list[N]:
+        """Accelerations of all columns in a mode [m/s^2]."""
+        return accelerations(self.scene, self.kit, self.maker.rows(status), state)[0]
+
+    def _parted(self, state: State[N], tied: Status) -> tuple[Status, list[N]] | None:
+        """A mode and accelerations to begin with where ground and base, which moves, are tied: bodies that
+        rest, or else go with the base, slip on the other. None where rigid stops keep them from both.
+        """
+        n, base = self.maker.n, base_acceleration(self.scene, self.kit, state.t)
+        for of_bodies in (self.kit.number(0), base):
+            a = [*[of_bodies] * n, self.kit.number(0), base]
+            slips: dict[int, int] = {}
+            for k in tied.tied:
+                sense = sign(self._parting(tied.with_ties({k: FORWARD}), k, a))
+                if sense:
+                    slips[k] = sense
+            if all(sense > 0 for k, sense in slips.items() if k >= len(tied.frictions)):
+                return tied.with_ties(slips), a
+        return None
+
+    def _parting(self, status: Status, k: int, a: Sequence[N]) -> N:
+        """Acceleration [m/s^2] at which the ends of tie `k`, let go, slip as its status says, or open."""
+        tie = self.maker.tie(k)
+        P, Q = self.maker.ends(tie)
+        return (tie.sense if isinstance(tie, RigidStop) else status.frictions[k]) * (a[P] - a[Q])
+
+    def _first_to_turn(
+        self, status: Status, standing: Sequence[int], here: Sequence[N], there: Sequence[N]
+    ) -> tuple[N, int | None]:
+        """How far on the way from the accelerations `here` to those `there` a tie that slips first comes to
+        turn round, as a share, and which; 1 and None where none does.
+        """
+        first, turning = self.kit.number(1), None
+        for k in self._apart(status, standing):
+            now, then = self._parting(status, k, here), self._parting(status, k, there)
+            if then < 0:
+                share = now / (now - then) if now > 0 else self.kit.number(0)
+                if turning is None or share < first:
+                    first, turning = share, k
+        return first, turning
+
+    def _with_kept(self, status: Status, standing: Sequence[int]) -> Status:
+        """The status with those of the ties `standing` that others keep from slipping or opening."""
+        leader, _ = self.maker.ties(status)
+        kept = self.maker.resting(status)
+        for k in self._apart(status, standing):
+            P, Q = self.maker.ends(self.maker.tie(k))
+            if k >= len(status.frictions) and leader[P] == leader[Q]:
+                kept = kept | {k}
+        return status.with_ties(dict.fromkeys(kept & set(standing), STICK))
+
+    def _decided(self, state: State[N], status: Status | None, standing: Sequence[int]) -> Status:
+        """The status; raises EngineError where there is none."""
+        if status is None:
+            names = ", ".join(self.maker.tie(k).name for k in standing)
+            raise EngineError("undecided", state, f"{len(standing)} of them, {names}")
+        return status
+
+    @staticmethod
+    def _torn(status: Status, rows: ModeRows[N], broken: Event[N]) -> Status:
+        """The status with the ties of an overloaded cut let go."""
+        ties = rows.cuts[broken.part].ties
+        return status.with_ties({i: orientation * broken.direction for i, orientation in ties})
 
     @staticmethod
     def _apart(status: Status, standing: Sequence[int]) -> list[int]:
@@ -199,6 +301,11 @@ class Settling(Generic[N]):
             common = momentum / rows.own_mass(leader)
         for c in members:
             state.v[c] = common + rows.drift[c]
+
+
+def combinations_count(standing: Iterable[int], frictions: int) -> int:
+    """How many statuses `combinations_of` gives."""
+    return prod(3 if k < frictions else 2 for k in standing)
 
 
 def combinations_of(standing: Sequence[int], frictions: int) -> Iterator[dict[int, int]]:

@@ -1,0 +1,190 @@
+"""Many frictions that come to rest or let go together: against solvers that share nothing with the engine."""
+
+import random
+import subprocess
+import sys
+from itertools import combinations
+from math import pi
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog, lsq_linear
+
+from tests.engine.runs import differences, run
+from vibsim.cases import load_case
+from vibsim.engine.columns import part_columns
+from vibsim.engine.events.automaton import Automaton
+from vibsim.engine.events.departures import scout
+from vibsim.engine.events.settling import Settling
+from vibsim.engine.flows.flow import Flow
+from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.status import STICK
+from vibsim.engine.state import start_of
+from vibsim.physics.arithmetic.numbers import Doubles
+from vibsim.physics.parts import (
+    BASE,
+    COMPRESSION,
+    EXTENSION,
+    GROUND,
+    Body,
+    Force,
+    Friction,
+    Harmonic,
+    RigidStop,
+    Scene,
+)
+
+HEAVY = 1e9  # kg: a base that no force of some newtons moves
+
+
+def rubbing_bodies(count, static="1.2"):
+    """`count` bodies of which each rubs on each other one, as text of a case; one on the ground too."""
+    pairs = combinations(range(count), 2)
+    ground = "g0: {between: [b3, ground], N: 1 N, mu: 1}"
+    frictions = [
+        f"f{i}_{j}: {{between: [b{i}, b{j}], N: 1 N, mu: 0.{i}{j}, static: {static}}}" for i, j in pairs
+    ]
+    return f"""
+bodies: {{{", ".join(f"b{i}: 1 kg" for i in range(count))}}}
+links: {{s: {{between: [b0, ground], k: 100 N/m}}}}
+friction: {{{", ".join(frictions).replace("mu: 0.0", "mu: 0.1")}, {ground}}}
+forces: {{d: {{on: b0, A: 20 N, omega: 1 Hz}}}}
+run: {{t_end: 3 s, every: 10 ms}}
+"""
+
+
+@pytest.fixture
+def eight(tmp_path):
+    path = tmp_path / "eight.yaml"
+    path.write_text(rubbing_bodies(8))
+    return path
+
+
+def sides(scene, part):
+    """Row of the velocity of P against Q over the columns: bodies, base."""
+    row = np.zeros(len(scene.bodies) + 1)
+    for end, sign in ((part.P, 1), (part.Q, -1)):
+        if end != GROUND:
+            row[end if end >= 0 else -1] += sign
+    return row
+
+
+def coulomb_accelerations(scene, base):
+    """Accelerations of the bodies at rest: with D a the accelerations of the ties and L their forces, M a =
+    F - D' L has the least a' M a / 2 of all admissible L (Moreau): bounded least squares.
+    """
+    masses = np.array([body.m for body in scene.bodies] + [HEAVY])
+    F = np.zeros(len(masses))
+    F[-1] = HEAVY * base
+    for force in scene.forces:
+        F[force.on] += force.constant
+    ties = [*scene.frictions, *scene.stops]
+    D = np.array([sides(scene, tie) for tie in ties])
+    low = [-tie.backward if isinstance(tie, Friction) else -np.inf if tie.sense > 0 else 0.0 for tie in ties]
+    high = [tie.forward if isinstance(tie, Friction) else 0.0 if tie.sense > 0 else np.inf for tie in ties]
+    scaled = D / np.sqrt(masses)
+    solution = lsq_linear(scaled.T, F / np.sqrt(masses), (low, high), method="bvls", tol=1e-14)
+    return ((F - D.T @ solution.x) / masses)[:-1]
+
+
+def scene_at_rest(rng):
+    """Three to eight bodies at rest that rub on each other, on the ground and on a base that turns round,
+    some of them on rigid stops.
+    """
+    n, places = rng.randint(3, 8), [GROUND]
+    base = ()
+    if rng.random() < 0.4:
+        base, places = (Harmonic(rng.uniform(0.01, 0.3), 2 * pi, 1.0, 0.0, pi / 2),), [GROUND, BASE]
+    frictions = []
+    for P in range(n):
+        for Q in [*range(P + 1, n), *places]:
+            if rng.random() < 0.9:
+                slip = rng.uniform(0.1, 2.0)
+                frictions.append(Friction(f"f{P}_{Q}", P, Q, slip, slip * rng.choice((1.0, 0.5)), 0.0))
+    stops = tuple(
+        RigidStop(f"r{k}", k, GROUND, 0.0, rng.choice((EXTENSION, COMPRESSION)), 0.5, True)
+        for k in range(rng.choice((0, 0, 2)))
+    )
+    forces = tuple(Force(f"F{i}", i, rng.uniform(-12, 12), ()) for i in range(n))
+    bodies = tuple(Body(f"b{i}", rng.uniform(0.5, 2.0), 0.0, 0.0) for i in range(n))
+    return Scene(bodies, (), stops, tuple(frictions), forces, base, t_end=1.0)
+
+
+def test_ties_obey_coulombs_law(monkeypatch):
+    """Accelerations behind the start, where everything stands: unique, and those of the least energy."""
+    descents, descend = [], Settling._descend
+    monkeypatch.setattr(Settling, "_descend", lambda *args: descents.append(1) or descend(*args))
+    rng = random.Random(30)
+    for _ in range(60):
+        scene = scene_at_rest(rng)
+        maker, flow = RowMaker(scene, Doubles), Flow(scene, Doubles)
+        automaton = Automaton(scene, maker, scout(scene, Doubles, flow.certificate), Doubles)
+        state = start_of(scene, Doubles)
+        status, _ = automaton.initial(state)
+        base = -sum(term.amplitude * term.omega**2 for term in scene.base)
+        ours = automaton.settling._accelerations(state, status)[: len(scene.bodies)]
+        assert ours == pytest.approx(coulomb_accelerations(scene, base), rel=1e-6, abs=1e-7)
+    assert len(descents) > 15  # the ties of one cut after the other are not always enough
+
+
+def excess(scene, row):
+    """By how much, at least, a tie that holds has to exceed its limit [N]; and the largest error of a
+    velocity of slip [m/s], which has the sign of its status, or is 0.
+    """
+    n = len(scene.bodies)
+    masses = np.array([body.m for body in scene.bodies])
+    x, v = ([row[f"{name}_{body.name}"] for body in scene.bodies] for name in "xv")
+    F = np.zeros(n)
+    for link in scene.links:
+        F[link.P] -= link.k * x[link.P]
+    for force in scene.forces:
+        F[force.on] += sum(one.amplitude * np.sin(one.omega * row["time"] + one.phase) for one in force.terms)
+    D, limits, wrong = [], [], 0.0
+    for friction, column in zip(scene.frictions, part_columns(scene), strict=True):
+        side, sense = sides(scene, friction)[:n], row[column]
+        slip = side @ v
+        if sense == STICK:
+            D.append(side)
+            limits.append(friction.limits[0])
+            wrong = max(wrong, abs(slip))
+        else:
+            F -= sense * friction.forward * side
+            wrong = max(wrong, -sense * slip)
+    # unknown: accelerations, forces of the ties that hold, excess; such ties have no acceleration
+    D, k = np.array(D).reshape(-1, n), len(D)
+    balance = np.hstack([np.diag(masses), D.T, np.zeros((n, 1))])
+    together = np.hstack([D, np.zeros((k, k + 1))])
+    within = np.vstack([np.hstack([np.zeros((k, n)), s * np.eye(k), -np.ones((k, 1))]) for s in (1, -1)])
+    found = linprog(
+        [0.0] * (n + k) + [1.0],
+        within,
+        limits + limits,
+        np.vstack([balance, together]),
+        [*F, *[0.0] * k],
+        [(None, None)] * (n + k) + [(0.0, None)],
+    )
+    return found.fun, wrong
+
+
+@pytest.mark.timeout(60)
+def test_eight_bodies_that_rub_on_each_other(eight):
+    """29 frictions that hold more than they slip with: once they were tried in 3^29 combinations."""
+    case = load_case(eight)
+    scene = case.scene()
+    fast, slow = (run(scene, engine, ledger=True) for engine in ("c", "python"))
+    assert differences(fast, slow) == []
+    assert fast.samples["time"][-1] == 3.0
+    assert abs(fast.totals["energy_residual"]) < 1e-12
+    slipping = [np.count_nonzero(fast.samples[name]) for name in part_columns(scene)]
+    assert sum(count > 0 for count in slipping) > 5
+    for i in range(0, len(fast.samples["time"]), 5):
+        row = {name: column[i] for name, column in fast.samples.items()}
+        over, wrong = excess(scene, row)
+        assert over < 1e-9 and wrong < 1e-14
+
+
+@pytest.mark.timeout(60)
+def test_the_command_runs_them(eight, tmp_path):
+    words = [sys.executable, "-m", "vibsim", "run", str(eight), "-o", str(tmp_path / "eight.h5")]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=50, check=False)
+    assert done.returncode == 0 and "energy residual" in done.stdout
