@@ -22,6 +22,10 @@ REASONS = {
         "which frictions and stops hold cannot be decided at double precision",
         "change the start values or one of their limits slightly",
     ),
+    "entangled": (
+        "bodies hold each other by friction in more than 4095 ways of parting them",
+        "have fewer of them rub on each other (twelve can, each on each other one)",
+    ),
     "diverged": (
         "the state is no longer finite",
         "check the parameters for values far outside each other's scale",
@@ -32,6 +36,10 @@ REASONS = {
     ),
 }
 MOST_NUMBERS = 4  # of displacements and of velocities, told in the sentence
+
+
+class Stopped(Exception):
+    """A run was told to stop while it decided what follows an event."""
 
 
 class EngineError(Exception):

@@ -9,8 +9,11 @@ taken one after the other.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Generic
 
+from vibsim.engine.errors import EngineError
 from vibsim.engine.events.departures import Departures
 from vibsim.engine.events.happenings import Happened, Taken, changes
 from vibsim.engine.events.impacts.rigid_stops import RigidStops
@@ -23,6 +26,7 @@ from vibsim.engine.flows.flow import Flow
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Event, Known
 from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, STICK, Status
+from vibsim.engine.modes.ties import TooManyCuts
 from vibsim.engine.state import State
 from vibsim.physics.arithmetic.numbers import Kit, N
 from vibsim.physics.parts import Scene
@@ -42,7 +46,8 @@ class Automaton(Generic[N]):
 
     def initial(self, state: State[N]) -> tuple[Status, Known]:
         """Status that the motion starts in from `state`, and the known zeros there."""
-        return self.starts.initial(state)
+        with self._cuts_counted(state):
+            return self.starts.initial(state)
 
     def take(self, state: State[N], status: Status, event: Event[N], order: int = 0) -> Taken:
         """What the zero of `event` at `state` leads to: (status, [(kind name, part)], known zeros).
@@ -52,7 +57,21 @@ class Automaton(Generic[N]):
 
         Moves the velocities of bodies that stick onto each other. At a reversal it keeps the residue of the
         time grid: the friction force turns dt too late, where cutting the residue would take momentum.
+        Raises EngineError.
         """
+        with self._cuts_counted(state):
+            return self._take(state, status, event, order)
+
+    @contextmanager
+    def _cuts_counted(self, state: State[N]) -> Iterator[None]:
+        """Say EngineError of ties that can be cut in too many ways."""
+        try:
+            yield
+        except TooManyCuts as error:
+            names = ", ".join(self.scene.bodies[c].name for c in error.columns if c < self.maker.n)
+            raise EngineError("entangled", state, names) from error
+
+    def _take(self, state: State[N], status: Status, event: Event[N], order: int) -> Taken:
         if event.kind == GAP:
             return self._contact_switch(state, status, event, order)
         if event.kind == STRIKE:

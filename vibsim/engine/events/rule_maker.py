@@ -20,6 +20,7 @@ from vibsim.engine.modes.rows import (
 )
 from vibsim.engine.modes.rule import BEAR, CROSS, STAND, STRUCK, Rule
 from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Status
+from vibsim.engine.modes.ties import TooManyCuts
 from vibsim.physics.parts import AT_FORCE
 
 
@@ -31,6 +32,12 @@ class RuleMaker:
 
     def rule(self, rows: ModeRows, event: Event) -> Rule | None:
         """The rule of an event, or None where Python decides."""
+        try:
+            return self._rule(rows, event)
+        except TooManyCuts:  # of a mode that may never come
+            return None
+
+    def _rule(self, rows: ModeRows, event: Event) -> Rule | None:
         status, i, key = rows.status, event.part, event.key
         if event.kind == STRIKE:
             return self._blow_rule(status, event)

@@ -10,7 +10,6 @@ all ties across it slip or open.
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 from typing import Generic
 
 from vibsim.physics.arithmetic.numbers import N
@@ -18,7 +17,15 @@ from vibsim.physics.arithmetic.numbers import N
 Edge = tuple[int, int]  # columns of P and Q
 Tie = tuple[int, int, int]  # number, columns of P and Q
 Limits = tuple[N | None, N | None]  # against slip forwards and backwards [N]; None: any force
-LARGEST = 12  # bodies of a group with redundant ties, whose cuts are enumerated
+MOST_CUTS = 2**12 - 1  # of a group: those of 12 bodies of which each is tied to each other one and the ground
+
+
+class TooManyCuts(Exception):
+    """A group with redundant ties has more than MOST_CUTS cuts. columns: of the group, but for one."""
+
+    def __init__(self, columns: Sequence[int]) -> None:
+        super().__init__(f"more than {MOST_CUTS} cuts")
+        self.columns = columns
 
 
 @dataclass(frozen=True)
@@ -67,43 +74,71 @@ class Groups:
         return self.leader[column] < self.ground
 
 
-def connected(columns: Iterable[int], edges: Sequence[Edge]) -> bool:
-    """Whether `columns` hang together by `edges` = [(P, Q)]."""
-    joined = set(columns)
-    reached: set[int] = set()
-    ahead = [next(iter(joined))]
-    while ahead:
-        c = ahead.pop()
-        reached.add(c)
-        ahead += [
-            b if a == c else a for a, b in edges if c in (a, b) and {a, b} <= joined and not {a, b} <= reached
-        ]
-    return reached == joined
-
-
 def cuts(
     members: Sequence[int], ties: Sequence[Tie], limits: Mapping[int, Limits[N]], reference: int
 ) -> list[Cut[N]]:
     """The cuts of one group.
 
     members: its columns; ties: its [(number, P, Q)]; limits: {number: (forward, backward)} [N], None: none;
-    reference: the column that stays on the other side. Raises ValueError for a group with redundant ties of
-    more than LARGEST bodies.
+    reference: the column that stays on the other side. Raises TooManyCuts for redundant ties with more than
+    MOST_CUTS of them.
     """
     others = [c for c in members if c != reference]
-    if len(others) > LARGEST and len(ties) > len(others):
-        raise ValueError(f"more than {LARGEST} bodies tied to each other in loops")
     edges = [(P, Q) for _, P, Q in ties]
     if len(ties) == len(others):
         sides = [beyond(edges, k, reference) for k in range(len(edges))]
     else:
-        sides = [
-            side
-            for size in range(1, len(others) + 1)
-            for side in combinations(others, size)
-            if connected(side, edges) and connected(set(members) - set(side), edges)
-        ]
+        sides = connected_sides(others, edges, reference)
     return [_cut(side, ties, limits) for side in sides]
+
+
+def connected_sides(others: Sequence[int], edges: Sequence[Edge], reference: int) -> list[tuple[int, ...]]:
+    """The sets of columns `others` that hang together by `edges` and leave a rest that does, with the
+    reference in it; in the order of `itertools.combinations`, smaller ones first. Raises TooManyCuts.
+
+    Each step makes one of them larger by a neighbour and by what that parts from the reference, which gives
+    another one, and leaves it to later steps to have that neighbour on the other side.
+    """
+    bits = {c: 1 << i for i, c in enumerate(others)} | {reference: 1 << len(others)}
+    beside = dict.fromkeys(bits.values(), 0)
+    for P, Q in edges:
+        beside[bits[P]] |= bits[Q]
+        beside[bits[Q]] |= bits[P]
+    everything = (1 << len(bits)) - 1
+
+    def grown(start: int, within: int) -> int:
+        """What hangs together with `start` within a set."""
+        reached = ahead = start
+        while ahead:
+            bit = ahead & -ahead
+            new = beside[bit] & within & ~reached
+            reached, ahead = reached | new, (ahead ^ bit) | new
+        return reached
+
+    found: list[int] = []
+    waiting = [(0, bits[reference])]  # a side, and what it is not to have
+    while waiting:
+        side, without = waiting.pop()
+        neighbours = everything
+        if side:
+            side = everything ^ grown(bits[reference], everything ^ side)
+            if side & without:
+                continue
+            found.append(side)
+            if len(found) > MOST_CUTS:
+                raise TooManyCuts(others)
+            neighbours = 0
+            for c in others:
+                if side & bits[c]:
+                    neighbours |= beside[bits[c]]
+        for c in others:
+            if neighbours & bits[c] & ~side & ~without:
+                waiting.append((side | bits[c], without))
+                without |= bits[c]
+    places = [tuple(i for i in range(len(others)) if side >> i & 1) for side in found]
+    return [
+        tuple(others[i] for i in place) for place in sorted(places, key=lambda place: (len(place), place))
+    ]
 
 
 def beyond(edges: Sequence[Edge], k: int, reference: int) -> tuple[int, ...]:
