@@ -3,6 +3,8 @@
 import random
 import subprocess
 import sys
+import threading
+import time
 from itertools import combinations
 from math import pi
 
@@ -12,14 +14,19 @@ from scipy.optimize import linprog, lsq_linear
 
 from tests.engine.runs import differences, run
 from vibsim.cases import load_case
+from vibsim.engine import c_engine
 from vibsim.engine.columns import part_columns
+from vibsim.engine.errors import EngineError
 from vibsim.engine.events.automaton import Automaton
 from vibsim.engine.events.departures import scout
 from vibsim.engine.events.settling import Settling
 from vibsim.engine.flows.flow import Flow
+from vibsim.engine.modes import mode_table, row_maker
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.status import STICK
+from vibsim.engine.modes.ties import TooManyCuts, connected_sides
 from vibsim.engine.state import start_of
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.parts import (
     BASE,
@@ -30,9 +37,11 @@ from vibsim.physics.parts import (
     Force,
     Friction,
     Harmonic,
+    Link,
     RigidStop,
     Scene,
 )
+from vibsim.results.simulation import simulate_to_file
 
 HEAVY = 1e9  # kg: a base that no force of some newtons moves
 
@@ -188,3 +197,121 @@ def test_the_command_runs_them(eight, tmp_path):
     words = [sys.executable, "-m", "vibsim", "run", str(eight), "-o", str(tmp_path / "eight.h5")]
     done = subprocess.run(words, capture_output=True, text=True, timeout=50, check=False)
     assert done.returncode == 0 and "energy residual" in done.stdout
+
+
+def shaken_bodies(count, t_end):
+    """Bodies on springs that rub on each other and on the ground, each driven at a rate of its own: they
+    hardly ever come back to a mode.
+    """
+    rng = random.Random(3)
+    ends = [(P, Q) for P in range(count) for Q in (*range(P + 1, count), GROUND)]
+    slips = [rng.uniform(0.1, 1.0) for _ in ends]
+    rates = [rng.uniform(4.0, 9.0) for _ in range(count)]
+    terms = [Harmonic(20.0, rate, rate / (2 * pi), 0.0, rng.uniform(0, 3)) for rate in rates]
+    return Scene(
+        tuple(Body(f"b{i}", rng.uniform(0.5, 2.0), 0.0, 0.0) for i in range(count)),
+        tuple(Link(f"l{i}", i, GROUND, rng.uniform(50.0, 300.0), 0.5) for i in range(count)),
+        frictions=tuple(
+            Friction(f"f{k}", *edge, slip, slip, 0.0, 1.2 * slip, 1.2 * slip)
+            for k, (edge, slip) in enumerate(zip(ends, slips, strict=True))
+        ),
+        forces=tuple(Force(f"F{i}", i, 0.0, (term,)) for i, term in enumerate(terms)),
+        t_end=t_end,
+        every_num=1,
+        every_den=50,
+    )
+
+
+def test_modes_that_are_forgotten_come_back(monkeypatch):
+    """A run that keeps no modes has the bits of one that keeps them all."""
+    scene = shaken_bodies(4, 4.0)
+    kept = run(scene, "c", ledger=True)
+    monkeypatch.setattr(c_engine, "MOST_BYTES", 0)
+    monkeypatch.setattr(row_maker, "MOST_EVENTS", 0)
+    for name in ("MOST_BYTES", "MOST_RULES"):
+        monkeypatch.setattr(mode_table, name, 0)
+    mode_table._tables.clear()
+    for engine in ("c", "python"):
+        assert differences(kept, run(scene, engine, ledger=True)) == []
+    mode_table._tables.clear()
+
+
+def test_modes_without_end_take_bounded_memory(monkeypatch):
+    """Of hundreds of modes, each with up to 62 cuts, C and Python hold no more than they may."""
+    mode_table._tables.clear()
+    for module, name, most in ((c_engine, "MOST_BYTES", 200_000), (mode_table, "MOST_BYTES", 200_000)):
+        monkeypatch.setattr(module, name, most)
+    monkeypatch.setattr(row_maker, "MOST_EVENTS", 4000)
+    trajectory = open_trajectory(shaken_bodies(6, 4.0), "c")
+    engine, met = trajectory.run, set()
+    for _ in trajectory.blocks():
+        met |= set(engine.statuses)
+        assert engine.told <= 200_000 + 20_000  # one of them
+        assert sum(1 + len(rows.events) for rows in engine.table.maker.by_status.values()) <= 4000
+        assert sum(map(mode_table.bytes_of, engine.table._packed.values())) <= 200_000
+    assert len(met) > 2 * len(engine.statuses) > 0
+    mode_table._tables.clear()
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+def test_more_cuts_than_are_counted_end_with_a_sentence(engine, tmp_path):
+    """Thirteen bodies that rub on each other and one on the ground: 2^13 - 1 sets of them can be cut off."""
+    path = tmp_path / "thirteen.yaml"
+    path.write_text(rubbing_bodies(13))
+    with pytest.raises(
+        EngineError, match=r"t = 0.0 s: bodies hold each other .* more than 4095 .*: b0, b1, "
+    ):
+        run(load_case(path).scene(), engine)
+
+
+def test_forty_bodies_in_a_row_are_held_by_their_neighbours():
+    """On the ground and side by side: 820 rows of neighbours can slip as one."""
+    n = 40
+    edges = [(i, n) for i in range(n)] + [(i, i + 1) for i in range(n - 1)]
+    assert connected_sides(range(n), edges, n) == [
+        tuple(range(first, first + size)) for size in range(1, n + 1) for first in range(n - size + 1)
+    ]
+    with pytest.raises(TooManyCuts):
+        connected_sides(range(13), list(combinations(range(14), 2)), 13)
+
+
+def hangs_together(columns, edges):
+    reached, ahead = set(), [min(columns)]
+    while ahead:
+        reached.add(c := ahead.pop())
+        ahead += [b for pair in edges for a, b in (pair, pair[::-1]) if a == c and b in columns - reached]
+    return reached == columns
+
+
+def test_cuts_are_all_that_leave_two_sides_that_hang_together():
+    rng = random.Random(7)
+    for _ in range(200):
+        n = rng.randint(2, 6)
+        columns = rng.sample(range(n), n)
+        edges = [(columns[i], rng.choice(columns[:i])) for i in range(1, n)]
+        edges += [tuple(rng.sample(columns, 2)) for _ in range(rng.randint(1, 2 * n))]
+        reference, others = columns[0], sorted(columns[1:])
+        assert connected_sides(others, edges, reference) == [
+            side
+            for size in range(1, n)
+            for side in combinations(others, size)
+            if hangs_together(set(side), edges) and hangs_together(set(columns) - set(side), edges)
+        ]
+
+
+@pytest.mark.timeout(60)
+@pytest.mark.parametrize("engine", ("c", "python"))
+def test_a_decision_without_end_hears_that_it_is_to_stop(engine, eight, tmp_path, monkeypatch):
+    """What was computed before it is kept, its energy accounted for, and no thread goes on."""
+
+    def forever(settling, state, candidate, *rest):
+        while True:
+            settling.departures.enter(state, candidate)
+
+    monkeypatch.setattr(Settling, "_descend", forever)
+    late = time.monotonic() + 2.0
+    result = simulate_to_file(eight, tmp_path / "eight.h5", engine, watch=lambda _: time.monotonic() < late)
+    assert not result.complete
+    assert len(result) == 39 and result.time[-1] == 0.38
+    assert abs(result.attrs["energy_residual"]) < 1e-12
+    assert not [one for one in threading.enumerate() if one.name.startswith("vibsim")]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from array import array
 from collections.abc import Iterator, Sequence
 from functools import cached_property
@@ -13,7 +14,7 @@ import numpy as np
 
 import vibsim.engine._engine as _engine
 from vibsim.engine.columns import part_columns
-from vibsim.engine.errors import EngineError
+from vibsim.engine.errors import EngineError, Stopped
 from vibsim.engine.events.automaton import Automaton
 from vibsim.engine.events.certificate import Certificate
 from vibsim.engine.events.departures import scout
@@ -26,7 +27,7 @@ from vibsim.engine.flows.harmonics import value_and_rate
 from vibsim.engine.ledgers.ledger import struck_entries
 from vibsim.engine.ledgers.meters import jumps_of
 from vibsim.engine.ledgers.packing_meters import pack_blows, pack_extremes, pack_ledger
-from vibsim.engine.modes.mode_table import mode_table
+from vibsim.engine.modes.mode_table import bytes_of, mode_table
 from vibsim.engine.modes.packing import pack_scene, pack_state
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import Event, Known, ModeRows
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
     from vibsim.engine.tangent.events.jumps import Jumps
 
 SAMPLE_ROOM, EVENT_ROOM, SECTION_ROOM = 65536, 4096, 1024  # at most
+MOST_BYTES = 1 << 23  # of packed modes that C is told of before it forgets them
 MOST_RECALLED = 16  # modes that a run is told of before it meets them
 SECONDS = 0.1  # between two blocks where Python decides: Ctrl-C is heard there
 ACCUMULATION, DIVERGED, UNDECIDED, STANDSTILL = 1, 2, 3, 5
@@ -100,6 +102,9 @@ class CRun:
         self.carries = carries or tangent[0] > 0  # disturbances, now or later, by which rules are made
         ints, self._doubles = pack_scene(scene, pitches(scene))
         self.run = _engine.Run(ints, self._doubles)
+        self.stopped = threading.Event()
+        self.left_at: State | None = None  # before an event that was left undecided
+        self.told = 0  # bytes of the modes that C knows
         self.numbers: dict[Status, int] = {}
         self.statuses: list[Status] = []
         self.ruled: set[tuple[int, int]] = set()
@@ -143,7 +148,7 @@ class CRun:
     def automaton(self) -> Automaton:
         """Decides what C leaves open."""
         automaton = Automaton(self.scene, self.maker, self.scout, Doubles)
-        automaton.rigid.chatter.lowest = self.lowest
+        automaton.rigid.chatter.lowest, automaton.departures.stopped = self.lowest, self.stopped
         return automaton
 
     @cached_property
@@ -200,12 +205,20 @@ class CRun:
         """Number of a mode in C; adds it where it is new."""
         number = self.numbers.get(status)
         if number is None:
-            number = self.run.add_mode(*self.table.packed(status, lambda: self.scout))
+            packed = self.table.packed(status, lambda: self.scout)
+            number = self.run.add_mode(*packed)
+            self.told += bytes_of(packed)
             if self.meters:
                 self.run.set_meters(number, *self.table.packed_meters(status, self.momentum))
             self.numbers[status] = number
             self.statuses.append(status)
         return number
+
+    def _forget_modes(self) -> None:
+        """Have C forget all modes but the one it is in: it is told of them again where it comes back."""
+        now = self.statuses[self.run.forget_modes()]
+        self.numbers, self.statuses, self.told = {now: 0}, [now], 0
+        self.ruled.clear()
 
     def _known(self, known: Known, missing: int) -> bytes:
         if not known and missing == 0:
@@ -227,10 +240,17 @@ class CRun:
             *counts, finished, status = advanced or self.run.advance()
             advanced = None
             if status == UNDECIDED:
+                if self.told > MOST_BYTES:
+                    self._forget_modes()
                 number, event, order, values = self.run.pending()
                 if self._set_rule(number, event):
                     continue
-                *counts, finished, status = self._decide(number, event, State(*values), order)
+                try:
+                    *counts, finished, status = self._decide(number, event, State(*values), order)
+                except Stopped:
+                    self.left_at = State(*values)
+                    yield self._block(counts, True)
+                    return
                 if not finished and status not in REASONS and monotonic() - last_told < SECONDS:
                     continue
             yield self._block(counts, finished)

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from math import inf
 from typing import Generic
 
-from vibsim.engine.errors import EngineError
+from vibsim.engine.errors import EngineError, Stopped
 from vibsim.engine.events.automaton import Automaton
 from vibsim.engine.events.departures import scout
 from vibsim.engine.events.impacts.chatter import LOWEST
@@ -220,7 +220,11 @@ class Driver(Generic[N]):
         before, before_velocities = self.status, (list(state.v), state.w)
         again = event.kind == STRIKE or state.t == self.flow.t0
         order = self.flow.order_of(event) if again else 0
-        status, happened, known = self.automaton.take(state, self.status, event, order)
+        try:
+            status, happened, known = self.automaton.take(state, self.status, event, order)
+        except Stopped:
+            self.state = state
+            raise
         if self.tangent:
             rows = self.maker.rows(before), self.maker.rows(status)
             self.tangent.cross(event, state, *rows, self.automaton.touch(event))

@@ -283,6 +283,7 @@ static PyObject *state_at(RunObject *self, PyObject *args)
         return answer;                                                                                                \
     }
 ALONE(run_add_mode)
+ALONE(run_forget_modes)
 ALONE(run_renew_mode)
 ALONE(run_keep_ledger)
 ALONE(run_set_meters)
@@ -309,6 +310,8 @@ ALONE(run_tally)
 
 static PyMethodDef methods[] = {
     {"add_mode", (PyCFunction)run_add_mode_alone, METH_VARARGS, "add_mode(ints, doubles) -> its number"},
+    {"forget_modes", (PyCFunction)run_forget_modes_alone, METH_NOARGS,
+     "forget_modes() -> the number that the mode of now had: it is 0 then, the only one, and has no rules"},
     {"renew_mode", (PyCFunction)run_renew_mode_alone, METH_VARARGS,
      "renew_mode(mode, ints, doubles): other numbers in rows of the same form; `rewind` and `start` have to follow"},
     {"keep_ledger", (PyCFunction)run_keep_ledger_alone, METH_VARARGS, "keep_ledger(ints, doubles): before the start"},

@@ -22,6 +22,7 @@ typedef struct {
 int reader_of(const Py_buffer *ints, const Py_buffer *doubles, Reader *in);
 int run_is_idle(RunObject *self);
 PyObject *run_add_mode(RunObject *self, PyObject *args);
+PyObject *run_forget_modes(RunObject *self, PyObject *args);
 PyObject *run_renew_mode(RunObject *self, PyObject *args);
 PyObject *run_keep_ledger(RunObject *self, PyObject *args);
 PyObject *run_set_meters(RunObject *self, PyObject *args);

@@ -48,6 +48,15 @@ PyObject *run_add_mode(RunObject *self, PyObject *args)
     return result;
 }
 
+/* Forget all modes but that of a run under way, which becomes number 0 and loses the rules of its events. */
+PyObject *run_forget_modes(RunObject *self, PyObject *args)
+{
+    (void)args;
+    if (!run_is_ready(self))
+        return NULL;
+    return PyLong_FromLong(modes_forget(&self->run));
+}
+
 /* A mode with other numbers in rows of the same form: what follows its events stays. */
 PyObject *run_renew_mode(RunObject *self, PyObject *args)
 {

@@ -11,6 +11,7 @@ from typing import Generic, TypeVar
 from vibsim.engine.trajectories.blocks import Block, Trajectory
 
 PATIENCE = 0.1  # seconds between two questions whether to wait on
+LONGEST = 10.0  # seconds that an end is waited for: a block and a step of a decision take far less
 MOST_AHEAD = 2  # blocks that wait; bounds the memory of a run that is faster than the disk
 
 Told = TypeVar("Told")
@@ -57,15 +58,16 @@ class BlocksAhead(Generic[Told]):
         self._queue.put(News())
 
     def stop(self) -> None:
-        """Compute no more than the block that is begun."""
+        """Compute no more than the block that is begun, and decide nothing more."""
         self._stopped = True
+        self._trajectory.stop()
 
     def close(self) -> None:
-        """Stop, and wait for the end of the block that is begun."""
+        """Stop, and wait for the end of the block that is begun, or for LONGEST at most."""
         self.stop()
         self._room.release()
         if self._thread.ident is not None:
-            self._thread.join()
+            self._thread.join(LONGEST)
 
     def _next(self, go_on: Callable[[], bool]) -> tuple[Block, Told] | BaseException | News | None:
         while True:

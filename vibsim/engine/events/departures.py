@@ -6,9 +6,11 @@ acceleration of a body whose springs are slack, is exactly zero there. Modal coo
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Generic
 
+from vibsim.engine.errors import Stopped
 from vibsim.engine.events.certificate import Certificate
 from vibsim.engine.events.relative_motion import RelativeMotion
 from vibsim.engine.flows.flow import Flow
@@ -44,11 +46,15 @@ class Departures(Generic[N]):
     def __init__(self, relative: RelativeMotion[N], maker: RowMaker[N], flow: Flow[N], kit: Kit[N]) -> None:
         self.relative, self.maker, self.flow, self.kit = relative, maker, flow.taylor, kit
         self.jet = highest_derivative(maker.scene)
+        self.stopped = threading.Event()  # set from any thread: what is decided then is left undecided
 
     def doubt(self, state: State[N]) -> None:
         self.flow.certificate.doubt(state.t)
 
     def enter(self, state: State[N], status: Status) -> ModeRows[N]:
+        """The rows of a mode, whose derivatives at a state are asked for next. Raises Stopped."""
+        if self.stopped.is_set():
+            raise Stopped
         rows = self.maker.rows(status)
         self.flow.look(state, rows)
         return rows

@@ -124,9 +124,9 @@ class Settling(Generic[N]):
 
         Coulomb's accelerations minimise sum m (a - F/m)^2 / 2 + sum f |a_P - a_Q|, f the forces of slip of
         the ties that stand, which is convex (Moreau 1966). The way leads from the accelerations `here`
-        [m/s^2] towards those of the mode `candidate`, up to where a tie that slips would turn round: it sticks
-        there. Where they are reached, the ties of the cut that is overloaded most let go. Each mode that is reached
-        has a smaller sum than those before it, so none comes twice, whatever ties hold above f.
+        [m/s^2] towards those of the mode `candidate`, up to where a tie that slips would turn round: it
+        sticks there. Where they are reached, the ties of the cut that is overloaded most let go. Each mode
+        that is reached has a smaller sum than those before it, so none comes twice, whatever ties hold.
         """
         for _ in range(STEPS_A_TIE * len(standing)):
             there = self._accelerations(state, candidate)

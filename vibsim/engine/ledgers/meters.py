@@ -19,13 +19,14 @@ from typing import Generic, NamedTuple
 
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import COUPLING, FALL, HOLD, Event, Falling, ModeRows, Term, Terms
-from vibsim.engine.modes.status import CONTACT, STICK, Status
+from vibsim.engine.modes.status import CONTACT, STICK, Kept, Status
 from vibsim.engine.modes.ties import Edge, Groups, Tie, beyond
 from vibsim.physics.arithmetic.numbers import Kit, N
 from vibsim.physics.parts import AT_FORCE, Friction, Scene
 
 SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB = range(7)
 NOTHING = -1
+MOST_METERS = 1000  # modes whose meters are kept
 
 Entry = tuple[str, str, str]  # name of an entry: quantity, section of the case, part
 
@@ -127,13 +128,12 @@ class MeterMaker(Generic[N]):
         self.scene, self.kit, self.maker, self.momentum = scene, kit, maker, momentum
         self.names = entries_of(scene, momentum)
         self.ground, self.base = maker.n, maker.n + 1
-        self.by_status: dict[Status, Meters[N]] = {}
+        self.by_status = Kept[Status, Meters[N]](MOST_METERS)
 
     def meters(self, rows: ModeRows[N]) -> Meters[N]:
         """The meters of the mode of `rows`."""
-        if rows.status not in self.by_status:
-            self.by_status[rows.status] = self._make(rows)
-        return self.by_status[rows.status]
+        meters = self.by_status.get(rows.status)
+        return self.by_status.keep(rows.status, self._make(rows)) if meters is None else meters
 
     def _make(self, rows: ModeRows[N]) -> Meters[N]:
         self.now: Meters[N] = Meters()

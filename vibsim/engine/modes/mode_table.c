@@ -69,6 +69,21 @@ int mode_add(Run *r, Mode *m)
     return r->mode_count++;
 }
 
+int modes_forget(Run *r)
+{
+    int number = r->mode_number, i;
+    Mode *now = r->modes[number];
+    for (i = 0; i < r->mode_count; i++)
+        if (i != number)
+            mode_free(r->modes[i]);
+    for (i = 0; i < now->event_count; i++)
+        now->events[i].rule = ASK;
+    r->modes[0] = now;
+    r->mode_count = 1;
+    r->mode_number = 0;
+    return number;
+}
+
 int mode_renew(Run *r, int number, Mode *m)
 {
     Mode *before = r->modes[number];

@@ -22,7 +22,7 @@ from vibsim.engine.modes.recipe import Recipe, recipe_of
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import Event, EventKey, ModeRows
 from vibsim.engine.modes.rule import Rule
-from vibsim.engine.modes.status import Status
+from vibsim.engine.modes.status import Kept, Status
 from vibsim.once import once
 from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.parts import Scene
@@ -31,6 +31,12 @@ if TYPE_CHECKING:
     from vibsim.engine.flows.flow import Flow
 
 SCENES = 16  # whose tables are kept
+MOST_BYTES, MOST_RULES, MOST_RECIPES = 1 << 23, 20_000, 1000  # in each of them; a rule has some kilobyte
+
+
+def bytes_of(packed: Packed) -> int:
+    """How much packed rows weigh."""
+    return len(packed[0]) + len(packed[1])
 
 
 class ModeTable:
@@ -42,11 +48,11 @@ class ModeTable:
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.keys: dict[EventKey, int] = {}
-        self._packed: dict[Status, Packed] = {}
-        self._meters: dict[tuple[Status, bool], Packed] = {}
+        self._packed = Kept[Status, Packed](MOST_BYTES)
+        self._meters = Kept[tuple[Status, bool], Packed](MOST_BYTES)
         self._makers: dict[bool, MeterMaker] = {}
-        self._rules: dict[tuple[Status, int], Rule | None] = {}
-        self._recipes: dict[tuple[Place, ...], dict[Status, Recipe | None]] = {}
+        self._rules = Kept[tuple[Status, int], Rule | None](MOST_RULES)
+        self._recipes: dict[tuple[Place, ...], Kept[Status, Recipe | None]] = {}
         self._lock = RLock()  # one thread at a time makes rows, keys, meters and rules
 
     @once
@@ -61,7 +67,8 @@ class ModeTable:
         packed = self._packed.get(status)
         if packed is None:
             with self._lock:
-                packed = self._packed[status] = self._pack(status, flow)
+                made = self._pack(status, flow)
+                packed = self._packed.keep(status, made, bytes_of(made))
         return packed
 
     def _pack(self, status: Status, flow: Callable[[], Flow]) -> Packed:
@@ -76,15 +83,15 @@ class ModeTable:
         """
         return RetunedTable(self, scene, numbers) if numbers else self
 
-    def recipes(self, places: tuple[Place, ...]) -> dict[Status, Recipe | None]:
+    def recipes(self, places: tuple[Place, ...]) -> Kept[Status, Recipe | None]:
         """How the packed numbers of the modes met so far follow from those of the scene in `places`."""
-        return self._recipes.setdefault(places, {})
+        return self._recipes.setdefault(places, Kept(MOST_RECIPES))
 
     def recipe(self, places: tuple[Place, ...], status: Status) -> Recipe | None:
         """The same of one mode, which may be new."""
         recipes = self.recipes(places)
         if status not in recipes:
-            recipes[status] = recipe_of(self.scene, places, status, self.keys)
+            return recipes.keep(status, recipe_of(self.scene, places, status, self.keys))
         return recipes[status]
 
     def statuses(self, most: int) -> list[Status]:
@@ -106,11 +113,12 @@ class ModeTable:
     def packed_meters(self, status: Status, momentum: bool) -> Packed:
         """The meters of a mode as bytes of ints and of doubles."""
         with self._lock:
-            if (status, momentum) not in self._meters:
+            packed = self._meters.get((status, momentum))
+            if packed is None:
                 rows = self.maker.rows(status)
-                meters = self.meter_maker(momentum).meters(rows)
-                self._meters[status, momentum] = pack_meters(meters, terms_of(rows))
-        return self._meters[status, momentum]
+                made = pack_meters(self.meter_maker(momentum).meters(rows), terms_of(rows))
+                packed = self._meters.keep((status, momentum), made, bytes_of(made))
+        return packed
 
     def rule(
         self, rows: ModeRows, number: int, make: Callable[[ModeRows, Event], Rule | None]
@@ -119,8 +127,8 @@ class ModeTable:
         key = rows.status, number
         with self._lock:
             if key not in self._rules:
-                self._rules[key] = make(rows, rows.events[number])
-        return self._rules[key]
+                return self._rules.keep(key, make(rows, rows.events[number]))
+            return self._rules[key]
 
 
 class RetunedTable(ModeTable):

@@ -9,6 +9,7 @@ int scene_read(Run *r, Reader *in);       /* whether the numbers made a scene */
 int scene_retune(Run *r, Reader *in);     /* the numbers of another scene of that shape; whether they were as many */
 Mode *mode_read(Run *r, Reader *in);      /* NULL without memory; look at the reader for what else was wrong */
 int mode_add(Run *r, Mode *m);
+int modes_forget(Run *r); /* all but that of now, which is number 0 then and without rules; its number before */
 int mode_renew(Run *r, int number, Mode *m); /* a mode of the same form in the place of another; whether it has it */
 
 /* modal_rows.c */

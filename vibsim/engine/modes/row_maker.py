@@ -27,7 +27,7 @@ from vibsim.engine.modes.rows import (
     Term,
     Terms,
 )
-from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Status
+from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Kept, Status
 from vibsim.engine.modes.ties import Cut, Edge, Groups, Limits, Tie, cuts
 from vibsim.physics.arithmetic.numbers import Kit, N, abs, total_of
 from vibsim.physics.friction_laws import LAWS
@@ -43,6 +43,8 @@ from vibsim.physics.parts import (
     Stop,
 )
 
+MOST_EVENTS, MOST_MODES = 20_000, 5000  # event functions of the rows that are kept, some 30 MB; modes
+
 
 class RowMaker(Generic[N]):
     """Makes the rows of the modes of a scene, each once.
@@ -56,9 +58,9 @@ class RowMaker(Generic[N]):
         moves = scene.base_moves if base_moves is None else base_moves
         self.columns = {GROUND: self.n, BASE: self.n + moves}
         self.zero = kit.number(0)
-        self.by_status: dict[Status, ModeRows[N]] = {}
-        self.resting_by_status: dict[Status, set[int]] = {}
-        self.ties_by_status: dict[Status, tuple[list[int], list[N]]] = {}
+        self.by_status = Kept[Status, ModeRows[N]](MOST_EVENTS)
+        self.resting_by_status = Kept[Status, set[int]](MOST_MODES)
+        self.ties_by_status = Kept[Status, tuple[list[int], list[N]]](MOST_MODES)
         self.guarded = self._guarded()
 
     def _guarded(self) -> set[int]:
@@ -84,9 +86,11 @@ class RowMaker(Generic[N]):
 
     def rows(self, status: Status) -> ModeRows[N]:
         """The rows of the mode `status`."""
-        if status not in self.by_status:
-            self.by_status.setdefault(status, self._make(status))
-        return self.by_status[status]
+        rows = self.by_status.get(status)
+        if rows is None:
+            made = self._make(status)
+            rows = self.by_status.keep(status, made, 1 + len(made.events))
+        return rows
 
     def stuck(self, status: Status) -> list[Tie]:
         """The ties that hold: (number, columns of P and Q)."""
@@ -115,19 +119,19 @@ class RowMaker(Generic[N]):
 
     def ties(self, status: Status) -> tuple[list[int], list[N]]:
         """Leading column of each column, and its velocity against that one [m/s]."""
-        if status not in self.ties_by_status:
+        ties = self.ties_by_status.get(status)
+        if ties is None:
             stuck = self.stuck(status)
             groups = Groups(self.n, stuck)
-            self.ties_by_status.setdefault(status, (groups.leader, self._drifts(groups, stuck)))
-        return self.ties_by_status[status]
+            ties = self.ties_by_status.keep(status, (groups.leader, self._drifts(groups, stuck)))
+        return ties
 
     def resting(self, status: Status) -> set[int]:
         """The frictions whose ends the ties of a mode keep from sliding. Speeds of belts are added along the
         ties, so those that differ by no more than the rounding of these sums are equal: 0.1 + 0.2 and 0.3.
         """
-        if status not in self.resting_by_status:
-            self.resting_by_status.setdefault(status, self._resting(status))
-        return self.resting_by_status[status]
+        resting = self.resting_by_status.get(status)
+        return self.resting_by_status.keep(status, self._resting(status)) if resting is None else resting
 
     def _resting(self, status: Status) -> set[int]:
         leader, drift = self.ties(status)

@@ -3,7 +3,7 @@ scene.
 """
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 OPEN, CONTACT, LIFTED = 0, 1, 2  # a stop; LIFTED: depth above zero, but the damper would have to pull
 RESTING = 3  # a rigid stop; the others of these are open
@@ -51,6 +51,30 @@ class Status(NamedTuple):
     def codes(self) -> tuple[int, ...]:
         """One tuple: stops, frictions, clearances."""
         return self.stops + self.frictions + self.clearances
+
+
+Key = TypeVar("Key")
+Value = TypeVar("Value")
+
+
+class Kept(dict[Key, Value]):
+    """What is kept of modes to be used again, all of which is forgotten where it comes to weigh more than
+    `most`.
+
+    A scene of many frictions meets modes without end, and comes back to few of them.
+    """
+
+    def __init__(self, most: int) -> None:
+        super().__init__()
+        self.most, self.weight = most, 0
+
+    def keep(self, key: Key, value: Value, weight: int = 1) -> Value:
+        """Keep a value, and return it; that of another thread, where there is one."""
+        if self.weight + weight > self.most:
+            self.clear()
+            self.weight = 0
+        self.weight += weight
+        return self.setdefault(key, value)
 
 
 def replaced(values: tuple[int, ...], i: int, value: int) -> tuple[int, ...]:

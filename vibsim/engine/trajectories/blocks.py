@@ -80,6 +80,10 @@ class Trajectory(Generic[N]):
         """Yield `Block`s until the run ends; raises EngineError when it fails."""
         raise NotImplementedError
 
+    def stop(self) -> None:
+        """Have `blocks` end with what is computed, from any thread; at once where it decides what follows."""
+        raise NotImplementedError
+
     @property
     def totals(self) -> dict[str, Any]:
         """Counts and margins so far, and the ledgers and exponents where they are kept, as doubles."""

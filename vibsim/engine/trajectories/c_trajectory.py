@@ -47,6 +47,10 @@ class CTrajectory(Trajectory[float]):
         for rows in self.run.blocks():
             yield self.block(*rows)
 
+    def stop(self) -> None:
+        """Have `blocks` end with what is computed, from any thread; at once where it decides what follows."""
+        self.run.stopped.set()
+
     @property
     def totals(self) -> dict[str, Any]:
         """Counts and margins so far, and the ledgers and exponents where they are kept."""
@@ -58,7 +62,7 @@ class CTrajectory(Trajectory[float]):
             tally["first_violation"] if tally["violated_once"] else nan,
         )
         if self.run.meters:
-            now = State(*tally["state"]), self.run.statuses[tally["mode"]]
+            now = self.run.left_at or State(*tally["state"]), self.run.statuses[tally["mode"]]
             where = self.run.first, now
             totals |= ledger_totals(self.scene, Doubles, self.run.meters.names, tally["entries"], *where)
         cut = self.run.automaton.rigid.chatter.cut_off

@@ -12,6 +12,7 @@ from vibsim.engine.columns import (
     before_columns,
 )
 from vibsim.engine.driver import Driver, Happening
+from vibsim.engine.errors import Stopped
 from vibsim.engine.modes.status import Status
 from vibsim.engine.resume import Point
 from vibsim.engine.state import State
@@ -42,11 +43,17 @@ class PythonTrajectory(Trajectory[N]):
 
     def blocks(self) -> Iterator[Block]:
         """Yield `Block`s until the run ends."""
-        while True:
-            self.driver.run(PIECES, SAMPLES, SECONDS)
+        stopped = False
+        while not (stopped or self.driver.finished):
+            try:
+                self.driver.run(PIECES, SAMPLES, SECONDS)
+            except Stopped:
+                stopped = True
             yield self._block(*self.driver.take())
-            if self.driver.finished:
-                return
+
+    def stop(self) -> None:
+        """Have `blocks` end with what is computed, from any thread; at once where it decides what follows."""
+        self.driver.automaton.departures.stopped.set()
 
     @property
     def extremes(self) -> tuple[list[float], list[float], list[float]]:

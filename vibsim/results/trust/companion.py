@@ -23,10 +23,10 @@ import numpy as np
 from vibsim.cases.values.pi import FIRST_BITS, two_pi_bounds
 from vibsim.engine.choice import flow_of
 from vibsim.engine.events.impacts.chatter import LOWEST
-from vibsim.engine.trajectories.blocks import Block
+from vibsim.engine.trajectories.blocks import Block, Trajectory
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import Scene
-from vibsim.results.blocks_ahead import PATIENCE
+from vibsim.results.blocks_ahead import LONGEST, PATIENCE
 from vibsim.results.columns import tables_of
 from vibsim.results.cores import Cores
 
@@ -118,6 +118,7 @@ class Beside:
         self._cores = cores or Cores(1)
         self._names = tables_of(scene).displacements
         self._closed = False
+        self._trajectory: Trajectory[float] | None = None
         self.t_reached = 0.0  # [s]; infinite once it has ended
         self._thread = threading.Thread(target=self._run, name="vibsim companion", daemon=True)
 
@@ -127,10 +128,12 @@ class Beside:
             self._thread.start()
 
     def close(self) -> None:
-        """End it where it is."""
+        """End it where it is; waits for that for LONGEST at most."""
         self._closed = True
+        if self._trajectory:
+            self._trajectory.stop()
         if self._thread.ident is not None:
-            self._thread.join()
+            self._thread.join(LONGEST)
 
     def _run(self) -> None:
         from vibsim.engine.errors import EngineError
@@ -153,8 +156,9 @@ class Beside:
 
     def _blocks(self) -> Iterator[Block]:
         with self._cores:
-            blocks = open_trajectory(self._scene, self._engine, lowest=HIGHER * LOWEST).blocks()
-        while True:
+            self._trajectory = open_trajectory(self._scene, self._engine, lowest=HIGHER * LOWEST)
+            blocks = self._trajectory.blocks()
+        while not self._closed:
             with self._cores:
                 block = next(blocks, None)
             if block is None:
