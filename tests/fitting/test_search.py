@@ -203,6 +203,11 @@ def test_sobol_points_fill_the_cube():
     assert (counts == 1).all()  # a (0, 2)-net: one point in each of 64 squares
 
 
+UNITS = {"kg": "m1 m2 m3", "N/m": "k1 k2", "N s/m": "c", "": "mu", "m": "G e x1 x2", "g m^2": "J"}
+UNITS |= {"N m": "M0", "Hz": "Omega0", "m/s": "v1 v2", "rad": "phi"}
+MANY = {key: f"1:2 {unit}".strip() for unit, keys in UNITS.items() for key in keys.split()}
+
+
 @pytest.mark.parametrize(
     ("wishes", "message"),
     [
@@ -220,6 +225,10 @@ def test_sobol_points_fill_the_cube():
         ({"method": "magic"}, "the method must be quasi-random or evolution, got magic"),
         ({"candidates": -1}, "candidates must be at least 0"),
         ({"at_most": 0}, "at least one parameter"),
+        (
+            {"free": MANY, "at_most": 8},
+            "at most 8 of 17 parameters .* makes 65535 sets",
+        ),
         ({"jobs": 0}, "jobs must be at least 1"),
         ({"ensemble": -1}, "must not be negative"),
         ({"ensemble": 2, "spread": {"J": "1 g m^2"}}, "excitation.J is both changed and spread"),

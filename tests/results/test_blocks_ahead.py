@@ -13,7 +13,10 @@ class Counting:
     """A run of so many blocks, which counts those that it has computed."""
 
     def __init__(self, count, error=None):
-        self.count, self.error, self.computed = count, error, 0
+        self.count, self.error, self.computed, self.stopped = count, error, 0, False
+
+    def stop(self):
+        self.stopped = True
 
     def blocks(self):
         for number in range(self.count):

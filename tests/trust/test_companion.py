@@ -125,7 +125,7 @@ class Failing:
     """A trajectory that fails after its second block."""
 
     def __init__(self, trajectory, error):
-        self.trajectory, self.error = trajectory, error
+        self.trajectory, self.error, self.stop = trajectory, error, trajectory.stop
 
     def blocks(self):
         for i, block in enumerate(self.trajectory.blocks()):

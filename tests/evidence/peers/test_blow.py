@@ -2,13 +2,15 @@
 
 from dataclasses import replace
 from math import sin
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from tests.scenes import paper
 from vibsim.cases import load_case
-from vibsim.evidence.peers.automaton.blow import blow
+from vibsim.evidence.peers.automaton.blow import _impulses, blow
+from vibsim.evidence.peers.automaton.consistent_states import consistent_states
 from vibsim.evidence.peers.automaton.instant import Instant
 from vibsim.evidence.peers.equations.compiled import Compiled, start_of
 from vibsim.physics.parts import COMPRESSION, GROUND, RigidStop
@@ -67,3 +69,13 @@ def test_a_body_held_from_both_sides_is_refused():
     instant = at(scene, start_of(scene))
     with pytest.raises(ArithmeticError, match="no impulses obey the law"):
         blow(instant, [0, 1], [1.0, 1.0])
+
+
+def test_no_more_is_tried_than_can_be():
+    """Of thirty frictions at rest, 3^30 combinations; of thirteen stops that touch, 2^13 sets."""
+    friction = SimpleNamespace(states=("stick", "forward", "backward"), part=None)
+    at = SimpleNamespace(switches=[friction] * 30)
+    with pytest.raises(ArithmeticError, match="205891132094649 combinations of the parts at rest, of which"):
+        consistent_states(at, ["stick"] * 30, range(30))
+    with pytest.raises(ArithmeticError, match="13 stops touch at once"):
+        _impulses(np.eye(13), np.ones(13), np.zeros(13))

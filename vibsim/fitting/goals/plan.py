@@ -7,6 +7,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
+from math import comb
 from typing import TYPE_CHECKING, Any
 
 import scipy
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 QUASI_RANDOM, EVOLUTION = "quasi-random", "evolution"
 METHODS = (QUASI_RANDOM, EVOLUTION)
+MOST_SETS = 10_000  # of parameters that are changed together
 FITTING = 1  # raised when a measure or the search is computed differently: runs of two versions do not mix
 
 
@@ -131,6 +133,13 @@ class FitPlan:
             raise FitError(f"no statement is on {' and '.join(silent)}; leave it out")
         if not self.free and not self.readings:
             raise FitError("nothing to judge: give free parameters, readings, or both")
+        at_most = min(self.search.at_most or 0, len(self.free))
+        sets = sum(comb(len(self.free), size) for size in range(1, at_most + 1))
+        if sets > MOST_SETS:
+            raise FitError(
+                f"at most {at_most} of {len(self.free)} parameters changed at a time makes {sets} sets of them, "
+                f"of which {MOST_SETS} can be searched: choose fewer, or let all change together"
+            )
         self._check_keys()
 
     def _check_keys(self) -> None:

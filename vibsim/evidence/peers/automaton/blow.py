@@ -15,6 +15,7 @@ from vibsim.evidence.peers.equations.tied_bodies import masses, rows_of
 from vibsim.physics.parts import Scene
 
 ROUNDING = 1e-12  # of the largest rate: what counts as zero
+MOST_STOPS = 12  # that touch at once, of which all sets are tried
 
 
 def blow(at: Instant, touching: Sequence[int], rates: Sequence[float]) -> list[float]:
@@ -68,6 +69,8 @@ def _impulses(A: np.ndarray, rates: np.ndarray, e: np.ndarray) -> np.ndarray:
     """L of the law, trying all sets of stops that pass on an impulse, small ones first."""
     closing, count = (1 + e) * rates, len(rates)
     slack = ROUNDING * np.abs(rates).max()
+    if count > MOST_STOPS:
+        raise ArithmeticError(f"{count} stops touch at once, of which {MOST_STOPS} can be tried in all sets")
     for size in range(count + 1):
         for members in map(list, combinations(range(count), size)):
             L = np.zeros(count)

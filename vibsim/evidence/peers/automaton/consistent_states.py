@@ -6,6 +6,7 @@ forces are consistent; those with most ties are tried first, so friction sticks 
 
 from collections.abc import Iterator, Sequence
 from itertools import product
+from math import prod
 
 from vibsim.evidence.peers.automaton.instant import Instant
 from vibsim.evidence.peers.equations.switches import BACKWARD, FORWARD, OPEN, REST, STICK, TIES
@@ -13,6 +14,7 @@ from vibsim.physics.parts import Friction
 
 HELD = 1.0 - 1e-10  # of the limit friction, below which ends stick: at a release the force equals it
 SLACK = 1e-9  # of the largest force: beside a release that of slip is zero to HELD
+MOST = 3**9  # combinations that are tried: those of nine frictions
 ZERO = 1e-13  # of the largest force: zero but for rounding
 
 States = list[str]
@@ -21,7 +23,8 @@ States = list[str]
 def consistent_states(at: Instant, states: States, undecided: Sequence[int]) -> States | None:
     """`states` with those of the parts `undecided` chosen; None where no combination is consistent.
 
-    Raises ArithmeticError where one may be whose forces are not unique: its consistency cannot be told.
+    Raises ArithmeticError where one may be whose forces are not unique: its consistency cannot be told; and
+    for more combinations than MOST.
     """
     if not undecided:
         return states
@@ -44,6 +47,9 @@ def _of_one_friction(at: Instant, states: States, i: int) -> States:
 
 
 def _combinations(at: Instant, states: States, undecided: Sequence[int]) -> Iterator[States]:
+    count = prod(len(at.switches[i].states) for i in undecided)
+    if count > MOST:
+        raise ArithmeticError(f"{count} combinations of the parts at rest, of which {MOST} can be tried")
     choices = product(*(at.switches[i].states for i in undecided))
     for choice in sorted(choices, key=lambda choice: -sum(state in TIES for state in choice)):
         trial = list(states)
